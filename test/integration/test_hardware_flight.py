@@ -14,7 +14,7 @@ from .peer import Peer
 ARM = 'crazyflie_bridge/arm'
 READY = {  # who must have said what before anybody may arm
     'crazyflie_bridge: link': 'connected',
-    'teensy_bridge: light board': 'light comes',
+    'teensy_bridge: light board': 'receiving light',
     'estimator: estimate': 'biases are known',
     'navigator: mission': 'climb',
 }

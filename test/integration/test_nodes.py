@@ -156,7 +156,7 @@ def test_a_setpoint_of_the_future_is_as_old_as_none(flown, hear):
     step = flying_controller(flown)
     setpoint(flown, 1.0, step + 3600 * 10**9 // STEP)
     flown.until(lambda: estimate(flown, step + 1)[:2] == [0.0, 0.0])
-    hear(lambda facts: motors(facts) == 'a setpoint of the future: landing')
+    hear(lambda facts: motors(facts) == 'a setpoint with a future stamp: landing')
     setpoint(flown, 1.0, step + 2)
     hear(lambda facts: max(estimate(flown, step + 3)) > 0.0)
 

@@ -81,8 +81,7 @@ def check_reading(call, bag):
     status, said = call('report', bag)
     assert (status, said.out) == (2, '')
     assert said.err == (
-        f"'{bag}' holds several robots (lta1, lta2); name the one to look at, as in "
-        '--robot lta2.\n'
+        f"'{bag}' contains several robots (lta1, lta2); choose one, as in --robot lta2.\n"
     )
     status, said = call('report', bag, '--robot', 'lta2')
     assert status == 0, said.err

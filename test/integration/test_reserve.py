@@ -103,7 +103,7 @@ def drone(domain_id):
 
 def test_it_waits_for_good_energy_flies_and_obeys_the_reserve(drone):
     assert drone.turn() == RESTING  # nothing has been heard of the energy
-    drone.until(lambda: 'no take-off: nothing has been heard of the energy' in drone.mission)
+    drone.until(lambda: 'no take-off: no report from the energy monitor' in drone.mission)
     low = {'reserve': True, 'level': WARN, 'sentence': 'reserve reached: 20% +- 2% left'}
     drone.energy(**low)
     for _ in range(10):
@@ -121,7 +121,7 @@ def test_it_comes_down_when_the_energy_falls_silent(drone):
     asked = [drone.turn() for _ in range(14)]  # 1.4 s; what is older than 1 s is not believed
     assert asked[:9] == [ALOFT] * 9
     assert asked[-1] == LANDING
-    drone.until(lambda: 'nothing has been heard of the energy for' in drone.mission)
+    drone.until(lambda: 'no report from the energy monitor for' in drone.mission)
 
 
 def test_it_does_not_take_off_on_old_words(drone):
@@ -129,4 +129,4 @@ def test_it_does_not_take_off_on_old_words(drone):
     drone.energy(reserve=True, level=ERROR, sentence='frozen')
     for _ in range(15):
         assert drone.turn() == RESTING
-    drone.until(lambda: 'no take-off: nothing has been heard of the energy for' in drone.mission)
+    drone.until(lambda: 'no take-off: no report from the energy monitor for' in drone.mission)

@@ -125,13 +125,13 @@ def pull_and_replug(bench):
     assert bench.facts[TASK][0] == HealthLevel.ERROR
     with bench.hold:
         bench.cable.plug()
-    assert bench.told('light comes')['unplugged'] == '1'
+    assert bench.told('receiving light')['unplugged'] == '1'
 
 
 def test_the_bearing_is_that_of_the_simulated_light_and_a_pulled_cable_is_shown(bench, tmp_path):
     light = simulated_light()
     nodes = [start(BRIDGE, '-p', f'port:={tmp_path}/ttyACM0'), start(DEMODULATOR)]
-    bench.told('light comes')
+    bench.told('receiving light')
     bench.until(lambda: 'demodulator: state' in bench.facts)
     deadline = time.monotonic() + PATIENCE
     for samples in cycle(light):  # what comes before the two have found each other is lost
@@ -141,7 +141,7 @@ def test_the_bearing_is_that_of_the_simulated_light_and_a_pulled_cable_is_shown(
         if len(bench.bearings) >= BLOCKS:
             break
         assert time.monotonic() < deadline, f'{heard} bearings came of {bench.board.sent} frames'
-    figures = bench.told('light comes')
+    figures = bench.told('receiving light')
     assert figures['rows_lost'] == '0'
     pull_and_replug(bench)
     for process in nodes:
@@ -171,7 +171,7 @@ def test_only_an_active_bridge_publishes_and_each_transition_reports(bench, tmp_
     light = simulated_light()[0]
     bench.until(lambda: 'not configured' in bench.facts.get(TASK, (0, '', {}))[1])
     assert bench.change(Transition.TRANSITION_CONFIGURE)
-    bench.told('light comes and is not published')
+    bench.told('receiving light, not publishing')
     for _ in range(2):
         bench.light(light)
     bench.until(lambda: bench.facts[TASK][2].get('blocks') == '1')
@@ -193,9 +193,9 @@ def test_another_dialect_is_told_and_its_light_is_not_published(domain_id, tmp_p
     with Bench(domain_id, tmp_path, dialect=2) as bench:
         process = start(BRIDGE, '-p', f'port:={tmp_path}/ttyACM0')
         bench.until(lambda: bench.node.count_publishers('/lta1/photodiodes'))
-        bench.told('light comes')  # its heartbeat is that of any board
+        bench.told('receiving light')  # its heartbeat is that of any board
         bench.send(bench.board.status())
-        bench.told('speaks version 2 of its messages and this bridge version 1; build both')
+        bench.told('uses version 2 of the messages and this bridge version 1; build both')
         assert bench.facts[TASK][0] == HealthLevel.ERROR
         light = simulated_light()[0]
         for _ in range(2):
@@ -232,7 +232,7 @@ def test_a_port_that_one_may_not_open_is_refused_told_and_ends_with_one_sentence
 @pytest.mark.long
 def test_a_second_source_of_light_is_told(bench, tmp_path):
     process = start(BRIDGE, '-p', f'port:={tmp_path}/ttyACM0')
-    bench.told('light comes')
+    bench.told('receiving light')
     assert 'teensy_bridge: others' not in bench.facts
     bench.publisher('photodiodes')
     told = 'published by others too: photodiodes (/lta1/peer); stop all but one'

@@ -41,7 +41,7 @@ NODES: Final = {
 }
 READY: Final = {  # who must have said what before anybody may arm
     'crazyflie_bridge: link': 'connected',
-    'teensy_bridge: light board': 'light comes',
+    'teensy_bridge: light board': 'receiving light',
     'estimator: estimate': 'biases are known',
     'demodulator: light': 'beacon found',
     'navigator: mission': 'climb',

@@ -71,7 +71,7 @@ LIGHT_KINDS: Final = {
     ),
     'light silent': LightKind('the board says nothing', 'silent for', hushed(True),
                               hushed(False)),
-    'light dialect': LightKind('a board of another dialect', 'speaks version 2',
+    'light dialect': LightKind('a board of another dialect', 'uses version 2',
                                another(dialect=2), another()),
     'light restart': LightKind('the board starts anew, its clock at 0', strike=another()),
     'light drift': LightKind('its clock is 200 ppm fast', drift=DRIFT),

@@ -98,7 +98,7 @@ class LightTrial:
         self._sampled = 0
         with self.server:
             self._began_ns = time.time_ns() - self.server.now_ns
-            self._until(lambda: self._blocks > 3 and 'light comes' in self._said)
+            self._until(lambda: self._blocks > 3 and 'receiving light' in self._said)
             self._for(self._random.uniform(0.2, 1.5))
             struck = time.monotonic()
             wrong, took = self._spoilt() if not self._kind.word else self._told(struck)
@@ -117,7 +117,7 @@ class LightTrial:
             return 'light was published meanwhile', took
         self._kind.cure(self)
         cured = time.monotonic()
-        self._until(lambda: self._came > cured and 'light comes' in self._said)
+        self._until(lambda: self._came > cured and 'receiving light' in self._said)
         back = self._came - cured
         if took > TOLD + SLACK:
             return f'told after {took:.2f} s, stated {TOLD:.1f} s', took
@@ -161,7 +161,7 @@ class LightTrial:
         wrong = outcome.wrong
         if not bag.is_complete:
             wrong = wrong or 'the bag is not whole'
-        if not any((self._kind.word or 'light comes') in word for word in said):
+        if not any((self._kind.word or 'receiving light') in word for word in said):
             wrong = wrong or f"the bag says nowhere '{self._kind.word}', but {sorted(said)}"
         return Outcome(**{**asdict(outcome), 'wrong': wrong})
 

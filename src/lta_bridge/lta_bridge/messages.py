@@ -1,4 +1,4 @@
-"""What ROS says of a graph, as a recording tells it."""
+"""Convert ROS diagnostics and QoS profiles for recordings."""
 
 from collections.abc import Iterator, Sequence
 
@@ -11,7 +11,7 @@ from rclpy.qos import HistoryPolicy, LivelinessPolicy, QoSProfile
 
 
 def parse_statuses(message: DiagnosticArray) -> Iterator[TaskStatus]:
-    """Yield what a diagnostics message tells of faults and of ends."""
+    """Yield the statuses of a diagnostics message, with faults and ends of flights."""
     for status in message.status:
         failing = status.level == DiagnosticStatus.ERROR
         yield TaskStatus(status.hardware_id, status.name, failing, is_over(status))
@@ -21,15 +21,15 @@ def to_offered_qos(
     offered: Sequence[QoSProfile], expected: QoSProfile | None = None
 ) -> list[OfferedQos]:
     """
-    Return profiles as a bag tells them.
+    Return QoS profiles in the format of a bag.
 
     Parameters
     ----------
     offered : sequence of QoSProfile
-        What discovery tells of the publishers: with Fast DDS all but history and depth.
+        Profiles of the discovered publishers; Fast DDS does not report history and depth.
     expected : QoSProfile or None
-        What the topic table says; it fills in history and depth of a publisher that otherwise
-        keeps to it, and stands for one that is not known yet.
+        Profile of the topic table. It supplies history and depth of a publisher that otherwise
+        matches it, and the whole profile if no publisher is known yet.
 
     """
     found: list[OfferedQos] = []
@@ -56,12 +56,12 @@ def to_offered_qos(
 
 
 def _format_liveliness(policy: LivelinessPolicy) -> str:
-    """Return the name of a policy; what ROS takes by default is automatic."""
+    """Return the name of a policy; the system default is automatic."""
     default = policy == LivelinessPolicy.SYSTEM_DEFAULT
     return (LivelinessPolicy.AUTOMATIC if default else policy).name.lower()
 
 
 def to_qos_duration(duration: Duration) -> QosDuration:
-    """Return a duration; no limit is 2^63 - 1 ns, and so is what says 0 for it."""
+    """Convert a duration; 0 means no limit and becomes 2^63 - 1 ns."""
     total = duration.nanoseconds or 2**63 - 1
     return {'sec': total // 1_000_000_000, 'nsec': total % 1_000_000_000}

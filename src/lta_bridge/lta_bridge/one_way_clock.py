@@ -1,9 +1,9 @@
 """
-A device's clock in graph time, from nothing but when its stamped messages arrive.
+Map a device's clock to graph time from the arrival times of its stamped messages.
 
-A message cannot arrive before it was sent, so the offset is what the fastest messages tell: the
-line under all differences of arrival and stamp. Its slope is the drift of the device's crystal.
-What even the fastest message takes cannot be seen; where it is known it is taken off.
+The fastest messages determine the offset: a line is fitted below all differences of arrival and
+stamp. Its slope is the drift of the device's crystal. The delay of the fastest message itself is
+not observable; if it is known from elsewhere, it is subtracted.
 """
 
 from collections import deque
@@ -11,12 +11,12 @@ from typing import Final, final
 
 import numpy as np
 
-WINDOW_NS: Final = 1_000_000_000  # one fastest message is kept of each
+WINDOW_NS: Final = 1_000_000_000  # the fastest message of each window is kept
 WINDOWS: Final = 60
-ENOUGH: Final = 5  # windows from which drift is estimated
-FASTEST: Final = 200e-6  # largest drift that a crystal has, with margin [1]
-JUMP_NS: Final = 500_000_000  # a message this early says that the device's clock began again
-BACK_NS: Final = 100_000_000  # no network reorders so far: the device's clock was set back
+ENOUGH: Final = 5  # windows needed to estimate the drift
+FASTEST: Final = 200e-6  # largest drift of a crystal, with margin [1]
+JUMP_NS: Final = 500_000_000  # a message this early means that the device's clock restarted
+BACK_NS: Final = 100_000_000  # beyond any reordering of a network: the device's clock was set back
 
 
 @final
@@ -27,11 +27,11 @@ class OneWayClock:
     Attributes
     ----------
     drift : float
-        By how much the device's clock runs fast. [1]
+        Relative rate error of the device's clock, positive if it runs fast. [1]
     one_way_ns : int
-        What the fastest message takes. [ns]
+        Known delay of the fastest message. [ns]
     restarts : int
-        How often the device's clock began again.
+        Number of restarts of the device's clock.
 
     """
 
@@ -46,16 +46,16 @@ class OneWayClock:
 
     @property
     def drift(self) -> float:
-        """By how much the device's clock runs fast. [1]."""
+        """Relative rate error of the device's clock, positive if it runs fast. [1]"""
         return -self._slope
 
     def restart(self) -> None:
-        """Begin again: the device's clock was set."""
+        """Discard the estimate, because the device's clock was set."""
         self.restarts += 1
         self._reset()
 
     def stamp_arrival(self, device_ns: int, arrival_ns: int) -> int:
-        """Return the graph time of a message that arrives now, never later than that. [ns]"""
+        """Add a message and return its graph time, never later than its arrival. [ns]"""
         ahead = self._predict_fastest(device_ns) - arrival_ns
         if self._lows and (ahead > JUMP_NS or ahead < -20 * JUMP_NS):
             self.restart()
@@ -63,21 +63,21 @@ class OneWayClock:
         return min(self.to_graph_time(device_ns), arrival_ns)
 
     def to_graph_time(self, device_ns: int) -> int:
-        """Return the graph time of a time of the device, once a message has come. [ns]"""
+        """Convert a device time to graph time; needs at least one message. [ns]"""
         return self._predict_fastest(device_ns) - self.one_way_ns
 
     def _predict_fastest(self, device_ns: int) -> int:
         return device_ns + round(self._offset + self._slope * (device_ns - self._from))
 
     def _update_line(self, device_ns: int, difference: int) -> None:
-        """Keep the fastest message of each window, and the line under all of them."""
+        """Update the fastest message of each window and the line below all of them."""
         if self._lows and device_ns - self._lows[-1][0] < WINDOW_NS:
             self._lows[-1] = (self._lows[-1][0], min(difference, self._lows[-1][1]))
             below = difference - self._slope * (device_ns - self._from)
             self._offset = min(self._offset, below)
             return
         self._lows.append((device_ns, difference))
-        # Integers first: times of day in nanoseconds have more digits than a float.
+        # Subtract as integers: nanoseconds since the epoch exceed the precision of a float.
         times = np.array([item - device_ns for item, _ in self._lows], dtype=np.float64)
         lows = np.array([low - difference for _, low in self._lows], dtype=np.float64)
         self._from = device_ns

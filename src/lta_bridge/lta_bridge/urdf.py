@@ -1,10 +1,10 @@
 """
-The vehicle file as URDF, for RViz, Foxglove, robot_state_publisher and whatever else reads that.
+Convert a vehicle file to URDF, for RViz, Foxglove, robot_state_publisher and other tools.
 
-Links are the frames that messages name (docs/topics.md): `base_link` at the hull centre, FLU, with
-the mass and inertia of the whole vehicle and everything that is drawn, the sensors' frames fixed
-to it, and `rotor_NAME` for each rotor, z along its thrust. URDF knows no ellipsoid, and a mesh
-would have to be found on the viewer's machine: the hull is a stack of discs.
+Links are the frames of the messages (docs/topics.md): `base_link` at the hull centre, FLU, with
+the mass and inertia of the whole vehicle and all its visuals; the sensors' frames fixed to it; and
+`rotor_NAME` for each rotor, z along its thrust. URDF has no ellipsoid, and a mesh file would have
+to be on the viewer's machine, so the hull is a stack of discs.
 """
 
 from collections.abc import Iterator, Sequence
@@ -32,14 +32,14 @@ from lta_model.vehicle import Vehicle
 from scipy.spatial.transform import Rotation
 
 Element = ElementTree.Element
-DISCS: Final = 15  # a hull is drawn of: 2 % of its radius is the largest step at its side
-CHIP: Final[Three] = (0.02, 0.02, 0.01)  # m: a sensor, so that its frame can be seen
+DISCS: Final = 15  # per hull: the largest step at its side is 2 % of its radius
+CHIP: Final[Three] = (0.02, 0.02, 0.01)  # m, box drawn for a sensor
 CHIP_COLOUR: Final[Colour] = (0.85, 0.55, 0.10, 1.0)
 DIODE: Final[Three] = (0.005, 0.01, 0.01)  # m; an OPT101 in its DIP package, looking along x
 
 
 def build_urdf(vehicle: Vehicle) -> str:
-    """Return the URDF of a vehicle, an XML text; lengths in metres, masses in kilograms."""
+    """Return the URDF of a vehicle as XML text, in metres and kilograms."""
     robot = Element('robot', name=vehicle.file.name)
     base = ElementTree.SubElement(robot, 'link', name=BASE)
     _add_inertial(base, vehicle)
@@ -65,7 +65,7 @@ def build_urdf(vehicle: Vehicle) -> str:
 
 
 def list_fixed_frames(vehicle: Vehicle) -> list[SceneFrame]:
-    """Return the frames that stand still in the vehicle's: sensors and rotors."""
+    """Return the frames fixed to the vehicle: sensors and rotors."""
     rotors = [
         SceneFrame(BASE, f'rotor_{rotor.name}', rotor.place, rotation_between(Z, rotor.axis))
         for rotor in vehicle.rotors
@@ -75,12 +75,12 @@ def list_fixed_frames(vehicle: Vehicle) -> list[SceneFrame]:
 
 def slice_into_discs(hull: EllipsoidShape) -> Iterator[CylinderShape]:
     """
-    Yield the stack of equally thick discs along the axis of revolution, volume kept.
+    Yield equally thick discs along the axis of revolution, with the hull's volume.
 
     The mean of 1 - s^2 over a disc from s to s' is 1 - (s^2 + s s' + s'^2) / 3.
     """
     half = [0.5 * size for size in hull.size]
-    # The axis of revolution is the one whose two others are most alike.
+    # The axis of revolution is the one whose two other half-axes differ least.
     axis = min(range(3), key=lambda k: abs(half[k - 1] - half[k - 2]))
     across = 0.5 * (half[axis - 1] + half[axis - 2])
     direction: Three = (float(axis == 0), float(axis == 1), float(axis == 2))
@@ -99,7 +99,7 @@ def slice_into_discs(hull: EllipsoidShape) -> Iterator[CylinderShape]:
 
 
 def convert_to_rods(line: LineShape) -> Iterator[CylinderShape]:
-    """Yield the strokes of a line of pairs, which URDF does not know, as round rods."""
+    """Yield the strokes of a line as round rods, because URDF has no lines."""
     for start, end in zip(line.points[::2], line.points[1::2], strict=True):
         length = math.dist(start, end)
         middle = _to_triple([0.5 * (p + q) for p, q in zip(start, end, strict=True)])
@@ -131,7 +131,7 @@ def _add_link(robot: Element, frame: SceneFrame) -> Element:
 
 
 def _add_inertial(link: Element, vehicle: Vehicle) -> None:
-    """Say mass, centre of gravity and the inertia about it, gas included, added mass not."""
+    """Add mass, centre of gravity and inertia about it; with the gas, without added mass."""
     inertial = ElementTree.SubElement(link, 'inertial')
     inertial.append(_build_origin(_to_triple(vehicle.cg.tolist()), LEVEL))
     ElementTree.SubElement(inertial, 'mass', value=f'{vehicle.mass:.9g}')
@@ -143,7 +143,7 @@ def _add_inertial(link: Element, vehicle: Vehicle) -> None:
 
 
 def _add_visual(link: Element, shape: BoxShape | CylinderShape) -> None:
-    """Add a shape to what is drawn of a link."""
+    """Add a shape to a link's visuals."""
     visual = ElementTree.SubElement(link, 'visual')
     visual.append(_build_origin(shape.place, shape.turn))
     geometry = ElementTree.SubElement(visual, 'geometry')
@@ -157,8 +157,10 @@ def _add_visual(link: Element, shape: BoxShape | CylinderShape) -> None:
 
 
 def _build_origin(place: Three, turn: Turn) -> Element:
-    """Return a place and a turn; URDF's rpy is about fixed axes, x first."""
-    with warnings.catch_warnings(action='ignore'):  # of gimbal lock, where any split of it will do
+    """Return the origin of a pose; URDF's rpy is about fixed axes, x first."""
+    with warnings.catch_warnings(
+        action='ignore'
+    ):  # gimbal lock: any split of yaw and roll is valid
         rpy = Rotation.from_quat(turn).as_euler('xyz').tolist()
     return Element('origin', xyz=_format_numbers(place), rpy=_format_numbers(rpy))
 

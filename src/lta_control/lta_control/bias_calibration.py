@@ -121,5 +121,6 @@ def compute_biases(rest: RestSums, height: float, air_density: float) -> SensorB
     return SensorBiases(
         (rest.rates[0] / n, rest.rates[1] / n, rest.rates[2] / n),
         (rest.force[0] / n, rest.force[1] / n, rest.force[2] / n - STANDARD_GRAVITY),
+        # Reduced to the floor with the hydrostatic equation.
         rest.pressure / rest.pressures + air_density * STANDARD_GRAVITY * height,
     )

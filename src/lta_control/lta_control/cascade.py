@@ -34,7 +34,7 @@ class CascadeGains(Settings):
     speed: PidGains = setting(..., 'Airspeed to surge force, N per m/s.')
     turn_first: float = setting(
         ...,
-        'Heading error at which forward thrust stops until the drone has turned.',
+        'Heading error at which the commanded forward speed falls to zero.',
         unit='rad',
         low=0.05,
         high=10.0,

@@ -94,8 +94,8 @@ def explain_restriction(
 ) -> str:
     """Return why the energy restricts the flight, in words. [ns]"""
     if word is None:
-        return 'nothing has been heard of the energy'
+        return 'no report from the energy monitor'
     age = (now_ns - word.stamp_ns) * 1e-9
     if is_stale(settings, word, now_ns):
-        return f'nothing has been heard of the energy for {age:.1f} s'
+        return f'no report from the energy monitor for {age:.1f} s'
     return word.why or 'the energy reserve is reached'

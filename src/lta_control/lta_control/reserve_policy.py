@@ -39,6 +39,7 @@ def apply_reserve(
         return mission._replace(phase=Phase.LAND) if over else mission
     if order is FlightPermission.FLY or mission.phase is Phase.LAND:
         return mission
+    # During the climb the drone is still near its start, so it lands at once.
     if order is FlightPermission.RESERVE and mission.phase is not Phase.CLIMB:
         if settings.action == 'perch' and mission.phase is Phase.SEEK:
             return mission

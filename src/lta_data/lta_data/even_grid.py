@@ -15,6 +15,7 @@ HOLES = 3.0  # grid points per sample, at most; more would be mostly gaps
 
 def is_grid_allowed(points: float, samples: int, most: float = HOLES) -> bool:
     """Return whether a grid over so many samples may have so many points."""
+    # Short grids are always allowed, however sparse.
     return points <= max(GRID, most * samples)
 
 

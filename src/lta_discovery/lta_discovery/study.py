@@ -152,6 +152,7 @@ def study_flights(
     tell('verifying', 0.65)
     proven = EffectVerification(nominal, [*pair[0], *pair[1]]).run(found)
     tell('predicting', 0.9)
+    # Without held-out flights the confirming ones have to serve, which is optimistic.
     held_out = bool(_select_role(flown, 'holdout'))
     last = [f for f in flown if f.role == ('holdout' if held_out else 'confirm')]
     bare, measured = _fit_forecasts(nominal, [*pair[0], *pair[1]], proven)
@@ -163,6 +164,7 @@ def study_flights(
         )
     strained = find_strained_tolerances(known, proven.full.prior, proven.full.fitted.mean)
     warnings.extend(format_strained_tolerances(strained))
+    # Whatever the named effects leave is described, not named.
     rest = assess_unmodeled(pair, proven.full, wrench_floor(nominal))
     kind = classify_data_kind([f.flight.replay.flight for f in flown])
     finding = DiscoveryFinding(

@@ -1,9 +1,9 @@
 """
-`lta run lta_emulation emulated_hardware`: the hardware of a drone in a simulated world.
+Emulate the hardware of a drone in a simulated world (`lta run lta_emulation emulated_hardware`).
 
-One world drives both peers: a Crazyflie that speaks CRTP over UDP, and its light board that speaks
-MAVLink at the end of a pseudo terminal. For trying the bridges, and everything above, without
-hardware. SIGUSR1 pulls the light board's cable, and plugs it in again.
+One world drives a Crazyflie with CRTP over UDP and a light board with MAVLink on a pseudo
+terminal, to test the bridges and all other nodes without hardware. SIGUSR1 unplugs the light
+board, and plugs it in again.
 """
 
 import argparse
@@ -28,10 +28,10 @@ from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_sim.world import World
 
-PORT: Final = 19850  # where cflib scans first
+PORT: Final = 19850  # first port that cflib scans
 LIGHT_PORT: Final = Path(tempfile.gettempdir()) / 'lta_light_board'
-LOOK: Final = 0.1  # s between two looks at where the drone is
-UP: Final = 0.04  # m above where it stood, from which it has taken off
+LOOK: Final = 0.1  # s between two checks of the drone's position
+UP: Final = 0.04  # m above the start, from which on it has taken off
 
 
 def build_simulated_body(
@@ -41,16 +41,16 @@ def build_simulated_body(
     light: Callable[[float, Any], None] | None = None,
 ) -> SimulatedBody:
     """
-    Return a simulated drone on its Crazyflie.
+    Create the simulated body of a Crazyflie.
 
     Parameters
     ----------
     vehicle, scenario : str
         Names of shipped files, or paths.
     seed : int
-        Of all chance.
+        Random seed.
     light : callable, optional
-        As for `SimulatedBody`.
+        See `SimulatedBody`.
 
     """
     scene, table = load_scenario(scenario), load_topic_table()
@@ -60,7 +60,7 @@ def build_simulated_body(
 
 
 class EmulatedHardware(NamedTuple):
-    """Both peers and the world between them."""
+    """The emulated Crazyflie and light board, and their world."""
 
     crazyflie: CrazyflieServer
     board: BoardServer
@@ -86,7 +86,7 @@ def serve_hardware(
     port : int
         UDP port of the Crazyflie; 0 for any free one.
     light_port : Path
-        What the light board's bridge opens.
+        Path of the light board's port.
     beacon : float
         As for `BoardServer`.
 
@@ -104,7 +104,7 @@ def serve_hardware(
         crazyflie = CrazyflieServer(Firmware(body, build=body.build), port)
     except OSError as error:
         raise BadInput(
-            f'UDP port {port} cannot be had ({error.strerror}): end the other emulated drone, or '
+            f'UDP port {port} cannot be opened ({error.strerror}); stop the other emulation, or '
             'give another --port.'
         ) from None
     with light, crazyflie:
@@ -115,7 +115,7 @@ def report_flight(
     body: SimulatedBody, report: Callable[[str], None], wait: Callable[[float], object]
 ) -> None:
     """
-    Tell when the drone takes off, reaches the lamp and stands again, until `wait` is true.
+    Report take-off, arrival at the lamp and landing, until `wait` returns true.
 
     Parameters
     ----------

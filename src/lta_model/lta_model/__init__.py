@@ -1,1 +1,1 @@
-"""The model: vehicle, effects, sensors and the light of a scene. It knows no simulation."""
+"""The vehicle model: vehicle, effects, sensors and scene light, independent of the simulator."""

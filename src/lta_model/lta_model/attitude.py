@@ -1,4 +1,4 @@
-"""Attitude as people read it."""
+"""Convert attitudes to Euler angles."""
 
 from typing import NamedTuple
 

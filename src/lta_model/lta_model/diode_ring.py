@@ -1,4 +1,4 @@
-"""Photodiodes around a vehicle: where each one looks in the horizontal plane of the body."""
+"""Directions of the photodiodes around a vehicle, in the horizontal plane of the body."""
 
 from dataclasses import dataclass
 import math

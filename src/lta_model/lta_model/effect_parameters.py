@@ -1,4 +1,4 @@
-"""The effects of a vehicle: those that follow from its file, and those that it switches on."""
+"""Collect a vehicle's effects: those derived from its file, and those that it switches on."""
 
 from collections.abc import Mapping, Sequence
 import math
@@ -16,7 +16,7 @@ from lta_model.strip_geometry import build_strips, DragBox
 Effects = dict[str, dict[str, float]]
 Vector = tuple[float, ...]
 
-# What lags, and which parameter says by how much.
+# Effects with a lag, and the parameter with its time constant.
 TIME_CONSTANTS = (
     ('motors', 'motor_lag', 'up'),
     ('motors', 'motor_lag', 'down'),
@@ -24,9 +24,9 @@ TIME_CONSTANTS = (
 )
 # Hulls that are round seen from above, or from anywhere: drag axis by axis is not (`cross_flow`).
 ROUND = {'balloon': {'horizontal': 1.0}, 'sphere': {'horizontal': 1.0, 'total': 1.0}}
-# What a file may say of such an effect all the same: how round it is, as far as that was measured.
+# Parameters of such an effect that a file may still set: the measured roundness.
 SHARES = {'cross_flow': ('horizontal', 'total')}
-# What turns duties into newtons in place of the thrust curve.
+# Effects that convert duties to newtons instead of the thrust curve.
 OTHER_CURVES = ('thrust_polynomial',)
 
 
@@ -68,13 +68,13 @@ def collect_effects(
 
 
 def check_step(name: str, parameters: Effects, step: float) -> None:
-    """Refuse a step [s] longer than 2.7 time constants of a vehicle's motors or moving mass."""
+    """Raise `BadInput` for a step [s] above 2.7 time constants of a motor or moving mass."""
     for what, effect, key in TIME_CONSTANTS:
         lag = parameters.get(effect, {}).get(key, 0.0)
         if lag > 0.0 and step > RK4_LIMIT * lag:
             raise BadInput(
                 f'{name} has {what} with a lag of {1e3 * lag:g} ms, and a time step of '
-                f'{1e3 * step:g} ms cannot follow it; take {1e3 * RK4_LIMIT * lag:.3g} ms or less.'
+                f'{1e3 * step:g} ms cannot follow it; use {1e3 * RK4_LIMIT * lag:.3g} ms or less.'
             )
 
 
@@ -137,14 +137,14 @@ def parts_drag(file: VehicleFile, air_density: float) -> Vector:
 
 
 def _build_drag_box(part: PartBlock) -> DragBox:
-    """Return a part as what damps turning; the wind tunnel's steady turns leave it out."""
+    """Return a part as a source of rotational damping, which the steady wind tunnel leaves out."""
     x, y, z = part.position.vector
     a, b, c = part.size.vector
     return DragBox((x, y, z), (a, b, c), part.drag.coefficient.si if part.drag else 0.0)
 
 
 def _moving_mass_parameters(moving: MovingMassBlock) -> dict[str, float]:
-    """Return what the effect `moving_mass` takes; how far it may go is for who commands it."""
+    """Return the parameters of the effect `moving_mass`; its sender enforces the limits."""
     given = dict(zip('xyz', moving.position.vector, strict=True))
     return given | {'mass': moving.mass.si, 'lag': moving.time_constant.si}
 
@@ -158,7 +158,9 @@ def _check_parameters(name: str, quantities: Mapping[str, Quantity]) -> dict[str
     declared = {parameter.name: parameter for parameter in effects.get_effect(name).parameters}
     for key, quantity in quantities.items():
         wrong = None if quantity.source else UNSOURCED
-        if (known := declared.get(key)) is not None:  # else the model refuses it
+        if (
+            known := declared.get(key)
+        ) is not None:  # an unknown parameter is refused by the model
             ends = () if quantity.vector == (known.null,) else (known.low, known.high)
             wrong = describe_misfit(quantity, known.unit, *ends) or wrong
         if wrong:

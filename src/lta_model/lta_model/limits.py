@@ -1,5 +1,5 @@
 """
-What a vehicle can do at most, from its numbers alone: push, fly, and stay upright.
+Compute a vehicle's limits of force, speed and stability from its parameters alone.
 
 Level flight is what the rotors can do at once (a linear programme over their thrusts, forward and
 reversed, with the collision of jets as a further unknown below each of them):
@@ -75,7 +75,7 @@ def level_force(vehicle: Vehicle, heading: float = 0.0) -> float:
     if found.status != 0 or found.fun is None:
         raise BadInput(
             f'{vehicle.file.name} cannot carry its {1e3 * vehicle.heaviness:.1f} g by its rotors '
-            'and hold its heading; trim it nearer to the air, or give it rotors that can.'
+            'and hold its heading; trim it closer to neutral, or give it stronger rotors.'
         )
     return float(-found.fun)
 

@@ -1,5 +1,5 @@
 """
-Mass, centre of gravity and inertia of a vehicle as the sum of what it consists of.
+Compute mass, centre of gravity and inertia of a vehicle from its components.
 
 Everything about the hull centre, body frame. A solid box has 1/12 of the squares of its sizes, a
 thin shell between similar ellipsoids 1/3 and a solid ellipsoid 1/5 of those of its half axes.
@@ -48,19 +48,7 @@ def build_gas_element(mass: float, half_axes: Three) -> MassElement:
 @final
 @dataclass(frozen=True, slots=True)
 class MassProperties:
-    """
-    What a vehicle weighs and how.
-
-    Parameters
-    ----------
-    mass : float
-        Of everything, gas included. [kg]
-    cg : ndarray, shape (3,)
-        Centre of gravity from the hull centre. [m]
-    inertia : ndarray, shape (3, 3)
-        About the centre of gravity. [kg m2]
-
-    """
+    """Mass, centre of gravity and inertia of a vehicle."""
 
     mass: float
     cg: Array

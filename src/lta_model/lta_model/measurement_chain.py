@@ -1,9 +1,9 @@
 """
-What sensors, tracker and clocks make of the truth: the measurement effects of a vehicle in use.
+Apply a vehicle's measurement effects to the true values of sensors, tracker and clocks.
 
-The effects of a channel act one after the other in the order of the registry, on the truth: noise,
-counts and limits of the sensor come after them. An effect at its null values is not called at all,
-so that a vehicle without any reads the truth bit for bit.
+The effects of a channel act on the true value in registry order; noise, quantisation and limits
+of the sensor come after them. An effect at its null values is not called, so that a vehicle
+without any reads the truth bit for bit.
 """
 
 from collections.abc import Callable, Mapping
@@ -18,22 +18,7 @@ Chain = tuple[tuple[Reading, Values], ...]
 def build_chains(
     parameters: Mapping[str, Mapping[str, float]], effects: Mapping[str, Effect]
 ) -> dict[str, Chain]:
-    """
-    Return what acts on each channel.
-
-    Parameters
-    ----------
-    given : mapping
-        Parameters that are not at their null values, by effect and name: `Model.given`.
-    effects : mapping of str to Effect
-        The registry.
-
-    Returns
-    -------
-    dict of str to Chain
-        One of each of `CHANNELS`, empty where nothing acts.
-
-    """
+    """Return the effects of each channel."""
     out: dict[str, Chain] = dict.fromkeys(CHANNELS, ())
     for name, effect in effects.items():
         if not isinstance(effect, MeasurementEffect):

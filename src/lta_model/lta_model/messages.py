@@ -1,4 +1,4 @@
-"""What the vehicle publishes, as ROS messages."""
+"""Build the ROS messages that the vehicle publishes."""
 
 import array
 from collections.abc import Sequence
@@ -61,7 +61,7 @@ def build_range(stamp: Time, distance: float, settings: RangeSettings) -> Range:
 
 
 def build_pressure(stamp: Time, value: float, deviation: float) -> FluidPressure:
-    """Return the air pressure and its deviation, told as variance. [Pa]"""
+    """Return the air pressure, with the square of its deviation as variance. [Pa]"""
     return FluidPressure(
         header=_build_header(stamp, 'pressure'),
         fluid_pressure=value,
@@ -77,7 +77,7 @@ def build_light_block(stamp: Time, block: NDArray[np.uint16]) -> Image:
     image.height, image.width = rows, columns
     image.encoding = '16UC1'
     image.step = 2 * columns
-    # An array of bytes is taken as it is; any other sequence would be checked item by item.
+    # A byte array is accepted as it is; rclpy checks any other sequence item by item.
     image.data = array.array('B', block.astype('<u2', copy=False).tobytes())
     return image
 
@@ -90,7 +90,7 @@ def build_illuminance(stamp: Time, lux: float) -> Illuminance:
 def build_battery_state(
     stamp: Time, voltage: float, current: float, location: str
 ) -> BatteryState:
-    """Return a voltage [V] and a current [A]; what a meter cannot know is NaN."""
+    """Return a voltage [V] and a current [A]; fields that a meter cannot measure are NaN."""
     return BatteryState(
         header=_build_header(stamp, location),
         voltage=voltage,

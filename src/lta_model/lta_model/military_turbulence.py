@@ -1,5 +1,5 @@
 """
-Intensity and length of turbulence near the ground by MIL-F-8785C, for those who write scenarios.
+Compute turbulence intensity and length near the ground by MIL-F-8785C, for scenarios.
 
     sigma_w = 0.1 U_20,    sigma_u = sigma_v = sigma_w / (0.177 + 0.000823 h)^0.4
     L_w = h,               L_u = L_v = h / (0.177 + 0.000823 h)^1.2

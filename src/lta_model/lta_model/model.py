@@ -1,4 +1,4 @@
-"""A vehicle as the numbers that the kernel takes."""
+"""Build the numbers of a vehicle for the kernel."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -80,14 +80,14 @@ def _build_rigid_body(
 
 
 def _build_mass_matrix(rigid: RigidBody) -> Vector:
-    """Return the mass matrix of a rigid body, refusing what no body has."""
+    """Return the mass matrix of a rigid body; raise `BadInput` for an impossible one."""
     lever = skew_matrix(np.array(rigid.moment))
     xx, yy, zz, xy, xz, yz = rigid.inertia
     about = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     matrix = np.block([[rigid.mass * np.eye(3), -lever], [lever, about]])
     if not (rigid.mass > 0.0 and np.linalg.eigvalsh(matrix)[0] > 0.0):
         raise BadInput(
-            f'The effects leave a mass of {rigid.mass:g} kg and an inertia that no body has; '
+            f'The effects lead to a mass of {rigid.mass:g} kg and an impossible inertia; '
             'make their values smaller.'
         )
     return matrix

@@ -1,5 +1,5 @@
 """
-The rotors of a vehicle: place, thrust curve, and the wrench that each gives.
+The rotors of a vehicle: position, thrust curve and wrench of each.
 
 A rotor without a column from the wind tunnel has the one of its geometry. With a its axis, r its
 place and k the torque of the air per thrust:
@@ -77,7 +77,7 @@ class RotorUnit:
                 backward = _to_six((*column.reverse.force.vector, *column.reverse.moment.vector))
         forward, backward = (_add_motor_torque(each, rotor, axis) for each in (forward, backward))
         a, b = curve.a.si, curve.b.si
-        if curve.reverse:  # the column carries it: the curve of the model is an odd function
+        if curve.reverse:  # the column includes it, because the model's curve is an odd function
             backward = _to_six(curve.reverse.si / (a + b) * number for number in backward)
         return cls(name, rotor.reversible, (p, q, r), axis, a, b, forward, backward)
 
@@ -103,7 +103,7 @@ def build_rotors(file: VehicleFile) -> tuple[RotorUnit, ...]:
 def interaction_parameters(
     rotors: tuple[RotorUnit, ...], coupling: RotorCoupling | None
 ) -> dict[str, float]:
-    """Return what `rotor_envelope_interaction` takes; nothing where B says it all."""
+    """Return the parameters of `rotor_envelope_interaction`; empty if B suffices."""
     axes = ('surge', 'sway', 'heave', 'roll', 'pitch', 'yaw')
     given = {}
     for i, rotor in enumerate(rotors, start=1):

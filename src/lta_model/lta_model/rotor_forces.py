@@ -1,5 +1,5 @@
 """
-Where a rotor is and what forces along the axes of all rotors add up to, for effects on rotors.
+Compute rotor heights and the sum of forces along rotor axes, for effects on rotors.
 
     (F, N) = sum of (f_i n_i, r_i x f_i n_i)
 

@@ -1,5 +1,5 @@
 """
-The scenario file: the world a flight happens in, its start and its goal.
+Read scenario files: the world of a flight, its start and its goal.
 
 A scene has one lamp under `lamp`, or several by name under `lamps`; the goal is the first of them,
 or all of a route.
@@ -50,10 +50,10 @@ class ScenarioGoal(StrictModel):
 
 class Scenario(StrictModel):
     """
-    A whole scenario file.
+    A scenario file.
 
-    With a course, that is flown, and nobody looks for the lamp. With a route, its lamps are sought
-    one after the other, by name.
+    With a course, the drone flies it instead of searching the lamp. With a route, it seeks its
+    lamps one after the other, by name.
     """
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
@@ -93,7 +93,7 @@ class Scenario(StrictModel):
         unknown_names = [name for name in self.route if name not in self.lamps]
         if unknown_names:
             raise ValueError(
-                f'has {", ".join(unknown_names)} on its route, which is none of its lamps; '
+                f'has {", ".join(unknown_names)} on its route, which is not one of its lamps; '
                 f'known: {", ".join(self.lamps)}'
             )
         x, y, _ = self.target_lamps[0].position.vector
@@ -116,12 +116,12 @@ class Scenario(StrictModel):
         if self.outside is not None and self.room.walls == 'solid':
             raise ValueError(
                 'has a door in solid walls, which hold every hull; make the walls open: a drone '
-                'that flies through them beside the door has escaped'
+                'that leaves the room other than through the door has escaped'
             )
         return self
 
     def _is_beyond_door(self, x: float, y: float, z: float) -> bool:
-        """Tell whether a place is out of the door and within reach. [m]"""
+        """Return whether a place is out of the door and within reach. [m]"""
         if self.outside is None:
             return False
         reach, wall = self.outside.reach.si, self.room.size.vector[0] / 2
@@ -180,13 +180,13 @@ class Scenario(StrictModel):
 
 
 def load_scenario(name: str) -> Scenario:
-    """Return a scenario by shipped name or path; anything wrong is a `BadInput` sentence."""
+    """Load a scenario by shipped name or path; raise `BadInput` if anything is wrong."""
     path = find_file('scenario', name)
     return validate_content(Scenario, resolve_wind_file(load_yaml(path), path.parent), str(path))
 
 
 def load_course(name: str) -> Course | None:
-    """Return the course of a scenario by name or path; None without one, or without a name."""
+    """Load the course of a scenario by name or path; None without one, or without a name."""
     return load_scenario(name).course if name else None
 
 
@@ -196,7 +196,7 @@ def load_route(name: str) -> tuple[tuple[str, float], ...]:
 
 
 def resolve_wind_file(content: Any, folder: Path) -> Any:  # noqa: ANN401 - what YAML holds
-    """Return what a scenario file holds, its wind file found beside it: by its whole path."""
+    """Return the content of a scenario file with the full path of its wind file."""
     try:
         wind_file = content['air']['recorded']
     except (KeyError, TypeError):

@@ -1,5 +1,5 @@
 """
-The air of a scenario as people tell it, and the effects that it comes to.
+The air section of a scenario file, and the effects that follow from it.
 
 Uniform wind (`wind`) and recorded wind (`recorded`) are surroundings of the kernel; the rest are
 air effects. All winds add up, and say where the air goes to, in `map`.
@@ -40,9 +40,9 @@ Slope = Annotated[Quantity, si_quantity('1/s', low=-10.0, high=10.0, length=3)]
 
 class WindProfile(StrictModel):
     """
-    Wind over rough ground: what the weather service measures, and what the ground makes of it.
+    Wind over rough ground: measured wind at a height, and the roughness length.
 
-    `towards` is where the air goes to, anticlockwise from map x.
+    `towards` is the direction of the flow, anticlockwise from map x.
     """
 
     wind: Speed
@@ -114,7 +114,7 @@ class Turbulence(StrictModel):
 
 
 class Gust(StrictModel):
-    """One gust: it begins, takes `length` to build up, stands for `hold` and goes as it came."""
+    """One gust: it begins, takes `length` to build up, lasts for `hold` and decays as it rose."""
 
     wind: Wind
     begin: Annotated[Quantity, si_quantity('s', low=0.0, high=1e5)]
@@ -132,10 +132,10 @@ class Gust(StrictModel):
 
 class WindGradient(StrictModel):
     """
-    A current that changes from place to place, and is nothing at `origin`.
+    A wind that varies in space, and is zero at `origin`.
 
-    `x` is how the wind along map x changes along map x, y and z; `y` and `z` likewise. The air
-    keeps its volume, so that the last of `z` is no number of its own.
+    `x` is the change of the wind along map x with map x, y and z; `y` and `z` likewise. The air
+    is incompressible, so the last element of `z` follows from the others.
     """
 
     origin: Annotated[Quantity, si_quantity('m', low=-1000.0, high=1000.0, length=3)]

@@ -1,4 +1,4 @@
-"""What fails during a flight, and when: part of a scenario file."""
+"""Faults during a flight and their times: a section of a scenario file."""
 
 from typing import Annotated
 
@@ -20,9 +20,9 @@ class SupplyFaults(StrictModel):
     brown_out: When | None = None
 
     def is_shorted(self, elapsed: float) -> bool:
-        """Tell whether the array is shorted at a time after the start. [s]"""
+        """Return whether the array is shorted at a time after the start. [s]"""
         return self.panel_short is not None and elapsed >= self.panel_short.si
 
     def is_cut_off(self, before: float, elapsed: float) -> bool:
-        """Tell whether the supply is cut off between two times after the start. [s]"""
+        """Return whether the supply is cut off between two times after the start. [s]"""
         return self.brown_out is not None and before <= self.brown_out.si < elapsed

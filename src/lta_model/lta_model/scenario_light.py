@@ -1,7 +1,7 @@
 """
-The light of a scenario as people tell it: room, lamps and ambient light.
+The light section of a scenario file: room, lamps and ambient light.
 
-What is left out is right, even and without a rise time: a clock error of nothing, no harmonics.
+Omitted entries mean an ideal lamp: no clock error, no harmonics, no rise time.
 """
 
 import math
@@ -155,7 +155,7 @@ class DoorScene(StrictModel):
 
 class OutsideScene(StrictModel):
     """
-    The open beyond a door: its light, its wind, and how far from the wall a flight may go.
+    The area beyond a door: its light, its wind, and the flight's limit from the wall.
 
     A drone that leaves the room beside the door has escaped.
     """

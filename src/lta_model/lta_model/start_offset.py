@@ -1,4 +1,4 @@
-"""A scenario whose drone starts elsewhere: for several drones in one scene."""
+"""Move the start of a scenario, for several drones in one scene."""
 
 from lta_config.errors import BadInput
 from lta_config.quantity import Quantity
@@ -9,22 +9,7 @@ FAR = 1000.0  # m; no scene is larger
 
 
 def offset_start(scenario: Scenario, x: float, y: float) -> Scenario:
-    """
-    Return a scenario with the start moved; the very same where it is not.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The scene.
-    x, y : float
-        By how much, along the axes of the map frame. [m]
-
-    Raises
-    ------
-    BadInput
-        If the drone would start outside of the room or within its goal.
-
-    """
+    """Return a scenario with the start moved; the same object for a zero offset."""
     if x == 0.0 and y == 0.0:
         return scenario
     before = scenario.start.position.vector
@@ -38,7 +23,7 @@ def offset_start(scenario: Scenario, x: float, y: float) -> Scenario:
     try:
         return Scenario.model_validate({**fields, 'start': start})
     except ValidationError as error:
-        # The scene without the offset was valid, so there is one complaint: that of the start.
+        # The scene without the offset was valid, so the only error is that of the start.
         said = error.errors()[0]['msg'].removeprefix('Value error, ')
         raise BadInput(
             f"With offset {x:g}, {y:g} m the scenario '{scenario.name}' {said}; give another "

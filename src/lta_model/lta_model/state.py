@@ -1,16 +1,16 @@
 """
-The layout of the numbers that the kernel takes, in one place.
+Layout of the kernel's state, command, surroundings and body arrays.
 
 A state is a float64 array: position of the hull centre in `map` (x y z, m), quaternion from body
 to map (x y z w), velocity of the hull centre in the body frame (m/s), body rates (rad/s), then the
 memory of the effects that have one, in registry order and within an actuator effect rotor by
 rotor.
 
-A command is what the vehicle is told: the duty of each rotor (-1 to 1, or newtons where the
+A command holds the duty of each rotor (-1 to 1, or newtons where the
 vehicle's thrust curve is at its null values), then where the moving mass should be (x y z, m, body
 frame). Rotors that a vehicle does not have are at 0.
 
-Surroundings are what the air and the light do and the vehicle cannot know, constant during a call:
+Surroundings are external conditions, constant during a call:
 wind from outside the effects (x y z in `map`, m/s), white noise for turbulence (three, of unit
 intensity, s^-1/2), irradiance on the hull (W/m2), voltage of the battery (V), and how fast that
 wind changes, everywhere alike (x y z in `map`, m/s2).

@@ -1,10 +1,10 @@
 """
-How fast the model reacts, against what an explicit integrator can follow.
+Check that the time step is short enough for the explicit integrator.
 
-What damps the body linearly makes its velocity decay at the eigenvalues of M^-1 D, with M the mass
-matrix and D the damping about the hull centre; RK4 blows up where one of them, times the step, is
-beyond its limit. Springs of contact are softer than that by far within their bounds, and what
-grows with the speed is left to the watch that the world keeps over a flight.
+Linear damping makes the velocity decay at the eigenvalues of M^-1 D, with M the mass matrix and D
+the damping about the hull centre. RK4 is unstable where one of them times the step exceeds its
+limit. Contact springs are far softer than that within their bounds. Damping that grows with the
+speed is not checked here: the world watches for divergence during the flight.
 """
 
 from collections.abc import Sequence
@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 STEP_NS = 2_500_000  # integration step; the shortest time constant of a shipped vehicle is 72 ms
 RK4_LIMIT = 2.7  # longest stable step of RK4 by a time constant: 2.785, less a margin
-SPEED_LIMIT = 1000.0  # m/s and rad/s; no balloon gets there, numbers that run away do
+SPEED_LIMIT = 1000.0  # m/s and rad/s; only a diverged simulation gets there
 
 
 def find_fastest_damping(model: VehicleModel) -> tuple[str, float]:
-    """Return the effect that damps the body fastest and its rate; '' and 0 if none does. [1/s]"""
+    """Return the effect with the fastest linear damping and its rate; '' and 0 if none. [1/s]"""
     inverse = model.inverse.reshape(6, 6)
     rates = {
         name: float(np.linalg.eigvals(inverse @ damping).real.max())
@@ -71,12 +71,12 @@ def check_time_step(name: str, model: VehicleModel, step: float) -> None:
 
 def check_divergence(name: str, speeds: Sequence[float], elapsed: float) -> None:
     """
-    Refuse a flight whose velocity or rates have run away. [m/s, rad/s; s after the start]
+    Raise `BadInput` if velocity or rates have diverged. [m/s, rad/s; s after the start]
 
     Raises
     ------
     BadInput
-        If one of them is no number or beyond what anything that flies here does.
+        If one of them is not finite or beyond any plausible value.
 
     """
     if not all(-SPEED_LIMIT < speed < SPEED_LIMIT for speed in speeds):
@@ -84,7 +84,7 @@ def check_divergence(name: str, speeds: Sequence[float], elapsed: float) -> None
 
 
 def divergence_error(name: str, elapsed: float) -> BadInput:
-    """Return what is wrong with a flight whose numbers run away. [s after the start]"""
+    """Return the error for a diverged flight. [s after the start]"""
     return BadInput(
         f'The numbers of {name} ran away {elapsed:.2f} s after the start: one of its effects is '
         'too strong for its mass or inertia; weaken it.'

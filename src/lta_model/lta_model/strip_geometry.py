@@ -1,5 +1,5 @@
 """
-The strips of `strip_damping` from the boxes of which a vehicle's frame and panels are made.
+Compute the strips of `strip_damping` from the boxes of a vehicle's frame and panels.
 
 A slim box is one strip along its longest side. A box of which the second side is more than half
 of the longest is two strips, at the two Gauss points across it (b / sqrt(12) either side of the

@@ -1,5 +1,5 @@
 """
-A vehicle as the cores need it, derived from its file.
+Derive a vehicle's physical properties from its file.
 
 Mass, centre of gravity and inertia follow from the parts, the gas and the ballast that trims the
 vehicle to its declared heaviness (`mass_properties`), or from its weighing; added mass from the
@@ -121,7 +121,7 @@ class Vehicle:
 
     @cached_property
     def mass_elements(self) -> list[MassElement]:
-        """What a vehicle that was not weighed consists of: parts, ballast and gas."""
+        """Components of a vehicle that was not weighed: parts, ballast and gas."""
         lumps = [build_part_element(part) for part in self.file.parts.values()]
         if place := self.file.trim.ballast_position:
             lumps.append(MassElement(self.ballast_mass, np.array(place.vector), np.zeros(3)))
@@ -185,7 +185,7 @@ class Vehicle:
         if len(curves) != 1:
             raise BadInput(
                 f'{self.file.name} has rotors with {len(curves)} thrust curves, where one for all '
-                'is needed; take another control law.'
+                'is needed; choose another control law.'
             )
         return curves.pop()
 
@@ -250,7 +250,7 @@ class Vehicle:
 
     @cached_property
     def charger(self) -> ChargerModel:
-        """What lies between panels and cell."""
+        """Charger between panels and cell."""
         return ChargerModel.from_energy(self.file.energy)
 
     def collect_effects(self) -> dict[str, dict[str, float]]:
@@ -260,7 +260,7 @@ class Vehicle:
         )
 
     def build_model(self, around: effect_parameters.Effects | None = None) -> VehicleModel:
-        """Return the numbers that the kernel takes; `around` are effects of where it flies."""
+        """Return the kernel's numbers; `around` are effects of the surroundings."""
         return VehicleModel.build(
             self.collect_effects() | (around or {}),
             mass=self.mass,
@@ -292,22 +292,7 @@ class Vehicle:
         return command
 
     def check_step(self, step: float, model: VehicleModel | None = None) -> None:
-        """
-        Refuse a time step at which the slowest reaction that the model has would blow up.
-
-        Parameters
-        ----------
-        step : float
-            Step of the integrator (RK4). [s]
-        model : Model, optional
-            What flies, with the effects of a scene; by default the vehicle alone.
-
-        Raises
-        ------
-        BadInput
-            If the step is longer than 2.7 times a time constant of motors, moving mass or damping.
-
-        """
+        """Raise `BadInput` for a time step that is too long for the model's fastest reaction."""
         effect_parameters.check_step(self.file.name, self.collect_effects(), step)
         stiffness.check_time_step(self.file.name, model or self.build_model(), step)
 

@@ -16,13 +16,14 @@ class FlightBounds:
         self._indoors = True  # every flight starts indoors
 
     def is_inside(self, x: float, y: float, z: float) -> bool:
-        """Tell whether a hull centre is in bounds; call it at every step. [m, map]"""
+        """Return whether a hull centre is in bounds; call it at every step. [m, map]"""
         indoors = abs(x) <= self._x and abs(y) <= self._y and z <= self._height
         outside, crossed = self._outside, indoors != self._indoors
         self._indoors = indoors
         if outside is None:
             return indoors
         door, reach = outside.door, outside.reach.si
+        # A change between indoors and outdoors is allowed only through the door.
         if crossed:
             aside = abs(y - door.middle.si)
             return aside <= door.width.si / 2 and z <= door.height.si and x > 0.0

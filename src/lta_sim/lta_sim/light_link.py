@@ -142,9 +142,7 @@ def write_ring_light(
 def write_reflections(
     listening: LightLink, position: Vector, q: Quaternion, out: Array, scratch: Array
 ) -> None:
-    """
-    Write the diodes' light without the lamp's direct part; arguments as in `write_ring_light`.
-    """
+    """Write the light without the lamp's direct part; arguments as in `write_ring_light`."""
     lamps, eye, hull = (listening.lamp,), listening.eye, listening.hull
     gather_indirect_light(
         listening.around, lamps, eye, hull, position, q, listening.planes, out, scratch

@@ -95,9 +95,7 @@ def _wall_parameters(scenario: Scenario, radius: float, half_height: float) -> d
 
 
 def build_scene_model(vehicle: Vehicle, scenario: Scenario) -> VehicleModel:
-    """
-    Return the kernel's numbers for a vehicle in a scene; errors as in `collect_scene_effects`.
-    """
+    """Return the kernel's numbers for a vehicle in a scene; errors as `collect_scene_effects`."""
     return vehicle.build_model(collect_scene_effects(vehicle, scenario))
 
 

@@ -58,7 +58,7 @@ class World:
     seed : int
         Of all chance.
     strategy : str
-        By which the drone finds lamps, for what that takes; '' where nobody looks.
+        Navigation strategy, for its power consumption; '' for none.
 
     Raises
     ------
@@ -77,6 +77,7 @@ class World:
     ) -> None:
         self.vehicle = vehicle
         self.scenario = scenario
+        # One independent random stream per sensor, from seed and index.
         self._chance = {
             name: np.random.default_rng(np.random.SeedSequence([seed, index]))
             for index, name in enumerate(STREAMS)
@@ -216,9 +217,10 @@ class World:
         return tuple(self.state[:7].tolist())
 
     def _is_due(self, name: str) -> bool:
-        """Tell whether a topic on the control grid has a message at this step."""
+        """Return whether a topic on the control grid has a message at this step."""
         latency, period = self._rhythm[name]
         since = self.steps * self._control_ns - latency
+        # A topic's latency shifts its grid against the control grid.
         return since >= 0 and since % period == 0
 
     def sense(self) -> VehicleReadings:
@@ -233,6 +235,7 @@ class World:
         self._craft.evaluate_state()
         rate = STILL if self.is_held else self._craft.rate
         readings.force, readings.rates = self._imu.read(self.state, rate, self.elapsed)
+        # Later range readings are taken inside `advance`, on their own grid.
         if self.steps == 0:
             self._sense_range(self.stamp_ns)
         readings.ranges, self._ranges = self._ranges, []
@@ -281,15 +284,16 @@ class World:
         duties : sequence of float
             Duty by rotor, clipped to what each rotor can do.
         mass_place : tuple of 3 floats, optional
-            Where the moving mass should be; where it was told before if left out. [m, body]
+            Commanded position of the moving mass; omitted, the last one. [m, body]
 
         Raises
         ------
         ValueError
             If there is not one finite duty for each rotor; the state stays as it was. As
-            `BadInput`, if the numbers ran away in this period.
+            `BadInput`, if the simulation diverged in this period.
 
         """
+        # Without supply the motors stop, whatever the command.
         if not self.supply.flow.fed:
             duties = (0.0,) * self._rotors
         command = self._link.pack_command(duties, mass_place)
@@ -321,6 +325,7 @@ class World:
         """Integrate from one time to another, with the range readings on the way. [ns]"""
         period = self._range_ns
         while now < end:
+            # Stop at every range reading, which may lie inside a control period.
             turn = (now - self._start_ns) // period + 1
             until = min(end, self._start_ns + turn * period)
             self._advance_state(until - now)
@@ -330,6 +335,7 @@ class World:
 
     def _advance_state(self, span_ns: int) -> None:
         """Integrate for a duration under the present command. [ns]"""
+        # Rounded up, so that no integration step exceeds the stable one.
         steps = -(-span_ns // stiffness.STEP_NS)
         place = self.state[:RIGID].copy()
         self._craft.advance(span_ns * 1e-9 / steps, steps)
@@ -338,6 +344,7 @@ class World:
 
     def _predict_state(self, span_ns: int) -> Array:
         """Return the state after a duration under the present command. [ns]"""
+        # The state is one array in place: integrate ahead, then restore it.
         now = self.state.copy()
         self._advance_state(span_ns)
         later = self.state.copy()

@@ -150,7 +150,7 @@ def test_any_frames_are_survived_and_the_board_s_light_comes_again(peaks, spoilt
     for _ in range(60):  # longer than another sender is believed, and an old clock
         link.go_on()
     assert len(link.got) - before >= 20
-    assert link.fact.message == 'light comes'
+    assert link.fact.message == 'receiving light'
     for came in link.got:
         assert abs(came.stamp_ns - link.now) < 60_000_000_000
 
@@ -212,10 +212,10 @@ def test_who_shares_the_link_is_not_taken_for_the_board():
     link, beat = Linked(), MESSAGES[0].build_frame(0, 255, 190, type=6)
     link.board = LightBoard(LIGHT, 8)
     link.hear(beat)
-    assert link.fact.message == 'nothing has come yet'
+    assert link.fact.message == 'nothing received yet'
     for _ in range(10):
         link.go_on(beat)
-    assert link.fact.message == 'light comes'
+    assert link.fact.message == 'receiving light'
     for _ in range(10):
         link.now += EACH
         link.hear(beat)
@@ -280,13 +280,13 @@ def test_a_link_is_silent_after_half_a_second_and_its_own_trouble_comes_first():
         return fact.level, fact.message
 
     assert describe_health(None, 0, True) == HealthFact(TASK, HealthLevel.WARN, 'not configured')
-    assert told(10**9) == (HealthLevel.WARN, 'nothing has come yet')
+    assert told(10**9) == (HealthLevel.WARN, 'nothing received yet')
     link.heard_ns = 10**9
-    assert told(10**9) == (HealthLevel.WARN, 'its time is not known yet')
+    assert told(10**9) == (HealthLevel.WARN, 'its clock is not synchronized yet')
     for turn in range(4):
         link.clock.add_exchange(ClockExchange(turn, turn, turn + 2_000))
-    assert told(1_500_000_000) == (HealthLevel.OK, 'light comes')
-    assert told(1_500_000_000, active=False)[1] == 'light comes and is not published'
+    assert told(1_500_000_000) == (HealthLevel.OK, 'receiving light')
+    assert told(1_500_000_000, active=False)[1] == 'receiving light, not publishing'
     assert told(1_500_000_001) == (HealthLevel.ERROR, 'silent for 0.5 s')
     assert list(link.receive_data(EmulatedBoard(0, dialect=9).encode_status(), 10**9)) == []
     level, message = told(10**9)

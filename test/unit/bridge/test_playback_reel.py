@@ -83,7 +83,7 @@ def test_a_section_begins_and_ends_by_the_bag_s_clock(tmp_path):
     ]
     with pytest.raises(BadInput, match='no message from 9 s on'):
         reel(path, start=9.0)
-    with pytest.raises(BadInput, match='ends 1 s after the first message, before it begins at 2'):
+    with pytest.raises(BadInput, match='ends at 1 s after the first message, before its start at 2'):
         reel(path, start=2.0, end=1.0)
 
 
@@ -242,6 +242,6 @@ def test_a_chunk_that_unpacks_to_more_than_there_is_is_one_sentence(
         found = open_recording(path, '', TABLE)
         list(found.iterate_messages(found.topics))
 
-    said = 'a chunk wants more than' if finished else 'damaged or takes more memory'
+    said = 'a chunk needs more than' if finished else 'damaged or needs more memory'
     with pytest.raises(BadInput, match=said), limit_memory():
         play()

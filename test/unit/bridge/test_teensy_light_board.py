@@ -137,7 +137,7 @@ def test_without_the_board_s_time_there_is_no_block():
 @pytest.mark.parametrize(
     ('board', 'diodes', 'sentence'),
     [
-        (EmulatedBoard(BOOT, dialect=9), 8, 'speaks version 9 of its messages'),
+        (EmulatedBoard(BOOT, dialect=9), 8, 'uses version 9 of the messages'),
         (EmulatedBoard(BOOT, sample_rate=8e3), 8, 'samples at 8000 Hz and topics.yaml says 10000'),
         (EmulatedBoard(BOOT), 16, 'has 8 diodes and the vehicle file 16'),
         (EmulatedBoard(BOOT, bits=16), 8, 'converts to 16 bits and the vehicle file says 12'),

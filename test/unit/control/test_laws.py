@@ -169,8 +169,8 @@ def test_a_mixer_that_ignores_the_collision_loses_lift_by_its_share_of_the_offse
 @pytest.mark.parametrize(
     ('name', 'law_name', 'sentence'),
     [
-        ('gtmab', 'lateral', 'gtmab has no four rotors whose jets collide'),
-        ('gtmab', 'glide', 'gtmab has no moving mass with two ends'),
+        ('gtmab', 'lateral', 'gtmab needs four rotors whose jets collide'),
+        ('gtmab', 'glide', 'gtmab needs a moving mass with two limits'),
     ],
 )
 def test_a_vehicle_of_another_kind_is_refused(name, law_name, sentence):
@@ -195,7 +195,7 @@ def test_rotors_that_push_straight_outwards_cannot_turn_beavis(tmp_path):
         update={'aero': aero.model_copy(update={'thrust_allocation': straight})}
     )
     made = find_law('lateral')
-    with pytest.raises(BadInput, match='cannot push along x, along y and turn'):
+    with pytest.raises(BadInput, match='cannot push along x and y and turn independently'):
         made.known(load_law_gains(made.gains, 'beavis'), type(vehicle)(file))
 
 

@@ -48,7 +48,7 @@ def airborne(position=(0.0, 0.0)):
 @pytest.mark.parametrize(
     ('word', 'order', 'why'),
     [
-        (None, FlightPermission.DOWN, 'nothing has been heard of the energy'),
+        (None, FlightPermission.DOWN, 'no report from the energy monitor'),
         (ReserveReport(9 * SECOND, False, False), FlightPermission.FLY, ''),
         (ReserveReport(9 * SECOND, True, False, '20% left'), FlightPermission.RESERVE, '20% left'),
         (
@@ -126,7 +126,7 @@ def test_a_climb_is_broken_off():
 def test_only_who_arrives_can_perch():
     check_reserve(PERCH, find_strategy('homing'))
     check_reserve(RETURN, find_strategy('bag'))
-    with pytest.raises(BadInput, match='bag never says that it has arrived'):
+    with pytest.raises(BadInput, match='bag never reports an arrival'):
         check_reserve(PERCH, find_strategy('bag'))
 
 

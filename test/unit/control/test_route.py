@@ -96,5 +96,5 @@ def test_who_never_arrives_is_refused_on_a_route():
     with pytest.raises(BadInput) as caught:
         check_route(find_strategy('bag'), 3)
     assert str(caught.value) == (
-        'The strategy bag never says that it has arrived, and the route has 3 lamps; take homing.'
+        'The strategy bag never reports an arrival, but the route has 3 lamps; choose homing.'
     )

@@ -107,5 +107,5 @@ def test_wrong_shapes_are_refused(part, shape, words):
 
 
 def test_no_fleet_of_nobody():
-    with pytest.raises(BadInput, match='fleet of 0 vehicles'):
+    with pytest.raises(BadInput, match='at least one vehicle, but 0'):
         VehicleBatch.from_models([])

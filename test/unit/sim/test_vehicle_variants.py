@@ -123,7 +123,7 @@ def test_a_step_too_long_for_the_motors(gtmab):
     with pytest.raises(BadInput) as caught:
         gtmab.check_step(0.25)
     assert str(caught.value) == (
-        'gtmab has motors with a lag of 72 ms, and a time step of 250 ms cannot follow it; take '
+        'gtmab has motors with a lag of 72 ms, and a time step of 250 ms cannot follow it; use '
         '194 ms or less.'
     )
     build(('effects.motor_lag', None), ('effects.floor_contact', None)).check_step(10.0)
@@ -222,8 +222,8 @@ def test_what_the_rotors_cannot_carry_cannot_fly_level():
     with pytest.raises(BadInput) as caught:
         level_force(build(('trim.heaviness', given(40, 'g'))))
     assert str(caught.value) == (
-        'gtmab cannot carry its 40.0 g by its rotors and hold its heading; trim it nearer to the '
-        'air, or give it rotors that can.'
+        'gtmab cannot carry its 40.0 g by its rotors and hold its heading; trim it closer to '
+        'neutral, or give it stronger rotors.'
     )
     # With 30 g, 0.294 N, it can; the forward rotors pull down as well, and get what is left.
     assert 0.0 < level_force(build(('trim.heaviness', given(30, 'g')))) < 0.3

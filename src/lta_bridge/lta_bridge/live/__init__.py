@@ -1,1 +1,1 @@
-"""A running graph as Foxglove sees it: which messages are shown, and the scene around them."""
+"""Live view of a running graph in Foxglove: messages and a 3D scene."""

@@ -1,4 +1,4 @@
-"""Where a live view listens, and how people get there."""
+"""Address of a live view."""
 
 import socket
 from urllib.parse import urlencode
@@ -6,26 +6,26 @@ from urllib.parse import urlencode
 from lta_config.errors import BadInput
 
 APP = 'https://app.foxglove.dev/'
-PORT = 8765  # that Foxglove proposes
+PORT = 8765  # Foxglove's default
 LOCAL = '127.0.0.1'
 
 
 def build_port_error(port: int, reason: str) -> BadInput:
-    """Return the sentence on a port that nothing can listen on."""
+    """Return the error for a port that cannot be listened on."""
     return BadInput(
-        f'Port {port} cannot be used for the live view ({reason}); end what listens there, or '
+        f'Port {port} cannot be used for the live view ({reason}); stop its user, or '
         'choose another port.'
     )
 
 
 def check_port(host: str, port: int) -> None:
     """
-    Refuse a port that nothing could listen on.
+    Check that a port can be listened on.
 
     Raises
     ------
     BadInput
-        If it is in use, or the host is none of this machine's.
+        If it is in use, or the host is not an address of this machine.
 
     """
     try:
@@ -38,6 +38,6 @@ def check_port(host: str, port: int) -> None:
 
 
 def build_app_url(port: int) -> str:
-    """Return the address at which Foxglove in a browser shows a live view of this machine."""
+    """Return the URL that opens a live view of this machine in Foxglove's web app."""
     query = {'ds': 'foxglove-websocket', 'ds.url': f'ws://localhost:{port}'}
     return f'{APP}?{urlencode(query, safe=":/")}'

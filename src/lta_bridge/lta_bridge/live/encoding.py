@@ -1,4 +1,4 @@
-"""Shapes and frames as Foxglove's own messages."""
+"""Encode shapes and frames as Foxglove messages."""
 
 from collections.abc import Iterable
 
@@ -20,27 +20,17 @@ from lta_bridge.live.shapes import (
     Turn,
 )
 
-HEAD = 2.0  # width of an arrow's head by its shaft's
+HEAD = 2.0  # ratio of an arrow's head width to its shaft
 HEAD_SHARE = 0.25  # of an arrow's length
 
 
 def encode_scene_update(entities: Iterable[ShapeEntity], stamp_ns: int) -> bytes:
-    """
-    Return entities as a serialised foxglove.SceneUpdate; each replaces the one of its name.
-
-    Parameters
-    ----------
-    entities : iterable of Entity
-        What to draw.
-    stamp_ns : int
-        Graph time. [ns]
-
-    """
+    """Return entities as a serialised foxglove.SceneUpdate; each replaces that of its name."""
     return fg.SceneUpdate(entities=[_encode_entity(item, stamp_ns) for item in entities]).encode()
 
 
 def encode_frame_transforms(frames: Iterable[SceneFrame], stamp_ns: int) -> bytes:
-    """Return frames as serialised foxglove.FrameTransforms of a graph time. [ns]"""
+    """Return frames as serialised foxglove.FrameTransforms at a graph time. [ns]"""
     stamp = _encode_stamp(stamp_ns)
     return fg.FrameTransforms(
         transforms=[

@@ -1,4 +1,4 @@
-"""Which of the messages that a live view hears it hands on, dated and counted."""
+"""Select, stamp and count the messages that a live view forwards to viewers."""
 
 from collections.abc import Callable
 import time
@@ -8,29 +8,22 @@ from lta_bridge.live.rate_limiter import RateLimiter
 from lta_bridge.message_accounting import MessageAccounting, read_stamp
 from lta_config.topics import TopicTable
 
-FASTEST = 60.0  # Hz of wall time: as often as a screen changes
-HEAVY = {'sensor_msgs/msg/Image': 10.0}  # Hz of what is large; a light block has 16 kB
+FASTEST = 60.0  # Hz of wall time: a usual screen rate
+HEAVY = {'sensor_msgs/msg/Image': 10.0}  # Hz, limits of large messages; a light block has 16 kB
 
 
 @final
 class LiveFeed:
     """
-    The share of each topic that viewers get.
+    Limit the rate of each topic for viewers.
 
-    Only a topic with a rhythm is thinned: of one without, such as /diagnostics, each message may
-    be of somebody else.
-
-    Parameters
-    ----------
-    table : TopicTable
-        Says how often topics come.
-    clock : callable
-        Returns wall time. [s]
+    Only periodic topics are thinned. On others, such as /diagnostics, each message may be from
+    another node. `clock` returns the wall time. [s]
 
     Attributes
     ----------
     sent, left_out : dict of str to int
-        By topic: messages handed on, and those between them that were not.
+        By topic: forwarded messages, and those dropped between them.
 
     """
 
@@ -49,26 +42,18 @@ class LiveFeed:
 
     @property
     def now(self) -> int:
-        """The newest publication that has been heard and believed. [ns]"""
+        """Time of the newest plausible publication. [ns]"""
         return self._books.now
 
     def admit_message(self, name: str, data: bytes, *, has_viewers: bool) -> int | None:
         """
-        Return the log time of a message if it is to be handed on. [ns]
+        Return the log time of a message to forward, None for one to drop. [ns]
 
-        Parameters
-        ----------
-        name : str
-            Relative topic name.
-        data : bytes
-            The serialised message.
-        wanted : bool
-            Whether anybody looks at the topic.
-
+        `name` is the relative topic name.
         """
         when = self._books.assign_log_time(name, data)
         if not has_viewers:
-            self._last.pop(name, None)  # nobody misses what comes until the next is sent
+            self._last.pop(name, None)  # without viewers, messages do not count as dropped
             return None
         if name in self._paces and not self._paces[name].try_acquire(self._clock()):
             return None
@@ -76,7 +61,7 @@ class LiveFeed:
         return when
 
     def _count_message(self, name: str, data: bytes) -> None:
-        """Count a message, and by its stamp those between it and the one before."""
+        """Count a forwarded message, and by its stamp those dropped before it."""
         self.sent[name] = self.sent.get(name, 0) + 1
         topic = self._table[name]
         stamp = read_stamp(data) if topic.period_ns and topic.stamped else None

@@ -1,4 +1,4 @@
-"""Where the frames are that messages name: the vehicle in the map, the sensors on the vehicle."""
+"""Frames of the messages: the vehicle in the map, the sensors on the vehicle."""
 
 import math
 from typing import final, NamedTuple
@@ -15,7 +15,7 @@ BACK: Turn = (0.0, 0.0, 1.0, 0.0)  # turns x backwards
 
 @final
 class SceneFrame(NamedTuple):
-    """A frame in its parent: where its origin is [m], and how it is turned."""
+    """Position [m] and attitude of a frame in its parent."""
 
     parent: str
     name: str
@@ -24,7 +24,7 @@ class SceneFrame(NamedTuple):
 
 
 def rotation_from_x(axis: Three) -> Turn:
-    """Return the shortest turn of x, where a light sensor must point, to a unit axis."""
+    """Return the shortest rotation from x, a light sensor's direction, to a unit vector."""
     x, y, z = axis
     length = math.sqrt(2.0 + 2.0 * x)
     if length < 1e-6:
@@ -33,7 +33,7 @@ def rotation_from_x(axis: Three) -> Turn:
 
 
 def list_sensor_frames(vehicle: Vehicle) -> list[SceneFrame]:
-    """Return the frames of the sensors, which stand still in the vehicle's."""
+    """Return the frames of the sensors, fixed to the vehicle."""
     sensors = vehicle.file.sensors
     return [
         SceneFrame(BASE, 'imu_link', to_triple(sensors.imu_position.vector), LEVEL),

@@ -1,4 +1,4 @@
-"""ROS messages as the live view's scene takes them."""
+"""Convert ROS messages for the live view's scene."""
 
 from geometry_msgs.msg import Vector3Stamped
 from lta_bridge.live.shapes import Three, Turn
@@ -7,13 +7,13 @@ from sensor_msgs.msg import JointState
 
 
 def to_pose(message: Odometry) -> tuple[Three, Turn]:
-    """Return place [m] and attitude, as x y z w."""
+    """Return position [m] and attitude (x y z w)."""
     p, q = message.pose.pose.position, message.pose.pose.orientation
     return (p.x, p.y, p.z), (q.x, q.y, q.z, q.w)
 
 
 def to_duties(message: JointState) -> dict[str, float]:
-    """Return the duty by actuator, of those that have one. [1]"""
+    """Return the duty of each actuator that has one. [1]"""
     return dict(zip(message.name, message.effort, strict=False))
 
 

@@ -1,4 +1,4 @@
-"""The path so far, in few points however long the flight."""
+"""Store a flight path with a limited number of points."""
 
 import math
 from typing import final
@@ -12,16 +12,10 @@ COLOUR = (0.10, 0.45, 0.85, 1.0)
 @final
 class PathTrace:
     """
-    The places that a vehicle has been at, at least a step apart.
+    Positions of a vehicle, at least a step [m] apart.
 
-    When there are too many, every second one is dropped and the step doubled, so that old and new
-    are drawn alike.
-
-    Parameters
-    ----------
-    step : float
-        Distance between two points at first. [m]
-
+    When there are too many, every second one is dropped and the step is doubled, so that old and
+    new parts have the same resolution.
     """
 
     def __init__(self, step: float = 0.02) -> None:
@@ -29,7 +23,7 @@ class PathTrace:
         self.points: list[Three] = []
 
     def add_place(self, place: Three) -> None:
-        """Go on to a place. [m]"""
+        """Add a position. [m]"""
         if self.points and math.dist(self.points[-1], place) < self.step:
             return
         self.points.append(place)

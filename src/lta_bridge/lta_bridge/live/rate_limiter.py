@@ -1,4 +1,4 @@
-"""How often something is shown to people: a limit by the wall clock, steady under jitter."""
+"""Limit the rate of events by the wall clock, tolerant of jitter."""
 
 from typing import final
 
@@ -6,16 +6,10 @@ from typing import final
 @final
 class RateLimiter:
     """
-    A limit of events a wall second.
+    Limit events to a mean rate. [Hz]
 
-    What comes as often as the limit, some of it early and some late, passes whole: an event may
-    be early by half an interval, and the next is counted from when it was due.
-
-    Parameters
-    ----------
-    rate : float
-        Most events a second in the long run. [Hz]
-
+    Events at exactly this rate all pass despite jitter: one may be early by half an interval, and
+    the next interval counts from when it was due.
     """
 
     def __init__(self, rate: float) -> None:
@@ -23,7 +17,7 @@ class RateLimiter:
         self._due = -float('inf')
 
     def try_acquire(self, now: float) -> bool:
-        """Tell whether an event at a wall time passes, and count it if so. [s]"""
+        """Return whether an event at a wall time passes; count it if so. [s]"""
         if now < self._due - 0.5 * self._interval:
             return False
         self._due = max(self._due, now - 0.5 * self._interval) + self._interval

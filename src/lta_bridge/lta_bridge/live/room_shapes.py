@@ -1,4 +1,4 @@
-"""The world of a scenario as shapes in the map frame: walls, lamps with their light, goals."""
+"""Draw a scenario in the map frame: walls, lamps with their light cones, goals."""
 
 import math
 from typing import Final
@@ -30,7 +30,7 @@ BEAM: Final[Colour] = (1.0, 0.90, 0.40, 0.12)
 GOAL: Final[Colour] = (0.20, 0.65, 0.30, 1.0)
 THIN: Final = 0.01  # m, of a floor or wall
 BULB: Final = 0.12  # m across
-BEAM_LENGTH: Final = 1.0  # m, of the edge of the drawn cone: the light goes on
+BEAM_LENGTH: Final = 1.0  # m, length of the drawn light cone; the light reaches farther
 CORNERS: Final = 48  # of the circle around the goal
 
 
@@ -40,13 +40,13 @@ def half_power_angle(lamp: BeaconLamp) -> float:
 
 
 def draw_static_scene(scenario: Scenario) -> list[ShapeEntity]:
-    """Return everything of a scenario that never moves."""
+    """Return all static shapes of a scenario."""
     lamps = [draw_lamp(name, scene) for name, scene in scenario.lamps.items()]
     return [draw_walls(scenario), *lamps, draw_goals(scenario)]
 
 
 def draw_walls(scenario: Scenario) -> ShapeEntity:
-    """Return the floor and the edges of the room; walls only where they hold a drone back."""
+    """Return the floor and the edges of the room; walls only if they stop a drone."""
     length, width, height = scenario.room.size.vector
     x, y = length / 2, width / 2
     shapes: list[BoxShape | LineShape] = [

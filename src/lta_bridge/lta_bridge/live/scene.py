@@ -1,4 +1,4 @@
-"""The scene of a flight: what stands, what moves, and where the frames are."""
+"""Draw the scene of a flight: static shapes, moving shapes and frames."""
 
 import math
 from typing import final, NamedTuple
@@ -22,14 +22,14 @@ from lta_bridge.live.vehicle_shapes import draw_bearing, draw_body, draw_thrust,
 from lta_model.scenario import Scenario
 from lta_model.vehicle import Vehicle
 
-RAY = 2.0  # m, of the bearing
+RAY = 2.0  # m, length of the bearing ray
 CALM = 0.01  # m/s below which no wind is drawn
 WIND = (0.45, 0.75, 0.95, 1.0)
 
 
 class SceneState(NamedTuple):
     """
-    What moves in a scene.
+    The moving parts of a scene.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class SceneState(NamedTuple):
     duties : dict of str to float
         Commanded duty by actuator. [1]
     seen : 3-tuple
-        The bearing vector, zero where no lamp is seen. [1, base_link]
+        The bearing vector; zero without a detected lamp. [1, base_link]
     wind : 3-tuple
         Velocity of the air at the hull. [m/s, map]
 
@@ -53,17 +53,7 @@ class SceneState(NamedTuple):
 
 @final
 class LiveScene:
-    """
-    The scene of one vehicle in one scenario.
-
-    Parameters
-    ----------
-    vehicle : Vehicle
-        Gives hull, parts, rotors and sensors.
-    scenario : Scenario
-        Gives room, lamps and goals.
-
-    """
+    """The scene of one vehicle in one scenario."""
 
     def __init__(self, vehicle: Vehicle, scenario: Scenario) -> None:
         self._vehicle = vehicle
@@ -73,7 +63,7 @@ class LiveScene:
         self.standing = [*draw_static_scene(scenario), draw_body(vehicle)]
 
     def draw_moving(self, state: SceneState) -> list[ShapeEntity]:
-        """Return thrust, bearing and wind; the path goes on to where the vehicle is."""
+        """Return thrust, bearing and wind; add the position to the path."""
         self.track.add_place(state.place)
         return [
             draw_thrust(self._vehicle, state.duties),
@@ -86,7 +76,7 @@ class LiveScene:
         return self.track.to_entity(MAP)
 
     def list_frames(self, state: SceneState) -> list[SceneFrame]:
-        """Return where the vehicle is in the map, and the sensors on it."""
+        """Return the frames of the vehicle and its sensors."""
         return [build_vehicle_frame(state.place, state.turn), *self._sensors]
 
     def _draw_wind(self, state: SceneState) -> ShapeEntity:

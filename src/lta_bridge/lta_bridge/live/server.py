@@ -1,8 +1,8 @@
 """
-A WebSocket server that Foxglove connects to, by Foxglove's own SDK: it shows, and takes nothing.
+Read-only WebSocket server for Foxglove, based on Foxglove's SDK.
 
-Viewers can look and nothing else: they may not publish, set parameters or call services. What a
-slow one cannot take is dropped by the SDK, oldest first. The server runs in threads of the SDK's.
+Viewers may not publish, set parameters or call services. If a viewer is slow, the SDK drops its
+oldest messages. The server runs in the SDK's threads.
 """
 
 from collections.abc import Mapping
@@ -15,15 +15,15 @@ from lta_bridge.live.address import build_port_error
 
 import foxglove
 
-BACKLOG = 512  # messages that may wait for a slow viewer
+BACKLOG = 512  # queue limit of messages for a slow viewer
 
-# Viewers that leave in a hurry, or ask for what they may not have, are no news to a flight.
+# Do not log viewers that disconnect or send forbidden requests.
 logging.getLogger('foxglove').addHandler(logging.NullHandler())
 
 
 @final
 class Audience(ServerListener):
-    """Who looks at what; called by threads of the SDK."""
+    """Track the viewers of each topic; called by threads of the SDK."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -31,24 +31,24 @@ class Audience(ServerListener):
         self._newcomers: set[str] = set()
 
     def on_subscribe(self, client: Client, channel: ChannelView) -> None:
-        """Take note of somebody who begins to look at a topic."""
+        """Add a viewer of a topic."""
         with self._lock:
             self._looks.add((client.id, channel.topic))
             self._newcomers.add(channel.topic)
 
     def on_unsubscribe(self, client: Client, channel: ChannelView) -> None:
-        """Take note of somebody who no longer looks at a topic."""
+        """Remove a viewer of a topic."""
         with self._lock:
             self._looks.discard((client.id, channel.topic))
 
     @property
     def viewer_count(self) -> int:
-        """How many look at anything."""
+        """Number of viewers of any topic."""
         with self._lock:
             return len({client for client, _ in self._looks})
 
     def pop_newcomer(self, topic: str) -> bool:
-        """Tell whether somebody has begun to look at a topic since this was last asked."""
+        """Return whether a topic has a new viewer since the last call."""
         with self._lock:
             found = topic in self._newcomers
             self._newcomers.discard(topic)
@@ -63,16 +63,16 @@ class LiveServer:
     Parameters
     ----------
     name : str
-        What viewers see as the source.
+        Name of the source, shown to viewers.
     host, port : str and int
-        Where to listen.
+        Address to listen on.
     channels : mapping of str to (str, foxglove.Schema)
-        By topic: how its messages are encoded, and what they are.
+        Encoding and schema by topic.
 
     Raises
     ------
     BadInput
-        If nothing can listen there.
+        If the address cannot be listened on.
 
     """
 
@@ -103,17 +103,17 @@ class LiveServer:
             ) from None
 
     def has_viewers(self, topic: str) -> bool:
-        """Tell whether anybody looks at a topic."""
+        """Return whether a topic has viewers."""
         return self._channels[topic].has_sinks()
 
     def send_message(self, topic: str, data: bytes, when_ns: int) -> None:
-        """Show a message, logged at a graph time. [ns]"""
+        """Send a message with its log time in graph time. [ns]"""
         self._channels[topic].log(data, log_time=when_ns)
 
     def broadcast_time(self, now_ns: int) -> None:
-        """Tell all viewers the graph time. [ns]"""
+        """Send the graph time to all viewers. [ns]"""
         self._server.broadcast_time(now_ns)
 
     def close(self) -> None:
-        """Let all viewers go."""
+        """Disconnect all viewers."""
         self._server.stop()

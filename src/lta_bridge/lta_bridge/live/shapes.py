@@ -1,5 +1,5 @@
 """
-What a scene is drawn from: simple bodies with a place, a size and a colour.
+Simple shapes to draw a scene: bodies with a position, a size and a colour.
 
 Lengths in metres, quaternions x y z w, colours red green blue and opacity from 0 to 1. A body has
 the axes that Foxglove gives it: an arrow points along its x, a cylinder stands along its z.
@@ -37,7 +37,7 @@ class BoxShape(NamedTuple):
 
 
 class CylinderShape(NamedTuple):
-    """A cylinder or cone about its own z; `bottom` and `top` are the ends' shares of its size."""
+    """A cylinder or cone about its own z; `bottom` and `top` scale the radius of its ends."""
 
     place: Three
     size: Three
@@ -48,7 +48,7 @@ class CylinderShape(NamedTuple):
 
 
 class ArrowShape(NamedTuple):
-    """An arrow from its place along its own x."""
+    """An arrow from its position along its own x."""
 
     place: Three
     length: float
@@ -58,7 +58,7 @@ class ArrowShape(NamedTuple):
 
 
 class LineShape(NamedTuple):
-    """A line through points; with `pairs` a stroke from each second point to the next."""
+    """A line through points; with `pairs`, separate strokes between pairs of points."""
 
     points: tuple[Three, ...]
     thickness: float
@@ -67,7 +67,7 @@ class LineShape(NamedTuple):
 
 
 class LabelShape(NamedTuple):
-    """A word that faces whoever looks."""
+    """A text that always faces the viewer."""
 
     place: Three
     text: str
@@ -79,7 +79,7 @@ Shape = EllipsoidShape | BoxShape | CylinderShape | ArrowShape | LineShape | Lab
 
 
 class ShapeEntity(NamedTuple):
-    """What is drawn, moved and replaced together, by its name; without shapes it vanishes."""
+    """Shapes that are drawn and replaced together, by name; without shapes it is removed."""
 
     name: str
     frame: str
@@ -88,34 +88,28 @@ class ShapeEntity(NamedTuple):
 
 def rotation_between(start: Three, direction: Three) -> Turn:
     """
-    Return the shortest turn of one direction onto another.
+    Return the shortest rotation from a unit vector to a direction.
 
-    Parameters
-    ----------
-    start : 3-tuple
-        Unit vector that is turned.
-    direction : 3-tuple
-        Where to, of any length but zero.
-
+    `direction` may have any length but zero.
     """
     length = math.hypot(*direction)
     x, y, z = (number / length for number in direction)
     p, q, r = start
     turn = (q * z - r * y, r * x - p * z, p * y - q * x, 1.0 + p * x + q * y + r * z)
     norm = math.hypot(*turn)
-    if norm < 1e-9:  # right back: half a turn about whatever is across
+    if norm < 1e-9:  # opposite: half a turn about any perpendicular axis
         return (0.0, 0.0, 1.0, 0.0) if r == 0.0 else (1.0, 0.0, 0.0, 0.0)
     a, b, c, d = turn
     return a / norm, b / norm, c / norm, d / norm
 
 
 def move_point(place: Three, direction: Three, length: float) -> Three:
-    """Return the place that lies a length away along a unit direction. [m]"""
+    """Return the point at a distance along a unit direction. [m]"""
     x, y, z = (p + length * d for p, d in zip(place, direction, strict=True))
     return x, y, z
 
 
 def to_triple(numbers: tuple[float, ...]) -> Three:
-    """Return three numbers as such."""
+    """Return a tuple of three numbers, typed as such."""
     x, y, z = numbers
     return float(x), float(y), float(z)

@@ -1,4 +1,4 @@
-"""The vehicle as shapes in its own frame: hull, parts, rotors, and the thrust they give."""
+"""Draw the vehicle in its own frame: hull, parts, rotors and thrust."""
 
 from collections.abc import Mapping
 from typing import Final
@@ -23,18 +23,23 @@ from lta_model import hull
 from lta_model.vehicle import Vehicle
 
 BASE: Final = 'base_link'
-ENVELOPE: Final[Colour] = (0.80, 0.84, 0.90, 0.45)  # see-through: what hangs below must show
+ENVELOPE: Final[Colour] = (
+    0.80,
+    0.84,
+    0.90,
+    0.45,
+)  # transparent, so that the gondola stays visible
 PART: Final[Colour] = (0.35, 0.40, 0.47, 1.0)
 PANEL: Final[Colour] = (0.10, 0.22, 0.50, 1.0)
 DISC: Final[Colour] = (0.15, 0.60, 0.75, 0.55)
 THRUST: Final[Colour] = (0.90, 0.35, 0.10, 1.0)
-PANELS: Final = 'panel'  # in the name of a part that harvests
+PANELS: Final = 'panel'  # part of the name of solar panels
 FLAT: Final = 0.1  # thickness of a rotor's disc by its radius
-ROTOR: Final = 0.12  # radius of a disc by the vehicle's reach: no file says how large rotors are
+ROTOR: Final = 0.12  # disc radius by the vehicle's reach: the vehicle file has no rotor size
 
 
 def vehicle_reach(vehicle: Vehicle) -> float:
-    """Return how far the vehicle extends from the hull centre along its longest axis. [m]"""
+    """Return the largest extent of the vehicle from the hull centre. [m]"""
     ends = list(hull.half_axes(vehicle.file.hull))
     for rotor in vehicle.rotors:
         ends += [abs(number) for number in rotor.place]
@@ -42,7 +47,7 @@ def vehicle_reach(vehicle: Vehicle) -> float:
 
 
 def draw_body(vehicle: Vehicle) -> ShapeEntity:
-    """Return what never moves within the vehicle: hull, boxes and discs."""
+    """Return the static shapes of the vehicle: hull, boxes and discs."""
     shapes: list[Shape] = []
     half = hull.half_axes(vehicle.file.hull)
     if any(half):
@@ -65,7 +70,7 @@ def draw_body(vehicle: Vehicle) -> ShapeEntity:
         for rotor in vehicle.rotors
     ]
     shapes += [*boxes, *discs]
-    if not boxes:  # nothing else says what holds the rotors
+    if not boxes:  # without parts, draw a body at the centre of gravity
         centre = to_triple(tuple(float(number) for number in vehicle.cg))
         points = tuple(point for rotor in vehicle.rotors for point in (centre, rotor.place))
         shapes.append(LineShape(points, 0.2 * radius, PART, pairs=True))
@@ -74,15 +79,9 @@ def draw_body(vehicle: Vehicle) -> ShapeEntity:
 
 def draw_thrust(vehicle: Vehicle, duties: Mapping[str, float]) -> ShapeEntity:
     """
-    Return the rotors' forces as arrows, as long as the vehicle reaches at full duty.
+    Return the rotors' forces as arrows, as long as the vehicle's reach at full duty.
 
-    Parameters
-    ----------
-    vehicle : Vehicle
-        The vehicle.
-    duties : mapping
-        Commanded duty by actuator name; a rotor without one gives no arrow. [1]
-
+    `duties` holds the duty by actuator name; a rotor without one gets no arrow. [1]
     """
     longest = vehicle_reach(vehicle)
     arrows = []
@@ -109,16 +108,14 @@ def draw_bearing(
     vehicle: Vehicle, direction: tuple[float, float, float], length: float
 ) -> ShapeEntity:
     """
-    Return where the light is believed to come from, as a ray from the ring of photodiodes.
+    Return the estimated bearing of the lamp as a ray from the ring of photodiodes.
 
     Parameters
     ----------
-    vehicle : Vehicle
-        The vehicle.
     seen : 3-tuple
-        The bearing vector, of any length; zero where no lamp is seen. [1, base_link]
+        The bearing vector, of any length; zero without a detected lamp. [1, base_link]
     length : float
-        Of the ray. [m]
+        Length of the ray. [m]
 
     """
     size = sum(number * number for number in direction) ** 0.5

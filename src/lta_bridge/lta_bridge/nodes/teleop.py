@@ -149,7 +149,7 @@ class Teleop(GraphNode):
             self.health.report('helm', level, text)
 
     def close(self) -> None:
-        """Close the device; if the operator has control, it is not handed back: the drone lands."""
+        """Close the device; control is not handed back, so a drone under control lands."""
         self._device.close()
         super().close()
 

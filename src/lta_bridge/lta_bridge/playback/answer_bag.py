@@ -1,7 +1,7 @@
 """
-The bag into which a player writes what the nodes answer, each under the time it was due.
+Write the nodes' answers of a replay to a bag, each logged at its due time.
 
-A fault of the disk ends the bag, not the player, which says so when it closes.
+A storage fault ends the bag but not the replay; the player reports it when it closes.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -24,32 +24,32 @@ from lta_config.topics import robot_topic, TopicTable
 @final
 class AnswerBag:
     """
-    Writes answers; close it at the end.
+    Write answers to a bag; call `close` at the end.
 
     Parameters
     ----------
     path : Path
         Folder of the bag; it must not exist yet or be empty.
     recording : Recording
-        What is played; its origin becomes that of the answers.
+        The played recording, whose origin is stored in the bag.
     selection : NodeSelection
-        Whose answers.
+        The nodes that answer.
     table : TopicTable
         Types and latencies.
     robot : str
         Namespace of the nodes.
     offered : callable
-        Returns a topic's profile, for the bag.
+        Returns the offered QoS profiles of a topic.
 
     Attributes
     ----------
     fault : str
-        Why nothing more is written; empty while all is well.
+        Why nothing more is written; empty without a fault.
 
     Raises
     ------
     BadInput
-        If the bag cannot be begun.
+        If the bag cannot be created.
 
     """
 
@@ -77,19 +77,9 @@ class AnswerBag:
 
     def write(self, name: str, data: bytes, due_ns: int | None, now_ns: int) -> None:
         """
-        Write an answer.
+        Write an answer to a relative topic.
 
-        Parameters
-        ----------
-        name : str
-            Relative topic name.
-        data : bytes
-            The message.
-        due_ns : int or None
-            When it was due, where that is known. [ns]
-        now_ns : int
-            Time on the bag's clock, for what has no stamp. [ns]
-
+        `due_ns` is its due time if known, `now_ns` the bag's present time for unstamped messages.
         """
         when = due_ns
         if when is None:
@@ -99,7 +89,7 @@ class AnswerBag:
         self._try_step(lambda: self._writer.write(self._names[name], data, when))
 
     def flush(self) -> None:
-        """Hand what has come to the operating system, if that is due."""
+        """Flush the bag, if that is due."""
         if time.monotonic() - self._flushed >= FLUSH_PERIOD:
             self._try_step(self._writer.flush)
             self._flushed = time.monotonic()
@@ -109,7 +99,7 @@ class AnswerBag:
         self._try_step(self._writer.close, always=True)
 
     def _try_step(self, step: Callable[[], None], *, always: bool = False) -> None:
-        """Do something with the bag, unless the disk has failed, and keep the first fault."""
+        """Run a step unless the disk has failed; keep the first fault."""
         if self.fault and not always:
             return
         try:

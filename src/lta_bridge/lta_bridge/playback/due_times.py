@@ -1,11 +1,11 @@
 """
-When each message of a replay is due, whatever the recording looks like.
+Compute when each message of a replay is due, also for imperfect recordings.
 
-A played message is due when it was published: stamp plus latency, but not before its time in the
-bag, and never before the one in front of it. An answer is due when it would have been published,
-but not before what it answers. So nothing that is due at some time depends on anything later: a
-replay that plays by time, and waits for the answers due, cannot stand still, with any gap, jitter
-or jump of the stamps. Where the recording is whole, this is the table's own rule.
+A played message is due at its publication: stamp plus latency, but not before its time in the bag
+and not before the previous message. An answer is due when it would have been published, but not
+before its trigger. So no due message depends on a later one, and a lockstep replay that waits for
+due answers cannot deadlock at gaps, jitter or jumps of the stamps. For a complete recording these
+are the times of the topic table.
 """
 
 from collections.abc import Iterable, Mapping
@@ -18,13 +18,13 @@ from lta_config.topics import TopicTable
 
 
 class DueTimes(NamedTuple):
-    """Stamp of each message of a topic, and when it is due. [ns]"""
+    """Stamps and due times of the messages of a topic. [ns]"""
 
     stamps: list[int]
     due: list[int]
 
     def add(self, stamp_ns: int, due_ns: int) -> None:
-        """Add a message; it is not due before the last one."""
+        """Add a message; its due time is not earlier than the last one's."""
         self.stamps.append(stamp_ns)
         self.due.append(max(due_ns, self.due[-1]) if self.due else due_ns)
 
@@ -32,7 +32,7 @@ class DueTimes(NamedTuple):
 def compute_due_times(
     messages: Iterable[RecordedMessage], table: TopicTable
 ) -> dict[str, DueTimes]:
-    """Return when each of some played messages is due, by topic."""
+    """Return the due times of the played messages, by topic."""
     found: dict[str, DueTimes] = {}
     for name, time_ns, data in messages:
         row = table[name]
@@ -45,7 +45,7 @@ def compute_due_times(
 def compute_answer_times(
     played: Mapping[str, DueTimes], table: TopicTable, selection: NodeSelection
 ) -> dict[str, DueTimes]:
-    """Return when each answer of the nodes is due, by topic."""
+    """Return the due times of the nodes' answers, by topic."""
     found: dict[str, DueTimes] = {}
 
     def find_times(name: str) -> DueTimes:

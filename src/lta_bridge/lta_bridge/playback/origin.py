@@ -1,4 +1,4 @@
-"""What a bag of answers says of its origin: the recording's own, and who answered it anew."""
+"""Provenance of replays: the recording's origin, and the nodes that were run again."""
 
 from collections.abc import Mapping
 
@@ -6,26 +6,32 @@ from lta_bridge.playback.recording import BagRecording
 from lta_bridge.provenance import describe_environment
 
 REPLAY_OF, REPLAYED = 'replay_of', 'replayed_nodes'  # keys of the origin
-SCENE = ('scenario', 'scenario_file', 'seed', 'offset_x', 'offset_y')  # as it was recorded
-SET = 'set'  # parameters of the flight, which `lta replay` alone gives to the nodes again
+SCENE = (
+    'scenario',
+    'scenario_file',
+    'seed',
+    'offset_x',
+    'offset_y',
+)  # keys copied from the recording
+SET = 'set'  # parameters of the flight; only `lta replay` passes them to the nodes again
 
 
 def build_answers_origin(recording: BagRecording, nodes: tuple[str, ...]) -> dict[str, str]:
-    """Return the origin of what some nodes answer to a recording, with its own parameters."""
+    """Return the provenance of a bag with some nodes' answers to a recording."""
     told = {REPLAY_OF: str(recording.path), REPLAYED: ' '.join(nodes)}
     return {**recording.provenance, **describe_environment(), **told}
 
 
 def build_replay_origin(recording: BagRecording, graph: Mapping[str, str]) -> dict[str, str]:
     """
-    Return the origin of a whole graph that is recorded while a recording is played to it.
+    Return the provenance of a bag recorded from a graph during a replay.
 
     Parameters
     ----------
-    recording : Recording
-        What is played: scene, chance and whether it was measured are its own.
+    recording : BagRecording
+        The replayed recording: origin of scene, seed, and whether the data were measured.
     graph : mapping of str to str
-        The origin by the launch: vehicle, gains and strategy of the nodes that run.
+        Provenance of the launch: vehicle, gains and strategy of the running nodes.
 
     """
     kept = {key: value for key, value in recording.provenance.items() if key != SET}

@@ -1,4 +1,4 @@
-"""Where on the bag's clock a replay is by the wall clock: at a rate, paused, or step by step."""
+"""Map the wall clock to the bag's clock during a replay: at a rate, paused, or stepped."""
 
 from typing import final
 
@@ -8,16 +8,16 @@ from lta_bridge.playback.pending_answers import NEVER
 @final
 class PlaybackClock:
     """
-    The transport of a player.
+    Position of a player on the bag's clock.
 
     Parameters
     ----------
     begin_ns : int
         Time of the first message, on the bag's clock. [ns]
     rate : float or None
-        Bag seconds a wall second; None for as fast as others allow.
+        Bag seconds per wall second; None for no limit.
     paused : bool
-        Whether to begin with a pause, before the first message.
+        Whether to start paused, before the first message.
 
     """
 
@@ -28,11 +28,11 @@ class PlaybackClock:
         self.paused = paused
 
     def start(self, wall: float) -> None:
-        """Let time run from now on, unless paused. [s]"""
+        """Start at a wall time, unless paused. [s]"""
         self._since = wall
 
     def now(self, wall: float) -> int:
-        """Return up to which time to play. [ns]"""
+        """Return the time up to which to play. [ns]"""
         if self.paused or self._since is None:
             return self._at
         if self._rate is None:
@@ -40,17 +40,17 @@ class PlaybackClock:
         return self._at + round(self._rate * 1e9 * (wall - self._since))
 
     def pause(self, wall: float, played_ns: int) -> None:
-        """Stop at a wall time [s]: at a rate where time is, else behind the last message [ns]."""
+        """Pause at a wall time [s]; without a rate, after the last played message [ns]."""
         if not self.paused:
             self._at = played_ns if self._rate is None else self.now(wall)
             self.paused = True
 
     def resume(self, wall: float) -> None:
-        """Go on, at a wall time [s], from where it stopped."""
+        """Resume at a wall time. [s]"""
         if self.paused:
             self._since = wall
             self.paused = False
 
     def step(self, to_ns: int) -> None:
-        """Move a paused replay on to a time. [ns]"""
+        """Advance a paused replay to a time. [ns]"""
         self._at = max(self._at, to_ns)

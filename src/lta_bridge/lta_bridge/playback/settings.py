@@ -34,8 +34,8 @@ class PlayerSettings(Settings):
         fixed=True,
     )
     end: float = setting(
-        FOREVER, 'End of the played section, after the first message.', unit='s', low=0.0, high=FOREVER,
-        fixed=True,
+        FOREVER, 'End of the played section, after the first message.', unit='s',
+        low=0.0, high=FOREVER, fixed=True,
     )  # fmt: skip
     loop: bool = setting(False, 'Whether to repeat the section, in real time.', fixed=True)
     paused: bool = setting(False, 'Whether to start paused.', fixed=True)

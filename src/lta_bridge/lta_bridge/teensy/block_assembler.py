@@ -1,9 +1,9 @@
 """
-Whole light blocks out of numbered rows.
+Assemble light blocks without gaps from numbered rows.
 
-A block that a demodulator can use has no gap: rows that are lost take the block that was being
-filled with them, and the next begins with the row that came. Rows are numbered by the board, so
-that neither a message of another kind nor one that we do not know looks like a loss.
+A demodulator needs blocks without gaps: after a loss the partial block is dropped, and the next
+one starts with the next row. The board numbers the rows, so that messages of other types do not
+look like losses.
 """
 
 from collections.abc import Iterator
@@ -12,8 +12,8 @@ from typing import final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-WRAP = 2**32  # of the number of a row
-RESTART = 5  # messages with old numbers in a row after which the board has begun anew
+WRAP = 2**32  # row numbers wrap here
+RESTART = 5  # consecutive messages with old row numbers after which the board counts as restarted
 
 
 class BoardBlock(NamedTuple):
@@ -26,23 +26,23 @@ class BoardBlock(NamedTuple):
 @final
 class BlockAssembler:
     """
-    Rows that are gathered.
+    Collect rows into blocks.
 
     Parameters
     ----------
     samples : int
         Rows in a block.
     sample_rate : float
-        Rows a second of the board's clock. [Hz]
+        Row rate by the board's clock. [Hz]
 
     Attributes
     ----------
     rows, lost, old : int
-        Rows that came, that never came, and that came twice or too late.
+        Rows received, lost, and received twice or too late.
     whole, torn : int
-        Blocks that were filled, and that lost rows while they were.
+        Complete blocks, and blocks dropped for lost rows.
     restarts : int
-        How often the board began to count anew.
+        Number of restarts of the board's row counter.
 
     """
 
@@ -60,14 +60,14 @@ class BlockAssembler:
         self, board_ns: int, sequence: int, rows: NDArray[np.uint16]
     ) -> Iterator[BoardBlock]:
         """
-        Take consecutive rows and yield the blocks that they complete.
+        Add consecutive rows and yield the blocks that they complete.
 
         Parameters
         ----------
         board_ns : int
-            Board time of the first. [ns]
+            Board time of the first row. [ns]
         sequence : int
-            Its number, modulo 2^32.
+            Number of the first row, modulo 2^32.
         rows : ndarray of uint16, shape (n, diodes)
             ADC counts.
 
@@ -93,7 +93,7 @@ class BlockAssembler:
                 self._filled = None
 
     def _accept_rows(self, sequence: int, count: int) -> bool:
-        """Tell whether rows are new, and give up the block that lacks what is missing before."""
+        """Return whether rows are new; after a gap, drop the partial block."""
         expected = sequence if self._expected is None else self._expected
         ahead = (sequence - expected) % WRAP
         if ahead >= WRAP // 2:
@@ -110,12 +110,12 @@ class BlockAssembler:
         return True
 
     def restart(self) -> None:
-        """Take the next rows for the first: the board was reset."""
+        """Start counting anew with the next rows, because the board was reset."""
         self.restarts += 1
         self._expected = None
         self._drop_partial_block()
 
     def _drop_partial_block(self) -> None:
-        """Give up the block that is being filled."""
+        """Drop the partial block."""
         self.torn += bool(self._filled is not None and self._have)
         self._filled = None

@@ -1,27 +1,26 @@
 """
-Which time of ours a time of the board's clock is, from questions and answers (TIMESYNC).
+Synchronize with the board's clock by time requests and answers (TIMESYNC).
 
-We ask at `asked`, the board answers with its own time, the answer is here at `heard`: the board's
-time lies between the two, wherever the delay came from. The line through the middles is fitted by
-least squares, where an answer counts the less the longer it was under way beyond the quickest; a
-crystal's drift is small (prior, standard deviation `CRYSTAL`), so that the first seconds do not
-make one up. A delay that is longer in one direction shifts the line by half the difference: no
-exchange of messages can tell that from an offset.
+The request is sent at `asked`, the board answers with its own time, and the answer arrives at
+`heard`: the board's time lies between the two. A line is fitted through the midpoints by weighted
+least squares; exchanges slower than the fastest one weigh less. A prior on the drift (standard
+deviation `CRYSTAL`) keeps the first seconds from producing a false one. Unequal delays in the two
+directions shift the line by half their difference, which no exchange can detect.
 """
 
 from collections import deque
 from typing import final, NamedTuple
 
-FEW = 4  # answers before a time is told: the first may have been long under way
-KEPT = 128  # exchanges: half a minute at 4 Hz, in which a crystal's temperature stays
+FEW = 4  # answers before the clock counts as synchronized: the first may have been slow
+KEPT = 128  # exchanges: half a minute at 4 Hz, in which a crystal's temperature is constant
 CRYSTAL = 100e-6  # standard deviation of a crystal's drift: twice a common part's 50 ppm
-QUICK = 0.25  # of the quickest round trip: how far a middle is believed at best
-GRAIN = 20e-6  # s: timers and schedulers are no finer
-SLACK = 2e-3  # s by which an answer may contradict the line before another clock is assumed
+QUICK = 0.25  # smallest standard deviation of a midpoint, by the fastest round trip
+GRAIN = 20e-6  # s, resolution of timers and schedulers
+SLACK = 2e-3  # s; an answer that contradicts the line by more means that a clock was reset
 
 
 class ClockExchange(NamedTuple):
-    """One question and its answer: ours, the board's, ours. [ns]"""
+    """One exchange: host time of the request, board time, host time of the answer. [ns]"""
 
     asked: int
     board: int
@@ -29,28 +28,28 @@ class ClockExchange(NamedTuple):
 
     @property
     def midpoint(self) -> int:
-        """Our time halfway between question and answer. [ns]"""
+        """Host time halfway between request and answer. [ns]"""
         return (self.asked + self.heard) // 2
 
     @property
     def round_trip(self) -> int:
-        """From question to answer. [ns]"""
+        """Time from request to answer. [ns]"""
         return self.heard - self.asked
 
 
 @final
 class BoardClock:
     """
-    The board's clock against ours.
+    Estimate the board's clock relative to the host's.
 
     Attributes
     ----------
     drift : float
-        Part by which the board's clock is too slow: our seconds a board second, less one.
+        Relative rate error, positive if the board is slow: host seconds per board second, minus 1.
     uncertainty : float
-        Standard deviation of our time of the newest answer, but for unequal delays. [s]
+        Standard deviation at the newest answer, without the effect of unequal delays. [s]
     restarts : int
-        How often an answer contradicted all before: the board was reset, or our clock was set.
+        Number of resets of the board or of the host's clock, detected by a contradiction.
 
     """
 
@@ -70,23 +69,23 @@ class BoardClock:
 
     @property
     def round_trip(self) -> int:
-        """The quickest of the exchanges that are kept. [ns]"""
+        """Shortest round trip of the stored exchanges. [ns]"""
         return min(item.round_trip for item in self._kept)
 
     def to_host_time(self, board_ns: int) -> int:
-        """Return our time of a time of the board's clock. [ns]"""
+        """Convert a board time to host time. [ns]"""
         since = board_ns - self._base
         return self._anchor + since + round(self._offset + self.drift * since)
 
     def add_exchange(self, exchange: ClockExchange) -> None:
-        """Take an exchange; begin anew where it contradicts what was known."""
+        """Add an exchange; restart if it contradicts the estimate."""
         if self._kept and self._contradicts_fit(exchange):
             self.restart()
         self._kept.append(exchange)
         self._fit_offset_drift()
 
     def restart(self) -> None:
-        """Forget all exchanges: the board was reset, or our clock was set."""
+        """Discard all exchanges: the board was reset, or the host's clock was set."""
         self._kept.clear()
         self.restarts += 1
 
@@ -96,12 +95,12 @@ class BoardClock:
         return not exchange.asked - slack <= predicted <= exchange.heard + slack
 
     def _fit_offset_drift(self) -> None:
-        """Fit offset and drift about the newest answer: there it is used."""
+        """Fit offset and drift about the newest answer, where they are used."""
         newest = self._kept[-1]
         self._base, self._anchor = newest.board, newest.midpoint
         quickest = self.round_trip
         best = QUICK * quickest * 1e-9 + GRAIN
-        # Precision matrix and right side of (offset, drift); the prior of the drift is about zero.
+        # Normal equations of (offset, drift); the prior of the drift has mean zero.
         aa = ab = bb = ya = yb = 0.0
         for item in self._kept:
             weight = (best + 1e-9 * (item.round_trip - quickest)) ** -2

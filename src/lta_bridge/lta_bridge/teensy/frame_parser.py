@@ -1,10 +1,10 @@
 """
-MAVLink 2 frames out of any stream of bytes.
+Parse MAVLink 2 frames from a stream of bytes.
 
-What does not check is left one byte at a time, so that a frame which was cut short costs itself
-alone: readers that skip as far as a broken head claims lose the next one as well. A message that
-the dialect does not have cannot be checked; it is believed where another frame follows it at once,
-and counted apart, because it is no loss.
+After a wrong checksum the parser advances by one byte only, so that a truncated frame does not
+take the next one with it, as the length in a damaged header could. The checksum of a message that
+is not in the dialect cannot be verified; it is accepted if another frame follows directly, and
+counted separately.
 """
 
 from collections.abc import Iterator
@@ -15,13 +15,13 @@ from lta_bridge.teensy.dialect import MESSAGES
 from lta_bridge.teensy.message import CHECKSUM, HEADER, MARKER, MavlinkMessage, SIGNATURE, SIGNED
 import numpy as np
 
-OLD_MARKER = 0xFE  # begins a frame of MAVLink 1, which nothing here speaks
+OLD_MARKER = 0xFE  # first byte of a MAVLink 1 frame, which is not supported
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class MavlinkFrame:
-    """A message that came, its fields, and who sent it."""
+    """A received message with its fields and its sender."""
 
     message: MavlinkMessage
     record: np.void
@@ -32,13 +32,13 @@ class MavlinkFrame:
 @final
 class FrameParser:
     """
-    The receiving end of a link.
+    Parse frames and count errors.
 
     Attributes
     ----------
     frames, crc_errors, unknown, stray : int
-        Good frames, frames whose checksum is wrong, messages that the dialect does not have, and
-        bytes that belong to none of these.
+        Valid frames, frames with a wrong checksum, messages not in the dialect, and bytes that
+        belong to none of these.
 
     """
 
@@ -47,7 +47,7 @@ class FrameParser:
         self.frames = self.crc_errors = self.unknown = self.stray = 0
 
     def parse_frames(self, data: bytes) -> Iterator[MavlinkFrame]:
-        """Yield the frames that are whole now."""
+        """Add received bytes and yield the complete frames."""
         held = self._held
         held += data
         at = 0
@@ -76,7 +76,7 @@ class FrameParser:
         return MESSAGES.get(int.from_bytes(self._held[at + 7 : at + HEADER], 'little'))
 
     def _find_frame_end(self, at: int) -> int | None:
-        """Return where a frame ends, its begin if none begins there, None if more must come."""
+        """Return the end of a frame; `at` if none starts there, None if it is incomplete."""
         held = self._held
         if len(held) - at < HEADER:
             return None
@@ -91,7 +91,7 @@ class FrameParser:
         return end if held[end] in (MARKER, OLD_MARKER) else at
 
     def _parse_frame(self, at: int, end: int) -> MavlinkFrame | None:
-        """Return a frame if it is one of the dialect's and checks; count it otherwise."""
+        """Return a frame if it is valid and in the dialect; otherwise count it."""
         message = self._find_message(at)
         if message is None:
             self.unknown += 1

@@ -1,15 +1,15 @@
-"""How the light board and its link are, as one fact with the figures behind it."""
+"""Describe the health of the light board and its link for diagnostics."""
 
 from lta_bridge.teensy.light_board import LightBoard
 from lta_bridge.teensy.reader import BoardReader
 from lta_graph.health import HealthFact, HealthLevel
 
 TASK = 'light board'
-SILENT_NS = 500_000_000  # without a frame: five blocks
+SILENT_NS = 500_000_000  # silence that counts as an error: five blocks
 
 
 def describe_health(reader: BoardReader | None, now_ns: int, active: bool) -> HealthFact:
-    """Return how the board is at a time of ours [ns]; without a reader nothing is configured."""
+    """Return the health at a host time [ns]; without a reader it is not configured."""
     if reader is None:
         return HealthFact(TASK, HealthLevel.WARN, 'not configured')
     level, message = _assess_level(reader, now_ns, active)
@@ -21,14 +21,14 @@ def _assess_level(reader: BoardReader, now_ns: int, active: bool) -> tuple[Healt
     if reader.trouble:
         return HealthLevel.ERROR, reader.trouble
     if not board.heard_ns:
-        return HealthLevel.WARN, 'nothing has come yet'
+        return HealthLevel.WARN, 'nothing received yet'
     if now_ns - board.heard_ns > SILENT_NS:
         return HealthLevel.ERROR, f'silent for {1e-9 * (now_ns - board.heard_ns):.1f} s'
     if board.fault:
         return HealthLevel.ERROR, board.fault
     if not board.clock.is_synchronized:
-        return HealthLevel.WARN, 'its time is not known yet'
-    return HealthLevel.OK, 'light comes' if active else 'light comes and is not published'
+        return HealthLevel.WARN, 'its clock is not synchronized yet'
+    return HealthLevel.OK, 'receiving light' if active else 'receiving light, not publishing'
 
 
 def _list_figures(reader: BoardReader, board: LightBoard) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""A MAVLink 2 message of the light board's link, and its bytes on the wire."""
+"""Encode and decode the MAVLink 2 messages of the light board."""
 
 from dataclasses import dataclass
 from typing import Any, final
@@ -6,11 +6,11 @@ from typing import Any, final
 from fastcrc.crc16 import mcrf4xx
 import numpy as np
 
-MARKER = 0xFD  # begins a MAVLink 2 frame
+MARKER = 0xFD  # first byte of a MAVLink 2 frame
 HEADER = 10  # bytes before the payload
 CHECKSUM = 2  # bytes after it
 SIGNATURE = 13  # bytes after that in a signed frame
-SIGNED = 0x01  # the one incompatibility flag that there is
+SIGNED = 0x01  # the only incompatibility flag of MAVLink 2
 
 
 @final
@@ -26,7 +26,7 @@ class MavlinkMessage:
     name : str
         Name in the XML.
     crc_extra : int
-        Byte by which both ends know that they mean the same fields.
+        Checksum seed that ensures that both ends use the same fields.
     layout : numpy.dtype
         Fields in the order of the wire, little endian and packed.
 
@@ -38,20 +38,20 @@ class MavlinkMessage:
     layout: 'np.dtype[np.void]'
 
     def parse_payload(self, payload: bytes | bytearray) -> np.void:
-        """Return the fields of a payload; zeros at its end are not sent, newer fields are cut."""
+        """Return the fields of a payload; trailing zeros are not sent, unknown fields are cut."""
         size = self.layout.itemsize
         return np.frombuffer(bytes(payload[:size]).ljust(size, b'\0'), self.layout)[0]  # type: ignore[no-any-return]
 
     def build_frame(self, turn: int, system: int, component: int, **values: Any) -> bytes:  # noqa: ANN401
         """
-        Return a message as it goes on the wire.
+        Return the bytes of a frame.
 
         Parameters
         ----------
         turn : int
-            Frames sent before, counted by the receiver modulo 256.
+            Number of frames sent before; sent modulo 256.
         system, component : int
-            Who sends.
+            MAVLink ids of the sender.
         **values
             The fields; those left out are zero.
 

@@ -1,4 +1,4 @@
-"""Keeps a link open: reads it in a thread, opens it again when it is gone, and says how it is."""
+"""Read a light board in a thread, and reopen its link after a loss."""
 
 from collections.abc import Callable
 import threading
@@ -9,38 +9,38 @@ from lta_bridge.teensy.light_board import LightBlock, LightBoard, LightPeaks
 from lta_bridge.teensy.port import BoardPort, open_port, Unplugged
 from lta_config.errors import BadInput
 
-GATHER = 1e-3  # s between reads: a wake-up for each frame would cost more than the frame
+GATHER = 1e-3  # s between reads: waking up for each frame would cost more than parsing it
 IDLE = 0.05  # s that a read waits for bytes
-BACK_OFF = (0.1, 0.2, 0.5, 1.0)  # s before opening again; the last goes on
+BACK_OFF = (0.1, 0.2, 0.5, 1.0)  # s before reopening; the last value repeats
 
 
 @final
 class BoardReader:
     """
-    A thread that reads one board.
+    Read one board in a thread.
 
     Parameters
     ----------
     address : str
-        As for `open_port`.
+        See `open_port`.
     board : LightBoard
-        Gets what comes; belongs to the thread until it ends.
+        Parses the received bytes; belongs to the thread until it ends.
     publish : callable
-        Gets each block or the peaks in its place, in the thread.
+        Called in the thread with each block or its peaks.
     clock : callable
-        Our time. [ns]
+        Returns the host time. [ns]
 
     Attributes
     ----------
     unplugged : int
-        How often the link was gone.
+        Number of times that the link was lost.
     trouble : str
-        Why there is no link now; empty where there is one.
+        Why there is no link now; empty if there is one.
 
     Raises
     ------
     BadInput
-        If the link cannot be opened at first.
+        If the link cannot be opened the first time.
 
     """
 
@@ -61,11 +61,11 @@ class BoardReader:
 
     @property
     def strangers(self) -> int:
-        """How much came from others than the board, and was left out."""
+        """Number of ignored messages from other senders than the board."""
         return 0 if self._port is None else self._port.strangers
 
     def close(self) -> None:
-        """End the thread and give the link back."""
+        """Stop the thread and close the link."""
         self._ended.set()
         self._thread.join()
 
@@ -86,7 +86,7 @@ class BoardReader:
             self._port.close()
 
     def _exchange_data(self, port: BoardPort) -> None:
-        """Send what is due, take what has come, and let a little gather."""
+        """Send due messages, read received bytes, and pause to collect more."""
         if due := self.board.compose_due_messages(self._clock()):
             port.write(due)
         if data := port.read(IDLE):

@@ -1,25 +1,25 @@
-"""Of all who may send, the one who is believed."""
+"""Accept one sender at a time on a shared link."""
 
 from collections.abc import Hashable
 from typing import Final, final
 
-LOYAL_NS: Final = 2_000_000_000  # of silence, after which another may be believed
+LOYAL_NS: Final = 2_000_000_000  # of silence after which another sender is accepted
 
 
 @final
 class SenderFilter:
     """
-    Believe whoever spoke first, until it has been silent for a while; count the others.
+    Accept the first sender until it has been silent for a while; count all others.
 
-    Two boards on one link would tear each other's light, and a stranger could show a lamp that is
-    not there. Which of two is the right one nobody can tell here, but one is kept to.
+    Two boards on one link would mix their rows, and a third party could fake a lamp. The filter
+    cannot know the right sender, but it never mixes two.
 
     Attributes
     ----------
     who : hashable or None
-        Who is believed; None before the first.
+        The accepted sender; None before the first.
     others : int
-        How much was left out because others sent it.
+        Number of ignored messages from other senders.
 
     """
 
@@ -29,8 +29,10 @@ class SenderFilter:
         self._heard_ns = 0
 
     def accept_sender(self, who: Hashable, now_ns: int) -> bool:
-        """Tell whether what somebody sends counts, and take note that it came. [ns]"""
-        loyal = 0 <= now_ns - self._heard_ns <= LOYAL_NS  # a clock that was set back begins anew
+        """Return whether to accept a message of a sender that arrives now. [ns]"""
+        loyal = (
+            0 <= now_ns - self._heard_ns <= LOYAL_NS
+        )  # a clock that was set back also ends the preference
         if self.who is None or (who != self.who and not loyal):
             self.who = who
         if who != self.who:

@@ -1,1 +1,1 @@
-"""A person at the helm: gamepad, keyboard or Joy messages as setpoints, with instant take-over."""
+"""Teleoperation by gamepad, keyboard or Joy messages, with instant take-over."""

@@ -1,8 +1,8 @@
 """
-A gamepad as Linux tells it: /dev/input/js0, events of 8 bytes.
+Read a gamepad from the Linux joystick device /dev/input/js0, events of 8 bytes.
 
-The kernel tells every axis and button once when it is opened and then what changes
-(Documentation/input/joydev/joystick-api.rst). One that is unplugged is opened again.
+On opening, the kernel reports every axis and button, and then each change
+(Documentation/input/joydev/joystick-api.rst). An unplugged gamepad is reopened.
 """
 
 from collections.abc import Iterator
@@ -17,7 +17,7 @@ from lta_config.errors import BadInput
 EVENT: Final = struct.Struct('<IhBB')  # time [ms], value, type, number
 BUTTON, AXIS, INITIAL = 0x01, 0x02, 0x80
 FULL: Final = 32767
-REOPEN: Final = 1.0  # s between two tries
+REOPEN: Final = 1.0  # s between two attempts
 
 
 @final
@@ -25,17 +25,10 @@ class Gamepad:
     """
     Read a gamepad.
 
-    Parameters
-    ----------
-    path : Path
-        Its device.
-    layout : Layout
-        Which axis and button is which.
-
     Raises
     ------
     BadInput
-        If there is none, or it may not be read.
+        If there is no such device, or it may not be read.
 
     """
 
@@ -45,7 +38,7 @@ class Gamepad:
             self._fd: int | None = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
         except FileNotFoundError:
             raise BadInput(
-                f'There is no gamepad at {path}: plug one in, or take device:=keyboard.'
+                f'There is no gamepad at {path}: plug one in, or use device:=keyboard.'
             ) from None
         except PermissionError:
             raise BadInput(
@@ -57,17 +50,17 @@ class Gamepad:
 
     def read_sticks(self, now: float) -> Sticks | None:
         """
-        Return what it says at a time [s]; None while it is unplugged, or not the layout's.
+        Return the sticks at a time [s]; None if it is unplugged or does not fit the layout.
 
-        A button that was pressed since the last look counts although it is up again: whoever taps
-        the emergency stop means it. So does one that was pressed just before the plug was pulled.
+        A button pressed since the last call counts even if it was released or the gamepad
+        unplugged meanwhile, so that a tap on the emergency stop is not missed.
         """
         if self._fd is None:
             self._try_reopen(now)
         tapped = set()
         for value, kind, number in self._read_events():
             if kind == AXIS:
-                # Left and up are negative here, and positive in Joy.
+                # Left and up are negative in the kernel's events and positive in Joy.
                 self._axes[number] = -value / FULL
             elif kind == BUTTON:
                 self._buttons[number] = value
@@ -89,7 +82,7 @@ class Gamepad:
         self._axes, self._buttons = {}, {}
 
     def _read_events(self) -> Iterator[tuple[int, int, int]]:
-        """Yield value, kind and number of what has come; close what is gone."""
+        """Yield value, kind and number of the new events; close an unplugged device."""
         while self._fd is not None:
             try:
                 data = os.read(self._fd, EVENT.size)
@@ -104,12 +97,12 @@ class Gamepad:
             yield value, kind & ~INITIAL, number
 
     def close(self) -> None:
-        """Let it go."""
+        """Close the device."""
         if self._fd is not None:
             os.close(self._fd)
             self._fd = None
 
 
 def _fill_gaps(levels: dict[int, float] | dict[int, int]) -> list[float]:
-    """Return what was told by number, without gaps."""
+    """Return the values by number, with 0 for missing ones."""
     return [levels.get(number, 0) for number in range(max(levels, default=-1) + 1)]

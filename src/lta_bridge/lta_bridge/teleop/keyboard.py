@@ -1,11 +1,11 @@
 """
-The keyboard of a terminal as sticks.
+Use the keyboard of a terminal as sticks.
 
-A terminal tells that a key was pressed and, by repeating it, that it still is, but never that it
-was let go: a key therefore counts for `HELD` after it was last heard.
+A terminal repeats a pressed key but does not report its release. A key therefore counts as pressed
+for `HELD` after it was last received.
 
-Arrows, function keys and their like come as an escape and some bytes, of which the last one is
-often a letter (down is ESC [ B): they mean nothing here, and must not pass for that letter.
+Arrow and function keys send escape sequences that often end in a letter (down is ESC [ B). They
+are removed, so that this letter is not taken for a key.
 """
 
 import os
@@ -18,8 +18,8 @@ from typing import Final, final
 from lta_bridge.teleop.sticks import Sticks
 from lta_config.errors import BadInput
 
-HELD: Final = 0.6  # s; keyboards begin to repeat after a quarter to half a second
-FORWARD, TURN, CLIMB = 'ws', 'ad', 'rf'  # each its positive key, then its negative one
+HELD: Final = 0.6  # s; keyboards start to repeat after 0.25 to 0.5 s
+FORWARD, TURN, CLIMB = 'ws', 'ad', 'rf'  # positive key, then negative key
 TAKE, GIVE_BACK, STOP = ' ', 'b', 'x'
 ESCAPES: Final = re.compile(  # ECMA-48's CSI, Linux's own F1 to F5, and SS3 of a keypad
     rb'\x1b(?:\[\[[A-E]|\[(?!\[)[0-?]*[ -/]*[@-~]|O[ -~])'
@@ -27,25 +27,20 @@ ESCAPES: Final = re.compile(  # ECMA-48's CSI, Linux's own F1 to F5, and SS3 of 
 TORN: Final = re.compile(rb'\x1b(?:\[\[?[0-?]*[ -/]*|O)?\Z')
 HELP: Final = """\
 w s  ahead, back     a d  left, right     r f  up, down     (hold a key down)
-space  take the helm     b  hand it back     x  EMERGENCY STOP: motors off for good
-Ctrl-C leaves; while you have the helm, the drone then holds and lands.
+space  take control     b  hand it back     x  EMERGENCY STOP: motors off for good
+Ctrl-C quits; if you have control, the drone then holds its position and lands.
 """
 
 
 @final
 class Keyboard:
     """
-    Read keys from a terminal.
-
-    Parameters
-    ----------
-    fd : int or None
-        A terminal; standard input where None.
+    Read keys from a terminal, by default standard input.
 
     Raises
     ------
     BadInput
-        If it is no terminal.
+        If it is not a terminal.
 
     """
 
@@ -53,8 +48,8 @@ class Keyboard:
         self._fd = sys.stdin.fileno() if fd is None else fd
         if not os.isatty(self._fd):
             raise BadInput(
-                'device:=keyboard reads the keys of a terminal, and there is none: start teleop '
-                'by itself in one (lta run lta_bridge teleop), or take device:=joy.'
+                'device:=keyboard needs a terminal, and there is none: start teleop separately in '
+                'one (lta run lta_bridge teleop), or use device:=joy.'
             )
         self._before = termios.tcgetattr(self._fd)
         tty.setcbreak(self._fd)
@@ -64,7 +59,7 @@ class Keyboard:
         self._dead = False
 
     def read_sticks(self, now: float) -> Sticks | None:
-        """Return which keys are down at a time [s]; None once the terminal is gone."""
+        """Return the pressed keys as sticks at a time [s]; None once the terminal is closed."""
         fresh = self._read_keys()
         if self._dead:
             return None
@@ -80,18 +75,18 @@ class Keyboard:
         try:
             typed = os.read(self._fd, 1024)
         except BlockingIOError:
-            self._torn = b''  # nothing followed: the escape key alone, and no key is held back
+            self._torn = b''  # nothing followed: it was the escape key itself
             return ''
         except OSError:
             typed = b''
-        self._dead |= not typed  # end of file: it was closed
+        self._dead |= not typed  # end of file: the terminal was closed
         whole = ESCAPES.sub(b'', self._torn + typed)
         torn = TORN.search(whole)
         self._torn = torn.group() if torn else b''
         return whole.removesuffix(self._torn).decode('ascii', 'ignore').lower()
 
     def close(self) -> None:
-        """Give the terminal back as it was."""
+        """Restore the terminal's settings."""
         if not self._dead:
             os.set_blocking(self._fd, True)
             termios.tcsetattr(self._fd, termios.TCSADRAIN, self._before)

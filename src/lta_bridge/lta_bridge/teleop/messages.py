@@ -1,4 +1,4 @@
-"""Joy messages as a device, and the estimate as a person at the helm needs it."""
+"""Use Joy messages as a stick device, and extract heading and altitude from odometry."""
 
 from typing import Final, final
 
@@ -12,18 +12,18 @@ from lta_graph.ros.message_validation import find_fault
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Joy
 
-SILENT: Final = 0.5  # s; joy_node repeats itself 20 times a second
+SILENT: Final = 0.5  # s; joy_node repeats its message at 20 Hz
 
 
 @final
 class JoyDevice:
     """
-    The newest Joy message, for as long as they come, and what was pressed since the last look.
+    Keep the newest Joy message and the buttons pressed since the last reading.
 
     Attributes
     ----------
-    unsound : Refused
-        Messages of another gamepad than the layout's, or with axes that are not a number.
+    unsound : RejectionCount
+        Messages that do not fit the layout, or whose axes are not finite.
 
     """
 
@@ -35,18 +35,20 @@ class JoyDevice:
         self._tapped: set[int] = set()
 
     def receive(self, message: Joy, now: float) -> None:
-        """Take a message at a time. [s]"""
+        """Store a message that arrives at a time. [s]"""
         self._newest, self._heard = message, now
         if to_sticks(self._layout, message.axes, message.buttons) is None:
             have = f'{len(message.axes)} axes and {len(message.buttons)} buttons'
             self.unsound.add(f'joy: {have} are not those of the layout')
             return
         self._tapped |= {number for number, level in enumerate(message.buttons) if level == 1}
-        if why := find_fault(message):  # such an axis is at rest, and the buttons count
+        if why := find_fault(
+            message
+        ):  # an invalid axis counts as at rest; the buttons still count
             self.unsound.add(f'joy: {why}')
 
     def read_sticks(self, now: float) -> Sticks | None:
-        """Return what it says at a time [s]; None where nothing has come for `SILENT`."""
+        """Return the sticks at a time [s]; None after `SILENT` without a message."""
         tapped, self._tapped = self._tapped, set()
         silent = now - self._heard > SILENT and not tapped
         if self._newest is None or silent:
@@ -54,19 +56,15 @@ class JoyDevice:
         return to_sticks(self._layout, self._newest.axes, self._newest.buttons, tapped)
 
     def close(self) -> None:
-        """Do nothing: the subscription is the node's."""
+        """Do nothing: the subscription belongs to the node."""
 
 
 @final
 class SetpointFollowers:
     """
-    What a drone's nodes that fly by setpoints say of whose count, in their health.
+    Track from diagnostics whose setpoints a drone's nodes follow.
 
-    Parameters
-    ----------
-    robot : str
-        The drone's namespace.
-
+    `robot` is the drone's namespace.
     """
 
     def __init__(self, robot: str) -> None:
@@ -74,7 +72,7 @@ class SetpointFollowers:
         self._held: dict[str, bool] = {}
 
     def update(self, array: DiagnosticArray) -> None:
-        """Take what some node says of its health."""
+        """Add a diagnostics message."""
         for status in array.status:
             if status.hardware_id == self._robot and status.name.endswith(f': {HELM}'):
                 told = {item.key: item.value for item in status.values}
@@ -83,11 +81,11 @@ class SetpointFollowers:
 
     @property
     def person_steers(self) -> bool | None:
-        """Whether any flies by a person's; None where none has said."""
+        """Whether any node follows the operator's setpoints; None if none has reported."""
         return any(self._held.values()) if self._held else None
 
 
 def to_heading_altitude(odom: Odometry) -> HeadingAltitude | None:
-    """Return heading and altitude; None while the estimator still learns, or where it fails."""
+    """Return heading and altitude; None while the estimate is not usable."""
     measured = None if find_fault(odom) else to_measurement(odom)
     return None if measured is None else HeadingAltitude(measured.heading, measured.altitude)

@@ -1,11 +1,11 @@
 """
-Who steers: the one state machine of teleoperation.
+State machine of teleoperation: it decides whether the operator or the navigator steers.
 
-A stick that leaves its rest takes the helm at once; only the button gives it back, with all sticks
-at rest. A dead device or a lost estimate leaves the helm with the person and says nothing: the
-setpoints age, and whoever flies by them holds, then lands, as for any other silence. Who begins
-anew takes up what those say who fly by the setpoints. An emergency stop is for good, and said
-again and again because nobody confirms one.
+A deflected stick takes control at once. Only the button returns it, with all sticks at rest. If
+the device fails or the estimate is lost, the operator keeps control but no setpoints are sent:
+they become stale, and the drone holds, then lands. After a restart, the state is taken from the
+nodes that follow the setpoints. An emergency stop is final, and repeated because it is not
+confirmed.
 """
 
 from enum import StrEnum
@@ -16,38 +16,38 @@ from lta_bridge.teleop.sticks import Sticks
 from lta_config.settings import setting, Settings
 from lta_control.cascade import Setpoint, wrap_angle
 
-STOPS: Final = 10  # emergency stops that follow at once
-AGAIN: Final = 0.5  # s between those after that
-LEAD_TURN: Final = 1.0  # rad by which the wanted heading may be ahead of the nose
-LEAD_CLIMB: Final = 0.5  # m by which the wanted altitude may be ahead of the hull
+STOPS: Final = 10  # emergency stops sent in direct succession
+AGAIN: Final = 0.5  # s between further ones
+LEAD_TURN: Final = 1.0  # rad, largest lead of the desired heading
+LEAD_CLIMB: Final = 0.5  # m, largest lead of the desired altitude
 
 
 class TeleopRates(Settings):
-    """What a full deflection means."""
+    """Rates at full deflection of the sticks."""
 
     speed: float = setting(0.3, 'Airspeed of the forward stick.', unit='m/s', low=0.01, high=2.0)
-    turn: float = setting(0.6, 'Rate of the wanted heading.', unit='rad/s', low=0.01, high=3.0)
-    climb: float = setting(0.2, 'Rate of the wanted altitude.', unit='m/s', low=0.01, high=1.0)
+    turn: float = setting(0.6, 'Rate of the desired heading.', unit='rad/s', low=0.01, high=3.0)
+    climb: float = setting(0.2, 'Rate of the desired altitude.', unit='m/s', low=0.01, high=1.0)
 
 
 class TeleopStage(StrEnum):
     """Who steers."""
 
-    UNKNOWN = 'nobody known'  # nobody who flies by setpoints has said whose count
+    UNKNOWN = 'nobody known'  # no node has reported whose setpoints it follows
     NAVIGATOR = 'navigator'
     PERSON = 'person'
     STOPPED = 'stopped'  # by an emergency stop; for good
 
 
 class HeadingAltitude(NamedTuple):
-    """Heading [rad] and altitude [m] by the estimate."""
+    """Estimated heading [rad] and altitude [m]."""
 
     heading: float
     altitude: float
 
 
 class TeleopState(NamedTuple):
-    """The memory: who steers, whether by our own word, what they want, and the stops said."""
+    """Memory of the state machine."""
 
     stage: TeleopStage = TeleopStage.UNKNOWN
     own: bool = False
@@ -58,16 +58,16 @@ class TeleopState(NamedTuple):
 
 class TeleopOutputs(NamedTuple):
     """
-    What to say at this tick.
+    Outputs to publish at a tick.
 
     Attributes
     ----------
     held : bool or None
-        That a person has the helm, or that none has; None says nothing.
+        Whether the operator has control; None to publish nothing.
     setpoint : Setpoint or None
-        What the person wants.
+        The operator's setpoint.
     stop : bool
-        An emergency stop.
+        Whether to send an emergency stop.
 
     """
 
@@ -89,22 +89,20 @@ def step_state(
     person_steers: bool | None = None,
 ) -> tuple[TeleopState, TeleopOutputs]:
     """
-    Return the next state and what to say.
+    Return the next state and the outputs to publish.
 
     Parameters
     ----------
-    state : State
-        Of the last tick.
     now, dt : float
-        Time on a clock that only goes on, and since the last tick. [s]
+        Monotonic time, and time since the last tick. [s]
     sticks : Sticks or None
-        What the hands say; None where the device is dead.
-    felt : Felt or None
-        The newest estimate; None where there is no fresh one.
-    rates : Rates
-        What a full deflection means.
+        Present deflections; None if the device has failed.
+    felt : HeadingAltitude or None
+        Newest estimate; None if there is no fresh one.
+    rates : TeleopRates
+        Rates at full deflection.
     told : bool or None
-        Whether those who fly by setpoints say that a person's count; None where none has said.
+        Whether the following nodes report the operator's setpoints; None if none has reported.
 
     """
     if state.stage is TeleopStage.STOPPED or (sticks is not None and sticks.stop):
@@ -114,7 +112,7 @@ def step_state(
             stage=TeleopStage.PERSON if person_steers else TeleopStage.NAVIGATOR
         )
     if sticks is None or estimate is None:
-        # Whoever comes back begins where the drone then is.
+        # After the loss, steering resumes at the drone's then present heading and altitude.
         return state._replace(wanted=None), SILENT
     takes = sticks.is_deflected or sticks.take
     if sticks.give_back and not takes:
@@ -141,7 +139,7 @@ def _lead_target(
     rates: TeleopRates,
     dt: float,
 ) -> HeadingAltitude:
-    """Return where the sticks lead to, never far ahead of where the drone is."""
+    """Integrate the sticks to a desired heading and altitude, with a limited lead."""
     ahead = wrap_angle(target.heading + rates.turn * sticks.turn * dt - estimate.heading)
     above = target.altitude + rates.climb * sticks.climb * dt - estimate.altitude
     heading = wrap_angle(estimate.heading + max(-LEAD_TURN, min(LEAD_TURN, ahead)))

@@ -1,4 +1,4 @@
-"""What a person's hands say, whatever they hold."""
+"""Stick deflections and buttons, independent of the device."""
 
 from collections.abc import Collection, Sequence
 from typing import NamedTuple, Protocol
@@ -8,14 +8,14 @@ from lta_config.settings import setting, Settings
 
 class Sticks(NamedTuple):
     """
-    Deflections and buttons at one time.
+    Deflections and buttons at an instant.
 
     Attributes
     ----------
     forward, turn, climb : float
         Ahead, to the left, up: from -1 to 1, exactly 0 at rest.
     take, give_back, stop : bool
-        Whether the helm is taken, handed back, or everything stopped.
+        Whether to take control, hand it back, or stop the motors.
 
     """
 
@@ -28,27 +28,27 @@ class Sticks(NamedTuple):
 
     @property
     def is_deflected(self) -> bool:
-        """Whether any stick is out of its rest."""
+        """Whether any stick is deflected."""
         return any((self.forward, self.turn, self.climb))
 
 
 class StickDevice(Protocol):
-    """What a person holds."""
+    """A device with sticks."""
 
     def read_sticks(self, now: float) -> Sticks | None:
-        """Return what it says at a time [s], on a clock that only goes on; None: it is dead."""
+        """Return the sticks at a monotonic time [s]; None if the device has failed."""
 
     def close(self) -> None:
-        """Give it back as it was."""
+        """Close the device."""
 
 
 class GamepadLayout(Settings):
-    """Which axis and button of a gamepad is which; these are an Xbox pad's under Linux."""
+    """Axis and button numbers of a gamepad; the defaults fit an Xbox gamepad under Linux."""
 
     forward: int = setting(4, 'Axis: right stick, up is ahead.', low=0, high=63, fixed=True)
     turn: int = setting(0, 'Axis: left stick, left is left.', low=0, high=63, fixed=True)
     climb: int = setting(1, 'Axis: left stick, up is up.', low=0, high=63, fixed=True)
-    take: int = setting(0, 'Button that takes the helm (A).', low=0, high=63, fixed=True)
+    take: int = setting(0, 'Button that takes control (A).', low=0, high=63, fixed=True)
     give_back: int = setting(1, 'Button that hands it back (B).', low=0, high=63, fixed=True)
     stop: int = setting(
         2, 'Button that stops the motors for good (X).', low=0, high=63, fixed=True
@@ -63,23 +63,21 @@ def to_sticks(
     tapped: Collection[int] = (),
 ) -> Sticks | None:
     """
-    Return what a gamepad says.
+    Return the sticks of a gamepad.
 
     Parameters
     ----------
-    layout : Layout
-        Which is which.
     axes : sequence of float
         From -1 to 1; left and up are positive, as in sensor_msgs/Joy.
     buttons : sequence of int
-        1 where pressed.
+        1 if pressed.
     tapped : collection of int
-        Buttons that have been pressed since the last look, though they may be up again.
+        Buttons pressed since the last reading, which may be released again.
 
     Returns
     -------
     Sticks or None
-        None where it has fewer axes or buttons than the layout names: it is another gamepad.
+        None if it has fewer axes or buttons than the layout names.
 
     """
     wanted = (layout.forward, layout.turn, layout.climb)
@@ -92,8 +90,8 @@ def to_sticks(
 
 
 def apply_dead_zone(raw: float, rest: float) -> float:
-    """Return a stick's deflection without the play about its rest, again from -1 to 1."""
+    """Remove the dead zone of a stick and rescale its deflection to -1 to 1."""
     size = (min(abs(raw), 1.0) - rest) / (1.0 - rest)
-    if not size > 0.0:  # what is no number is none either
+    if not size > 0.0:  # true for NaN too
         return 0.0
     return size if raw > 0.0 else -size

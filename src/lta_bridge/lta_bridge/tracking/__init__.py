@@ -1,1 +1,1 @@
-"""What an outside tracker says of the drone: sieved, placed, dated, and with its motion."""
+"""Pose and motion of the drone from an external tracker."""

@@ -1,4 +1,4 @@
-"""A tracker's messages as poses, and the motion as Odometry."""
+"""Convert a tracker's messages to poses, and motion to Odometry."""
 
 import math
 from typing import Any
@@ -26,7 +26,7 @@ def _build_pose(p: Any, q: Any) -> TrackerPose:  # noqa: ANN401 - generated clas
 
 
 def to_odometry(stamp: Time, frame: str, motion: TrackerMotion) -> Odometry:
-    """Return pose and twist with their variances; -1 says that one is not known."""
+    """Return pose and twist with their variances; -1 means unknown."""
     message = Odometry(child_frame_id='base_link')
     message.header.stamp, message.header.frame_id = stamp, frame
     p, q = message.pose.pose.position, message.pose.pose.orientation
@@ -41,7 +41,7 @@ def to_odometry(stamp: Time, frame: str, motion: TrackerMotion) -> Odometry:
 
 
 def _diagonal_covariance(first: float, second: float) -> np.ndarray:
-    """Return a covariance of two deviations, three times each."""
+    """Return a diagonal 6x6 covariance from two standard deviations, each for three axes."""
     if math.isnan(first) or math.isnan(second):
         unknown = np.zeros(36)
         unknown[0] = -1.0

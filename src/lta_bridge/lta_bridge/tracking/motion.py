@@ -1,9 +1,9 @@
 """
-Velocity and rates from poses: a parabola through those around each one.
+Estimate velocity and rates from poses by fitting a parabola around each pose.
 
-Nobody waits for the truth, so a pose is told when those after it have come too: its derivatives
-then lie in the middle of what they are taken from, without lag, and exact at constant
-acceleration whatever the spacing. The pose itself is told as it came.
+A pose is output once the later poses of its window have arrived; the delay does not matter, since
+no node flies by it. The derivatives then have no lag, and are exact at constant acceleration for
+any spacing. The pose itself is not smoothed.
 """
 
 from collections import deque
@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-HALF_NS: Final = 50_000_000  # of the window: an airship's motion takes many times as long
-GAP_NS: Final = 250_000_000  # poses farther apart than this say nothing of each other
+HALF_NS: Final = 50_000_000  # half of the window: an airship's motion is many times slower
+GAP_NS: Final = 250_000_000  # no derivative is taken across a longer gap
 
 
 class TrackerMotion(NamedTuple):
@@ -27,13 +27,13 @@ class TrackerMotion(NamedTuple):
     Attributes
     ----------
     stamp_ns : int
-        By the clock of the poses. [ns]
-    pose : Pose
-        As it came.
+        Stamp of the pose. [ns]
+    pose : TrackerPose
+        The pose, not smoothed.
     velocity, rates : 3-tuple
-        In the body's own frame. [m/s, rad/s]
+        In the body frame. [m/s, rad/s]
     place_sigma, turn_sigma, velocity_sigma, rates_sigma : float
-        Standard deviations by what the parabola leaves; NaN where it goes through every pose.
+        Standard deviations from the residuals of the parabola; NaN without degrees of freedom.
         [m, rad, m/s, rad/s]
 
     """
@@ -51,27 +51,27 @@ class TrackerMotion(NamedTuple):
 @final
 class MotionWindow:
     """
-    Take poses, and give them back with their motion once it is known.
+    Collect poses and yield them with their motion once it is known.
 
     Attributes
     ----------
     gaps : int
-        How often poses stayed away for longer than `GAP_NS`.
+        Number of gaps longer than `GAP_NS`.
 
     """
 
     def __init__(self) -> None:
         self.gaps = 0
         self._poses: deque[tuple[int, TrackerPose]] = deque()
-        self._next = 0  # index of the first pose that is not told yet
+        self._next = 0  # index of the first pose not yielded yet
 
     def clear(self) -> None:
-        """Forget all poses."""
+        """Discard all poses."""
         self._poses.clear()
         self._next = 0
 
     def add_pose(self, stamp_ns: int, pose: TrackerPose) -> Iterator[TrackerMotion]:
-        """Take a pose, later than all before, and yield what is settled by it."""
+        """Add a pose, later than all before; yield the motions that it completes."""
         if self._poses and stamp_ns - self._poses[-1][0] > GAP_NS:
             self.gaps += 1
             self.clear()
@@ -87,13 +87,13 @@ class MotionWindow:
             self._drop_old_poses()
 
     def _select_neighbors(self, centre_ns: int) -> Iterator[tuple[int, TrackerPose]]:
-        """Yield the poses of the window, and the neighbours where they are farther away."""
+        """Yield the poses of the window, and the direct neighbours even if farther away."""
         for k, item in enumerate(self._poses):
             if abs(item[0] - centre_ns) <= HALF_NS or abs(k - self._next) <= 1:
                 yield item
 
     def _drop_old_poses(self) -> None:
-        """Forget what no window needs any more."""
+        """Discard poses that no window needs any more."""
         centre = self._poses[self._next][0]
         while self._next > 1 and self._poses[0][0] < centre - HALF_NS:
             self._poses.popleft()
@@ -109,7 +109,7 @@ def estimate_motion(poses: list[tuple[int, TrackerPose]], centre_ns: int) -> Tra
     poses : list
         Stamps [ns] and poses, in order.
     centre_ns : int
-        Stamp of the one. [ns]
+        Stamp of the pose at which to evaluate. [ns]
 
     """
     pose = next(each for stamp, each in poses if stamp == centre_ns)
@@ -129,23 +129,23 @@ def fit_parabola(
     t: NDArray[np.float64], y: NDArray[np.float64]
 ) -> tuple[list[float], tuple[float, float], float]:
     """
-    Return the slope at 0 of least-squares parabolas through the places and turns of some times.
+    Return the slope at 0 of least-squares parabolas through positions and rotations.
 
     Parameters
     ----------
     t : ndarray, shape (n,)
-        Times about 0. [s]
+        Times relative to the evaluated pose. [s]
     y : ndarray, shape (n, 6)
-        Three coordinates of a place, three of a turn. [m, rad]
+        Three coordinates of the position, three of the rotation. [m, rad]
 
     Returns
     -------
     slope : list of float
-        Of each column, a second.
+        Slope of each column. [1/s]
     sigma : 2-tuple of float
-        Standard deviation of a place and of a turn; NaN where nothing is left to tell it by.
+        Standard deviations of position and rotation; NaN without degrees of freedom.
     grown : float
-        By how much a deviation grows on its way into the slope. [1/s]
+        Factor from the standard deviation of a value to that of the slope. [1/s]
 
     """
     scale = float(np.max(np.abs(t)))

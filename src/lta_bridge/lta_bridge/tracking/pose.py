@@ -1,4 +1,4 @@
-"""Poses and how they are chained. Quaternions x y z w; `a` then `b`: b is given in a's frame."""
+"""Compose and compare poses; quaternions are x y z w."""
 
 import math
 from typing import NamedTuple
@@ -8,26 +8,26 @@ Turn = tuple[float, float, float, float]
 
 
 class TrackerPose(NamedTuple):
-    """Where a frame's origin is in its parent [m], and how it is turned there."""
+    """Position [m] and attitude of a frame in its parent."""
 
     place: Three
     turn: Turn
 
 
 def level_pose(x: float, y: float, z: float, yaw: float) -> TrackerPose:
-    """Return a pose that is level: place [m] and heading [rad]."""
+    """Return a level pose from position [m] and heading [rad]."""
     return TrackerPose((x, y, z), (0.0, 0.0, math.sin(0.5 * yaw), math.cos(0.5 * yaw)))
 
 
 def normalize_pose(pose: TrackerPose) -> TrackerPose:
-    """Return a pose whose quaternion has the length 1."""
+    """Return a pose with a unit quaternion."""
     x, y, z, w = pose.turn
     length = math.hypot(x, y, z, w)
     return TrackerPose(pose.place, (x / length, y / length, z / length, w / length))
 
 
 def compose_poses(a: TrackerPose, b: TrackerPose) -> TrackerPose:
-    """Return b in the frame that a is given in."""
+    """Return b, given in a's frame, in the parent frame of a."""
     x, y, z = rotate_vector(a.turn, b.place)
     return TrackerPose(
         (a.place[0] + x, a.place[1] + y, a.place[2] + z), _quaternion_product(a.turn, b.turn)
@@ -35,7 +35,7 @@ def compose_poses(a: TrackerPose, b: TrackerPose) -> TrackerPose:
 
 
 def rotate_vector(turn: Turn, v: Three) -> Three:
-    """Return a vector turned."""
+    """Rotate a vector by a quaternion."""
     x, y, z, _ = _quaternion_product(
         _quaternion_product(turn, (*v, 0.0)), (-turn[0], -turn[1], -turn[2], turn[3])
     )

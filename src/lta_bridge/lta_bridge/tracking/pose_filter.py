@@ -1,8 +1,8 @@
 """
-What of a tracker's poses can be believed.
+Reject implausible poses of a tracker.
 
-Trackers fail in few ways: they say no number, or no attitude, where a body is lost; they repeat
-the last pose; they take one body's markers for another's, so that it leaps; networks reorder.
+Typical failures: a lost body gives NaN or an invalid attitude; the last pose is repeated; markers
+of another body make the pose jump; the network reorders messages.
 """
 
 from collections import Counter
@@ -13,16 +13,16 @@ from typing import Final, final
 from lta_bridge.one_way_clock import BACK_NS
 from lta_bridge.tracking.pose import angle_between, TrackerPose
 
-UNIT: Final = 0.01  # by which an attitude may miss the length 1, so that single precision passes
-SPEED: Final = 5.0  # m/s; no airship of these flies a fifth of it
+UNIT: Final = 0.01  # tolerance of the quaternion's norm, enough for single precision
+SPEED: Final = 5.0  # m/s; five times the speed of these airships
 SPIN: Final = 10.0  # rad/s
-SLACK: Final = 0.05  # m and rad that noise may add to any step
-FROZEN_NS: Final = 500_000_000  # real poses have noise: none repeats to the last bit so long
-FOUND_NS: Final = 200_000_000  # a leap that is kept so long was one to the right place
+SLACK: Final = 0.05  # m and rad, tolerance of each step for noise
+FROZEN_NS: Final = 500_000_000  # real poses have noise and do not repeat exactly for so long
+FOUND_NS: Final = 200_000_000  # a jump that lasts this long is accepted as the true position
 
 
 class PoseFault(StrEnum):
-    """Why a pose is not believed."""
+    """Reasons to reject a pose."""
 
     NOT_A_NUMBER = 'not a number'
     NO_ATTITUDE = 'no attitude'
@@ -38,18 +38,18 @@ Stamped = tuple[int, TrackerPose]
 @final
 class PoseFilter:
     """
-    Judge poses as they come.
+    Accept or reject poses as they arrive.
 
     Attributes
     ----------
     faults : Counter
-        How many poses were refused, by fault.
-    newest : Fault or None
-        Why the last pose was refused, if it was.
+        Number of rejected poses by fault.
+    newest : PoseFault or None
+        Why the last pose was rejected; None if it was accepted.
     found : int
-        How often it was somewhere else for good.
+        Number of jumps that were accepted in the end.
     set_back : int
-        How often the tracker's clock was set back.
+        Number of times that the tracker's clock was set back.
 
     """
 
@@ -57,12 +57,12 @@ class PoseFilter:
         self.faults: Counter[PoseFault] = Counter()
         self.newest: PoseFault | None = None
         self.found = self.set_back = 0
-        self._last: Stamped | None = None  # believed
-        self._leapt: list[Stamped] = []  # first and last of poses elsewhere that hang together
-        self._since = 0  # stamp from which the same pose is said
+        self._last: Stamped | None = None  # last accepted pose
+        self._leapt: list[Stamped] = []  # first and last pose after a jump that are consistent
+        self._since = 0  # stamp since which the pose has not changed
 
     def accept_pose(self, stamp_ns: int, pose: TrackerPose) -> bool:
-        """Tell whether a pose is believed; the others are counted."""
+        """Return whether to accept a pose; count the rejected ones."""
         self.newest = self._find_fault(stamp_ns, pose)
         if self.newest is not None:
             self.faults[self.newest] += 1
@@ -83,7 +83,7 @@ class PoseFilter:
         return self._find_motion_fault(stamp_ns, pose)
 
     def _find_motion_fault(self, stamp_ns: int, pose: TrackerPose) -> PoseFault | None:
-        """Return the fault of a pose that is one, later than all before."""
+        """Return the motion fault of a valid pose that is later than all before, if any."""
         last = self._last
         if last is None or pose != last[1]:
             self._since = stamp_ns
@@ -98,7 +98,7 @@ class PoseFilter:
         return None
 
     def _has_settled(self, stamp_ns: int, pose: TrackerPose) -> bool:
-        """Tell whether poses elsewhere hang together so long that it is there."""
+        """Return whether the poses after a jump have been consistent long enough to accept it."""
         now = (stamp_ns, pose)
         if not self._leapt or not is_reachable(self._leapt[-1], now):
             self._leapt = [now, now]
@@ -111,7 +111,7 @@ class PoseFilter:
 
 
 def is_reachable(before: Stamped, after: Stamped) -> bool:
-    """Tell whether the drone can have come from one pose to another."""
+    """Return whether the drone can have moved from one pose to another."""
     dt = 1e-9 * (after[0] - before[0])
     near = math.dist(before[1].place, after[1].place) <= SPEED * dt + SLACK
     return near and angle_between(before[1].turn, after[1].turn) <= SPIN * dt + SLACK

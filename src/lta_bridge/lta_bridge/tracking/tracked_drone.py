@@ -1,4 +1,4 @@
-"""One tracked drone: its poses sieved, placed in the map, dated in our time, with motion."""
+"""Process the poses of one tracked drone: filter, transform to the map, stamp, differentiate."""
 
 from collections.abc import Iterator
 from typing import Final, final
@@ -10,32 +10,23 @@ from lta_bridge.tracking.pose_filter import PoseFilter
 from lta_graph.health import HealthFact, HealthLevel
 
 TASK: Final = 'tracker'
-SILENT_NS: Final = 500_000_000  # without a pose
-RECENT_NS: Final = 1_000_000_000  # a refusal is told for so long, and counted for ever
+SILENT_NS: Final = 500_000_000  # time without a pose that counts as an error
+RECENT_NS: Final = 1_000_000_000  # a rejection is reported this long
 
 
 @final
 class TrackedDrone:
     """
-    Make the truth of a tracker's poses.
+    Convert a tracker's poses to the vehicle's motion in the map.
 
     Parameters
     ----------
-    origin : Pose
+    origin : TrackerPose
         The tracker's frame in the map.
-    body : Pose
+    body : TrackerPose
         The vehicle's frame in that of the tracked body.
     delay_ns : int
-        What the fastest pose takes from the picture to here. [ns]
-
-    Attributes
-    ----------
-    clock : OneWayClock
-        The tracker's clock.
-    sieve : Sieve
-        What was not believed.
-    window : Window
-        What was waited for.
+        Shortest delay from exposure to arrival of a pose. [ns]
 
     """
 
@@ -51,21 +42,21 @@ class TrackedDrone:
         self, stamp_ns: int, pose: TrackerPose, arrival_ns: int
     ) -> Iterator[TrackerMotion]:
         """
-        Take a pose, and yield what is known by it.
+        Add a pose and yield the motions that it completes.
 
         Parameters
         ----------
         stamp_ns : int
-            By the tracker's clock. [ns]
-        pose : Pose
-            Of the tracked body in the tracker's frame.
+            Stamp by the tracker's clock. [ns]
+        pose : TrackerPose
+            Pose of the tracked body in the tracker's frame.
         arrival_ns : int
-            When it came, graph time. [ns]
+            Graph time of arrival. [ns]
 
         Yields
         ------
-        Motion
-            Of the vehicle in the map, stamped in graph time, in order.
+        TrackerMotion
+            Motion of the vehicle in the map, stamped in graph time, in order.
 
         """
         set_back, found = self.sieve.set_back, self.sieve.found
@@ -80,18 +71,18 @@ class TrackedDrone:
             self.window.clear()
         restarts = self.clock.restarts
         self.clock.stamp_arrival(stamp_ns, arrival_ns)
-        if self.clock.restarts > restarts:  # of two clocks one was set: ours, perhaps back
+        if self.clock.restarts > restarts:  # one of the two clocks was set; ours perhaps back
             self._told = 0
         self._offset_ns = stamp_ns - self.clock.to_graph_time(stamp_ns)
         placed = compose_poses(compose_poses(self._origin, normalize_pose(pose)), self._body)
         for motion in self.window.add_pose(stamp_ns, placed):
             ours = self.clock.to_graph_time(motion.stamp_ns)
-            if ours > self._told:  # the line may still sink while the clock is learnt
+            if ours > self._told:  # stamps may step back while the clock is being estimated
                 self._told = ours
                 yield motion._replace(stamp_ns=ours)
 
     def describe_health(self, now_ns: int) -> HealthFact:
-        """Return how the tracker is at a graph time [ns], with every count."""
+        """Return the health of the tracker at a graph time [ns], with all counts."""
         sieve, clock = self.sieve, self.clock
         figures: dict[str, object] = {
             'poses': self._poses,
@@ -109,11 +100,11 @@ class TrackedDrone:
 
     def _assess_level(self, now_ns: int) -> tuple[HealthLevel, str]:
         if not self._poses:
-            return HealthLevel.WARN, 'no pose has come yet'
+            return HealthLevel.WARN, 'no pose received yet'
         if now_ns - self._heard > SILENT_NS:
             return HealthLevel.ERROR, f'silent for {1e-9 * (now_ns - self._heard):.1f} s'
         if self.sieve.newest is not None:
-            return HealthLevel.ERROR, f'not believed: {self.sieve.newest}'
+            return HealthLevel.ERROR, f'pose rejected: {self.sieve.newest}'
         if self._refused and now_ns - self._refused < RECENT_NS:
-            return HealthLevel.WARN, 'some poses are not believed'
+            return HealthLevel.WARN, 'some poses were rejected'
         return HealthLevel.OK, 'poses come'

@@ -1,1 +1,1 @@
-"""Pages of docs/ that are written from the declarations, so that they cannot be wrong."""
+"""Generate the reference pages of docs/ from the code and configuration files."""

@@ -1,11 +1,11 @@
-"""Print one page of the reference: `python -m lta_cli.reference verbs > docs/verbs.md`."""
+"""Print one reference page: `python -m lta_cli.reference verbs > docs/verbs.md`."""
 
 from importlib import import_module
 import sys
 
 from lta_config.errors import BadInput, unknown_name
 
-PAGES = {  # the pages by name and where they stand; `make reference` writes them
+PAGES = {  # page name to path below docs/, as `make reference` writes them
     'verbs': 'verbs.md',
     'parameters': 'parameters.md',
     'vehicles': 'vehicles.md',
@@ -15,15 +15,7 @@ PAGES = {  # the pages by name and where they stand; `make reference` writes the
 
 
 def render_page(name: str) -> str:
-    """
-    Return the text of a page.
-
-    Raises
-    ------
-    BadInput
-        If there is no such page; those there are stand in the sentence.
-
-    """
+    """Return the text of a page; raise `BadInput` if the name is unknown."""
     if name not in PAGES:
         raise unknown_name('page of the reference', name, list(PAGES))
     module = import_module(f'lta_cli.reference.{name}')

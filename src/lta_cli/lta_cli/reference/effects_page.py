@@ -1,7 +1,7 @@
 """
-The effects as a page: `./lta effects --markdown > docs/effects.md`.
+Render the effects page: `./lta effects --markdown > docs/effects.md`.
 
-A test holds the page in docs/ against this; the equations stand at the top of each effect's file.
+A test compares docs/effects.md with this output.
 """
 
 from collections.abc import Iterator
@@ -24,20 +24,21 @@ HEAD = """# Effects
 
 Generated from `lta_model.effects` by `./lta effects --markdown > docs/effects.md`.
 
-A vehicle is the sum of these. Each is one file in `src/lta_model/lta_model/effects/` with its
-equations, what it leaves out and its sources. A vehicle file switches it on under `effects:` by
-giving a parameter a value other than its null; at its null values it changes nothing, to the last
-bit. `./lta effects NAME` tells the source of every bound. `name_1..` stands for one a rotor.
+The vehicle model is the sum of these effects. Each is one file in
+`src/lta_model/lta_model/effects/` with its equations, limitations and sources. A vehicle file
+enables an effect under `effects:` by giving a parameter a value other than its null value; with
+null values the result is bit-identical. `./lta effects NAME` shows the source of every bound.
+`name_1..` means one parameter per rotor.
 """
 
-# What each kind does, in the order of a command's way through the vehicle.
+# Title and description of each kind, in the order in which a command passes through the model.
 KINDS: dict[type, tuple[str, str]] = {
-    AirEffect: ('Air', 'Wind at the hull; the sum is what every other effect flies in.'),
-    ActuatorEffect: ('Actuators', 'From a duty to a thrust, rotor by rotor, in this order.'),
-    WrenchEffect: ('Force and moment', 'On the hull, summed.'),
-    InertiaEffect: ('Air that moves along', 'Added to the mass matrix.'),
-    BodyEffect: ('Mass and balance', 'What the vehicle weighs and displaces; applied first.'),
-    MeasurementEffect: ('Measurement', 'What sensors, tracker and clocks make of the truth.'),
+    AirEffect: ('Air', 'Wind at the hull; all other effects use the sum.'),
+    ActuatorEffect: ('Actuators', 'From duty to thrust for each rotor, applied in this order.'),
+    WrenchEffect: ('Force and moment', 'Summed at the hull.'),
+    InertiaEffect: ('Added mass', 'Added to the mass matrix.'),
+    BodyEffect: ('Mass and balance', 'Mass and displaced volume of the vehicle; applied first.'),
+    MeasurementEffect: ('Measurement', 'Errors of sensors, tracker and clocks.'),
 }
 
 
@@ -49,7 +50,7 @@ def _format_parameter(parameter: EffectParameter, name: str) -> str:
 
 
 def format_parameters(effect: Effect) -> Iterator[str]:
-    """Return the parameters in words, alike ones together."""
+    """Yield the parameters as text, with equal ones of several rotors merged."""
     if isinstance(effect, ActuatorEffect):
         yield from (_format_parameter(known, known.name) for known in effect.shared)
         yield from (
@@ -69,7 +70,7 @@ def format_parameters(effect: Effect) -> Iterator[str]:
 
 
 def render_page() -> str:
-    """Return the page, a table for each kind; what others installed is not in it."""
+    """Return the page with a table for each kind; effects of plug-ins are left out."""
     texts = [HEAD]
     for kind, (title, about) in KINDS.items():
         rows = [

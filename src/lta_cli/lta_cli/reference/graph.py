@@ -1,9 +1,8 @@
 """
-The graph as a picture, from the topic table: who tells whom what, and how often.
+Draw the ROS graph as an N2 chart (Lano 1977) from the topic table.
 
-An N2 chart, as systems engineers draw interfaces (Lano 1977): nodes on the diagonal, and what one
-tells another where the row of the first meets the column of the second. So what flows on stands
-above the diagonal, what comes back below it, and no two lines cross.
+Nodes are on the diagonal. A topic is in the row of its publisher and the column of its subscriber:
+forward data flow is above the diagonal, feedback below it.
 """
 
 from collections.abc import Sequence
@@ -51,27 +50,26 @@ def render_page() -> str:
 
 
 def order_nodes(table: TopicTable) -> list[str]:
-    """Return the nodes that tell others something: the vehicle, then as the table has them."""
-    told = [topic.source for topic in table.topics.values() if topic.subscribers]
-    roles = list(dict.fromkeys(told))
+    """Return the nodes with subscribers in the order of the table, the controller last."""
+    sources = [topic.source for topic in table.topics.values() if topic.subscribers]
+    roles = list(dict.fromkeys(sources))
     return sorted(roles, key=lambda role: role == 'controller')  # it closes the loop: last
 
 
 def list_links(table: TopicTable, role: str, reader: str) -> list[tuple[str, bool]]:
-    """Return what a node tells another: the topic with its rate, and whether it is used late."""
+    """Return topic and rate of each link between two nodes, and whether it is used a step late."""
     lines = []
     for name in table.published_by(role):
         topic = table[name]
         late = bool(topic.subscribers.get(reader))
-        heard = reader in topic.subscribers or (reader == SHOWN and not topic.subscribers)
-        if heard:
+        if reader in topic.subscribers or (reader == SHOWN and not topic.subscribers):
             rate = f' {1e9 / topic.period_ns:.0f} Hz' if topic.period_ns else ''
             lines.append((f'{name}{rate}', late))
     return lines
 
 
 def draw_node(role: str, left: int, top: int, high: int) -> str:
-    """Return a node on the diagonal."""
+    """Return the SVG of a node on the diagonal."""
     middle, centre = left + WIDTH // 2, top + high // 2 + 4
     return (
         f'<rect class="box" x="{left + 4}" y="{top + 4}" width="{WIDTH - 8}" height="{high - 8}" '
@@ -80,7 +78,7 @@ def draw_node(role: str, left: int, top: int, high: int) -> str:
 
 
 def draw_cell(lines: Sequence[tuple[str, bool]], left: int, top: int, high: int, kind: str) -> str:
-    """Return what one node tells another; late ones in another colour."""
+    """Return the SVG of the topics between two nodes; late ones have another colour."""
     box = (
         f'<rect class="{kind}" x="{left + 4}" y="{top + 4}" width="{WIDTH - 8}" '
         f'height="{high - 8}" rx="6"/>\n'

@@ -1,4 +1,4 @@
-"""The parameters of all nodes as a page, from the models that declare them."""
+"""Generate the page of all node parameters from the models that declare them."""
 
 import ast
 from collections.abc import Iterator
@@ -12,7 +12,7 @@ from lta_graph.ros.parameters import iterate_fields
 from pydantic.fields import FieldInfo
 
 PACKAGES = ('lta_sim', 'lta_vlc', 'lta_control', 'lta_energy', 'lta_bridge')
-TABLE = """| parameter | unless set | unit | bounds | what |
+TABLE = """| parameter | default | unit | bounds | meaning |
 |---|---|---|---|---|
 """
 HEAD = """# Parameters
@@ -21,17 +21,17 @@ Generated from the settings of the nodes by `python -m lta_cli.reference paramet
 docs/parameters.md`.
 
 These are ROS parameters: `./lta run PACKAGE NODE --ros-args -p name:=value`, a launch file, or
-`ros2 param set` where there is a ROS 2. A change that the whole declaration does not allow is
-refused with a sentence. *Fixed* ones are set at the start only. `lta simulate --set` takes
-those of estimator, demodulator, navigator (`mission`) and energy monitor. Gains of a vehicle are
-files in `config/control`.
+`ros2 param set` with an installed ROS 2. A change that violates the declaration is rejected with
+an error message. *Fixed* parameters can only be set at start. `lta simulate --set` accepts those
+of estimator, demodulator, navigator (`mission`) and energy monitor. Gains of a vehicle are files
+in `config/control`.
 """
 
 
 def render_page() -> str:
-    """Return the page: what every node takes, then a section for each node."""
+    """Return the page: the common parameters, then a section for each node."""
     tables = [
-        format_section('Every node', GraphSettings, 'Beside its own, every node of the graph.')
+        format_section('Every node', GraphSettings, 'Parameters that every node of the graph has.')
     ]
     tables += [
         format_section(f'{package} {node}', model) for package, node, model in iterate_models()
@@ -40,7 +40,7 @@ def render_page() -> str:
 
 
 def iterate_models() -> Iterator[tuple[str, str, type[Settings]]]:
-    """Yield package, node and model of each node: the model that it hands to `Parameters`."""
+    """Yield package, node name and settings model of each node."""
     for package in PACKAGES:
         folder = resources.files(f'{package}.nodes')
         for found in pkgutil.iter_modules([str(folder)]):
@@ -64,7 +64,7 @@ def format_section(title: str, model: type[Settings], about: str = '') -> str:
     rows = ''.join(format_row(*leaf) for leaf in iterate_fields(model()))
     text = f'\n## {title}\n' + (f'{about}\n\n' if about else '\n')
     return (
-        f'{text}| parameter | unless set | unit | bounds | what |\n|---|---|---|---|---|\n{rows}'
+        f'{text}| parameter | default | unit | bounds | meaning |\n|---|---|---|---|---|\n{rows}'
     )
 
 
@@ -84,7 +84,7 @@ def format_row(name: str, info: FieldInfo, value: Any) -> str:  # noqa: ANN401 -
 
 
 def format_default(value: object) -> str:
-    """Return a default as it is written on a command line, empty for none."""
+    """Format a default as on the command line; empty if there is none."""
     if value in ('', None, ()):
         return ''
     if isinstance(value, tuple):
@@ -93,7 +93,7 @@ def format_default(value: object) -> str:
 
 
 def format_bounds(info: FieldInfo) -> str:
-    """Return the closed bounds of a parameter in words."""
+    """Format the closed bounds of a parameter as text."""
     found = {type(item).__name__: item for item in info.metadata}
     low, high = getattr(found.get('Ge'), 'ge', None), getattr(found.get('Le'), 'le', None)
     if low is not None and high is not None:

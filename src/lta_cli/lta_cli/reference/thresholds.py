@@ -1,4 +1,4 @@
-"""The thresholds of discovery as a page, from the constants that declare them."""
+"""Generate the page of discovery thresholds from the constants in the source."""
 
 from collections.abc import Iterator
 from importlib import resources
@@ -8,7 +8,7 @@ import re
 from typing import Final, final, NamedTuple
 
 PACKAGE: Final = 'lta_discovery'
-# What decides, by the part of the study that asks it; the rest of the package draws and writes.
+# Modules that contain decision thresholds, in order; the rest of the package is presentation.
 PARTS: Final = {
     'flights': 'Which readings count',
     'model': 'What can be turned',
@@ -26,7 +26,7 @@ DECLARED: Final = re.compile(
     r'(?P<value>-?[\d.]+(?:e-?\d+)?(?:\*\*-?[\d.]+| \* math\.pi / 180\.0)?)'
     r'(?:  # (?P<beside>.*))?$'
 )
-# How many numbers a state, a wrench or a column has is no threshold.
+# Array sizes (of a state, a wrench or a column) are not thresholds.
 SHAPES: Final = ('AXES', 'POSE', 'RIGID', 'WIDTH')
 KEPT: Final = 'discovery_sensitivity.json'
 TABLE: Final = """| constant | value | what it is | doubled | halved |
@@ -36,25 +36,24 @@ HEAD: Final = """# Thresholds of discovery
 
 Generated from the constants in `src/lta_discovery` by `make reference`.
 
-Each number that decides something is declared once, in the module that uses it. The last two
-columns tell what happens when it is doubled or halved: which of the cases of `make sensitivity`
-come out differently, or nothing. A dash has not been measured.
+Each decision threshold is declared once, in the module that uses it. The last two columns show
+which cases of `make sensitivity` change when it is doubled or halved. A dash means not measured.
 """
 
 
 @final
 class Threshold(NamedTuple):
     """
-    One constant.
+    A threshold constant.
 
     Attributes
     ----------
     module, name : str
         Where it is declared, below the package: 'selection.acceptance', 'GAIN'.
     value : str
-        As the source has it.
+        Source text of the value.
     about : str
-        Its comment: the unit, and what it guards against.
+        Its comment: unit and purpose.
 
     """
 
@@ -65,7 +64,7 @@ class Threshold(NamedTuple):
 
     @property
     def key(self) -> str:
-        """How a measurement of it is called."""
+        """Key of the constant in the sensitivity file."""
         return f'{self.module}.{self.name}'
 
 
@@ -77,7 +76,7 @@ def list_thresholds() -> Iterator[Threshold]:
 
 
 def read_sources(part: str) -> Iterator[tuple[str, str]]:
-    """Yield name and text of the modules of a part: it is one itself, or a package of some."""
+    """Yield name and source text of each module of a part (a module or a package)."""
     folder = resources.files(PACKAGE)
     if not (folder / part).is_dir():
         yield part, (folder / f'{part}.py').read_text(encoding='utf-8')
@@ -88,7 +87,7 @@ def read_sources(part: str) -> Iterator[tuple[str, str]]:
 
 
 def parse_thresholds(module: str, text: str) -> Iterator[Threshold]:
-    """Yield the numbers that a module declares, each with the comment beside or above it."""
+    """Yield the constants of a module, each with the comment after or above it."""
     above: list[str] = []
     for line in text.splitlines():
         found = DECLARED.match(line)
@@ -121,7 +120,7 @@ def format_row(one: Threshold, measured: dict[str, dict[str, str]]) -> str:
 
 
 def load_sensitivity() -> dict[str, dict[str, str]]:
-    """Return what was measured of each threshold, by factor; nothing where nobody measured."""
+    """Return the measured sensitivity of each threshold, by factor; empty if there is no file."""
     path = Path('docs') / KEPT
     if not path.exists():
         return {}

@@ -1,4 +1,4 @@
-"""The verbs of the `lta` command as a page, from what `--help` tells."""
+"""Generate the page of the `lta` verbs from their help texts."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -10,7 +10,7 @@ HEAD = """# Verbs
 
 Generated from the command line by `python -m lta_cli.reference verbs > docs/verbs.md`.
 
-`lta VERB --help` tells the same at the terminal. Results go to `runs/<time>-<name>/`. Exit status
+`lta VERB --help` shows the same in the terminal. Results go to `runs/<time>-<name>/`. Exit status
 0: done. 1: the run failed. 2: bad input, one sentence on stderr.
 """
 
@@ -24,7 +24,7 @@ def render_page() -> str:
 
 
 def iterate_verbs(command: Any, words: str = 'lta') -> Iterator[tuple[str, Any]]:  # noqa: ANN401 - Typer's
-    """Yield every verb with the words that call it, those behind a word after it."""
+    """Yield the full name and the command of every verb, each group before its members."""
     if words != 'lta':
         yield words, command
     if hasattr(command, 'commands'):
@@ -33,19 +33,19 @@ def iterate_verbs(command: Any, words: str = 'lta') -> Iterator[tuple[str, Any]]
 
 
 def format_section(words: str, verb: Any) -> str:  # noqa: ANN401 - a command of Typer
-    """Return a verb's heading, manual and table of what it takes."""
+    """Return a verb's heading, help text and table of arguments and options."""
     deep = '#' * words.count(' ')
     text = f'\n#{deep} {words}\n{format_manual(verb.help or "")}'
     rows = [
         format_row(param) for param in verb.params if not param.hidden and param.name != 'help'
     ]
     if rows:
-        text += '\n| takes | what | unless told |\n|---|---|---|\n' + ''.join(rows)
+        text += '\n| argument or option | meaning | default |\n|---|---|---|\n' + ''.join(rows)
     return text
 
 
 def format_manual(text: str) -> str:
-    """Return a docstring's paragraphs, examples as code."""
+    """Format a docstring as Markdown, with examples as code."""
     paragraphs = [' '.join(part.split()) for part in text.split('\n\n')]
     lines = [
         format_text(p) if not p.startswith('Example') else format_example(p)
@@ -56,7 +56,7 @@ def format_manual(text: str) -> str:
 
 
 def format_example(paragraph: str) -> str:
-    """Return the paragraph of an example with its command as code."""
+    """Format an example with its command as code."""
     word, _, command = paragraph.partition(': ')
     return f'{word}: `{command}`'
 
@@ -67,12 +67,12 @@ def format_row(param: Any) -> str:  # noqa: ANN401 - a parameter of Typer
         names = ', '.join(f'`{name}`' for name in (*param.opts, *param.secondary_opts))
     else:
         names = f'`{param.metavar or param.name.upper()}`'
-    needed = '*needed*' if param.required else format_default(param)
-    return f'| {names} | {format_text(param.help or "")} | {needed} |\n'
+    default = '*required*' if param.required else format_default(param)
+    return f'| {names} | {format_text(param.help or "")} | {default} |\n'
 
 
 def format_default(param: Any) -> str:  # noqa: ANN401 - a parameter of Typer
-    """Return what counts where an option is not given, empty where that is nothing."""
+    """Format the default of an option; empty if there is none."""
     if isinstance(param.show_default, str):
         return format_text(param.show_default)
     value = param.default
@@ -85,7 +85,7 @@ def format_default(param: Any) -> str:  # noqa: ANN401 - a parameter of Typer
 
 
 def format_text(text: str) -> str:
-    """Return text in which nothing is taken for markup, on one line; quoted commands as code."""
+    """Escape text for Markdown, on one line; quoted lta commands become code."""
     text = ' '.join(text.split()).replace('|', '\\|')
     parts = text.split('"')
     if len(parts) % 2 == 0:
@@ -98,12 +98,12 @@ def format_text(text: str) -> str:
 
 
 def format_quote(part: str, place: int) -> str:
-    """Return a piece of text between quotation marks, with them where it stood within."""
+    """Escape a piece of text and restore the quotation marks of quoted pieces."""
     return f'"{escape_markup(part)}"' if place % 2 else escape_markup(part)
 
 
 def escape_markup(text: str) -> str:
-    """Return text with the characters that Markdown or HTML would take."""
+    """Escape the characters that are special in Markdown or HTML."""
     for mark in '<*_[':
         text = text.replace(mark, f'\\{mark}')
     return text

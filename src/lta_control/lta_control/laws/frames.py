@@ -54,6 +54,7 @@ def rotation_between(here: Quaternion, there: Quaternion) -> Vector:
     x, y, z, w = -here[0], -here[1], -here[2], here[3]
     p, q, r, s = there
     scalar = w * s - x * p - y * q - z * r
+    # q and -q are the same attitude: take the shorter rotation.
     short = 2.0 if scalar >= 0.0 else -2.0
     return (
         short * (w * p + x * s + y * r - z * q),

@@ -90,6 +90,7 @@ def step(
     gap = memory.missing
     error = setpoint.altitude - motion.position[2]
     wanted = clamp_symmetric(gains.altitude_kp * error, gains.climb_limit)
+    # The climb loop commands pitch, which the mass then realises.
     nose, climb = pid_step(pid_gains(gains.climb), memory.climb, wanted - rising, 0.0, 0.0, dt)
     pitch = math.asin(clamp_symmetric(up_in_body(motion.attitude)[0], 1.0))
     # The rate about body y is nose down.
@@ -111,6 +112,7 @@ def step(
     half = clamp_symmetric(0.5 * turn / constants.lever, 0.5 * full)
     middle = min(max(0.5 * thrust, abs(half)), full - abs(half))
     left, right = middle - half, middle + half
+    # Anti-windup: what the actuators could not deliver.
     missing = (
         constants.rest[0] - place - back,
         2.0 * middle - thrust,

@@ -153,8 +153,10 @@ def mix_thrusts(
     together = constants.alone + constants.collision
     full = constants.rotors.high[0]
     lift = min(lift, together * full)
+    # Lift lost by the weakest jet, per unit of collective.
     back = constants.gains.compensation * constants.collision * least / together
     reach = most - back
+    # Scale the offsets so that the strongest rotor reaches full thrust at most.
     share = min(1.0, (full - lift / together) / reach) if reach > 0.0 else 1.0
     collective = lift / together - share * back
     return (

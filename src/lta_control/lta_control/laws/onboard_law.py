@@ -43,7 +43,7 @@ class OnboardLaw:
         if self._law.feedback is Feedback.TRACKER:
             raise BadInput(
                 f'{vehicle.file.name} uses the law {name}, which needs a tracker, but the '
-                'controller has only the onboard sensors; fly it with "lta platforms", '
+                'controller has only the onboard sensors; fly it with "lta platforms" '
                 'or choose another law.'
             )
         control = vehicle.file.control

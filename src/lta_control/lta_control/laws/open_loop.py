@@ -72,6 +72,7 @@ def step(
 ) -> OpenLoopLawMemory:
     """Return the memory one step later, with the new command in it; the motion is not used."""
     gains, setpoint, dt = constants.gains, inputs.setpoint, inputs.dt
+    # The planned altitude starts on the floor.
     altitude = memory.altitude if memory.begun else constants.standing
     heading = memory.heading
     climb = clamp_symmetric((setpoint.altitude - altitude) / dt, gains.climb_rate)

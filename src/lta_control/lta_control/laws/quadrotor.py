@@ -99,6 +99,7 @@ def step(
     vx, vy, vz = to_world(motion.attitude, motion.velocity)
     error = setpoint.altitude - motion.position[2]
     push, climb = lift_step(gains, memory.climb, error, vz, memory.missing, dt)
+    # Divide by the cosine, so that the vertical force survives the tilt.
     upright = max(up_in_body(motion.attitude)[2], STEEP)
     thrust = (constants.weight + push) / upright
     wx, wy = rotate_level(setpoint.heading, setpoint.speed, 0.0)
@@ -107,6 +108,7 @@ def step(
     ay, north = pid_step(loop, memory.north, wy - vy, 0.0, 0.0, dt)
     yaw = yaw_from_quaternion(motion.attitude)
     forward, left = rotate_level(-yaw, ax, ay)
+    # A tilt whose horizontal thrust gives the wanted acceleration.
     goal = quaternion_from_angles(
         -math.atan(left / STANDARD_GRAVITY), math.atan(forward / STANDARD_GRAVITY), yaw
     )
@@ -131,6 +133,7 @@ def tilt_moments(
     """Return the moments that rotate the vehicle by `turn` [N m], and the rate slopes [rad/s2]."""
     gains, dt = constants.gains, inputs.dt
     p, q, _ = inputs.motion.rates
+    # On the first step there is no earlier rate: the slope starts at 0.
     before = memory.rates if memory.begun else inputs.motion.rates
     share = dt / (gains.slope_time + dt)
     roll = memory.slopes[0] + share * ((p - before[0]) / dt - memory.slopes[0])

@@ -92,6 +92,7 @@ def step(
     bx, by, bz = to_body(motion.attitude, force)
     wrench = (bx, by, bz, 0.0, 0.0, -gains.yaw_damping * motion.rates[2])
     thrusts, given = allocate(constants.rotors, wrench, memory.thrusts, scratch)
+    # Back to the world frame, in which the integrals live.
     gx, gy, gz = to_world(motion.attitude, (given[0], given[1], given[2]))
     missing = (gx - force[0], gy - force[1], gz - force[2])
     command = LawCommand(thrusts_to_duties(constants.rotors, thrusts), UNMOVED)

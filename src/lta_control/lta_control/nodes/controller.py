@@ -183,7 +183,7 @@ class Controller(GraphNode):
         landing = oldest > settings.land_after
         limit = settings.land_after if landing else settings.hold_after
         future = math.isinf(oldest)
-        text = 'a setpoint of the future: ' if future else f'no setpoint for {limit} s: '
+        text = 'a setpoint with a future stamp: ' if future else f'no setpoint for {limit} s: '
         self.health.report(
             'motors', HealthLevel.WARN, text + ('landing' if landing else 'holding')
         )

@@ -51,7 +51,7 @@ class Estimator(GraphNode):
         motors = step.last_message('motors')
         self._commanded = to_duties(motors, self._names, self._commanded)
         if motors is not None and not is_valid_command(motors, self._names):
-            self.soundness.unsound.add('motors: duties that are not those of this vehicle')
+            self.soundness.unsound.add('motors: duties that do not match this vehicle')
         inputs = to_inputs(step, self._commanded)
         if is_plausible(inputs):
             dt = step_duration(self._last_ns, step.stamp_ns, self.table.control_ns)
@@ -60,7 +60,7 @@ class Estimator(GraphNode):
             self._estimate = estimator_step(settings, self._body, self._estimate, inputs, dt)
         else:
             self._refused += 1
-            text = 'an IMU sample that no IMU feels was left out'
+            text = 'an implausible IMU sample was ignored'
             self.health.report('imu', HealthLevel.ERROR, text, refused=self._refused)
         self._odom.publish(from_estimate(step.last_message('imu').header.stamp, self._estimate))
         if learning:
@@ -72,17 +72,17 @@ def describe_biases(estimate: MotionEstimate, body: EstimatorModel) -> tuple[Hea
     if not estimate.ready and is_turning(estimate.biases, body.rate_bias):
         off = math.degrees(largest_deviation(estimate.biases.rates, body.rate_bias))
         return HealthLevel.ERROR, (
-            f'the biases are not learned: the drone turns by {off:.1f} deg/s, and no gyroscope is '
-            f'off by more than {math.degrees(MOST_RATE):.0f}; keep it still, or where it stands '
-            'still give its bias in the vehicle file (effects.gyro_bias)'
+            f'biases not calibrated: the drone turns at {off:.1f} deg/s, above the largest '
+            f'gyroscope bias of {math.degrees(MOST_RATE):.0f}; keep it still, or if it is still, '
+            'enter its bias in the vehicle file (effects.gyro_bias)'
         )
     if not estimate.ready:
-        return HealthLevel.WARN, 'learning the biases: keep the drone still and level'
+        return HealthLevel.WARN, 'calibrating the biases: keep the drone still and level'
     if not is_tilted(estimate.biases, body.force_bias):
         return HealthLevel.OK, 'biases are known'
     return HealthLevel.WARN, (
-        'the biases are uncertain: the drone stood tilted while it learned them; start the '
-        'estimator anew with it still and level'
+        'the biases are uncertain: the drone was tilted during the calibration; restart the '
+        'estimator with the drone still and level'
     )
 
 

@@ -137,7 +137,7 @@ class Navigator(GraphNode):
         if mission.refused:
             following, beat = self._route[mission.leg + 1]
             level = HealthLevel.WARN
-            text = f'{following} at {beat:g} Hz is not heard; staying at {here}'
+            text = f'{following} at {beat:g} Hz is not received; staying at {here}'
         self.health.report(
             'mission', level, text, lamp=here, listening_for=f'{wanted} at {frequency:g} Hz'
         )

@@ -85,8 +85,10 @@ def steer(
     own, dt = settings.des, sight.interval
     level = math.log(sight.amplitudes[0] + own.floor)
     before, mean = (memory.level, memory.mean) if memory.begun else (level, level)
+    # First-order washout; the limit keeps it stable for long intervals.
     mean += min(dt / own.washout, 1.0) * (level - mean)
     swing = math.sin(wrap_angle(sight.heading - memory.estimate))
+    # Both terms are demodulated with the swing actually flown.
     turn = (own.scan * (level - mean) * dt + own.gradient * (level - before)) * swing
     estimate, time = memory.estimate + turn, memory.time + dt
     heading = estimate + own.amplitude * math.cos(own.rate * time)

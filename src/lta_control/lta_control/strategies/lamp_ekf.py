@@ -76,6 +76,7 @@ def initialize_fix(
     variance = optics.unsure * optics.unsure
     along = slope * slope * (variance + optics.strength_noise**2)
     across = (away * math.hypot(deviation, optics.bearing_noise)) ** 2
+    # Rotate the covariance from along/across the ray to x and y.
     xx, xy = along * cos * cos + across * sin * sin, (along - across) * cos * sin
     yy, wind = along * sin * sin + across * cos * cos, optics.wind * optics.wind
     xb, yb = slope * variance * cos, slope * variance * sin
@@ -144,6 +145,7 @@ def update_fix(
     """Return a fix after one more sight; arguments as in `initialize_fix`."""
     slopes, error = _linearize_bearing(fix, bearing)
     fix = _kalman_update(fix, slopes, error, _bearing_noise(fix, optics, deviation))
+    # Linearise again at the updated fix: sequential updates need no matrix inversion.
     slopes, error = _linearize_strength(fix, strength)
     return _kalman_update(fix, slopes, error, _strength_noise(fix, optics))
 

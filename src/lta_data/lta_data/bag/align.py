@@ -132,6 +132,7 @@ def sort_rows(stamps: Stamps) -> SortedRows:
     order = np.argsort(stamps, kind='stable')
     if not len(order):
         return SortedRows(stamps, order)
+    # The sort is stable, so the last of equal stamps is the latest message.
     kept = np.append(np.diff(stamps[order]) > 0, True)
     return SortedRows(stamps[order][kept], order[kept])
 
@@ -210,7 +211,9 @@ def interpolate_quaternions(
         one = one / np.linalg.norm(one, axis=1, keepdims=True)
         other = other / np.linalg.norm(other, axis=1, keepdims=True)
     cosine = np.einsum('ij,ij->i', one, other)
+    # q and -q are one attitude: take the nearer one.
     other *= np.where(cosine < 0.0, -1.0, 1.0)[:, None]
+    # atan2 is accurate for small and large angles, unlike arccos.
     apart, mean = np.linalg.norm(other - one, axis=1), np.linalg.norm(other + one, axis=1)
     angle = 2.0 * np.arctan2(apart, mean)
     tiny = angle < TINY

@@ -82,6 +82,7 @@ def find_listed_files(folder: Path, described: dict[str, object]) -> list[Path]:
     names = described.get('relative_file_paths')
     if not isinstance(names, list):
         return []
+    # Only the file name: metadata.yaml must not lead outside the folder.
     files = [folder / Path(str(name)).name for name in names]
     good = all(
         file.suffix == '.mcap' and len(file.name) < 256 and file.is_file() for file in files

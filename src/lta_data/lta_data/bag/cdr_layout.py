@@ -186,6 +186,7 @@ class LayoutParser:
             if kind is Nodetype.BASE and inner[0] != 'string':
                 self._parse_array(inner[0], count, path, is_column)
                 return
+            # A length beyond the message is damage; do not loop over it.
             if count > len(self._data):
                 raise LayoutMismatch
             for index in range(count):
@@ -207,6 +208,7 @@ class LayoutParser:
 
     def _parse_array(self, name: str, count: int, path: str, is_column: bool) -> None:
         size = np.dtype(CODES[name]).itemsize
+        # An empty sequence has no padding.
         if count:
             self._align(size)
         leaf = CdrLeaf(path, CODES[name], self.at + ENCAPSULATION, count)

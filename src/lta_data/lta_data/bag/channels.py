@@ -124,6 +124,7 @@ def _iterate_series_channels(
         for part, values in zip(PARTS, found, strict=True):
             yield SignalChannel(f'{topic}/{path}.{part}', 'rad', series.time, values, angular=True)
     for path, values in series.numbers.items():
+        # Quaternion components are replaced by angles.
         if HIDDEN.search(path) or path.rpartition('.')[0] in turned:
             continue
         unit, name = find_unit(kind, path, topic), _resolve_joint_name(series, path)

@@ -102,6 +102,7 @@ class ColumnBuilder:
             alike[len(data), data[:2]].append(index)
         odd: list[int] = []
         spare = NEW_LAYOUTS
+        # The most frequent lengths first, since the budget of layouts is limited.
         for key, indices in sorted(alike.items(), key=lambda item: -len(item[1])):
             part = EqualLengthMessages(
                 begin, stamps, np.array(indices), stack_messages(batch, indices)

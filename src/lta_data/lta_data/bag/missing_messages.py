@@ -60,6 +60,7 @@ class PeriodTracker:
 
     def count_missing(self, spans: Iterable[LossSpan]) -> int:
         """Return about how many messages are missing in the given spans."""
+        # Too few steps for a median.
         if len(self._steps) < 3:
             return 0
         usual = median(self._steps)
@@ -136,6 +137,7 @@ def estimate_missing(
     indexed = count_indexed_losses(bag)
     lost = list_loss_spans(bag)
     for topic, known in bag.topics.items():
+        # Index and summary count the same messages, so do not add them.
         counted = max(indexed[topic], known.count - received[topic])
         if counted > 0:
             found[topic] = MissingMessages(counted, 'index')

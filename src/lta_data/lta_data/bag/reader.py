@@ -170,6 +170,7 @@ class Bag:
             schema = contents.schemas.get(channel.schema_id)
             type_name = find_message_type(contents, channel)
             known = self.topics.get(channel.topic)
+            # A table can hold one message type only.
             if known is not None and known.type_name != type_name:
                 self._note_loss(
                     f"Topic '{channel.topic}' has messages of type '{known.type_name}' and of "
@@ -197,6 +198,7 @@ class Bag:
     ) -> Iterator[McapMessage]:
         """Yield the messages of one region of a file."""
         try:
+            # Do not allocate memory for a damaged length.
             if place.length > 2 * CHUNK_BYTES:
                 raise DamagedRecord(f'claim to be a chunk of {place.length} bytes')
             data: bytes | memoryview = read_at(stream, place.offset, place.length)

@@ -189,6 +189,7 @@ class RecordedFlight:
         found = maker.flush_columns()
         stamps = found.stamps
         for index in np.flatnonzero(stamps == 0):
+            # Messages without a stamp: log time, shifted to the clock of the stamps.
             placed = self.start + int(found.logged[index]) - self._origin.log
             stamps[index] = min(placed, LATEST)
         time = (stamps - self.start).astype(np.float64) * 1e-9

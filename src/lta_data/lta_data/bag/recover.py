@@ -151,6 +151,7 @@ def recover_bag(
     try:
         return write_recovered_bag(bag, out, at)
     except KeyboardInterrupt:
+        # Ctrl-C leaves nothing behind, but never deletes a folder of the user.
         if fresh:
             shutil.rmtree(out, ignore_errors=True)
         raise

@@ -188,6 +188,7 @@ class RecordingTable:
         """Return some rows; contiguous rows are views."""
         which: slice | NDArray[np.intp] = chosen
         if len(chosen) and chosen[0] >= 0 and (np.diff(chosen) == 1).all():
+            # A slice gives views instead of copies.
             which = slice(int(chosen[0]), int(chosen[-1]) + 1)
         data = {column: values[which] for column, values in self._data.items()}
         return self._with_columns(data, which)

@@ -144,6 +144,7 @@ def score_difference(
     """Return the rank of a divergence by its size and duration. [1]"""
     known = both.both_valid
     spread = max(standard_deviation(part[known], angular) for part in (both.a, both.b))
+    # The band limits the score of a nearly constant channel.
     scale = max(spread, when.band)
     size = difference.rms / scale if scale > 0.0 else float(difference.rms > 0.0)
     if when.at is None:

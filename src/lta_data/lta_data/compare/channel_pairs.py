@@ -123,6 +123,7 @@ def pair_channels(
         for field_a, field_b in match_fields(each, fields_a, fields_b):
             name = f'{each.topic_a}/{field_a}'
             one, other = a[name], b[f'{each.topic_b}/{field_b}']
+            # An unknown unit counts as equal.
             if one.unit and other.unit and one.unit != other.unit:
                 found.remarks.append(
                     f"'{name}' is in {one.unit} in A and in {other.unit} in B; not compared."
@@ -164,6 +165,7 @@ def match_fields(
         ending = [
             other for other in of_b if other.endswith(f'.{field}') or field.endswith(f'.{other}')
         ]
+        # Ambiguous endings are not paired.
         if len(ending) == 1 and ending[0] not in of_a:
             pairs.append((field, ending[0]))
     return pairs

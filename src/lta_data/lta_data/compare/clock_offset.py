@@ -31,7 +31,7 @@ from scipy.special import stdtrit
 LIKE: Final = 0.5  # least correlation of a channel that the fine step uses
 MOST: Final = 12  # channels of the fine step, at most
 LEVEL: Final = 10.0  # s over which a channel's level is free
-HUBER: Final = 1.5  # scaled misfits; usual tuning near 95 % efficiency (1.345)
+HUBER: Final = 1.5  # scaled misfit from which the weight decreases
 RESTING: Final = 0.1  # least scale of a channel's misfit, relative to its RMS
 BLOCKS: Final = 16  # for the uncertainty
 ROUNDS: Final = 30  # Gauss-Newton iterations, at most
@@ -117,6 +117,7 @@ def prepare_channel(each: SharedQuantity) -> PreparedChannel:
     """Resample and smooth both sides of a channel equally, and fit a spline to B."""
     lines = [unwrap_finite(line, each.angular) for line in both_sides(each)]
     periods = [median_period(line.time) for line in lines]
+    # Smoothing by the slower period gives both sides the same bandwidth.
     step, width = min(periods), 1.5 * max(periods)
     found = []
     for line in lines:
@@ -146,6 +147,7 @@ def refine_offset(
     end = min(end, max(float(each.known.time[-1]) for each in channels) - shift)
     middle, span = 0.5 * (begin + end), end - begin
     step = min(median_period(each.time) for each in channels)
+    # Offset and drift are referred to the middle of the span, where they hardly correlate.
     both = fit_offset(channels, np.array([shift, 0.0]), middle, span, step, 2)
     telling = span >= TELLING
     deviation = math.sqrt(both.covariance[1, 1]) if telling else math.inf
@@ -184,6 +186,7 @@ def fit_offset(
     """Fit the offset [s], and the drift [1] if `free` is 2, by Gauss-Newton."""
     edges = np.linspace(middle - span / 2, middle + span / 2, BLOCKS + 1)[1:-1]
     for _ in range(ROUNDS):
+        # The gradients are summed by block, for the covariance below.
         normal, blocks = np.zeros((free, free)), np.zeros((BLOCKS, free))
         for each in channels:
             one, scores = build_normal_equations(each, at, middle, edges, free)
@@ -200,6 +203,7 @@ def fit_offset(
     if np.linalg.matrix_rank(normal) == free:
         # Sandwich estimator over blocks: valid for autocorrelated misfits.
         inverse = np.linalg.inv(normal)
+        # BLOCKS / (BLOCKS - free) corrects for the fitted parameters.
         spread = blocks.T @ blocks * (BLOCKS / (BLOCKS - free))
         covariance[:free, :free] = inverse @ spread @ inverse * variance_inflation(channels, span)
     return OffsetFit(at, covariance)
@@ -226,11 +230,14 @@ def build_normal_equations(
     moved = each.time + at[0] + at[1] * (each.time - middle)
     known = np.isfinite(interpolate_signal(each.known, moved))
     time, moved = each.time[known], moved[known]
+    # Too few samples to determine levels and slopes.
     if len(time) < 8:
         return np.zeros((free, free)), np.zeros((BLOCKS, free))
+    # The level of each stretch is free: slow drifts of an estimate must not bias the clock.
     stretch = ((time - time[0]) // LEVEL).astype(np.int64)
     misfit = subtract_block_means(each.a[known] - each.b(moved), stretch)
     slope = subtract_block_means(each.b(moved, 1), stretch)
+    # 1.4826: standard deviation from the median absolute deviation of normal noise.
     scale = 1.4826 * float(np.median(np.abs(misfit)))
     # A channel that is at rest most of the time has a median misfit of zero, but is not exact.
     scale = max(scale, RESTING * math.sqrt(float(np.mean(misfit**2))))

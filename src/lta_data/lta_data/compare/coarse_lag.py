@@ -40,11 +40,13 @@ def estimate_coarse_lag(shared: Sequence[SharedQuantity]) -> CoarseLag | None:
     if not able:
         return None
     slower = [max(median_period(each.a.time), median_period(each.b.time)) for each in able]
+    # Finer than the slower side of any channel gains nothing.
     step = float(np.clip(min(slower), *STEPS))
     begins = [min(float(both_sides(each)[k].time[0]) for each in able) for k in (0, 1)]
     ends = [max(float(both_sides(each)[k].time[-1]) for each in able) for k in (0, 1)]
     counts = [1 + math.ceil((ends[k] - begins[k]) / step) for k in (0, 1)]
     least = OVERLAP * min(counts)
+    # Long enough that a circular correlation does not wrap around.
     size = 1 << (sum(counts) - 1).bit_length()
     scores: dict[str, Array] = {}
     share = np.zeros(size)
@@ -94,6 +96,7 @@ def smoothed_rate(
     if known.sum() < 8:
         return None
     instants = np.arange(count)
+    # The filter needs values in the gaps; they become NaN again below.
     held = np.interp(instants, instants[known], values[known])
     width = max(SMOOTH, 2.0 * step)
     found = gaussian_filter1d(held, width / step, order=1) / step
@@ -122,6 +125,7 @@ def masked_correlation(a: Array, b: Array, size: int, least: float) -> tuple[Arr
     energy_a = np.fft.irfft(np.conj(ea) * mb, size)
     energy_b = np.fft.irfft(np.conj(ma) * eb, size)
     common = np.fft.irfft(np.conj(ma) * mb, size)
+    # Rounding noise of the FFT must not pass as a correlation.
     floor = 1e-6 * (np.nansum(a**2) * np.nansum(b**2)) ** 0.5
     power = np.sqrt(np.maximum(energy_a, 0.0) * np.maximum(energy_b, 0.0))
     usable = (common >= least) & (power > floor)

@@ -132,6 +132,7 @@ def compare_flights(
     wanted = select_topic_pairs(request.pairs, request.topics, one.topics, other.topics)
     of_a, of_b = ({each[k] for each in wanted} for k in (0, 1))
     a = read_compared_flight(one, 'A', of_a, lambda: tick('reading A'))
+    # Two topics of one bag: read it only once.
     if of_a == of_b and (one.bag.path, one.robot) == (other.bag.path, other.robot):
         b = replace(a, label='B')
     else:

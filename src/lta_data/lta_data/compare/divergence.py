@@ -55,6 +55,7 @@ def noise_deviation(values: Array) -> float:
     that was filtered out before recording is not detected. NaN values are ignored.
     """
     found = white_noise_deviation(values)
+    # Only a signal without white noise can be limited by quantisation.
     levels = np.unique(values[np.isfinite(values)]) if found == 0.0 else np.empty(0)
     return float(np.diff(levels).min()) / math.sqrt(12.0) if len(levels) >= LEVELS else found
 
@@ -88,6 +89,7 @@ def noise_band(pair: AlignedSignals, *, angular: bool = False, doubt: float = 0.
     if doubt > 0.0 and known.sum() > 2:
         step = np.diff(pair.time[known])
         rate = np.diff(np.unwrap(pair.a[known]) if angular else pair.a[known]) / step
+        # A clock error shifts the signal by rate times error.
         late = doubt * math.sqrt(float(np.mean(rate**2)))
     return max(SIGMAS * math.hypot(both, late), FLOOR * spread)
 
@@ -118,6 +120,7 @@ def find_divergence(pair: AlignedSignals, band: float, *, by_hand: bool = False)
     ends = np.searchsorted(time, time + window, side='right')
     total = np.concatenate([[0], np.cumsum(outside)])
     here = np.arange(len(time))
+    # More than half of the window must be outside the band.
     most = (total[ends] - total[here]) * 2 >= ends - here
     # Windows cut off by the end of the recording do not count; half a step covers rounding.
     whole = time + window <= time[-1] + 0.5 * step
@@ -125,6 +128,7 @@ def find_divergence(pair: AlignedSignals, band: float, *, by_hand: bool = False)
         whole[0] = True
     apart = outside & most & whole
     first = float(time[apart.argmax()]) if apart.any() else None
+    # The last window in agreement; the divergence starts after it.
     together = np.flatnonzero(whole & ~most)
     later = apart & (here > (together[-1] if len(together) else -1))
     at = float(time[later.argmax()]) if later.any() else None

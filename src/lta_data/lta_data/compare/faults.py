@@ -93,8 +93,10 @@ def find_topic_faults(
     instants = np.unique(time)
     rising = np.diff(instants)
     usual = float(np.median(rising)) if len(rising) else None
+    # Quartiles ignore single gaps.
     short, long = np.percentile(rising, [25.0, 75.0]) if len(rising) else (1.0, 1.0)
     rhythm = bool(long <= RHYTHM * short)
+    # Irregular topics, such as events, have no gaps.
     limit = gap * usual if usual is not None and rhythm else np.inf
     holes = np.flatnonzero(rising > limit)
     return TopicFaults(

@@ -99,6 +99,7 @@ def find_world_positions(
         start = pair.name.removesuffix('position.x')
         whole = {f'{start}position.{axis}' for axis in AXES} <= names
         frames = find_frames(a, b, pair)
+        # Frames named ..._link move with the robot (REP-105); only world frames are fitted.
         if start == pair.name or not whole or any(each.endswith(BODY) for each in frames):
             continue
         kind = a.topics[pair.a.topic].type_name
@@ -150,7 +151,9 @@ def decide_alignment(
     spoken = [f"'{name}'" if name else 'an unnamed frame' for name in names]
     if names[0] != names[1]:
         return True, f'A uses {spoken[0]} and B {spoken[1]}.'
+    # The same frame name is trusted unless a fit removes most of the distance.
     better = fit.after < BETTER * fit.before
+    # Two different runs may differ in position; one run recorded twice may not.
     if better and timing.how == 'clock':
         return True, (
             f'One run, but the paths are {fit.before:.2f} m apart without the transformation and '
@@ -197,6 +200,7 @@ def transform_triple(
     if position:
         values = fit.transform_positions(given)
     else:
+        # Vectors are rotated only; a shift applies to positions.
         x, y = fit.rotate_vectors(given[:, 0], given[:, 1])
         values = np.stack([x, y, given[:, 2]], axis=1)
 

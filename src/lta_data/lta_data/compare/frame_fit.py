@@ -83,12 +83,14 @@ def fit_placement(
         scale = 1.4826 * float(np.median(apart))
         if scale <= 1e-12:
             break
+        # Tukey's biweight.
         weight = np.maximum(0.0, 1.0 - (apart / (TUKEY * scale)) ** 2) ** 2
         last, (yaw, shift) = yaw, fit_rotation(a, b, weight)
         if abs(wrap_angle(np.array(yaw - last))) < 1e-12:
             break
     way = math.sqrt(float(np.sum(np.var(a[:, :2], axis=0))))
     misfit = 1.4826 * float(np.median(horizontal_distances(a, b, yaw, shift)))
+    # A hover has no shape from which a rotation could be estimated.
     by_heading = way < max(LEAST, TELLING * misfit)
     if by_heading:
         yaw = mean_heading_difference(heading_a, heading_b)

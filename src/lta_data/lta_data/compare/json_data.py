@@ -70,6 +70,7 @@ def channel_to_dict(each: ChannelComparison) -> dict[str, Any]:
         'periods': each.periods,
         'measures': each.measures,
         'parting': each.parting,
+        # A NamedTuple would become a list.
         'correlation': each.peak and each.peak._asdict(),
         'spectra': each.spectra and thin_spectra(each.spectra),
     }

@@ -126,7 +126,9 @@ def rms_interval(
     count, mean = len(squares), float(np.mean(squares))
     if count < 2 or np.ptp(squares) == 0.0 or mean == 0.0:
         return math.sqrt(mean), math.sqrt(mean)
+    # Blocks must be longer than the memory of the series to be independent.
     alike = autocorrelation_time(squares)
+    # At least FEWEST blocks, or their scatter cannot be estimated.
     most = max(1, count // FEWEST)
     length = min(math.ceil(max(5.0 * alike, count ** (1 / 3))), most)
     blocks = -(-count // length)

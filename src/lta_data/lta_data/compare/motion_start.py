@@ -35,11 +35,13 @@ def find_motion_start(line: SampledSignal, angular: bool = False) -> float | Non
     first = time < time[0] + max(QUIET, 4.0 * step)
     level = float(np.median(values[first]))
     low, high = np.percentile(values, [2.0, 98.0])
+    # The range excludes outliers: 2 % on either side.
     limit = max(CLEAR * white_noise_deviation(values), PART * float(high - low))
     away = np.abs(values - level) > limit
     ends = np.searchsorted(time, time + max(QUIET, 4.0 * step), side='right')
     total = np.concatenate([[0], np.cumsum(away)])
     here = np.arange(len(time))
+    # Three quarters of the window must be away, so that a single outlier is no start.
     lasting = away & ((total[ends] - total[here]) * 4 >= 3 * (ends - here))
     creep = abs(float(values[first][-1] - values[first][0]))
     if not lasting.any() or creep > CREEP * limit:
@@ -54,6 +56,7 @@ def find_common_start(shared: Sequence[SharedQuantity]) -> CommonStart | None:
     Commands are used if they start, otherwise the motion, if enough channels show it. The offset
     is the median over the channels; its uncertainty comes from their scatter and periods.
     """
+    # Commands start sharply; motion follows with a delay of its own.
     for by_command in (True, False):
         found = {}
         for each in shared:

@@ -151,6 +151,7 @@ def build_tiles(comparison: ComparisonResult) -> list[Tile]:
         ),
     ]  # fmt: skip
     if moving:
+        # The channels are sorted by score, so the first is the worst.
         first, worst = find_earliest(moving), moving[0]
         made.append(
             Tile('First divergence', f'{first.parting.at:.2f}', 's', format_channel_name(first))

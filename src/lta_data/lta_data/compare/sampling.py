@@ -33,6 +33,7 @@ def sort_samples(time: ArrayLike, values: ArrayLike) -> SampledSignal:
     when = np.asarray(time, dtype=np.float64).ravel()
     what = np.asarray(values, dtype=np.float64).ravel()
     usable = np.isfinite(when)
+    # np.unique sorts and returns the index of the first occurrence.
     when, first = np.unique(when[usable], return_index=True)
     what = what[usable][first]
     return SampledSignal(when, mask_unknown(what))
@@ -72,6 +73,7 @@ def interpolate_signal(
     step = wrap_angle(step) if angular else step
     value = line.values[j - 1] + step * (at[between] - line.time[j - 1]) / length
     value = wrap_angle(value) if angular else value
+    # Interpolation across a gap would invent data.
     found[between] = np.where(length > gap * median_period(line.time), np.nan, value)
     return found
 
@@ -125,7 +127,7 @@ def align_signals(
 
 
 def break_at_gaps(line: SampledSignal, gap: float = GAP) -> SampledSignal:
-    """Return a line for a picture: with a NaN in each gap, so that nobody draws across it."""
+    """Insert a NaN into each gap, so that plots do not bridge it."""
     if len(line.time) < 2:
         return line
     steps = np.diff(line.time)

@@ -119,6 +119,7 @@ def find_correlation_peak(
     if count < FEWEST or np.ptp(a) == 0.0 or np.ptp(b) == 0.0:
         return None
     step = float(time[-1] - time[0]) / (count - 1)
+    # A quarter of the stretch, so that the overlap stays large.
     most = max(1, min(int(longest / step), count // 4))
     near = lagged_correlation(a - a.mean(), b - b.mean(), most)
     if not np.isfinite(near).any():
@@ -144,6 +145,7 @@ def lagged_correlation(a: Array, b: Array, most: int) -> Array:
             sums.append(total[first + size] - total[first])
     of_a, of_aa, of_b, of_bb = sums
     spread = (of_aa - of_a**2 / size) * (of_bb - of_b**2 / size)
+    # Below it the variance is rounding error of the cumulative sums.
     floor = 1e-12 * (float(np.sum(a**2)) * float(np.sum(b**2)))
     found = np.full(len(lags), np.nan)
     usable = spread > floor
@@ -158,6 +160,7 @@ def fit_parabola_peak(values: Array, best: int) -> tuple[float, float]:
         return 0.0, float(values[best])
     before, here, after = (float(value) for value in values[best - 1 : best + 2])
     bend = before - 2.0 * here + after
+    # Not a maximum: a parabola has no peak here.
     if bend >= 0.0:
         return 0.0, here
     shift = 0.5 * (before - after) / bend

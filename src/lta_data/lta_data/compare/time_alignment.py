@@ -98,6 +98,7 @@ def align_times(
         )
     if align == 'none':
         return replace(bare, reason='As requested.')
+    # Counted rows and times from zero overlap without sharing a clock.
     if have_own_clocks(a.provenance, b.provenance):
         bare = replace(bare, on_stamps=False, lead=0.0)
     shared = select_invariants(pairs, bare)
@@ -167,6 +168,7 @@ def have_same_stamps(a: ComparedFlight, b: ComparedFlight, pairs: Sequence[Chann
         one, other = (np.unique(np.rint(time * 1e9).astype(np.int64)) for time in both)
         shared += len(np.intersect1d(one, other, assume_unique=True))
         total += min(len(one), len(other))
+    # Half of the stamps, since recordings may start and drop messages separately.
     return total > 0 and 2 * shared >= total
 
 
@@ -206,6 +208,7 @@ def describe_doubts(estimate: ClockOffset | None) -> tuple[str, ...]:
     """Return a remark if the data fit clearly better with an offset other than zero."""
     if estimate is None or estimate.correlation < SAME_RUN or estimate.is_ambiguous:
         return ()
+    # Offsets below 1 ms are irrelevant.
     if abs(estimate.value) <= max(TELLING * estimate.sigma, 1e-3):
         return ()
     return (
@@ -225,6 +228,7 @@ def select_invariants(pairs: Sequence[ChannelPair], bare: TimeAlignment) -> list
     for pair in pairs:
         a = sort_samples(pair.a.time, pair.a.values)
         b = sort_samples(pair.b.time - bare.lead, pair.b.values)
+        # Horizontal positions depend on the world frame; their speed does not.
         if not pair.name.endswith(PLACES):
             found.append(SharedQuantity(pair.name, a, b, pair.angular))
     by_name = {pair.name: pair for pair in pairs}
@@ -246,6 +250,7 @@ def ground_speed(time: Array, x: Array, y: Array) -> SampledSignal:
     step = max(0.05, float(np.median(np.diff(of_x.time))))
     half = 2.5 * step
     inner = of_x.time[(of_x.time >= of_x.time[0] + half) & (of_x.time <= of_x.time[-1] - half)]
+    # Six points over five steps: a smooth derivative at any message rate.
     lags = np.linspace(-half, half, 6)
     rates = []
     for line in (of_x, of_y):

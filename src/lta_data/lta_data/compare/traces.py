@@ -18,6 +18,7 @@ def thin_signal(line: SampledSignal, points: int = POINTS) -> SampledSignal:
     count = len(line.time)
     if count <= points:
         return line
+    # Each stretch keeps two points: minimum and maximum.
     length = -(-count // max(points // 2, 1))
     rows = -(-count // length)
     padded = np.pad(line.values, (0, rows * length - count), mode='edge')

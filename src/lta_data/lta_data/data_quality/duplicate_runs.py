@@ -54,6 +54,7 @@ def find_duplicate_runs(
     found: dict[str, list[QualityFinding]] = {}
     for index, (name, mine, seed) in enumerate(known):
         for other, theirs, its in known[:index]:
+            # Simulated flights with different seeds are separate runs by definition.
             if seed and its and seed != its:
                 continue
             twin = compare_fingerprints(theirs, mine, other, limits or QualityLimits())
@@ -146,6 +147,7 @@ def find_best_alignment(
     total_first = total_second = 0.0
     energy_first, energy_second = np.zeros(size), np.zeros(size)
     for one, two in zip(first, second, strict=True):
+        # Each channel counts equally, whatever its unit.
         scale = float(np.std(one)) * float(np.std(two))
         left, right = np.fft.rfft(one, size), np.conj(np.fft.rfft(two, size))
         there, here = np.fft.rfft(np.ones(len(one)), size), np.fft.rfft(np.ones(len(two)), size)
@@ -156,6 +158,7 @@ def find_best_alignment(
         total_first += float((one**2).sum()) / scale
         total_second += float((two**2).sum()) / scale
     lags = np.arange(size)
+    # FFT order: the upper half are negative lags.
     lags = np.where(lags < size // 2, lags, lags - size)
     overlap = np.minimum(most[0], most[1] + lags) - np.maximum(0, lags)
     both = np.sqrt(np.maximum(energy_first * energy_second, 1e-12))

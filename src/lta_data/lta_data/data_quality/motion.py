@@ -105,6 +105,7 @@ def collect_attitudes(channels: Mapping[str, SignalChannel]) -> dict[str, Vector
 
 def remove_sign_jumps(turns: Array) -> Array:
     """Return quaternions without sign jumps; q and -q are the same attitude."""
+    # A negative dot product is the other sign of nearly the same attitude.
     flips = np.where((turns[1:] * turns[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)
     return np.asarray(turns * np.concatenate(([1.0], np.cumprod(flips)))[:, None])
 

@@ -175,6 +175,7 @@ def _pair_height(
     time, values = sort_samples(channel.time, channel.values[:, None])
     if len(time) < limits.least_samples:
         return None
+    # Pressure falls with height.
     height = values if is_range else -values / AIR
     told = VectorSeries(channel.name, time, height)
     what = 'range' if is_range else 'pressure'
@@ -224,6 +225,7 @@ def _build_pair(
     weights = hann_kernel(limits.kernel, step)
     left, there = interpolate_on_grid(measured.time, measured.values, grid)
     right, also = interpolate_on_grid(time, derived, grid)
+    # Exclude points whose smoothing window touches a gap.
     known = narrow_mask(there & also, weights)
     if known.sum() * step < limits.pair_time:
         return None

@@ -70,6 +70,7 @@ def read_log_times(flight: RecordedFlight, topics: list[str]) -> dict[str, Array
     for name, log_time, data in flight.bag.iterate_messages(list(names)):
         if name not in stamped:
             stamped[name] = extract_stamp(flight.bag.decode(name, data)) is not None
+        # Without stamps there is nothing to compare log times with.
         if stamped[name]:
             times.setdefault(names[name], []).append(log_time)
     return {topic: (np.array(rows) - rows[0]) * 1e-9 for topic, rows in times.items()}

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 def find_runs(true: NDArray[np.bool_]) -> NDArray[np.int64]:
     """Return first and one-past-last index of each run of True, shape (n, 2)."""
+    # False at both ends, so that runs there are closed as well.
     edges = np.flatnonzero(np.diff(np.concatenate(([False], true, [False])).astype(np.int8)))
     return edges.reshape(-1, 2)
 

@@ -106,6 +106,7 @@ def estimate_lag(left: Array, right: Array, step: float, search: float) -> float
 
     """
     most = max(1, min(round(search / step), len(left) // 2))
+    # The best left axis of each right axis counts.
     total = np.abs(lagged_products(left, right, most)).max(axis=1).sum(axis=1)
     best = int(np.argmax(total))
     if 0 < best < 2 * most:
@@ -134,6 +135,7 @@ def measure_similarity(pair: MotionPair, limits: QualityLimits) -> PairSimilarit
     moved = round(lag / pair.step)
     correlation = np.roll(unit_left, -moved, axis=0).T @ unit_right / count
     ratio = left_size[:, None] / np.where(right_size > 0.0, right_size, np.inf)[None, :]
+    # One factor for all axes removes a wrong unit, which another check reports.
     common = float(np.linalg.norm(left_size) / np.linalg.norm(right_size))
     relative = ratio / common
     match = 2.0 * correlation * relative / (1.0 + relative**2)

@@ -12,6 +12,7 @@ def sort_samples(time: Array, values: Array) -> tuple[Array, Array]:
     good = np.isfinite(time) & np.isfinite(values.reshape(len(values), -1)).all(axis=1)
     time, values = time[good], values[good]
     if len(time) > 1 and (np.diff(time) <= 0.0).any():
+        # Keep a sample only if it is later than all before it.
         rising = time > np.concatenate(([-np.inf], np.maximum.accumulate(time)[:-1]))
         time, values = time[rising], values[rising]
     return time, values
@@ -47,6 +48,7 @@ def interpolate_on_grid(
 def hann_kernel(width: float, step: float) -> Array:
     """Return a Hann window of a width, normalised to one; of odd length, at least three."""
     half = max(1, round(width / step / 2))
+    # The first and last point of a Hann window are zero.
     window = np.hanning(2 * half + 3)[1:-1]
     return np.asarray(window / window.sum(), dtype=np.float64)
 

@@ -50,10 +50,12 @@ def write_mat(source: ExportSource, path: Path) -> Iterator[int]:
     }
     values: Struct = {}
     units: Struct = {}
+    # Units are those of the first element of an array.
     for name, column in join_array_columns(columns).items():
         # savemat writes object arrays as cell arrays, which hold texts of any length.
         shown = column.astype(object) if column.dtype.kind == 'U' else column
         unit = source.units.get(name, source.units.get(f'{name}[0]', ''))
+        # MATLAB has no one-dimensional arrays: make it a column.
         set_nested_value(values, name, shown if shown.ndim == 2 else shown[:, None])
         set_nested_value(units, name, unit)
     content = {format_matlab_name(source.name): values, UNITS: units}

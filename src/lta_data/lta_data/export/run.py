@@ -159,6 +159,7 @@ def save_source(
     """Write one file atomically."""
     name = re.sub(r'\W+', '_', source.name).strip('_') or 'topic'
     taken = {exported.file.stem for exported in done.files}
+    # '/odom' and 'odom' would give the same file name.
     while name in taken:
         name += '_'
     path = folder / f'{name}.{form}'

@@ -92,6 +92,7 @@ def build_source(
 def build_series_source(flight: RecordedFlight, topic: str, kind: str) -> ExportSource:
     """Return a source of numeric messages; joint columns get the names of the joints."""
     parts = partial(flight.iterate_series, topic, ROWS)
+    # A small topic is decoded once and kept for both passes.
     if flight.bag.topics[flight.absolute_name(topic)].count <= ROWS:
         kept = list(parts())
         parts = partial(iter, kept)
@@ -131,6 +132,7 @@ def widen_columns(declared: dict[str, np.dtype[Any]], part: Columns) -> None:
     for column, values in part.items():
         known = declared.get(column)
         if known is None:
+            # A column that starts late needs a type with NaN for the rows before.
             missing = started and values.dtype.kind not in 'fU'
             declared[column] = np.dtype(np.float64) if missing else values.dtype
         elif known != values.dtype:
@@ -175,6 +177,7 @@ def iterate_point_rows(flight: RecordedFlight, topic: str) -> Iterator[Columns]:
             continue
         table = np.stack(list(fields.values()))
         _, clouds, most = table.shape
+        # Smaller clouds are padded with NaN points.
         there = ~np.isnan(table).all(axis=0).ravel()
         stamps = np.repeat(compute_stamps(flight, time), most)[there]
         index = np.tile(np.arange(most), clouds)[there]

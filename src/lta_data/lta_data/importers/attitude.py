@@ -51,6 +51,7 @@ def convert_attitude(
     attitude: Numbers, world: Sequence[str] | None, body: Sequence[str] | None
 ) -> Numbers:
     """Convert attitudes between the log's axes to attitudes from FLU to ENU, shape (n, 4)."""
+    # Equal axes: keep every bit.
     if world is None and body is None:
         return attitude
     return apply_matrix(attitude, attitude_matrix(world, body))

@@ -40,6 +40,7 @@ def convert_vectors(
     if axes is None:
         return vectors
     signed = signed_permutation(axes)
+    # A reflection reverses axial vectors relative to polar ones.
     mirror = round(np.linalg.det(signed)) if axial else 1
     picked = np.argmax(np.abs(signed), axis=1)
     signs = signed[np.arange(3), picked] * mirror
@@ -72,6 +73,7 @@ def attitude_matrix(world: Sequence[str] | None, body: Sequence[str] | None) -> 
     to_world, to_body = (
         Rotation.from_matrix(side * mirror) for side, mirror in zip(sides, mirrors, strict=True)
     )
+    # The map is linear: its columns are the images of the unit quaternions.
     parts = [(to_world * Rotation.from_quat(unit) * to_body.inv()).as_quat() for unit in np.eye(4)]
     product = np.stack(parts, axis=1)
     whole = np.round(product)

@@ -78,6 +78,7 @@ class CdrTemplate:
         raw: NDArray[np.uint8] = np.tile(np.frombuffer(self._bytes, dtype=np.uint8), count)
         rows = raw.view(kind)
         for path, values in numbers.items():
+            # A structured view writes all messages at once.
             rows[path] = values
         return raw.tobytes()
 

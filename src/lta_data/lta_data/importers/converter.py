@@ -90,6 +90,7 @@ class TopicConverter:
             numbers |= self._convert_parts(chosen)
         layout = self._ensure_layout()
         data = layout.fill_messages(len(chosen), numbers)
+        # log_times keep the order of logging; the stamps are in the messages.
         order, times = chosen.order, chosen.log_times
         return ConvertedMessages(self.plan.topic, order, times, data, layout.size, kept)
 
@@ -131,6 +132,7 @@ class TopicConverter:
             (name, field): _convert_number(given, table, 1.0)
             for name, field, given in self.plan.iterate_joints()
         }
+        # Decide on the first part only: the layout is the same for all messages.
         if self.plan.entry.drop_empty and self._layout is None:
             valued = {name for (name, _), values in told.items() if not np.isnan(values).all()}
             self.silent = [name for name in self._list_actuators() if name not in valued]
@@ -172,6 +174,7 @@ def _fill_unknown(part: MessagePart) -> dict[str, Any]:
     if part.kind == 'number':
         return found | {part.place: np.nan}
     if part.kind == 'attitude':
+        # An all-zero quaternion marks an unset attitude.
         return found | {f'{part.place}.{axis}': 0.0 for axis in 'xyzw'}
     return found | {f'{part.place}.{axis}': np.nan for axis in 'xyz'}
 

@@ -88,6 +88,7 @@ def detect_format(path: Path) -> str:
         return 'bag'
     if head.startswith(ULOG):
         return 'ulog'
+    # One byte only, so test it after the longer magic numbers.
     if head.startswith(USD):
         return 'usd'
     if _is_text(head):

@@ -75,6 +75,7 @@ def join_tables(table: LogTable, others: Mapping[str, LogTable]) -> tuple[LogTab
     oldest = 0
     for name, other in others.items():
         order = np.argsort(other.stamps, kind='stable')
+        # Never a later row: an onboard program could not know it either.
         at = np.searchsorted(other.stamps[order], table.stamps, side='right') - 1
         found = at >= 0
         rows = order[np.maximum(at, 0)] if len(order) else np.zeros(len(table), dtype=np.intp)

@@ -63,6 +63,7 @@ def _iterate_runs(
             for one in log.iterate_messages(reached)
             if one.topic in names
         )
+        # heapq.merge keeps memory small: both sides are already in the log's order.
         yield merge(_merge_in_order(first), passed, key=itemgetter(0))
         return
     yield _merge_in_order(first)
@@ -106,6 +107,7 @@ def _iterate_converted(
         for converter in list(converters):
             one = _convert_topic(converter, tables, notes)
             if one is None:
+                # Drop the topic for the rest of the log as well.
                 converters.remove(converter)
             else:
                 found.append(one)

@@ -74,6 +74,7 @@ def _detect_mapping(path: Path) -> str:
             needed = {column for entry in mapping.topics for column in entry.columns}
             if needed <= there:
                 fitting.append(name)
+    # Two fitting mappings may disagree on units, so the user must choose.
     if len(fitting) == 1:
         return fitting[0]
     told = (
@@ -101,6 +102,7 @@ def choose_entries(
     filled: set[str] = set()
     for entry in [] if mapping is None else mapping.topics:
         assert mapping is not None
+        # Entries for one topic are alternatives, in order of preference.
         if entry.topic in filled:
             continue
         made = _plan_entry(path, mapping, log, entry, robot)

@@ -24,6 +24,7 @@ class LogRemarks:
         """Count the next rows of a table: their times, and the columns in use."""
         if not len(stamps):
             return
+        # Without an earlier part the first step counts as forward.
         before = self._last.get(name, int(stamps[0]) - 1)
         steps = np.diff(stamps, prepend=before)
         self._back[name] += int((steps < 0).sum())

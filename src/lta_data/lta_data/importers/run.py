@@ -77,6 +77,7 @@ def import_logs(order: ImportRequest, out: Path, progress: ImportProgress) -> li
 
     """
     done = []
+    # Refuse before any work, rather than after a long import.
     if out.exists():
         prepare_empty_folder(out)
     with stage_results(out, BAG) as folder:

@@ -41,6 +41,7 @@ def draw_sparkline(values: NDArray[np.float64], width: int = SPARK) -> str:
     for part in np.array_split(values, min(width, len(values))):
         inside = part[np.isfinite(part)]
         share = (inside.mean() - low) / (high - low) if len(inside) else 0.0
+        # share is 1.0 at the maximum, which would be a ninth block.
         found.append(BLOCKS[min(7, int(8 * share))] if len(inside) else ' ')
     return ''.join(found)
 

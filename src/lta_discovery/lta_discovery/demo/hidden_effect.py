@@ -182,9 +182,7 @@ def fly_hidden(hidden: DemoEffect, seed: int, seconds: float, folder: Path) -> P
 
 
 def add_tracker_noise(truth: tuple[float, ...], rng: np.random.Generator) -> tuple[float, ...]:
-    """
-    Return a pose with tracker noise, and NaN for the velocities, which a tracker does not measure.
-    """
+    """Return a pose with tracker noise, and NaN for the velocities."""
     place = np.array(truth[:3]) + POSE * rng.standard_normal(3)
     turn = Rotation.from_quat(truth[3:7])
     turn *= Rotation.from_rotvec(TURN * rng.standard_normal(3))

@@ -1,1 +1,1 @@
-"""Where and when the model of the vehicle file disagrees."""
+"""Locate discrepancies between the model of the vehicle file and the flights."""

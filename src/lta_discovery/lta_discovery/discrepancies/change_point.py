@@ -1,10 +1,9 @@
 """
-When something changed for good in a flight: a rotor that fails, a payload that drops.
+Detect a permanent change within a flight, such as a failed rotor or a dropped payload.
 
-For each number of the model that can change at once, and each beginning of a piece, the change of
-the number from there on is one more unknown; what it wins is a log Bayes factor, everything else
-being free as before. The most that is won has to be more than what the same pieces win in another
-order: where nothing happened, their order says nothing.
+For each parameter that can change suddenly and each beginning of a piece, the change from there on
+is an additional unknown with a Bayes factor. The largest factor has to exceed those of the same
+pieces in random orders (permutation test).
 """
 
 from collections.abc import Sequence
@@ -19,29 +18,29 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Effects that can begin or end in flight.
+# Effects that can start or end within a flight.
 CHANGING: Final = (
     'rotor_fault', 'net_lift', 'cg_offset', 'thrust_scale', 'steady_wind', 'command_delay',
     'tracker_delay', 'range_offset',
 )  # fmt: skip
-LARGE: Final = 3.0  # typical sizes: what fails in flight fails by more than vehicles differ
+LARGE: Final = 3.0  # typical sizes; failures are larger than differences between vehicles
 LEAST: Final = 2  # pieces on either side
 WON: Final = 8.0  # nats
 DRAWS: Final = 199
-CHANCE: Final = 0.04  # of 8 pieces there are no more orders than that tells apart
+CHANCE: Final = 0.04  # significance level; 8 pieces have too few orders for a smaller one
 
 
 @final
 class ChangePoint(NamedTuple):
     """
-    A change.
+    A permanent change.
 
     Attributes
     ----------
     piece : int
-        The first after it.
+        First piece after it.
     knob : str
-        As if this had changed: 'rotor_fault.lost_3'.
+        Changed parameter: 'rotor_fault.lost_3'.
     won : float
         Log Bayes factor. [nats]
 
@@ -56,16 +55,14 @@ def find_change_point(
     this: FlightFit, knobs: Sequence[FreeParameter], seed: int
 ) -> ChangePoint | None:
     """
-    Return what changed for good in a flight; None where nothing did, as far as can be told.
+    Return the most significant permanent change of a flight, or None.
 
     Parameters
     ----------
-    this : Fit
-        The flight, its tolerances fitted without any effect.
-    knobs : sequence of Knob
-        Of it.
+    this : FlightFit
+        Fit of its tolerances without any effect.
     seed : int
-        Of the other orders of its pieces.
+        Random seed of the permutations.
 
     """
     each = reduce_each_piece(this.linear, this.deviations)
@@ -86,7 +83,7 @@ def find_change_point(
     sizes = LARGE * np.array([knobs[k].typical for k in picked])
 
     def evidence_gain(order: NDArray[np.int64]) -> Array:
-        # What the pieces from each place on say of each number, shape (S - 1, K, ...).
+        # Sums over the pieces from each beginning on, shape (S - 1, K, ...).
         after = np.cumsum(each[order][::-1][:, picked], axis=0)[::-1][LEAST : 1 - LEAST]
         others = after[..., free]
         information = after[:, range(len(picked)), picked]

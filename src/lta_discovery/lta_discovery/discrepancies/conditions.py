@@ -132,6 +132,7 @@ def find_largest_condition(
         for name, (values, unit) in quantities.items()
         for one in build_splits(name, values, unit)
     ]
+    # Both sides of a split need enough independent values.
     least = max(2 * block, n // 10)
     candidates = [one for one in candidates if least <= one.holds.sum() <= n - least]
     if not candidates or n < 6 * block:
@@ -142,6 +143,7 @@ def find_largest_condition(
     shifts = np.random.default_rng([seed, n]).integers(block, n - block, DRAWS)
     rolled = np.stack([np.roll(squares, shift) for shift in shifts], axis=1)
     by_chance = _split_gain(table, rolled).max(axis=0)
+    # p-value of the permutation test, including the observed order.
     share = (1 + np.sum(by_chance >= won[best])) / (DRAWS + 1)
     inside = candidates[best].holds
     apart = np.sqrt(squares[inside].mean() / max(squares[~inside].mean(), 1e-300))

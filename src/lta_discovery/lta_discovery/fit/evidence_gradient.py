@@ -97,6 +97,7 @@ def _flight_gradient(
     inverse, variance = knot_precision(count), deviations**2
     knots = latent.reshape(-1, AXES, count)
     blocks = covariance.reshape(-1, AXES, count, AXES, count)
+    # Expected squared wrench: that of the mean plus the trace of its covariance.
     spent = np.einsum('saj,jk,sak->a', knots, inverse, knots)
     spent += np.einsum('saiaj,ji->a', blocks, inverse, optimize=True)
     slope = spent / variance - count * len(knots)

@@ -116,6 +116,7 @@ def _name_bag(path: Path, names: Sequence[str]) -> str:
         name = place.parent.name if place.name == 'bag' else place.name
     count, only = 1, name
     while name in names:
+        # Number repeated names, as messages refer to flights by name.
         count += 1
         name = f'{only}_{count}'
     return name

@@ -60,6 +60,7 @@ def assign_roles(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
     if any(role == 'confirm' for _, role, _ in rest):
         return list(flights), []
     if len(train) > 1:
+        # With an odd number, training gets the extra flight.
         half = (len(train) + 1) // 2
         moved = [(name, 'confirm', flight) for name, _, flight in train[half:]]
         said = 'There is no confirming flight: half of the training flights confirm'

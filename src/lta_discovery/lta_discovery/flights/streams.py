@@ -184,6 +184,7 @@ def build_streams(
     told = _join_channels([channels[name] for name in (*parts, *turns)])
     known = np.asarray(np.isfinite(told.values).all(axis=1))
     quaternion = np.full((len(told.time), 4), np.nan)
+    # Channels hold Euler angles (intrinsic z-y-x); the model needs quaternions x y z w.
     quaternion[known] = Rotation.from_euler('ZYX', told.values[known, 3:]).as_quat()
     missing = [name for name in rotors if f'{COMMAND}{name}' not in channels]
     wrench = _read_wrench(channels) if missing else None
@@ -194,6 +195,7 @@ def build_streams(
             f"'wrench_command'; it has commands of {', '.join(sorted(there)) or 'nothing'}. Give "
             'the flown vehicle with --vehicle, and use the rotor names of its file.'
         )
+    # Without rotor commands the wrench drives the model, and the duties stay 0.
     if missing:
         commands = Stream(told.time[:1], np.zeros((1, len(rotors))))
     else:

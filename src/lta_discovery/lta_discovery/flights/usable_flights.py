@@ -106,6 +106,7 @@ def select_usable_flights(flights: Sequence[StudyRecording], vehicle: Vehicle) -
         cuts += own
         warnings += words
         seconds = _usable_seconds(flight)
+        # A short flight is left out; an error follows only if too little remains in all.
         if seconds < SHORTEST:
             warnings.append(
                 f'{one.name}: only {seconds:.0f} s are usable; the flight is left out.'
@@ -187,6 +188,7 @@ def _clean_flight(
     whole: list[str] = []
     smooth = []
     end = float(streams.pose.time[-1])
+    # Checks of channels that a study does not use are ignored.
     for finding in run_checks(recording).findings:
         if not finding.channel.startswith((pose, 'motors', 'wrench_command', *SENSORS)):
             continue
@@ -205,6 +207,7 @@ def _clean_flight(
             'simulated without a declaration; do not rely on lags and fast motion.'
         )
     streams, cuts = _drop_bad_sensors(streams, cuts, pose, whole, one.name)
+    # Repair stamps before resampling, which would spread their errors.
     streams, rounding, said = repair_timestamps(one.name, streams)
     flight, more = add_stamp_noise(one.name, resample_flight(streams), rounding)
     warnings += [*whole, *said, *more]

@@ -183,6 +183,7 @@ class ForecastFitter:
             if found is None:
                 break
             values, lifts, after, damping = found
+            # Converged.
             if before - after < SETTLED * before:
                 break
         if relinearize or not rounds:
@@ -269,6 +270,7 @@ class ForecastFitter:
             left = compute_horizon_errors(
                 flight, self.build_point(values, float(lifts[f]), flight)
             ).left
+        # Compare costs only over the same readings.
         if np.isfinite(left).sum() < self._known[f]:
             return np.inf  # the prediction diverged
         cost, _ = _huber_cost(left * self.weights)

@@ -71,6 +71,7 @@ def build_model_points(
     """
     zero, knobs = np.zeros_like(full.group.at), flight.knobs
     count, models = count_learning_pieces(flight), []
+    # The columns serve all three models: they differ little, and the errors are small.
     columns = None
     for at, deviations in (
         (zero, bare.deviations),

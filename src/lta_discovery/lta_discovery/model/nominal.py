@@ -177,6 +177,7 @@ class NominalVehicle:
 
         """
         changed = [name for name in self.given if self.given[name] is not other.given.get(name)]
+        # Mass properties and body effects enter the mass matrix, which needs a full rebuild.
         weighed = (
             not set(other.given) <= set(self.given)
             or self.mass != other.mass

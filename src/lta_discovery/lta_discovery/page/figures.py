@@ -33,7 +33,7 @@ def plot_error_map(flights: Sequence[StudyFlightView], places: Sequence[Discrepa
     known = [k for k in range(len(CHANNELS)) if np.isfinite(tables[0][:, k]).any()]
     names = [NAMES[CHANNELS[k]] for k in known]
     begun = [one.before.time[::every, 0] for one in flights]
-    # Plotly merges columns of one name, and flights may share theirs: append invisible characters.
+    # Plotly merges columns of one name, and flights may share theirs: append invisible ones.
     columns = [
         f'{one.flown.name}, {time:.1f} s' + k * '\N{ZERO WIDTH SPACE}'
         for k, (one, times) in enumerate(zip(flights, begun, strict=True))

@@ -42,6 +42,7 @@ def autocorrelation(left: Sequence[Array], longest: float = LONGEST) -> tuple[Ar
             end = each.shape[1] - lag
             products[lag] += np.sum(values[:, :end] * values[:, lag:])
             pairs[lag] += np.sum(known[:, :end] & known[:, lag:])
+    # Divide by the number of valid pairs, as gaps leave fewer at some lags.
     means = products / np.maximum(pairs, 1.0)
     out: Array = means / means[0] if means[0] > 0.0 else means
     lags = np.arange(0, count + 1) * np.float64(PERIOD)

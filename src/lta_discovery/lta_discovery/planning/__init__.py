@@ -1,1 +1,1 @@
-"""Which names flights can tell apart, and the flight that would."""
+"""Analyse which effects flights can separate, and plan the next flight."""

@@ -1,8 +1,8 @@
 """
-Derive which names no data of a kind can tell apart, from rich flights of each kind.
+Derive which effects are indistinguishable for a kind of data, from rich flights of each kind.
 
-Rich is every excitation at once: heights, headings and speeds that change, and shaken motors; of
-`hover`, none. What such flights cannot tell apart, no other data of the kind will.
+Rich flights vary height, heading and speed and dither the motors; `hover` flights do not. Effects
+that these flights cannot separate are not separable by other data of the kind.
 """
 
 from collections.abc import Mapping, Sequence
@@ -31,12 +31,12 @@ from scipy.cluster.hierarchy import fcluster, linkage
 Array = NDArray[np.float64]
 
 VEHICLE: Final = 'gtmab'
-# |cosine| from which two names are one: see `lta_discovery.selection.equivalence_classes`
+# |cosine| of equivalent effects: see `lta_discovery.selection.equivalence_classes`
 ALIKE: Final = 0.98
-SEEN: Final = 0.1  # deviations of a typical size, below which data say nothing of a name
+SEEN: Final = 0.1  # significance of a typical size, below which an effect is unobservable
 FLIGHTS: Final = 3
 LENGTH: Final = 120.0  # s
-MORE: Final = 1e4  # times as long: what is left then is capped by tolerances
+MORE: Final = 1e4  # times as long, to find the limit set by tolerances
 LEG: Final = 6.0  # s
 # Kinds of data: the sensors, and whether the flights are rich.
 KINDS: Final[dict[str, tuple[Sensors, bool]]] = {
@@ -52,16 +52,16 @@ KINDS: Final[dict[str, tuple[Sensors, bool]]] = {
 @dataclass(frozen=True, slots=True)
 class DerivedClasses:
     """
-    What one kind of data can tell.
+    Separability of effects for one kind of data.
 
     Attributes
     ----------
     names : tuple of str
         The candidates.
     cosine : ndarray, shape (n, n)
-        Of each pair, its size.
+        |cosine| of each pair.
     reach, cap : ndarray, shape (n,)
-        Deviations that a typical size comes to: in these flights, and however long they are.
+        Significance of a typical size: for these flights, and for unlimited length.
 
     """
 
@@ -72,11 +72,11 @@ class DerivedClasses:
 
     @property
     def undetectable(self) -> list[str]:
-        """Names of which such data say nothing."""
+        """Unobservable effects."""
         return [name for name, s in zip(self.names, self.reach, strict=True) if s < SEEN]
 
     def list_classes(self) -> list[list[str]]:
-        """Return the names that are one, class by class: those with more than one name."""
+        """Return the classes of equivalent effects with more than one member."""
         seen = np.flatnonzero(self.reach >= SEEN)
         if len(seen) < 2:
             return []
@@ -87,14 +87,14 @@ class DerivedClasses:
 
 def group_alike(cosine: Array, least: float) -> list[list[int]]:
     """
-    Return groups in which every two are alike (complete linkage), each in rising order.
+    Group by complete linkage: every two members are alike.
 
     Parameters
     ----------
     cosine : ndarray, shape (n, n)
-        Sizes of the cosines.
+        Absolute cosines.
     least : float
-        Of any two in a group.
+        Smallest cosine within a group.
 
     """
     far = 1.0 - np.abs(cosine)
@@ -107,7 +107,7 @@ def group_alike(cosine: Array, least: float) -> list[list[int]]:
 
 
 def build_rich_course(seed: int, rich: bool) -> dict[str, Any]:
-    """Return a course of `LENGTH` as a scenario file has it."""
+    """Return a course of `LENGTH` in the format of a scenario file."""
     rng = np.random.default_rng([seed, 21])
     rows, heading, at = [], 0.0, 2.0
     while at < LENGTH - LEG:
@@ -132,7 +132,7 @@ def build_rich_course(seed: int, rich: bool) -> dict[str, Any]:
 def derive_classes(
     kinds: Sequence[str] = tuple(KINDS), flights: int = FLIGHTS
 ) -> Mapping[str, DerivedClasses]:
-    """Return what each kind of data can tell."""
+    """Derive the separability for each kind of data."""
     made = load_spec(VEHICLE, 'hall', 'bag', '')
     vehicle = build_parts(made)[0]
     turned = select_shipped(list_free_parameters(NominalVehicle.from_vehicle(vehicle)))
@@ -155,7 +155,7 @@ def derive_classes(
 
 
 def _rehearse_streams(spec: FlightSpec, seed: int, rich: bool) -> FlightStreams:
-    """Return what a flight of the kind would be recorded as."""
+    """Return the recorded streams of a simulated flight."""
     vehicle, scenario, policy = build_parts(
         with_course(spec, build_rich_course(seed, rich), LENGTH)
     )
@@ -163,7 +163,7 @@ def _rehearse_streams(spec: FlightSpec, seed: int, rich: bool) -> FlightStreams:
 
 
 def compare_candidates(pairs: PairSeparability, more: PairSeparability) -> DerivedClasses:
-    """Return what flights say of every two candidates, and of each."""
+    """Return cosines and significances of all candidates."""
     at = [k for k, knob in enumerate(pairs.knobs) if knob.typical > 0.0]
     cosine = np.eye(len(at))
     reach = np.array([pairs.detection_sigma(k) for k in at])
@@ -176,13 +176,13 @@ def compare_candidates(pairs: PairSeparability, more: PairSeparability) -> Deriv
 
 
 def select_shipped(parameters: Sequence[FreeParameter]) -> list[FreeParameter]:
-    """Return those of the library: what is frozen knows nothing of effects that others install."""
+    """Return the parameters of built-in effects: the frozen classes exclude plug-ins."""
     foreign = set(EFFECTS) - set(BUILT_IN)
     return [knob for knob in parameters if foreign.isdisjoint(effect for effect, _ in knob.moves)]
 
 
 def registry_digest(parameters: Sequence[FreeParameter]) -> str:
-    """Return what tells one registry of candidates from another, 12 hexadecimal digits."""
+    """Return a digest of the candidates in the registry, 12 hexadecimal digits."""
     told = hashlib.sha256()
     for knob in parameters:
         moves = sorted((*target, f'{rate:.9g}') for target, rate in knob.moves.items())

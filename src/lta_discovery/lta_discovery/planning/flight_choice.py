@@ -1,8 +1,8 @@
 """
-Choose the flight that decides between names: each is supposed, flown in process, and compared.
+Choose the flight that best separates candidate effects, by simulation.
 
-Manoeuvres are flown as the vehicle file has it, the cheapest first. One that promises enough is
-flown again with each name supposed to be the truth; only what is safe and decides then is chosen.
+Manoeuvres are simulated with the vehicle file, the cheapest first. A promising one is simulated
+again with each effect assumed true. It is chosen if it is safe and conclusive in all cases.
 """
 
 from collections.abc import Callable, Sequence
@@ -43,15 +43,15 @@ import yaml
 Array = NDArray[np.float64]
 Tell = Callable[[str, float | None], None]
 
-WANTED: Final = 12.0  # nats to expect: 3 decide, and what comes spreads by the root of twice this
-LEAST: Final = 6.0  # nats; a flight that promises less is not worth it
-TRIED: Final = 4  # manoeuvres that are flown with each name supposed
-SURE: Final = 1.3  # of what is wanted, that a manoeuvre has to promise at the first glance
+WANTED: Final = 12.0  # nats to expect: 3 decide, the standard deviation is the root of 24
+LEAST: Final = 6.0  # nats; a flight with less expected evidence is not proposed
+TRIED: Final = 4  # manoeuvres that are simulated with each effect
+SURE: Final = 1.3  # of WANTED; required in the first simulation
 SEED: Final = 71
 
 
 class ParameterHypothesis(NamedTuple):
-    """A name and its value in the unit of its knob."""
+    """A parameter and its hypothetical value."""
 
     knob: FreeParameter
     value: float
@@ -61,19 +61,19 @@ class ParameterHypothesis(NamedTuple):
 @dataclass(frozen=True, slots=True)
 class DecidingFlight:
     """
-    The flight that decides.
+    The chosen flight.
 
     Attributes
     ----------
-    manoeuvre : Manoeuvre
-        What it does.
+    manoeuvre : PlannedManeuver
+        The manoeuvre.
     nats : float
-        Log Bayes factor to expect of the true name over the other, of the pair that is least
-        told apart, when it is flown twice.
+        Expected log Bayes factor of the true effect over another, for the worst pair and two
+        flights.
     space : tuple of three floats
-        Length, width and height that it takes. [m]
-    made : Ingredients
-        All that decides the flight; the scenario is among it.
+        Required length, width and height. [m]
+    made : FlightSpec
+        Specification of the flight, including the scenario.
 
     """
 
@@ -86,20 +86,20 @@ class DecidingFlight:
 @final
 class NextFlightPlanner:
     """
-    A vehicle, its scene and what is known already.
+    Plan the next flight of a vehicle.
 
     Parameters
     ----------
-    made : Ingredients
-        Vehicle, scene and pilot.
+    spec : FlightSpec
+        Vehicle, scenario and flight software.
     text : str
-        The vehicle file.
+        Of the vehicle file.
     sensors : str
-        What will be recorded: 'all', 'imu', 'pose'.
-    flown : sequence of Reduced
-        Flights that there are, about the vehicle file.
+        Sensors to be recorded: 'all', 'imu', 'pose'.
+    past_flights : sequence of ReducedFlight
+        Earlier flights, about the vehicle file.
     tell : callable
-        Told what is being done.
+        Receives the stage and its share.
 
     """
 
@@ -127,14 +127,14 @@ class NextFlightPlanner:
             )
 
     def find_parameter(self, name: str) -> FreeParameter:
-        """Return a knob by name; `BadInput` that lists the known ones."""
+        """Return a parameter by name; raise `BadInput` with the known names."""
         if name not in self._names:
             known = [knob.name for knob in self.knobs if knob.typical > 0.0]
             raise unknown_name('effect', name, known)
         return self.knobs[self._names.index(name)]
 
     def match_rival(self, first: ParameterHypothesis, other: FreeParameter) -> ParameterHypothesis:
-        """Return the value at which another name looks most like a first, in what was flown."""
+        """Return the value of a rival that resembles a hypothesis most in the earlier flights."""
         a, b = self._names.index(first.knob.name), self._names.index(other.name)
         value = other.typical
         if self.flown:
@@ -148,19 +148,19 @@ class NextFlightPlanner:
         self, first: ParameterHypothesis, others: Sequence[ParameterHypothesis]
     ) -> DecidingFlight | None:
         """
-        Return the cheapest flight that decides; None where none in the family does safely.
+        Return the cheapest safe and conclusive flight, or None.
 
         Parameters
         ----------
-        first : Rival
-            The name that was found, and its value.
-        others : sequence of Rival
-            Names that may be meant instead.
+        first : ParameterHypothesis
+            The named effect.
+        others : sequence of ParameterHypothesis
+            Its rivals.
 
         """
         rest: list[tuple[float, PlannedManeuver]] = []
         for one in list_maneuvers(self.space):
-            self._tell(f'flying in thought: {one.about}', None)
+            self._tell(f'simulating: {one.about}', None)
             nats = self.predict_evidence(one, first, others)
             if nats is None:
                 continue
@@ -179,7 +179,7 @@ class NextFlightPlanner:
         first: ParameterHypothesis,
         others: Sequence[ParameterHypothesis],
     ) -> float | None:
-        """Return what a manoeuvre promises as the file has the vehicle; None where unsafe."""
+        """Return the expected evidence of a manoeuvre; None if it is unsafe."""
         made = with_course(self.made, manoeuvre.course, manoeuvre.length)
         flown, scenario = self._rehearse(made, self.vehicle)
         if list_objections(flown, self.vehicle, scenario):
@@ -194,7 +194,7 @@ class NextFlightPlanner:
         first: ParameterHypothesis,
         others: Sequence[ParameterHypothesis],
     ) -> DecidingFlight | None:
-        """Return a manoeuvre if it is safe whichever name is true, and what it promises then."""
+        """Return a manoeuvre with its evidence; None if unsafe under any hypothesis."""
         made = with_course(self.made, manoeuvre.course, manoeuvre.length)
         least, spaces = np.inf, []
         for true in (first, *others):
@@ -216,7 +216,7 @@ class NextFlightPlanner:
     def _fly_hypothesis(
         self, spec: FlightSpec, true: ParameterHypothesis
     ) -> tuple[Vehicle, RehearsedFlight, ReducedFlight]:
-        """Fly with a name supposed to be the truth; the pilot knows the file."""
+        """Simulate a flight with a hypothesis as the truth; the controller uses the file."""
         nominal = true.knob.apply_to(self.nominal, true.value)
         content: Any = yaml.safe_load(format_hypothesis(self.text, self.vehicle, nominal))
         changed = FlightSpec(
@@ -227,26 +227,26 @@ class NextFlightPlanner:
         return vehicle, flown, self._reduce_rehearsal(flown, nominal)
 
     def _rehearse(self, spec: FlightSpec, vehicle: Vehicle) -> tuple[RehearsedFlight, Scenario]:
-        """Fly once, the pilot knowing the vehicle file."""
+        """Simulate a flight once; the controller uses the vehicle file."""
         known, scenario, policy = build_parts(spec)
         return rehearse_flight(vehicle, scenario, policy, SEED, Vehicle(known.file)), scenario
 
     def _reduce_rehearsal(
         self, rehearsed: RehearsedFlight, nominal: NominalVehicle
     ) -> ReducedFlight:
-        """Return what a flight in thought says, about a vehicle."""
+        """Return the reduced form of a simulated flight, about a vehicle."""
         flight = prepare_linearizer(rehearsed.streams, self.vehicle, self.knobs, self.sensors)
         return self.reduce_flight(flight, nominal)
 
     def reduce_flight(self, flight: FlightLinearizer, nominal: NominalVehicle) -> ReducedFlight:
-        """Return what a flight says, about a vehicle."""
+        """Return the reduced form of a flight, about a vehicle."""
         linear = flight.linearize(build_origin(nominal, self.knobs, flight.replay.cut))
         return PieceReducer(linear).reduce(self._floor)
 
     def expected_evidence(
         self, reduced: ReducedFlight, true: ParameterHypothesis, other: ParameterHypothesis
     ) -> float:
-        """Return what to expect of a true name over another once a flight is flown twice."""
+        """Return the expected evidence for a true effect over another, after two flights."""
         pairs = PairSeparability([*self.flown, reduced, reduced], self.knobs)
         a, b = (self._names.index(one.knob.name) for one in (true, other))
         return pairs.compare_pair(a, b).expected_log_bayes(true.value)

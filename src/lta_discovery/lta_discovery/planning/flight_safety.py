@@ -1,4 +1,4 @@
-"""Whether a rehearsed flight may be flown: in its room, upright, not at its limits, and landed."""
+"""Check that a simulated flight is safe: clear of walls, upright, within limits, landed."""
 
 import math
 from typing import Final
@@ -12,24 +12,12 @@ import numpy as np
 
 MARGIN: Final = 0.3  # m between the hull and walls or ceiling
 TILT: Final = math.radians(30.0)
-FULL: Final = 0.98  # of a duty; from there on a rotor is at its limit
-SHARE: Final = 0.15  # of the flight, that any rotor may be there
+FULL: Final = 0.98  # duty; at or above it a rotor is saturated
+SHARE: Final = 0.15  # of the flight; longest saturation of any rotor
 
 
 def list_objections(rehearsed: RehearsedFlight, vehicle: Vehicle, scenario: Scenario) -> list[str]:
-    """
-    Return why a flight should not be flown; nothing where it can.
-
-    Parameters
-    ----------
-    flown : Rehearsed
-        The flight.
-    vehicle : Vehicle
-        What flew.
-    scenario : Scenario
-        Where.
-
-    """
+    """Return the reasons not to fly a flight; empty if it is safe."""
     out = []
     if rehearsed.outcome is not FlightOutcome.REACHED:
         out.append(f'it {rehearsed.outcome}')
@@ -45,12 +33,12 @@ def list_objections(rehearsed: RehearsedFlight, vehicle: Vehicle, scenario: Scen
     if np.max(np.mean(np.abs(rehearsed.duties) >= FULL, axis=0)) > SHARE:
         out.append('a rotor is at its limit')
     if rehearsed.path[-1, 2] > rehearsed.standing + CLEAR:
-        out.append('it does not come down')
+        out.append('it does not land')
     return out
 
 
 def flight_extent(rehearsed: RehearsedFlight, vehicle: Vehicle) -> tuple[float, float, float]:
-    """Return the length, width and height of the space that a flight takes, hull included. [m]"""
+    """Return length, width and height of the space that a flight needs, hull included. [m]"""
     radius, half_height = vehicle_reach(vehicle)
     (x, y), top = np.ptp(rehearsed.path[:, :2], axis=0) + 2.0 * radius, rehearsed.path[:, 2].max()
     return float(x), float(y), float(top) + half_height

@@ -1,4 +1,4 @@
-"""A vehicle as it is supposed to be: its file with knobs turned."""
+"""Write the vehicle file of a hypothesis."""
 
 from lta_config.vehicle_edit import set_value
 from lta_discovery.model.nominal import NominalVehicle
@@ -8,21 +8,21 @@ from lta_model.vehicle import Vehicle
 
 def format_hypothesis(text: str, vehicle: Vehicle, nominal: NominalVehicle) -> str:
     """
-    Return the text of a vehicle file as some effects are supposed to be.
+    Return the text of a vehicle file with hypothetical effects.
 
     Parameters
     ----------
     text : str
-        The vehicle file.
+        Of the vehicle file.
     vehicle : Vehicle
-        The same, read.
-    nominal : Nominal
-        As it is supposed to be.
+        The same, parsed.
+    nominal : NominalVehicle
+        The hypothesis.
 
     Raises
     ------
     BadInput
-        If the format has no place for it, or no such vehicle can be.
+        If the format has no place for a parameter, or the vehicle is impossible.
 
     """
     for one in list_changed_quantities(

@@ -1,7 +1,7 @@
 """
-Manoeuvres to choose the next flight from, each shaken or not, short or long.
+Define the manoeuvres for the next flight, with and without dither, short and long.
 
-All take off, do the same thing over and over, and land with time enough to come down.
+All take off, repeat one pattern, and leave enough time to land.
 """
 
 from collections.abc import Callable, Mapping
@@ -11,18 +11,18 @@ from typing import Any, Final, final, NamedTuple
 
 import numpy as np
 
-TAKE_OFF: Final = 2.5  # s; the estimator has learnt its biases by then
+TAKE_OFF: Final = 2.5  # s; time for the estimator to learn its biases
 CLIMB: Final = 6.0  # s
-DESCENT: Final = 40.0  # s; a vehicle that is hardly heavier than air comes down slowly
-LENGTHS: Final = (45.0, 120.0)  # s; of what is done in the air
-SHAKES: Final = (0.0, 0.2)  # of a duty
+DESCENT: Final = 40.0  # s; a nearly neutral vehicle descends slowly
+LENGTHS: Final = (45.0, 120.0)  # s; duration of the pattern
+SHAKES: Final = (0.0, 0.2)  # duty; amplitude of the dither
 HOLD: Final = 0.7  # s
 CRUISE: Final = 0.5  # m/s
-DEEP, HIGH = 0.1, 1.6  # m above where it stands: as low and as high as it goes
+DEEP, HIGH = 0.1, 1.6  # m above the standing height: lowest and highest altitude
 
 
 class PlannedLeg(NamedTuple):
-    """Altitude [m], heading [rad] and speed [m/s], and for how long [s]."""
+    """Altitude [m], heading [rad] and speed [m/s], and duration [s]."""
 
     altitude: float
     heading: float
@@ -34,18 +34,18 @@ class PlannedLeg(NamedTuple):
 @dataclass(frozen=True, slots=True)
 class PlannedManeuver:
     """
-    One of them.
+    A manoeuvre.
 
     Attributes
     ----------
     about : str
-        What it does, in words.
+        Description.
     course : mapping
-        As a scenario file has it.
+        In the format of a scenario file.
     length : float
         Until the end of the landing. [s]
     cost : float
-        What it asks of people and vehicle: seconds, shaken ones counting more.
+        Effort: seconds, weighted more with dither.
 
     """
 
@@ -59,7 +59,7 @@ class PlannedManeuver:
 @dataclass(frozen=True, slots=True)
 class AltitudeRange:
     """
-    Heights between which a vehicle may fly.
+    Permitted altitudes.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class AltitudeRange:
 
     @property
     def middle(self) -> float:
-        """Between the two. [m]"""
+        """Middle of the range. [m]"""
         return 0.5 * (self.low + self.high)
 
 
@@ -120,18 +120,18 @@ def build_maneuver(
     name: str, space: AltitudeRange, length: float, shake: float
 ) -> PlannedManeuver:
     """
-    Return a manoeuvre.
+    Build a manoeuvre.
 
     Parameters
     ----------
     name : str
         Of MANOEUVRES.
-    space : Space
-        Where it may fly.
+    space : AltitudeRange
+        Permitted altitudes.
     length : float
-        Of what is done in the air. [s]
+        Duration of the pattern. [s]
     shake : float
-        Of each duty, either way; 0 is not shaken.
+        Amplitude of the dither, in duty; 0 for none.
 
     """
     about, leg = MANOEUVRES[name]
@@ -142,16 +142,17 @@ def build_maneuver(
         now = leg(space, k)
         rows.append(_build_row(at, now))
         at, k = at + now.lasts, k + 1
+    # Land: altitude 0, with time to descend.
     rows.append(_build_row(at, PlannedLeg(0.0, now.heading, 0.0, DESCENT)))
     course: dict[str, Any] = {'between': 'step', 'rows': rows}
     if shake:
         course['shake'] = {'duty': _build_quantity(shake, '1'), 'hold': _build_quantity(HOLD, 's')}
-        about += f', the motors shaken by {100.0 * shake:.0f} %'
+        about += f', with motor dither of {100.0 * shake:.0f} %'
     return PlannedManeuver(about, course, at + DESCENT, (at + DESCENT) * (1.0 + 2.0 * shake))
 
 
 def list_maneuvers(space: AltitudeRange) -> list[PlannedManeuver]:
-    """Return all manoeuvres, each in each length and with each shake, the cheapest first."""
+    """Return all manoeuvres in each length and with each dither, the cheapest first."""
     made = [
         build_maneuver(name, space, length, shake)
         for name in MANOEUVRES

@@ -1,4 +1,4 @@
-"""What to measure where no flight decides: each in a sentence."""
+"""Suggest a measurement where no flight separates two effects."""
 
 from typing import Final, NamedTuple
 
@@ -6,7 +6,7 @@ from lta_discovery.selection.equivalence_classes import is_same_class, Kind
 
 
 class MeasurementAdvice(NamedTuple):
-    """Effects that flights take for each other, and what tells them apart."""
+    """Effects that flights confuse, and the measurement that separates them."""
 
     effects: frozenset[str]
     what: str
@@ -15,26 +15,26 @@ class MeasurementAdvice(NamedTuple):
 MEASURE: Final = (
     MeasurementAdvice(
         frozenset({'net_lift', 'payload', 'ballast', 'gas_purity'}),
-        'they are one constant force; weigh the vehicle without gas, and with it on a scale',
+        'each is a constant force; weigh the vehicle without gas, and with it on a scale',
     ),
     MeasurementAdvice(
         frozenset({'tracker_delay', 'clock_offset', 'command_delay'}),
-        'they are one delay; compare the clocks of tracker and vehicle, by a tap that both record',
+        'each is a delay; compare the clocks of tracker and vehicle, by a tap that both record',
     ),
     MeasurementAdvice(
         frozenset({'added_mass', 'cg_height', 'thrust_scale', 'added_inertia', 'motor_lag'}),
-        'they scale forces together; measure the thrust on a scale, or fly with a known load',
+        'they scale forces alike; measure the thrust on a scale, or fly with a known load',
     ),
     MeasurementAdvice(
         frozenset({'rotor_misalignment', 'rotor_fault', 'cg_offset', 'tracker_misalignment'}),
-        'look at the rotors and level the tracker; one of them measured by itself decides',
+        'check the rotors and level the tracker; measuring one of them separately decides',
     ),
     MeasurementAdvice(
         frozenset({'linear_drag', 'quadratic_drag', 'cross_flow'}),
         'tow the vehicle at two known speeds, or let it glide to rest with its motors off',
     ),
 )
-OTHERWISE: Final = 'measure one of them by itself'
+OTHERWISE: Final = 'measure one of them separately'
 RICHER: Final[dict[Kind, tuple[Kind, str]]] = {
     'pose': ('imu', 'record the IMU as well'),
     'imu': ('all', 'record range, pressure and voltage as well'),
@@ -45,12 +45,12 @@ RICHER: Final[dict[Kind, tuple[Kind, str]]] = {
 
 def suggest_measurement(name: str, others: tuple[str, ...], kind: Kind) -> str:
     """
-    Return what tells a name from others that no flight of a kind tells from it.
+    Return how to separate an effect from others that no flight of a kind can separate.
 
     Parameters
     ----------
     name, others : str
-        Of knobs: 'net_lift.force'.
+        Of parameters: 'net_lift.force'.
     kind : str
         Of the data.
 

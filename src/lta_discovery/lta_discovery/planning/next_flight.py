@@ -1,7 +1,7 @@
 """
-The next flight: what to fly so that a name is the only one, as a sentence and as a scenario file.
+Plan the next flight that separates confusable effects, as a sentence and a scenario file.
 
-Where no flight decides, the sentence says what to measure instead.
+If no flight does, the sentence suggests a measurement instead.
 """
 
 from collections.abc import Mapping, Sequence
@@ -38,9 +38,9 @@ import yaml
 FILE: Final = 'next_flight.yaml'
 SCENE: Final = 'hall'
 STRATEGY: Final = 'bag'
-MOST: Final = 4  # names that one is told from by a flight
+MOST: Final = 4  # most rivals of one flight
 CERTAIN: Final = 'No name is in doubt: there is no flight to plan.'
-BIG: Final = 2.0  # typical sizes; of what is supposed of a name that no flight was studied for
+BIG: Final = 2.0  # typical sizes; hypothetical size of an effect without earlier flights
 SEEN_BY: Final[dict[Kind, Sensors]] = {
     'all': 'all',
     'imu': 'imu',
@@ -54,16 +54,16 @@ SEEN_BY: Final[dict[Kind, Sensors]] = {
 @dataclass(frozen=True, slots=True)
 class NextFlight:
     """
-    What comes next.
+    The plan.
 
     Attributes
     ----------
     text : str
-        A sentence or two for people; '' where nothing is to be decided.
+        A sentence or two; '' if there is nothing to decide.
     scenario : mapping or None
-        The file's content; None where no flight decides.
+        Content of the file; None if no flight decides.
     nats : float
-        Log Bayes factor to expect of the flight; 0 without one.
+        Expected log Bayes factor of the flight; 0 without one.
 
     """
 
@@ -72,7 +72,7 @@ class NextFlight:
     nats: float = 0.0
 
     def write(self, folder: Path) -> Path | None:
-        """Write the scenario into a folder; return its path, None where there is none."""
+        """Write the scenario into a folder; return its path, or None without a scenario."""
         if self.scenario is None:
             return None
         path = folder / FILE
@@ -81,7 +81,9 @@ class NextFlight:
         try:
             path.write_text(head + text, encoding='utf-8')
         except OSError as error:
-            raise BadInput(f"'{path}' cannot be written ({error.strerror}); make room.") from error
+            raise BadInput(
+                f"'{path}' cannot be written ({error.strerror}); free disk space."
+            ) from error
         return path
 
 
@@ -94,30 +96,30 @@ def plan_between(
     tell: Tell = lambda _words, _share: None,
 ) -> NextFlight:
     """
-    Return the flight that tells two names apart, without any flights that there are.
+    Plan the flight that separates two effects, without earlier flights.
 
     Parameters
     ----------
     vehicle : str
         Name or file.
     first, second : str
-        Of knobs: 'linear_drag.surge', 'quadratic_drag.surge'.
+        Of parameters: 'linear_drag.surge', 'quadratic_drag.surge'.
     scene : str
-        Scenario, of which the room and the air are taken.
+        Scenario that gives the room and the air.
     kind : str
-        Of the data that will be recorded.
+        Kind of data to be recorded.
     tell : callable
-        Told what is being done.
+        Receives the stage and its share.
 
     Raises
     ------
     BadInput
-        If there is no such name, or the scene is too low to fly in.
+        For an unknown effect, or a scenario too low to fly in.
 
     """
     planner = _build_planner(vehicle, scene, kind, (), tell)
     if first == second:
-        raise BadInput(f"'{first}' is to be told from itself; name another effect.")
+        raise BadInput(f"'{first}' is given twice; name two different effects.")
     one, other = planner.find_parameter(first), planner.find_parameter(second)
     a, b = (ParameterHypothesis(k, BIG * max(k.typical, 3.0 * k.tolerance)) for k in (one, other))
     return plan_decision(planner, a, [b], kind)
@@ -130,12 +132,10 @@ def plan_for_study(
     scene: str = SCENE,
 ) -> NextFlight:
     """
-    Return the flight that makes the strongest name of a study unique that is not so yet.
+    Plan the flight that separates the strongest confusable effect of a study.
 
     Parameters
     ----------
-    study : Study
-        What was found, from which flights.
     vehicle, tell, scene
         As for `plan_between`.
 
@@ -159,7 +159,7 @@ def _build_planner(
     past_flights: Sequence[ReducedFlight],
     tell: Tell,
 ) -> NextFlightPlanner:
-    """Return what plans for a vehicle."""
+    """Return the planner of a vehicle."""
     made = load_spec(vehicle, scene, STRATEGY, '')
     text = find_file('vehicle', vehicle).read_text(encoding='utf-8')
     return NextFlightPlanner(made, text, SEEN_BY[kind], past_flights, tell)
@@ -171,8 +171,8 @@ def plan_decision(
     others: Sequence[ParameterHypothesis],
     kind: Kind,
 ) -> NextFlight:
-    """Return what tells a name from others: a flight, a measurement, or both."""
-    # A hover is one of many flights: what it cannot tell, another may.
+    """Return how to separate an effect from others: a flight, a measurement, or both."""
+    # A richer flight may separate what a hover cannot.
     rich: Kind = 'all' if kind == 'hover' else kind
     name = first.knob.name
     never = tuple(o.knob.name for o in others if is_same_class(name, o.knob.name, rich))
@@ -186,7 +186,7 @@ def plan_decision(
     chosen = planner.choose_flight(first, open_)
     if chosen is None:
         words.append(
-            f'No safe flight that was tried would tell {name} from {_join_names(names, "or")}: '
+            f'No safe manoeuvre separates {name} from {_join_names(names, "or")}: '
             f'{suggest_measurement(name, names, rich)}.'
         )
         return NextFlight(' '.join(words))
@@ -195,19 +195,19 @@ def plan_decision(
 
 
 def _format_no_flight(name: str, others: tuple[str, ...], kind: Kind) -> str:
-    """Return what to measure in place of a flight."""
+    """Suggest a measurement in place of a flight."""
     return (
-        f'No flight tells {_join_names((name, *others))} apart: '
+        f'No flight separates {_join_names((name, *others))}: '
         f'{suggest_measurement(name, others, kind)}.'
     )
 
 
 def add_confusable(study: DiscoveryStudy) -> DiscoveryStudy:
     """
-    Return a study whose names are confusable with all that its flights cannot tell from them.
+    Add to the effects of a study all others that its flights cannot separate from them.
 
-    Besides what was tied in the refits: what no data of the kind can tell, and what these flights
-    are expected to tell by less than names need to be apart.
+    Besides ties of the refits, these are equivalents for the kind of data, and effects whose
+    expected evidence in these flights is below the required one.
     """
     if not study.finding.effects:
         return study
@@ -227,14 +227,14 @@ def add_confusable(study: DiscoveryStudy) -> DiscoveryStudy:
             for other in found
             if any(pairs.can_replace(knob, values[knob], other) for knob in one.knobs)
         ]
-        # Two that are one and were both named are in doubt as well.
+        # Two named but equivalent effects are confusable as well.
         only = one.knobs[0] if len(one.knobs) == 1 else ''
         effects.append(replace(one, confusable_with=tuple(n for n in both if n != only)))
     return replace(study, finding=replace(study.finding, effects=tuple(effects)))
 
 
 def _estimate_changes(one: NamedEffect, knobs: Sequence[FreeParameter]) -> dict[str, float]:
-    """Return how far each named knob of an effect was turned; its typical size if that is lost."""
+    """Return the change of each named parameter; its typical size if unknown."""
     change = {each.name: each.value - each.before for each in one.parameters}
     out = {}
     for knob in knobs:
@@ -249,7 +249,7 @@ def _estimate_changes(one: NamedEffect, knobs: Sequence[FreeParameter]) -> dict[
 
 
 def _reduce_flights(study: DiscoveryStudy) -> list[ReducedFlight]:
-    """Return what the flights that taught and confirmed say, about the vehicle file."""
+    """Return the reduced training and confirming flights, about the vehicle file."""
     out = []
     for flight in (one.flight for one in study.flights if one.role != 'holdout'):
         begin = build_origin(study.nominal, flight.knobs, flight.replay.cut)
@@ -258,14 +258,14 @@ def _reduce_flights(study: DiscoveryStudy) -> list[ReducedFlight]:
 
 
 def _classify_study(study: DiscoveryStudy) -> Kind:
-    """Return the kind of data that taught and confirmed."""
+    """Return the kind of data of the training and confirming flights."""
     return classify_data_kind(
         [one.flight.replay.flight for one in study.flights if one.role != 'holdout']
     )
 
 
 def format_hint(study: DiscoveryStudy) -> str:
-    """Return what comes next without planning it: the page of every study has this."""
+    """Return the next step without a plan, as shown on every page."""
     one = next((one for one in study.finding.effects if one.confusable_with), None)
     if one is None:
         return ''
@@ -278,19 +278,19 @@ def format_hint(study: DiscoveryStudy) -> str:
     words = [_format_no_flight(name, never, rich)] if never else []
     if rest:
         words.append(
-            f'The same command with --plan writes the flight that is to tell {name} from '
+            f'The same command with --plan writes a flight that separates {name} from '
             f'{_join_names(rest, "or")}.'
         )
     return ' '.join(words)
 
 
 def _format_flight(name: str, names: tuple[str, ...], chosen: DecidingFlight) -> str:
-    """Return a flight in words."""
+    """Describe a flight in words."""
     x, y, z = chosen.space
     return (
-        f'To tell {name} from {_join_names(names, "or")}, {chosen.manoeuvre.about} for '
-        f'{chosen.manoeuvre.length:.0f} s, twice: the true one is then expected to lead by '
-        f'{chosen.nats:.0f} nats (3 decide). It takes {x:.0f} m by {y:.0f} m, and {z:.1f} m of '
+        f'To separate {name} from {_join_names(names, "or")}, {chosen.manoeuvre.about} for '
+        f'{chosen.manoeuvre.length:.0f} s, twice: the true one is expected to lead by '
+        f'{chosen.nats:.0f} nats (3 decide). It needs {x:.0f} m by {y:.0f} m, and {z:.1f} m of '
         'height.'
     )
 
@@ -298,12 +298,12 @@ def _format_flight(name: str, names: tuple[str, ...], chosen: DecidingFlight) ->
 def build_scenario(name: str, names: tuple[str, ...], chosen: DecidingFlight) -> dict[str, Any]:
     """Return the scenario file of a chosen flight."""
     scene = dict(chosen.made.contents['scenario'])
-    about = f'{chosen.manoeuvre.about}, to tell {name} from {_join_names(names, "or")}.'
+    about = f'{chosen.manoeuvre.about}, to separate {name} from {_join_names(names, "or")}.'
     scene |= {'name': 'next_flight', 'about': about[0].upper() + about[1:]}
     return scene
 
 
 def _join_names(names: Sequence[str], word: str = 'and') -> str:
-    """Return names in a row."""
+    """Join names with commas and a final conjunction."""
     *first, last = names
     return f'{", ".join(first)} {word} {last}' if first else last

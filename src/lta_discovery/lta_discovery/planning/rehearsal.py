@@ -1,8 +1,8 @@
 """
-A flight that is only thought of: flown in process, and what a recording would have of it.
+Simulate a flight in process and return what a recording would hold.
 
-The pilot knows the vehicle by one file and flies what may be another; a tracker of passive markers
-sees the pose.
+The controller uses one vehicle file, the simulation may use another. A tracker of passive markers
+measures the pose.
 """
 
 from collections.abc import Mapping
@@ -32,9 +32,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Sensors = Literal['all', 'imu', 'pose', 'wrench']
 
-POSE: Final = 1e-3  # m; of a tracker of passive markers
+POSE: Final = 1e-3  # m; noise of a tracker of passive markers
 TURN: Final = 2.5e-3  # rad
-CLEAR: Final = 0.05  # m above where it stands; below it the floor may be touched
+CLEAR: Final = 0.05  # m above the standing height; below it the vehicle may touch the floor
 STANDARD: Final = 101325.0  # Pa
 KEPT: Final[dict[str, tuple[str, ...]]] = {
     'all': ('rates', 'force', 'range', 'pressure', 'voltage'),
@@ -45,7 +45,7 @@ KEPT: Final[dict[str, tuple[str, ...]]] = {
 
 
 def with_course(spec: FlightSpec, course: Mapping[str, Any], length: float) -> FlightSpec:
-    """Return a flight along a course, as a scenario file has it, for so long. [s]"""
+    """Return a flight specification with a course and a time limit. [s]"""
     scene = spec.contents['scenario']
     goal = {**scene['goal'], 'time_limit': {'value': length, 'unit': 's'}}
     scene = {**scene, 'goal': goal, 'course': course}
@@ -56,22 +56,22 @@ def with_course(spec: FlightSpec, course: Mapping[str, Any], length: float) -> F
 @dataclass(frozen=True, slots=True)
 class RehearsedFlight:
     """
-    What came of it.
+    Result of a simulated flight.
 
     Attributes
     ----------
-    streams : Streams
-        As a recording would have them.
-    outcome : Outcome
+    streams : FlightStreams
+        As recorded.
+    outcome : FlightOutcome
         How it ended.
     path : ndarray, shape (n, 3)
-        Of the hull centre, the truth. [m, map]
+        True position of the hull centre. [m, map]
     duties : ndarray, shape (n, rotors)
         Commanded.
     tilt : float
-        The greatest. [rad]
+        Largest tilt. [rad]
     standing : float
-        Height of the hull centre of the vehicle when it stands. [m]
+        Height of the hull centre of the standing vehicle. [m]
 
     """
 
@@ -91,20 +91,20 @@ def rehearse_flight(
     pilot_vehicle: Vehicle | None = None,
 ) -> RehearsedFlight:
     """
-    Fly a scenario in this process.
+    Simulate a flight in this process.
 
     Parameters
     ----------
     vehicle : Vehicle
-        As it is taken to be.
+        The true vehicle.
     scenario : Scenario
-        The scene, with a course.
-    policy : Policy
-        What the drone decides by.
+        With a course.
+    policy : FlightStack
+        Flight software.
     seed : int
-        Of all chance.
-    known : Vehicle, optional
-        As the drone knows it; by default as it is.
+        Random seed.
+    pilot_vehicle : Vehicle, optional
+        Vehicle file of the controller; the true one by default.
 
     """
     table = load_topic_table()
@@ -119,6 +119,7 @@ def rehearse_flight(
         _record_step(loop, rows)
     streams = {name: _build_stream(found) for name, found in rows.items() if found}
     pose, commands = streams.pop('pose'), streams.pop('commands')
+    # Copy the true path before tracker noise is added.
     path, upright = pose.values[:, :3].copy(), _tilt_cosine(pose.values[:, 3:])
     seen = _add_tracker_noise(pose, np.random.default_rng([seed, 9]))
     standing = vehicle.height_on_floor
@@ -133,7 +134,7 @@ def rehearse_flight(
 
 
 def _record_step(loop: ClosedLoop, rows: dict[str, list[tuple[float, ...]]]) -> None:
-    """Write one step down."""
+    """Record one step."""
     told, now = loop.readings, loop.world.elapsed
     if told.truth is not None:
         rows['pose'].append((now, *told.truth[:7]))
@@ -170,7 +171,7 @@ def _add_tracker_noise(pose: Stream, rng: np.random.Generator) -> Stream:
 
 
 def select_sensors(streams: FlightStreams, sensors: Sensors) -> FlightStreams:
-    """Return a recording with the readings of some sensors only; the pose is always there."""
+    """Return a recording with the pose and the readings of some sensors."""
     others = {name: streams.others[name] for name in KEPT[sensors] if name in streams.others}
     return replace(streams, others=others)
 
@@ -179,9 +180,9 @@ def prepare_linearizer(
     streams: FlightStreams, vehicle: Vehicle, knobs: list[FreeParameter], sensors: Sensors = 'all'
 ) -> FlightLinearizer:
     """
-    Return a flight ready to be linearised.
+    Prepare a simulated flight for linearization.
 
-    Of `wrench`, what the rotors gave counts as commanded as such, and nobody knows their duties.
+    For `wrench` data, the rotor wrench becomes the commanded one, and the duties are unknown.
     """
     streams = select_sensors(streams, sensors)
     still = vehicle.pack_command(())
@@ -199,7 +200,7 @@ def prepare_linearizer(
 
 
 def _rotor_wrench(replay: ModelReplay, nominal: NominalVehicle) -> Stream:
-    """Return the force and moment of the rotors about the hull centre, body frame."""
+    """Return force and moment of the rotors about the hull centre, body frame."""
     thrusts = replay.mean_thrusts(nominal.build_rows())
     each = [np.concatenate([axis, np.cross(place, axis)]) for place, axis in nominal.rotors]
     time = replay.flight.time[0] + replay.dt * np.arange(len(thrusts))

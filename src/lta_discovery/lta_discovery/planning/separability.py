@@ -1,8 +1,7 @@
 """
-How well flights tell two knobs apart: what each says, all else marginalised.
+Compute how well flights separate two parameters, all others marginalized.
 
-Of a knob's column a part is left once states, latent forces and every other knob have had their
-share. Two knobs of which the parts that are left point the same way are one name to such flights.
+Two parameters whose marginal columns are parallel are indistinguishable in such flights.
 """
 
 from collections.abc import Sequence
@@ -15,13 +14,13 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-ALIKE: Final = 0.8  # of a cosine; less alike, two names are never confused, only both weak
+ALIKE: Final = 0.8  # cosine; below it two effects are never confused, only both weak
 
 
 @final
 class ParameterPair(NamedTuple):
     """
-    What flights say of two knobs, each beside all others but these two.
+    Joint information on two parameters, all others marginalized.
 
     Attributes
     ----------
@@ -38,15 +37,15 @@ class ParameterPair(NamedTuple):
 
     @property
     def cosine(self) -> float:
-        """Return how alike they are: 1 or -1 where they are one; 0 where either is not seen."""
+        """Return the cosine of the columns: 1 or -1 if equivalent; 0 if one is unobservable."""
         size = self.first * self.second
         return self.shared / float(np.sqrt(size)) if size > 0.0 else 0.0
 
     def expected_log_bayes(self, value: float) -> float:
         """
-        Return the log Bayes factor to expect of the first at a value, over the second. [nats]
+        Return the expected log Bayes factor of the first at a value over the second. [nats]
 
-        The second is free to take whatever value fits best; so this is the least to expect.
+        A lower bound, because the second may take its best-fitting value.
         """
         best = self.shared**2 / self.second if self.second > 0.0 else 0.0
         return 0.5 * value**2 * max(0.0, self.first - best)
@@ -55,16 +54,16 @@ class ParameterPair(NamedTuple):
 @final
 class PairSeparability:
     """
-    Flights of one vehicle, ready to be asked about any two knobs.
+    Separability of parameters in flights of one vehicle.
 
     Parameters
     ----------
-    flights : sequence of Reduced
-        Each about the vehicle file, or about one point.
-    knobs : sequence of Knob
-        Of all.
+    flights : sequence of ReducedFlight
+        About the vehicle file, or a common point.
+    knobs : sequence of FreeParameter
+        All of them.
     times : float
-        How much longer each flight is: what more of the same would say.
+        Factor on the length of the flights.
 
     """
 
@@ -74,7 +73,7 @@ class PairSeparability:
         self.knobs = list(knobs)
         own = per_flight_variance(knobs)
         at = np.flatnonzero(own)
-        # What a flight has of its own comes on top of what flights share of the same knob.
+        # Per-flight errors add to the shared value of the same parameter.
         parts = [
             self._eliminate_columns(times * f.products[:-1, :-1], at, own[at]) for f in flights
         ]
@@ -82,14 +81,14 @@ class PairSeparability:
         self._variance = np.diag(build_shared_prior(knobs).covariance)
 
     def _eliminate_columns(self, products: Array, at: NDArray[np.int64], variance: Array) -> Array:
-        """Return products without some columns, which are within their tolerance."""
+        """Marginalize columns with a prior variance."""
         inner = products[np.ix_(at, at)] + np.diag(1.0 / variance)
         cross = products[at]
         left: Array = products - cross.T @ np.linalg.solve(inner, cross)
         return left
 
     def _marginal_information(self, picked: tuple[int, ...]) -> Array:
-        """Return the information about some knobs, all others marginalised."""
+        """Return the information on some parameters, all others marginalized."""
         free = self._variance > 1e-30
         free[list(picked)] = False
         at = np.flatnonzero(free)
@@ -97,16 +96,16 @@ class PairSeparability:
         return left[np.ix_(picked, picked)]
 
     def parameter_information(self, k: int) -> float:
-        """Return the information about one knob, all others marginalised. [1 / unit2]"""
+        """Return the information on one parameter, all others marginalized. [1 / unit2]"""
         return max(0.0, float(self._marginal_information((k,))[0, 0]))
 
     def compare_pair(self, a: int, b: int) -> ParameterPair:
-        """Return what the flights say of two knobs, neither of which is a tolerance then."""
+        """Return the information on two parameters, without their tolerances."""
         left = self._marginal_information((a, b))
         return ParameterPair(max(0.0, left[0, 0]), max(0.0, left[1, 1]), float(left[0, 1]))
 
     def detection_sigma(self, k: int) -> float:
-        """Return how many deviations a typical size of a knob is, its own tolerance among them."""
+        """Return the significance of a parameter's typical size, including its tolerance."""
         typical, information = self.knobs[k].typical, self.parameter_information(k)
         if information * typical**2 < 1e-6:
             return 0.0
@@ -114,9 +113,9 @@ class PairSeparability:
 
     def can_replace(self, name: str, value: float, other: str) -> bool:
         """
-        Tell whether a candidate can have the value that does what a knob does at a value.
+        Return whether a candidate can take the value that mimics another.
 
-        A clock that runs ahead looks like a delay below zero, which there is not.
+        For example, a clock that runs ahead would need a negative delay.
         """
         order = [knob.name for knob in self.knobs]
         if name not in order or other not in order:
@@ -129,16 +128,16 @@ class PairSeparability:
 
     def list_confused(self, name: str, value: float, least: float) -> list[str]:
         """
-        Return candidates that these flights take for one at a value, the likest first.
+        Return the candidates that these flights confuse with one, the most similar first.
 
         Parameters
         ----------
         name : str
-            Of the knob.
+            Of the parameter.
         value : float
-            Of it, in its unit.
+            In its unit.
         least : float
-            Log Bayes factor to expect where two are told apart. [nats]
+            Expected log Bayes factor of separable candidates. [nats]
 
         """
         a = [knob.name for knob in self.knobs].index(name)

@@ -129,6 +129,7 @@ def prepare_linearization(
         if columns is not None and not columns[k]:
             continue
         value = float(point.values[k])
+        # Parameters of readings do not change the motion, and need no simulation.
         if knob.reaches != 'reading' or replay.delays_commands(knob):
             moving.append(k)
             pairs.append(sets.add_pair(knob, value))

@@ -195,9 +195,7 @@ class FlightLinearizer:
         return LinearizedFlight(names, grams, counts, point, residual)
 
     def _column_order(self, about: LinearizationInputs) -> NDArray[np.int64]:
-        """
-        Return the index of each column of a table among all columns; the last is the residual.
-        """
+        """Return the index of each table column among all columns; the last is the residual."""
         first = self.random
         own = first + len(self.knobs)
         moving, reading = ([first + k for k in some] for some in (about.moving, about.reading))
@@ -231,6 +229,7 @@ class FlightLinearizer:
                 table[..., end + 1 + k] += np.einsum('sncb,sb->snc', table[..., :WIDTH], begun)
         if channels > POSE:
             own = table.shape[-1] - 1 - len(SENSORS)
+            # Offsets of the pressure in the piece and the flight, then force scales.
             table[:, :, 13, [end, own]] = 1.0 / noise[13]
             for axis in range(3):
                 force = base.readings[..., 3 + axis]

@@ -51,6 +51,7 @@ def _write_height_slopes(begin: Array, first: Array, places: SensorPlaces) -> No
     """Write the slopes of range and pressure."""
     up = body_vertical(begin)
     leaning, lever = cross_matrix(up), np.array(places.range)
+    # Range to the floor: height of the sensor over the cosine of the tilt.
     above, along = begin[..., 2] + up @ lever, up[..., 2]
     first[..., 6, 2] = 1.0 / along
     first[..., 6, TURN] = lever @ leaning / along[..., None]

@@ -102,10 +102,7 @@ class ModelReplay:
         return np.interp(time, self.flight.time[known], self.flight.voltage[known])
 
     def _measured_motion(self) -> Array:
-        """
-        Return the measured motion by step, at rest where unknown: the input of effects with
-        memory.
-        """
+        """Return the measured motion by step, at rest where unknown, for effects with memory."""
         states = np.zeros((len(self._steps), RIGID))
         states[:, 6] = 1.0
         good = np.isfinite(self.flight.position).all(axis=1)

@@ -224,9 +224,7 @@ def predict_readings(
 
 
 def estimate_floor_pressure(flight: MeasuredFlight, places: SensorPlaces) -> float:
-    """
-    Return the median pressure at the floor over a flight; 101325 Pa without a barometer. [Pa]
-    """
+    """Return the median pressure at the floor [Pa]; 101325 Pa without a barometer."""
     ratio = [
         reading / air_pressure(1.0, height + places.imu[2])
         for reading, height in zip(flight.readings[:, 7], flight.position[:, 2], strict=True)

@@ -93,9 +93,7 @@ def load_class_map(kind: Kind) -> Mapping[str, str]:
 
 
 def is_same_class(a: str, b: str, kind: Kind) -> bool:
-    """
-    Return whether two effects are equivalent; an unknown effect is not equivalent to any other.
-    """
+    """Return whether two effects are equivalent; an unknown one is in its own class."""
     known = load_class_map(kind)
     return known.get(a, a) == known.get(b, b)
 

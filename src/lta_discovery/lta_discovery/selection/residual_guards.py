@@ -1,9 +1,9 @@
 """
-What a name has to show beside something that remains and has none.
+Guard names against a large unexplained remainder.
 
-A latent wrench stands for what has no name. A candidate may explain a little of it by chance or
-likeness; or it may be of another place: on axes that are calm, about a sensor, or a second cause
-on an axis, which both sides of the flights find by themselves.
+The latent wrench absorbs effects outside the library. A candidate may explain a small part of it
+by similarity. It is credible if it acts elsewhere: on axes without a remainder, on a sensor, or as
+a second cause that both sides support alone.
 """
 
 from collections.abc import Sequence
@@ -20,36 +20,36 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Effects whose force follows the motion, as much of what is outside the library does.
+# Effects whose force follows the motion, like most effects outside the library.
 MOTION: Final = (*PARTS, 'munk_moment', 'cross_flow')
-# And those whose force follows place or time.
+# Effects whose force follows place or time.
 SCENERY: Final = ('steady_wind', 'wind_gradient', 'helium_leak')
-LOUD: Final = 4.0  # floors; of what remains, to put in question what was named
-SOUND: Final = 40.0  # nats; of a name beside something larger on its axes
-AGAIN: Final = 0.2  # of its value; by which the sides may differ about such a name
-MOST: Final = 0.4  # of a deviation; what may remain where a candidate was most of it
-LESSER: Final = 0.5  # of the largest that remains; what a coefficient of motion has to explain
-TOUCHED: Final = 0.15  # of a deviation; a candidate that changes more has to do with it
-FREE: Final = 1e3  # floors; a latent force that can be anything
-ALIKE: Final = 0.5  # of a column; what a latent force has to explain of it
-NEARLY: Final = 0.85  # of what the axis explains that explains most
+LOUD: Final = 4.0  # noise floors; a larger remainder puts names in question
+SOUND: Final = 40.0  # nats; required of a name if a larger remainder is on its axes
+AGAIN: Final = 0.2  # of its value; largest difference of the sides for such a name
+MOST: Final = 0.4  # of a deviation; largest remainder if a candidate explains most of it
+LESSER: Final = 0.5  # of the largest remainder; smallest explained part for a motion effect
+TOUCHED: Final = 0.15  # of a deviation; a candidate that changes more is related to it
+FREE: Final = 1e3  # noise floors; a practically unconstrained latent force
+ALIKE: Final = 0.5  # of a column; part that the latent force of an acting axis explains
+NEARLY: Final = 0.85  # of the largest such part of any axis
 
 
 def follows_motion(name: str) -> bool:
-    """Tell whether a knob is a word for whatever follows the motion."""
+    """Return whether an effect is a generic coefficient of the motion."""
     return name.partition('.')[0] in MOTION
 
 
 def is_vague(name: str) -> bool:
-    """Tell whether a knob is a word for whatever follows motion, place or time."""
+    """Return whether an effect is a generic function of motion, place or time."""
     return follows_motion(name) or name.partition('.')[0] in SCENERY
 
 
 def find_acting_axes(linear: LinearizedFlight, name: str, floor: Array) -> NDArray[np.bool_]:
     """
-    Return the axes on which a knob acts: those whose latent force alone could do what it does.
+    Return the axes on which an effect acts: those whose latent force alone can replace it.
 
-    None for a knob that no force looks like, as those of sensors.
+    None for effects that resemble no force, such as those of sensors.
     """
     count = linear.knots
     column, inverse = linear.unknown_count + linear.names.index(name), knot_precision(count)
@@ -66,14 +66,14 @@ def find_acting_axes(linear: LinearizedFlight, name: str, floor: Array) -> NDArr
 
 def is_partial(acts: NDArray[np.bool_], before: Array, final: Array) -> bool:
     """
-    Tell whether a candidate has at most explained a part of something larger.
+    Return whether a candidate at most explained a part of a larger remainder.
 
     Parameters
     ----------
     acts : ndarray of bool, shape (6,)
         The axes on which it acts.
     before, final : ndarray, shape (6,)
-        Deviations of the latent wrench without the candidate, and at the end. [floors]
+        Deviations of the latent wrench without the candidate, and at the end. [noise floors]
 
     """
     return bool(acts.any() and np.all((final > np.maximum(LOUD, MOST * before))[acts]))
@@ -81,11 +81,11 @@ def is_partial(acts: NDArray[np.bool_], before: Array, final: Array) -> bool:
 
 def is_lesser(name: str, acts: NDArray[np.bool_], before: Array, final: Array) -> bool:
     """
-    Tell whether a name is a coefficient of motion for little beside what has no name.
+    Return whether a motion effect is small compared with the remainder.
 
-    What has none pushes on several axes at once, and drag or added mass are the words for whatever
-    follows the motion: a little of it on an axis is no proof of either. Parameters are as for
-    `is_partial`, and the candidate's name.
+    An effect outside the library acts on several axes. Drag and added mass fit anything that
+    follows the motion, so a small part on one axis is no evidence for them. Parameters are as for
+    `is_partial`.
     """
     explained = np.sqrt(np.maximum(before**2 - final**2, 0.0))
     return follows_motion(name) and bool(
@@ -95,7 +95,7 @@ def is_lesser(name: str, acts: NDArray[np.bool_], before: Array, final: Array) -
 
 def is_minor(name: str, acts: NDArray[np.bool_], before: Array, final: Array) -> bool:
     """
-    Tell whether a coefficient of motion leaves more than it explained, where it explained most.
+    Return whether a motion effect leaves more than it explains on its main axis.
 
     Parameters are as for `is_lesser`.
     """
@@ -107,33 +107,31 @@ def is_minor(name: str, acts: NDArray[np.bool_], before: Array, final: Array) ->
 
 
 def is_calm(acts: NDArray[np.bool_], floors: Array) -> bool:
-    """Tell whether nothing remains on the axes on which a candidate acts, if there are any."""
+    """Return whether the axes of a candidate have no remainder."""
     return not bool(np.any(floors[acts] > CLEAR))
 
 
 def is_unaffected(before: Array, after: Array) -> bool:
-    """Tell whether a candidate leaves all that remains as it was."""
+    """Return whether a candidate leaves the remainder unchanged."""
     remains = after > CLEAR
     return bool(np.all(np.abs(after - before)[remains] < TOUCHED * before[remains]))
 
 
 def is_sound(name: str, gains: Sequence[float], part: float) -> bool:
     """
-    Tell whether a name may stand beside something larger on its axes.
+    Return whether a name is credible despite a larger remainder on its axes.
 
-    Each side found it by itself, and as large as the other: two causes that push on one axis. What
-    is larger may follow the motion, so a name that does has to come out the same to a tenth. It
-    has to leave what remains as it was (`is_unaffected`) as well: the weight of a rope on the
-    floor is no ballast.
+    Both sides have to support it alone, with the same value: two causes then act on one axis. A
+    motion effect has to agree to a tenth, because the remainder may follow the motion too. The
+    remainder also has to stay unchanged (`is_unaffected`): the weight of a rope on the floor is
+    not ballast.
 
     Parameters
     ----------
-    name : str
-        Of the candidate.
     gains : pair of float
-        Log evidence that it has won on each side. [nats]
+        Log evidence of each side. [nats]
     part : float
-        Difference of the values of the sides, as a part of the larger one.
+        Difference of the values of the sides, relative to the larger one.
 
     """
     again = part < (PART if follows_motion(name) else AGAIN)

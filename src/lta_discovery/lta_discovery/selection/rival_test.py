@@ -1,13 +1,11 @@
 """
-Whether a candidate of the library stands against what is outside of it.
+Test a candidate of the library against generic rivals outside of it.
 
-A candidate that was confirmed may still be the nearest word for something that has none. Signs of
-that: a generic rival explains clearly more (more at all, where the candidate is a coefficient of
-motion, the word for whatever follows the motion), and leaves little for the candidate to say; or,
-when all is named, large forces that follow something remain: on every axis on which the
-candidate acts, or beside a coefficient of motion that explained something much smaller; or
-anything remains, and the candidate has won little, its flights differ about it, or it is a
-coefficient of motion that leaves more than it explains.
+A confirmed candidate may only be the nearest match of an effect outside the library. It is
+withdrawn if a generic rival explains clearly more (for a motion effect: more at all) and leaves it
+little evidence. At the end of the search it is also withdrawn if large structured forces remain on
+all its axes, or are much larger than a motion effect; and, if anything remains, if its evidence is
+weak, its sides disagree, or it is a motion effect that leaves more than it explains.
 """
 
 from collections.abc import Mapping, Sequence
@@ -37,20 +35,20 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Pair = tuple[JointFit, JointFit]
 
-BETTER: Final = 1.1  # of what a candidate wins ...
-MARGIN: Final = 10.0  # ... and nats: by which a rival has to be better to displace it
-BESIDE: Final = 11.0  # nats; that a candidate has to win beside such a rival ...
-HALF: Final = 0.5  # ... and of what it wins without ...
-QUARTER: Final = 0.25  # ... or so much, if it is no part of what remains
-SMALL: Final = 1.0  # floors; forces that no rival needs to explain
-FOLLOWS: Final = 0.5  # of the variance of what remains; gusts have come to 0.4
-FAINT: Final = 24.0  # nats; a name that won less is none beside anything that remains
-SURE: Final = 80.0  # nats; with which a coefficient of motion may leave more than it explains
-AGREED: Final = 2.5  # deviations; by which the sides may differ about a name beside what remains
+BETTER: Final = 1.1  # of the gain of a candidate ...
+MARGIN: Final = 10.0  # ... plus nats: gain at which a rival displaces it
+BESIDE: Final = 11.0  # nats; gain of a candidate together with such a rival ...
+HALF: Final = 0.5  # ... and part of its gain without ...
+QUARTER: Final = 0.25  # ... or this part, if it is independent of the remainder
+SMALL: Final = 1.0  # noise floors; smaller forces need no rival
+FOLLOWS: Final = 0.5  # of the variance of the remainder; gusts have reached 0.4
+FAINT: Final = 24.0  # nats; a name with less evidence is withdrawn if anything remains
+SURE: Final = 80.0  # nats; with more, a motion effect may leave more than it explains
+AGREED: Final = 2.5  # standard deviations; largest difference of the sides if anything remains
 
 
 def displacement_threshold(name: str, gain: float) -> float:
-    """Return what a rival has to win to displace a candidate that won so much. [nats]"""
+    """Return the gain at which a rival displaces a candidate. [nats]"""
     motion = name.partition('.')[0] in PARTS
     return gain if motion else BETTER * gain + MARGIN
 
@@ -63,20 +61,21 @@ def find_better_rival(
     part: float = HALF,
 ) -> str:
     """
-    Return the rival that takes a candidate's place, '' where the candidate stands.
+    Return the rival that displaces a candidate, '' if there is none.
 
-    A rival that is clearly better takes it, unless the candidate has much to say beside it.
+    A clearly better rival displaces it, unless the candidate keeps enough evidence together with
+    it.
 
     Parameters
     ----------
     gain : float
-        Log evidence that the candidate wins on all flights. [nats]
+        Log evidence of the candidate on all flights. [nats]
     least : float
-        What a rival has to win to be clearly better: `displacement_threshold`.
+        Gain of a clearly better rival: `displacement_threshold`.
     before, after : mapping of str to float
-        What each rival wins on them without the candidate, and beside it.
+        Gain of each rival without the candidate, and with it.
     part : float
-        Of its evidence, that a candidate has to win beside such a rival.
+        Part of its evidence that the candidate has to keep.
 
     """
     for name in sorted(before, key=lambda one: -before[one]):
@@ -88,35 +87,35 @@ def find_better_rival(
 
 
 def scaled_difference(then: Pair, k: int) -> float:
-    """Return by how much the values of a knob differ between the sides, in deviations."""
+    """Return the difference of a parameter between the sides, in standard deviations."""
     values = [each.fitted.mean[k] for each in then]
     spread = sum(each.fitted.covariance[k, k] for each in then)
     return float(abs(values[0] - values[1]) / np.sqrt(spread)) if spread > 0.0 else 0.0
 
 
 def relative_difference(then: Pair, k: int) -> float:
-    """Return by which part of the larger one the values of a knob differ between the sides."""
+    """Return the difference of a parameter between the sides, relative to the larger value."""
     one, other = (float(each.fitted.mean[k]) for each in then)
     larger = max(abs(one), abs(other))
     return abs(one - other) / larger if larger > 0.0 else 0.0
 
 
 def evidence_gains(before: Pair, then: Pair) -> tuple[float, float]:
-    """Return the log evidence that fits have won on others, of each side. [nats]"""
+    """Return the gain in log evidence of each side. [nats]"""
     return then[0].evidence - before[0].evidence, then[1].evidence - before[1].evidence
 
 
 @final
 class RivalTest:
     """
-    The rivals of all candidates of a study.
+    Test candidates against generic rivals.
 
     Parameters
     ----------
-    flights : pair of sequences of Linearised
-        Those that teach, and those that confirm.
+    flights : pair of sequences of FlightLinearizer
+        Training and confirming flights.
     floor : ndarray, shape (6,)
-        Deviations of the latent wrench that are not worth speaking of.
+        Noise floor of the latent wrench.
 
     """
 
@@ -128,22 +127,20 @@ class RivalTest:
         self, name: str, gain: float, fits: Pair, then: Pair, part: float = HALF
     ) -> bool:
         """
-        Tell whether a candidate stands.
+        Return whether no rival displaces a candidate.
 
         Parameters
         ----------
-        name : str
-            Of the candidate.
         gain : float
-            Log evidence that it wins on all flights. [nats]
-        fits, then : pair of Joint
-            Of the flights, without it and with it.
+            Log evidence of the candidate on all flights. [nats]
+        fits, then : pair of JointFit
+            Without it and with it.
         part : float
             As for `find_better_rival`.
 
         """
         if self._relative_deviations(fits).max() < SMALL:
-            return True  # there is no force for a rival to follow
+            return True  # no force for a rival to explain
         if self._last is None or self._last[0] is not fits:
             self._last = fits, self._compute_gains(fits)
         before = self._last[1]
@@ -153,19 +150,17 @@ class RivalTest:
         return not find_better_rival(gain, least, before, self._compute_gains(then), part)
 
     def has_remainder(self, fits: Pair) -> bool:
-        """Tell whether anything remains."""
+        """Return whether an unexplained force remains."""
         return bool(self._relative_deviations(fits).max() > CLEAR)
 
     def is_independent(self, name: str, fits: Pair, then: Pair) -> bool:
         """
-        Tell whether a candidate is no part of what remains.
+        Return whether a candidate is independent of the remainder.
 
         Parameters
         ----------
-        name : str
-            Of the candidate.
-        fits, then : pair of Joint
-            Of the flights, without it and with it.
+        fits, then : pair of JointFit
+            Without it and with it.
 
         """
         before, after = self._relative_deviations(fits), self._relative_deviations(then)
@@ -174,13 +169,13 @@ class RivalTest:
 
     def list_withdrawn(self, history: Sequence[tuple[str, Pair]], last: Pair) -> tuple[str, ...]:
         """
-        Return the names that were only the nearest word for a part of something else.
+        Return the named effects that only match a part of another, unnamed effect.
 
         Parameters
         ----------
-        history : sequence of (name, pair of Joint)
-            Of each effect that was named: the fits without it.
-        last : pair of Joint
+        history : sequence of (name, pair of JointFit)
+            Of each named effect: the fits without it.
+        last : pair of JointFit
             With all of them.
 
         """
@@ -198,7 +193,7 @@ class RivalTest:
     def _is_withdrawn(
         self, name: str, fits: tuple[Pair, Pair], final: Array, structured: bool
     ) -> bool:
-        """Tell whether a name falls to what remains, by the fits before it and with it."""
+        """Return whether a name is withdrawn because of the remainder."""
         before, then = fits
         linear, gains = then[0].group.linears[0], evidence_gains(before, then)
         acts, k = find_acting_axes(linear, name, self._floor), linear.names.index(name)
@@ -219,7 +214,7 @@ class RivalTest:
         )
 
     def _is_structured(self, fits: Pair) -> bool:
-        """Tell whether what remains follows something, as gusts do not."""
+        """Return whether the remainder follows the state, unlike gusts."""
         left = find_remainders(self._flights, [each.members for each in fits], self._floor)
         clearly = any(one.carried > FOLLOWS for one in left)
         return clearly or bool(select_confirmed_rivals(self._find_rivals(fits)))
@@ -231,11 +226,11 @@ class RivalTest:
         )
 
     def _compute_gains(self, fits: Pair) -> dict[str, float]:
-        """Return what each rival wins on all flights."""
+        """Return the gain of each rival on all flights."""
         return {one.name: one.total_evidence for one in self._find_rivals(fits)}
 
     def _relative_deviations(self, fits: Pair) -> Array:
-        """Return the deviations, by the floor: geometric mean of the sides."""
+        """Return the deviations by the noise floor, as geometric mean of the sides."""
         logs = np.mean([np.log(each.deviations / self._floor) for each in fits], axis=0)
         together: Array = np.exp(logs)
         return together

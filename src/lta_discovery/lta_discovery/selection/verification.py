@@ -1,9 +1,8 @@
 """
-What is named, put to the test on all flights together.
+Verify named effects on all flights together.
 
-Each effect is removed and everything else refitted: what that costs is its evidence. And each is
-replaced by every other candidate: one that does as well is what these flights cannot tell from it,
-and one that does better takes its place.
+Each effect is removed and everything else refitted: the cost is its evidence. Each is also
+replaced by every other candidate. Equally good ones are its rivals; a better one replaces it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -25,41 +24,42 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Nats that removing an effect has to cost. Fewer than each earns its name by: what hides in a
-# tolerance that all flights share is won on each by itself, and cannot be won twice.
+# Nats; smallest cost of removal. Less than for acceptance: shared tolerances absorb part of an
+# effect on each side separately, and that gain does not add up.
 KEPT: Final = LARGER
-CERTAIN: Final = 60.0  # nats; what is so much worse about the old point needs no refit
-NEAR: Final = 15.0  # nats; nor is a rival refitted that is so much worse
-ALIKE: Final = 0.9  # of the cosine of two columns; beyond it they are two words for one thing
-RIVALS: Final = 2  # refitted for each effect
-ROUNDS: Final = 4  # linearisations of all flights together
-ANY: Final = 30.0  # typical sizes: as good as any
-CLEAR: Final = 3.0  # deviations; a component of a vector within them is not told
+CERTAIN: Final = 60.0  # nats; a removal with a larger linearized cost needs no refit
+NEAR: Final = 15.0  # nats; a rival with a larger linearized loss is ignored
+ALIKE: Final = 0.9  # cosine of two columns; above it they are equivalent
+RIVALS: Final = 2  # most refitted rivals of an effect
+ROUNDS: Final = 4  # most linearizations of all flights
+ANY: Final = 30.0  # typical sizes; deviation of a practically flat prior
+CLEAR: Final = 3.0  # standard deviations; smaller vector components are not reported
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class VerifiedEffects:
     """
-    What stands.
+    Verified effects.
 
     Attributes
     ----------
     names : tuple of str
-        Of the effects, the dearest first.
+        Of the effects, by decreasing evidence.
     costs : mapping of str to float
-        Log evidence that removing each costs. [nats]
+        Log evidence lost without each. [nats]
     rivals : mapping of str to tuple of str
-        What could stand in the place of each, the better first.
+        Equally good replacements of each, the better first.
     unlike : mapping of str to tuple of str
-        Those of them that do not even look like it: an open question, not another word for it.
-    full, bare : Joint
+        Rivals with a dissimilar column: real ambiguities, not equivalents.
+    full, bare : JointFit
         All flights with the effects, and without any.
-    measured : Joint
-        All flights with the effects, of whose sizes nothing is taken to be known beforehand: a
-        usual size is good for telling effects apart, and would pull a value towards 0.
-    steps : tuple of Step
-        Rounds in which fainter effects were looked for, on all flights together.
+    measured : JointFit
+        All flights with the effects and flat priors of their sizes. The usual priors serve to
+        compare
+        effects, but would bias the values towards 0.
+    steps : tuple of SelectionRound
+        Rounds of the search for weak effects on all flights.
 
     """
 
@@ -76,21 +76,19 @@ class VerifiedEffects:
         self, parameters: Sequence[FreeParameter], deviations: Array
     ) -> dict[str, tuple[int, ...]]:
         """
-        Return which knobs are told of each name: of a vector, the components that stand out.
+        Return the parameters to report of each name: of a vector, the significant components.
 
         Parameters
         ----------
-        known : sequence of Knob
-            All.
         deviations : ndarray, shape (G,)
-            Of what was measured.
+            Standard deviations of the measured values.
 
         """
         order, mean = [knob.name for knob in parameters], self.measured.fitted.mean
         out = {}
         for name in self.names:
             places = [order.index(one) for one in vector_components(name) if one in order]
-            # A component that is off by no more than vehicles are is no part of what is missing.
+            # A component within tolerance and uncertainty is not significant.
             spread = [float(np.hypot(deviations[k], parameters[k].tolerance)) for k in places]
             clear = [
                 k
@@ -104,13 +102,13 @@ class VerifiedEffects:
 @final
 class EffectVerification:
     """
-    All flights that teach or confirm.
+    Verify effects on all training and confirming flights.
 
     Parameters
     ----------
-    nominal : Nominal
-        The vehicle as its file has it.
-    flights : sequence of Linearised
+    nominal : NominalVehicle
+        The vehicle of the file.
+    flights : sequence of FlightLinearizer
         In the order of the pairs of `EffectSearchResult`.
 
     """
@@ -124,7 +122,7 @@ class EffectVerification:
         self._sizes: dict[str, float] = {}
 
     def run(self, named: EffectSearchResult) -> VerifiedEffects:
-        """Return what stands of what was named."""
+        """Return the verified effects of a search."""
         bare = self._fit_jointly((), named.bare)
         names, self._sizes = named.names, dict(named.sizes)
         full = self._fit_jointly(names, named.fits) if names else bare
@@ -156,7 +154,7 @@ class EffectVerification:
     def _add_weak_effects(
         self, names: tuple[str, ...], full: JointFit, teach: int
     ) -> tuple[tuple[SelectionRound, ...], JointFit]:
-        """Add effects that only all flights together show; return the rounds."""
+        """Add effects that are detectable only on all flights together; return the rounds."""
         faint, steps = WeakEffectSearch(self.fitter, teach, self._sizes), []
         last = faint.fit_lower_floor(full)
         while last is not None and len(names) < MOST:
@@ -170,7 +168,7 @@ class EffectVerification:
         return tuple(steps), full
 
     def _fit_values(self, full: JointFit, names: Sequence[str]) -> JointFit:
-        """Fit the effects without a word on how large they usually are."""
+        """Fit the effects with flat priors of their sizes."""
         covariance = full.prior.covariance.copy()
         for k in self._component_indices(names):
             covariance[k, k] += (ANY * self.knobs[k].typical) ** 2
@@ -178,7 +176,7 @@ class EffectVerification:
         return self.fitter.fit(prior, full.group, full.deviations, ROUNDS)
 
     def _fit_jointly(self, names: Sequence[str], pair: Pair) -> JointFit:
-        """Fit all flights together, from where one of the sides stands, whichever fits better."""
+        """Fit all flights together, starting from the side that fits better."""
         joined = pair[0].group.join(pair[1].group)
         deviations = np.sqrt(pair[0].deviations * pair[1].deviations)
         prior = build_shared_prior(self.knobs, names, self._sizes)
@@ -187,26 +185,26 @@ class EffectVerification:
         return self.fitter.fit(prior, begin, deviations, ROUNDS)
 
     def _remove_effect(self, last: JointFit, name: str, names: Sequence[str]) -> JointFit:
-        """Return all flights with other effects, one of them back at 0, as linear as they are."""
+        """Set one effect to 0 in the linearized flights, with the prior of other effects."""
         at = last.group.at.copy()
         at[self._component_indices([name])] = 0.0
         prior = build_shared_prior(self.knobs, names, self._sizes)
         return self.fitter.fit_deviations(replace(last.group, at=at), prior, last.deviations)
 
     def _component_indices(self, names: Sequence[str]) -> list[int]:
-        """Return which knobs are the components of some effects."""
+        """Return the indices of the effects' components."""
         wanted = expand_vectors(names)
         return [k for k, name in enumerate(self._order) if name in wanted]
 
     def _refit_without(self, last: JointFit, name: str, names: Sequence[str]) -> JointFit:
-        """Return the same, refitted."""
+        """Refit all flights without one effect."""
         begun = self._remove_effect(last, name, names)
         return self.fitter.fit(begun.prior, begun.group, begun.deviations, ROUNDS)
 
     def _removal_costs(
         self, names: Sequence[str], full: JointFit, bare: JointFit
     ) -> dict[str, float]:
-        """Return what removing each costs."""
+        """Return the cost of removing each effect."""
         if len(names) == 1:
             return {names[0]: full.evidence - bare.evidence}
         out = {}
@@ -221,14 +219,14 @@ class EffectVerification:
     def _swap_effect(
         self, name: str, names: Sequence[str], full: JointFit
     ) -> tuple[dict[str, bool], JointFit, str]:
-        """Return what does as well as an effect and whether it looks like it, and the better."""
+        """Return the rivals of an effect with their similarity, the best fit, and its effect."""
         near = self._find_near_rivals(name, names, full)
         found: dict[str, tuple[float, bool]] = {}
         best, then = name, full
         refits = 0
         for other, (linear, alike) in near.items():
             evidence = linear
-            # What looks alike is refitted only where it promises to be the better word.
+            # A similar candidate is refitted only if its linearized evidence is higher.
             if (not alike or linear > then.evidence + TIE) and refits < RIVALS:
                 instead = tuple(other if one == name else one for one in names)
                 fitted, refits = self._refit_without(full, name, instead), refits + 1
@@ -245,7 +243,7 @@ class EffectVerification:
     def _find_near_rivals(
         self, name: str, names: Sequence[str], full: JointFit
     ) -> dict[str, tuple[float, bool]]:
-        """Return what could do as well in a linear world: its evidence, and its likeness."""
+        """Return the linearized evidence of candidate replacements, and their similarity."""
         taken = expand_vectors(names)
         others = [
             knob.name for knob in self.knobs if knob.typical > 0.0 and knob.name not in taken

@@ -1,10 +1,9 @@
 """
-Effects too faint for any flight alone: what all of them say together, and each says as well.
+Search for weak effects that only all flights together can reveal.
 
-Evidence that is asked of each flight by itself pays twice for not knowing how large an effect is,
-and what a flight has to win alone, no faint effect can. On all flights together it is paid once.
-What keeps chance out is asked of the sides afterwards: that each by itself leans the same way, by
-as much, and that nothing else does nearly as well.
+Separate evidence of each side pays twice for an unknown size, which weak effects cannot afford. On
+all flights together it is paid once. To exclude chance, each side then has to pull in the same
+direction, by a similar amount, and no other candidate may be nearly as good.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,16 +21,16 @@ from lta_discovery.selection.effect_search import SelectionRound
 from lta_discovery.selection.interval import NORMAL, parameter_deviations
 import numpy as np
 
-GAIN: Final = 4.5  # nats; of all flights together
-# The same of what hides in a tolerance: all flights of a vehicle that is merely off by much lean
-# the same way, so that their agreement is no witness.
+GAIN: Final = 4.5  # nats; required on all flights together
+# nats; the same for effects within a tolerance: all flights of an inaccurate vehicle pull in the
+# same direction, so that their agreement is no evidence.
 WITHIN: Final = 6.0
-LEANS: Final = 1.0  # deviations; by which each side has to pull, the same way as the other
-APART: Final = 3.0  # deviations; by which the two values may differ
-CALM: Final = 2.0  # floors; a latent wrench below it hides nothing that pushes
-QUIET: Final = 0.25  # of a floor; what is taken to be usual where flights are calm
-ASKED: Final = 6  # candidates of a glance
-ALIKE: Final = 0.98  # of the cosine of two columns; beyond it one name stands for both
+LEANS: Final = 1.0  # standard deviations; smallest pull of each side
+APART: Final = 3.0  # standard deviations; largest difference of the two values
+CALM: Final = 2.0  # noise floors; a smaller latent wrench hides no effect
+QUIET: Final = 0.25  # of a noise floor; prior of the latent wrench in calm flights
+ASKED: Final = 6  # best candidates of a scan
+ALIKE: Final = 0.98  # cosine of two columns; above it they are equivalent
 
 
 @final
@@ -44,11 +43,11 @@ class WeakCandidate(NamedTuple):
     name : str
         Its name.
     gain : float
-        Log evidence that it wins on all flights together. [nats]
-    sides : pair of Seen
-        What those that teach and those that confirm say of it by themselves.
+        Gain in log evidence on all flights together. [nats]
+    sides : pair of CandidateScore
+        Of the training flights and of the confirming flights.
     least : float
-        Log evidence that it has to win. [nats]
+        Required gain. [nats]
 
     """
 
@@ -59,21 +58,21 @@ class WeakCandidate(NamedTuple):
 
     @property
     def scaled_difference(self) -> float:
-        """Difference of the two values, in deviations."""
+        """Difference of the two values, in standard deviations."""
         first, second = self.sides
         spread = float(np.hypot(first.deviation, second.deviation))
         return abs(first.value - second.value) / spread
 
     @property
     def is_consistent(self) -> bool:
-        """Tell whether both sides pull the same way, and by as much."""
+        """Return whether both sides pull in the same direction, by a similar amount."""
         first, second = (side.score for side in self.sides)
         same = first * second > 0.0 and min(abs(first), abs(second)) > LEANS
         return same and self.scaled_difference < APART
 
     @property
     def trial(self) -> CandidateTrial:
-        """The same in the words of flights that are put to the test one by one."""
+        """The same as a trial of the effect search."""
         first, second = self.sides
         larger = max(abs(first.value), abs(second.value))
         part = abs(first.value - second.value) / larger if larger > 0.0 else 0.0
@@ -87,19 +86,19 @@ def choose_candidate(
     hints: Sequence[WeakCandidate], alike: Sequence[str] = ()
 ) -> WeakCandidate | None:
     """
-    Return the candidate that is named, None where none is.
+    Return the candidate to name, or None.
 
     Parameters
     ----------
-    hints : sequence of Hint
+    hints : sequence of WeakCandidate
         The best first.
     alike : sequence of str
-        Those that cannot be told from the best.
+        Equivalents of the best.
 
     """
     if not hints or hints[0].gain <= hints[0].least:
         return None
-    # A side in which an effect hardly shows need not lean, if it is by no means a faint one.
+    # If one side hardly shows the effect, the criteria of strong effects may accept it.
     if not (hints[0].is_consistent or hints[0].trial.is_accepted):
         return None
     others = [one.gain for one in hints[1:] if one.name not in alike]
@@ -109,16 +108,16 @@ def choose_candidate(
 @final
 class WeakEffectSearch:
     """
-    All flights that teach or confirm.
+    Search all training and confirming flights for weak effects.
 
     Parameters
     ----------
-    fitter : Fitter
-        The flights, those that teach first.
+    fitter : JointFitter
+        The flights, training flights first.
     teach : int
-        How many teach.
+        Number of training flights.
     sizes : mapping of str to float
-        How many typical sizes the effects that were named may have, where it is not one.
+        Prior deviations of named effects in typical sizes, where not 1.
 
     """
 
@@ -127,13 +126,13 @@ class WeakEffectSearch:
         self._teach, self._knobs, self._sizes = teach, fitter.flights[0].knobs, sizes
 
     def fit_lower_floor(self, last: JointFit) -> JointFit | None:
-        """Return calm flights with less force supposed; None where others may hide in it."""
+        """Refit calm flights with a lower noise floor; None if a wrench may hide effects."""
         if np.any(last.deviations > CALM / QUIET * self._fitter.floor):
             return None
         return self._fitter.fit_deviations(last.group, last.prior, last.deviations)
 
     def rank_candidates(self, names: Sequence[str], last: JointFit) -> list[WeakCandidate]:
-        """Return the best candidates beside some effects, the best first."""
+        """Return the best candidates in addition to some effects, the best first."""
         sides = [self._scan_side(part, last) for part in self._reduce_sides(last)]
         out, taken = [], expand_vectors(names)
         for seen in scan_candidates(last.reduced, last.group.at, last.prior, self._knobs)[:ASKED]:
@@ -149,7 +148,7 @@ class WeakEffectSearch:
         return sorted(out, key=lambda hint: -hint.gain)
 
     def _is_possible(self, name: str, side: Mapping[str, CandidateScore]) -> bool:
-        """Tell whether a side says anything of a candidate, and nothing that cannot be."""
+        """Return whether a side observes a candidate, with a possible value."""
         seen = side.get(name)
         return seen is not None and self._find_parameter(name).is_possible(
             seen.value, seen.deviation
@@ -164,20 +163,20 @@ class WeakEffectSearch:
         return next(k for k, knob in enumerate(self._knobs) if knob.name == name)
 
     def _required_evidence(self, name: str, sides: Sequence[CandidateScore]) -> float:
-        """Return what a candidate has to win, by what bounds it: tolerance or flights."""
+        """Return the required gain of a candidate."""
         knob = self._find_parameter(name)
         tolerance = 0.0 if knob.per_flight else knob.tolerance
         return WITHIN if tolerance > max(side.deviation for side in sides) else GAIN
 
     def run_round(self, names: Sequence[str], last: JointFit) -> tuple[SelectionRound, JointFit]:
         """
-        Return the next round, and all flights after it.
+        Run one round; return it and the fit after it.
 
         Parameters
         ----------
         names : sequence of str
-            The effects that are in the model.
-        last : Joint
+            Effects in the model.
+        last : JointFit
             All flights with them, by `fit_lower_floor`.
 
         """
@@ -199,20 +198,20 @@ class WeakEffectSearch:
         return SelectionRound(trials, alike, best.name), then
 
     def _is_significant(self, name: str, then: JointFit) -> bool:
-        """Tell whether an effect is there at all, anywhere in its interval, and no trifle."""
+        """Return whether the interval of an effect excludes 0, and its size is relevant."""
         k = self._parameter_index(name)
         deviation = parameter_deviations(then.fitted, self._knobs, False)[k]
         least = max(NORMAL * deviation, TRIFLE * self._knobs[k].typical)
         return bool(abs(then.fitted.mean[k]) > least)
 
     def _list_alike(self, hints: Sequence[WeakCandidate], last: JointFit) -> tuple[str, ...]:
-        """Return the names that are one with the best."""
+        """Return the equivalents of the best candidate."""
         names = [hint.name for hint in hints]
         cosine = np.abs(column_cosines(last.reduced, last.prior, names, self._knobs))
         return tuple(name for k, name in enumerate(names) if k and cosine[0, k] > ALIKE)
 
     def _reduce_sides(self, last: JointFit) -> tuple[ReducedFlight, ReducedFlight]:
-        """Return what those that teach and those that confirm say, about the same point."""
+        """Return the reduced training and confirming flights about the same point."""
         pieces = last.group.pieces
         first, second = (
             replace(last.group, pieces=some).reduce(last.deviations)

@@ -79,6 +79,7 @@ def compute_forecast_gaps(
         for horizon in TOLD:
             h = HORIZONS.index(horizon)
             square = {kind: np.sum(off[:, h, columns] ** 2, axis=-1) for kind, off in offs.items()}
+            # Compare models on the same pieces only.
             known = np.all([np.isfinite(each) for each in square.values()], axis=0)
             if not known.any():
                 continue

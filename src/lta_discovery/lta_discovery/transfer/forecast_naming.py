@@ -104,6 +104,7 @@ def name_by_forecasts(study: DiscoveryStudy, tell: Progress) -> DiscoveryStudy:
         return study
     parts = _split_regimes(taught)
     plain, rest = tune_tolerances(taught.sight, parts)
+    # Do not name an effect if tuned tolerances explain most of the error.
     if remaining_error_share(rest) < LOOSE:
         return _add_warning(study, format_tolerance_share(remaining_error_share(rest)))
     names = _select_groups(taught, parts, rest, study.finding.seed, tell)

@@ -98,6 +98,7 @@ def select_forward(
     candidates = list_groups(sight.knobs) if candidates is None else candidates
     inside = set(flights)
     sides = [g for g in ([f for f in r if f in inside] for r in regimes.values()) if g]
+    # A regime with all flights leaves nothing to fit to.
     sides = [g for g in sides if len(g) < len(inside)]
     every = [k for group in candidates for k in group.knobs]
     chosen: list[tuple[CandidateGroup, float]] = []
@@ -105,6 +106,7 @@ def select_forward(
     values = np.zeros(len(sight.knobs))
     first = 0.0
     while sides and len(chosen) < MOST:
+        # Zero rounds: linearize all candidates about the current model without a step.
         about = sight.fit(every, np.ones(len(every)), flights, values, rounds=0)
         said = dict(zip(flights, about.said, strict=True))
         first = first or sum(one.cost for one in about.said)

@@ -46,6 +46,7 @@ def build_effects(
     for group in confirmed:
         place = chosen.groups.index(group)
         values = best.fitted.values
+        # A value of 0 is clipped at its bound, and not part of the effect.
         moved = [k for k in group.knobs if values[k] != 0.0]
         parameters = [
             each

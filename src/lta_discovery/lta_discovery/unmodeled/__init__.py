@@ -1,1 +1,1 @@
-"""What is in no library: generic rivals, lines, and what remains, described."""
+"""Detect and describe forces outside the library: generic rivals, oscillations, remainders."""

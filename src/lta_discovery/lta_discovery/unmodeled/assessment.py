@@ -1,8 +1,8 @@
 """
-What is outside the library, when everything with a name is in the model.
+Assess unmodeled forces with all named effects in the model.
 
-Axes of the latent wrench that stand clear of the floor, generic rivals that still win,
-oscillations of the wrench, and lines in what is left over. A draught is told apart from that.
+Axes of the latent wrench above the noise floor, confirmed generic rivals, oscillations of the
+wrench, and spectral lines of the residuals. A draught is separated from these.
 """
 
 from collections.abc import Sequence
@@ -39,27 +39,27 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-FOLLOWED: Final = 300.0  # floors; a model that has to be helped by more does not follow the flight
+FOLLOWED: Final = 300.0  # noise floors; above it the model does not follow the flight
 
 
 @final
 class UnmodeledForces(NamedTuple):
     """
-    What is outside the library.
+    Forces outside the library.
 
     Attributes
     ----------
     remains : tuple of Remainder
-        By axis, with what it follows, the largest first.
-    rivals : tuple of Rival
+        By axis, the largest first.
+    rivals : tuple of GenericRival
         All of them, the best first.
-    lines : tuple of Line
+    lines : tuple of SpectralLine
         The strongest first.
-    oscillations : tuple of Oscillation
+    oscillations : tuple of LatentOscillation
         The strongest first.
-    draught : Draught, optional
-        Air that moves a little by itself; neither the axes on which it pushes nor rivals that
-        explain one of them are among the rest then.
+    draught : DraughtFinding, optional
+        Slow air motion. Its axes, and rivals that explain only one of them, are then not in the
+        rest.
 
     """
 
@@ -71,17 +71,17 @@ class UnmodeledForces(NamedTuple):
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """All of it, for people."""
+        """All of them in words."""
         return list_sentences(self.remains, self.lines, self.oscillations)
 
     @property
     def has_any(self) -> bool:
-        """Whether there is anything, whatever was named."""
+        """Whether there are any."""
         return self.decide_verdict(()) == 'unexplained'
 
     @property
     def is_trackable(self) -> bool:
-        """Whether it is what remains of flights that the model follows at all."""
+        """Whether there are any, in flights that the model can follow."""
         return self.has_any and all(one.floors < FOLLOWED for one in self.remains)
 
     def decide_verdict(self, named: Sequence[str]) -> Verdict:
@@ -93,16 +93,16 @@ def assess_unmodeled(
     pair: Sequence[Sequence[FlightLinearizer]], full: JointFit, floor: Array
 ) -> UnmodeledForces:
     """
-    Return what is outside the library.
+    Return the forces outside the library.
 
     Parameters
     ----------
-    pair : pair of sequences of Linearised
-        Flights that teach, and that confirm.
-    full : Joint
-        All of them in this order, with all named effects in the model.
+    pair : pair of sequences of FlightLinearizer
+        Training and confirming flights.
+    full : JointFit
+        All of them in this order, with all named effects.
     floor : ndarray, shape (6,)
-        Deviations of the latent wrench that are not worth speaking of.
+        Noise floor of the latent wrench.
 
     """
     count = len(pair[0])
@@ -124,6 +124,7 @@ def assess_unmodeled(
     series = [LatentSeries.from_fit(*each) for each in zip(flights, members, strict=True)]
     slow = find_oscillations(series, floor, knots)
     air = None
+    # An oscillation is structure, so the remainder is not just a draught.
     if not (slow or told):
         winning = select_evident_rivals(rivals)
         air = detect_draught(full.deviations, floor, left, winning, series, nominal)

@@ -1,9 +1,8 @@
 """
-A draught: air that moves a little by itself pushes the vehicle about, and nothing is missing.
+Detect a draught: slow air motion that pushes the vehicle, while no effect is missing.
 
-Its force is horizontal, alike in all horizontal directions of the map (and so ahead and aside as
-well), and follows nothing that was measured. It is a finding of its own as long as it is small;
-a larger force of this kind is gusts, and those stay unexplained.
+Its force is horizontal, isotropic in the horizontal plane, and follows no measured quantity. A
+larger force of this kind is gusts, which stay unexplained.
 """
 
 from collections.abc import Sequence
@@ -21,25 +20,25 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 LEVEL: Final = ('surge', 'sway')
-LEAST: Final = 0.7  # floors; made flights in still air have 0.3 at most
-# Floors; from there a force puts a name in question (`naming.beside.LOUD`). For a GT-MAB it is
-# 1.6 mN, as of air at 4 mm/s: a closed room has less, and what a fan or a door makes is gusts.
+LEAST: Final = 0.7  # noise floors; simulated flights in still air reach 0.3
+# Noise floors; above it names are in question (`residual_guards.LOUD`). For a GT-MAB it is
+# 1.6 mN, as of air at 4 mm/s: a closed room has less, a fan or a door more.
 MOST: Final = 4.0
-QUIET: Final = 0.5  # of the horizontal force; what the vertical one stays below
-CHANCE: Final = 1e-3  # that a draught differs by as much from one direction to another
+QUIET: Final = 0.5  # of the horizontal force; limit of the vertical one
+CHANCE: Final = 1e-3  # significance level of the test of isotropy
 
 
 @final
 class DraughtFinding(NamedTuple):
     """
-    Air that moves by itself.
+    A draught.
 
     Attributes
     ----------
     force : float
         Root mean square along each horizontal direction. [N]
     speed : float
-        Of air that would exert it, roughly, the same way. [m/s]
+        Approximate speed of the air. [m/s]
 
     """
 
@@ -48,25 +47,25 @@ class DraughtFinding(NamedTuple):
 
     @property
     def sentence(self) -> str:
-        """For people."""
+        """Description in words."""
         return (
-            f'a draught: a horizontal force that follows nothing, {1e3 * self.force:.2g} mN, '
-            f'as air moving at about {1e3 * self.speed:.2g} mm/s would exert'
+            f'a draught: a random horizontal force of {1e3 * self.force:.2g} mN, '
+            f'as from air moving at about {1e3 * self.speed:.2g} mm/s'
         )
 
 
 def isotropy_probability(pair: Array, count: float) -> float:
     """
-    Return the chance that a force alike in all directions of a plane differs as much as this.
+    Return the probability that an isotropic force differs as much between directions.
 
-    Mauchly's test of sphericity, which is exact for two normal variables of mean 0.
+    Mauchly's test of sphericity, exact for two normal variables of mean 0.
 
     Parameters
     ----------
     pair : ndarray, shape (N, 2)
-        Two components at right angles.
+        Two orthogonal components.
     count : float
-        How many independent values that is worth.
+        Equivalent number of independent values.
 
     """
     products = pair.T @ pair
@@ -78,42 +77,40 @@ def isotropy_probability(pair: Array, count: float) -> float:
 
 
 def is_horizontal(series: Sequence[LatentSeries]) -> bool:
-    """Tell whether a force lies in the horizontal plane and is alike in all its directions."""
+    """Return whether a force is horizontal and isotropic in the horizontal plane."""
     ground = np.concatenate([each.ground for each in series])
     body = np.concatenate([each.body for each in series])
     x, y, z = np.sqrt(np.mean(ground**2, axis=0))
     if z > QUIET * math.sqrt(0.5 * (x**2 + y**2)):
         return False
-    # An Ornstein-Uhlenbeck process has one independent square in its memory; air remembers longer.
+    # An Ornstein-Uhlenbeck process has one independent square per memory; air has a longer one.
     count = sum(each.duration for each in series) / (2.0 * MEMORY)
-    # What belongs to the body is alike in the map as soon as the heading turns, and the reverse.
+    # Test both frames: turning makes a body-fixed force isotropic in the map, and vice versa.
     return min(isotropy_probability(each[:, :2], count) for each in (ground, body)) > CHANCE
 
 
 def is_one_sided(rival: GenericRival) -> bool:
     """
-    Tell whether a rival explains one of surge and sway alone.
+    Return whether a rival explains only one of surge and sway.
 
-    Of a force that is alike on both it is no explanation: on two flights of a draught one of
-    dozens of them wins by chance.
+    This does not explain an isotropic force: with dozens of rivals, one wins on two flights by
+    chance.
     """
     return len(rival.axes) == 1 and rival.axes[0] in LEVEL
 
 
 def estimate_air_speed(force: float, nominal: NominalVehicle) -> float:
     """
-    Return how fast air moves that exerts a force, roughly. [m/s]
+    Estimate the speed of air that exerts a force. [m/s]
 
-    Air that gains speed pushes with its acceleration times the displaced and the added mass. Drag
-    is a fourth of that for a blimp at 0.5 m/s, and quadratic drag has no slope at rest. A force
-    that forgets itself in MEMORY is of air that gains its speed in about as long.
+    Accelerating air pushes with its acceleration times displaced plus added mass. Drag is a
+    quarter of that for a blimp at 0.5 m/s, and quadratic drag has no slope at rest. The air
+    changes its speed within MEMORY, as the force does.
 
     Parameters
     ----------
     force : float
         Root mean square along one direction. [N]
-    nominal : Nominal
-        The vehicle.
 
     """
     masses = np.linalg.inv(np.reshape(nominal.build_model().inverse, (6, 6)))
@@ -130,20 +127,18 @@ def detect_draught(
     nominal: NominalVehicle,
 ) -> DraughtFinding | None:
     """
-    Return the draught, where what remains is one and nothing else; else None.
+    Return the draught if it explains the whole remainder, else None.
 
     Parameters
     ----------
     deviations, floor : ndarray, shape (6,)
-        Of the latent wrench, and what is not worth speaking of. [N, N m]
+        Of the latent wrench, and its noise floor. [N, N m]
     left : sequence of Remainder
-        Axes that stand clear of the floor, with what they follow by themselves.
-    rivals : sequence of Rival
-        Those that tell that something is there.
+        Axes above the noise floor.
+    rivals : sequence of GenericRival
+        Rivals with evidence.
     series : sequence of LatentSeries
         Of all flights.
-    nominal : Nominal
-        The vehicle.
 
     """
     floors = (deviations / floor)[:2]

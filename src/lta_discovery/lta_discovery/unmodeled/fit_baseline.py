@@ -1,8 +1,8 @@
 """
-Flights that were fitted, and what groups of generic terms look like beside everything else.
+Marginalize fitted flights for generic term groups.
 
-The unknowns of pieces, each flight's own errors and the knobs that flights share are eliminated,
-as in `evidence`; what is left of a group are its products with itself and with the residual.
+As in `evidence`, the unknowns of pieces, per-flight and shared parameters are eliminated. The
+result for a group are its products with itself and with the residual.
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,22 +27,22 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True, slots=True)
 class FitBaseline:
     """
-    Where flights that were fitted together stand.
+    A joint fit, as the baseline of generic rivals.
 
     Attributes
     ----------
-    linears : tuple of Linear
+    linears : tuple of LinearizedFlight
         Each about its point.
     at : ndarray, shape (G,)
-        What they share of the knobs.
+        Shared parameters.
     variance : ndarray, shape (G,)
-        Of what is each flight's own; 0 where it has nothing of its own.
+        Of per-flight parameters; 0 for shared ones.
     prior : Prior
-        Of what they share.
+        Of shared parameters.
     deviations, floor : ndarray, shape (6,)
-        Of the latent wrench, and what is not worth speaking of. [N, N m]
+        Of the latent wrench, and its noise floor. [N, N m]
     evidence : float
-        Log evidence, with that of the deviations. [nats]
+        Log evidence, including the prior of the deviations. [nats]
 
     """
 
@@ -56,7 +56,7 @@ class FitBaseline:
 
     @classmethod
     def from_joint(cls, joint: JointFit, floor: Array) -> 'FitBaseline':
-        """Return where flights stand after their last fit."""
+        """Return the baseline of a joint fit."""
         group = joint.group
         return cls(
             group.linears, group.at, group.variance, joint.prior, joint.deviations, floor,
@@ -65,7 +65,7 @@ class FitBaseline:
 
     @classmethod
     def from_part(cls, joint: JointFit, which: slice, floor: Array) -> 'FitBaseline':
-        """Return where some of the flights stand, weighed by themselves about the same point."""
+        """Return the baseline of some flights of a joint fit, with their own evidence."""
         every = cls.from_joint(joint, floor)
         some = replace(every, linears=every.linears[which])
         base = TermColumns(some, [()] * len(some.linears)).reduce_groups(some.deviations, ()).base
@@ -74,7 +74,7 @@ class FitBaseline:
 
 @final
 class GroupProducts(NamedTuple):
-    """Groups beside everything else: log evidence without them, and products of each."""
+    """Marginal products of groups: log evidence without them, and products of each."""
 
     base: float
     inner: Mapping[str, Array]
@@ -83,7 +83,7 @@ class GroupProducts(NamedTuple):
 
 @final
 class _GroupColumns(NamedTuple):
-    """Products of the columns of a group with the pieces' unknowns, the rest, and themselves."""
+    """Products of a group's columns with the pieces' unknowns, the rest, and themselves."""
 
     along: Array
     aside: Array
@@ -92,7 +92,7 @@ class _GroupColumns(NamedTuple):
 
 @final
 class _FlightColumns:
-    """One flight and the columns of all groups on it."""
+    """Columns of all groups on one flight."""
 
     def __init__(
         self, linear: LinearizedFlight, baseline: FitBaseline, groups: Sequence[TermGroup]
@@ -120,14 +120,14 @@ class _FlightColumns:
     def reduce_groups(
         self, deviations: Array, names: Sequence[str]
     ) -> tuple[float, Array, dict[str, tuple[Array, Array]]]:
-        """Return a constant, products of knobs and residual, and those of each group."""
+        """Return constant, products of parameters and residual, and those of each group."""
         precision = unknown_precision(deviations, self._point.knots)
         mean = -self._point.random
         pull = mean @ precision
         root = np.linalg.cholesky(self._random + precision)
         cross = self._cross.copy()
         cross[:, :, -1] += pull
-        # Solved once: there are dozens of groups, and each is a product then.
+        # Invert once: each of dozens of groups then needs a product only.
         back = invert_lower(root)
         half = back @ cross
         products = self._rest - np.einsum('skg,skh->gh', half, half, optimize=True)
@@ -147,7 +147,7 @@ class _FlightColumns:
     def _eliminate_own(
         self, constant: float, products: Array, group_products: dict[str, tuple[Array, Array]]
     ) -> tuple[float, Array, dict[str, tuple[Array, Array]]]:
-        """Return the same with what is the flight's own eliminated."""
+        """Eliminate the flight's own parameters."""
         own = self._own
         if not len(own):
             return constant, products, group_products
@@ -169,13 +169,13 @@ class _FlightColumns:
 @final
 class TermColumns:
     """
-    The groups on flights that were fitted together, as columns beside all others.
+    Columns of all groups on jointly fitted flights.
 
     Parameters
     ----------
-    standing : Standing
+    baseline : FitBaseline
         Of the flights.
-    known : sequence of sequences of Group
+    groups : sequence of sequences of TermGroup
         All groups, in the same order for each flight.
 
     """
@@ -188,7 +188,7 @@ class TermColumns:
         ]
 
     def reduce_groups(self, deviations: Array, names: Sequence[str]) -> GroupProducts:
-        """Return some groups beside everything else, for some deviations of the latent wrench."""
+        """Return marginal products of some groups, for some deviations of the latent wrench."""
         parts = map_parallel(lambda one: one.reduce_groups(deviations, names), self._flights)
         products = np.sum([part[1] for part in parts], axis=0)
         prior = self.standing.prior

@@ -1,10 +1,9 @@
 """
-Generic terms that an unknown force may follow, free of simulation, as groups.
+Define groups of generic terms that an unknown force may follow, without simulation.
 
-A group is one idea of what is outside the library: a force field, air in layers, a magnet, a flap
-that opens one way, wash of the rotors over a fin, something that swings. Each of its terms is a
-wrench in every step of a flight, in units of usual sizes, so that weights mean the same in all
-flights.
+A group is one hypothesis: a force field, air layers, a magnet, a one-way flap, rotor wash over a
+fin, a swinging load. Each term is a wrench in every step of a flight, in units of usual sizes, so
+that weights are comparable between flights.
 """
 
 from collections.abc import Iterator, Sequence
@@ -26,10 +25,10 @@ Array = NDArray[np.float64]
 
 USUAL_SPEED: Final = np.array([0.3, 0.3, 0.3, 0.3, 0.3, 0.3])  # m/s, rad/s
 USUAL_HEIGHT: Final = 0.5  # m
-SIDE: Final = 5  # of the grid of places
-LAYERS: Final = 10  # of heights
-SWINGS: Final = (0.2, 0.35, 0.5)  # Hz; faster ones are lines of the spectrum
-DAMPED: Final = 0.1  # of critical
+SIDE: Final = 5  # grid points per direction of place
+LAYERS: Final = 10  # number of height bumps
+SWINGS: Final = (0.2, 0.35, 0.5)  # Hz; faster oscillations are spectral lines
+DAMPED: Final = 0.1  # damping ratio
 CONSTANT: Final = 'constant'
 MOTIONS: Final = (
     'surge speed', 'sway speed', 'heave speed', 'roll rate', 'pitch rate', 'yaw rate',
@@ -38,14 +37,14 @@ MOTIONS: Final = (
 
 @final
 class FlightBox(NamedTuple):
-    """The box that all flights of a study fly in: low and high corner, in the map. [m]"""
+    """Box around all flights of a study: low and high corner, in the map. [m]"""
 
     low: Array
     high: Array
 
     @classmethod
     def from_places(cls, places: Sequence[Array]) -> 'FlightBox':
-        """Return the box around the middle 96 % of the places of some flights, shape (n, 3)."""
+        """Return the box around the middle 96 % of the positions of some flights, shape (n, 3)."""
         together = np.concatenate(places)
         low, high = np.percentile(together, [2.0, 98.0], axis=0)
         return cls(low, np.maximum(high, low + 0.2))
@@ -55,7 +54,7 @@ class FlightBox(NamedTuple):
 @dataclass(frozen=True, slots=True)
 class TermInputs:
     """
-    What a flight was like in each step of its pieces.
+    Inputs of the terms in each step of the pieces.
 
     Attributes
     ----------
@@ -64,9 +63,9 @@ class TermInputs:
     states : ndarray, shape (S, n, 13)
         As fitted.
     pushed : ndarray, shape (S, n, 6)
-        By the rotors, as the model has it. [N, N m]
+        Wrench of the rotors in the model. [N, N m]
     felt : ndarray, shape (S, n, 3)
-        Acceleration of the hull less that of gravity, body frame. [m/s2]
+        Specific force of the hull, body frame. [m/s2]
 
     """
 
@@ -79,18 +78,18 @@ class TermInputs:
 @final
 class TermGroup(NamedTuple):
     """
-    Terms that stand or fall together.
+    Terms that are tested together.
 
     Attributes
     ----------
     name : str
         'heave by height'.
     axes : tuple of int
-        Of the wrench, on which it acts.
+        Axes of the wrench on which it acts.
     terms : tuple of str
         Their names.
     values : ndarray, shape (S, J, 6, K)
-        Wrench of each term at the K knots of a piece, for a weight of 1 in floors.
+        Wrench of each term at the K knots of a piece, for a weight of 1 noise floor.
 
     """
 
@@ -101,7 +100,7 @@ class TermGroup(NamedTuple):
 
 
 def compute_term_inputs(flight: FlightLinearizer, point: LinearizationPoint) -> TermInputs:
-    """Return what a flight was like, by where its last fit stands."""
+    """Compute the inputs of the terms at the point of a flight's last fit."""
     states = flight.simulate_trajectory(point)[:, :-1]
     replay = flight.replay
     commands = replay.compute_inputs(replay.build_rows(point.nominal)).commands
@@ -121,13 +120,13 @@ def compute_term_inputs(flight: FlightLinearizer, point: LinearizationPoint) -> 
 
 
 def _project_on_knots(values: Array, nearest: Array) -> Array:
-    """Return the knots whose straight lines are nearest to values in each step, (S, J, K)."""
+    """Return the knots of the linear interpolation closest to values in each step, (S, J, K)."""
     knots: Array = np.einsum('kn,snj->sjk', nearest, values, optimize=True)
     return knots
 
 
 def _place_terms(inputs: TermInputs, scene: FlightBox) -> tuple[list[str], Array]:
-    """Return bumps on a grid of places, shape (S, n, SIDE^2)."""
+    """Return Gaussian bumps on a grid of positions, shape (S, n, SIDE^2)."""
     spots = [np.linspace(scene.low[k], scene.high[k], SIDE) for k in range(2)]
     width = np.maximum(scene.high[:2] - scene.low[:2], 0.5) / (SIDE - 1)
     out = []
@@ -140,7 +139,7 @@ def _place_terms(inputs: TermInputs, scene: FlightBox) -> tuple[list[str], Array
 
 
 def _simulate_oscillator(inputs: TermInputs, shaking: Array, hertz: float) -> Array:
-    """Return place and speed of an oscillator that is shaken, shape (S, n, 2)."""
+    """Return position and speed of an oscillator driven by an acceleration, shape (S, n, 2)."""
     omega, dt = 2.0 * math.pi * hertz, float(inputs.time[0, 1] - inputs.time[0, 0])
     decay = math.exp(-DAMPED * omega * dt)
     back = [1.0, decay * (dt * omega) ** 2 - decay - 1.0, decay]
@@ -157,7 +156,7 @@ def _simulate_oscillator(inputs: TermInputs, shaking: Array, hertz: float) -> Ar
 def _list_axis_terms(
     inputs: TermInputs, scene: FlightBox
 ) -> Iterator[tuple[str, list[str], Array]]:
-    """Yield groups that any one axis may follow: name, terms, values of shape (S, n, J)."""
+    """Yield groups for any single axis: name, terms, values of shape (S, n, J)."""
     motion = inputs.states[..., 7:13] / USUAL_SPEED
     height = (inputs.states[..., 2] - 0.5 * (scene.low[2] + scene.high[2])) / USUAL_HEIGHT
     rotation = rotation_matrix(inputs.states[..., 3:7])
@@ -190,7 +189,7 @@ USUAL_PUSH: Final = {0: 0.02, 2: 0.05, 5: 0.003}  # N, N m
 
 
 def _thrust_terms(inputs: TermInputs) -> tuple[list[str], Array]:
-    """Return products of what the rotors do and how the hull moves."""
+    """Return products of rotor wrench and hull motion."""
     names, values = [], []
     for axis, name in INPUTS.items():
         push = inputs.pushed[..., axis] / USUAL_PUSH[axis]
@@ -205,7 +204,7 @@ def _thrust_terms(inputs: TermInputs) -> tuple[list[str], Array]:
 def _build_axis_group(
     name: str, axis: int, terms: list[str], knots: Array, floor: Array
 ) -> TermGroup:
-    """Return a group of one axis, with a constant beside its terms."""
+    """Return a group of one axis, with a constant in addition to its terms."""
     values = np.zeros((len(knots), len(terms) + 1, AXES, knots.shape[-1]))
     values[:, :-1, axis] = floor[axis] * knots
     values[:, -1, axis] = floor[axis]
@@ -216,16 +215,14 @@ def list_term_groups(
     inputs: TermInputs, scene: FlightBox, floor: Array, count: int
 ) -> Iterator[TermGroup]:
     """
-    Yield all groups.
+    Yield all groups of a flight.
 
     Parameters
     ----------
-    seen : Met
-        A flight.
-    scene : Scene
+    scene : FlightBox
         Of all flights of the study.
     floor : ndarray, shape (6,)
-        What a weight of 1 is worth on each axis. [N, N m]
+        Wrench of a weight of 1. [N, N m]
     count : int
         Knots of a piece.
 
@@ -237,6 +234,7 @@ def list_term_groups(
     level = np.zeros((len(bumps), 2 * len(names), AXES, count))
     for way in range(2):
         for axis in range(3):
+            # Project a force along a map axis onto the body axes.
             part = bumps * rotation[..., way, axis, None]
             level[:, way * len(names) : (way + 1) * len(names), axis] = floor[
                 0
@@ -256,7 +254,7 @@ def list_term_groups(
 
 
 def _build_swing_group(inputs: TermInputs, axis: int, floor: Array, nearest: Array) -> TermGroup:
-    """Return what something that swings does to an axis: shaken along it, or across it by tilt."""
+    """Return the group of a swinging load on an axis."""
     shaken = inputs.felt[..., {0: 0, 1: 1, 2: 2, 3: 1, 4: 0, 5: 1}[axis]]
     usual = 0.1  # m/s2
     swung = [

@@ -1,4 +1,4 @@
-"""The latent wrench of a flight over time, in the axes of the map and of the body."""
+"""Collect the latent wrench of a flight over time, in map and body axes."""
 
 from typing import final, NamedTuple
 
@@ -15,9 +15,9 @@ Array = NDArray[np.float64]
 @final
 class LatentSeries(NamedTuple):
     """
-    What a flight leaves unexplained at the N knots at which it counts.
+    Latent wrench of a flight at its N valid knots.
 
-    Where two pieces meet, the time is there twice.
+    Times occur twice where two pieces meet.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class LatentSeries(NamedTuple):
 
     @classmethod
     def from_fit(cls, flight: FlightLinearizer, fit: FlightFit) -> 'LatentSeries':
-        """Return the latent wrench of a flight that was fitted."""
+        """Return the latent wrench of a fitted flight."""
         inside = flight.replay.cut.inside
         share = np.linspace(0.0, 1.0, fit.linear.knots)
         known = inside[:, np.rint(share * (inside.shape[1] - 1)).astype(int)].ravel()
@@ -48,5 +48,5 @@ class LatentSeries(NamedTuple):
 
     @property
     def duration(self) -> float:
-        """From the first knot to the last."""
+        """Time from the first knot to the last. [s]"""
         return float(np.ptp(self.time)) if len(self.time) else 0.0

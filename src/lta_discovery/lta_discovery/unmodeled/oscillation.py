@@ -1,11 +1,11 @@
 """
-Lines in the latent wrench itself: a slow forcing of one frequency, such as a wind to and fro.
+Detect slow oscillations of the latent wrench, such as those of a periodic wind.
 
-What is slower than half a wave from knot to knot is followed by the latent wrench, so nothing of
-it is left over (`spectral_line.py` looks there). It is looked for in the wrench at the knots of
-whole flights: forces in the axes of the map, where a wind keeps its direction while the vehicle
-turns, and in those of the body; moments in those of the body. All flights have to show it at one
-frequency; phases are free.
+The latent wrench follows oscillations slower than half a wave per knot interval, so that the
+residuals do not show them (`spectral_line.py` covers faster ones). The search uses the wrench at
+the knots of whole flights: forces in map axes, where a wind keeps its direction while the vehicle
+turns, and forces and moments in body axes. All flights have to show one frequency; phases are
+free.
 """
 
 from collections.abc import Sequence
@@ -28,21 +28,21 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 SLOWEST: Final = 0.05  # Hz
-# Of half a wave from knot to knot; at 1 the knots may all lie where a wave is 0.
+# Of the Nyquist frequency of the knots; at 1 all knots may lie at zeros of the wave.
 FOLLOWED: Final = 0.9
-CYCLES: Final = 4.0  # in the shortest flight, of the slowest that is looked for
-BESIDE: Final = 0.3  # Hz; neighbours of which the median is the level
-# Floors; root mean square of an oscillation. Where nothing is missing no whole axis comes to it.
+CYCLES: Final = 4.0  # fewest cycles in the shortest flight
+BESIDE: Final = 0.3  # Hz; width of the running median that gives the level
+# Noise floors; smallest RMS of an oscillation. Without missing effects no axis reaches it.
 WORTH: Final = 1.5
-# Where a spectrum falls by decades, something stands over its neighbours and carries nothing.
-PART: Final = 0.01  # of the power of its axes; an oscillation of less is none
-TAKES: Final = 0.5  # of the power of its axes; an oscillation that takes more is what they follow
+# A steep spectrum has local peaks without relevant power.
+PART: Final = 0.01  # of the power of its axes; smallest power of an oscillation
+TAKES: Final = 0.5  # of the power of its axes; a stronger oscillation explains them
 
 
 @final
 class LatentOscillation(NamedTuple):
     """
-    A line in the latent wrench.
+    An oscillation of the latent wrench.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class LatentOscillation(NamedTuple):
     amplitude : float
         Of the force [N] or moment [N m], mean of the flights.
     share : float
-        Of the power of its axes: a force in the map has the horizontal ones, or the vertical.
+        Of the power of its axes: for a force in the map, of both horizontal axes, or the vertical.
 
     """
 
@@ -69,13 +69,13 @@ class LatentOscillation(NamedTuple):
 
     @property
     def sentence(self) -> str:
-        """For people."""
+        """Description in words."""
         unit = 'mN' if CHANNELS[self.channel][1] < 3 else 'mN m'
         size = f'{1e3 * self.amplitude:.2g} {unit}'
         return f'an oscillation of the {self.channel} at {self.hertz:.2f} Hz, {size}'
 
 
-# Axes of the body on which each acts, and the place of its floor.
+# Body axes on which each acts, and the index of its noise floor.
 CHANNELS: Final[dict[str, tuple[tuple[str, ...], int]]] = {
     'force along x of the map': (('surge', 'sway'), 0),
     'force along y of the map': (('surge', 'sway'), 1),
@@ -97,7 +97,7 @@ def stack_channels(series: LatentSeries) -> Array:
 
 def fit_wave_power(time: Array, values: Array, hertz: Array) -> Array:
     """
-    Return squared amplitudes of waves that were fitted to series one by one.
+    Return squared amplitudes of single waves fitted to series by least squares.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def fit_wave_power(time: Array, values: Array, hertz: Array) -> Array:
     Returns
     -------
     ndarray, shape (B, C)
-        By least squares, beside a straight line.
+        After removal of a linear trend.
 
     """
     at = time - time.mean()
@@ -132,10 +132,8 @@ def find_oscillations(
 
     Parameters
     ----------
-    series : sequence of LatentSeries
-        Of each flight.
     floor : ndarray, shape (6,)
-        Deviations of the latent wrench that are not worth speaking of. [N, N m]
+        Noise floor of the latent wrench. [N, N m]
     knots : int
         Of a piece.
 
@@ -144,10 +142,10 @@ def find_oscillations(
     highest = FOLLOWED * 0.5 * (knots - 1) / LENGTH
     if highest - least < BESIDE:
         return ()
-    # From one cycle on: the neighbours of the slowest have a level too.
+    # Start at one cycle, so that the lowest frequencies have neighbours for their level.
     step = 1.0 / (STEPS * max(each.duration for each in series))
     hertz = step * np.arange(STEPS, math.floor(highest / step) + 1, dtype=np.float64)
-    # Noise that forgets itself in MEMORY falls so with the frequency.
+    # Whiten the spectrum of noise with correlation time MEMORY.
     colour: Array = 1.0 + (2.0 * np.pi * hertz * MEMORY) ** 2
     power = [fit_wave_power(each.time, stack_channels(each), hertz) for each in series]
     total = [np.mean(stack_channels(each) ** 2, axis=0) for each in series]
@@ -167,19 +165,19 @@ def find_oscillations(
 
 
 def _peak_power(spectrum: LeveledSpectrum, at: int) -> float:
-    """Return the squared amplitude of a flight's wave at a bin or beside it."""
+    """Return the squared amplitude of a flight's wave near a bin."""
     beside = slice(max(at - NEAR * STEPS, 0), at + NEAR * STEPS + 1)
     colour = 1.0 + (2.0 * np.pi * spectrum.hertz[beside] * MEMORY) ** 2
     return float(np.max(spectrum.power[beside] / colour))
 
 
 def _shares_power(other: str, name: str) -> bool:
-    """Tell whether a channel's power counts where the share of another is asked."""
+    """Return whether the power of a channel counts for the share of another."""
     return other == name or (name in OF_MAP and other in OF_MAP)
 
 
 def _select_frame(candidates: Sequence[LatentOscillation]) -> list[LatentOscillation]:
-    """Return them without the horizontal ones of the axes, map or body, that show less of it."""
+    """Return the oscillations in the frame, map or body, in which they are stronger."""
     strength = [
         sum(one.amplitude**2 for one in candidates if one.channel in some)
         for some in (OF_MAP, OF_BODY)
@@ -191,7 +189,7 @@ def _select_frame(candidates: Sequence[LatentOscillation]) -> list[LatentOscilla
 def dominant_oscillations(
     oscillations: Sequence[LatentOscillation],
 ) -> dict[str, LatentOscillation]:
-    """Return the axes of the body that follow an oscillation, with the strongest on each."""
+    """Return the strongest oscillation of each axis that oscillations mainly explain."""
     share: dict[str, float] = {}
     for one in oscillations:
         for axis in one.axes:

@@ -1,9 +1,9 @@
 """
-What remains when everything with a name has been added: on which axis, how large, following what.
+Describe the force that remains with all named effects: axis, size, and state terms it follows.
 
-The latent wrench of two fitted flights: an axis counts where its deviation stands clear of the
-floor on both. What it follows is learned on one flight and has to hold on the other, term by term:
-a share of the variance that carries over is structure, none is gusts or noise.
+An axis counts if the deviation of its latent wrench exceeds the noise floor. The terms it follows
+are learned on one side of the flights and have to hold on the other. A share of variance that
+transfers is structure; without it the force is gusts or noise.
 """
 
 from collections.abc import Sequence
@@ -21,16 +21,16 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-CLEAR: Final = 2.5  # floors; where nothing is missing no axis comes to 1.5
-TERMS: Final = 3  # that it may follow
-CARRIED: Final = 0.15  # of the variance; gusts explain as much of another flight by chance
-WORTH: Final = 0.05  # of the variance; a further term below it is not taken
+CLEAR: Final = 2.5  # noise floors; without missing effects no axis reaches 1.5
+TERMS: Final = 3  # most terms that a force follows
+CARRIED: Final = 0.15  # of the variance; gusts explain this much of another flight by chance
+WORTH: Final = 0.05  # of the variance; smallest contribution of a further term
 
 
 @final
 class Remainder(NamedTuple):
     """
-    What remains on one axis.
+    Unexplained force on one axis.
 
     Attributes
     ----------
@@ -39,11 +39,11 @@ class Remainder(NamedTuple):
     size : float
         Standard deviation of the latent force [N] or moment [N m]: geometric mean of the flights.
     floors : float
-        The same by the floor.
+        The same by the noise floor.
     follows : tuple of str
-        Generic terms of the measured state, the strongest first; empty where none carries over.
+        Generic terms of the measured state, the strongest first; empty if none transfers.
     carried : float
-        Share of the variance of the other flight that they explain.
+        Share of the other side's variance that they explain.
 
     """
 
@@ -62,7 +62,7 @@ def latent_at_knots(fit: FlightFit) -> Array:
 
 
 def states_at_knots(flight: FlightLinearizer, fit: FlightFit) -> Array:
-    """Return the fitted states there, shape (S * K, 13)."""
+    """Return the fitted states at the knots, shape (S * K, 13)."""
     states = flight.simulate_trajectory(fit.linear.point)
     index = np.rint(np.linspace(0, states.shape[1] - 1, fit.linear.knots)).astype(int)
     return states[:, index].reshape(-1, states.shape[-1])
@@ -70,9 +70,9 @@ def states_at_knots(flight: FlightLinearizer, fit: FlightFit) -> Array:
 
 def state_terms(states: Array) -> dict[str, Array]:
     """
-    Return what a force may follow: generic functions of the state, by name.
+    Return generic functions of the state that a force may follow, by name.
 
-    Speeds and rates, their squares with sign and one-sided, their products, places, heading.
+    Speeds and rates, their signed squares and magnitudes, products, position, heading.
     """
     u, v, w, p, q, r = states[:, 7:13].T
     rotation = rotation_matrix(states[:, 3:7])
@@ -100,9 +100,10 @@ def state_terms(states: Array) -> dict[str, Array]:
 
 
 def _explained_variance(rows: Array, target: Array, other: Array, other_target: Array) -> float:
-    """Return the share of another flight's variance that a fit to the first explains."""
+    """Return the share of a second flight's variance explained by a fit to the first."""
     scale = np.sqrt(np.mean(rows**2, axis=0)) + 1e-12
     a = rows / scale
+    # A small ridge keeps collinear terms solvable.
     ridge = 1e-3 * len(a) * np.eye(a.shape[1])
     weights = np.linalg.solve(a.T @ a + ridge, a.T @ target)
     off = other_target - (other / scale) @ weights
@@ -113,20 +114,20 @@ def select_terms(
     states: Sequence[Array], forces: Sequence[Array]
 ) -> tuple[tuple[str, ...], float]:
     """
-    Return the few terms that a force follows on two flights alike, and the share they explain.
+    Select the few terms that a force follows on both sides, and their explained share.
 
     Parameters
     ----------
     states : two ndarrays, shape (n, 13)
-        Of each flight.
+        Of each side.
     forces : two ndarrays, shape (n,)
-        The latent force there.
+        Latent force.
 
     Returns
     -------
     tuple of str, float
-        Chosen one by one by what they explain of the flight that they were not fitted to, both
-        ways round; none where that is no more than chance.
+        Forward selection by cross-validated variance, in both directions; empty below chance
+        level.
 
     """
     known = [state_terms(each) for each in states]
@@ -136,6 +137,7 @@ def select_terms(
     def cross_validated_share(names: tuple[str, ...]) -> float:
         a, b = (np.column_stack([each[name] for name in names]) for each in known)
         there = _explained_variance(a, forces[0], b, forces[1])
+        # The worse direction counts, so that chance on one side is not enough.
         return min(there, _explained_variance(b, forces[1], a, forces[0]))
 
     while len(chosen) < TERMS:
@@ -156,16 +158,16 @@ def find_remainders(
     clear: float = CLEAR,
 ) -> list[Remainder]:
     """
-    Return what two sides leave unexplained, the largest first.
+    Return the unexplained forces of two sides, the largest first.
 
     Parameters
     ----------
     flights, fits : two sequences each
-        Of those that teach and those that confirm, with all named effects in the model.
+        Training and confirming flights, with all named effects in the model.
     floor : ndarray, shape (6,)
-        Deviations of the latent wrench that are not worth speaking of.
+        Noise floor of the latent wrench.
     clear : float
-        Floors above which an axis counts.
+        Noise floors above which an axis counts.
 
     """
     every = [each.deviations for side in fits for each in side]

@@ -1,11 +1,10 @@
 """
-Rivals of the library: what a generic force would explain, in the same currency as an effect.
+Compute the evidence of generic rivals, comparable with that of library effects.
 
-Without rivals the best of the library wins by default, and a tether is called drag. A rival is a
-group of generic terms: the latent wrench may follow them with weights that all pieces share. What
-it wins is a Bayes factor beside all nuisances, found by algebra on the products that a fit has
-already; the size of its weights is averaged over, and the deviations of the rest of the latent
-wrench are free to shrink where it takes over.
+Without rivals, the best library effect wins by default, and a tether is called drag. A rival is a
+group of generic terms with weights that all pieces share. Its Bayes factor follows from the
+products of the fit by linear algebra. The size of the weights is marginalized, and the deviations
+of the remaining latent wrench may shrink.
 """
 
 from collections.abc import Mapping, Sequence
@@ -28,17 +27,25 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-SIZES: Final = (3.0, 10.0, 40.0)  # floors; of the weights of a group together
-SHRUNK: Final = (1.0, 0.6, 0.35, 0.2)  # of the deviations that are looked at
-SETTLED: Final = 5  # of the rivals, of which the deviations are found anew
-ALONE: Final = (1.4, 0.7, 0.5, 0.35, 0.25, 0.15, 0.1)  # of those of its axes, to find them
-LEAST: Final = 0.05  # floors
+SIZES: Final = (3.0, 10.0, 40.0)  # noise floors; prior sizes of a group's weights
+SHRUNK: Final = (1.0, 0.6, 0.35, 0.2)  # trial factors on the deviations
+SETTLED: Final = 5  # number of best rivals with refitted deviations
+ALONE: Final = (
+    1.4,
+    0.7,
+    0.5,
+    0.35,
+    0.25,
+    0.15,
+    0.1,
+)  # trial factors on the deviations of a rival's axes
+LEAST: Final = 0.05  # noise floors; smallest deviation
 
 
 @final
 class GroupGain(NamedTuple):
     """
-    What a group wins on one flight.
+    Evidence of a group on one side.
 
     Attributes
     ----------
@@ -47,7 +54,7 @@ class GroupGain(NamedTuple):
     mean, covariance : ndarray, shape (J,) and (J, J)
         Of its weights.
     deviations : ndarray, shape (6,)
-        Of the latent wrench beside it. [N, N m]
+        Of the remaining latent wrench. [N, N m]
 
     """
 
@@ -67,20 +74,21 @@ class GenericRival(NamedTuple):
     name : str
         'heave by height'.
     gain : float
-        Log evidence that it wins on the first flight. [nats]
+        Log evidence on the training flights. [nats]
     confirmed, carried : float
-        On the other by itself, and with what the first has taught: gusts seem to follow
-        something on each flight, but not the same.
+        On the confirming flights alone, and with the weights of the training flights. Gusts fit
+        some
+        terms on each side, but not the same weights.
     axis : str
-        On which it mostly acts.
+        Main axis.
     axes : tuple of str
-        On which it acts at all.
+        All axes.
     size : float
-        Root mean square of it there. [N, N m]
+        RMS on the main axis. [N, N m]
     term : str
-        Which of its terms is the largest.
+        Largest term.
     share : float
-        Of the variance on the axis, what follows it.
+        Explained share of the variance on the axis.
 
     """
 
@@ -96,18 +104,18 @@ class GenericRival(NamedTuple):
 
     @property
     def total_evidence(self) -> float:
-        """Evidence of both flights. [nats]"""
+        """Evidence of both sides. [nats]"""
         return self.gain + max(self.confirmed, self.carried)
 
 
 @final
 class RivalContest:
     """
-    The groups on flights that were fitted together, ready to be weighed.
+    Compare groups on jointly fitted flights.
 
     Parameters
     ----------
-    columns : Columns
+    columns : TermColumns
         Of all groups.
 
     """
@@ -130,14 +138,14 @@ class RivalContest:
         self, taught: Mapping[str, GroupGain] | None = None, most: int = SETTLED
     ) -> dict[str, GroupGain]:
         """
-        Return what each group wins.
+        Return the evidence of each group.
 
         Parameters
         ----------
         taught : mapping, optional
-            What another flight says of the weights.
+            Weights from the other side.
         most : int
-            How many of the best get their own deviations.
+            Number of best groups with refitted deviations.
 
         """
         names, now = list(self.known[0] if taught is None else taught), self.standing.deviations
@@ -162,7 +170,7 @@ class RivalContest:
     def _fit_deviations(
         self, name: str, at: tuple[float, Array, GroupProducts], taught: GroupGain | None
     ) -> tuple[float, Array, GroupProducts]:
-        """Return a group with the most probable deviations of what it leaves on its axes."""
+        """Refit the deviations on a group's axes by trial factors."""
         axes = list(self.known[0][name].axes)
         found = at
         for share in ALONE:
@@ -183,7 +191,7 @@ class RivalContest:
         base: float,
         taught: Mapping[str, GroupGain] | None,
     ) -> GroupGain:
-        """Return what a group wins, and its weights."""
+        """Return the evidence of a group, and its weights."""
         score, deviations, there = at
         inner, right = there.inner[name], there.right[name]
         if taught is None:
@@ -200,7 +208,7 @@ class RivalContest:
 
 
 def _weights_evidence(inner: Array, right: Array, mean: Array, covariance: Array) -> float:
-    """Return the log evidence of weights with a prior, against none."""
+    """Return the log evidence of weights with a prior, against weights of 0."""
     inverse = np.linalg.inv(covariance)
     pull = right + inverse @ mean
     together = inner + inverse
@@ -210,7 +218,7 @@ def _weights_evidence(inner: Array, right: Array, mean: Array, covariance: Array
 
 
 def _evidence_by_size(inner: Array, right: Array) -> list[float]:
-    """Return the log evidence of weights of each of SIZES."""
+    """Return the log evidence of weights for each of SIZES."""
     count = len(right)
     return [
         _weights_evidence(inner, right, np.zeros(count), np.eye(count) * s**2 / count)
@@ -221,12 +229,12 @@ def _evidence_by_size(inner: Array, right: Array) -> list[float]:
 @final
 class RivalSearch:
     """
-    Rivals of the library on the flights of one study.
+    Search generic rivals on the flights of a study.
 
     Parameters
     ----------
-    flights : pair of sequences of Linearised
-        Those that teach, and those that confirm.
+    flights : pair of sequences of FlightLinearizer
+        Training and confirming flights.
 
     """
 
@@ -259,9 +267,8 @@ class RivalSearch:
 
         Parameters
         ----------
-        standings : pair of Standing
-            Of the flights that teach and of those that confirm, with the effects that are in the
-            model now.
+        standings : pair of FitBaseline
+            Of training and confirming flights, with the current effects.
 
         """
 
@@ -293,7 +300,7 @@ def _build_rival(
     sizes = np.sqrt(np.mean(whole**2, axis=(0, 2)))
     axis = int(np.argmax(sizes / floor))
     terms = np.array(group[0].terms)
-    # What stays the same is a description only where there is nothing else.
+    # Down-weight the constant term: it describes a force only if nothing else does.
     weight = np.where(terms == CONSTANT, 0.2, 1.0) * each[:, axis]
     term = str(terms[int(np.argmax(weight))])
     size, rest = float(sizes[axis]), float(taught.deviations[axis])

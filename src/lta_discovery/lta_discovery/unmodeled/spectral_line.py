@@ -1,12 +1,10 @@
 """
-Lines in the spectrum of what is left over: something that turns, swings or flaps.
+Detect spectral lines of the residuals, from something that rotates, swings or flaps.
 
-A latent force cannot follow a forcing faster than half a wave from knot to knot, so no deviation
-rises; but in the spectrum of the residual it stands over its neighbours, whose running median is
-the level. It is looked for in two ways. Over a whole flight a steady frequency adds up however
-weak it is; one that drifts adds up within the pieces, whose spectra are averaged. Either way all
-flights have to show it, at one frequency. Whole flights show waves that move nothing; a line is
-told where the force or moment that shakes the vehicle so is worth speaking of.
+The latent wrench cannot follow oscillations faster than half a wave per knot interval; they remain
+in the residual. A line exceeds the running median of its neighbours. Whole-flight spectra reveal
+weak steady frequencies; averaged spectra of the pieces reveal drifting ones. All flights have to
+show the same frequency. A line is reported only if the force or moment that causes it is relevant.
 """
 
 from collections.abc import Sequence
@@ -21,29 +19,29 @@ from scipy.special import gammainccinv, gammaincinv
 
 Array = NDArray[np.float64]
 
-MEDIANS: Final = 5.0  # over its neighbours, of the pieces of all flights
-EACH: Final = 3.0  # the same, of those of each flight
-CHANCE: Final = 1e-4  # that noise has a line, of all frequencies of a channel
-NEIGHBOURS: Final = 2.5  # Hz, of the mean of pieces
-BESIDE: Final = 1.0  # Hz, of a whole flight, whose bins are many
-BEYOND: Final = 1.05  # times the highest frequency that the knots follow; the lowest of a line
-KNOWN: Final = 0.9  # of the readings of a piece
-NEAR: Final = 1  # bins; by which the frequency may differ between flights
-WORTH: Final = 1.0  # floors; root mean square of the wrench that a line takes
-SURE: Final = 0.01  # chance that noise shows in one flight what another one has
-HALF: Final = np.log(2.0)  # median of the power of noise, by its mean
-SPREAD: Final = 1.3  # windows make neighbours alike, levels are drawn as well
-STEPS: Final = 2  # of a bin of a whole flight
+MEDIANS: Final = 5.0  # times the median of the neighbours, over the pieces of all flights
+EACH: Final = 3.0  # the same, for each flight
+CHANCE: Final = 1e-4  # false-alarm probability over all frequencies of a channel
+NEIGHBOURS: Final = 2.5  # Hz; width of the median for averaged pieces
+BESIDE: Final = 1.0  # Hz; width of the median for a whole flight, with its many bins
+BEYOND: Final = 1.05  # times the highest frequency of the knots; lowest one of a line
+KNOWN: Final = 0.9  # of the readings of a piece have to be known
+NEAR: Final = 1  # bins; largest difference of the frequency between flights
+WORTH: Final = 1.0  # noise floors; smallest RMS of the causing wrench
+SURE: Final = 0.01  # false-alarm probability in a single further flight
+HALF: Final = np.log(2.0)  # median of the power of white noise, by its mean
+SPREAD: Final = 1.3  # margin for correlated bins and for the noise of the level
+STEPS: Final = 2  # oversampling of the bins of a whole flight
 UNITS: Final = ('m',) * 3 + ('rad',) * 3 + ('rad/s',) * 3 + ('m/s2',) * 3
-TURNS: Final = (1, 2)  # of these four kinds of channel
-ORDERS: Final = (2, 2, 1, 0)  # of the derivative of each that is an acceleration
-LOOKED_AT: Final = CHANNELS[: len(UNITS)]  # range and pressure tell of floor and weather as well
+TURNS: Final = (1, 2)  # the rotational ones of these four kinds of channel
+ORDERS: Final = (2, 2, 1, 0)  # order of the derivative that gives an acceleration
+LOOKED_AT: Final = CHANNELS[: len(UNITS)]  # range and pressure also show floor and weather
 
 
 @final
 class SpectralLine(NamedTuple):
     """
-    A line in what is left over.
+    A spectral line of the residuals.
 
     Attributes
     ----------
@@ -52,9 +50,9 @@ class SpectralLine(NamedTuple):
     hertz : float
         Frequency. [Hz]
     amplitude : float
-        Of the oscillation of the reading, in the unit of the channel.
+        Of the reading, in the unit of the channel.
     medians : float
-        Its power by that of its neighbours, in the flight that shows it least.
+        Power by that of its neighbours, in the flight where it is weakest.
 
     """
 
@@ -65,12 +63,12 @@ class SpectralLine(NamedTuple):
 
     def equivalent_wrench(self, inverse: Array) -> tuple[int, float]:
         """
-        Return what shakes a vehicle so: on which axis, and its root mean square. [N, N m]
+        Return axis and RMS of the wrench that would cause the line. [N, N m]
 
         Parameters
         ----------
         inverse : ndarray, shape (6, 6)
-            Of the matrix of masses and inertias, with those of the air.
+            Of the mass matrix, including added mass.
 
         """
         kind, way = divmod(LOOKED_AT.index(self.channel), 3)
@@ -87,7 +85,7 @@ class SpectralLine(NamedTuple):
 @final
 class LeveledSpectrum(NamedTuple):
     """
-    Power of one series, of a whole flight or the mean of its pieces.
+    Power spectrum of one series, with its level.
 
     Attributes
     ----------
@@ -96,7 +94,7 @@ class LeveledSpectrum(NamedTuple):
     level : ndarray, shape (B,)
         Running median of the power.
     pieces : int
-        How many were averaged.
+        Number of averaged spectra.
 
     """
 
@@ -116,16 +114,16 @@ def select_strong_lines(
     lines: Sequence[SpectralLine], inverse: Array, floor: Array
 ) -> tuple[SpectralLine, ...]:
     """
-    Return the lines of which the wrench is worth speaking of.
+    Return the lines with a relevant causing wrench.
 
     Parameters
     ----------
-    seen : sequence of Line
-        By `find_lines`.
+    lines : sequence of SpectralLine
+        Of `find_lines`.
     inverse : ndarray, shape (6, 6)
         As for `SpectralLine.equivalent_wrench`.
     floor : ndarray, shape (6,)
-        Deviations of the latent wrench that are not worth speaking of.
+        Noise floor of the latent wrench.
 
     """
     out = []
@@ -137,24 +135,24 @@ def select_strong_lines(
 
 
 def lowest_frequency(knots: int) -> float:
-    """Return the frequency above which a latent wrench with so many knots is blind. [Hz]"""
+    """Return the frequency above which the latent wrench cannot follow. [Hz]"""
     return BEYOND * 0.5 * (knots - 1) / LENGTH
 
 
 def level_spectrum(
     hertz: Array, power: Array, pieces: int, wide: float, least: float
 ) -> LeveledSpectrum:
-    """Return the frequencies from the least on, with their level."""
+    """Return the spectrum above a lowest frequency, with its level."""
     use = hertz >= least
     size = max(3, round(wide / (hertz[1] - hertz[0]))) | 1
-    # Below the lowest there may be more, of noise with a colour, or less, where knots have it.
+    # Power below the lowest frequency may differ: use the larger of both levels.
     below = median_filter(power, size, mode='reflect')[use]
     above = median_filter(power[use], size, mode='reflect')
     return LeveledSpectrum(hertz[use], power[use], np.maximum(below, above), pieces)
 
 
 def _detrend_pieces(pieces: Array) -> Array:
-    """Return pieces without their slow part, 0 where nothing was measured."""
+    """Remove a quadratic trend from pieces; 0 where nothing was measured."""
     good = np.isfinite(pieces)
     kept = np.where(good, pieces, 0.0)
     ramp = np.vander(np.linspace(-1.0, 1.0, pieces.shape[1]), 3)
@@ -166,7 +164,7 @@ def _detrend_pieces(pieces: Array) -> Array:
 
 def piece_spectrum(pieces: Array, least: float) -> LeveledSpectrum:
     """
-    Return the mean spectrum of the pieces of what is left over of one channel.
+    Return the mean spectrum of one channel's residual pieces.
 
     Parameters
     ----------
@@ -187,7 +185,7 @@ def piece_spectrum(pieces: Array, least: float) -> LeveledSpectrum:
 
 def flight_spectrum(pieces: Array, time: Array, size: int, least: float) -> LeveledSpectrum:
     """
-    Return the spectrum of what is left over of one channel in a whole flight.
+    Return the spectrum of one channel's residuals over a whole flight.
 
     Parameters
     ----------
@@ -196,7 +194,8 @@ def flight_spectrum(pieces: Array, time: Array, size: int, least: float) -> Leve
     time : ndarray, shape (S, n)
         Of the readings. [s]
     size : int
-        Of the transform, in periods: that of the longest flight, so that all have the same bins.
+        Length of the transform in periods: that of the longest flight, so that all have equal
+        bins.
     least : float
         Lowest frequency. [Hz]
 
@@ -211,14 +210,15 @@ def flight_spectrum(pieces: Array, time: Array, size: int, least: float) -> Leve
 
 
 def _find_drifting_line(spectra: Sequence[LeveledSpectrum]) -> int | None:
-    """Return the bin of a line in the mean spectra of the pieces of all flights, if any."""
+    """Return the bin of a line in the averaged spectra of all flights, if any."""
     counts = np.array([one.pieces for one in spectra])
     if counts.min() < 2:
         return None
-    # Each flight by its own level: their noise differs.
+    # Normalize each flight by its own level, because their noise differs.
     near = np.array([maximum_filter(one.power_ratio, 2 * NEAR + 1) for one in spectra])
     together = counts @ near / counts.sum()
     count = int(counts.sum())
+    # A mean of spectra of white noise is gamma distributed; compare its quantile with its median.
     high, middle = gammaincinv(count, [1.0 - CHANCE / near.shape[1], 0.5])
     limit = max(MEDIANS, SPREAD * float(high / middle))
     good = (together > limit) & (near > EACH).all(axis=0)
@@ -226,7 +226,7 @@ def _find_drifting_line(spectra: Sequence[LeveledSpectrum]) -> int | None:
 
 
 def find_steady_line(spectra: Sequence[LeveledSpectrum]) -> int | None:
-    """Return the bin of a line in the spectra of all flights as a whole, if any."""
+    """Return the bin of a line in the whole-flight spectra of all flights, if any."""
     near = np.array(
         [HALF * maximum_filter(one.power_ratio, 2 * NEAR * STEPS + 1) for one in spectra]
     )
@@ -239,7 +239,7 @@ def find_steady_line(spectra: Sequence[LeveledSpectrum]) -> int | None:
 
 
 def _highest_bin(spectra: Sequence[LeveledSpectrum], strength: Array) -> int | None:
-    """Return the bin that stands highest in all spectra; None where none does."""
+    """Return the bin that is highest in all spectra; None if there is no line."""
     if not strength.any():
         return None
     product = np.prod([one.power_ratio for one in spectra], axis=0)
@@ -250,7 +250,7 @@ def find_lines(
     residuals: Sequence[Array], times: Sequence[Array], noise: Sequence[Array], least: float
 ) -> list[SpectralLine]:
     """
-    Return the lines that all flights show, at most one a channel, the strongest first.
+    Return the lines that all flights show, at most one per channel, the strongest first.
 
     Parameters
     ----------
@@ -261,7 +261,7 @@ def find_lines(
     noise : sequence of ndarray, shape (14,)
         Of each flight.
     least : float
-        Lowest frequency: what the knots do not follow, by `lowest_frequency`. [Hz]
+        Lowest frequency, of `lowest_frequency`. [Hz]
 
     """
     out = []

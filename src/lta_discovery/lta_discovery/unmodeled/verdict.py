@@ -1,9 +1,8 @@
 """
-What is said at the end of flights that can tell: none, named, unexplained, or both.
+Decide the verdict of conclusive flights, and describe unexplained forces in sentences.
 
-Something is unexplained where an axis of the latent wrench stands clear of the floor, where a
-generic rival still wins, where the wrench oscillates, or where what is left over has a line;
-each becomes a sentence for people.
+A force is unexplained if an axis of the latent wrench exceeds the noise floor, a generic rival is
+confirmed, the wrench oscillates, or the residuals have a spectral line.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,12 +22,12 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-WORTH: Final = 12.0  # nats; of a rival on both flights
-EACH: Final = 3.0  # nats; that a rival has to win on every flight
-ALONE: Final = 20.0  # nats; or on one, where the other has nothing against it: as rare as that
-AGAINST: Final = 3.0  # nats; a rival that loses more than that is contradicted
-QUIET: Final = 0.5  # of the least of surge and sway; what the other axes stay below in gusts
-LINES: Final = 3  # that are told; what swings shows in many channels
+WORTH: Final = 12.0  # nats; required of a rival on both sides
+EACH: Final = 3.0  # nats; required of a rival on each side
+ALONE: Final = 20.0  # nats; or required on one side, if the other does not contradict it
+AGAINST: Final = 3.0  # nats; a rival with a larger loss is contradicted
+QUIET: Final = 0.5  # of the smaller of surge and sway; limit of the other axes in gusts
+LINES: Final = 3  # most reported lines; an oscillation shows in many channels
 SAID: Final = {
     'x': 'the place along x', 'y': 'the place along y', 'z': 'the height',
     'turn_x': 'the roll angle', 'turn_y': 'the pitch angle', 'turn_z': 'the yaw angle',
@@ -39,7 +38,7 @@ SAID: Final = {
 
 
 def select_confirmed_rivals(rivals: Sequence[GenericRival]) -> list[GenericRival]:
-    """Return the rivals that count at the end: worth it, and the same on both flights."""
+    """Return the rivals that both sides confirm."""
     return [
         one for one in rivals if one.total_evidence > WORTH and min(one.gain, one.carried) > EACH
     ]
@@ -47,10 +46,10 @@ def select_confirmed_rivals(rivals: Sequence[GenericRival]) -> list[GenericRival
 
 def select_evident_rivals(rivals: Sequence[GenericRival]) -> list[GenericRival]:
     """
-    Return the rivals that show that something is there, be it on one flight.
+    Return the rivals that show an unexplained force, even on one side only.
 
-    What is seldom met (a flap that opens one way, a place) may be met on one flight only; it is
-    something all the same, though nothing to displace a name by.
+    Rare conditions (a one-way flap, a place) may occur on one side only. Such a rival is evidence
+    of a force, but does not displace a named effect.
     """
     return [
         one
@@ -62,7 +61,7 @@ def select_evident_rivals(rivals: Sequence[GenericRival]) -> list[GenericRival]:
 
 
 def is_gusty(remains: Sequence[Remainder]) -> bool:
-    """Tell whether what remains looks like gusts: surge and sway, following nothing."""
+    """Return whether the remainder looks like gusts: surge and sway, without structure."""
     size = {one.axis: one.floors for one in remains}
     if not all(axis in size for axis in LEVEL):
         return False
@@ -79,18 +78,18 @@ def decide_verdict(
     lines: Sequence[SpectralLine | LatentOscillation] = (),
 ) -> Verdict:
     """
-    Return the verdict of flights that can tell (`study.verdict` says whether they can).
+    Decide the verdict of conclusive flights (`decide_study_verdict` tests whether they are).
 
     Parameters
     ----------
     named : sequence of str
-        Effects that were confirmed.
+        Confirmed effects.
     remains : sequence of Remainder
-        Axes of the latent wrench that stand clear of the floor, with these effects in the model.
-    rivals : sequence of Rival
-        Generic explanations, with these effects in the model.
-    lines : sequence of Line or Oscillation
-        Of what is left over, and of the latent wrench.
+        Axes above the noise floor, with these effects in the model.
+    rivals : sequence of GenericRival
+        With these effects in the model.
+    lines : sequence of SpectralLine or LatentOscillation
+        Of residuals and latent wrench.
 
     Returns
     -------
@@ -112,10 +111,10 @@ def add_rival_terms(
     remains: Sequence[Remainder], rivals: Sequence[GenericRival], floor: Array = FLOOR
 ) -> list[Remainder]:
     """
-    Return what remains with what the best rival of each axis says that it follows.
+    Add the terms of the best rival to the remainder of each axis.
 
-    A rival was weighed beside everything else, so it has the first word. An axis that does not
-    stand clear of the floor by itself is added where a rival still wins.
+    Rivals were computed with all nuisances, so their terms take precedence. Axes below the noise
+    floor are added if a rival is evident there.
     """
     out = {one.axis: one for one in remains}
     told: set[str] = set()
@@ -139,7 +138,7 @@ def _format_size(axis: str, size: float) -> tuple[str, str]:
 
 
 def format_remainder(one: Remainder) -> str:
-    """Return what remains on an axis, for people."""
+    """Describe the remainder of an axis in words."""
     what, size = _format_size(one.axis, one.size)
     terms = [term for term in one.follows if term != CONSTANT]
     if terms:
@@ -147,13 +146,13 @@ def format_remainder(one: Remainder) -> str:
         return f'a {what} that follows {listed}, {size}'
     if one.follows:
         return f'a constant {what}, {size}'
-    return f'a {what} that follows nothing measured, {size}'
+    return f'a {what} that follows no measured quantity, {size}'
 
 
 def add_oscillations(
     remains: Sequence[Remainder], oscillations: Mapping[str, LatentOscillation]
 ) -> list[Remainder]:
-    """Return what remains with the oscillation that an axis follows, by `oscillation.taken`."""
+    """Add the dominant oscillation of each axis to its remainder."""
     return [
         one._replace(
             follows=(f'an oscillation at {oscillations[one.axis].hertz:.2f} Hz',),
@@ -171,16 +170,16 @@ def list_sentences(
     oscillations: Sequence[LatentOscillation] = (),
 ) -> tuple[str, ...]:
     """
-    Return all that is unexplained, for people.
+    Describe all unexplained forces in words.
 
     Parameters
     ----------
     remains : sequence of Remainder
-        By `add_rival_terms`.
-    lines : sequence of Line
-        Of what is left over.
-    found : sequence of Oscillation
-        Of the latent wrench; an axis of which one takes the most has no sentence of its own.
+        Of `add_rival_terms`.
+    lines : sequence of SpectralLine
+        Of the residuals.
+    oscillations : sequence of LatentOscillation
+        Of the latent wrench; an axis that one dominates has no further sentence.
 
     Returns
     -------
@@ -194,7 +193,7 @@ def list_sentences(
         sizes = ' and '.join(
             _format_size(one.axis, one.size)[1] for one in rest if one.axis in LEVEL
         )
-        out.append(f'gusts: a surge and a sway force that follow nothing, {sizes}')
+        out.append(f'gusts: random surge and sway forces, {sizes}')
         rest = [one for one in rest if one.axis not in LEVEL]
     out += [format_remainder(one) for one in rest]
     out += [one.sentence for one in oscillations[:LINES]]

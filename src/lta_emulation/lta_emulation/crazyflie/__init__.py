@@ -1,7 +1,7 @@
 """
-A Crazyflie that speaks CRTP over UDP, for tests and for whoever has none.
+Emulate a Crazyflie with CRTP over UDP, for tests and for use without hardware.
 
-It agrees with firmware 2026.08 (protocol 12) in what a bridge can see: the handshake, the tables
-of variables and parameters, log blocks, setpoints, the supervisor and its time-outs. It is no
-firmware: the body that it flies is the simulator's, and its controller is LTA's.
+What a bridge can observe matches firmware 2026.08 (protocol 12): the handshake, the tables of
+variables and parameters, log blocks, setpoints, the supervisor and its time-outs. It does not run
+the firmware itself: the body is the simulator's, and the controller is LTA's.
 """

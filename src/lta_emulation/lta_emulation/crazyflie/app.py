@@ -1,4 +1,4 @@
-"""The app of firmware/crazyflie, version 2: duties over the app channel, and what follows them."""
+"""Emulate the app of firmware/crazyflie, version 2, which receives duties on the app channel."""
 
 from typing import Final, final
 
@@ -6,29 +6,31 @@ from lta_bridge.crazyflie.duties_packet import DutiesPacket, is_newer, unpack_du
 
 VERSION: Final = 2
 FULL_RATIO: Final = 65535
-STEP: Final = 1.0 / FULL_RATIO  # of motor 1: over idle to the supervisor, nothing to the motor
-REST: Final = 1.0  # s after the last duties have held until it disarms the drone
-LET_GO: Final = 0.5  # s more until it lets go of the commander
-MOST: Final = 0.5  # s that duties hold at most, whatever their packet asks for
+STEP: Final = (
+    1.0 / FULL_RATIO
+)  # ratio of motor 1: above idle for the supervisor, too small to turn the motor
+REST: Final = 1.0  # s from the expiry of the last duties to disarming
+LET_GO: Final = 0.5  # s more until it releases the commander
+MOST: Final = 0.5  # s, upper limit of the time-out in a packet
 
 
 @final
 class DutiesApp:
     """
-    What the app remembers.
+    State of the app.
 
-    A drone whose motors stand counts as landed 2 s later and is disarmed. So while packets hold,
-    and a motor has turned before, motor 1 gets the least ratio there is: it turns nothing, since
-    the PWM has 8 bits, and a coasting blimp counts as flying.
+    The firmware disarms a drone 2 s after its motors have stopped, since it then counts as landed.
+    So while packets are valid and a motor has turned before, motor 1 gets the smallest ratio. With
+    8 bits of PWM this does not turn it, but a coasting blimp still counts as flying.
     """
 
     def __init__(self) -> None:
         self._newest: DutiesPacket | None = None
-        self._until = 0.0  # when they hold no longer
+        self._until = 0.0  # when the duties expire
         self._feeding = self._turned = False
 
     def receive_packet(self, data: bytes, now: float) -> None:
-        """Take a packet at a time [s]; one that is no duties, or older than the last, is none."""
+        """Receive a packet at a time [s]; ignore invalid and outdated ones."""
         duties = unpack_duties(data)
         if duties is None:
             return
@@ -41,7 +43,7 @@ class DutiesApp:
         self._turned |= any(duty > 0.0 for duty in duties.duties)
 
     def is_current(self, now: float) -> bool:
-        """Tell whether the newest duties hold at a time. [s]"""
+        """Return whether the newest duties are valid at a time. [s]"""
         return self._newest is not None and now < self._until
 
     def current_duties(self, now: float) -> tuple[float, ...]:
@@ -52,20 +54,20 @@ class DutiesApp:
         return (max(first, STEP) if self._turned else first, *others)
 
     def is_feeding(self) -> bool:
-        """Tell whether the app renews a setpoint without thrust now, which keeps the lock away."""
+        """Return whether the app renews a zero-thrust setpoint now, which prevents the lock."""
         return self._feeding
 
     def requests_disarm(self, now: float) -> bool:
-        """Tell whether the app asks the supervisor to disarm at a time. [s]"""
+        """Return whether the app requests disarming at a time. [s]"""
         return self._feeding and now >= self._until + REST
 
     def take_release(self, now: float) -> bool:
-        """Tell, once, that the app lets go of the commander. [s]"""
+        """Return True once when the app releases the commander. [s]"""
         if not self._feeding or now < self._until + REST + LET_GO:
             return False
         self._feeding = False
         return True
 
     def forget_turning(self) -> None:
-        """Forget that a motor turned: nobody is armed."""
+        """Reset after disarming."""
         self._turned = False

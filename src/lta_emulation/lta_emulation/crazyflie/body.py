@@ -1,4 +1,4 @@
-"""What the emulated Crazyflie is mounted on."""
+"""Bodies of an emulated Crazyflie: interface and test bench."""
 
 from collections.abc import Mapping
 from typing import final, Protocol
@@ -9,7 +9,7 @@ STILL = (0.0, 0.0, 0.0, 0.0)
 
 
 class CrazyflieBody(Protocol):
-    """Something that can be driven and that senses, in its own time."""
+    """A body with motors and sensors."""
 
     @property
     def duties(self) -> tuple[float, ...]:
@@ -17,7 +17,7 @@ class CrazyflieBody(Protocol):
         ...
 
     def advance(self, now: float, wish: BodyCommand) -> None:
-        """Go on to a time since the boot, driven by a wish. [s]"""
+        """Advance to a time since boot under a command. [s]"""
         ...
 
     def read_values(self) -> Mapping[str, float]:
@@ -27,13 +27,13 @@ class CrazyflieBody(Protocol):
 
 @final
 class BenchBody:
-    """A Crazyflie that is clamped to a bench: motors turn, nothing moves."""
+    """A Crazyflie clamped to a bench: motors turn, the body does not move."""
 
     def __init__(self) -> None:
         self.duties: tuple[float, ...] = STILL
 
     def advance(self, now: float, wish: BodyCommand) -> None:
-        """Turn the motors, at a time [s]: a hover and a landing take half duty here."""
+        """Turn the motors; hover and landing use half duty."""
         del now
         duties = wish.duties
         if duties is None:
@@ -41,5 +41,5 @@ class BenchBody:
         self.duties = tuple(max(wish.idle, duty) for duty in duties)
 
     def read_values(self) -> Mapping[str, float]:
-        """Return what a Crazyflie at rest on a bench says."""
+        """Return the sensor values of a Crazyflie at rest."""
         return {'acc.z': 1.0, 'range.zrange': 450.0, 'baro.pressure': 1013.25}

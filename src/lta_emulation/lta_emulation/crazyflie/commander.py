@@ -1,4 +1,4 @@
-"""What the emulated Crazyflie is told: setpoints, and to land."""
+"""Emulate the commander, which receives setpoints and landing commands."""
 
 from collections.abc import Mapping
 import errno
@@ -12,16 +12,19 @@ LAYOUTS: Final[Mapping[int, str]] = {
     1: '<ffff', 2: '<ffff', 4: '<ffff', 5: '<ffff', 6: '<9hi3h', 8: '<ffff', 9: '<ffff',
     10: '<ffff', 11: '<fffHB',
 }  # fmt: skip
-CPPM = 3  # whose length its first byte tells
-YAW_SIGN: Final[Mapping[int, float]] = {5: -1.0, 10: 1.0}  # the hovers; older ones count it so
-NOTIFY, NOTIFIED = 0, 4  # port 7, channel 1: no more setpoints come; bytes of its argument
+CPPM = 3  # setpoint whose first byte determines its length
+YAW_SIGN: Final[Mapping[int, float]] = {
+    5: -1.0,
+    10: 1.0,
+}  # hover setpoints; the older one has the opposite sign
+NOTIFY, NOTIFIED = 0, 4  # port 7, channel 1: no more setpoints follow; size of its argument
 LAND = 8  # port 8, "land2"
-LAST = 13  # of the commands of port 8
-UNBLOCKED: Final = (0, 3, 6)  # of these, what may be asked for while nothing flies
+LAST = 13  # last command number of port 8
+UNBLOCKED: Final = (0, 3, 6)  # commands of port 8 that are allowed when not flying
 
 
 class FirmwareAssertion(Exception):
-    """The firmware asserts that this packet is otherwise: it stops its motors and starts anew."""
+    """The firmware fails an assertion on this packet: it stops its motors and restarts."""
 
 
 class HoverSetpoint(NamedTuple):
@@ -35,9 +38,9 @@ class HoverSetpoint(NamedTuple):
 
 class BodyCommand(NamedTuple):
     """
-    What the body shall do: duties of M1 to M4, or a hover, or come down; none of them is rest.
+    Command of a body: duties of M1 to M4, a hover, or a landing; none of them means rest.
 
-    `idle` is the least duty of every motor.
+    `idle` is the smallest duty of every motor.
     """
 
     duties: tuple[float, ...] | None = None
@@ -48,7 +51,7 @@ class BodyCommand(NamedTuple):
 
 def check_length(data: bytes, size: int) -> None:
     """
-    Look at the length of a setpoint of port 7 as the firmware does.
+    Check the length of a setpoint of port 7, as the firmware does.
 
     Raises
     ------
@@ -68,21 +71,21 @@ def check_length(data: bytes, size: int) -> None:
 @final
 class Commander:
     """
-    The newest of everything that was said, and what is in force.
+    Store the newest commands and select the active one.
 
-    Of the setpoints only a hover is flown; any other is in force without thrust, since no bridge
-    of ours sends one.
+    Only hover setpoints are flown. Any other setpoint is active without thrust, since LTA's bridge
+    sends none.
     """
 
     def __init__(self) -> None:
         self._hover: HoverSetpoint | None = None
-        self._said: float | None = None  # when the low-level setpoint in force came
+        self._said: float | None = None  # arrival of the active low-level setpoint
         self._land = False
         self.thrust_packets = 0
 
     def receive_generic(self, channel: int, data: bytes, size: int, now: float) -> None:
         """
-        Take a packet of port 7 at a time [s]: a setpoint, or that no more will come.
+        Receive a packet of port 7 at a time [s]: a setpoint, or the end of setpoints.
 
         Raises
         ------
@@ -100,7 +103,7 @@ class Commander:
 
     @staticmethod
     def _parse_hover(data: bytes) -> HoverSetpoint | None:
-        """Return a hover; None for anything else, and for one that is no number."""
+        """Return a hover; None for any other setpoint or values that are not finite."""
         if data[0] not in YAW_SIGN:
             return None
         forward, left, yaw, height = struct.unpack_from('<ffff', data, 1)
@@ -112,20 +115,20 @@ class Commander:
         self._hover, self._said, self._land = hover, now, False
 
     def receive_attitude(self, now: float) -> None:
-        """Take a packet of roll, pitch, yaw rate and thrust at a time. [s]"""
+        """Receive a packet of roll, pitch, yaw rate and thrust at a time. [s]"""
         self.thrust_packets += 1
         self._set_hover(None, now)
 
     def set_zero_thrust(self, now: float) -> None:
-        """Take a setpoint without thrust from aboard, at a time. [s]"""
+        """Set a zero-thrust setpoint from the app at a time. [s]"""
         self._set_hover(None, now)
 
     def release_setpoint(self) -> None:
-        """Let go of the low-level setpoint."""
+        """Release the low-level setpoint."""
         self._said, self._hover = None, None
 
     def answer_high_level(self, data: bytes, blocked: bool) -> bytes:
-        """Take a packet of port 8, which may be blocked; return the answer."""
+        """Receive a packet of port 8, which may be blocked; return the answer."""
         command, group = data[0], data[1]
         status = 0
         if command > LAST:
@@ -137,11 +140,11 @@ class Commander:
         return data[:3] + bytes([status])
 
     def setpoint_age(self, now: float) -> float | None:
-        """Return the age of the low-level setpoint in force; None without one. [s]"""
+        """Return the age of the active low-level setpoint; None without one. [s]"""
         return None if self._said is None else now - self._said
 
     def select_command(self, level: bool) -> BodyCommand:
-        """Return what is in force; where it levels out, only the height of a hover is."""
+        """Return the active command; when levelling out, only the height of a hover."""
         if self._said is None:
             return BodyCommand(land=self._land)
         if level and self._hover is not None:

@@ -1,8 +1,8 @@
 """
-The emulated Crazyflie without a link: packets and time in, packets out.
+Emulate the firmware of a Crazyflie, independent of the link.
 
-`Firmware.receive` answers a packet, `Firmware.tick` sends what is due. Its own clock may run fast
-or slow.
+`Firmware.receive` answers a packet, `Firmware.tick` returns the log packets that are due. Its
+clock may run fast or slow.
 """
 
 from collections.abc import Mapping
@@ -23,39 +23,39 @@ from lta_emulation.crazyflie.variables import default_controller, list_parameter
 NAME = b'Bitcraze Crazyflie'.ljust(MOST, b'\0')
 TAG, DEVICE = b'2026.08', b'Crazyflie 2.1'
 FULL_RATIO = 65535
-ROUNDING: Final = 1e-3  # of a ratio: more than what a float of a whole one may lack
-FULL, LOW = 4.0, 3.2  # V of a charged cell, and below which the firmware says low power
+ROUNDING: Final = 1e-3  # of a ratio, above the rounding error of a float
+FULL, LOW = 4.0, 3.2  # V of a charged cell; voltage below which the firmware reports low power
 OWN, ALL_AS_FIRST = 1, (2, 3)  # motorPowerSet.enable; 3 is corrected for the battery as well
-SUPERVISOR: Final = 12  # protocol: the first with a port of its own for the supervisor
-WORD: Final = 12  # port 9: all bits; 1 to 11 ask for one of them
+SUPERVISOR: Final = 12  # first protocol with a separate port for the supervisor
+WORD: Final = 12  # port 9, request for all bits; 1 to 11 request a single one
 
 
 @final
 class Firmware:
     """
-    The protocol and what stands behind it.
+    The firmware of one Crazyflie.
 
     Parameters
     ----------
     body : Body
-        What flies.
+        Motors and sensors.
     protocol : int
-        Version of CRTP that it tells: 12, or an older one.
+        Version of CRTP that it reports: 12 or older.
     boot_ms : int
-        Where its clock begins; near 2**24 its log stamps wrap soon.
+        Initial value of its clock; near 2**24 its log stamps wrap soon.
     drift : float
-        By how much its clock runs fast. [1]
+        Relative rate error of its clock, positive if it runs fast. [1]
     build : Build
         Which firmware it is.
     up_at : float
-        Until when it starts: it hears nothing, and motors stand. [s]
+        End of its start-up, during which it ignores packets and motors stand still. [s]
 
     Attributes
     ----------
     voltage, acceleration : float, tuple of float or None
-        Of the cell [V] and on the drone [g], for tests; None for what the body senses.
+        Cell voltage [V] and specific force [g] set by tests; None to use the body's.
     halted : bool
-        Whether it has asserted: motors stop, it starts anew, fails its self-test for that, and
+        Whether it has failed an assertion: motors stop, it restarts and fails its self-test, and
         only switching it off and on helps.
 
     """
@@ -85,13 +85,13 @@ class Firmware:
         self._values: Mapping[str, float] = {}
 
     def clock_ms(self, now: float) -> int:
-        """Return what its own clock says. [ms]"""
+        """Return the time of its own clock. [ms]"""
         return self._boot_ms + int(1e3 * now * (1.0 + self._drift))
 
     # Packets.
 
     def receive(self, packet: CrtpPacket, now: float) -> list[CrtpPacket]:
-        """Take a packet at a time [s]; return the answers."""
+        """Receive a packet at a time [s]; return the answers."""
         if self.halted or now < self._up_at:
             return []
         try:
@@ -140,14 +140,14 @@ class Firmware:
         return answer
 
     def _apply_parameters(self) -> None:
-        """Let the parameters have their effect."""
+        """Apply the parameters."""
         values, supervisor = self.parameters.values, self.supervisor
         supervisor.landed_timeout = 1e-3 * values['supervisor.landedTimeout']
         supervisor.preflight_timeout = 1e-3 * values['supervisor.prefltTimeout']
         supervisor.tumble_check = bool(values['supervisor.tmblChckEn'])
         if values['stabilizer.stop']:
             supervisor.stop()
-        # 0 selects the build's own, and one that there is not keeps the present one.
+        # 0 selects the build's default; an unknown number keeps the present controller.
         controller = int(values['stabilizer.controller'])
         most = OUT_OF_TREE if self.build.app else OUT_OF_TREE - 1
         if controller == 0:
@@ -191,7 +191,7 @@ class Firmware:
         return None
 
     def _run_platform_command(self, data: bytes, size: int) -> bytes:
-        """Obey what has a port of its own since protocol 12; anything else comes back."""
+        """Handle the supervisor's port (protocol 12 and later); echo unknown requests."""
         supervisor = self.supervisor
         match data[0]:
             case 1:
@@ -206,7 +206,7 @@ class Firmware:
     # Time.
 
     def tick(self, now: float) -> list[CrtpPacket]:
-        """Go on to a time; return the log packets that are due. [s]"""
+        """Advance to a time; return the log packets that are due. [s]"""
         if self.halted or now < self._up_at:
             self.body.advance(now, BodyCommand(duties=STILL))
             return []
@@ -224,7 +224,7 @@ class Firmware:
         return [CrtpPacket(5, 2, packet) for packet in data]
 
     def _run_app(self, now: float) -> None:
-        """Let the app feed the commander, disarm, and let go."""
+        """Let the app renew its setpoint, disarm, and release the commander."""
         if not self.supervisor.armed:
             self.app.forget_turning()
         if self.app.take_release(now):
@@ -236,12 +236,12 @@ class Firmware:
 
     @property
     def _idle_ratio(self) -> int:
-        """The least ratio of a motor that may turn: none on a build that arms itself."""
+        """Return the idle ratio of a motor that may turn; 0 on a build that arms automatically."""
         idle = int(self.parameters.values['powerDist.idleThrust'])
         return idle if self.build.requires_arming else 0
 
     def _is_turning(self) -> bool:
-        """Tell whether a motor turns faster than at idle; one at idle does not fly."""
+        """Return whether a motor turns faster than idle, which counts as flying."""
         return any(ratio > self._idle_ratio for ratio in map(_motor_ratio, self.body.duties))
 
     def _specific_force(self, sensed: Mapping[str, float]) -> Acceleration:
@@ -250,7 +250,7 @@ class Firmware:
         return sensed.get('acc.x', 0.0), sensed.get('acc.y', 0.0), sensed.get('acc.z', 1.0)
 
     def _select_command(self, now: float) -> BodyCommand:
-        """Return what the motors do: the override asks neither supervisor nor time (motors.c)."""
+        """Return the motors' command; an override bypasses supervisor and time-outs."""
         values, supervisor = self.parameters.values, self.supervisor
         ratios = tuple(values[f'motorPowerSet.m{number}'] / FULL_RATIO for number in range(1, 5))
         if values['motorPowerSet.enable'] == OWN:
@@ -262,7 +262,7 @@ class Firmware:
         return self._controller_command(now)._replace(idle=self._idle_ratio / FULL_RATIO)
 
     def _controller_command(self, now: float) -> BodyCommand:
-        """Return what the controller does: the app's with its duties, any other by setpoints."""
+        """Return the controller's command: duties for the app's, setpoints for any other."""
         if self._controller == OUT_OF_TREE:
             return BodyCommand(duties=self.app.current_duties(now))
         if not self.supervisor.accepts_setpoints:
@@ -286,5 +286,5 @@ class Firmware:
 
 
 def _motor_ratio(duty: float) -> int:
-    """Return what the firmware makes of a duty: 16 bits, cut off."""
+    """Return a duty truncated to 16 bits, as in the firmware."""
     return int(FULL_RATIO * duty + ROUNDING)

@@ -1,4 +1,4 @@
-"""Which firmware is aboard: what its build configuration decides that a bridge can see."""
+"""Build options of the emulated firmware that a bridge can observe."""
 
 from typing import Final, NamedTuple
 

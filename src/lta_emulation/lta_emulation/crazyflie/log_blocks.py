@@ -1,4 +1,4 @@
-"""Log blocks: variables that the firmware sends in one packet at a rhythm (port 5)."""
+"""Emulate the log blocks: variables sent together in periodic packets (port 5)."""
 
 from dataclasses import dataclass, field
 import errno
@@ -14,7 +14,7 @@ from lta_emulation.crazyflie.table_of_contents import (
 )
 
 BLOCKS, VARIABLES, BYTES = 16, 128, 26  # firmware: log.c
-TICK_MS = 10  # of a period in the command that starts a block
+TICK_MS = 10  # unit of the period in a start command
 
 
 @final
@@ -28,11 +28,11 @@ class EmulatedLogBlock:
     fields : list of tuple
         Number and type of each variable.
     period_ms : int
-        Between two packets; 0 while it is stopped.
+        Period of the packets; 0 while stopped. [ms]
     due_ms : int
-        When the next is due.
+        Due time of the next packet. [ms]
     once : bool
-        Whether one is due now, beside those.
+        Whether a single packet is due now, in addition.
 
     """
 
@@ -50,12 +50,12 @@ class EmulatedLogBlock:
 @final
 class LogBlocks:
     """
-    The log subsystem, by its commands.
+    The log subsystem.
 
     Parameters
     ----------
     contents : Contents
-        What can be logged.
+        Table of the log variables.
 
     Attributes
     ----------
@@ -71,20 +71,20 @@ class LogBlocks:
 
     def run_command(self, data: bytes, size: int, now_ms: int) -> bytes:
         """
-        Obey a settings packet at a time [ms]; return command, block and errno.
+        Execute a settings packet; return command, block and errno.
 
         Parameters
         ----------
         data : bytes
             All 30 bytes of the buffer: only variables are counted by the packet's length.
         size : int
-            Of the packet in it.
+            Size of the packet in the buffer. [bytes]
         now_ms : int
-            By the drone's clock.
+            Time by the drone's clock. [ms]
 
         """
         what, number = data[0], data[1]
-        # Of less than two bytes the firmware counts far more variables than there is room for.
+        # For fewer than two bytes the firmware's unsigned length underflows: it reads the whole buffer.
         variables = data[2:size] if size >= 2 else data[2:]
         done = {
             5: lambda: self.reset(),
@@ -98,7 +98,7 @@ class LogBlocks:
         return bytes([what, number, errno.ENOEXEC if done is None else done()])
 
     def reset(self) -> int:
-        """Forget all blocks, as the firmware does by itself after a second without radio."""
+        """Delete all blocks, as the firmware does after a second without radio."""
         self.blocks.clear()
         return 0
 
@@ -116,7 +116,7 @@ class LogBlocks:
         block = self.blocks.get(number)
         if block is None:
             return errno.ENOENT
-        # A block of more than nine variables comes with a byte too many: cflib fills the packet.
+        # For more than nine variables cflib fills the packet, which leaves a surplus byte.
         for place in range(0, len(data) - 2, 3):
             kind, which = data[place] & 0x0F, int.from_bytes(data[place + 1 : place + 3], 'little')
             if kind not in LOG_TYPES:
@@ -137,7 +137,7 @@ class LogBlocks:
         block = self.blocks.get(number)
         if block is None:
             return errno.ENOENT
-        if period_ms == 0:  # once, and no more
+        if period_ms == 0:  # period 0: send once
             block.once = True
             return 0
         block.period_ms, block.due_ms = period_ms, now_ms + period_ms
@@ -151,7 +151,7 @@ class LogBlocks:
         return 0
 
     def take_due_packets(self, now_ms: int, read: Reader) -> list[bytes]:
-        """Return the data packets that are due; those missed while nobody looked are left out."""
+        """Return the data packets that are due; missed ones are skipped."""
         packets = []
         for number, block in self.blocks.items():
             if block.once:

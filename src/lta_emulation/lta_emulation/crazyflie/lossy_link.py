@@ -1,4 +1,4 @@
-"""What the link does to datagrams: loses, tears, delays, doubles, swaps them, or says nothing."""
+"""Emulate a link that loses, truncates, delays, duplicates or reorders datagrams."""
 
 from dataclasses import dataclass, field
 import heapq
@@ -10,19 +10,18 @@ from typing import final
 @dataclass(slots=True)
 class LossyLink:
     """
-    A bad link in one direction.
+    A lossy link in one direction.
 
     Parameters
     ----------
     drop, double, torn : float
-        Share of the datagrams that are lost, that come twice, that end somewhere in the middle.
+        Fractions of datagrams that are lost, duplicated and truncated.
     delay, jitter : float
-        Time on the way, and how much more at most; with more jitter than the time between two,
-        datagrams overtake each other. [s]
+        Delay, and largest additional random delay, which may reorder datagrams. [s]
     silent : bool
-        Whether nothing comes through.
+        Whether all datagrams are lost.
     random : Random
-        Of all chance.
+        Random number generator.
 
     """
 
@@ -49,11 +48,11 @@ class LossyLink:
 
     @property
     def has_pending(self) -> bool:
-        """Whether anything is on the way."""
+        """Whether any datagram is in transit."""
         return bool(self._waiting)
 
     def receive(self, now: float) -> list[bytes]:
-        """Return what has arrived by a time [s], in the order of arrival."""
+        """Return the datagrams that have arrived by a time [s], in the order of arrival."""
         arrived = []
         while self._waiting and self._waiting[0][0] <= now:
             arrived.append(heapq.heappop(self._waiting)[2])

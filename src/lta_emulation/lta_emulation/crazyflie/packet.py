@@ -1,4 +1,4 @@
-"""One CRTP packet: a header of port and channel, and up to 30 bytes."""
+"""CRTP packets: a header of port and channel, and up to 30 bytes."""
 
 from typing import final, NamedTuple
 
@@ -7,7 +7,7 @@ MOST = 30  # bytes of payload
 
 class CrtpPacket(NamedTuple):
     """
-    A packet without its link.
+    A CRTP packet.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class CrtpPacket(NamedTuple):
 
 
 def unpack_datagram(datagram: bytes) -> CrtpPacket | None:
-    """Return the packet in a datagram; None where it is empty or too long."""
+    """Return the packet in a datagram; None if it is empty or too long."""
     if not 1 <= len(datagram) <= 1 + MOST:
         return None
     header = datagram[0]
@@ -42,10 +42,10 @@ def unpack_datagram(datagram: bytes) -> CrtpPacket | None:
 @final
 class ReceiveBuffer:
     """
-    Where the firmware receives packets.
+    The firmware's receive buffer.
 
-    Most of its services look at no length: what a short packet leaves out, they read of an earlier
-    one, and what is too much they leave.
+    Most services do not check the length: after a short packet they read bytes of an earlier one,
+    and they ignore surplus bytes.
     """
 
     def __init__(self) -> None:

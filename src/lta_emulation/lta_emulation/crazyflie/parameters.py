@@ -1,8 +1,8 @@
 """
-Parameters: read, written and set by name (port 2), as param_logic.c does.
+Emulate the parameters: read, write and set by name (port 2), as in param_logic.c.
 
-The firmware looks at no length here: of a write that is too long it takes the first bytes, and
-what a short one lacks is what an earlier packet left in its buffer.
+The firmware does not check the length: of a long write it uses the first bytes, and a short one is
+completed by bytes that an earlier packet left in the buffer.
 """
 
 from enum import IntEnum
@@ -22,11 +22,11 @@ from lta_emulation.crazyflie.table_of_contents import (
 )
 
 READ, WRITE, OTHER = 1, 2, 3  # channels
-PERSISTENT: Final = 1  # the one extended type there is
+PERSISTENT: Final = 1  # the only extended type
 
 
 class ParameterQuestion(IntEnum):
-    """What the first byte of channel 3 asks for."""
+    """Requests in the first byte of channel 3."""
 
     SET_BY_NAME = 0
     EXTENDED_TYPE = 2
@@ -44,12 +44,12 @@ QUESTIONS: Final = frozenset(ParameterQuestion)
 @final
 class ParameterStore:
     """
-    The parameters' values.
+    Values of the parameters.
 
     Parameters
     ----------
     contents : Contents
-        What there is.
+        Table of the parameters.
 
     """
 
@@ -59,7 +59,7 @@ class ParameterStore:
 
     def answer_packet(self, channel: int, data: bytes, size: int) -> bytes | None:
         """
-        Return what is answered on one of the three channels; None for no answer.
+        Return the answer on one of the three channels; None for no answer.
 
         Parameters
         ----------
@@ -68,7 +68,7 @@ class ParameterStore:
         data : bytes
             All 30 bytes of the buffer.
         size : int
-            Of the packet in it.
+            Size of the packet in the buffer. [bytes]
 
         """
         if channel == READ:
@@ -95,7 +95,7 @@ class ParameterStore:
         return number + b'\0' + self._pack_entry(entry)
 
     def _answer_write(self, data: bytes, size: int) -> bytes | None:
-        """Store a value, and send the packet back as it came."""
+        """Store a value and echo the packet."""
         entry = self._find_entry(data[:2])
         if entry is None:
             return data[:2] + bytes([errno.ENOENT])
@@ -106,11 +106,11 @@ class ParameterStore:
 
     def _store_value(self, entry: FirmwareParameter, value: bytes) -> None:
         kind = '<' + PARAMETER_TYPES[entry.kind & BASIC]
-        # A name can end at the end of the buffer: what the firmware reads behind it is zero here.
+        # A name can end at the end of the buffer; the bytes behind it are zero here.
         (self.values[entry.name],) = struct.unpack_from(kind, value.ljust(8, b'\0'))
 
     def _answer_other(self, data: bytes) -> bytes | None:
-        """Set by name, or answer a question on a parameter's type, default or storage."""
+        """Set by name, or answer a request for a parameter's type, default or storage."""
         if data[0] not in QUESTIONS:
             return None
         if data[0] == ParameterQuestion.SET_BY_NAME:
@@ -122,7 +122,7 @@ class ParameterStore:
 
     @staticmethod
     def _answer_question(question: ParameterQuestion, entry: FirmwareParameter) -> bytes:
-        """Return an answer; nothing can be stored here, so nothing is found to be cleared."""
+        """Return an answer; storage is not emulated, so there is never a stored value."""
         default = pack_value(PARAMETER_TYPES[entry.kind & BASIC], entry.default)
         answer = {
             ParameterQuestion.EXTENDED_TYPE: bytes([PERSISTENT]),
@@ -151,7 +151,7 @@ class ParameterStore:
         return (data + bytes(4))[: 3 + len(group) + len(name)] + bytes([status])
 
     def _store_by_name(self, group: bytes, name: bytes, value: bytes) -> int:
-        """Store a value behind its type, by name; return the firmware's errno."""
+        """Store a value, preceded by its type, by name; return the firmware's errno."""
         which = self._contents.numbers.get(f'{group.decode("latin")}.{name.decode("latin")}')
         if which is None:
             return errno.ENOENT

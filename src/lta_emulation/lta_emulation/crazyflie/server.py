@@ -1,4 +1,4 @@
-"""The emulated Crazyflie on a UDP port, in real time, in a thread of its own."""
+"""Serve the emulated Crazyflie on a UDP port, in real time, in a separate thread."""
 
 import socket
 import threading
@@ -9,7 +9,7 @@ from lta_emulation.crazyflie.firmware import Firmware
 from lta_emulation.crazyflie.lossy_link import LossyLink
 from lta_emulation.crazyflie.packet import unpack_datagram
 
-TICK: Final = 0.002  # s between two looks at the clock
+TICK: Final = 0.002  # s between two ticks
 
 
 @final
@@ -20,16 +20,16 @@ class CrazyflieServer:
     Parameters
     ----------
     firmware : Firmware
-        What answers.
+        The emulated firmware.
     port : int
         0 for any free one.
     up, down : Link, optional
-        What happens to datagrams to it and from it.
+        Fault models of the datagrams to and from the drone.
 
     Attributes
     ----------
     uri : str
-        Where cflib finds it.
+        Its URI for cflib.
 
     """
 
@@ -65,11 +65,11 @@ class CrazyflieServer:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Switch off: the port is closed, so that whoever sends hears that nobody is there."""
+        """Switch off; the port is closed, so that senders get an ICMP error."""
         self.close()
 
     def close_port(self) -> None:
-        """Close the port for good, and fly on: whoever sends hears that nobody is there."""
+        """Close the port for good but keep flying; senders get an ICMP error."""
         self._shut.set()
 
     def close(self) -> None:
@@ -90,7 +90,7 @@ class CrazyflieServer:
             self._send_datagrams(now)
 
     def _receive_datagrams(self) -> None:
-        """Take what has come, or wait a moment."""
+        """Receive packets, or wait a moment."""
         if self._shut.is_set():
             self._socket.close()
             time.sleep(TICK)

@@ -1,4 +1,4 @@
-"""The simulated drone as the body of an emulated Crazyflie."""
+"""Use the simulated drone as the body of an emulated Crazyflie."""
 
 from collections.abc import Callable, Mapping
 import math
@@ -15,38 +15,38 @@ from lta_emulation.crazyflie.firmware_build import select_build
 from lta_emulation.crazyflie.vehicle_law import VehicleLaw
 from lta_sim.world import World
 
-DESCENT = 0.3  # m/s of a landing
-TOUCH = 0.03  # m above where it stands, below which a landing is over
-FARTHEST = 65.535  # m: the most that 16 bits of millimetres tell
+DESCENT = 0.3  # m/s, sink rate of a landing
+TOUCH = 0.03  # m above the floor, below which a landing is complete
+FARTHEST = 65.535  # m, largest range in 16 bits of millimetres
 PWM_STEP = 1.0 / 256.0  # duty: the motors' PWM has 8 bits (motors.c)
-SLIP = 20  # control periods of delay that are made up for at once
+SLIP = 20  # control periods; a longer delay is skipped instead of caught up
 
 
 @final
 class SimulatedBody:
     """
-    A `World` at the pace of the wall clock.
+    Step a `World` in real time.
 
-    Where the firmware corrects duties for the battery's voltage, the vehicle does: its file has
-    the effect `battery_compensation`. `duties` are those before it.
+    The correction of duties for the battery's voltage is part of the vehicle model (the effect
+    `battery_compensation`); `duties` are those before the correction.
 
     Parameters
     ----------
     world : World
         The drone in its scene.
     file : CrazyflieFile
-        Which motor turns which rotor; where it is flown by setpoints, the vehicle's own law stands
-        for the firmware's controller.
+        Wiring of motors and rotors. With setpoints, the vehicle's control law replaces the
+        firmware's controller.
     table : TopicTable
         The control period.
     light : callable, optional
-        Gets each light block with the time of its first sample since the boot [s], for whoever
-        plays the light board.
+        Called with each light block and the time of its first sample since boot [s], for the
+        emulated light board.
 
     Attributes
     ----------
     build : Build
-        The firmware that it flies with.
+        Build of the firmware to emulate.
 
     """
 
@@ -66,12 +66,12 @@ class SimulatedBody:
         self.duties: tuple[float, ...] = (0.0,) * len(self._order)
         self._values: dict[str, float] = {}
         self._wanted = Setpoint(0.0, 0.0, 0.0)
-        self._behind = 0.0  # s by which the world began late or fell behind
+        self._behind = 0.0  # s by which the world started late or fell behind
         self._update_values()
 
     @property
     def world(self) -> World:
-        """What is flown."""
+        """The simulated world."""
         return self._world
 
     def read_values(self) -> Mapping[str, float]:
@@ -79,7 +79,7 @@ class SimulatedBody:
         return self._values
 
     def advance(self, now: float, wish: BodyCommand) -> None:
-        """Go on to a time [s]; a long delay is let go."""
+        """Advance to a time [s]; skip a long delay."""
         late = now - self._behind - self._world.elapsed
         if late > SLIP * self._dt:
             self._behind += late - self._dt
@@ -108,14 +108,14 @@ class SimulatedBody:
         return bool(self._world.state[2] < self._world.vehicle.height_on_floor + TOUCH)
 
     def _level_attitude(self) -> None:
-        """Stand on four feet: the world's floor holds it at one point, on which it would fall."""
+        """Level the drone on the floor, where the world supports it at one point only."""
         state = self._world.state
         half = 0.5 * _heading_of(state[3:7].tolist())
         state[3:7] = 0.0, 0.0, math.sin(half), math.cos(half)
         state[10:13] = 0.0
 
     def _compute_duties(self, hover: HoverSetpoint | None) -> tuple[float, ...]:
-        """Return what the law does for a hover; without one it comes down where it is."""
+        """Return the law's duties for a hover; without one, for a vertical descent."""
         assert self._law is not None
         state = self._world.state.tolist()
         position, turn = tuple(state[:3]), tuple(state[3:7])

@@ -1,8 +1,9 @@
 """
-What lets the motors turn: states, transitions and times of firmware 2026.08's supervisor.
+Emulate the supervisor of firmware 2026.08, which decides when the motors may turn.
 
-Read in supervisor.c and supervisor_state_machine.c, and seen on the firmware as a Linux process.
-Left out: decks that fail, motors that do not respond, and the bits of the high-level commander.
+States, transitions and times follow supervisor.c and supervisor_state_machine.c, and were verified
+on the firmware as a Linux process. Not emulated: failing decks, motors that do not respond, and
+the bits of the high-level commander.
 """
 
 from collections.abc import Callable, Mapping
@@ -11,18 +12,18 @@ from typing import Final, final, NamedTuple
 
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 
-PERIOD: Final = 0.04  # s between two looks
-HYSTERESIS: Final = 2.0  # s with the motors at idle after which it counts as landed
-LEVEL_OUT, SHUT_DOWN = 0.5, 2.0  # s of age of a low-level setpoint
-WATCHDOG: Final = 1.0  # s after the newest word to the emergency-stop watchdog
-TILTED, TILTED_TIME = 0.5, 1.0  # g upwards, less than which it is tilted; s until that counts
+PERIOD: Final = 0.04  # s between two evaluations
+HYSTERESIS: Final = 2.0  # s with idle motors after which the drone counts as landed
+LEVEL_OUT, SHUT_DOWN = 0.5, 2.0  # s, age of the low-level setpoint
+WATCHDOG: Final = 1.0  # s since the newest message to the emergency-stop watchdog
+TILTED, TILTED_TIME = 0.5, 1.0  # g upwards below which it is tilted; s until that counts
 UPSIDE_DOWN, UPSIDE_DOWN_TIME = -0.2, 0.1  # g, s
 FREE_FALL: Final = 0.1  # g on every axis
 Acceleration = tuple[float, float, float]
 
 
 class SupervisorState(Enum):
-    """Where the supervisor stands."""
+    """States of the supervisor."""
 
     CHECKS_NOT_PASSED = auto()
     CHECKS_PASSED = auto()
@@ -38,21 +39,21 @@ class SupervisorState(Enum):
 
 
 class SupervisorConditions(NamedTuple):
-    """What a transition may ask for."""
+    """Conditions of the transitions."""
 
     armed: bool
-    flying: bool  # a motor over idle within the last two seconds
+    flying: bool  # a motor was above idle within the last 2 s
     tumbled: bool
     crashed: bool
     stop: bool  # an emergency stop, or its watchdog
-    old: bool  # the setpoint, from half a second on
-    too_old: bool  # from two seconds on
+    old: bool  # the setpoint is older than 0.5 s
+    too_old: bool  # the setpoint is older than 2 s
     preflight_over: bool
     landed_over: bool
 
 
 Transition = tuple[Callable[[SupervisorConditions], bool], SupervisorState]
-# The first that applies is taken, one at a look.
+# The first matching transition is taken, one per evaluation.
 TRANSITIONS: Final[Mapping[SupervisorState, tuple[Transition, ...]]] = {
     SupervisorState.CHECKS_NOT_PASSED: (
         (lambda c: c.stop, SupervisorState.FREE_FALL),
@@ -114,13 +115,13 @@ RUNS: Final = FLIES | {SupervisorState.ARMING}
 
 @final
 class TumbleDetector:
-    """How long it has been tilted."""
+    """Detect tumbling by the duration of a tilt."""
 
     def __init__(self) -> None:
         self._since: float | None = None
 
     def update(self, acceleration: Acceleration, now: float) -> bool:
-        """Tell whether it has tumbled, by the specific force on it [g] at a time [s]."""
+        """Return whether it has tumbled, from the specific force [g] at a time [s]."""
         up = acceleration[2]
         if up >= TILTED or all(abs(each) < FREE_FALL for each in acceleration):
             self._since = None
@@ -134,25 +135,25 @@ class TumbleDetector:
 @final
 class Supervisor:
     """
-    The supervisor's memory, from the moment at which the firmware is up.
+    State of the supervisor since the start of the firmware.
 
     Parameters
     ----------
     arms_itself : bool
-        Whether the build arms itself as soon as its checks are passed.
+        Whether the build arms automatically after its checks.
 
     Attributes
     ----------
     state : State
         Where it stands.
     armed, tumbled, crashed : bool
-        As its word tells them.
+        The respective bits of the status word.
     word : int
-        The bits that `supervisor.info` and port 9 tell, of its newest look.
+        Status word of the newest evaluation, as in `supervisor.info` and on port 9.
     landed_timeout, preflight_timeout : float
-        After which it disarms by itself. [s]
+        Times after which it disarms automatically. [s]
     tumble_check : bool
-        Whether it minds being upside down.
+        Whether being upside down counts as tumbled.
 
     """
 
@@ -164,7 +165,7 @@ class Supervisor:
         self.tumble_check = True
         self._tumble = TumbleDetector()
         self._due = 0.0
-        self._since = 0.0  # when it came to its state
+        self._since = 0.0  # when it entered the state
         self._turned_at: float | None = None
         self._fed_at: float | None = None
         self.word = self._status_word()
@@ -181,7 +182,7 @@ class Supervisor:
 
     @property
     def accepts_setpoints(self) -> bool:
-        """Whether setpoints are flown; while it arms they are not, and motors idle."""
+        """Whether setpoints are flown; during arming they are not, and motors idle."""
         return self.state in FLIES
 
     def arm(self, on: bool) -> bool:
@@ -201,7 +202,7 @@ class Supervisor:
         return True
 
     def stop(self) -> None:
-        """Stop for good at the next look."""
+        """Stop for good at the next evaluation."""
         self._stop = True
 
     def lock(self) -> None:
@@ -215,28 +216,28 @@ class Supervisor:
         self.word = self._status_word()
 
     def feed_watchdog(self, now: float) -> None:
-        """Start the emergency-stop watchdog at a time [s], or keep it quiet."""
+        """Start or reset the emergency-stop watchdog at a time. [s]"""
         self._fed_at = now
 
     def update(
         self, now: float, turning: bool, age: float | None, acceleration: Acceleration
     ) -> None:
         """
-        Look, as often as is due.
+        Evaluate the transitions as often as is due.
 
         Parameters
         ----------
         now : float
-            Since the boot. [s]
+            Time since boot. [s]
         turning : bool
             Whether a motor turns faster than at idle.
         age : float or None
-            Of the low-level setpoint; None where none is in force. [s]
+            Age of the low-level setpoint; None without an active one. [s]
         acceleration : tuple of float
             Specific force on it. [g]
 
         """
-        self._due = max(self._due, now - HYSTERESIS)  # what nobody looked at longer ago is over
+        self._due = max(self._due, now - HYSTERESIS)  # skip evaluations missed longer ago
         while self._due <= now:
             self._due += PERIOD
             self._step(now, turning, age or 0.0, acceleration)

@@ -1,4 +1,4 @@
-"""The tables of contents that a Crazyflie tells: what can be logged, and what can be set."""
+"""Tables of contents of a Crazyflie: log variables and parameters."""
 
 from collections.abc import Callable, Sequence
 import struct
@@ -13,7 +13,7 @@ PARAMETER_TYPES = {
     0x08: 'B', 0x09: 'H', 0x0A: 'I', 0x0B: 'Q', 0x00: 'b', 0x01: 'h', 0x02: 'i', 0x03: 'q',
     0x05: 'e', 0x06: 'f', 0x07: 'd',
 }  # fmt: skip
-BASIC = 0x0F  # bits of a parameter's type that say how it is packed
+BASIC = 0x0F  # bits of a parameter's type that define its encoding
 EXTENDED, CORE, READ_ONLY = 0x10, 0x20, 0x40
 
 
@@ -34,14 +34,14 @@ class FirmwareParameter(NamedTuple):
 
 class TableOfContents(Generic[Entry]):
     """
-    One table, as ports 2 and 5 tell it on channel 0.
+    One table, served on channel 0 of ports 2 and 5.
 
     Parameters
     ----------
     entries : sequence
         In the order of their numbers.
     limits : bytes
-        What the table's head says behind its CRC.
+        Bytes that follow the CRC in the table's header.
 
     """
 
@@ -52,11 +52,11 @@ class TableOfContents(Generic[Entry]):
 
     @property
     def crc(self) -> int:
-        """A number that differs where the table does; cflib keeps tables by it."""
+        """Checksum of the table; cflib caches tables by it."""
         return zlib.crc32(repr(self.entries).encode())
 
     def answer(self, question: bytes) -> bytes | None:
-        """Return the answer to a question of version 2; None where it asks nothing known."""
+        """Return the answer to a request of version 2; None if the request is unknown."""
         if question[:1] == b'\x03':
             return struct.pack('<BHI', 3, len(self.entries), self.crc) + self._limits
         if question[:1] != b'\x02':

@@ -1,4 +1,4 @@
-"""The variables and parameters that the emulated Crazyflie knows, with the firmware's types."""
+"""Log variables and parameters of the emulated Crazyflie, with the firmware's types."""
 
 from lta_emulation.crazyflie.app import VERSION
 from lta_emulation.crazyflie.firmware_build import FirmwareBuild

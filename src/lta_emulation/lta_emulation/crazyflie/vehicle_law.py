@@ -1,4 +1,4 @@
-"""The vehicle's own law in place of the firmware's controller: it sees the true state."""
+"""Run the vehicle's control law instead of the firmware's controller, on the true state."""
 
 from typing import Any, final
 
@@ -14,17 +14,17 @@ from lta_model.vehicle import Vehicle
 @final
 class VehicleLaw:
     """
-    A law with its memory.
+    A control law with its state.
 
     Parameters
     ----------
     vehicle : Vehicle
-        Its file names law and gains.
+        Its file defines law and gains.
 
     Raises
     ------
     BadInput
-        If it names none.
+        If it defines none.
 
     """
 
@@ -32,7 +32,7 @@ class VehicleLaw:
         control = vehicle.file.control
         if control is None or control.gains is None:
             raise BadInput(
-                f'{vehicle.file.name} names no law with gains to fly setpoints by; add a control '
+                f'{vehicle.file.name} has no control law with gains; add a control '
                 'block, or command its motors.'
             )
         self._law = find_law(control.law)
@@ -48,5 +48,5 @@ class VehicleLaw:
         return duties
 
     def reset(self) -> None:
-        """Forget what the loops had wound up."""
+        """Reset the integrators."""
         self._memory = self._law.start

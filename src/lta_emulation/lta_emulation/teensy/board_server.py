@@ -1,4 +1,4 @@
-"""The emulated light board on a cable, in real time, in a thread of its own."""
+"""Serve the emulated light board on a pseudo terminal, in real time, in a separate thread."""
 
 from pathlib import Path
 from queue import Empty, SimpleQueue
@@ -10,14 +10,14 @@ from lta_emulation.teensy.emulated_board import Cable, EmulatedBoard
 import numpy as np
 from numpy.typing import NDArray
 
-LOOK: Final = 0.002  # s that it waits for a question
-BEAT_NS: Final = 1_000_000_000  # between two words of what it is
+LOOK: Final = 0.002  # s to wait for a request
+BEAT_NS: Final = 1_000_000_000  # between two heartbeats
 
 
 @final
 class BoardServer:
     """
-    A light board at the end of a pseudo terminal.
+    A light board on a pseudo terminal.
 
     Parameters
     ----------
@@ -26,18 +26,18 @@ class BoardServer:
     name : Path
         What the bridge opens.
     beacon : float
-        Frequency at which it finds peaks itself; 0 where it sends all samples. [Hz]
+        Beacon frequency at which it detects peaks itself; 0 to send all samples. [Hz]
 
     Attributes
     ----------
     board : EmulatedBoard
-        Another one in its place is one that started anew.
+        Replace it to emulate a restart.
     silent : bool
-        Whether it says nothing.
+        Whether it sends nothing.
     cable : Cable
-        Belongs to the thread while it works; `plugged` is for others.
+        Used by the thread only; callers set `plugged`.
     plugged : bool
-        Whether the cable is in; set it to pull and to plug.
+        Whether the cable is plugged in; may be set.
 
     """
 
@@ -74,7 +74,7 @@ class BoardServer:
         self.cable.pull()
 
     def toggle_cable(self) -> None:
-        """Pull the cable, or plug it in."""
+        """Unplug the cable, or plug it in."""
         self.plugged = not self.plugged
 
     def sample_light(self, begun: float, samples: NDArray[np.uint16]) -> None:
@@ -95,7 +95,7 @@ class BoardServer:
                 self._write_cable(self.board.encode_status())
             self._send_light()
             if not asked and self.now_ns - looked < 1e9 * LOOK:
-                time.sleep(LOOK)  # a cable that nobody holds is ready at once
+                time.sleep(LOOK)  # reading a port that is not open returns at once
 
     def _send_light(self) -> None:
         try:

@@ -1,7 +1,7 @@
 """
-A light board without the board: its bytes for given light, its clock, and what goes wrong.
+Emulate a light board: its messages for given samples, its clock, and transmission faults.
 
-The peer for tests of the bridge, and for trying a graph without hardware.
+It serves to test the bridge and to run a graph without hardware.
 """
 
 from collections.abc import Iterator
@@ -27,8 +27,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 SYSTEM, COMPONENT = 1, 191
-MOST = LTA_LIGHT_PEAKS.layout['amplitude'].shape[0]  # diodes that peaks can be told of
-VALUES = LTA_LIGHT_BLOCK.layout['samples'].shape[0]  # of all diodes, in a message
+MOST = LTA_LIGHT_PEAKS.layout['amplitude'].shape[0]  # diodes per message of peaks
+VALUES = LTA_LIGHT_BLOCK.layout['samples'].shape[0]  # values per message of samples
 WRAP = 2**32
 FOREIGN = MavlinkMessage(12345, 'FOREIGN', 7, np.dtype([('word', '<u4')]))
 
@@ -37,12 +37,12 @@ FOREIGN = MavlinkMessage(12345, 'FOREIGN', 7, np.dtype([('word', '<u4')]))
 @dataclass(frozen=True, slots=True)
 class FrameFaults:
     """
-    What happens on the way to every n-th frame of light; 0 is never.
+    Transmission faults of every n-th light frame; 0 is never.
 
     Attributes
     ----------
     drop, corrupt, cut, foreign : int
-        Lost; one bit wrong; ended after a third; followed by a message that nobody here knows.
+        Lost; one bit flipped; truncated after a third; followed by an unknown message.
 
     """
 
@@ -52,7 +52,7 @@ class FrameFaults:
     foreign: int = 0
 
     def apply(self, turn: int, frame: bytes) -> bytes:
-        """Return what arrives of a frame, counted from 1."""
+        """Return the bytes that arrive of a frame, counted from 1."""
         if _is_hit(turn, self.drop):
             return b''
         if _is_hit(turn, self.corrupt):
@@ -72,24 +72,24 @@ def _is_hit(turn: int, every: int) -> bool:
 @final
 class EmulatedBoard:
     """
-    A board that was switched on at a moment of our time.
+    A board that was switched on at a given host time.
 
     Parameters
     ----------
     boot_ns : int
-        That moment. [ns]
+        Host time of switching on. [ns]
     sample_rate : float
-        Rows a second of its clock. [Hz]
+        Row rate by its clock. [Hz]
     diodes : int
         Values in a row.
     drift : float
-        Part by which its clock is too fast.
+        Relative rate error of its clock, positive if it runs fast.
     faults : Faults
         What happens to its frames of light.
     first : int
         Number of its first row.
     dialect : int
-        The version of its messages.
+        Version of its messages.
     bits : int
         Of its converter.
 
@@ -98,7 +98,7 @@ class EmulatedBoard:
     faults : Faults
         What happens to its frames of light from now on.
     sent : int
-        Frames of light so far, those that a fault took included.
+        Number of light frames so far, including lost ones.
 
     """
 
@@ -117,31 +117,31 @@ class EmulatedBoard:
         self.faults = faults or FrameFaults()
         self._dialect, self._bits = dialect, bits
         self._first, self._rows, self._turn = first, 0, 0
-        self._paused = 0  # ns of its clock in which it sampled nothing
+        self._paused = 0  # ns of its clock without sampling
         self._hears = FrameParser()
         self._left = np.empty((0, diodes), np.uint16)
         self.sent = 0
 
     def to_board_time(self, our_ns: int) -> int:
-        """Return its time at a moment of ours. [ns]"""
+        """Convert a host time to board time. [ns]"""
         since = our_ns - self._boot_ns
         return since + round(since * self._drift)
 
     def row_time_ns(self, row: int) -> int:
-        """Return the moment of ours at which it samples a row, counted from 0. [ns]"""
+        """Return the host time at which it samples a row, counted from 0. [ns]"""
         return self._boot_ns + round(row / self._rate / (1.0 + self._drift) * 1e9)
 
     def encode_light(self, samples: NDArray[np.uint16], begun_ns: int | None = None) -> bytes:
         """
-        Return the frames of the next rows; what fills none waits.
+        Return the frames of the next rows; rows that do not fill a frame are kept.
 
         Parameters
         ----------
         samples : ndarray of uint16, shape (n, diodes)
             ADC counts.
         begun_ns : int, optional
-            Moment of ours at which the first was sampled; they follow the last where left out.
-            What began before its boot it has not sampled.
+            Host time of the first sample; by default the rows follow the previous ones. Rows from
+            before its boot are ignored.
 
         """
         if begun_ns is not None:
@@ -153,7 +153,7 @@ class EmulatedBoard:
 
     @property
     def _time_usec(self) -> int:
-        """Its time of the next row to be sent. [us]"""
+        """Board time of the next row to send. [us]"""
         return round(self._rows / self._rate * 1e6 + self._paused / 1e3)
 
     def _encode_rows(self, samples: NDArray[np.uint16]) -> Iterator[bytes]:
@@ -179,7 +179,7 @@ class EmulatedBoard:
         self, samples: NDArray[np.uint16], frequency: float, begun_ns: int | None = None
     ) -> bytes:
         """
-        Return the frame of the peaks that it finds, as its firmware does (core/goertzel.c).
+        Return the frame of the detected peaks, computed as in its firmware (core/goertzel.c).
 
         Parameters
         ----------
@@ -215,7 +215,7 @@ class EmulatedBoard:
         return frame
 
     def encode_status(self) -> bytes:
-        """Return what it says of itself once a second."""
+        """Return the heartbeat and status, sent once a second."""
         beat = self._build_frame(
             HEARTBEAT,
             type=CONTROLLER,
@@ -234,7 +234,7 @@ class EmulatedBoard:
         )
 
     def answer_timesync(self, data: bytes, now_ns: int) -> bytes:
-        """Return the answers to what came, at a moment of ours [ns]."""
+        """Return the answers to received bytes at a host time [ns]."""
         asked = [f.record for f in self._hears.parse_frames(data) if f.message is TIMESYNC]
         return b''.join(
             self._build_frame(TIMESYNC, tc1=self.to_board_time(now_ns), ts1=int(question['ts1']))
@@ -250,12 +250,12 @@ class EmulatedBoard:
 @final
 class Cable:
     """
-    A pseudo terminal under a name that stays while the cable is pulled and put back.
+    A pseudo terminal whose name stays the same when it is unplugged and plugged in again.
 
     Parameters
     ----------
     name : Path
-        What the other side opens.
+        Path that the other side opens.
 
     """
 
@@ -265,7 +265,7 @@ class Cable:
         self.plug()
 
     def plug(self) -> None:
-        """Put the cable in."""
+        """Plug the cable in."""
         self._ours, theirs = os.openpty()
         tty.setraw(theirs, termios.TCSANOW)
         os.set_blocking(self._ours, False)
@@ -274,24 +274,24 @@ class Cable:
         os.close(theirs)
 
     def pull(self) -> None:
-        """Pull the cable: the other side's port is gone."""
+        """Unplug the cable; the other side's port vanishes."""
         self._name.unlink(missing_ok=True)
         if self._ours is not None:
             os.close(self._ours)
             self._ours = None
 
     def read(self, timeout: float = 0.0) -> bytes:
-        """Return what the other side has sent, after at most so long [s]; nothing if nobody is."""
+        """Return the bytes received within a time [s]; empty if the port is not open."""
         if self._ours is None:
             return b''
         try:
             ready = select.select([self._ours], [], [], timeout)[0]
             return os.read(self._ours, 65536) if ready else b''
-        except OSError:  # nobody has the other end open
+        except OSError:  # the other end is not open
             return b''
 
     def write(self, data: bytes) -> None:
-        """Send all, as far as the other side takes it; what it leaves for 0.1 s is lost."""
+        """Send the data; bytes that the other side does not read within 0.1 s are lost."""
         while data and self._ours is not None:
             try:
                 data = data[os.write(self._ours, data) :]

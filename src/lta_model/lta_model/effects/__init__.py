@@ -1,5 +1,5 @@
 """
-The effects of which the model is the sum, by name.
+Registry of the effects that the model sums.
 
 The order of FILES is the layout of the parameter vector and of the memory; effects installed by
 others under the entry point group `lta.effects` follow in alphabetical order of their names.
@@ -86,13 +86,13 @@ def merge_installed(library: dict[str, Effect]) -> dict[str, Effect]:
         effect = point.load()
         if not isinstance(effect, Effect):
             raise BadInput(
-                f'The entry point {point.name} of {GROUP} is {point.value}, which is no effect; '
-                'let it name a WrenchEffect or another kind of lta_model.effects.protocol.'
+                f'The entry point {point.name} of {GROUP} is {point.value}, which is not an '
+                'effect; let it name a WrenchEffect or another kind of lta_model.effects.protocol.'
             )
         if not effect.name.isidentifier():
             raise BadInput(
-                f'The effect {effect.name!r} of {point.value} has no name that code can use; '
-                'take letters, digits and underscores.'
+                f'The effect name {effect.name!r} of {point.value} is not valid; '
+                'use letters, digits and underscores.'
             )
         if effect.name in effects:
             raise BadInput(

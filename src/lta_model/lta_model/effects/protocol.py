@@ -1,20 +1,19 @@
 """
-What an effect is: parameters declared as data, and plain functions of scalars and tuples.
+Interface of an effect: declared parameters, and plain functions of scalars and tuples.
 
-The functions are written without arrays, so that the same source runs as plain Python (for
-identification), compiled in the kernel, and on a GPU. They may use `math`, numbers and plain
-functions; the kernel takes their source with everything they use. The first statement of a
-function unpacks `p`, its effect's parameters, in the order in which the effect declares them. An
-effect of which all parameters are at their null values changes nothing, and costs a look at one
-flag.
+The functions use no arrays, so that the same source runs as plain Python (for identification),
+compiled in the kernel, and on a GPU. They may use `math`, numbers and plain functions; the kernel
+copies their source with everything they use. The first statement of a function unpacks `p`, the
+parameters of its effect, in their declared order. An effect whose parameters are all at their
+null values changes nothing, and costs one check of a flag.
 
-The kinds follow the way of a command through the vehicle:
+The kinds follow the path of a command through the vehicle:
 
     command -> ActuatorEffect: duty to thrust, rotor by rotor, in registry order
     surroundings -> AirEffect: wind at the hull, summed
     both -> WrenchEffect: force and moment on the hull, summed
-    BodyEffect, InertiaEffect: what the vehicle weighs, and the air that moves with it
-    MeasurementEffect: what a sensor, a tracker or a clock makes of the truth
+    BodyEffect, InertiaEffect: the vehicle's mass properties, and the air that moves with it
+    MeasurementEffect: errors of a sensor, a tracker or a clock
 """
 
 from collections.abc import Callable, Mapping
@@ -152,13 +151,13 @@ class EffectParameter:
 
 
 def no_check(values: Mapping[str, float]) -> str:
-    """Return no objection: the bounds of each parameter say it all."""
+    """Return no objection: the bounds of each parameter suffice."""
     del values
     return ''
 
 
 def no_rate(p: Values, memory: Values, inputs: VehicleMotion | AirEffectInput) -> Values:
-    """Return the rate of no memory."""
+    """Return an empty rate, for an effect without memory."""
     del p, memory, inputs
     return ()
 
@@ -228,7 +227,7 @@ class AirEffect:
 
 
 def no_rotor_rate(p: Values, memory: Values, value: float, surroundings: Values) -> Values:
-    """Return the rate of no memory."""
+    """Return an empty rate, for an effect without memory."""
     del p, memory, value, surroundings
     return ()
 
@@ -322,7 +321,7 @@ class BodyEffect:
     check: Callable[[Mapping[str, float]], str] = no_check
 
 
-# What a measurement effect can act on, and of how many numbers its reading is.
+# Channels of the measurement effects, with the number of values in a reading.
 CHANNELS = {
     'rates': 3,  # of the gyroscope, body frame [rad/s]
     'force': 3,  # of the accelerometer, body frame [m/s2]

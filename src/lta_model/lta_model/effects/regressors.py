@@ -1,5 +1,5 @@
 """
-Regressors for identification, got from the effect itself instead of written twice.
+Compute regressors for identification from the effect's own function.
 
 A wrench linear in some parameters t is W = Phi t; column j of Phi is the wrench at t = e_j.
 """

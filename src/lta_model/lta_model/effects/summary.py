@@ -1,4 +1,4 @@
-"""What an effect is in a sentence, from its own file."""
+"""Summarise an effect in one sentence, from its own file."""
 
 import inspect
 import sys

@@ -13,23 +13,13 @@ from typing import final
 from lta_model.light.light_checks import require
 from lta_model.light.modulation import NANOSECONDS, SquareWave
 
-MOST_OFFSET = 0.01  # a clock that is off by more than one percent is broken
+MOST_OFFSET = 0.01  # an error above one percent means a broken clock
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class DriftingClock:
-    """
-    How wrong a clock goes.
-
-    Parameters
-    ----------
-    offset : float
-        Part by which it is fast.
-    drift : float
-        How that part grows from time zero on. [1/s]
-
-    """
+    """Offset and drift of a clock."""
 
     offset: float = 0.0
     drift: float = 0.0

@@ -1,5 +1,5 @@
 """
-The feedback resistor that a person selects for the light of a scene before the flight.
+Select the feedback resistor for a scene's light, as a person does before the flight.
 
 By the steady light on the ring as it stands in the open or, in a scene with a door, beyond it. Who
 selects it tells the drone as well: it could not say how bright a lamp is otherwise.
@@ -12,7 +12,7 @@ from lta_model.scenario import load_scenario
 from lta_model.sensors.photodiode import PhotodiodeArray
 from lta_model.vehicle import load_vehicle, Vehicle
 
-ABOVE = 1.0  # m over the ground
+ABOVE = 1.0  # m over the ground, where the steady light is evaluated
 
 
 def select_diode_gain(field: LightField, vehicle: Vehicle) -> PhotodiodeArray:

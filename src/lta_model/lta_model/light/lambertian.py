@@ -1,5 +1,5 @@
 """
-The direct light of a lamp, as plain functions of numbers.
+Compute a lamp's direct light with plain functions of numbers.
 
 The same light as `lta_model.light.lamp.direct_illuminance`, which takes whole arrays and says what
 is behind it; this one serves what looks at few planes many times, and compiles.
@@ -109,7 +109,7 @@ def direct_light(lamp: LampBeam, point: Vector) -> tuple[float, Vector]:
     if leaving <= 0.0:
         return 0.0, towards
     cosine = leaving / distance
-    if lamp.order != 1.0:  # to the power 1 it is itself, which costs nothing
+    if lamp.order != 1.0:  # skip the power function for order 1
         cosine = cosine**lamp.order
     return lamp.intensity * cosine / (squared + lamp.square), towards
 

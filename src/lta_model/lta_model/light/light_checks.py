@@ -1,4 +1,4 @@
-"""Refuse light that cannot be, in one sentence."""
+"""Validate light parameters."""
 
 import math
 
@@ -14,7 +14,7 @@ def require(holds: bool, sentence: str) -> None:
 
 
 def require_efficacy(efficacy: float) -> None:
-    """Refuse a luminous efficacy that no light has. [lm/W]"""
+    """Raise `BadInput` for an impossible luminous efficacy. [lm/W]"""
     require(
         0.0 < efficacy <= MOST_EFFICACY,
         f'The light has an efficacy of {efficacy} lm/W; give one above 0 and up to '
@@ -23,7 +23,7 @@ def require_efficacy(efficacy: float) -> None:
 
 
 def require_lux(what: str, lux: float) -> None:
-    """Refuse negative or endless light. [lx]"""
+    """Raise `BadInput` for a negative or infinite illuminance. [lx]"""
     require(
         math.isfinite(lux) and lux >= 0.0,
         f'{what} is {lux} lx; give 0 or more.',

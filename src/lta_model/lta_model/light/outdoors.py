@@ -1,4 +1,4 @@
-"""What is beyond the door of a building: another light, and another air."""
+"""The outdoor area beyond a building's door, with its own light and air."""
 
 from dataclasses import dataclass
 import math

@@ -1,8 +1,7 @@
 """
 The light on the solar panel of a vehicle, its own hull's shade included.
 
-Lamps and the sun are seen past the hull or not; of light that comes alike from all sides the hull
-leaves a share, which is the same at any pose.
+The hull hides lamps and the sun or not; of diffuse light it leaves a constant share at any pose.
 """
 
 from typing import NamedTuple

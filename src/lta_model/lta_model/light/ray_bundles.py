@@ -1,13 +1,12 @@
 """
-The pencils of rays in which light is gathered over the sphere, and what the surfaces bring along.
+Ray bundles that sample the light over the sphere, and the luminance of the surfaces hit.
 
-They stand in rings that are narrow about the horizon, where far floor, far walls and the edge of
-the hull's shade lie, and wide elsewhere. Each is looked along by a few rays. A ray that meets a
-surface brings the light that the lamp throws on it there, times its albedo (a Lambertian surface
-has the luminance E / pi).
+The bundles form rings, narrow about the horizon, where the far floor, far walls and the edge of
+the hull's shade are, and wide elsewhere. A few rays sample each bundle. A ray that hits a surface
+carries the lamp's illuminance there times the albedo (a Lambertian surface has the luminance
+E / pi).
 
-What is written as a loop over the pencils of a ring the compiler does for several at once, which
-is why powers and whatever branches stand apart.
+The compiler vectorises the loops over the bundles of a ring, so powers and branches are separate.
 """
 
 from collections.abc import MutableSequence, Sequence
@@ -30,7 +29,7 @@ from lta_model.light.scene_geometry import (
 Rows = Array | tuple[tuple[float, ...], ...]
 Scratch = MutableSequence[float] | Array
 
-# Edges of the rings over the horizon, and below it [deg]; pencils in each; rays of one each way.
+# Edges of the rings above and below the horizon [deg]; bundles in each; rays of one each way.
 EDGES = (0.0, 2.0, 4.5, 8.0, 13.0, 20.0, 30.0, 45.0, 65.0, 90.0)
 ROUND, PARTS = 24, 2
 LEAST = 1e-300
@@ -44,16 +43,7 @@ TINY = 1e-300
 
 
 def build_rings() -> tuple[tuple[float, ...], ...]:
-    """
-    Return the rings of pencils.
-
-    Returns
-    -------
-    tuple of tuple of float
-        Of each ring: the solid angle of a pencil over pi, half its height [rad], then sine and
-        cosine of the elevation of its middle and of its rays.
-
-    """
+    """Return the rings of ray bundles."""
     found = []
     for low, high in itertools.pairwise(EDGES):
         below, above = math.sin(math.radians(low)), math.sin(math.radians(high))
@@ -85,7 +75,7 @@ def scratch_size(lamps: int) -> int:
 
 
 def write_azimuths(scratch: Scratch) -> None:
-    """Write where the pencils stand around the vertical."""
+    """Write the azimuths of the bundles."""
     for step in range(ROUND):
         scratch[COSINE + step], scratch[SINE + step] = PENCILS[step]
 
@@ -125,24 +115,7 @@ def unoccluded_luminance(met: RayHit, lamp: LampBeam) -> tuple[float, float]:
 def trace_ring(
     s: SceneGeometry, lamps: Rows, point: Vector, ring: tuple[float, ...], scratch: Scratch
 ) -> None:
-    """
-    Write what each pencil of a ring brings to a point.
-
-    Parameters
-    ----------
-    s : Surround
-        The scene.
-    lamps : ndarray, shape (l, 11), or tuples
-        A row each in the order of `LampBeam`.
-    point : tuple of float
-        Where. [m, map]
-    ring : tuple of float
-        One of `RINGS`.
-    scratch : sequence of float
-        From BROUGHT on, for each pencil: 1, the luminance of daylight, and of surfaces by each
-        lamp, times pi. [lx]
-
-    """
+    """Write the light that each bundle of a ring carries to a point."""
     day = 0.0 if s.top > 0.0 else daylight_luminance(s, False, ring[2])
     for step in range(ROUND):
         scratch[BROUGHT + ROUND * SHARE + step] = 1.0

@@ -1,9 +1,8 @@
 """
-What the photodiodes of a vehicle read of everything around it but lamps, in its own hull's shade.
+Compute the indirect light on a vehicle's photodiodes, including its own hull's shade.
 
-This light is gathered over the sphere, as the sum of what pencils of rays bring
-(`lta_model.light.ray_bundles`); what has been thrown back more than once comes from all of the
-room alike.
+The light is integrated over the sphere, as the sum over ray bundles
+(`lta_model.light.ray_bundles`); light reflected more than once is uniform over the room.
 
 Plain functions of numbers and arrays, which compile. Left out: the shade that the hull throws on
 surfaces, and daylight that a room throws on.
@@ -43,15 +42,7 @@ def compute_ring_weights(
     ring: tuple[float, ...],
     scratch: Scratch,
 ) -> bool:
-    """
-    Write what a diode reads of each pencil of a ring, as part of its luminance times pi.
-
-    Returns
-    -------
-    bool
-        Whether it reads anything of the ring.
-
-    """
+    """Write the weight of each bundle of a ring in a diode's reading."""
     for step in range(ROUND):
         c, d = scratch[COSINE + step], scratch[SINE + step]
         way = to_body(r, (ring[3] * c, ring[3] * d, ring[2]))
@@ -70,7 +61,7 @@ def compute_ring_weights(
 
 
 def dot_rows(scratch: Scratch, a: int, b: int) -> float:
-    """Return the scalar product of two rows; four sums at once, as none waits for another."""
+    """Return the scalar product of two rows, with four partial sums for speed."""
     first, second, third, fourth = 0.0, 0.0, 0.0, 0.0
     for step in range(0, ROUND, 4):
         first += scratch[a + step] * scratch[b + step]
@@ -102,30 +93,7 @@ def gather_indirect_light(
     out: Array,
     scratch: Scratch,
 ) -> None:
-    """
-    Write what each diode reads of all that is not the lamps' direct light.
-
-    Parameters
-    ----------
-    s : Surround
-        The scene.
-    lamps : ndarray, shape (l, 11), or tuples
-        A row each in the order of `Beam`.
-    eye : Eye
-        Of the diodes.
-    hull : tuple of float
-        Half axes of the hull. [m]
-    position, q : tuple of float
-        Of the hull. [m, map]
-    planes : ndarray, shape (d, 6), or tuples
-        Points [m] and unit axes, body frame.
-    out : ndarray, shape (LAMPS + l, d)
-        In its rows: SHARE, what it reads of light that comes alike from all sides, as part of its
-        illuminance; DAY, sun and sky [lx]; from LAMPS on, the echo of each lamp [lx].
-    scratch : sequence of float
-        `scratch_for(l)` numbers to write on.
-
-    """
+    """Write each diode's reading of all light except the lamps' direct light."""
     r, point = rotation_matrix(q), diodes_center(position, q, planes)
     for row in range(len(out)):
         for i in range(len(planes)):

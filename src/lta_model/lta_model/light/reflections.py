@@ -1,5 +1,5 @@
 """
-How much of a lamp's light the surfaces of a room throw back, and the lamp as numbers with it.
+Compute the share of a lamp's light that the surfaces of a room reflect.
 
 The light on each face is summed over a grid. In a room without a door all of the flux falls on its
 faces: there the sum only says how it is shared among them.
@@ -25,7 +25,7 @@ def build_field_geometry(field: LightField) -> SceneGeometry:
 
 
 def integrate_reflected_flux(s: SceneGeometry, lamp: LampBeam, cells: int) -> tuple[float, float]:
-    """Return the flux of a lamp on all faces of a room, and what of it they throw back. [lm]"""
+    """Return a lamp's flux on all faces of a room, and the reflected part of it. [lm]"""
     fallen, thrown = 0.0, 0.0
     for face in range(6):
         for row in range(cells):

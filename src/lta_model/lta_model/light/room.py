@@ -1,5 +1,5 @@
 r"""
-A closed box whose surfaces throw light back, and what goes back and forth between them.
+A closed box with reflecting surfaces, and the light between them.
 
 Of a flux :math:`\Phi` that falls on its surfaces the mean albedo :math:`\varrho` goes on each
 time; if that is the same everywhere and from all sides (Sumpner, Phil. Mag. 35, 1893), on a plane

@@ -1,5 +1,5 @@
 """
-What stands around a point: the surface that a ray meets, and whether a way is clear.
+Scene geometry for ray tracing: the surface that a ray hits, and whether a path is clear.
 
 Plain functions of numbers, which compile. A scene is a box that stands on the floor, with or
 without a door in its wall at the high end of x, and level ground beyond that door. A box without a
@@ -15,7 +15,7 @@ from lta_model.light.outdoors import OutdoorArea
 from lta_model.light.room import Room
 
 FAR = 1e9  # m; also the distance of the sun
-NEAR = 1e-9  # m; a way may begin and end on a surface
+NEAR = 1e-9  # m; tolerance, because a path may begin and end on a surface
 
 
 class SceneGeometry(NamedTuple):
@@ -89,12 +89,12 @@ def build_scene_geometry(
 
 
 def is_in_room(s: SceneGeometry, x: float, y: float, z: float) -> bool:
-    """Tell whether a point is in the room."""
+    """Return whether a point is in the room."""
     return abs(x) <= s.x and abs(y) <= s.y and 0.0 <= z <= s.height
 
 
 def is_in_door(s: SceneGeometry, x: float, y: float, z: float) -> bool:
-    """Tell whether a point of the room's surface is in its door."""
+    """Return whether a point of the room's surface is in its door."""
     return s.top > 0.0 and x > s.x - NEAR and abs(y - s.middle) < s.half_width and z < s.top
 
 
@@ -128,7 +128,7 @@ def distance_to_wall(s: SceneGeometry, point: Vector, u: Vector) -> float:
 
 def is_path_clear(s: SceneGeometry, point: Vector, u: Vector, distance: float) -> bool:
     """
-    Tell whether the way from a point along a ray is free of the walls.
+    Return whether the way from a point along a ray is free of the walls.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ def find_outdoor_hit(s: SceneGeometry, point: Vector, u: Vector) -> RayHit:
 
 def find_first_hit(s: SceneGeometry, point: Vector, u: Vector) -> tuple[RayHit, bool]:
     """
-    Return what a ray meets first, and whether that is in the room.
+    Return the first surface that a ray hits, and whether it is in the room.
 
     The outer faces of the building are black.
     """
@@ -205,7 +205,7 @@ def daylight_luminance(s: SceneGeometry, indoors: bool, up: float) -> float:
 
 
 def is_sunlit(s: SceneGeometry, point: Vector) -> bool:
-    """Tell whether the sun shines on a point, hull apart."""
+    """Return whether the sun shines on a point, hull apart."""
     if s.sun == 0.0:
         return False
     return is_path_clear(s, point, (s.sun_x, s.sun_y, s.sun_z), FAR)
@@ -214,7 +214,7 @@ def is_sunlit(s: SceneGeometry, point: Vector) -> bool:
 def daylight_illuminance(s: SceneGeometry, point: Vector, normal: Vector) -> float:
     """Return the light of sun, sky and ground on a plane, hull apart. [lx]"""
     inside = is_in_room(s, point[0], point[1], point[2])
-    up = 0.5 * (1.0 + normal[2])  # of what the plane sees is sky
+    up = 0.5 * (1.0 + normal[2])  # share of the sky in the plane's field of view
     day = up * daylight_luminance(s, inside, 1.0) + (1.0 - up) * daylight_luminance(
         s, inside, -1.0
     )

@@ -68,14 +68,14 @@ class LightView:
         self._amplifier: AmplifierState | None = None
 
     def prepare(self, sample_rate: float, samples: int) -> None:
-        """Compile what makes a block (sample rate in Hz) before the first one is waited for."""
+        """Compile the block sampling (sample rate in Hz) before the first block."""
         kept = self._poses, self._around, self._amplifier
         self._poses = [(0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)] * 2
         self.read_block(0, sample_rate, samples, np.random.default_rng(0))
         self._poses, self._around, self._amplifier = kept
 
     def record_pose(self, pose: Pose) -> None:
-        """Take note of the pose at a control step: the next block is seen from there."""
+        """Record the pose at a control step for the next block."""
         self._poses.append(pose)
 
     def read_block(
@@ -91,7 +91,7 @@ class LightView:
         return block
 
     def compute_illuminance(self, poses: Sequence[Pose]) -> PlaneIlluminance:
-        """Return what the diodes read at some poses, one after the other."""
+        """Return the diodes' readings at a sequence of poses."""
         before = self._gather_light(poses[0]) if self._around is None else self._around
         self._around = after = self._gather_light(poses[-1])
         shape = len(poses), self._diodes.count
@@ -123,7 +123,7 @@ class LightView:
         return out
 
     def _is_indoors(self, pose: Pose) -> bool:
-        """Tell whether the ambient light is there."""
+        """Return whether the ambient light is there."""
         return self.field.outside is None or is_in_room(self._surround, *pose[:3])
 
     def panel_light(self, pose: Pose) -> tuple[float, float]:

@@ -1,1 +1,1 @@
-"""The laws and data sheets of the sensors aboard."""
+"""Models and data sheets of the onboard sensors."""

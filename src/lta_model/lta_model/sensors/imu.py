@@ -58,16 +58,7 @@ class ImuSettings(Settings):
 @final
 @dataclass(frozen=True, slots=True)
 class ImuErrors:
-    """
-    What stays the same during a flight: one entry an axis, specific force x y z, then rate x y z.
-
-    Attributes
-    ----------
-    gain, offset, noise, step, full_scale : tuple of float
-        Factor on the truth, offset, standard deviation of a sample, size of a count, largest
-        reading. [m/s^2 and rad/s]
-
-    """
+    """Errors that stay constant during a flight, specific force x y z, then rate x y z."""
 
     gain: tuple[float, ...]
     offset: tuple[float, ...]
@@ -128,29 +119,7 @@ def imu_specific_force(
     position: Vector,
     gravity: float,
 ) -> Vector:
-    """
-    Return what an accelerometer away from the body origin feels: a + w' x r + w x (w x r) + g up.
-
-    Parameters
-    ----------
-    velocity, rates : tuple of float
-        Velocity v of the body origin [m/s] and angular rate w [rad/s], body frame.
-    velocity_rate, rates_rate : tuple of float
-        Their derivatives as seen in the body [m/s^2, rad/s^2]: the origin accelerates by
-        a = v' + w x v.
-    up : tuple of float
-        The map's vertical in the body frame: the last row of the rotation body to map.
-    position : tuple of float
-        Place r of the sensor in the body frame. [m]
-    gravity : float
-        Acceleration of free fall. [m/s^2]
-
-    Returns
-    -------
-    tuple of float
-        Specific force in the body frame; +gravity along `up` at rest. [m/s^2]
-
-    """
+    """Return the specific force at the sensor: a + w' x r + w x (w x r) + g up."""
     wx, wy, wz = rates
     dx, dy, dz = rates_rate
     rx, ry, rz = position
@@ -268,24 +237,14 @@ class Imu:
         )
 
     def prepare(self, state: Array, rate: Array) -> None:
-        """Compile what a reading calls, or load it from disk; no chance is used up."""
+        """Compile the reading or load it from disk, without drawing random numbers."""
         truth, told = np.empty(6), np.zeros(6)
         self._feel(state, rate, self._place, truth)
         self._tell(truth, self._errors, told)
         self._sample(state, rate, self._place, truth, self._errors, told)
 
     def read(self, state: Array, rate: Array, elapsed: float) -> tuple[Vector, Vector]:
-        """
-        Return specific force [m/s^2] and angular rate [rad/s] as the sensor tells them.
-
-        Parameters
-        ----------
-        state, rate : ndarray of float64
-            A state of `lta_model.state` and its derivative.
-        elapsed : float
-            Time since the start of the flight. [s]
-
-        """
+        """Return measured specific force [m/s^2] and angular rate [rad/s]."""
         truth, told = self._truth, self._rng.standard_normal(6)
         if self._on_force or self._on_rates:
             self._feel(state, rate, self._place, truth)

@@ -1,5 +1,5 @@
 """
-A ring of photodiodes with amplifiers (OPT101): where they look, and their volts from light.
+A ring of photodiodes with amplifiers (OPT101): directions, and volts from light.
 
 Irradiance on a diode's plane times area and responsivity is the photocurrent; times the feedback
 resistor, volts. The responsivity is the data sheet's at 650 nm: white light holds shorter waves
@@ -29,7 +29,7 @@ from pydantic import Field
 
 Array = NDArray[np.float64]
 ELEMENTARY_CHARGE = 1.602176634e-19  # C, exact in SI
-ROOM = 0.75  # of the converter's range that steady light may take
+ROOM = 0.75  # largest share of the converter's range for steady light
 NOISE_RESISTANCE = 1e6  # ohm, at which the data sheet gives the noise
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
@@ -144,7 +144,7 @@ class PhotodiodeArray(StrictModel):
         return self.feedback_resistance / max(self.resistors, default=self.feedback_resistance)
 
     def select_resistor(self, irradiance: float) -> 'PhotodiodeArray':
-        """Return these diodes with the largest resistor that steady light leaves room. [W/m2]"""
+        """Return these diodes with the largest resistor not saturated by steady light. [W/m2]"""
         volts = [
             resistor * self.area * self.responsivity * irradiance for resistor in self.resistors
         ]

@@ -40,7 +40,7 @@ class PressureSettings(Settings):
 @final
 @dataclass(frozen=True, slots=True)
 class PressureErrors:
-    """What stays the same during a flight: offset [Pa] and drift [Pa/s]."""
+    """Errors that stay constant during a flight: offset [Pa] and drift [Pa/s]."""
 
     offset: float
     drift: float

@@ -48,7 +48,7 @@ class RangeSettings(Settings):
 @final
 @dataclass(frozen=True, slots=True)
 class RangeErrors:
-    """What stays the same during a flight: the offset. [m]"""
+    """Error that stays constant during a flight: the offset. [m]"""
 
     offset: float
 

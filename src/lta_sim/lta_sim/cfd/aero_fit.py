@@ -120,7 +120,7 @@ def _is_unjoined(sweep: TunnelSweep, axis: Axis) -> bool:
 
 
 def _format_unjoined(sweep: TunnelSweep, axis: Axis) -> str:
-    """Return the warning that the fit leaves out the slow point of a reference."""
+    """Return the warning about a slow reference point that is left out."""
     slow = select_points(sweep, axis)[0]
     share = drag_values(axis, [slow])[0] / _fit_points(
         axis, select_fit_points(sweep, axis)
@@ -153,9 +153,7 @@ def mesh_share(sweep: TunnelSweep, axis: Axis) -> float | None:
 
 
 def hull_share(sweep: TunnelSweep, axis: Axis) -> float | None:
-    """
-    Return the hull's share of the drag at the middle speed; None for an estimate by hand. [1].
-    """
+    """Return the hull's share of the drag at the middle speed; None by hand. [1]."""
     parts = middle_point(sweep, axis).parts
     return parts[HULL] / sum(parts.values()) if parts else None
 

@@ -60,9 +60,7 @@ def drag_force(model: TunnelModel, axis: int, speed: float, air: tuple[float, fl
 
 
 def damping_moment(model: TunnelModel, axis: int, rate: float, air: tuple[float, float]) -> float:
-    """
-    Return the moment against rotation about a body axis. [N m]; arguments as in `drag_force`.
-    """
+    """Return the moment against rotation about a body axis. [N m]; see `drag_force`."""
     density, viscosity = air
     sizes = model.hull.extents
     # The axis of revolution is the one whose size differs most from the median.
@@ -73,6 +71,7 @@ def damping_moment(model: TunnelModel, axis: int, rate: float, air: tuple[float,
     disc = 0.616 * math.pi * density * radius**4 * math.sqrt(viscosity * rate**3)
     moment = disc * (1.0 + 0.67 * (height / diameter if axis == revolution else flat))
     if axis != revolution:
+        # The plate term vanishes for a sphere (flat = 1).
         plate = PLATE * density * radius**5 * 2.0 / 15.0 * 2.0
         moment += plate * (1.0 - flat) ** 2 * rate**2
     return moment + _box_damping(model, axis, density) * rate**2
@@ -88,9 +87,7 @@ def _box_areas(model: TunnelModel, axis: int) -> Mapping[str, float]:
 
 
 def _box_damping(model: TunnelModel, axis: int, density: float) -> float:
-    """
-    Return 0.5 rho Cd A r^3 of all boxes rotating about an axis, integrated in strips. [N m s2].
-    """
+    """Return 0.5 rho Cd A r^3 of all boxes about an axis, summed in strips. [N m s2]."""
     total = 0.0
     for name, mesh in model.bodies.items():
         if name == HULL:
@@ -99,6 +96,7 @@ def _box_damping(model: TunnelModel, axis: int, density: float) -> float:
             # Moved along `face` at the distance along the third axis.
             arm = 3 - axis - face
             low, high = mesh.bounds[:, arm]
+            # 21 points suffice for the cubic integrand.
             places = np.linspace(low, high, 21)
             cubed = float(np.trapezoid(np.abs(places) ** 3, places))
             wide = float(mesh.extents[axis])

@@ -62,8 +62,9 @@ def fit_drag(speeds: Sequence[float], drags: Sequence[float]) -> DragFit:
     if len(v) == 0 or len(v) != len(f) or not (np.all(v > 0.0) and np.all(f > 0.0)):
         raise BadInput(
             f'Drag cannot be fitted to {f.tolist()} at {v.tolist()}: each must be positive; '
-            'inspect the flow of the other points.'
+            'inspect the flow of the points that are not.'
         )
+    # Divided by the drag, each row's target is 1: the errors are relative.
     matrix = np.column_stack((v / f, v**2 / f))
     if len(v) == 1:
         matrix[:, 0] = 0.0  # one point cannot determine two terms; use the quadratic one

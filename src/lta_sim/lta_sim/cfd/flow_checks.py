@@ -7,9 +7,7 @@ from lta_sim.cfd.openfoam.engine import CaseFailed
 
 FACES: Final = 20  # least mesh faces on each body
 ZONE: Final = 30  # least cells of a rotor disk
-SPREAD: Final = (
-    0.15  # largest standard deviation in a steady flow's window; edge-on wakes swing by 7 %
-)
+SPREAD: Final = 0.15  # largest relative deviation in the window; edge-on wakes swing by 7 %
 BALANCE: Final = 0.10  # of the force: largest momentum error
 ERROR: Final = 0.05  # largest standard error of the mean of a transient
 LENGTHS: Final = 10.0  # least hull lengths of averaged flow
@@ -28,8 +26,8 @@ def check_mesh(name: str, facts: Mapping[str, float | Mapping[str, int]]) -> Non
         raise CaseFailed(f'The {name} has no cells; check that its shape is closed.')
     if not angle <= ANGLE:
         raise CaseFailed(
-            f'The {name} has faces with a non-orthogonality of {angle:.0f} degrees, over {ANGLE:.0f}; '
-            'simplify sharp corners of the shape.'
+            f'The {name} has faces with a non-orthogonality of {angle:.0f} degrees, over '
+            f'{ANGLE:.0f}; simplify sharp corners of the shape.'
         )
     if negative:
         raise CaseFailed(
@@ -99,5 +97,5 @@ def check_balance(balance: float) -> None:
 
 
 def is_near_estimate(drag: float, by_hand: float) -> bool:
-    """Tell whether a drag and the estimate by hand are within a factor of two."""
+    """Return whether a drag and the estimate by hand are within a factor of two."""
     return by_hand / FACTOR <= drag <= by_hand * FACTOR

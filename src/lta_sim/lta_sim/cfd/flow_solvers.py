@@ -91,6 +91,7 @@ class ThreadedFlowSolver:
                     )
                     for flow in flows
                 ]
+                # In submission order, so that results do not depend on timing.
                 for flow, future in coming:
                     try:
                         yield flow, future.result()
@@ -143,6 +144,7 @@ def solve_flow(stages: CaseRunner, model: TunnelModel, flow: TunnelFlow, density
     if flow.kind == 'blow':
         return reduce.reduce_blow(model, flow.shares or {}, place, mesh, spent, density)
     read = READ[flow.kind]
+    # A coarse mesh and its wind share the axis, so the case name labels the coarse one.
     points, refused = [], {}
     label = flow.case.name if flow.kind == 'coarse' else flow.about
     for speed in flow.speeds:

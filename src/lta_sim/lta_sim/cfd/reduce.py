@@ -99,9 +99,11 @@ def reduce_wind(
     spread = float(np.std(drags) / abs(np.mean(drags)))
     flow_checks.check_spread(spread, len(drags))
     flow_checks.check_brakes(float(np.mean(drags)))
+    # Momentum balance: drag on the bodies plus momentum leaving the domain must cancel.
     lost = _mean_outflow(place, step.begin, OUTER)[0] + np.mean(drags)
     balance = float(abs(lost) / abs(np.mean(drags)))
     flow_checks.check_balance(balance)
+    # The flow was solved at 1 m/s and 1 kg/m3; forces grow with rho U^2.
     scale = density * speed**2
     force, moment = _mean_body_wrench(axis, planes, wrenches, scale)
     return SweepPoint(
@@ -124,6 +126,7 @@ def reduce_transient(
     """Return a transient wind tunnel, its spread the standard error; as `reduce_wind`."""
     wrenches = {name: read_forces(place, name, step.begin) for name in model.bodies}
     first = next(iter(wrenches.values()))
+    # Skip the start: the wake needs time to develop.
     late = first.time >= SETTLING + STARTING * model.length
     drags = np.sum([each.force[late, 0] for each in wrenches.values()], axis=0)
     weights = np.gradient(first.time[late])
@@ -168,6 +171,7 @@ def standard_error(values: Array, weights: Array, batch: float) -> float:
     ends = np.concatenate(([0.0], np.cumsum(weights)))
     sums = np.concatenate(([0.0], np.cumsum(values * weights)))
     whole = ends[-1]
+    # Fewer than one independent batch: the error is unknown.
     if whole <= batch:
         return float('inf')
     begins = np.linspace(0.0, whole - batch, len(values))
@@ -191,6 +195,7 @@ def _mean_body_wrench(
         force += np.average(each.force[rows], axis=0, weights=weights)
         moment += np.average(each.moment[rows], axis=0, weights=weights)
     force, moment = _unfold_symmetry(force, moment, planes)
+    # Transposed: from tunnel axes back to body axes.
     turn = TURNS[axis].T
     return scale * (turn @ force), scale * (turn @ moment)
 
@@ -264,6 +269,7 @@ def reduce_blow(
         rotor = model.rotors[name]
         push = share * rotor.thrust * np.array(rotor.axis)
         thrust += push
+        # The disks are momentum sources, so their thrust is not in the wall forces.
         torque += np.cross(rotor.place, push)
         loudness += abs(share) * rotor.thrust
     wrenches = {name: read_forces(place, name, '0') for name in model.bodies}

@@ -39,6 +39,7 @@ def find_crossing(triangles: Array) -> tuple[int, int] | None:
 def _iterate_near_pairs(triangles: Array) -> Iterator[tuple[Index, Index]]:
     """Yield pairs of triangles whose boxes overlap and that share no corner, in chunks."""
     low, high = triangles.min(axis=1), triangles.max(axis=1)
+    # Sweep along x: only triangles whose x ranges overlap are compared.
     order = np.argsort(low[:, 0])
     last = np.searchsorted(low[order, 0], high[order, 0], side='right')
     counts = np.maximum(last - np.arange(len(order)) - 1, 0)
@@ -54,6 +55,7 @@ def _iterate_near_pairs(triangles: Array) -> Iterator[tuple[Index, Index]]:
         apart = (low[one] > high[other]) | (low[other] > high[one])
         one, other = one[~apart.any(axis=1)], other[~apart.any(axis=1)]
         gaps = triangles[one][:, :, None] - triangles[other][:, None]
+        # Triangles that share a corner touch without crossing.
         alone = ~(np.abs(gaps).max(axis=3) == 0.0).any(axis=(1, 2))
         yield one[alone], other[alone]
         begin = end

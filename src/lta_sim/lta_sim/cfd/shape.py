@@ -45,6 +45,7 @@ def mylar_profile(points: int = POINTS) -> Array:
         Radius and height.
 
     """
+    # Integrate on a 20 times finer grid than the result.
     angle = np.linspace(0.0, 0.5 * np.pi, 20 * (points - 1) + 1)
     rise = np.sin(angle) ** 2 / np.sqrt(1.0 + np.sin(angle) ** 2)
     below = cumulative_simpson(rise, x=angle, initial=0.0)
@@ -73,6 +74,7 @@ def revolve_profile(half: Array, radius: float, height: float) -> trimesh.Trimes
     upper[0, 0], upper[-1, 1] = 0.0, 0.0
     around = np.vstack((upper[:-1] * (1.0, -1.0), upper[::-1]))
     mesh = trimesh.creation.revolve(around, sections=SECTIONS)
+    # A negative volume means inward normals.
     if mesh.volume < 0.0:
         mesh.invert()
     return mesh

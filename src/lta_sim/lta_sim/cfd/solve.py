@@ -53,9 +53,7 @@ def solve_sweep(
     air: Air,
     report: Callable[[str], None],
 ) -> tuple[dict[str, list[SweepPoint]], dict[str, Blow], dict[str, str], dict[str, SweepPoint]]:
-    """
-    Solve flows; return points per axis, patterns, refused flows with reason, and coarse meshes.
-    """
+    """Solve flows; return points by axis, patterns, refused flows and coarse meshes."""
     axes: dict[str, list[SweepPoint]] = {}
     blows: dict[str, Blow] = {}
     refused: dict[str, str] = {}

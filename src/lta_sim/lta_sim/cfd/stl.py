@@ -33,7 +33,7 @@ def read_stl(path: Path, unit: str) -> trimesh.Trimesh:
     """
     if not path.is_file():
         raise BadInput(
-            f'There is no STL file {path}; check the path, it is beside its tunnel file.'
+            f'There is no STL file {path}; check the path, which is relative to the tunnel file.'
         )
     if path.stat().st_size > STL_BYTES:
         raise BadInput(f'{path} is larger than {STL_BYTES} bytes; draw it with fewer triangles.')

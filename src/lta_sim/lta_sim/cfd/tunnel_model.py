@@ -81,7 +81,7 @@ class TunnelModel:
         return 0.5 * float(np.abs(self.hull.area_faces * self.hull.face_normals[:, axis]).sum())
 
     def is_mirror_symmetric(self, axis: int) -> bool:
-        """Tell whether all bodies together are their own mirror image across an axis."""
+        """Return whether all bodies together are their own mirror image across an axis."""
         return bool(self._select_symmetries([np.diag(np.where(np.arange(3) == axis, -1.0, 1.0))]))
 
     def find_symmetries(self) -> list[Array]:
@@ -90,9 +90,7 @@ class TunnelModel:
 
     @property
     def has_quarter_symmetry(self) -> bool:
-        """
-        Whether a quarter turn maps the bodies onto themselves, so that x and y are equivalent.
-        """
+        """Whether a quarter turn maps the bodies onto themselves (x equals y)."""
         return bool(self._select_symmetries([QUARTER]))
 
     def _select_symmetries(self, changes: Sequence[Array]) -> list[Array]:

@@ -1,1 +1,1 @@
-"""The wind tunnel for people: its progress, its page, its pictures."""
+"""Wind-tunnel front end: solvers, progress, tables, plots and pages."""

@@ -1,9 +1,9 @@
 """
-A Dask cluster that solves the flows of a wind tunnel.
+Solve the flows of a wind tunnel on a Dask cluster.
 
-Its machines need LTA and OpenFOAM. A flow is solved and read where it lies, and only its numbers
-travel. Each machine keeps what it has solved; a folder that all of them share (--cache) spares
-them each other's meshes.
+Its machines need LTA and OpenFOAM. A flow is solved and evaluated on one worker, and only the
+numbers are returned. Each machine caches its solved cases; a shared folder (--cache) avoids
+computing a mesh more than once.
 """
 
 from collections.abc import Generator, Sequence
@@ -28,21 +28,22 @@ REMEDY: Final = 'give its workers fewer threads or more memory, or take a coarse
 @final
 class FlowCluster:
     """
-    Workers of a Dask cluster, a flow a thread.
+    Workers of a Dask cluster; each thread solves one flow.
 
     Parameters
     ----------
     address : str
-        Of the scheduler, such as tcp://10.0.0.1:8786.
+        Address of the scheduler, such as tcp://10.0.0.1:8786.
     folder : Path, optional
-        Where solved cases are kept, on every machine; each one's own cache by default.
+        Cache of solved cases on every machine; by default the machine's own cache.
     tell : callable
-        Told what has been solved.
+        Progress callback for solved cases.
 
     Raises
     ------
     BadInput
-        If dask.distributed is not installed, nobody answers there, or a worker has no OpenFOAM.
+        If dask.distributed is not installed, the scheduler does not answer, or a worker has no
+        OpenFOAM.
 
     """
 
@@ -53,12 +54,12 @@ class FlowCluster:
         if lacking := [worker for worker, engine in self._engines.items() if not engine]:
             self._client.close()
             raise BadInput(
-                f'OpenFOAM is not installed where the worker {lacking[0]} runs: "sudo apt-get '
-                'install --no-install-recommends openfoam" brings it, or stop that worker.'
+                f'OpenFOAM is not installed on the worker {lacking[0]}; install it with "sudo '
+                'apt-get install --no-install-recommends openfoam", or stop that worker.'
             )
 
     def __enter__(self) -> Self:
-        """Take the cluster."""
+        """Return the cluster."""
         return self
 
     def __exit__(
@@ -67,16 +68,16 @@ class FlowCluster:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Take back what has not begun; a program that runs ends, and its flow is kept there."""
+        """Cancel flows that have not started; running ones finish and stay cached."""
         with suppress(OSError):
             self._client.close()
 
     def engine_name(self) -> str:
-        """Return what they are solved with."""
+        """Return the OpenFOAM versions of the workers."""
         return ', '.join(sorted(set(self._engines.values())))
 
     def check_memory(self, flows: Sequence[TunnelFlow]) -> None:
-        """Refuse, before any work, meshes that would not fit into a worker's memory."""
+        """Raise `BadInput` for meshes that do not fit into a worker's memory."""
         for worker in self._client.scheduler_info(n_workers=-1)['workers'].values():
             if worker['memory_limit']:
                 check_memory(flows, worker['nthreads'], worker['memory_limit'], REMEDY)
@@ -84,7 +85,7 @@ class FlowCluster:
     def solve_flows(
         self, model: TunnelModel, flows: Sequence[TunnelFlow], density: float
     ) -> Generator[tuple[TunnelFlow, Found | CaseFailed]]:
-        """Yield each flow with what came of it; parameters as `solve_flow`."""
+        """Yield each flow with its result or failure; parameters as in `solve_flow`."""
         meshes = {
             mesh.key: self._submit(mesh, build_mesh_on_worker, mesh) for mesh in list_meshes(flows)
         }
@@ -99,13 +100,13 @@ class FlowCluster:
                 yield flow, future.result()
             except CaseFailed as error:
                 yield flow, error
-            except Exception as error:  # whatever befell the worker
+            except Exception as error:  # a lost worker can raise anything
                 reason = ' '.join(str(error).split())
                 yield (
                     flow,
                     CaseFailed(
-                        f'The cluster gave it up ({type(error).__name__}: {reason}); '
-                        'start again to go on.'
+                        f'The cluster failed ({type(error).__name__}: {reason}); '
+                        'run the command again to resume.'
                     ),
                 )
 
@@ -116,19 +117,19 @@ class FlowCluster:
 
 
 def find_worker_engine() -> str:
-    """Return which OpenFOAM this machine has, or nothing."""
+    """Return the OpenFOAM version of this machine, or ''."""
     return find_version() if has_openfoam() else ''
 
 
 def build_mesh_on_worker(folder: Path | None, mesh: FoamCase) -> None:
-    """Make a mesh on this machine."""
+    """Build a mesh on this machine."""
     solve_mesh(_build_worker_stages(folder), mesh)
 
 
 def solve_flow_on_worker(
     folder: Path | None, model: TunnelModel, flow: TunnelFlow, density: float, _: None
 ) -> Found:
-    """Solve and read a flow on this machine, when its mesh has been made."""
+    """Solve and evaluate a flow on this machine; the last argument waits for its mesh."""
     return solve_flow(_build_worker_stages(folder), model, flow, density)
 
 

@@ -1,4 +1,4 @@
-"""The page of a sweep: what the air does to the vehicle, and what its rotors do to the air."""
+"""Write the page of a wind-tunnel sweep: drag of the vehicle, and its rotors' net wrenches."""
 
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -26,22 +26,22 @@ from lta_studies.cfd.tables import build_drag_table, build_rotor_table
 from lta_studies.energy.tables import render_text_table
 
 INTRODUCTION: Final = (
-    'Drag along and about six axes, and what each rotor pushes with the hull in its jet, from the '
-    'shape alone: no flight.'
+    'Drag along and about six axes, and the net force of each rotor with the hull in its jet, '
+    'computed from the shape without flights.'
 )
 DRAWN: Final = (
-    'Points: what the flow solver gave, with the spread of the window that is averaged. Lines: '
-    'the fit that flies. Dotted: the estimate by hand, which should be within a factor of two.'
+    'Points: results of the flow solver, with the spread of the averaging window. Lines: '
+    'the fit used in flight. Dotted: estimate by hand, which should agree within a factor of two.'
 )
 METHOD: Final = (
-    'One mesh a direction, the air at 1 m/s, the viscosity divided by the speed that is meant. '
-    'preview: steady k-omega SST with transition, half or a quarter of the air where the vehicle '
-    f'mirrors. reference: transient at {MIDDLE:g} m/s, the whole tunnel, implicit large eddies, '
-    f'detached ones beyond a Reynolds number of {MODELLED:,.0f}; steady at {SLOW:g} m/s.',
-    'Rotors are momentum sources in their disks, without swirl. Turning is steady, in a frame '
-    'that turns along: the damping of small fast swings is under-predicted.',
-    'A number is refused where a disk has under 30 cells, where the force still swings by over '
-    '15 %, or where over 10 % of it is not in the momentum of the air. Nothing here is '
+    'One mesh per direction; air at 1 m/s, with the viscosity divided by the intended speed. '
+    'preview: steady k-omega SST with transition, half or a quarter of the domain where the '
+    f'vehicle is symmetric. reference: transient at {MIDDLE:g} m/s, whole tunnel, implicit LES, '
+    f'DES beyond a Reynolds number of {MODELLED:,.0f}; steady at {SLOW:g} m/s.',
+    'Rotors are momentum sources in their disks, without swirl. Turning is steady in a rotating '
+    'frame: the damping of small fast swings is under-predicted.',
+    'A number is rejected if a disk has under 30 cells, the force still varies by over '
+    '15 %, or over 10 % of it is missing in the momentum of the air. Nothing here is '
     'grid-converged.',
 )
 
@@ -49,14 +49,14 @@ METHOD: Final = (
 def write_page(
     sweep: TunnelSweep, slices: Sequence[FlowSlice], commands: Mapping[str, str], out: Path
 ) -> Path:
-    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    """Write the page and return its path; raise `BadInput` if that fails."""
     return write_file(render_page(sweep, slices, commands), out)
 
 
 def render_page(
     sweep: TunnelSweep, slices: Sequence[FlowSlice], commands: Mapping[str, str]
 ) -> str:
-    """Return the whole page."""
+    """Return the HTML of the page."""
     pictures = [render_section('about', 'Turning', DRAWN, draw_drag(sweep, turning=True))]
     pictures += [
         render_section(
@@ -67,7 +67,7 @@ def render_page(
     tables = render_text_table(build_drag_table(sweep))
     if sweep.blows:
         tables += render_text_table(build_rotor_table(sweep))
-    warned = [f'Take care: {each}.' for each in collect_warnings(sweep)]
+    warned = [f'Warning: {each}.' for each in collect_warnings(sweep)]
     notes = ''.join(f'<p class="note">{escape(each)}</p>' for each in [*warned, *METHOD])
     return assemble_page(
         'energy.html',
@@ -88,25 +88,25 @@ def render_page(
     )  # fmt: skip
 
 
-CAPTION: Final = 'Speed of the air in the plane through the middle; grey is solid.'
+CAPTION: Final = 'Airspeed in the middle plane; grey is solid.'
 
 
 def format_slice_heading(plane: FlowSlice) -> str:
-    """Return what a slice shows."""
+    """Return the heading of a slice."""
     return f'{plane.about.replace("_", " ").capitalize()}: the air in the middle plane'
 
 
 def format_title(sweep: TunnelSweep) -> str:
-    """Return what came out, in a sentence."""
+    """Return the headline."""
     fits = fit_axes(sweep)
     return (
-        f'{sweep.name} brakes with {fits["surge"].drag_at(1.0):.3f} N edge-on and '
+        f'{sweep.name} has a drag of {fits["surge"].drag_at(1.0):.3f} N edge-on and '
         f'{fits["heave"].drag_at(1.0):.3f} N broadside at 1 m/s ({sweep.fidelity}).'
     )
 
 
 def build_tiles(sweep: TunnelSweep) -> list[Tile]:
-    """Return the drag of each axis at 1 m/s or 1 rad/s, and the lift of all rotors."""
+    """Return tiles with the drag of each axis at 1 m/s or 1 rad/s, and the lift of all rotors."""
     fits = fit_axes(sweep)
     made = [
         Tile(axis, f'{1e3 * fits[axis].drag_at(1.0):.0f}', 'mN', f'at 1 m/s, '

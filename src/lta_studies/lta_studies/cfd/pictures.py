@@ -1,4 +1,4 @@
-"""Pictures of a sweep: drag against speed with its fit, and planes through the flow."""
+"""Plot a sweep: drag against speed with its fit, and slices through the flow."""
 
 from collections.abc import Sequence
 from itertools import cycle
@@ -19,7 +19,7 @@ SETTINGS: Final = (ESTIMATE, LAMP, GOOD, TRUTH, SETPOINT)
 
 
 def draw_drag(sweep: TunnelSweep, turning: bool) -> Figure:
-    """Return drag along, or moment about, three axes: points, fit, and what is known by hand."""
+    """Plot drag along, or moment about, three axes: points, fit and estimate by hand."""
     figure = create_figure()
     axes = [axis for axis in AXES if (axis in ABOUT) == turning]
     fits = fit_axes(sweep)
@@ -63,9 +63,9 @@ def _choose_ticks(turning: bool) -> list[float]:
 
 
 def draw_slice(plane: FlowSlice) -> Figure:
-    """Return a plane through the flow."""
+    """Plot a slice through the flow."""
     figure = create_figure()
-    top = float(np.nanpercentile(plane.speed, 99.7))
+    top = float(np.nanpercentile(plane.speed, 99.7))  # ignores spikes at edges
     figure.add_trace(
         Heatmap(
             x=np.round(plane.across, 4).tolist(), y=np.round(plane.up, 4).tolist(),
@@ -83,7 +83,7 @@ def draw_slice(plane: FlowSlice) -> Figure:
 
 
 def draw_sphere_drag(results: Sequence[SphereComparison]) -> Figure:
-    """Return the sphere's drag coefficient beside what was measured."""
+    """Plot the drag coefficient of the sphere, compared with measurements."""
     figure = create_figure()
     reynolds = np.geomspace(5e3, 3e5, 200)
     figure.add_trace(

@@ -1,4 +1,4 @@
-"""The progress bar of the tunnel: which flows run, how settled they are, how long it takes."""
+"""Show the progress of a sweep: running flows, their residuals and the time left."""
 
 from collections.abc import Sequence
 import math
@@ -13,7 +13,7 @@ from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 
 
 def list_cases(flows: Sequence[TunnelFlow]) -> list[FoamCase]:
-    """Return all cases of some flows, each once, meshes first."""
+    """Return the unique cases of some flows, meshes first."""
     meshes = [flow.case.mesh for flow in flows if flow.case.mesh is not None]
     unique = {case.key: case for case in [*meshes, *(flow.case for flow in flows)]}
     return list(unique.values())
@@ -22,18 +22,10 @@ def list_cases(flows: Sequence[TunnelFlow]) -> list[FoamCase]:
 @final
 class TunnelProgress(ProgressBar):
     """
-    Show a sweep while it lasts.
+    Progress bar of a sweep.
 
-    The time left is that of the cells and rounds to come at the pace of the last ten minutes, so
-    it knows how much of the machine others take.
-
-    Parameters
-    ----------
-    console : Console
-        Where to.
-    flows : sequence of Flow
-        All of them.
-
+    The time left is extrapolated from the pace of the last ten minutes, so that it includes the
+    load of other programs.
     """
 
     def __init__(self, console: Console, flows: Sequence[TunnelFlow]) -> None:
@@ -49,12 +41,12 @@ class TunnelProgress(ProgressBar):
         self._telling: dict[str, str] = {}
 
     def skip_solved(self, stages: CaseRunner) -> None:
-        """Leave out what is solved already."""
+        """Exclude cases that are already solved."""
         self._cases = [case for case in self._cases if not stages.is_done(case)]
         self.update_bar(total=sum(case.work for case in self._cases) or 1.0)
 
     def update(self, case: FoamCase, step: ProgramStep, share: float, residual: float) -> None:
-        """Take in how far a case is."""
+        """Update the progress of a case."""
         rounds = [max(each.rounds, 20) for each in case.steps]
         before = sum(rounds[: list(case.steps).index(step)])
         done = (before + share * rounds[list(case.steps).index(step)]) / sum(rounds)

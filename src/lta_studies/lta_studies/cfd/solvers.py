@@ -1,4 +1,4 @@
-"""Who solves the flows that a command asks for: this machine, or a cluster."""
+"""Choose the solver of the flows: this machine or a Dask cluster."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -17,10 +17,12 @@ from lta_studies.cfd.progress import TunnelProgress
 import typer
 
 Jobs = Annotated[
-    int | None, typer.Option(help='Flows at a time; one a core by default.', min=1, max=256)
+    int | None,
+    typer.Option(help='Flows solved at a time; one per core by default.', min=1, max=256),
 ]
 Cache = Annotated[
-    Path | None, typer.Option(help='Folder of solved flows; with --scheduler, of every machine.')
+    Path | None,
+    typer.Option(help='Cache folder of solved flows; with --scheduler, on every machine.'),
 ]
 Scheduler = Annotated[
     str | None,
@@ -29,11 +31,11 @@ Scheduler = Annotated[
 
 
 def check_solver(jobs: int | None, scheduler: str | None) -> None:
-    """Refuse, before anything is written, what cannot solve a flow."""
+    """Raise `BadInput` for options that cannot solve a flow."""
     if scheduler is None:
         require_openfoam()
     elif jobs is not None:
-        raise BadInput('A cluster solves a flow a thread of its workers; leave --jobs out.')
+        raise BadInput('A cluster solves one flow per worker thread; leave --jobs out.')
 
 
 @contextmanager
@@ -42,20 +44,20 @@ def open_solver(
     scheduler: str | None, limit: float | None = None,
 ) -> Iterator[FlowSolver]:  # fmt: skip
     """
-    Give whoever solves some flows.
+    Open the solver for some flows; raise `BadInput` if their meshes do not fit in memory.
 
     Parameters
     ----------
-    flows : sequence of Flow
-        All of them; `BadInput` where their meshes would not fit.
+    flows : sequence of TunnelFlow
+        All flows of the command.
     bar : TunnelProgress
-        Told how far they are.
+        Progress bar.
     jobs : int, optional
-        How many at a time on this machine.
+        Flows at a time on this machine.
     cache : Path, optional
-        Where solved flows are kept.
+        Cache folder of solved flows.
     scheduler : str, optional
-        Address of a cluster's.
+        Address of a Dask scheduler.
     limit : float, optional
         Memory of this machine. [GB]
 
@@ -72,5 +74,5 @@ def open_solver(
 
 
 def resolve_cache_folder(cache: Path | None) -> Path:
-    """Return where this machine keeps solved flows."""
+    """Return the cache folder of this machine."""
     return (cache or cache_folder()).absolute()

@@ -1,4 +1,4 @@
-"""The page of the validation: the tunnel's sphere beside real ones."""
+"""Write the validation page: the sphere in the tunnel compared with measurements."""
 
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -21,28 +21,29 @@ CAPTION: Final = (
     'Points: this tunnel.'
 )
 METHOD: Final = (
-    'The steady model makes the boundary layer turbulent too early and sheds no wake: it is right '
-    'at 0.2 m/s and low at 2 m/s, the more the finer the mesh. It is for comparing designs.',
-    'The transient setting was chosen because it met a sphere: up to a Reynolds number of '
-    f'{MODELLED:,.0f} without a model of eddies, beyond with one. It is no independent test of '
-    'it.',
+    'The steady model makes the boundary layer turbulent too early and has no vortex shedding: it '
+    'is correct at 0.2 m/s and too low at 2 m/s, more so on finer meshes. Use it to compare '
+    'designs.',
+    'The transient setting was chosen because it agreed with a sphere: up to a Reynolds number of '
+    f'{MODELLED:,.0f} without an eddy model, beyond with one. This is therefore not an '
+    'independent test.',
 )
 
 
 def write_page(
     results: Sequence[SphereComparison], commands: Mapping[str, str], out: Path
 ) -> Path:
-    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    """Write the page and return its path; raise `BadInput` if that fails."""
     return write_file(render_page(results, commands), out)
 
 
 def render_page(results: Sequence[SphereComparison], commands: Mapping[str, str]) -> str:
-    """Return the whole page."""
+    """Return the HTML of the page."""
     return assemble_page(
         'energy.html',
         title=escape(format_title(results)),
         kicker='cfd validate · sphere',
-        about='A sphere of 1 m in the wind tunnel, beside what was measured of real ones.',
+        about='A sphere of 1 m in the wind tunnel, compared with measurements of real ones.',
         tiles='\n'.join(render_tile(*each) for each in build_tiles(results)),
         first=render_section('sphere', 'Drag coefficient', CAPTION, draw_sphere_drag(results)),
         pictures='',
@@ -54,18 +55,18 @@ def render_page(results: Sequence[SphereComparison], commands: Mapping[str, str]
 
 
 def format_title(results: Sequence[SphereComparison]) -> str:
-    """Return what came out, in a sentence."""
+    """Return the headline."""
     parts = []
     for setting in dict.fromkeys(each.setting for each in results):
         worst = max(
             (each for each in results if each.setting == setting), key=lambda e: abs(e.off)
         )
         parts.append(f'{setting}: at worst {100 * worst.off:+.0f} % at Re {worst.reynolds:.2g}')
-    return f'Sphere beside the measured scatter: {"; ".join(parts)}.'
+    return f'Sphere against the measured scatter: {"; ".join(parts)}.'
 
 
 def build_tiles(results: Sequence[SphereComparison]) -> list[Tile]:
-    """Return each point."""
+    """Return tiles of some points."""
     return [
         Tile(
             f'{each.setting}, {each.speed:g} m/s', f'{each.coefficient:.3f}', '',

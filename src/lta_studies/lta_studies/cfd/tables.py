@@ -1,4 +1,4 @@
-"""Tables of a sweep, for page and terminal."""
+"""Build the tables of a sweep for page and terminal."""
 
 import math
 
@@ -18,7 +18,7 @@ from lta_studies.energy.tables import TextTable
 
 
 def build_drag_table(sweep: TunnelSweep) -> TextTable:
-    """Return linear and quadratic drag of each axis, how well they fit, and what is beside."""
+    """Return the table of linear and quadratic drag of each axis, with quality measures."""
     rows = []
     for axis, fit in fit_axes(sweep).items():
         points = select_fit_points(sweep, axis)
@@ -34,12 +34,12 @@ def build_drag_table(sweep: TunnelSweep) -> TextTable:
         ])  # fmt: skip
     heads = [
         'axis', 'D1', 'D2', 'fit error [%]', 'exponent', 'spread [%]', 'cells', 'mesh [%]',
-        'hull [%]', 'over hand',
+        'hull [%]', 'ratio to hand',
     ]  # fmt: skip
     note = (
-        'D1 in N s/m and N m s, D2 in N s2/m2 and N m s2, about the hull centre. Fit error: the '
-        'worst point. At the middle point: mesh, how much more drag there is on a coarser one; '
-        'hull, its share of the drag; over hand, the drag over the estimate by hand.'
+        'D1 in N s/m and N m s, D2 in N s2/m2 and N m s2, about the hull centre. Fit error: at '
+        'the worst point. At the middle point: mesh, additional drag on a coarser mesh; hull, its '
+        'share of the drag; ratio to hand, the drag divided by the estimate by hand.'
     )
     return TextTable('Drag', heads, rows, note)
 
@@ -49,11 +49,11 @@ def _format_percent(share: float | None, form: str) -> str:
 
 
 def _format_thousandths(value: float, digits: int) -> str:
-    return f'{round(1e3 * value, digits) + 0.0:.{digits}f}'  # no minus before a nought
+    return f'{round(1e3 * value, digits) + 0.0:.{digits}f}'  # + 0.0 turns -0.0 into 0.0
 
 
 def build_rotor_table(sweep: TunnelSweep) -> TextTable:
-    """Return the net wrench of all that blew, and what the sum of single rotors says."""
+    """Return the table of net wrenches, compared with the sum of single rotors."""
     rows = []
     for name, blown in sweep.blows.items():
         sum_ = sum_columns(sweep, blown.shares)
@@ -70,15 +70,15 @@ def build_rotor_table(sweep: TunnelSweep) -> TextTable:
         'balance [%]',
     ]  # fmt: skip
     note = (
-        'Net, the thrust itself included, about the hull centre. Fz of sum: of the single rotors. '
-        'Quarter: the wrench at a quarter of the thrust over a quarter of the whole one, 1 where '
-        'it is linear. Balance: force that is not in the momentum of the air.'
+        'Net wrench about the hull centre, including the thrust. Fz of sum: sum of single rotors. '
+        'Quarter: wrench at a quarter of the thrust divided by a quarter of the full one, 1 if '
+        'linear. Balance: force that is missing in the momentum of the air.'
     )
     return TextTable('Rotors on', heads, rows, note)
 
 
 def build_sphere_table(results: list[SphereComparison]) -> TextTable:
-    """Return the sphere beside what was measured."""
+    """Return the table of the sphere, compared with measurements."""
     rows = [
         [
             each.setting, f'{each.reynolds:.2g}', f'{each.coefficient:.3f}',

@@ -1,1 +1,1 @@
-"""What flights cost: the power budget, hovering against a multirotor, and where panels sit."""
+"""Energy studies: power budget, hovering, solar cells, break-even light and panel mounts."""

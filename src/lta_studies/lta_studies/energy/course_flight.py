@@ -1,4 +1,4 @@
-"""A flight along a course, step by step: where it was, how it leaned, and what it took."""
+"""Fly along a course and record motion and power at each control step."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -24,22 +24,22 @@ Course = Callable[[float], Setpoint]
 @dataclass(frozen=True, slots=True)
 class FlightTrack:
     """
-    A flight by control steps; every array has one number a step.
+    Recorded flight; every array has one value per control step.
 
     Attributes
     ----------
     time : ndarray
-        Since the start. [s]
+        Time since the start. [s]
     height : ndarray
-        Of the hull centre. [m]
+        Height of the hull centre. [m]
     speed : ndarray
-        Over ground, level. [m/s]
+        Horizontal ground speed. [m/s]
     pitch : ndarray
-        Nose up is positive. [rad]
+        Pitch, nose up positive. [rad]
     rotors : ndarray
         Electrical power of all rotors. [W]
     voltage, charge : ndarray
-        At the terminals of the cell [V], and its state of charge [1].
+        Terminal voltage of the cell [V], and its state of charge [1].
 
     """
 
@@ -52,13 +52,13 @@ class FlightTrack:
     charge: Array
 
     def crop(self, begin: float, end: float) -> 'FlightTrack':
-        """Return a stretch of the flight. [s]"""
+        """Return the part of the flight in [begin, end). [s]"""
         keep = (self.time >= begin - 1e-9) & (self.time < end - 1e-9)
         return FlightTrack(*(getattr(self, name)[keep] for name in self.__slots__))
 
 
 def build_loop(spec: FlightSpec, course: Course | None, seed: int) -> ClosedLoop:
-    """Return a flight along a course, or by its own strategy, that is about to begin."""
+    """Return the closed loop along a course, or with its own strategy if that is None."""
     vehicle, scenario, policy = build_parts(spec)
     table = load_topic_table()
     looking = spec.strategy if course is None else ''
@@ -67,7 +67,7 @@ def build_loop(spec: FlightSpec, course: Course | None, seed: int) -> ClosedLoop
 
 
 def fly_until(loop: ClosedLoop, until: Callable[[ClosedLoop], bool]) -> FlightTrack:
-    """Fly until something is so, and return what was flown."""
+    """Fly until a condition holds and return the recorded flight."""
     world, rows = loop.world, []
     loads = world.vehicle.loads
     while not until(loop):
@@ -87,10 +87,10 @@ def fly_until(loop: ClosedLoop, until: Callable[[ClosedLoop], bool]) -> FlightTr
 
 
 def pitch_angle(quaternion: tuple[float, float, float, float]) -> float:
-    """Return how far the nose is above the horizon. [rad]"""
+    """Return the pitch, nose up positive. [rad]"""
     return math.asin(max(-1.0, min(1.0, up_in_body(quaternion)[0])))
 
 
 def stop_after(seconds: float) -> Callable[[ClosedLoop], bool]:
-    """Return when a flight of a length is over. [s]"""
+    """Return a condition that ends a flight after a time. [s]"""
     return lambda loop: loop.world.elapsed >= seconds - 1e-9

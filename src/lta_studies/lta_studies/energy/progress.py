@@ -1,4 +1,4 @@
-"""A bar on a terminal for what takes many flights."""
+"""Show a progress bar for studies with many flights."""
 
 from collections.abc import Callable
 from typing import TypeVar
@@ -12,7 +12,7 @@ Result = TypeVar('Result')
 def run_with_progress(
     work: Callable[[Callable[[], None]], Result], todo: int, console: Console
 ) -> Result:
-    """Return what some work returns; it is given what to call after each of `todo` flights."""
+    """Run `work` with a callback that advances a bar of `todo` flights."""
     with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
         task = progress.add_task('flying', total=todo)
         return work(lambda: progress.advance(task))

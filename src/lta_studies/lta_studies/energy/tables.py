@@ -1,4 +1,4 @@
-"""Tables of text for the pages about energy, and the same on a terminal."""
+"""Render text tables in HTML and on a terminal."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from rich.text import Text
 @final
 @dataclass(frozen=True, slots=True)
 class TextTable:
-    """A heading, the heads of its columns, and its rows; the first cell of a row names it."""
+    """A table of text; the first cell of a row is its name."""
 
     heading: str
     heads: Sequence[str]
@@ -22,7 +22,7 @@ class TextTable:
 
 
 def transpose_table(table: TextTable) -> TextTable:
-    """Return a table with rows and columns exchanged, for a narrow terminal."""
+    """Transpose a table for a narrow terminal."""
     rows = [
         [head, *(row[place] for row in table.rows)]
         for place, head in enumerate(table.heads[1:], start=1)
@@ -32,7 +32,7 @@ def transpose_table(table: TextTable) -> TextTable:
 
 
 def render_text_table(table: TextTable) -> str:
-    """Return a table in a panel of its own."""
+    """Return a table in its own HTML panel."""
     head = ''.join(f'<th scope="col">{escape(each)}</th>' for each in table.heads)
     lines = []
     for first, *rest in table.rows:
@@ -49,8 +49,8 @@ def render_text_table(table: TextTable) -> str:
 
 
 def print_table(table: TextTable, console: Console) -> None:
-    """Print a table; it moves together where the terminal is narrow."""
-    # Heads a word a line: a column is as wide as its numbers.
+    """Print a table, with narrower gaps if the terminal is narrow."""
+    # One word per line in the heads, so that columns are as narrow as their numbers.
     heads = [head.replace(' ', '\n') for head in table.heads]
     columns = zip(heads, *table.rows, strict=True)
     width = sum(max(len(line) for cell in each for line in cell.split('\n')) for each in columns)

@@ -1,1 +1,1 @@
-"""What `lta light` does: the light link seen from the ground."""
+"""Light studies behind `lta light`: link budget, bearings, strategies and lamp layout."""

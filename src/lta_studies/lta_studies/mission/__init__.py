@@ -1,1 +1,1 @@
-"""Missions over days: perch and charge, fly when light and reserve allow, come back in time."""
+"""Simulate missions over days: charge on a perch, fly when light and reserve allow, return."""

@@ -1,4 +1,4 @@
-"""What a mission came to, in numbers, and as JSON and back."""
+"""Summarize a mission log in numbers, and convert it to and from JSON."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -12,7 +12,7 @@ from lta_energy.mission_log import ASLEEP, MissionFlight, MissionLog
 FAILED: Final = {
     'empty': 'empty in flight',
     'away': 'landed away at half the reserve',
-    'lost': 'did not find home',
+    'lost': 'did not find the perch',
     'escaped': 'left the room',
     'stopped': 'stopped its motors',
 }
@@ -22,28 +22,28 @@ FAILED: Final = {
 @dataclass(frozen=True, slots=True)
 class MissionFigures:
     """
-    The figures of one mission; energies in J, times in s.
+    Summary of one mission; energies in J, times in s.
 
     Attributes
     ----------
     flights, rounds, visits : int
-        Flights, those that reached every beacon, and beacons reached.
+        Number of flights, of flights that reached every beacon, and of beacons reached.
     flown, longest : float
         Time in the air, and the longest flight.
     failures : mapping of str to int
-        What went wrong, by kind.
+        Number of failures by kind.
     harvested, curtailed, consumed, lost, stored : float
-        The books.
+        Energy balance.
     imbalance : float
-        What they do not account for, by what was harvested or consumed. [1]
+        Error of the balance relative to the energy harvested or consumed. [1]
     in_flight : float
         Mean power drawn in flight. [W]
     lowest_charge, lowest_voltage : float
-        Of flights, by the truth. [1, V]
+        Lowest true values in flight. [1, V]
     gauge_error : float
-        Largest error of the drone's own charge. [1]
+        Largest error of the drone's charge estimate. [1]
     asleep : float
-        Share of the time. [1]
+        Share of the time asleep. [1]
 
     """
 
@@ -67,12 +67,12 @@ class MissionFigures:
 
     @property
     def failure_count(self) -> int:
-        """How many things went wrong."""
+        """Total number of failures."""
         return sum(self.failures.values())
 
 
 def compute_figures(diary: MissionLog, beacons: int) -> MissionFigures:
-    """Return the figures of a diary; `beacons` is the length of the round."""
+    """Summarize a mission log; `beacons` is the number of beacons in a round."""
     flights, flow = diary.flights, diary.spent
     flown = sum(each.duration for each in flights)
     spent = sum(each.spent.consumed for each in flights)
@@ -116,12 +116,12 @@ def flight_minutes_by_hour(diary: MissionLog, light: IrradianceSeries) -> list[f
 
 
 def to_json(diary: MissionLog) -> dict[str, Any]:
-    """Return a diary as JSON has it."""
+    """Convert a mission log to JSON."""
     return asdict(diary)
 
 
 def from_json(content: Mapping[str, Any]) -> MissionLog:
-    """Return the diary that `to_json` wrote."""
+    """Convert the output of `to_json` to a mission log."""
     flights = [
         MissionFlight._make(each)._replace(spent=EnergyTotals._make(each[4]))
         for each in content['flights']

@@ -1,9 +1,9 @@
 """
-One flight of a mission: round the beacons and home, leg by leg, on the compiled model.
+Fly one flight of a mission on the compiled model: the round of beacons and back, leg by leg.
 
-The drone turns home when its own count of the charge comes to the reserve or a beacon is not found
-in time, and lands where it is at half of the reserve. At home a dock catches it: whoever passes
-the perch within its reach is home.
+The drone turns back when its charge estimate reaches the reserve or a beacon is not found in time.
+It lands where it is at half of the reserve. A dock catches it when it passes the perch within the
+reach of the dock.
 """
 
 from dataclasses import dataclass
@@ -36,16 +36,16 @@ from lta_studies.mission.legs import Array, LegPilot
 from lta_studies.mission.scene import MissionScene
 import numpy as np
 
-SEARCH = 60.0  # s allowed for a leg beyond three times its straight way at cruise speed
-HOMEWARD = 900.0  # s: whoever cannot find home seeks it while the charge lasts
+SEARCH = 60.0  # s allowed for a leg, plus three times the direct flight at cruise speed
+HOMEWARD = 900.0  # s allowed for the way back
 ENDINGS = {EMPTY: 'empty', ESCAPED: 'escaped', STOPPED: 'stopped', RESERVE: 'away', LATE: 'lost'}
-BESIDE = 0.3  # m beside its lantern, so that the drone sees it as it stands
+BESIDE = 0.3  # m from the lantern of the perch, so that it is in view at the start
 
 
 @final
 @dataclass(slots=True)
 class OngoingFlight:
-    """A flight under way."""
+    """State of a flight in progress."""
 
     memory: LegState
     state: Array
@@ -68,14 +68,14 @@ class MissionFlyer:
     ----------
     mission : MissionFile
         The mission.
-    scenes : Scenes
-        What it flies in.
-    light : LightOfDays
-        Over the days.
+    scenes : MissionScene
+        Vehicle and scene.
+    light : IrradianceSeries
+        Light over the days.
     seed : int
-        Of all chance.
+        Random seed.
     gain, offset : float
-        Errors of the current's meter: factor, and A.
+        Errors of the current meter: factor, and offset in A.
 
     """
 
@@ -98,14 +98,15 @@ class MissionFlyer:
         self._speed = scenes.policy.mission.speed
 
     def compile_kernel(self) -> None:
-        """Have compiled what flies, which takes up to a minute where it is not kept on disk."""
+        """Compile the flight kernel; takes up to a minute if it is not cached on disk."""
         made = self._scenes.build_flight(self._mission.perch, self._light.at(0.0), 1.0)
+        # A leg that is over at once: the call compiles, but does not fly.
         over = initial_leg_state(1.0, 1.0)._replace(outcome=DONE)
         state = self._pilot.ground_state(0.0, 0.0, 0.0, 0.0, 0)
         self._pilot.fly_leg(self._pilot.pack_constants(made), self._leg, over, state, 0)
 
     def fly_mission(self, departure: Departure) -> Landing:
-        """Fly the round and home."""
+        """Fly the round and back."""
         going = self._start_flight(departure)
         outcome = self._fly_round(going)
         if outcome in (DONE, RESERVE, LATE):
@@ -122,7 +123,7 @@ class MissionFlyer:
         return Landing(supply.flow, flight)
 
     def _start_flight(self, departure: Departure) -> OngoingFlight:
-        """Return a drone beside its lantern, its nose wherever the seed points it."""
+        """Place the drone near the perch's lantern, with a random heading."""
         seed = int(np.random.SeedSequence([self._seed, departure.number]).generate_state(1)[0])
         heading = 2.0 * math.pi * (seed / 2**32)
         x, y, _ = self._scenes.lamp(self._mission.perch).position
@@ -134,7 +135,7 @@ class MissionFlyer:
         return OngoingFlight(memory, state, light, light.sun * sun + light.lamps * lamps, seed)
 
     def _fly_round(self, going: OngoingFlight) -> int:
-        """Fly to each beacon and dwell there; return how that ended."""
+        """Fly to each beacon and dwell there; return the outcome."""
         mission = self._mission
         payload = mission.payload
         drawn = payload.sensing.si + payload.radio.si if payload else 0.0
@@ -153,7 +154,7 @@ class MissionFlyer:
         return DONE
 
     def _fly_home(self, going: OngoingFlight) -> int:
-        """Fly to the perch until the dock catches the drone; return how that ended."""
+        """Fly to the perch until the dock catches the drone; return the outcome."""
         perch, leg = self._mission.perch, self._leg
         x, y, _ = self._scenes.lamp(perch).position
         left = HOMEWARD
@@ -167,12 +168,12 @@ class MissionFlyer:
         return LATE
 
     def _leg_time_limit(self, going: OngoingFlight, name: str) -> float:
-        """Return how long a leg may last. [s]"""
+        """Return the time limit of a leg. [s]"""
         x, y, _ = self._scenes.lamp(name).position
         return SEARCH + 3.0 * going.distance_to(x, y) / self._speed
 
     def _fly_leg(self, going: OngoingFlight, name: str, leg: LegPlan) -> int:
-        """Fly one leg; return its outcome."""
+        """Fly one leg and return its outcome."""
         memory = going.memory
         made = self._scenes.build_flight(name, going.light, going.lux)
         homing = reset_for_next_lamp(memory.homing) if leg.kind == GO else memory.homing

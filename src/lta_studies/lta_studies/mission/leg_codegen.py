@@ -1,8 +1,8 @@
 """
-Write the text of one leg: kernel, sensors, estimator, control, homing and cell, to be continued.
+Generate the source of one leg: kernel, sensors, estimator, control, homing and cell.
 
-The parts are those of a flight of a batch (`fleet.assembly`); what the leg has of its own is that
-it begins with what the leg before left, and leaves the same to the next.
+The parts are those of a batch flight (`lta_flight.batch`), except that a leg starts from the state
+that the leg before left, and returns its own state for the next.
 """
 
 from collections.abc import Callable, Sequence
@@ -31,7 +31,7 @@ from lta_sim.kernels.layout import format_tuple
 from lta_studies.mission import leg_state
 from lta_vlc.direction_fit import fit_direction
 
-COARSE = 2  # steps of the full loop in one of a leg: a Runge-Kutta step of 5 ms is as good
+COARSE = 2  # steps of the full loop per step here; a Runge-Kutta step of 5 ms is as accurate
 
 CORES: tuple[Callable[..., Any], ...] = (
     onboard_step,
@@ -54,7 +54,7 @@ CORES: tuple[Callable[..., Any], ...] = (
     leg_state.step_leg_supply,
     leg_state.reckon_motion,
 )
-# Cores whose functions have the names of others stand behind a prefix of their own.
+# Cores with functions that share a name with others get a prefix of their own.
 OWN: dict[str, tuple[Callable[..., Any], ...]] = {
     'hearing': (
         light_link.write_reflections,
@@ -84,7 +84,8 @@ def fly(fixed, c, g, m, s, seed, scratch, lights, echoes, pencils):
 $before
         surroundings = craft.wind + noise + (warmth, supply.flow.voltage, 0.0, 0.0, 0.0)
         force = core_sensor_specific_force(craft, state, rates(state, fixed, command,
-        surroundings)) rates_now = (state[10], state[11], state[12])
+        surroundings))
+        rates_now = (state[10], state[11], state[12])
         heard = core_read_sensors(
             craft, errors, seed, step, step * $period, force, rates_now, state[2], distance,
             step % $pressure == 0,
@@ -154,7 +155,7 @@ def fly_leg(fixed, c, g, m, s, seed):
 
 
 def initial_effect_memory(names: Sequence[str]) -> list[float]:
-    """Return what the effects remember at the start; what the state of a leg ends with."""
+    """Return the initial memory of the effects, the last part of a leg's state."""
     whole = (0.0,) * RIGID + initial_memory()
     values: list[float] = []
     for name in names:
@@ -172,18 +173,18 @@ def generate_source(
     rhythm: BatchRhythm,
 ) -> str:
     """
-    Return the text of a leg.
+    Return the source of a leg.
 
     Parameters
     ----------
     names : sequence of str
         Effects of the kernel, in registry order.
-    craft, leg, memory : Layout
-        Of `fleet.numbers.Craft`, `leg_state.LegPlan` and `leg_state.LegState`.
+    constants, leg, memory : TupleLayout
+        Layouts of `FlightConstants`, `LegPlan` and `LegState`.
     diodes : int
-        In the ring.
-    rhythm : Rhythm
-        When what is due.
+        Number of diodes in the ring.
+    rhythm : BatchRhythm
+        Periods of control, sensors and light blocks.
 
     """
     extract = SourceExtract()

@@ -1,10 +1,10 @@
 """
-What surrounds the cores on one leg of a mission, as plain functions of numbers and tuples.
+Define the state of one leg of a mission, and pure functions that advance and assess it.
 
-A leg is climb and flight to a beacon, a dwell there, or a landing. It is the flight of a batch
-(`lta_flight.batch`) that can be gone on with: everything that drone and world remember stands in
-`LegState`. The drone flies by homing (`lta_control.strategies.homing`), with bearings fitted to
-what the diodes hear of the beacon; ADC blocks are left out.
+A leg is a climb and flight to a beacon, a dwell there, or a landing. It works like a batch flight
+(`lta_flight.batch`) that can be resumed: `LegState` holds the whole memory of drone and world. The
+drone flies by homing (`lta_control.strategies.homing`), with bearings fitted to the amplitudes of
+the diodes; no ADC blocks are simulated.
 """
 
 import math
@@ -28,9 +28,9 @@ from lta_vlc.direction_fit import DirectionFit
 
 State = tuple[float, ...]
 Amplitudes = tuple[float, ...]
-MOVED = 1.0  # m: so far what the room throws back is taken to stay the same
-TURNED = math.cos(0.5 * 0.35) ** 2  # and so far it is turned by 0.35 rad
-ON_FOOT = 0.02  # m above where it stands: the drone is on the ground
+MOVED = 1.0  # m of motion after which reflections are computed again
+TURNED = math.cos(0.5 * 0.35) ** 2  # the same for a rotation by 0.35 rad
+ON_FOOT = 0.02  # m above the standing height that still counts as on the ground
 
 FLYING, DONE, LATE, RESERVE, EMPTY, ESCAPED, STOPPED = range(7)
 GO, DWELL, LAND = range(3)  # kinds of leg
@@ -39,22 +39,22 @@ REST, CLIMB, SEEK = range(3)  # phases
 
 class LegPlan(NamedTuple):
     """
-    What is to be flown next.
+    Plan of the next leg.
 
     Attributes
     ----------
     kind : int
         `GO` ends on arrival, `DWELL` after its time, `LAND` on the ground.
     limit : float
-        Time after which the leg ends in any case. [s]
+        Time limit of the leg. [s]
     reserve : float
-        Told state of charge at which it is broken off.
+        Charge estimate at which the leg is broken off. [1]
     payload : float
-        What is drawn beyond the drone's own loads: sensor and its radio. [W]
+        Power of the payload: sensor and its radio. [W]
     gain, offset : float
-        Errors of the current's meter: factor, and A.
+        Errors of the current meter: factor, and offset in A.
     half_length, half_width, height : float
-        Of the room. [m]
+        Size of the room. [m]
 
     """
 
@@ -71,38 +71,39 @@ class LegPlan(NamedTuple):
 
 class LegState(NamedTuple):
     """
-    What is remembered from leg to leg beside the state of the model.
+    Everything stored from leg to leg except the state of the model.
 
     Attributes
     ----------
-    onboard, homing : Onboard, Homing
-        The drone's memory.
+    onboard, homing : OnboardMemory, HomingMemory
+        Memory of the drone.
     asked : Setpoint
-        By the guidance; not yet heard by the controller where `fresh`.
+        Setpoint of the guidance.
     told, fresh : bool
-        Whether there is a setpoint at all, and whether the controller has yet to hear of it.
+        Whether there is a setpoint, and whether the controller has not received it yet.
     phase : int
         `REST`, `CLIMB` or `SEEK`.
     middle : tuple of float
-        Position and attitude at the middle of the present light block.
-    reckoned : Reckoned
-        What the drone made of its motion then.
+        True position and attitude at the middle of the current light block.
+    reckoned : DeadReckonedMotion
+        The drone's motion estimate at that time.
     distance : float
         Newest range. [m]
-    supply : Account
-        The power path, and energy since take-off.
+    supply : SupplyState
+        State of the power path, and energy since take-off.
     irradiance : float
-        On the panel. [W/m2]
+        Irradiance on the panel. [W/m2]
     charge : float
-        As the drone counts it.
+        Charge estimate of the drone. [1]
     step, ticks, begun : int
-        Control periods and integration steps since take-off, and at which this leg began.
+        Control periods and integration steps since take-off, and the period at which this leg
+        began.
     path : float
         Horizontal path since take-off. [m]
     lowest : float
-        Voltage since take-off. [V]
+        Lowest voltage since take-off. [V]
     outcome : int
-        How the leg stands.
+        `FLYING` or how the leg ended.
 
     """
 
@@ -127,12 +128,12 @@ class LegState(NamedTuple):
 
 
 def initial_leg_state(charge: float, counted: float) -> LegState:
-    """Return what is remembered on the ground before take-off, by true and counted charge."""
+    """Return the state on the ground from the true and the estimated charge."""
     return ground_leg_state(initial_supply(charge).flow, counted)
 
 
 def ground_leg_state(store: PowerFlow, counted: float) -> LegState:
-    """Return the same of a drone whose power path has been at work."""
+    """Return the state on the ground from the state of the power path."""
     onboard = OnboardMemory()
     return LegState(
         onboard, start(0.0), onboard.setpoint, False, False, REST,
@@ -143,7 +144,7 @@ def ground_leg_state(store: PowerFlow, counted: float) -> LegState:
 
 
 def reckon_motion(onboard: OnboardMemory) -> DeadReckonedMotion:
-    """Return how the drone takes itself to move."""
+    """Return the drone's estimate of its motion."""
     measured, place_ = onboard.measured, onboard.estimate.position
     return DeadReckonedMotion(
         measured.heading, place_[0], place_[1], measured.speed, measured.sway
@@ -151,12 +152,12 @@ def reckon_motion(onboard: OnboardMemory) -> DeadReckonedMotion:
 
 
 def unreachable_pose() -> tuple[float, float, float, float, float, float, float]:
-    """Return a pose from which everything is elsewhere."""
+    """Return an infinitely distant pose, which makes `has_moved` true."""
     return (math.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
 def has_moved(pose: State, gathered: State) -> bool:
-    """Tell whether what the room throws back must be gathered anew; direct light always is."""
+    """Return whether reflections must be computed again (direct light always is)."""
     x, y, z = pose[0] - gathered[0], pose[1] - gathered[1], pose[2] - gathered[2]
     if not x * x + y * y + z * z < MOVED * MOVED:
         return True
@@ -167,7 +168,7 @@ def has_moved(pose: State, gathered: State) -> bool:
 
 
 def lamp_strength(cosines: Amplitudes, sines: Amplitudes, amplitudes: Amplitudes) -> float:
-    """Return what a diode that faces the lamp would read, as `sighting`. [counts]"""
+    """Return the reading of a diode that faces the lamp, as in `sighting`. [counts]"""
     forward = left = 0.0
     for k in range(len(amplitudes)):
         forward += amplitudes[k] * cosines[k]
@@ -182,7 +183,7 @@ def sight_from_fit(
     reckoned: DeadReckonedMotion,
     interval: float,
 ) -> LightSight:
-    """Return what a light block says; `sighting.sighted` of a fit."""
+    """Return the sighting of a light block from a direction fit."""
     bearing = deviation = 0.0
     if detected:
         bearing = math.atan2(lamp.y, lamp.x)
@@ -203,7 +204,7 @@ def guide_leg(
     ready: bool,
     altitude: float,
 ) -> tuple[tuple[float, float, float], int, HomingMemory]:
-    """Return the setpoint, and the mission: `mission.mission_step` for homing and one lamp."""
+    """Return setpoint, phase and memory: `mission.mission_step` for homing to one lamp."""
     if not ready:
         return (0.0, sight.heading, 0.0), phase, homing
     if phase == REST:
@@ -227,7 +228,7 @@ def step_leg_supply(
     thrusts: PerRotor,
     dt: float,
 ) -> SupplyState:
-    """Return the supply after a control period in such light with such thrusts. [W/m2, N, s]"""
+    """Advance the supply by a control period; light in W/m2, thrusts in N, time in s."""
     asked = (
         power_demand(constants.power.loads, thrusts, True) + constants.power.looking + leg.payload
     )
@@ -238,7 +239,7 @@ def step_leg_supply(
 def meter_charge(
     constants: FlightConstants, leg: LegPlan, charge: float, current: float, dt: float
 ) -> float:
-    """Return the charge as the drone counts it, by a meter with its errors."""
+    """Advance the drone's charge estimate with the errors of its current meter."""
     return count_charge(
         charge, leg.gain * current + leg.offset, constants.power.parts.cell.capacity, dt
     )
@@ -255,7 +256,7 @@ def assess_leg(
     charge: float,
     spent: float,
 ) -> int:
-    """Return how a leg stands after so many seconds."""
+    """Return the outcome of a leg after a time. [s]"""
     if not fed:
         return EMPTY
     inside = abs(state[0]) <= leg.half_length and abs(state[1]) <= leg.half_width

@@ -1,9 +1,9 @@
 """
-Flights of a mission beside the full loop: the same vehicle, scene, start and charge.
+Validate compiled legs against the full loop with the same vehicle, scene, start and charge.
 
-Each flight goes from rest to the moment at which homing takes itself to have arrived, once by the
-compiled leg and once by `lta_flight.closed_loop` with its ADC blocks, whose chance is another. So
-the median over some seeds stands for a flight.
+Each flight lasts from rest until homing reports its arrival, once as a compiled leg and once in
+`lta_flight.closed_loop` with ADC blocks. Their noise differs, so medians over some seeds are
+compared.
 """
 
 from collections.abc import Iterator
@@ -22,11 +22,11 @@ from lta_studies.mission.legs import Array, LegPilot
 from lta_studies.mission.scene import MissionScene
 import numpy as np
 
-LIMIT = 200.0  # s
+LIMIT = 200.0  # s, of a flight
 
 
 class LegStart(NamedTuple):
-    """Place [m], heading [rad] and state of charge."""
+    """Start position [m], heading [rad] and state of charge [1]."""
 
     x: float
     y: float
@@ -35,8 +35,9 @@ class LegStart(NamedTuple):
 
 
 def iterate_starts(count: int, lamp: tuple[float, float, float]) -> Iterator[LegStart]:
-    """Yield how each flight begins: 3 to 8 m off the lamp, all round it."""
+    """Yield starts 3 to 8 m from the lamp, in all directions."""
     for k in range(count):
+        # Multiples of irrational numbers modulo 1 spread evenly for any count.
         away, side = 3.0 + 5.0 * ((k * 0.618) % 1.0), 2.0 * math.pi * ((k * 0.414) % 1.0)
         x, y = lamp[0] + away * math.cos(side), lamp[1] + away * math.sin(side)
         heading = side + math.pi + 0.5 * math.sin(2.0 * k)
@@ -46,7 +47,7 @@ def iterate_starts(count: int, lamp: tuple[float, float, float]) -> Iterator[Leg
 def measure_leg(
     scenes: MissionScene, beacon: str, start: LegStart, seed: int
 ) -> tuple[float, float]:
-    """Return the energy consumed [J] and time [s] of a leg."""
+    """Return the energy consumed [J] and the time [s] of a compiled leg."""
     made = scenes.build_flight(beacon, DARK, 1.0)
     length, width, height = scenes.scenario.room.size.vector
     leg = LegPlan(GO, LIMIT, 0.0, 0.0, 1.0, 0.0, length / 2, width / 2, height)
@@ -59,7 +60,7 @@ def measure_leg(
 
 
 def build_loop(scenes: MissionScene, beacon: str, start: LegStart, seed: int) -> ClosedLoop:
-    """Return the full loop of the same flight."""
+    """Build the full loop of the same flight."""
     begin = scenes.scenario.start.model_copy(
         update={
             'position': Quantity(value=(start.x, start.y), unit='m'),
@@ -87,7 +88,7 @@ def build_loop(scenes: MissionScene, beacon: str, start: LegStart, seed: int) ->
 def measure_loop(
     scenes: MissionScene, beacon: str, start: LegStart, seed: int
 ) -> tuple[float, float]:
-    """Return the same as `measure_leg` of the full loop."""
+    """Return the energy [J] and the time [s] of the full loop."""
     loop = build_loop(scenes, beacon, start, seed)
     while loop.mission.phase is not Phase.ARRIVED and loop.world.elapsed < LIMIT:
         loop.step()
@@ -97,7 +98,7 @@ def measure_loop(
 def compare_flights(
     scenes: MissionScene, beacon: str, count: int, seeds: int
 ) -> Iterator[tuple[LegStart, Array, Array]]:
-    """Yield start, and energy and time by leg and by loop, each of shape (seeds, 2)."""
+    """Yield the start, and energy and time of leg and loop, each of shape (seeds, 2)."""
     for start in iterate_starts(count, scenes.lamp(beacon).position):
         yield (
             start,

@@ -1,4 +1,4 @@
-"""Fly legs: compile their text once, and call it with arrays."""
+"""Fly legs: compile their source once and call it with arrays."""
 
 from functools import cache
 from types import ModuleType
@@ -24,7 +24,7 @@ MEMORY = TupleLayout(initial_leg_state(1.0, 1.0))
 def _load_kernel(
     names: tuple[str, ...], constants: TupleLayout[Any], leg: TupleLayout[Any], diodes: int
 ) -> ModuleType:
-    """Return the compiled leg of some effects."""
+    """Compile the leg for a set of effects."""
     return load_kernel(
         generate_source(names, constants, leg, MEMORY, diodes, build_rhythm(load_topic_table()))
     )
@@ -37,10 +37,10 @@ class LegPilot:
 
     Parameters
     ----------
-    made : Made
-        Vehicle and scene, as a flight of a batch.
-    leg : Leg
-        Any: an example.
+    flight : BatchFlight
+        Vehicle and scene.
+    leg : LegPlan
+        Any plan; only its layout is used.
 
     """
 
@@ -55,7 +55,7 @@ class LegPilot:
         ).fly_leg
 
     def pack_constants(self, flight: BatchFlight) -> Array:
-        """Return the numbers of the vehicle in a scene of the same form, shape (n,)."""
+        """Return the constants of a flight with the same layout, shape (n,)."""
         return np.array(flight.numbers)
 
     def ground_state(self, x: float, y: float, z: float, heading: float, seed: int) -> Array:
@@ -70,20 +70,20 @@ class LegPilot:
         self, constants: Array, leg: LegPlan, memory: LegState, state: Array, seed: int
     ) -> tuple[LegState, Array]:
         """
-        Return what is remembered after a leg, and the state of the model.
+        Return the leg state and the model state after a leg.
 
         Parameters
         ----------
         constants : ndarray
-            From `constants`.
-        leg : Leg
-            What to fly.
-        memory : Aloft
-            Where the leg before ended, its outcome `FLYING` again.
+            From `pack_constants`.
+        leg : LegPlan
+            Leg to fly.
+        memory : LegState
+            State after the leg before, with the outcome reset to `FLYING`.
         state : ndarray
-            Of the model.
+            State of the model.
         seed : int
-            Of the flight's chance; 32 bits count.
+            Random seed of the flight; only 32 bits are used.
 
         """
         numbers, after = MEMORY.write(memory), state.copy()

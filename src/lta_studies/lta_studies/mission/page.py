@@ -1,4 +1,4 @@
-"""A mission as one self-contained page."""
+"""Write the report of a mission as one self-contained HTML page."""
 
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -29,39 +29,40 @@ from lta_studies.mission.run import (
 )
 
 DAY: Final = (
-    'Above: light on the level panel, a beacon that flickers by its mean. Below: what the cell '
-    'holds, by the truth.'
+    'Top: light on the level panel, averaged over the flicker of a beacon. Bottom: true state of '
+    'charge of the cell.'
 )
-WHEN: Final = 'What the drone did when.'
+WHEN: Final = 'State of the drone over time.'
 HOURS: Final = "Minutes in the air in each hour. Dotted: the paper's figure for an hour at 80 klx."
 BOOKS: Final = (
-    'Where the energy went. What was harvested is what is drawn in flight and on the perch, lost '
-    'as heat in the cell and stored; the last part was never harvested.'
+    'Where the energy went. The harvested energy is drawn in flight and on the perch, lost as '
+    'heat in the cell, or stored. The last part could not be harvested.'
 )
 METHOD: Final = (
     'On the perch: panel, charger, cell and loads in steps of half a minute. In flight: the '
     'compiled 6-DoF model with estimator, cascade and homing, the cell drained every hundredth of '
-    'a second by what the rotors draw; the beacon is heard as geometry and noise, not as an ADC '
-    'block.',
-    'A duty cycle rests a fixed multiple of the last flight, awake in its hours or asleep. The '
-    'schedule by light knows the clear sky, the mean of clouds and the timers, and its own count '
-    'of the charge; it flies when that is safe and the night is provided for, or the cell would '
-    'be full, and sleeps in between. Both refuse a flight that might not leave the reserve.',
-    'A drone that does not come home is fetched, and counts as a failure.',
+    'a second by the power of the rotors; the light link is geometry and noise, without ADC '
+    'blocks.',
+    'A duty cycle rests for a fixed multiple of the last flight, awake in its hours or asleep. '
+    'The schedule by light uses the clear sky, the mean cloud cover, the timers and its own '
+    'charge estimate. It flies when that is safe and enough charge is left for the night, or when '
+    'the cell would be full, and sleeps in between. Both refuse a flight that might not leave the '
+    'reserve.',
+    'A drone that does not return is fetched and counts as a failure.',
 )
 
 
 def write_page(
     request: MissionRequest, results: Sequence[MissionResult], again: Mapping[str, str], out: Path
 ) -> Path:
-    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    """Write the page and return its path; raise `BadInput` if that fails."""
     return write_file(render_page(request, results, again), out)
 
 
 def render_page(
     request: MissionRequest, results: Sequence[MissionResult], again: Mapping[str, str]
 ) -> str:
-    """Return the whole page; `again` is what can be typed next."""
+    """Return the HTML of the page; `again` holds follow-up commands."""
     seed = request.seeds[0]
     shown = [each for each in results if each.seed == seed]
     light = request.simulate_light(seed)
@@ -97,18 +98,18 @@ def render_page(
 
 
 def format_title(request: MissionRequest, results: Sequence[MissionResult]) -> str:
-    """Return what came out, in a sentence."""
+    """Return the headline."""
     first = select_main_result(results)
     own = mean_daily_minutes(filter_by_schedule(results, first.schedule), request.days)
     more = schedule_gain(results)
     told = f'{request.mission.name} flies {own.value:.0f} minutes a day'
     if more is None:
         return f'{told}.'
-    return f'{told}, {more.value:.2f} times as many as by a fixed duty cycle.'
+    return f'{told}, {more.value:.2f} times as many as with a fixed duty cycle.'
 
 
 def build_tiles(request: MissionRequest, results: Sequence[MissionResult]) -> list[Tile]:
-    """Return the figures of the page."""
+    """Return the tiles of the page."""
     first = select_main_result(results)
     alike, days = filter_by_schedule(results, first.schedule), request.days
     count = len(alike)
@@ -138,12 +139,12 @@ def build_tiles(request: MissionRequest, results: Sequence[MissionResult]) -> li
     ]
     more = schedule_gain(results)
     if more is not None:
-        made.insert(1, Tile('by duty cycle', format_mean(more, 2), 'times', 'ours by the naive'))
+        made.insert(1, Tile('gain', format_mean(more, 2), 'times', 'flown time of duty cycle'))
     return made
 
 
 def format_mean(value: BootstrapMean, digits: int) -> str:
-    """Return a mean with its interval where there is one."""
+    """Format a mean, with its interval if there is one."""
     if value.flights < 2:
         return f'{value.value:.{digits}f}'
     return f'{value.value:.{digits}f} ({value.low:.{digits}f} to {value.high:.{digits}f})'
@@ -160,7 +161,7 @@ def build_tables(request: MissionRequest, results: Sequence[MissionResult]) -> l
 
 
 def build_schedule_table(request: MissionRequest, results: Sequence[MissionResult]) -> TextTable:
-    """Return how each schedule fared, a day."""
+    """Return the table of daily figures for each schedule."""
     rows = []
     for name in request.schedules:
         alike = filter_by_schedule(results, name)
@@ -186,7 +187,7 @@ def build_schedule_table(request: MissionRequest, results: Sequence[MissionResul
         )
     heads = [
         'a day', 'flown [min]', 'flights', 'whole rounds', 'harvested [kJ]', 'wasted [kJ]',
-        'asleep [%]', 'books off by', 'failures in all',
+        'asleep [%]', 'energy imbalance', 'total failures',
     ]  # fmt: skip
-    note = f'Over {len(request.seeds)} seeds of {request.days} d, in brackets 95 % intervals.'
-    return TextTable('How the schedules fared', heads, rows, note)
+    note = f'Over {len(request.seeds)} seeds of {request.days} d; 95 % intervals in brackets.'
+    return TextTable('Results of the schedules', heads, rows, note)

@@ -1,9 +1,9 @@
 """
-The paper's ratios of charging to flying at 80 klx, and what panel and flights here make of them.
+Compare the paper's ratios of charging to flight time at 80 klx with our own.
 
-The paper: an hour at 80 klx gives 4:1 of charge to flight, 3:1 of charge to hover, and some 18
-minutes of flight. Idle, hover and navigation are its own: 97, 1333 and 1523 to 1544 mW. A ratio r
-against a power P implies a net charging power of P / r.
+The paper states for 80 klx a charge-to-flight ratio of 4:1, a charge-to-hover ratio of 3:1, and
+some 18 minutes of flight per hour of charging. Its idle, hover and navigation powers are 97, 1333
+and 1523 to 1544 mW. A ratio r against a power P implies a net charging power of P / r.
 """
 
 from typing import Final, NamedTuple
@@ -13,22 +13,22 @@ from lta_energy.irradiance import DARK
 from lta_model.electrical.charger import charger_output, ChargerModel
 from lta_studies.energy.tables import TextTable
 
-LUX: Final = 80e3
+LUX: Final = 80e3  # lx, seed paper
 LED, SUN = 300.0, 110.0  # lm/W
 HOVER, NAVIGATE, IDLE = 1.333, 1.533, 0.097  # W, the paper's; 1.533 is the middle of 1523 to 1544
 HOUR: Final = 60.0  # min
 WORDS: Final = (
-    'The ratios agree with one another only if flying costs 4/3 of hovering, 1777 mW: '
-    "4 : 1 against the paper's own navigation power implies 383 mW of net charging, 3 : 1 against "
-    'its hover power 444 mW. 18 minutes an hour is neither 15 (all flying) nor 20 (all hovering) '
-    'but a third of the one and two thirds of the other. A white LED of 80 klx that flickers half '
-    'of the time, as the beacon does, brings less than half of what a steady one brings, and the '
-    'sun at the same illuminance 2.7 times as much: with the same lux all of it can be true.'
+    'The ratios are consistent only if flying takes 4/3 of the hover power, 1777 mW: '
+    "4 : 1 against the paper's navigation power implies 383 mW of net charging, 3 : 1 against "
+    'its hover power 444 mW. 18 minutes an hour is neither 15 (all flying) nor 20 (all hovering), '
+    'but one third of flying and two thirds of hovering. At 80 klx a white LED that flickers like '
+    'the beacon gives less than half the power of a steady one, and the sun 2.7 times as much, so '
+    'that all the ratios are possible at the same illuminance.'
 )
 
 
 class ChargingRatio(NamedTuple):
-    """Net charging power [W], charge to flight [1], minutes of flight an hour of charging."""
+    """Net charging power [W], charge-to-flight ratio, minutes of flight per charged hour."""
 
     name: str
     net: float
@@ -40,14 +40,14 @@ def compute_ratios(
     harvest: HarvestCurve, charger: ChargerModel, idle: float, flight: float
 ) -> list[ChargingRatio]:
     """
-    Return the paper's ratios and those of a panel under 80 klx of three kinds.
+    Return the paper's ratios, and those of a panel at 80 klx of three kinds of light.
 
     Parameters
     ----------
-    harvest, charger : Harvest, Charger
-        The array and what comes behind it.
+    harvest, charger : HarvestCurve, ChargerModel
+        Array and charger.
     idle : float
-        Drawn on the perch. [W]
+        Power drawn on the perch. [W]
     flight : float
         Mean power in flight. [W]
 
@@ -79,5 +79,5 @@ def build_table(ratios: list[ChargingRatio]) -> TextTable:
         ]
         for each in ratios
     ]
-    heads = ['at 80 klx', 'net [mW]', 'charge to flight', 'flight an hour of charging [min]']
+    heads = ['at 80 klx', 'net [mW]', 'charge to flight', 'flight per hour of charging [min]']
     return TextTable('Charging and flying at 80 klx', heads, rows, WORDS)

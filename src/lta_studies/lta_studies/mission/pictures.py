@@ -1,4 +1,4 @@
-"""The pictures of a mission: charge with the light, minutes flown by the hour, the energy."""
+"""Plot a mission: charge and light, timeline, minutes flown by the hour, and energy."""
 
 from collections.abc import Sequence
 
@@ -15,15 +15,15 @@ from plotly.graph_objects import Bar, Figure, Scatter
 COLOURS = (TRUTH, ESTIMATE, GOOD)
 STATES = {
     PERCHED: ('perched, awake', LAMP), ASLEEP: ('asleep', SOFT), ALOFT: ('in flight', TRUTH),
-    AWAY: ('waits to be fetched', ESTIMATE), OUT: ('empty', ESTIMATE),
+    AWAY: ('waiting to be fetched', ESTIMATE), OUT: ('empty', ESTIMATE),
 }  # fmt: skip
-EVERY = 5  # minutes of a point of the light
+EVERY = 5  # minutes per plotted point of the light
 
 
 def draw_charge(
     results: Sequence[MissionResult], light: IrradianceSeries, reserve: float
 ) -> Figure:
-    """Return the state of charge of each schedule over the light of one seed."""
+    """Plot the light and the state of charge of each schedule for one seed."""
     figure = create_figure(2, (0.36, 0.64))
     lux = light.illuminance()
     hours = (np.arange(len(lux)) + 0.5) * MINUTE / 3600.0
@@ -60,7 +60,7 @@ def draw_charge(
 
 
 def draw_timeline(results: Sequence[MissionResult], light: IrradianceSeries) -> Figure:
-    """Return what the drone did when, a row a schedule."""
+    """Plot the state of the drone over time, one row per schedule."""
     figure = create_figure()
     for state, (name, colour) in STATES.items():
         x: list[float | None] = []
@@ -82,7 +82,7 @@ def draw_timeline(results: Sequence[MissionResult], light: IrradianceSeries) -> 
 
 
 def find_state_intervals(result: MissionResult, state: int) -> list[tuple[float, float]]:
-    """Return when a drone was in a state. [h]"""
+    """Return the merged intervals in which a drone was in a state. [h]"""
     diary = result.diary
     found: list[tuple[float, float]] = []
     for begin, end, own in zip(diary.time[:-1], diary.time[1:], diary.state[:-1], strict=True):
@@ -96,7 +96,7 @@ def find_state_intervals(result: MissionResult, state: int) -> list[tuple[float,
 
 
 def draw_flight_hours(results: Sequence[MissionResult], light: IrradianceSeries) -> Figure:
-    """Return the minutes flown in each hour."""
+    """Plot the minutes flown in each hour."""
     figure = create_figure()
     for k, life in enumerate(results):
         flown = flight_minutes_by_hour(life.diary, light)
@@ -118,7 +118,7 @@ def draw_flight_hours(results: Sequence[MissionResult], light: IrradianceSeries)
 
 
 def draw_energy_use(results: Sequence[MissionResult]) -> Figure:
-    """Return where the light's energy went."""
+    """Plot the use of the energy of the light."""
     figure = create_figure()
     names = [f'{each.schedule}' for each in results]
     parts = {
@@ -142,12 +142,12 @@ def draw_energy_use(results: Sequence[MissionResult]) -> Figure:
 
 
 def flight_energy(result: MissionResult) -> float:
-    """Return what the flights of a mission consumed. [J]"""
+    """Return the energy consumed in flight. [J]"""
     return sum(each.spent.consumed for each in result.diary.flights)
 
 
 def set_time_axis(figure: Figure, light: IrradianceSeries, rows: int = 1) -> Figure:
-    """Return a picture over the hours of the mission."""
+    """Set the time axis to the hours of the mission."""
     hours = light.end / 3600.0
     figure.update_xaxes(range=[0.0, hours], dtick=3 if hours <= 48 else 12)
     figure.update_xaxes(title_text='time [h]', row=rows, col=1)
@@ -156,5 +156,5 @@ def set_time_axis(figure: Figure, light: IrradianceSeries, rows: int = 1) -> Fig
 
 
 def select_main_result(results: Sequence[MissionResult]) -> MissionResult:
-    """Return the life that a page tells of: ours, or the only one."""
+    """Return the result for the headline: the light-aware schedule, else the first one."""
     return next((each for each in results if each.schedule == AWARE), results[0])

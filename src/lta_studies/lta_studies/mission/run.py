@@ -1,4 +1,4 @@
-"""Live a mission under several schedules and seeds, on all cores, and go on where it stopped."""
+"""Simulate a mission under several schedules and seeds on all cores; resumes if stopped."""
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import as_completed, CancelledError, ThreadPoolExecutor
@@ -23,11 +23,11 @@ from lta_studies.mission.scene import MissionScene
 from lta_studies.mission.simulate_mission import AWARE, build_simulation, DOZING, NAIVE
 
 SCHEDULES: Final = (AWARE, NAIVE, DOZING)
-KEPT: Final = 'lives_of.json'  # in the folder of the results: what its lives are of
+KEPT: Final = 'lives_of.json'  # identifies the mission of a results folder
 
 
 class MissionResult(NamedTuple):
-    """One life: its schedule and seed, its diary, its figures."""
+    """One simulated mission: schedule, seed, log and summary."""
 
     schedule: str
     seed: int
@@ -39,22 +39,22 @@ class MissionResult(NamedTuple):
 @dataclass(frozen=True, slots=True)
 class MissionRequest:
     """
-    What is to be lived.
+    Options of a mission study.
 
     Parameters
     ----------
     mission : MissionFile
         The mission.
     day : LightDay
-        Its light.
-    scenes : Scenes
-        What it flies in.
+        Light over a day.
+    scenes : MissionScene
+        Vehicle and scene.
     days : int
-        How many.
+        Number of days.
     seeds : sequence of int
-        Of clouds, meters and flights.
+        Random seeds of clouds, meters and flights.
     schedules : sequence of str
-        Of `SCHEDULES`.
+        Some of `SCHEDULES`.
 
     """
 
@@ -66,12 +66,12 @@ class MissionRequest:
     schedules: Sequence[str]
 
     def simulate_light(self, seed: int) -> IrradianceSeries:
-        """Return the light of a seed."""
+        """Simulate the light for a seed."""
         return simulate_irradiance(self.day, self.days, seed)
 
     @property
     def digest(self) -> str:
-        """What changes when any life of it would."""
+        """Hash of everything that the results depend on, except seeds and schedules."""
         parts = [
             each.model_dump_json()
             for each in (self.mission, self.day, self.scenes.vehicle.file, self.scenes.scenario)
@@ -82,7 +82,7 @@ class MissionRequest:
 def load_request(
     name: str, days: int, seeds: Sequence[int], schedules: Sequence[str]
 ) -> MissionRequest:
-    """Return what is to be lived; `BadInput` where the mission cannot be."""
+    """Load a mission; raise `BadInput` if it cannot be flown."""
     mission = load_mission(name)
     return MissionRequest(
         mission, load_light_day(mission.light), MissionScene(mission), days, seeds, schedules
@@ -93,18 +93,18 @@ def run_missions(
     request: MissionRequest, folder: Path, on_progress: Callable[[float], None]
 ) -> list[MissionResult]:
     """
-    Return all lives, those from an earlier run in the folder as they were.
+    Simulate all missions; load those that an earlier run left in the folder.
 
-    Ctrl-C ends all that are being lived at their next stretch, as does one that breaks.
+    Ctrl-C or an error cancels the running simulations at their next progress report.
 
     Parameters
     ----------
-    order : Order
-        What is to be lived.
+    request : MissionRequest
+        Options.
     folder : Path
-        Where each life is written when it ends.
-    told : callable
-        Hears how many seconds of missions have gone by since it last heard.
+        Folder for the results; each is written when it is complete.
+    on_progress : callable
+        Called with the simulated seconds since its last call.
 
     """
     claim_folder(request, folder)
@@ -119,7 +119,7 @@ def run_missions(
         on_progress(gone)
 
     if not all(result_path(folder, *job).exists() for job in jobs):
-        # In this thread, which Ctrl-C ends: nothing stops another one in the compiler.
+        # Compile in the main thread: Ctrl-C cannot stop the compiler in another one.
         compile_flight(request)
     with ThreadPoolExecutor(cores) as pool:
         running = {
@@ -130,7 +130,7 @@ def run_missions(
             for done in as_completed(running):
                 found[running[done]] = done.result()
         except BaseException:
-            stopping.set()  # the pool waits for its threads whatever it is told
+            stopping.set()  # leaving the pool waits for its threads even with wait=False
             pool.shutdown(wait=False, cancel_futures=True)
             raise
     beacons = len(request.mission.round)
@@ -138,7 +138,7 @@ def run_missions(
 
 
 def claim_folder(request: MissionRequest, folder: Path) -> None:
-    """Note in the folder what its lives are of, or see that it is the same."""
+    """Mark a results folder with its mission; raise `BadInput` if it belongs to another."""
     note = folder / KEPT
     if note.exists():
         kept = json.loads(note.read_text(encoding='utf-8')).get('digest')
@@ -148,18 +148,18 @@ def claim_folder(request: MissionRequest, folder: Path) -> None:
             )
         return
     if folder.exists() and any(folder.iterdir()):
-        raise BadInput(f"'{folder}' holds something else; choose another folder with --out.")
+        raise BadInput(f"'{folder}' is not empty; choose another folder with --out.")
     folder.mkdir(parents=True, exist_ok=True)
     write_json({'name': request.mission.name, 'digest': request.digest}, note)
 
 
 def result_path(folder: Path, schedule: str, seed: int) -> Path:
-    """Return where a life is kept."""
+    """Return the file of a result."""
     return folder / f'{schedule.replace(",", "").replace(" ", "_")}_{seed}.json'
 
 
 def compile_flight(request: MissionRequest) -> None:
-    """Have compiled what flies."""
+    """Compile the flight kernel."""
     light = request.simulate_light(request.seeds[0])
     MissionFlyer(request.mission, request.scenes, light, request.seeds[0]).compile_kernel()
 
@@ -171,7 +171,7 @@ def load_or_simulate(
     seed: int,
     on_progress: Callable[[float], None],
 ) -> MissionLog:
-    """Return one life, from its file where it has been lived already."""
+    """Return one mission log, from its file if it exists."""
     path = result_path(folder, schedule, seed)
     if path.exists():
         on_progress(DAY * request.days)
@@ -192,17 +192,17 @@ def load_or_simulate(
 
 
 def filter_by_schedule(results: Sequence[MissionResult], schedule: str) -> list[MissionResult]:
-    """Return the lives under one schedule, by seed."""
+    """Return the results of one schedule, in the order of the seeds."""
     return [each for each in results if each.schedule == schedule]
 
 
 def mean_daily_minutes(results: Sequence[MissionResult], days: int) -> BootstrapMean:
-    """Return the minutes flown a day, with the interval over seeds."""
+    """Return the minutes flown per day, with the interval over seeds."""
     return bootstrap_mean([each.figures.flown / 60.0 / days for each in results])
 
 
 def schedule_gain(results: Sequence[MissionResult]) -> BootstrapMean | None:
-    """Return what the energy-aware schedule flies by what the naive does, over the same seeds."""
+    """Return the ratio of flown time, light-aware to duty cycle, over the same seeds."""
     ours, naive = filter_by_schedule(results, AWARE), filter_by_schedule(results, NAIVE)
     if not (ours and naive and all(each.figures.flown for each in naive)):
         return None

@@ -1,8 +1,8 @@
 """
-The vehicle of a mission in its scene, as the numbers that a leg takes: one beacon, one light.
+Build the constants of a mission leg for a beacon and a light level.
 
-The drone knows its scene: it listens for the frequency of the beacon that it flies to, has the
-feedback resistor for the light of the hour, and knows how bright a beacon then reads.
+The drone knows its scene: it demodulates the frequency of its target beacon, uses the feedback
+resistor for the current light level, and knows the brightness of a beacon at one metre.
 """
 
 from dataclasses import replace
@@ -29,19 +29,19 @@ from lta_model.light.gain_selection import select_diode_gain
 from lta_model.light.lamp import BeaconLamp
 from lta_sim.light_link import build_light_link, LightLink
 
-OFF_AXIS = math.radians(75.0)  # at which the light of a lantern on the floor leaves for the diodes
-STEPS = 2  # lights between one and twice as bright that are told apart
+OFF_AXIS = math.radians(75.0)  # emission angle from a lantern on the floor to the diodes
+STEPS = 2  # light levels per doubling; limits the number of cached links
 CLEARANCE = 0.02  # m between hull parts and payload
 
 
 def build_flight_spec(mission: MissionFile) -> FlightSpec:
     """
-    Return what the flights of a mission are made of.
+    Return the flight spec of a mission.
 
     Raises
     ------
     BadInput
-        If its files cannot be read, or its beacons are none of the scene's.
+        If its files cannot be read.
 
     """
     made_of = load_spec(mission.vehicle, mission.scene, 'homing', '')
@@ -50,11 +50,11 @@ def build_flight_spec(mission: MissionFile) -> FlightSpec:
 
 
 def add_payload(spec: FlightSpec, payload: InspectionPayload) -> FlightSpec:
-    """Return these with a payload at the foot of the sensors; ballast gives way to it."""
+    """Return the spec with a payload below the sensors; it replaces ballast."""
     vehicle = dict(spec.contents['vehicle'])
     given = vehicle.get('layers')
     if not isinstance(given, dict):
-        raise BadInput('A payload needs a vehicle whose file has layers; leave it out.')
+        raise BadInput('A payload needs a vehicle file with layers; leave the payload out.')
     source = payload.mass.source or ''
     part = {
         'shape': 'box',
@@ -69,17 +69,12 @@ def add_payload(spec: FlightSpec, payload: InspectionPayload) -> FlightSpec:
 @final
 class MissionScene:
     """
-    What a mission flies in.
-
-    Parameters
-    ----------
-    mission : MissionFile
-        The mission.
+    Vehicle, scenario and policy of a mission.
 
     Raises
     ------
     BadInput
-        If it cannot be flown.
+        If the mission cannot be flown, for example because a beacon is not in the scenario.
 
     """
 
@@ -91,7 +86,9 @@ class MissionScene:
                     f'lamp of {self.scenario.name}', name, list(self.scenario.lamps)
                 )
         if not isinstance(self.policy.gains, CascadeGains):
-            raise BadInput(f'A mission is flown by the law cascade only, not {mission.vehicle}.')
+            raise BadInput(
+                f'Missions need the control law cascade; {mission.vehicle} has another.'
+            )
         self._table = load_topic_table()
         alone = {mission.perch: self.scenario.lamps[mission.perch]}
         scene = self.scenario.model_copy(update={'several': alone, 'alone': None, 'route': ()})
@@ -100,11 +97,11 @@ class MissionScene:
         self._known: dict[tuple[str, int], BatchFlight] = {}
 
     def lamp(self, name: str) -> BeaconLamp:
-        """Return a beacon."""
+        """Return the lamp of a beacon."""
         return self.scenario.lamps[name].lamp
 
     def build_flight(self, beacon: str, light: PanelIrradiance, lux: float) -> BatchFlight:
-        """Return the numbers of a flight to a beacon in some light, which fills the scene. [lx]"""
+        """Return the flight to a beacon in panel light and ambient light [lx]; cached."""
         level = round(STEPS * math.log2(max(lux, 1.0)))
         known = self._known.get((beacon, level))
         if known is None:
@@ -118,7 +115,7 @@ class MissionScene:
         return flight_from_constants(self._model, craft, self.vehicle)
 
     def _build_link(self, beacon: str, lux: float) -> LightLink:
-        """Return what the ring hears of one beacon among steady light."""
+        """Build the light link of one beacon in steady ambient light."""
         whole = self.scenario.light_field
         ambient = replace(whole.ambient, steady=whole.ambient.steady + lux)
         field = LightField((self.lamp(beacon),), ambient, whole.room, whole.daylight)
@@ -133,7 +130,7 @@ class MissionScene:
         )
 
     def _build_constants(self, listening: LightLink, lamp: BeaconLamp) -> FlightConstants:
-        """Return the constants of a flight with the lamp's brightness in the drone's mind."""
+        """Return the constants of a flight, including the known brightness of the lamp."""
         homing = self.policy.mission.homing.model_copy(
             update={'brightness': lamp_brightness(listening, lamp)}
         )
@@ -142,7 +139,7 @@ class MissionScene:
 
 
 def lamp_brightness(listening: LightLink, lamp: BeaconLamp) -> float:
-    """Return the strength of a lantern from one metre off, as homing takes it. [counts]"""
+    """Return the signal strength of a lantern at one metre, as homing expects it. [counts]"""
     order = lamp.order
     lux = lamp.flux * (order + 1.0) / (2.0 * math.pi) * math.cos(OFF_AXIS) ** order
     return float(listening.gain * listening.counts * lux)

@@ -1,4 +1,4 @@
-"""Live a mission: its files, its light, its flights, one schedule and one seed."""
+"""Build the simulation of a mission for one schedule and one seed."""
 
 from typing import Final
 
@@ -13,7 +13,7 @@ from lta_studies.mission.flyer import MissionFlyer
 from lta_studies.mission.scene import MissionScene
 import numpy as np
 
-CRUISE: Final = 2.2  # W: what a flight is taken to draw before the first was flown
+CRUISE: Final = 2.2  # W, assumed flight power before the first flight
 AWARE, NAIVE, DOZING = 'by light', 'duty cycle', 'duty cycle, asleep'
 
 
@@ -27,7 +27,7 @@ def build_schedule(name: str, mission: MissionFile) -> Schedule:
 
 
 def build_perch_config(mission: MissionFile, scenes: MissionScene, seed: int) -> PerchConfig:
-    """Return what is drawn and kept on the perch, with the meter that the seed draws."""
+    """Return the configuration on the perch, with meter errors drawn from the seed."""
     vehicle = scenes.vehicle
     meter = draw_errors(
         PowerMeterSettings(), np.random.default_rng(np.random.SeedSequence([seed, 219]))
@@ -41,7 +41,7 @@ def build_perch_config(mission: MissionFile, scenes: MissionScene, seed: int) ->
 
 
 def guess_flight_need(mission: MissionFile, scenes: MissionScene) -> tuple[float, float]:
-    """Return what the first flight is taken to need [J] and how long it is to last [s]."""
+    """Return the assumed energy [J] and duration [s] of the first flight."""
     places = [scenes.lamp(name).position for name in (mission.perch, *mission.round)]
     way = sum(
         float(np.hypot(a[0] - b[0], a[1] - b[1]))
@@ -55,7 +55,7 @@ def guess_flight_need(mission: MissionFile, scenes: MissionScene) -> tuple[float
 def build_simulation(
     mission: MissionFile, day: LightDay, scenes: MissionScene, schedule: str, days: int, seed: int
 ) -> tuple[MissionSimulation, IrradianceSeries]:
-    """Return a mission that is about to begin, and its light."""
+    """Return a simulation before its start, and its light."""
     light = simulate_irradiance(day, days, seed)
     upkeep = build_perch_config(mission, scenes, seed)
     flyer = MissionFlyer(mission, scenes, light, seed, upkeep.gain, upkeep.offset)

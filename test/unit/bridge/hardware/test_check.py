@@ -225,7 +225,7 @@ def test_torn_frames_and_another_dialect_are_told(call, talking):
     told = json.loads(said.out)
     assert status == 1
     found = {check['name']: check for check in told['checks']}
-    assert 'speaks version 2 of its messages' in found['light board']['found']
+    assert 'uses version 2 of the messages' in found['light board']['found']
     assert told['light_board']['crc_errors'] > 0
     assert found['light']['state'] == 'warn'
 

@@ -185,7 +185,7 @@ def test_without_the_app_nothing_turns(drone, call, typed):
 def test_what_cannot_be_asked_is_one_sentence(call):
     for words, sentence in (
         (('m5',), "'m5'"),
-        (('m1', '--vehicle', 'multirotor'), 'turns no single motor safely'),
+        (('m1', '--vehicle', 'multirotor'), 'cannot turn a single motor safely'),
         (('m1', '--uri', 'nonsense'), 'is not a valid Crazyflie URI'),
     ):
         status, said = call('hardware', 'bench', *words)

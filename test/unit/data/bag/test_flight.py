@@ -133,13 +133,13 @@ def test_padded_rows_and_wrong_blocks(record, types):
     flight = open_flight(record(rows))
     rows_of = [[0x0100, 0x0302], [0x0908, 0x0B0A], [0x1110, 0x1312]]
     np.testing.assert_array_equal(flight.read_blocks('good').samples, [rows_of])
-    with pytest.raises(BadInput, match='holds 20 bytes with 8 a row'):
+    with pytest.raises(BadInput, match='has 20 bytes with 8 per row'):
         flight.read_blocks('short')
     with pytest.raises(BadInput, match="Unknown image encoding 'rgb8'"):
         flight.read_blocks('colour')
     with pytest.raises(BadInput, match='different shape'):
         flight.read_blocks('mixed')
-    with pytest.raises(BadInput, match="is of type 'sensor_msgs/msg/Image', not"):
+    with pytest.raises(BadInput, match="has type 'sensor_msgs/msg/Image', not"):
         flight.read_points('good')
 
 
@@ -174,7 +174,7 @@ def test_two_robots_are_told_apart(record, types):
     flag = types['std_msgs/msg/Bool'](True)
     bag = record([(f'/{name}/flag', 'std_msgs/msg/Bool', flag, 5) for name in ('lta2', 'lta1')])
     with pytest.raises(
-        BadInput, match=r'several robots \(lta1, lta2\); name the one.*--robot lta2'
+        BadInput, match=r'several robots \(lta1, lta2\); choose one.*--robot lta2'
     ):
         open_flight(bag)
     with pytest.raises(BadInput, match="Unknown robot 'lta3'"):

@@ -134,7 +134,7 @@ def test_long_silences_are_named(tmp_path, chunking):
     file = write(
         tmp_path / 'a.mcap', {'/a': BOOL}, [('/a', t) for t in times], use_chunking=chunking
     )
-    assert summarize_bag(file).remarks == ['Nothing was recorded for 55.01 s from 4.99 s on.']
+    assert summarize_bag(file).remarks == ['No message was recorded for 55.01 s from 4.99 s on.']
     slow = [('/a', i * 6 * 10**9) for i in range(50)]  # a message every 6 s is no silence
     assert summarize_bag(write(tmp_path / 'b.mcap', {'/a': BOOL}, slow)).remarks == []
 
@@ -143,17 +143,17 @@ def test_bags_without_messages(tmp_path):
     with BagWriter(tmp_path / 'bag', {}) as writer:
         writer.add_topic('/x', 'std_msgs/msg/Bool', [])
     info = summarize_bag(tmp_path / 'bag')
-    assert (info.messages, info.complete, info.remarks) == (0, True, ['It holds no message.'])
+    assert (info.messages, info.complete, info.remarks) == (0, True, ['It contains no message.'])
 
 
 @pytest.mark.parametrize(
     ('head', 'sentence'),
     [
         (b'', 'is empty; nothing was recorded.'),
-        (b'SQLite format 3\0', 'is a bag in SQLite; read it in with `lta import`.'),
-        (b'#ROSBAG V2.0\n', 'is a bag of ROS 1; read it in with `lta import`.'),
-        (b'ULog\x01\x12\x35\x01', 'is a log of PX4; read it in with `lta import`.'),
-        (b'\x28\xb5\x2f\xfd', 'is compressed as a whole; unpack it with `zstd -d` first.'),
+        (b'SQLite format 3\0', 'is a bag in SQLite; convert it with `lta import`.'),
+        (b'#ROSBAG V2.0\n', 'is a ROS 1 bag; convert it with `lta import`.'),
+        (b'ULog\x01\x12\x35\x01', 'is a PX4 log; convert it with `lta import`.'),
+        (b'\x28\xb5\x2f\xfd', 'is compressed as a whole; decompress it with `zstd -d` first.'),
         (b'hello, world', 'is not a recording in MCAP; give a rosbag2 folder or an .mcap file.'),
     ],
 )
@@ -173,7 +173,7 @@ def test_compression_by_message_or_file(tmp_path, mode):
         link = writer.add_connection('/x', 'std_msgs/msg/Bool', typestore=types)
         writer.write(link, 5, TRUE)
     if mode is CompressionMode.FILE:
-        with pytest.raises(BadInput, match='compressed as a whole; unpack it'):
+        with pytest.raises(BadInput, match='compressed as a whole; decompress it'):
             read_bag(tmp_path / 'bag')
     else:
         assert list(read_bag(tmp_path / 'bag').iterate_messages()) == [('/x', 5, TRUE)]
@@ -251,7 +251,7 @@ def test_lost_names_come_from_metadata(tmp_path):
     bag = read_bag(tmp_path / 'bag')
     assert list(bag.iterate_messages()) == [('/a', 1, TRUE), ('/b', 2, TRUE)]
     assert bag.decode('/b', TRUE).data is True
-    assert any("Channel 2 has lost its name; metadata.yaml says '/b'." in r for r in bag.remarks)
+    assert "The name of channel 2 is lost; metadata.yaml gives '/b'." in bag.remarks
     (tmp_path / 'bag' / 'metadata.yaml').unlink()
     bag = read_bag(tmp_path / 'bag')
     assert [topic for topic, _, _ in bag.iterate_messages()] == ['/channel_1', '/channel_2']

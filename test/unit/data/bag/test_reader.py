@@ -87,7 +87,7 @@ def test_zeros_at_the_end_are_no_records(torn, tmp_path):
     assert len(list(bag.iterate_messages())) == 5 * PER_CHUNK
     assert bag.losses == [
         f'The recording was not finished: the last 5000 of {offset + length + 5000} bytes are '
-        'not a whole record.'
+        'not a complete record.'
     ]
 
 
@@ -103,7 +103,7 @@ def test_damaged_chunk_is_left_out_and_told(torn, tmp_path, finished):
         times = [time for _, time, _ in bag.iterate_messages()]
         gone = range(1000 + 3 * PER_CHUNK, 1000 + 4 * PER_CHUNK)
         assert times == [t for t in range(1000, 1000 + CHUNKS * PER_CHUNK) if t not in gone]
-    told = f'The {length} bytes from byte {offset} on are damaged; what they held is left out.'
+    told = f'The {length} bytes from byte {offset} on are damaged; their content is left out.'
     assert told in bag.losses
     assert len(bag.losses) == (1 if finished else 2)
     assert not bag.is_complete
@@ -266,7 +266,7 @@ def test_split_bag_is_one(torn, tmp_path):
 def test_what_is_no_bag_is_told_so(tmp_path):
     with pytest.raises(BadInput, match=r"no_bag' does not exist; give a rosbag2 folder"):
         read_bag(tmp_path / 'no_bag')
-    with pytest.raises(BadInput, match='holds no recording'):
+    with pytest.raises(BadInput, match='contains no recording'):
         read_bag(tmp_path)
     (tmp_path / 'empty.mcap').touch()
     with pytest.raises(BadInput, match='is empty; nothing was recorded'):
@@ -276,7 +276,7 @@ def test_what_is_no_bag_is_told_so(tmp_path):
         read_bag(tmp_path / 'log.txt')
     (tmp_path / 'old').mkdir()
     (tmp_path / 'old' / 'old_0.db3').touch()
-    with pytest.raises(BadInput, match=r'in SQLite; read it in with `lta import`\.$'):
+    with pytest.raises(BadInput, match=r'in SQLite; convert it with `lta import`\.$'):
         read_bag(tmp_path / 'old')
 
 

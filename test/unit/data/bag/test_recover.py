@@ -76,7 +76,7 @@ def test_damaged_chunk(tmp_path, whole):
     assert {topic: (m.count, m.source) for topic, m in found.missing.items()} == dict.fromkeys(
         ['/lta1/a', '/lta1/b', '/c'], (SEAL, 'index')
     )
-    assert 'What is lost was recorded between 0.360 s and 0.470 s.' in found.describe_losses()
+    assert 'The lost data were recorded between 0.360 s and 0.470 s.' in found.describe_losses()
     assert '/lta1/a lacks 4 messages (index).' in found.describe_losses()
 
 
@@ -88,7 +88,7 @@ def test_cut_bag_with_the_metadata_of_the_whole(tmp_path, whole):
     assert found.lost_spans == [(0.59, None)]
     assert {m.count for m in found.missing.values()} == {3 * SEAL}
     assert {m.source for m in found.missing.values()} == {'metadata'}
-    assert 'What is lost was recorded after 0.590 s.' in found.describe_losses()
+    assert 'The lost data were recorded after 0.590 s.' in found.describe_losses()
 
 
 def test_indexes_of_lost_chunks_tell_without_a_summary(tmp_path, whole):
@@ -214,15 +214,15 @@ def test_rhythm_tells_what_no_index_does(tmp_path):
 def test_what_is_whole_or_empty_is_refused(tmp_path, whole):
     source = tmp_path / 'bag'
     with pytest.raises(
-        BadInput, match=r'is whole: all its 96 messages are there; nothing is to mend'
+        BadInput, match=r'is intact: all 96 messages are readable'
     ):
         recover_bag(source, tmp_path / 'new')
     assert not (tmp_path / 'new').exists()
     damage(tmp_path, whole.data[: whole.chunks[0].start + 10])
-    with pytest.raises(BadInput, match='holds no whole message; there is nothing to recover'):
+    with pytest.raises(BadInput, match='contains no intact message; there is nothing to recover'):
         recover_bag(source, tmp_path / 'new')
     damage(tmp_path, hit(whole, 1))
-    with pytest.raises(BadInput, match='lies in the original, which stays as it is'):
+    with pytest.raises(BadInput, match='is inside the original, which must not change'):
         recover_bag(source, source / 'new')
     (tmp_path / 'new').mkdir()
     (tmp_path / 'new' / 'file').touch()

@@ -88,4 +88,4 @@ def test_two_topics_of_one_bag_are_no_two_flights(tmp_path):
     flight = open_flight(bag)
     pairs = ('odom/pose.pose.position.x=odom/pose.pose.position.y',)
     found = compare_flights(flight, flight, ComparisonRequest(pairs=pairs))
-    assert format_verdict(found).startswith('odom and odom are apart from the start, in x of odom')
+    assert format_verdict(found).startswith('odom and odom differ from the start, in x of odom')

@@ -61,10 +61,10 @@ def test_the_pictures_of_the_page_are_taken_if_asked_for(tmp_path, monkeypatch, 
 @pytest.mark.parametrize(
     ('words', 'sentence'),
     [
-        (['--pair', 'odom'], "'odom' is no pair; write A's topic"),
+        (['--pair', 'odom'], "Invalid pair 'odom'; write A's topic"),
         (['--pair', 'odom=nose'], "B has no topic or channel 'nose'; its topics: odom."),
         (['--pair', 'odom/nose=odom/nose'], "Topic 'odom' has no channel 'nose'; it has: pose"),
-        (['--topic', 'motors'], "Topic 'motors' is not compared; those that are: odom."),
+        (['--topic', 'motors'], "Topic 'motors' is not compared; choose from: odom."),
         (['--offset', 'soon'], "--offset is 'soon'; give a number"),
         (['--offset', '3 m'], "--offset is '3 m'; give a number"),
         (['--offset', '500'], 'The flights have no time in common'),
@@ -72,7 +72,7 @@ def test_the_pictures_of_the_page_are_taken_if_asked_for(tmp_path, monkeypatch, 
         (['--tolerance', f'{Z}=-1'], f'The tolerance of {Z} is -1; give zero or more.'),
         (['--tolerance', f'{Z}=5 deg'], f"The tolerance of {Z} is '5 deg', but {Z} is in m;"),
         (['--robot', 'lta7'], "Unknown robot 'lta7'; known: lta1"),
-        (['--align', 'motion'], 'The flights show no start of motion or commands'),
+        (['--align', 'motion'], 'The flights have no common start of motion or commands'),
         (
             ['--pictures', 'p', '--no-page'],
             '--pictures needs the page; leave out --no-page.',
@@ -108,7 +108,7 @@ def test_robots_of_one_bag_are_named_and_compared(tmp_path, monkeypatch, capsys)
     out = ['--out', tmp_path / 'out', '--no-page', '--json']
     assert run(monkeypatch, bag, bag, *out) == 2
     told = capsys.readouterr().err
-    assert told.startswith(f"A: '{bag}' holds several robots (lta1, lta2);")
+    assert told.startswith(f"A: '{bag}' contains several robots (lta1, lta2);")
     assert told.count('\n') == 1
     assert run(monkeypatch, bag, bag, '--robot', 'lta1:lta2', *out) == 0
     content = json.loads(capsys.readouterr().out)

@@ -81,7 +81,8 @@ def test_a_log_in_our_units_and_axes(bring, tmp_path, version):
     assert motors.effort.tolist() == [1.0, 32768 / 65535, 0.0, 0.2]
     assert found.messages['/lta1/battery'][0].voltage == np.float32(3.7)
     assert found.messages['/lta1/pressure'][0].fluid_pressure == 99_200.0
-    assert "Not taken by the mapping of 'fixedFrequency': system.canfly." in found.notes
+    unused = "The mapping does not use these columns of 'fixedFrequency': system.canfly."
+    assert unused in found.notes
     assert 'CRC' not in found.notes
 
 
@@ -98,7 +99,7 @@ def test_a_log_that_was_cut_short_is_read_as_far_as_it_goes(bring, tmp_path, cut
     found = bring(tmp_path / 'log00')
     whole = 2 if cut <= 4 else 1
     assert len(found.messages['/lta1/odom']) == whole
-    assert 'The CRC does not fit: the log was cut short or is damaged' in found.notes
+    assert 'The CRC is wrong: the log was cut short or is damaged' in found.notes
 
 
 def test_a_flipped_bit_is_said_and_what_can_be_read_is_kept(bring, tmp_path):
@@ -107,7 +108,7 @@ def test_a_flipped_bit_is_said_and_what_can_be_read_is_kept(bring, tmp_path):
     (tmp_path / 'log00').write_bytes(data)
     found = bring(tmp_path / 'log00')
     assert len(found.messages['/lta1/odom']) == 2
-    assert 'The CRC does not fit' in found.notes
+    assert 'The CRC is wrong' in found.notes
 
 
 def test_what_the_head_does_not_name_ends_the_log(bring, tmp_path):
@@ -122,10 +123,10 @@ def test_what_the_head_does_not_name_ends_the_log(bring, tmp_path):
         (b'\xbc\x09\x00\x00\x00', 'version 9'),
         (head(2, [FIXED])[:40], 'cut short or damaged'),
         (head(2, [('event', [('a.b', 'z')])]), "variable 'a.b(z)', whose type is none of"),
-        (sealed(head(2, [FIXED])), 'without a single event'),
+        (sealed(head(2, [FIXED])), 'is a Crazyflie log without events'),
         (
             sealed(head(2, [('e', [('my.own', 'f')])]) + struct.pack('<HQf', 0, 5, 1.0)),
-            'has nothing that the mapping',
+            'has no data that the mapping',
         ),
     ],
 )
@@ -164,7 +165,8 @@ def test_a_payload_may_be_called_as_the_parts_of_an_event_are(bring, tmp_path):
     found = bring(tmp_path / 'log00')
     assert found.stamps('/lta1/battery') == [2_500_000_000]
     assert found.messages['/lta1/battery'][0].voltage == 3.5
-    assert "Not taken by the mapping of 'estDistance': id, distance, time." in found.notes
+    unused = "The mapping does not use these columns of 'estDistance': id, distance, time."
+    assert unused in found.notes
 
 
 def test_a_variable_that_is_logged_twice_is_there_twice(bring, tmp_path):
@@ -174,4 +176,4 @@ def test_a_variable_that_is_logged_twice_is_there_twice(bring, tmp_path):
     found = bring(tmp_path / 'log00')
     assert found.messages['/lta1/battery'][0].voltage == 3.5
     assert found.messages['/lta1/range'][0].range == 0.25
-    assert "Not taken by the mapping of 'e': pm.vbat (3)." in found.notes
+    assert "The mapping does not use these columns of 'e': pm.vbat (3)." in found.notes

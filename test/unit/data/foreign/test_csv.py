@@ -112,8 +112,8 @@ def test_what_is_odd_is_kept_and_named(bring, tmp_path):
         'Time goes back once, first in row 3; kept.',
         'Time stands still once; kept.',
         "Column 'x' has no number 3 times; NaN in the bag.",
-        f'1 rows have nothing for {ODOM} and give no message there.',
-        'Not taken by the mapping: u.',
+        f'1 rows have no values for {ODOM} and give no message.',
+        'The mapping does not use these columns: u.',
     ):
         assert sentence in found.notes
 

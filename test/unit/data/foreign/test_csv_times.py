@@ -70,15 +70,15 @@ def test_dates_are_times_to_the_last_digit(bring, tmp_path, case):
     found = bring(source, POSE.replace('format: csv', 'format: csv\ntext: {delimiter: ";"}'))
     start = 1_795_181_148 * 10**9  # date -u -d '2026-11-20 13:25:48' +%s
     assert found.stamps(ODOM) == [start, start + fraction]
-    assert ('taken as UTC' in found.notes) == (case == 'blank')
+    assert ('UTC is assumed' in found.notes) == (case == 'blank')
 
 
 @pytest.mark.parametrize(
     ('times', 'sentence'),
     [
-        (('2026-11-20T13:25:48Z', '12.5'), "Column 't' has '12.5' in row 2, which is no time"),
-        (('12.5', '2026-11-20T13:25:48Z'), "'2026-11-20T13:25:48Z' in row 2, which is no time"),
-        (('2026-02-30T13:25:48Z',), "'2026-02-30T13:25:48Z' in row 1, which is no time"),
+        (('2026-11-20T13:25:48Z', '12.5'), "Column 't' has '12.5' in row 2, which is not a time"),
+        (('12.5', '2026-11-20T13:25:48Z'), "'2026-11-20T13:25:48Z' in row 2, which is not a time"),
+        (('2026-02-30T13:25:48Z',), "'2026-02-30T13:25:48Z' in row 1, which is not a time"),
     ],
 )
 def test_what_is_no_time_is_named_with_its_row(bring, tmp_path, times, sentence):

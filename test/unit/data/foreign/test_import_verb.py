@@ -76,13 +76,13 @@ def test_what_is_printed_for_people_names_topics_bag_and_what_is_odd(lta, tmp_pa
 
 CASES = {
     'nothing there': ('nowhere.csv', None, (), 'does not exist'),
-    'empty': ('a.csv', b'', (), 'is empty; nothing to import'),
+    'empty': ('a.csv', b'', (), 'is empty; give a log with data'),
     'unknown': ('a.bin', b'\x00\x01\x02', (), 'is of no known format (csv: '),
-    'no mapping': ('a.csv', b't,x\n1,2\n', (), 'needs a mapping (no shipped one fits'),
+    'no mapping': ('a.csv', b't,x\n1,2\n', (), 'needs a mapping (no shipped mapping fits'),
     'wrong mapping': ('a.csv', b't,x\n1,2\n', ('--mapping', 'px4'), 'is for ulog, but'),
     'unknown mapping': ('a.csv', b't,x\n1,2\n', ('--mapping', 'mine'), 'known: crazyflie_usd'),
     'unknown format': ('a.csv', b't,x\n1,2\n', ('--format', 'xls'), "Unknown format 'xls'"),
-    'other format': ('a.csv', b't,x\n1,2\n', ('--format', 'usd'), "is not a Crazyflie's log"),
+    'other format': ('a.csv', b't,x\n1,2\n', ('--format', 'usd'), 'is not a Crazyflie log'),
     'robot': ('a.csv', b't,x\n1,2\n', ('--robot', 'a b'), "Robot 'a b' is no name"),
     'vehicle': ('a.txt', TRACE.encode(), ('--mapping', 'tum', '--vehicle', 'x'), 'known: beavis'),
     'not a gzip': ('a.csv.gz', b'\x1f\x8bnothing', (), 'cannot be read'),

@@ -87,22 +87,22 @@ def test_a_log_in_our_units_and_axes(bring, tmp_path):
     # The stamp is that of the sample, the log time that of the message.
     assert found.stamps('/lta1/odom') == [2_000_000_000]
     assert found.times['/lta1/odom'] == [2_003_000_000]
-    assert 'newest of vehicle_attitude and vehicle_angular_velocity' in found.notes
-    assert 'at most 0.01 s before' in found.notes
+    assert 'latest values of vehicle_attitude and vehicle_angular_velocity' in found.notes
+    assert 'at most 0.01 s old' in found.notes
     (imu,) = found.messages['/lta1/imu']
     assert imu.linear_acceleration.z == np.float32(9.80665)
     assert imu.angular_velocity.y == -np.float32(0.2)
     (motors,) = found.messages['/lta1/motors']
     assert motors.name == ['motor_1', 'motor_2', 'motor_3', 'motor_4']
     assert motors.effort.tolist() == [0.5, 0.25, 0.75, 0.0]
-    assert 'motor_5, motor_6, motor_7, motor_8 of /lta1/motors never had a number' in found.notes
+    assert 'motor_5, motor_6, motor_7, motor_8 of /lta1/motors have no values' in found.notes
     first, second = found.messages['/lta1/battery']
     assert (first.voltage, first.current, first.percentage) == (7.5, -2.0, 0.75)
     assert math.isnan(second.current)
     assert math.isnan(second.percentage)
     (distance,) = found.messages['/lta1/range']
     assert (distance.range, distance.min_range, distance.max_range) == (1.5, 0.25, 8.0)
-    assert '1 rows are not for /lta1/range, by the mapping.' in found.notes
+    assert '1 rows are excluded from /lta1/range by the mapping.' in found.notes
     assert found.messages['/lta1/pressure'][0].fluid_pressure == 95_000.0
 
 
@@ -132,7 +132,7 @@ def test_attitude_alone_is_an_odometry_without_a_place(bring, tmp_path):
     ('data', 'sentence'),
     [
         (ulog(FLIGHT)[:12], 'cannot be read as a ULog'),
-        (ulog([]), 'without a single message'),
+        (ulog([]), 'is a ULog without messages'),
     ],
 )
 def test_what_is_no_such_log_is_one_sentence(bring, tmp_path, data, sentence):

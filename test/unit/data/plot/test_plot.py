@@ -130,7 +130,7 @@ def test_the_command_lists_all_and_draws_some(call, bag, tmp_path):
     [
         (('none',), "No channel matches 'none'"),
         (('motors', '--from', '5', '--to', '4'), 'From 5 s to 4 s there is nothing'),
-        (('motors', '--from', '99'), 'hold nothing in that stretch of time'),
+        (('motors', '--from', '99'), 'have no data in that time range'),
     ],
 )
 def test_what_cannot_be_shown_is_one_sentence(call, bag, words, sentence):

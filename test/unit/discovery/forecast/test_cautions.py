@@ -26,8 +26,8 @@ def test_a_fit_that_predicts_worse_is_said_and_so_is_a_model_of_no_use() -> None
     ]
     where = '(position after 5 s, attitude after 3, 5 s)'
     worse, idle = list_forecast_warnings(told)
-    assert worse.startswith(f'What was fitted predicts worse than the vehicle file {where}:')
-    assert idle == f'Keeping velocity and rates predicts better than any model {where}.'
+    assert worse.startswith(f'The fit predicts worse than the vehicle file {where}:')
+    assert idle == f'Constant velocity and rates predict better than any model {where}.'
 
 
 def test_a_fit_that_helps_is_not_warned_of() -> None:
@@ -49,7 +49,7 @@ def test_a_second_ahead_alone_decides_nothing() -> None:
     told = [near, better]
     assert not should_keep_file(told)
     assert list_forecast_warnings(told) == [
-        'Not all forecasts get better: worse are position after 1 s.'
+        'Some forecasts get worse: position after 1 s.'
     ]
     assert should_keep_file(
         [near, replace(far, shrink_ci95=(-0.1, 0.46))]
@@ -63,7 +63,7 @@ def test_a_model_that_predicts_as_well_as_keeping_velocity_is_of_use(better: str
     assert not any('Keeping' in one for one in list_forecast_warnings([told]))
     *_, idle = list_forecast_warnings([replace(told, coast=0.29)])
     assert (
-        idle == 'Keeping velocity and rates predicts better than any model (attitude after 3 s).'
+        idle == 'Constant velocity and rates predict better than any model (attitude after 3 s).'
     )
 
 

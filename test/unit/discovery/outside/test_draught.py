@@ -102,7 +102,7 @@ def test_a_draught_has_its_force_and_the_speed_of_the_air(gtmab: Known) -> None:
     found = _found(gtmab)
     assert found is not None
     assert found.force == pytest.approx(2.75 * float(wrench_floor(gtmab[0])[0]))
-    assert found.sentence.startswith('a draught: a horizontal force that follows nothing, 1.1 mN')
+    assert found.sentence.startswith('a draught: a random horizontal force of 1.1 mN')
 
 
 def test_the_speed_is_force_by_the_mass_of_the_air_times_its_memory(gtmab: Known) -> None:

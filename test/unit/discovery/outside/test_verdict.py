@@ -96,7 +96,7 @@ def test_a_force_that_stays_the_same_follows_nothing() -> None:
 def test_gusts_are_called_gusts() -> None:
     assert is_gusty([SURGE, SWAY])
     assert list_sentences([SURGE, SWAY]) == (
-        'gusts: a surge and a sway force that follow nothing, 6.2 mN and 5.1 mN',
+        'gusts: random surge and sway forces, 6.2 mN and 5.1 mN',
     )
     assert not is_gusty([SURGE])
     assert not is_gusty([SURGE, SWAY, PITCH])  # of the size of the others
@@ -114,7 +114,7 @@ def test_a_wind_to_and_fro_is_no_gusts() -> None:
     ]  # fmt: skip
     less = SWING._replace(share=0.3)
     assert list_sentences([SURGE, SWAY], [], [less]) == (
-        'gusts: a surge and a sway force that follow nothing, 6.2 mN and 5.1 mN',
+        'gusts: random surge and sway forces, 6.2 mN and 5.1 mN',
         'an oscillation of the force along y of the map at 0.21 Hz, 3.1 mN',
     )
 
@@ -129,8 +129,8 @@ def test_a_draught_alone_is_nothing_unexplained() -> None:
     )
     assert calm.sentences == ()
     assert air.sentence == (
-        'a draught: a horizontal force that follows nothing, 1.1 mN, as air moving at about '
-        '2.6 mm/s would exert'
+        'a draught: a random horizontal force of 1.1 mN, as from air moving at about '
+        '2.6 mm/s'
     )
 
 

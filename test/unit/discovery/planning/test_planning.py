@@ -105,7 +105,7 @@ def test_what_is_not_safe_is_said() -> None:
         (_rehearsed(path=high), 'near the ceiling'),
         (_rehearsed(tilt=math.radians(31.0)), 'tilts by 31 degrees'),
         (_rehearsed(duties=duties), 'at its limit'),
-        (_rehearsed(path=up), 'does not come down'),
+        (_rehearsed(path=up), 'does not land'),
     ):
         (said,) = list_objections(wrong, vehicle, hall)
         assert words in said
@@ -162,14 +162,14 @@ def test_where_nothing_in_flight_decides_it_says_what_to_measure(tmp_path) -> No
         'record the duties of the motors as well'
     )
     assert suggest_measurement('net_lift.force', ('payload.mass',), 'pose').startswith(
-        'they are one constant'
+        'each is a constant'
     )
 
 
 def test_what_cannot_be_planned_is_refused() -> None:
     with pytest.raises(BadInput, match=r"effect 'net_lift\.foce'"):
         plan_between('gtmab', 'net_lift.foce', 'payload.mass')
-    with pytest.raises(BadInput, match='from itself'):
+    with pytest.raises(BadInput, match='is given twice'):
         plan_between('gtmab', 'cg_offset.x', 'cg_offset.x')
 
 

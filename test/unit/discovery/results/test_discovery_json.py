@@ -84,7 +84,7 @@ def test_a_draught_is_told_to_programs_and_people():
     console = Console(width=110, record=True, file=None, quiet=False)
     with console.capture() as heard:
         print_finding(aired, console)
-    assert 'A draught: a horizontal force that follows nothing, 1.1 mN, as' in heard.get()
+    assert 'A draught: a random horizontal force of 1.1 mN, as' in heard.get()
 
 
 def test_the_gap_is_of_the_position_at_the_longest_horizon_that_most_have():

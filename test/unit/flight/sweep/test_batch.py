@@ -133,9 +133,9 @@ def test_a_sweep_over_few_values_is_no_map(sweep):
 
 
 def test_options_that_exclude_each_other_are_refused():
-    with pytest.raises(BadInput, match=r'An open loop \(--duties\) is flown as a batch'):
+    with pytest.raises(BadInput, match=r'Open-loop duties \(--duties\) need batch mode'):
         check_options(None, (0.1,), None, None)
-    with pytest.raises(BadInput, match=r'needs no --workers and no --scheduler'):
+    with pytest.raises(BadInput, match=r'--device excludes --workers and --scheduler'):
         check_options('gpu', (), 2, None)
     with pytest.raises(BadInput, match=r"The duties are '1,x'; give numbers from -1 to 1"):
         parse_duties('1,x')

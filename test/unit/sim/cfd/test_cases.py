@@ -250,8 +250,8 @@ Number of negative volume cells: 2
     ('check', 'said'),
     [
         (INSIDE_OUT, 'has 2 cells of negative volume'),
-        (SOUND.replace('37.8187', '80.2'), '80 degrees askew'),
-        (SOUND.replace('37.8187', 'nan'), 'nan degrees askew'),
+        (SOUND.replace('37.8187', '80.2'), 'non-orthogonality of 80 degrees'),
+        (SOUND.replace('37.8187', 'nan'), 'non-orthogonality of nan degrees'),
         (SOUND.replace('51632', '12'), 'has no cells'),
         ('--> FOAM FATAL ERROR: cannot find file "points"\n', 'has no cells'),
     ],
@@ -322,13 +322,13 @@ def test_no_cell_is_so_coarse_that_a_bar_lies_between_the_middles_of_two_unseen(
         (flow_checks.check_spread, (0.0, 12), '12 rounds'),
         (flow_checks.check_balance, (0.3,), '30 % of the force'),
         (flow_checks.check_balance, (math.nan,), 'nan % of the force'),
-        (flow_checks.check_brakes, (-0.01,), 'pushes where it should brake'),
-        (flow_checks.check_brakes, (0.0,), 'pushes where it should brake'),
-        (flow_checks.check_brakes, (math.nan,), 'pushes where it should brake'),
+        (flow_checks.check_brakes, (-0.01,), 'points in the direction of motion'),
+        (flow_checks.check_brakes, (0.0,), 'points in the direction of motion'),
+        (flow_checks.check_brakes, (math.nan,), 'points in the direction of motion'),
         (flow_checks.check_mean, (0.06, 12.0), r'uncertain by 6 % \(over 5 %\)'),
         (flow_checks.check_mean, (math.nan, 12.0), 'uncertain by nan'),
         (flow_checks.check_mean, (math.inf, 12.0), 'uncertain by inf'),  # shorter than one batch
-        (flow_checks.check_mean, (0.01, 9.9), r'Only 9\.9 lengths of flow are averaged, under 10'),
+        (flow_checks.check_mean, (0.01, 9.9), r'Only 9\.9 hull lengths of flow are averaged, under 10'),
     ],
 )
 def test_gates_refuse_with_the_figure(gate, given, said):

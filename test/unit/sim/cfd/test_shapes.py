@@ -95,7 +95,7 @@ def test_a_surface_through_itself_is_refused_with_its_place(tmp_path):
     both = trimesh.util.concatenate(
         [build_box((0, 0, 0), (0.2, 0.2, 0.2)), build_box((0.13, 0.02, 0.03), (0.1, 0.1, 0.1))]
     )
-    with pytest.raises(BadInput, match='crosses itself near'):
+    with pytest.raises(BadInput, match='intersects itself near'):
         read_stl(kept(both, tmp_path), 'm')
 
 

@@ -42,7 +42,7 @@ def test_a_sweep_becomes_forces_in_body_axes(fake):
 
 @pytest.mark.parametrize(
     ('fault', 'reason'),
-    [('killed', 'start again to go on'), ('disk', 'disk full; make room')],
+    [('killed', 'start again to resume'), ('disk', 'disk full; make room')],
 )
 def test_what_befell_a_flow_is_said(fake, monkeypatch, fault, reason):
     monkeypatch.setenv('FAKE_FAULT', f'up_left:{fault}')
@@ -82,7 +82,7 @@ def test_speeds_that_swing_are_refused_and_the_slow_ones_kept(fake, monkeypatch)
 def test_a_flow_whose_momentum_is_lost_is_refused(fake, monkeypatch, flow, refused):
     monkeypatch.setenv('FAKE_FAULT', f'{flow}:unbalanced')
     sweep, _ = swept(fake, flow)
-    assert '50 % of the force is not in the momentum' in sweep.refused[refused]
+    assert '50 % of the force is missing in the momentum' in sweep.refused[refused]
     assert sweep.axes == sweep.blows == {}
 
 

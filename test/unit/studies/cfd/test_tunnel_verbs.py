@@ -29,7 +29,7 @@ def run(fake, call, monkeypatch, tmp_path):
 def test_a_run_leaves_a_page_a_sweep_and_an_aero_file(run, tmp_path):
     status, said = run('--only', 'heave', '--only', 'up_left', '--jobs', 1)
     assert status == 0
-    assert 'brakes with' in said.out
+    assert 'has a drag of' in said.out
     assert sorted(path.name for path in (tmp_path / 'done').iterdir()) == [
         'gtmab.aero.yaml', 'gtmab.blown.json', 'gtmab.sweep.json', 'report.html',
     ]  # fmt: skip

@@ -115,7 +115,7 @@ def test_the_verb_tells_what_it_found(found):
     hover = found['tasks']['hovering']['power']
     assert found['share_of_standard'] == pytest.approx(hover / found['standard_hover']['power'])
     assert 'of a multirotor' in found['told']
-    assert 'What would make it 1333 mW' in found['page']
+    assert 'Possible causes of 1333 mW' in found['page']
     assert str(round(1e3 * hover)) in found['page']
 
 

@@ -148,7 +148,7 @@ def test_the_verb_writes_a_page_and_numbers(tmp_path, monkeypatch, capsys):
     assert said['fronts'][1]['fair'] == ['powerfilm_large', 'dracula', 'anysolar']
     assert json.loads((folder / 'cells.json').read_text())['budget'] == pytest.approx(0.05)
     page = (folder / 'report.html').read_text()
-    assert 'As is fair' in page
+    assert 'A fair criterion' in page
     assert 'mixes two panels' in page
 
 

@@ -77,4 +77,4 @@ def test_what_the_cell_gave_is_what_was_drawn(found):
 
 def test_the_page_shows_both_claims(found):
     assert 'almost a third' in found['page']
-    assert '18 % of what multirotor takes' in found['told']
+    assert '18 % of the power of multirotor' in found['told']

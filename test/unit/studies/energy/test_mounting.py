@@ -202,7 +202,7 @@ def test_the_verb_writes_a_page_numbers_and_a_vehicle_that_reads(tmp_path, monke
     )
     assert run_command_line() == 0
     told = capsys.readouterr().out
-    assert 'Top gets most light of what the hull can carry.' in told
+    assert 'Top gets the most light of the mounts that the hull can carry.' in told
     numbers = json.loads((folder / 'mounting.json').read_text())
     assert numbers['fuller'] == 1.0
     assert numbers['lift_lacking']['top'] == pytest.approx(-0.013433, abs=1e-6)

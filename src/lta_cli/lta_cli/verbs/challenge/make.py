@@ -32,7 +32,7 @@ def make(
     out: Out = None,
 ) -> None:
     """
-    Generate cases: flights of a vehicle that deviates within its tolerances and has a hidden effect.
+    Generate cases: flights of a vehicle that is off by its tolerances and has a hidden effect.
 
     Each case is a folder with a vehicle file and the bags train, confirm and holdout. Hidden is
     nothing, one or two effects of the library, something outside the library, or both. In cases

@@ -45,8 +45,8 @@ def mounting(
     A mount is a file in config/mounts: parts that replace a layer, some of them panels. Mass,
     balance, inertia, drag and shading follow from it. Each variant is released tilted, checked
     against a closed-form solution, and flown straight at 0.1 m/s with panels in place and
-    misplaced. If the hull cannot carry a mount, all variants are also flown with more gas. The page
-    also shows the effect of a centre of gravity above the centre of buoyancy.
+    misplaced. If the hull cannot carry a mount, all variants are compared in a fuller hull. The
+    page also shows the effect of a centre of gravity above the centre of buoyancy.
 
     Writes a page, mounting.json (SI units) and a vehicle file for each variant.
 

@@ -1,1 +1,1 @@
-"""`lta hardware`: one file a command."""
+"""The `lta hardware` verbs, one file each."""

@@ -1,4 +1,4 @@
-"""lta hardware bench: one motor of a tethered drone."""
+"""lta hardware bench: bench-test one motor of a tethered drone."""
 
 from contextlib import closing
 import math
@@ -24,29 +24,29 @@ import typer
 
 MOST = 0.3  # duty: turns every rotor, lifts nothing
 LONGEST = 10.0  # s
-LEAST = 1.0 / 256.0  # duty that turns a motor: PWM has 8 bits, and the app keeps m1 just above 0
+LEAST = 1.0 / 256.0  # smallest duty of 8-bit PWM that turns a motor; the app keeps m1 just above 0
 
 
 def bench(
     motor: Annotated[str, typer.Argument(help='m1, m2, m3 or m4, as on the Crazyflie.')],
-    uri: Annotated[str, typer.Option(help='Where the Crazyflie is.')] = (
+    uri: Annotated[str, typer.Option(help='URI of the Crazyflie.')] = (
         'radio://0/80/2M/E7E7E7E7E7'
     ),
-    vehicle: Annotated[str, typer.Option(help='Vehicle that it flies.')] = 'gtmab',
-    duty: Annotated[float, typer.Option(help='0 to 0.3.', min=0.01, max=MOST)] = 0.1,
+    vehicle: Annotated[str, typer.Option(help='Vehicle that the Crazyflie flies.')] = 'gtmab',
+    duty: Annotated[float, typer.Option(help='Duty, up to 0.3.', min=0.01, max=MOST)] = 0.1,
     seconds: Annotated[
-        float, typer.Option(help='For how long it turns.', min=0.2, max=LONGEST)
+        float, typer.Option(help='Duration in seconds.', min=0.2, max=LONGEST)
     ] = 2.0,
     json: Annotated[bool, typer.Option('--json', help='Print the outcome as JSON.')] = False,
 ) -> None:
     """
-    Turn one motor of a TETHERED drone at low duty, after you have typed which.
+    Turn one motor of a TETHERED drone at low duty, after a typed confirmation.
 
-    It needs the app of firmware/crazyflie aboard, which stops the motor 200 ms after the last word
-    from here, whatever became of this program. Ctrl-C, an error and a lost link disarm.
+    The drone must run the app of firmware/crazyflie, which stops the motor 200 ms after the last
+    command, even if this program dies. Ctrl-C, an error or a lost link disarm the drone.
 
-    Exit status 0: it turned, alone. 1: it did not, or another did. 2: bad input, or not confirmed.
-    130: Ctrl-C.
+    Exit status 0: only this motor turned. 1: it did not turn, or another one did. 2: bad input, or
+    not confirmed. 130: Ctrl-C.
 
     Example: lta hardware bench m1 --duty 0.1 --seconds 2
     """
@@ -57,8 +57,8 @@ def bench(
         raise unknown_name('motor', motor, list(MOTORS))
     if file.command != 'motors':
         raise BadInput(
-            f'{vehicle} flies with the stock firmware, which turns no single motor safely; flash '
-            'the app of firmware/crazyflie and give the --vehicle that flies with it.'
+            f'{vehicle} uses the stock firmware, which cannot turn a single motor safely; flash '
+            'the app of firmware/crazyflie and name a --vehicle that uses it.'
         )
     link = create_link(uri, BLOCKS, time.time_ns)
     with closing(DroneLock(uri)):
@@ -69,8 +69,7 @@ def bench(
     right = turned.duty > 0.5 * duty and turned.others < LEAST
     if json:
         volts = turned.voltage if math.isfinite(turned.voltage) else None
-        told = {**turned._asdict(), 'voltage': volts, 'alone': right}
-        print_json(told)
+        print_json({**turned._asdict(), 'voltage': volts, 'alone': right})
     console.print(format_outcome(motor, turned, right), highlight=False, soft_wrap=True)
     if not right:
         raise typer.Exit(1)
@@ -79,7 +78,7 @@ def bench(
 def turn_motor(
     bench: MotorBench, link: CrazyflieLink, request: tuple[str, float, float], console: Console
 ) -> MotorTurnResult:
-    """Open the link, turn a motor at a duty for some seconds, and close whatever happens."""
+    """Open the link, turn the motor and always close the link."""
     motor, duty, seconds = request
     columns = (TextColumn('{task.description}'), BarColumn())
     with interrupt_on_signals():
@@ -88,7 +87,7 @@ def turn_motor(
             with ProgressBar(console, *columns, begin=f'{motor} turns', total=seconds) as bar:
                 return bench.turn_motor(duty, seconds, lambda been: bar.update_bar(completed=been))
         except LinkFailed as error:
-            sys.stderr.write(f'{motor} stands: {error}.\n')
+            sys.stderr.write(f'{motor} is stopped: {error}.\n')
             raise typer.Exit(1) from None
         finally:
             link.close()
@@ -96,13 +95,9 @@ def turn_motor(
 
 def confirm_motor(motor: str, rotor: str, duty: float, seconds: float, console: Console) -> None:
     """
-    Have a person type what is to turn.
+    Ask the user to confirm by typing the motor's name.
 
-    Raises
-    ------
-    BadInput
-        If anything else is typed, or nobody is there to type.
-
+    Raises BadInput if anything else is typed, or stdin is closed.
     """
     wanted = f'spin {motor}'
     console.print(
@@ -115,9 +110,11 @@ def confirm_motor(motor: str, rotor: str, duty: float, seconds: float, console: 
 
 
 def format_outcome(motor: str, turned: MotorTurnResult, right: bool) -> str:
-    """Return what came of it."""
+    """Return the result of the test as text."""
     cell = f'; the cell fell to {turned.voltage:.2f} V' if math.isfinite(turned.voltage) else ''
-    told = f'{motor} turned at up to {turned.duty:.0%}, the others at {turned.others:.0%}{cell}.'
+    text = f'{motor} turned at up to {turned.duty:.0%}, the others at {turned.others:.0%}{cell}.'
     if right:
-        return f'{told} See that it was the rotor you meant, and that it blew the way it should.'
-    return f'{told} That is not what was asked for: look at the firmware before anything flies.'
+        return (
+            f'{text} Check that the right rotor turned, and that it blew in the right direction.'
+        )
+    return f'{text} This is not what was commanded: check the firmware before flying.'

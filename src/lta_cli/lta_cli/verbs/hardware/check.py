@@ -1,4 +1,4 @@
-"""lta hardware check: what hangs on this machine, and how it is."""
+"""lta hardware check: check connected radios, drones and light boards."""
 
 import sys
 from typing import Annotated
@@ -19,31 +19,31 @@ import typer
 
 def check(
     uri: Annotated[
-        str, typer.Option(help='Where the Crazyflie is; the first that answers where empty.')
+        str, typer.Option(help='URI of the Crazyflie; by default the first that answers.')
     ] = '',
     port: Annotated[
         str,
-        typer.Option(help='Where the light board is, or udp://HOST:PORT; the first where empty.'),
+        typer.Option(help='Port of the light board, or udp://HOST:PORT; by default the first.'),
     ] = '',
-    vehicle: Annotated[str, typer.Option(help='Vehicle that they belong to.')] = 'gtmab',
+    vehicle: Annotated[str, typer.Option(help='Vehicle that the hardware belongs to.')] = 'gtmab',
     frequency: Annotated[
-        float, typer.Option(help='At which the lamp flickers, in hertz.', min=1.0, max=1e5)
+        float, typer.Option(help='Flicker frequency of the lamp in Hz.', min=1.0, max=1e5)
     ] = DemodulationSettings().frequency,
     seconds: Annotated[
-        float, typer.Option(help='How long to listen to each.', min=0.5, max=3600.0)
+        float, typer.Option(help='Listening time per device in s.', min=0.5, max=3600.0)
     ] = 5.0,
     udev: Annotated[
-        bool, typer.Option('--udev', help='Print a udev file that lets you open all, and leave.')
+        bool, typer.Option('--udev', help='Print a udev rules file for access, and exit.')
     ] = False,
     json: Annotated[bool, typer.Option('--json', help='Print JSON instead of tables.')] = False,
 ) -> None:
     """
-    Find radios, drones and light boards, listen to them, and say what is not in order.
+    Find radios, drones and light boards, listen to them, and report problems.
 
-    Rights, firmware, rates, loss, latency, battery, supervisor, parameters, and each diode.
-    Nothing is written, armed or turned.
+    Checks permissions, firmware, rates, packet loss, latency, battery, supervisor, parameters and
+    each photodiode. Never writes parameters, arms or turns motors.
 
-    Exit status 0: all in order, or warnings. 1: something keeps it from flying. 2: nothing there.
+    Exit status 0: all in order, or only warnings. 1: a check failed. 2: no hardware found.
 
     Example: lta hardware check
 
@@ -54,14 +54,14 @@ def check(
     if udev:
         sys.stdout.write(format_udev_rules())
         sys.stderr.write(
-            f'Save this as {RULES_FILE}, then: sudo udevadm control --reload && sudo udevadm '
-            'trigger, and plug in anew.\n'
+            f'Save this as {RULES_FILE}, then run: sudo udevadm control --reload && sudo udevadm '
+            'trigger, and reconnect the devices.\n'
         )
         return
     console = plain_console(stderr=json)
     asked = HardwareCheckRequest(uri, port, vehicle, frequency, seconds)
     columns = (TextColumn('{task.description}'), BarColumn())
-    with ProgressBar(console, *columns, begin='looking around', total=1.0) as bar:
+    with ProgressBar(console, *columns, begin='searching', total=1.0) as bar:
         outcome = run_check(
             asked, lambda doing, part: bar.update_bar(description=doing, completed=part)
         )
@@ -76,7 +76,7 @@ def check(
 
 
 def print_table(title: str, rows: list[tuple[str, ...]], console: Console) -> None:
-    """Print a table whose first row is its head."""
+    """Print a table whose first row is the header."""
     printed = Table(
         title=title, title_justify='left', box=None, pad_edge=False, padding=(0, 2, 0, 0)
     )

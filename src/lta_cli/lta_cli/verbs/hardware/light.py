@@ -1,4 +1,4 @@
-"""lta hardware light: a real board on a turntable."""
+"""lta hardware light: evaluate a recording of a light board on a turntable."""
 
 import math
 from pathlib import Path
@@ -33,35 +33,35 @@ import typer
 
 def light(
     bag: Annotated[Path, typer.Argument(help='Recording of the board, with photodiodes.')],
-    rate: Annotated[
-        float, typer.Option(help='Of the table, degrees a second, counter-clockwise.')
+    rate: Annotated[float, typer.Option(help='Turntable rate in deg/s, counter-clockwise.')] = 0.0,
+    step: Annotated[
+        float, typer.Option(help='Turntable step in degrees, instead of --rate.')
     ] = 0.0,
-    step: Annotated[float, typer.Option(help='Of the table, degrees, instead of a rate.')] = 0.0,
     hold: Annotated[
-        float, typer.Option(help='Seconds from one step to the next.', min=0.0, max=3600.0)
+        float, typer.Option(help='Time per step in seconds.', min=0.0, max=3600.0)
     ] = 0.0,
     start: Annotated[
-        float, typer.Option(help='Where the lamp stands at first, degrees from the nose.')
+        float, typer.Option(help='Initial bearing of the lamp, degrees from the nose.')
     ] = 0.0,
     align: Annotated[
-        bool, typer.Option('--align', help="Take the error of the table's zero off.")
+        bool, typer.Option('--align', help='Remove the zero offset of the turntable.')
     ] = False,
-    vehicle: Annotated[str, typer.Option(help='Whose diodes.')] = 'gtmab',
+    vehicle: Annotated[str, typer.Option(help='Vehicle with the diodes.')] = 'gtmab',
     frequency: Annotated[
-        float, typer.Option(help='At which the lamp flickers, in hertz.', min=1.0, max=1e5)
+        float, typer.Option(help='Flicker frequency of the lamp in Hz.', min=1.0, max=1e5)
     ] = DemodulationSettings().frequency,
     robot: Annotated[
-        str | None, typer.Option(help='Namespace, where the bag has several.')
+        str | None, typer.Option(help='Robot namespace, if the bag has several.')
     ] = None,
     out: Out = None,
     json: Json = False,
 ) -> None:
     """
-    Make the paper's polar study of a recording of the real board on a turntable.
+    Repeat the paper's polar study with a recording of the real light board on a turntable.
 
-    How the table went: --rate, or --step with --hold (22.5 and some seconds make the paper's 16
-    directions), or as ground_truth/odom of the same bag saw it. Median error in each direction by
-    both estimators, and what the diodes make of light: exponent and gains for the vehicle file.
+    The turntable motion is --rate, or --step with --hold (22.5 degrees give the paper's 16
+    directions), or ground_truth/odom of the same bag. Reports the median error in each direction
+    for both estimators, and the measured diode response: exponent and gains for the vehicle file.
 
     Exit status 0: done. 2: bad input.
 
@@ -70,7 +70,7 @@ def light(
     console = plain_console(stderr=json)
     if bool(step) != bool(hold) or (rate and step):
         raise BadInput(
-            'How the table turned is told twice or by half; give --rate alone, or --step with '
+            'The turntable motion is ambiguous or incomplete; give either --rate, or --step with '
             '--hold.'
         )
     table = TurntableMotion(math.radians(rate), math.radians(step), hold, math.radians(start))
@@ -105,7 +105,7 @@ def light(
     if json:
         print_json(content, page)
     print_table('Median errors over 16 directions', build_rows([found]), console)
-    print_table('What the paper says, counted', build_claim_rows(found), console)
+    print_table("The paper's claims, checked", build_claim_rows(found), console)
     print_table('Gains', build_gain_rows(fitted), console)
     console.print(format_response(fitted, zero, align), highlight=False, soft_wrap=True)
     console.print(
@@ -114,20 +114,19 @@ def light(
 
 
 def format_response(response: TurntableResponse, zero: float, align: bool) -> str:
-    """Return what to write into the vehicle file, and where the zero of the table was."""
-    done = 'taken off' if align else 'left in; --align takes it off'
+    """Return the entries for the vehicle file and the zero offset of the turntable."""
+    done = 'removed' if align else 'kept; --align removes it'
     return (
         f'response: {response.exponent:.2f} ± {response.exponent_deviation:.1g}, gain_spread: '
-        f"{1e2 * response.gain_spread:.1f} %. The table's zero is off by "
-        f'{math.degrees(zero):.2f}°, '
-        f'{done}.'
+        f'{1e2 * response.gain_spread:.1f} %. Zero offset of the turntable: '
+        f'{math.degrees(zero):.2f}° ({done}).'
     )
 
 
 def format_rerun(
     bag: Path, table: TurntableMotion, align: bool, vehicle: str, frequency: float
 ) -> str:
-    """Return what to type for the same study."""
+    """Return the command that repeats the study."""
     words: list[Any] = ['hardware', 'light', bag, '--vehicle', vehicle]
     words += ['--frequency', f'{frequency:g}', '--start', f'{math.degrees(table.start):g}']
     if table.step:

@@ -1,1 +1,1 @@
-"""`lta light`: one file a command."""
+"""The `lta light` verbs, one file each."""

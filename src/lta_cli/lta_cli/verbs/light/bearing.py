@@ -1,4 +1,4 @@
-"""lta light bearing: how well the direction to a lamp is known, ours beside the paper's."""
+"""lta light bearing: compare the bearing errors of the paper's estimator and ours."""
 
 import math
 from pathlib import Path
@@ -24,22 +24,20 @@ ANY = 'any'
 
 
 def bearing(
-    vehicle: Annotated[str, typer.Option(help='Vehicle whose diodes, name or file.')] = 'gtmab',
+    vehicle: Annotated[str, typer.Option(help='Vehicle with the diodes, name or file.')] = 'gtmab',
     place: Annotated[
         list[str] | None,
-        typer.Option(help='Place, indoor or outdoor; repeatable, both by default.'),
+        typer.Option(help='Place, indoor or outdoor; repeatable; default both.'),
     ] = None,
     diodes: Annotated[
         list[int] | None,
-        typer.Option(
-            help='Diodes in the ring; repeatable, 4, 8 and 16 by default.', min=1, max=64
-        ),
+        typer.Option(help='Diodes in the ring; repeatable; default 4, 8 and 16.', min=1, max=64),
     ] = None,
     range_: Annotated[
         list[str] | None,
         typer.Option(
             '--range',
-            help='Distance to the lamp in metres, or "any"; repeatable, 3, 7 and any by default.',
+            help='Distance to the lamp in metres, or "any"; repeatable; default 3, 7 and any.',
         ),
     ] = None,
     poses: Annotated[
@@ -57,12 +55,12 @@ def bearing(
     json: Json = False,
 ) -> None:
     """
-    Tell how well the direction to a lamp is known: the paper's weighted mean beside our fit.
+    Evaluate bearing estimation: the paper's weighted mean against our fit.
 
-    At random poses before the lamp, through diodes, amplifiers, converter and demodulator: the
-    median and the 95 % quantile of the error of the bearing, how many of the true bearings the
-    fit's own 95 % interval holds, and the error of the elevation. Indoor is the shared room, whose
-    surfaces reflect; outdoor is a field in daylight of 80 klux, with diodes fitted for it.
+    Simulates random poses in front of the lamp, through diodes, amplifiers, ADC and demodulator.
+    Reports the median and the 95 % quantile of the bearing error, the coverage of the fit's 95 %
+    interval, and the elevation error. Indoor is the shared room with reflections; outdoor is a
+    field in daylight of 80 klux, with suitable diodes.
 
     Exit status 0: done. 2: bad input. 130: Ctrl-C.
 
@@ -97,7 +95,7 @@ def bearing(
 
 
 def parse_range(text: str) -> float | None:
-    """Return a range as it was typed, None for any. [m]"""
+    """Parse a range in m; return None for "any"."""
     if text == ANY:
         return None
     try:
@@ -112,7 +110,7 @@ def parse_range(text: str) -> float | None:
 def print_table(rows: list[tuple[str, ...]], console: Console) -> None:
     """Print the table."""
     printed = Table(
-        title='Error of the bearing at random poses: median, and what 95 % stay below',
+        title='Bearing error at random poses: median and 95 % quantile',
         title_justify='left', box=None, pad_edge=False, padding=(0, 1, 0, 0),
     )  # fmt: skip
     for k, name in enumerate(rows[0]):

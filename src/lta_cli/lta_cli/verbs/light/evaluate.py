@@ -1,4 +1,4 @@
-"""lta light evaluate: navigation strategies over scenes and seeds."""
+"""lta light evaluate: compare navigation strategies over scenes and seeds."""
 
 from pathlib import Path
 import sys
@@ -29,7 +29,7 @@ def evaluate(
     ] = 50,
     sets: Annotated[
         list[str] | None,
-        typer.Option(metavar='A B', help=f'Which sets: {", ".join(SETS)}; all by default.'),
+        typer.Option(metavar='A B', help=f'Sets: {", ".join(SETS)}; all by default.'),
     ] = None,
     out: Annotated[
         Path | None,
@@ -42,9 +42,7 @@ def evaluate(
     workers: Annotated[
         int | None, typer.Option(help='Worker processes; one per processor by default.', min=1)
     ] = None,
-    retry: Annotated[
-        bool, typer.Option('--retry-failed', help='Fly again what could not be flown.')
-    ] = False,
+    retry: Annotated[bool, typer.Option('--retry-failed', help='Repeat failed flights.')] = False,
     pictures: Annotated[
         Path | None,
         typer.Option(
@@ -57,26 +55,27 @@ def evaluate(
     json: Annotated[bool, typer.Option('--json', help='Print the figures as JSON.')] = False,
 ) -> None:
     """
-    Compare the navigation strategies: indoors, in wind, from afar, in daylight, changed.
+    Compare the navigation strategies: indoors, in wind, from afar, in daylight, and variations.
 
-    Each set is a sweep file (light_indoors, light_reference_winds, ...), which "lta sweep" flies
-    as well. All strategies get the same seeds. A reference pilot, who knows lamp and wind, flies
-    the sets in which wind matters: its path is the best that the vehicle can do.
+    Each set is a sweep file (light_indoors, light_reference_winds, ...) that "lta sweep" can also
+    fly. All strategies get the same seeds. In the sets with wind, a reference pilot that knows
+    lamp and wind gives the best path that the vehicle can fly.
 
-    Shares have Wilson's 95 % intervals, means those of the bootstrap. The page tells which single
-    factor brings about the paper's order of paths, and has the paper's figures beside ours.
+    Shares have Wilson 95 % intervals, means bootstrap intervals. The page shows which single
+    factor explains the paper's ranking of path lengths, and compares the paper's figures with
+    ours.
 
-    All sets fly their first seed before any flies its second, and each flight is kept as it ends:
-    the same command goes on where it was, with more seeds it adds to what there is, and after
-    Ctrl-C the page tells of what has been flown.
+    All sets fly their first seed before any flies its second. Finished flights are stored:
+    repeating the command resumes, more seeds are added to the stored ones, and after Ctrl-C the
+    page covers the flights so far.
 
-    Exit status 0: all was flown. 1: some flights could not be. 2: bad input. 130: Ctrl-C.
+    Exit status 0: all flown. 1: some flights failed. 2: bad input. 130: Ctrl-C.
 
     Example: lta light evaluate --seeds 10 --sets indoors winds
     """
     console = plain_console(stderr=json or markdown)
     if pictures is not None:
-        find_chromium()  # says what is missing before anything flies
+        find_chromium()  # raises BadInput before anything is flown
         prepare_empty_folder(pictures)
     target = (out or Path('runs') / 'light-evaluate').absolute()
     order = EvaluationRequest(tuple(sets or SETS), seeds, target, workers, retry)
@@ -99,18 +98,16 @@ def evaluate(
 
 
 def print_summary(findings: EvaluationFindings, done: EvaluationStatus, console: Console) -> None:
-    """Say what came out, and what it cost."""
+    """Print the findings and the computing time."""
     lines = [findings.title, findings.statement]
     if done.flown:
         each = done.work / max(findings.flight_count, 1)
         lines.append(
             f'{done.flown} flights in {done.wall:.0f} s: {done.flown / done.wall:.1f} flights/s; '
-            f'{each:.2f} s of one processor each.'
+            f'{each:.2f} s of processor time each.'
         )
     else:
-        lines.append('All of it had been flown before.')
+        lines.append('All flights were already stored.')
     if done.stopped:
-        lines.append(
-            f'Stopped: {findings.flight_count_text}; the same command goes on from there.'
-        )
+        lines.append(f'Stopped: {findings.flight_count_text}; repeat the command to resume.')
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

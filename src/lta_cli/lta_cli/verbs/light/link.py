@@ -1,4 +1,4 @@
-"""lta light link: lux and signal-to-noise ratio of a lamp by distance."""
+"""lta light link: compute illuminance and signal-to-noise ratio of a lamp by distance."""
 
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -27,12 +27,12 @@ DISTANCES = [0.5, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 15.0]  # m
 def link(
     scenario: Annotated[
         list[str] | None,
-        typer.Option(help='Scenes; repeatable. Indoors and in the sun by default.'),
+        typer.Option(help='Scenario; repeatable; default lamp_room and sunny_field.'),
     ] = None,
-    vehicle: Annotated[str, typer.Option(help='Whose diodes and hull.')] = 'gtmab',
+    vehicle: Annotated[str, typer.Option(help='Vehicle with diodes and hull.')] = 'gtmab',
     distance: Annotated[
         list[float] | None,
-        typer.Option(help='Distances from the lamp in metres; repeatable.', min=0.05, max=1000.0),
+        typer.Option(help='Distance from the lamp in metres; repeatable.', min=0.05, max=1000.0),
     ] = None,
     altitude: Annotated[
         float, typer.Option(help='Height of the hull centre in metres.', min=0.05, max=1000.0)
@@ -51,11 +51,11 @@ def link(
     json: Json = False,
 ) -> None:
     """
-    Tell how bright a lamp is on the photodiodes, and how well it is heard, by distance.
+    Compute the link budget: illuminance at the photodiodes and SNR, by distance from a lamp.
 
-    The drone stands on the axis of the scene's first lamp, nose to it. Direct: on a plane that
-    faces the lamp. Read: by the diode that gets most, with its response, the echo of the room and
-    the shade of the hull. Echo: by the diode that gets least. SNR: as the demodulator tells it.
+    The drone is on the axis of the scene's first lamp and faces it. Direct: on a plane that faces
+    the lamp. Read: at the brightest diode, with its angular response, room reflections and the
+    shadow of the hull. Echo: at the darkest diode. SNR: as the demodulator reports it.
 
     Exit status 0: done. 2: bad input.
 
@@ -87,7 +87,7 @@ def link(
 
 
 def print_links(links: Sequence[LampLink], console: Console) -> None:
-    """Print a table for each scene, and the paper's figure."""
+    """Print a table for each scenario, and the paper's figure."""
     for each in links:
         printed = Table(
             title=f'{each.scenario}, feedback resistor of {each.feedback / 1e3:g} kohm',

@@ -1,4 +1,4 @@
-"""lta light plan: lamps laid out on a floor plan, their frequencies, and what is covered."""
+"""lta light plan: place lamps on a floor plan, assign frequencies and compute coverage."""
 
 from pathlib import Path
 import sys
@@ -37,25 +37,29 @@ import typer
 
 def plan(
     name: Annotated[
-        str, typer.Argument(metavar='PLAN', help='A shipped floor plan or a file.')
+        str, typer.Argument(metavar='PLAN', help='Floor plan, shipped name or file.')
     ] = 'warehouse',
-    vehicle: Annotated[str, typer.Option(help='What flies: its hull and its diodes.')] = 'gtmab',
+    vehicle: Annotated[str, typer.Option(help='Vehicle with hull and diodes.')] = 'gtmab',
     overlap: Annotated[
-        int, typer.Option(help='Lamps to be heard everywhere; 2 for hand-over.', min=1, max=4)
+        int, typer.Option(help='Lamps to detect everywhere; 2 for hand-over.', min=1, max=4)
     ] = 1,
     lamps: Annotated[
-        int | None, typer.Option(help='At most so many; as many as needed by default.', min=1)
+        int | None, typer.Option(help='Largest number of lamps; unlimited by default.', min=1)
     ] = None,
     margin: Annotated[
         float,
-        typer.Option(help="SNR over the demodulator's threshold.", min=1.0, max=1000.0),
+        typer.Option(
+            help="Required SNR, as a multiple of the demodulator's threshold.",
+            min=1.0,
+            max=1000.0,
+        ),
     ] = 2.0,
     cell: Annotated[
-        float, typer.Option(help='Side of the cells of the floor in metres.', min=0.1, max=10.0)
+        float, typer.Option(help='Cell size of the floor grid in metres.', min=0.1, max=10.0)
     ] = 0.5,
     changes: Annotated[
         list[str] | None,
-        typer.Option('--set', metavar='PATH=VALUE', help='Plan with another value; repeatable.'),
+        typer.Option('--set', metavar='PATH=VALUE', help='Override a parameter; repeatable.'),
     ] = None,
     out: Out = None,
     pictures: Annotated[
@@ -67,36 +71,36 @@ def plan(
     json: Json = False,
 ) -> None:
     """
-    Lay lamps out on a floor plan, so that the drone hears one wherever it fits, at any heading.
+    Place lamps on a floor plan, so that the drone detects one anywhere, at any heading.
 
-    A floor plan file has the hall, what stands in it, where lamps may hang and what they are, and
-    the altitude of the drone. As few lamps as can be found are chosen among places on a grid, and
-    how few there could be at least is told. Each gets a frequency clear of the mains, of the
-    other lamps and of their harmonics; then all are heard together.
+    A floor plan file defines the hall, its obstacles, the lamp type and possible lamp positions,
+    and the altitude of the drone. The planner searches for the fewest lamps on a grid of positions
+    and reports a lower bound. Each lamp gets a frequency away from mains, other lamps and their
+    harmonics. Finally, coverage is checked with all lamps on.
 
-    With --set a number is tried without a file: 'plan.lamp.height=4 m', 'demodulator.window=1',
+    --set overrides a parameter: 'plan.lamp.height=4 m', 'demodulator.window=1',
     'vehicle.sensors.diodes.feedback=10 kohm'.
 
-    The results are a page with the covered floor, its gaps and the hand-overs from lamp to lamp;
-    plan.json, SI units; and scenario.yaml with the lamps and a route along them.
+    Writes a page with coverage, gaps and hand-overs between lamps; plan.json (SI units); and
+    scenario.yaml with the lamps and a route along them.
 
-    Exit status 0: done, whatever is covered. 2: bad input. 130: Ctrl-C.
+    Exit status 0: done, whatever the coverage. 2: bad input. 130: Ctrl-C.
 
     Example: lta light plan warehouse --overlap 2 --lamps 30
     """
     console = plain_console(stderr=json)
     if pictures is not None:
-        find_chromium()  # says what is missing before anything is done
+        find_chromium()  # raises BadInput before any work
         prepare_empty_folder(pictures)
-    content, ear = load_inputs(name, vehicle, margin, changes or ())
-    floor = build_floor(content, ear.vehicle, cell)
+    content, receiver = load_inputs(name, vehicle, margin, changes or ())
+    floor = build_floor(content, receiver.vehicle, cell)
     mounts = list_mounts(content)
     target = resolve_folder(out, f'{content.name}-lamps')
     check_creatable(target)
     columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
     with ProgressBar(console, *columns, begin='light of each place', total=len(mounts)) as bar:
         found = plan_layout(
-            content, ear, floor, mounts, overlap, lamps,
+            content, receiver, floor, mounts, overlap, lamps,
             lambda: bar.update_bar(advance=1), lambda words: bar.update_bar(description=words),
         )  # fmt: skip
         bar.update_bar(description='hand-overs')
@@ -127,7 +131,7 @@ def print_plan(result: LampLayout, console: Console) -> None:
     """Print the lamps and the gaps."""
     console.print(format_title(result), highlight=False)
     printed = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0))
-    for column in ('lamp', 'x [m]', 'y [m]', 'z [m]', 'Hz', 'heard over [m²]'):
+    for column in ('lamp', 'x [m]', 'y [m]', 'z [m]', 'Hz', 'coverage [m²]'):
         printed.add_column(column, justify='left' if column == 'lamp' else 'right', no_wrap=True)
     for k, lamp in enumerate(result.lamps):
         area = float(result.audible[k].sum()) * result.floor.cell**2
@@ -146,9 +150,8 @@ def print_plan(result: LampLayout, console: Console) -> None:
         )  # fmt: skip
     count = len(result.lamps)
     console.print(
-        f'{count} lamps, no fewer than {result.bound} could do; one for '
-        f'{result.floor.area / count:.0f} m²; '
-        f'{format_percent(float((result.audible_count >= 2).mean()))} % of the '
-        'floor hears two.',
+        f'{count} lamps (lower bound {result.bound}), one per '
+        f'{result.floor.area / count:.0f} m²; two lamps are detected on '
+        f'{format_percent(float((result.audible_count >= 2).mean()))} % of the floor.',
         highlight=False, soft_wrap=True,
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""lta light study: the paper's study of the number of photodiodes, by both estimators."""
+"""lta light study: repeat the paper's study of the number of photodiodes."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -21,7 +21,7 @@ import typer
 
 
 def light_study(
-    vehicle: Annotated[str, typer.Option(help='Vehicle whose diodes, name or file.')] = 'gtmab',
+    vehicle: Annotated[str, typer.Option(help='Vehicle with the diodes, name or file.')] = 'gtmab',
     readings: Annotated[
         int, typer.Option(help='Readings in each direction.', min=1, max=10_000)
     ] = READINGS,
@@ -39,8 +39,9 @@ def light_study(
     """
     Repeat the paper's study of the number of photodiodes, with its estimator and with ours.
 
-    4, 8 and 16 diodes, the lamp 3 m away in 16 directions, 50 readings each, indoors and outdoors;
-    median errors, the paper's statements counted beside, and a plain word where one cannot hold.
+    Simulates 4, 8 and 16 diodes with the lamp 3 m away in 16 directions, 50 readings each, indoors
+    and outdoors. Reports median errors, checks the paper's statements, and explains those that
+    cannot hold.
 
     Exit status 0: done. 2: bad input. 130: Ctrl-C.
 
@@ -67,7 +68,7 @@ def light_study(
         print_json(content, page)
     print_table('Median errors over 16 directions, the lamp 3 m away', build_rows(found), console)
     print_table(
-        'What the paper says, counted',
+        "The paper's claims, checked",
         build_claim_rows(found),
         console,
     )
@@ -78,7 +79,7 @@ def light_study(
 
 
 def print_table(title: str, rows: Sequence[tuple[str, ...]], console: Console) -> None:
-    """Print a table whose first row is its head."""
+    """Print a table whose first row is the header."""
     printed = Table(
         title=title, title_justify='left', box=None, pad_edge=False, padding=(0, 1, 0, 0)
     )

@@ -1,1 +1,1 @@
-"""`lta vehicle`: one file a command."""
+"""The `lta vehicle` verbs, one file each."""

@@ -1,4 +1,4 @@
-"""lta vehicle check: all that is wrong with a vehicle file."""
+"""lta vehicle check: validate a vehicle file."""
 
 import sys
 
@@ -13,11 +13,12 @@ import typer
 
 def check(name: Named, json: Json = False) -> None:
     """
-    Say everything that is wrong with a vehicle file, and what should be looked at.
+    Report all errors and warnings of a vehicle file.
 
-    Exit status 2 if the file cannot fly; warnings (an unsteady balance, rotors that cannot lift,
-    thin margins, a hull that does not fit its gas, columns that do not fit their rotors, numbers
-    that are assumed) leave it at 0.
+    Warnings: unstable balance, too little lift from the rotors, small margins, a hull that does
+    not fit its gas volume, slipstreams that do not fit their rotors, assumed numbers.
+
+    Exit status 0: valid, possibly with warnings. 2: the vehicle cannot fly.
 
     Example: lta vehicle check my_blimp.yaml
     """
@@ -31,8 +32,6 @@ def check(name: Named, json: Json = False) -> None:
         console = plain_console()
         terminal.show_warnings(found.warnings, console)
         if not found.faults:
-            console.print(
-                f'{path} is a vehicle that can be flown.', highlight=False, soft_wrap=True
-            )
+            console.print(f'{path} is a valid vehicle file.', highlight=False, soft_wrap=True)
     if found.faults:
         raise typer.Exit(2)

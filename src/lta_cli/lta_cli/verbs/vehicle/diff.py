@@ -1,4 +1,4 @@
-"""lta vehicle diff: what differs between two vehicles, and what follows from it."""
+"""lta vehicle diff: compare two vehicles."""
 
 from typing import Annotated
 
@@ -16,31 +16,35 @@ import typer
 def diff(
     name: Named,
     other: Annotated[
-        str | None, typer.Argument(metavar='[OTHER]', help='To compare with; itself by default.')
+        str | None, typer.Argument(metavar='[OTHER]', help='Second vehicle; the first by default.')
     ] = None,
     changes: Annotated[
         list[str] | None,
-        typer.Option('--set', metavar='PATH=VALUE', help='Change a number of OTHER; repeatable.'),
+        typer.Option(
+            '--set', metavar='PATH=VALUE', help='Override a parameter of OTHER; repeatable.'
+        ),
     ] = None,
     swaps: Annotated[
         list[str] | None,
         typer.Option(
-            '--swap', metavar='LAYER=VEHICLE', help="Take another vehicle's layer; repeatable."
+            '--swap',
+            metavar='LAYER=VEHICLE',
+            help="Use another vehicle's layer in OTHER; repeatable.",
         ),
     ] = None,
     json: Json = False,
 ) -> None:
     """
-    Compare two vehicles: what differs in their files, and what follows from it.
+    Compare two vehicles: the differences of their files and of the derived quantities.
 
-    With --set and --swap a change is tried without a file: --set 'trim.heaviness=4 g', or
-    --swap harvesting=my_blimp.yaml for a layer out of another file.
+    --set and --swap try a change without a file: --set 'trim.heaviness=4 g', or --swap
+    harvesting=my_blimp.yaml to use a layer of another file.
 
     Example: lta vehicle diff gtmab --set 'layers.propulsion_and_control.battery.mass=14 g'
     """
     if other is None and not (changes or swaps):
         raise BadInput(
-            'There is nothing to compare with; name a second vehicle or --set a number.'
+            'There is nothing to compare with; name a second vehicle, or use --set or --swap.'
         )
     second = other or name
     found = compare_vehicles(

@@ -1,4 +1,4 @@
-"""lta vehicle new: begin a vehicle file with a copy of one that flies."""
+"""lta vehicle new: create a vehicle file from an existing one."""
 
 from pathlib import Path
 from typing import Annotated
@@ -10,17 +10,17 @@ import typer
 
 
 def new(
-    name: Annotated[str, typer.Argument(help='Of the new vehicle, for example my_blimp.')],
+    name: Annotated[str, typer.Argument(help='Name of the new vehicle, for example my_blimp.')],
     model: Annotated[
-        str, typer.Option('--from', metavar='VEHICLE', help='Name or file to copy.')
+        str, typer.Option('--from', metavar='VEHICLE', help='Vehicle to copy, name or file.')
     ] = 'gtmab',
     out: Annotated[Path | None, typer.Option(help='File to write; NAME.yaml by default.')] = None,
 ) -> None:
     """
-    Begin a vehicle file: a copy of one that flies, comments kept, under a new name.
+    Create a vehicle file: a copy of an existing one, with its comments, under a new name.
 
-    Nothing is overwritten. Put in your own numbers, each with its source, and look at it with
-    "lta vehicle show".
+    Existing files are not overwritten. Enter your own numbers, each with its source, and inspect
+    the result with "lta vehicle show".
 
     Example: lta vehicle new my_blimp --from gtmab
     """
@@ -29,10 +29,10 @@ def new(
     console = plain_console()
     console.print(f'File {path}', highlight=False, soft_wrap=True)
     line = format_lta_command('vehicle', 'check', _format_path(path))
-    console.print(f'Put in your own numbers, then: {line}', highlight=False, soft_wrap=True)
+    console.print(f'Enter your own numbers, then run: {line}', highlight=False, soft_wrap=True)
 
 
 def _format_path(path: Path) -> str:
-    """Return a path that nobody takes for a shipped name."""
+    """Format a path so that it cannot be mistaken for a shipped name."""
     text = str(relative_path(path))
     return text if '/' in text or text.endswith(('.yaml', '.yml')) else f'./{text}'

@@ -1,4 +1,4 @@
-"""lta vehicle show: what a vehicle is and can do, and where each number comes from."""
+"""lta vehicle show: show the properties and performance of a vehicle."""
 
 from pathlib import Path
 from typing import Annotated
@@ -21,9 +21,10 @@ import typer
 
 def show(
     name: Named,
-    out: Annotated[Path | None, typer.Option(help='HTML file of a page to write.')] = None,
+    out: Annotated[Path | None, typer.Option(help='HTML page to write.')] = None,
     gains: Annotated[
-        bool, typer.Option('--gains', help='Fly it heavier and heavier until its gains fail.')
+        bool,
+        typer.Option('--gains', help='Find the loss of lift at which its gains fail, by flights.'),
     ] = False,
     sources: Annotated[
         bool, typer.Option('--sources', help='List every number of the file with its source.')
@@ -31,12 +32,12 @@ def show(
     json: Json = False,
 ) -> None:
     """
-    Show what a vehicle is and can do, in words and pictures, and where each number comes from.
+    Show the properties and performance of a vehicle, and the source of each number.
 
-    Mass by layer and part; where the weight hangs; hover duty; what the rotors can push along
-    each axis; speeds; how it swings, leans and tumbles; when too much helium is lost to hover,
-    and with --gains (some ten flights) to be flown by its gains. What nobody measured or
-    published is marked as assumed. The page (--out) has all of it with three views, offline.
+    Mass by layer and part; centre of gravity; hover duty; thrust along each axis; speeds; pitch
+    stability and tumbling; the helium loss at which it can no longer hover and, with --gains
+    (about ten flights), at which its gains fail. Numbers that were neither measured nor published
+    are marked as assumed. The page (--out) adds three views and works offline.
 
     Example: lta vehicle show gtmab --out gtmab.html
     """
@@ -56,7 +57,7 @@ def show(
 
 
 def _find_helium_limit(name: str, console: Console) -> float:
-    """Return the loss of lift up to which the gains hold [kg], telling how the search goes."""
+    """Return the loss of lift up to which the gains hold [kg]; print each step of the search."""
 
     def print_step(loss: float, holds: bool) -> None:
         word = 'hold' if holds else 'fail'

@@ -1,4 +1,4 @@
-"""lta vehicle trim: how heavy a vehicle was, by a flight of it."""
+"""lta vehicle trim: estimate the heaviness of a vehicle from a flight."""
 
 from pathlib import Path
 from typing import Annotated
@@ -21,17 +21,17 @@ def trim(
     bag: Annotated[Path, typer.Argument(help='Bag folder, results folder or .mcap file.')],
     flown: Annotated[
         str | None,
-        typer.Option('--vehicle', help="What flew, name or file; the bag's own by default."),
+        typer.Option('--vehicle', help="Flown vehicle, name or file; by default the bag's."),
     ] = None,
-    robot: Annotated[str | None, typer.Option(help='Whose flight, if there are several.')] = None,
+    robot: Annotated[str | None, typer.Option(help='Robot, if the bag has several.')] = None,
     json: Json = False,
 ) -> None:
     """
-    Weigh a vehicle by a flight: how heavy it was, and how much ballast to add or take off.
+    Estimate a vehicle's heaviness from a flight, and the ballast to add or remove.
 
-    Looks for stretches in which it hung still, and takes what its rotors pushed there for what
-    they carried. 20 s of hover in still air weigh it to a tenth of a gram as far as scatter
-    goes; in a real flight an error of the thrust curve comes on top, and is told.
+    Finds intervals of steady hover and equates the weight with the rotor thrust there. 20 s of
+    hover in still air give a standard error of 0.1 g. In a real flight the error of the thrust
+    curve adds to that and is reported.
 
     Example: lta vehicle trim runs/20261120-lamp_room-1
     """
@@ -43,7 +43,7 @@ def trim(
     elif own is not None:
         known = Vehicle(own)
     else:
-        raise BadInput(f"'{path}' does not say what flew; name it with --vehicle.")
+        raise BadInput(f"'{path}' does not contain a vehicle file; name one with --vehicle.")
     where, commands, topic = read_flight_record(flight, known)
     found = estimate_heaviness(known, where, commands)
     simulated = 'scenario_file' in flight.bag.provenance

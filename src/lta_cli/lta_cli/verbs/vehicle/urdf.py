@@ -1,4 +1,4 @@
-"""lta vehicle urdf: a vehicle for RViz, Foxglove and robot_state_publisher."""
+"""lta vehicle urdf: print a vehicle as URDF."""
 
 from pathlib import Path
 import sys
@@ -19,8 +19,8 @@ def urdf(
     """
     Print a vehicle as URDF, for RViz, Foxglove and robot_state_publisher.
 
-    Links are the frames of the messages: base_link at the hull centre with mass, inertia and all
-    that is drawn, the sensors, and rotor_NAME for each rotor. Added mass of the air is not in it.
+    Links match the message frames: base_link at the hull centre with mass, inertia and visuals,
+    the sensors, and rotor_NAME for each rotor. Aerodynamic added mass is not included.
 
     Example: lta vehicle urdf gtmab --out gtmab.urdf
     """

@@ -26,9 +26,7 @@ class TopicMetadata(NamedTuple):
 
 
 def parse_topic_metadata(described: Mapping[str, object]) -> list[TopicMetadata]:
-    """
-    Return the topics in `rosbag2_bagfile_information`, in order; malformed entries are skipped.
-    """
+    """Return the topics in `rosbag2_bagfile_information`; malformed entries are skipped."""
     listed = described.get('topics_with_message_count')
     found = []
     for entry in listed if isinstance(listed, list) else []:
@@ -119,6 +117,7 @@ def name_channel(
     )
     unnamed = len(set(contents.counts) - set(known))
     found = None
+    # If the known channels are numbered as in metadata.yaml, so are the others.
     if in_order and 0 < id <= len(metadata_topics) and metadata_topics[id - 1] in open_names:
         found = metadata_topics[id - 1]
     elif len(open_names) == unnamed == 1:

@@ -144,6 +144,7 @@ def unpack_candidate(
     end = packed.start + packed.length
     if crc and zlib.crc32(data) == crc:
         return data, end if is_declared else packed.start + frame_length(kind, part)
+    # CRC 0 means not computed; then the lengths must agree exactly.
     if not crc and is_declared and (end, len(data)) == (length, size):
         return data, end
     raise DamagedRecord
@@ -152,9 +153,7 @@ def unpack_candidate(
 def iterate_candidates(
     head: bytes | memoryview, length: int
 ) -> Iterator[tuple[PackedLocation, bool]]:
-    """
-    Yield possible positions of a chunk's packed records, and whether the header declares them.
-    """
+    """Yield possible positions of a chunk's packed records, and whether its header declares it."""
     _, _, size, _, name_length = HEAD.unpack_from(head)
     name = bytes(head[HEAD.size : HEAD.size + min(name_length, 8)]).decode(errors='replace')
     start = HEAD.size + name_length + LENGTH.size

@@ -43,6 +43,7 @@ def decompress(kind: str, packed: bytes | memoryview) -> bytes | memoryview:
 
 def decompress_zstd(packed: bytes | memoryview) -> bytes:
     """Decompress a zstd frame; see `decompress`."""
+    # A zstd frame header has at most 18 bytes.
     claimed = zstandard.frame_content_size(packed[:18])
     if claimed > CHUNK_BYTES:
         raise DamagedRecord(f'claim to hold {claimed} bytes')

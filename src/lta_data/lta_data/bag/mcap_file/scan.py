@@ -153,6 +153,7 @@ class McapScanner:
 
     def _note_loss(self, at: int, end: int) -> None:
         """Add an unusable region."""
+        # Behind the data end only the summary is damaged, which the scan does not need.
         if self._ended or end <= at:
             return
         chunks = int(self._prober.read_head(at)[0] == Opcode.CHUNK)

@@ -62,6 +62,7 @@ def read_summary_section(stream: BinaryIO, size: int) -> tuple[int, bytes]:
     if size - TAIL - start > SUMMARY_BYTES:
         raise DamagedRecord
     section = read_at(stream, start, size - TAIL - start)
+    # CRC 0 means not computed. It covers the footer up to the CRC itself.
     if crc and crc != zlib.crc32(section + tail[: FOOTER.size - 4]):
         raise DamagedRecord
     return start, section

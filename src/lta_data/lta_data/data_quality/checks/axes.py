@@ -91,6 +91,7 @@ def score_axis_orders(pair: MotionPair, alike: PairSimilarity) -> Iterator[tuple
         # Column j of the right side corresponds to row order[j] of the left side.
         score = float(np.mean([signs[j] * alike.match[order[j], j] for j in moving]))
         wrong = [j for j in moving if order[j] != j or signs[j] < 0]
+        # Changes of axes without motion are not supported by the data.
         idle = [j for j in range(3) if j not in moving and (order[j] != j or signs[j] < 0)]
         if not wrong or len(idle) > sum(order[j] != j for j in moving):
             continue
@@ -186,6 +187,7 @@ def find_misaligned_gravity(
     mean = np.median(force.values, axis=0)
     size = float(np.linalg.norm(mean))
     spread = float(np.median(np.linalg.norm(force.values, axis=1)))
+    # Without a dominant direction the sensor rotates too much to judge.
     if size < 0.7 * spread or mean[2] > size * np.cos(np.radians(limits.upright)):
         return
     axis = int(np.argmax(np.abs(mean)))

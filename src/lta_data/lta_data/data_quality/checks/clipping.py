@@ -60,6 +60,7 @@ def find_pileups(
             continue
         at = find_runs(values == levels[side])
         alone = len(at) == 1
+        # A simulated vehicle on the floor is at its extreme, unclipped.
         rests = simulated and alone and (at[0, 0] <= START or at[0, 1] == len(values))
         stopped = alone and ends_with_jump(values, int(at[0, 1]) - 1)
         if (at[:, 1] - at[:, 0]).max() < limits.clipped_run or rests or stopped:

@@ -143,11 +143,13 @@ def drift_corrected_correlation(pair: MotionPair, lag: float, slope: float) -> f
 def estimate_pair_lag(pair: MotionPair, alike: PairSimilarity) -> PairLag:
     """Estimate the lag of a pair from parts of the flight with equal motion."""
     left, right, _, _ = high_pass_pair(pair)
+    # Axes that correlate well determine the lag.
     weight = np.abs(alike.quick_at_lag) ** 2
     left, right = left * weight, right * weight
     step, moved = pair.step, round(alike.lag / pair.step)
     left = np.roll(left, -moved, axis=0)
     energy = (right**2).sum(axis=1)
+    # Cut where the accumulated motion is equal, so that each part determines a lag.
     gone = np.cumsum(energy + EVEN * energy.mean())
     count = int(np.clip(len(left) * step / PART, *PARTS))
     cuts = np.searchsorted(gone, gone[-1] * np.arange(1, count) / count)

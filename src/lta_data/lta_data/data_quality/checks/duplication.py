@@ -33,6 +33,7 @@ def find_duplication(evidence: CheckContext) -> CheckVerdict:
 def hash_windows(values: NDArray[np.float64], length: int) -> NDArray[np.uint64]:
     """Return a hash of each window of `length` readings, by single-precision bits."""
     bits = values.astype(np.float32).view(np.uint32).astype(np.uint64) + np.uint64(1)
+    # Random odd weights: a multilinear hash modulo 2^64.
     factor = np.random.default_rng(0).integers(1, 2**62, length, dtype=np.uint64) * np.uint64(2)
     total = np.zeros(len(values) - length + 1, dtype=np.uint64)
     with np.errstate(over='ignore'):
@@ -61,6 +62,7 @@ def find_repeats(channel: SignalChannel, limits: QualityLimits) -> Iterator[Qual
     apart = again - first
     rising = np.argsort(again)
     first, again, apart = first[rising], again[rising], apart[rising]
+    # Consecutive windows with one distance form one stretch.
     breaks = np.flatnonzero((np.diff(again) != 1) | (np.diff(apart) != 0)) + 1
     for part in np.split(np.arange(len(again)), breaks):
         if len(part) and apart[part[0]] >= length:

@@ -63,8 +63,10 @@ def find_channel_freezes(
         if piled or rests or length + 1 < limits.frozen_samples:
             continue
         others = np.delete(lengths, np.flatnonzero(found[:, 0] == begin))
+        # Sample-and-hold data have long runs all the time.
         usual = np.percentile(others, USUAL) if len(others) else 0.0
         share = (equal.sum() - length) / max(1, len(equal) - length)
+        # Probability of such a run at any position, if equal neighbours were independent.
         chance = math.log(len(equal)) + length * math.log(max(share, 1.0 / len(equal)))
         last = float(channel.time[end]) - float(channel.time[begin])
         if (

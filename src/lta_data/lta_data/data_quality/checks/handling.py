@@ -96,6 +96,7 @@ def measure_tremor(vector: VectorSeries, values: Array, limits: QualityLimits) -
     starts = np.arange(0, len(grid) - count + 1, max(1, count // HOP))
     index = starts[:, None] + np.arange(count)
     shape = np.hanning(count + 2)[1:-1]
+    # Without the mean, or gravity would leak into the bands.
     pieces = table[index] - table[index].mean(axis=1, keepdims=True)
     power = np.abs(np.fft.rfft(pieces * shape[None, :, None], axis=1)) ** 2
     power = power.sum(axis=2) / (shape**2).sum() / count * 2.0  # of each frequency bin [m2/s4]
@@ -124,6 +125,7 @@ def find_tremor(
     if not is_sampled_fast(vector):
         return
     felt = measure_tremor(vector, values, limits)
+    # The quiet quarter of the flight, even if it was held most of the time.
     usual = float(np.percentile(felt.tremor[felt.tremor > 0.0], 25)) if felt.tremor.any() else 0.0
     hand = (
         (felt.tremor > limits.tremor_force)

@@ -75,6 +75,7 @@ def find_non_numbers(channel: SignalChannel) -> Iterator[QualityFinding]:
     yield from build_stretch_findings(channel.name, channel.time, infinite, 'infinite')
     missing = np.isnan(channel.values)
     first, last = np.flatnonzero(~missing)[[0, -1]]
+    # NaN before the first and after the last value means not yet or no longer measured.
     missing[:first] = missing[last:] = False
     yield from build_stretch_findings(channel.name, channel.time, missing, 'not a number')
 
@@ -140,6 +141,7 @@ def find_missing_gravity(
     size = np.linalg.norm(force.values, axis=1)
     count = len(size) // QUIET
     blocks = size[: count * QUIET].reshape(count, QUIET)
+    # The limit scales with the reading, so that a wrong unit does not hide rest.
     rest = blocks.std(axis=1) < limits.still_spread * np.median(size) / STANDARD_GRAVITY
     if rest.sum() < 3:
         return

@@ -34,6 +34,7 @@ SHARE = 0.5  # least share of the axes of a vector that lack noise
 
 def find_missing_noise(evidence: CheckContext) -> CheckVerdict:
     """Find vectors with less noise than any instrument."""
+    # A declared simulation may be free of noise.
     if evidence.recording.is_simulated:
         return CheckVerdict()
     groups: defaultdict[tuple[str, str], list[SignalChannel]] = defaultdict(list)
@@ -44,6 +45,7 @@ def find_missing_noise(evidence: CheckContext) -> CheckVerdict:
     found, unjudged = [], []
     for (what, name), group in groups.items():
         levels = [channel_noise(channel) for channel in group]
+        # Zero noise is a constant channel, which another check reports.
         known = np.array([level for level in levels if level is not None and level > 0.0])
         if len(known) == 0:
             unjudged.append(f"The noise of '{name}' cannot be judged: under {2 * WINDOW} values.")

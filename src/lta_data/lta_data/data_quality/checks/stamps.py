@@ -59,6 +59,7 @@ def find_gaps(topic: str, time: Array, limits: QualityLimits) -> Iterator[Qualit
     if len(step) < limits.least_samples // 2:
         return
     usual = float(np.median(step))
+    # Irregular topics have neither gaps nor lost messages.
     if 1.4826 * float(np.median(np.abs(step - usual))) > limits.regular * usual:
         return
     gaps = np.flatnonzero(np.diff(time) > max(limits.gap_periods * usual, limits.gap_time))
@@ -71,6 +72,7 @@ def find_gaps(topic: str, time: Array, limits: QualityLimits) -> Iterator[Qualit
             Severity.SUSPICIOUS, {'gap': end - begin, 'gaps': float(len(gaps))},
         )  # fmt: skip
     lost = np.round(np.diff(time) / usual) - 1.0
+    # Gaps have been reported above.
     lost[gaps] = 0.0
     missing = float(lost[lost > 0.0].sum())
     if missing > limits.dropout_share * (len(time) + missing):

@@ -165,6 +165,7 @@ def find_unit_by_gravity(
     """Yield an accelerometer that measures gravity in another unit."""
     felt = float(np.median(np.linalg.norm(force, axis=1)))
     for factor, unit in FACTORS['force'].items():
+        # 30 %: a slow airship accelerates little compared with gravity.
         if abs(felt / STANDARD_GRAVITY / factor - 1.0) <= 0.3:
             yield QualityFinding(
                 KIND, name, float(time[0]), float(time[-1]),
@@ -185,6 +186,7 @@ def find_unit_by_speed(
         return
     calm = smooth_columns(place, hann_kernel(2.0 * limits.kernel, step))
     speed = np.linalg.norm(np.diff(calm, axis=0), axis=1) / np.diff(time)
+    # Three quarters, so that single jumps do not count.
     usual = float(np.percentile(speed, 75))
     if usual > FAST:
         yield QualityFinding(

@@ -180,6 +180,7 @@ def complete_entry(entry: TopicMapping, type_name: str, target: str) -> TopicMap
         If no standard conversion is known.
 
     """
+    # An explicit mapping takes precedence.
     if entry.parts or entry.actuators:
         return entry
     theirs = FURTHER.get(type_name) or SHAPES.get(type_name, {})

@@ -62,6 +62,7 @@ def open_usd_log(path: Path, mapping: MappingFile | None) -> TableLog:
     refuse_large_log(path)
     data = path.read_bytes()
     events, at, version = _read_header(data, path)
+    # The last four bytes are a CRC only if it is right; otherwise they may be data.
     whole = len(data) >= at + CRC and zlib.crc32(data[:-CRC]) == int.from_bytes(
         data[-CRC:], 'little'
     )
@@ -159,6 +160,7 @@ def _locate_events(
     while at + 2 <= end:
         number = data[at] | data[at + 1] << 8
         size = sizes.get(number)
+        # Records have no length field, so nothing after an unknown type can be read.
         if size is None or at + size > end:
             break
         found.setdefault(number, []).append((rank, at))

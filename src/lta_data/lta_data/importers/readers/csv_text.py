@@ -128,6 +128,7 @@ class CsvLog:
         start = load_topic_table().start_ns
         if first >= start:
             return 0
+        # A whole number of seconds keeps the digits readable.
         shift = start - min(0, first // SECOND) * SECOND
         self.notes.append(
             f'Time starts at {first / SECOND:g} s, and in ROS 0 means "no clock yet": '
@@ -231,6 +232,7 @@ def read_header(path: Path) -> list[str]:
     """Return the cells of the first line, to find a fitting mapping."""
     with path.open('rb') as stream:
         line = read_first_line(decompress_stream(stream))
+    # The most frequent separator of the header line.
     delimiter = max(',;\t', key=line.count)
     return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter), [])]
 

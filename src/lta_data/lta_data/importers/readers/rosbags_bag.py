@@ -56,6 +56,7 @@ class RosbagsLog(BagTableLog):
         self._converters: dict[str, Convert] = {}
         self.raw: dict[str, RawTopic] = {}
         self._count = 0
+        # Reading the first message registers the topics, and detects an empty bag.
         with closing(self._iterate_raw()) as first:
             if next(first, None) is None:
                 raise BadInput(f"'{path}' contains no message; give a bag with messages.")

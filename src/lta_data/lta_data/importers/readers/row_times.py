@@ -29,6 +29,7 @@ class ParsedTimes(NamedTuple):
 def compute_even_times(time: Any, rows: Times) -> Times:  # noqa: ANN401 - lta_config.schema.import_file.TimeColumn
     """Return the times of evenly spaced rows, without accumulated error. [ns]"""
     if time.step is None:
+        # From the row number, so that rounding does not add up.
         found: Times = np.round(rows * (SECOND / time.rate.si)).astype(np.int64)
     else:
         found = rows * round(time.step.si * SECOND)

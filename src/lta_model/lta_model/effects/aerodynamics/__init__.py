@@ -1,1 +1,1 @@
-"""Drag, damping, lift and the air that moves with the hull."""
+"""Drag, damping, lift and added mass."""

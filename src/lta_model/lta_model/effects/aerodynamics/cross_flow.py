@@ -32,7 +32,7 @@ PARAMETERS = (
 
 
 def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
-    """Return what is missing of the drag."""
+    """Return the missing part of the drag."""
     horizontal, total, surge, sway, heave = p
     x, y, z = motion.airspeed
     square = x * x + y * y

@@ -20,7 +20,7 @@ PARAMETERS = (EffectParameter('lost', '1', 0.0, -0.5, 1.0, 0.2, _SHARE),)
 
 
 def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
-    """Return what is too much of the Munk moment."""
+    """Return the excess of the Munk moment."""
     (lost,) = p
     x, y, z = motion.airspeed
     a, b, c = motion.body[ADDED], motion.body[ADDED + 1], motion.body[ADDED + 2]

@@ -47,13 +47,13 @@ def compute_air_motion(p: Values, memory: Values, place: AirEffectInput) -> Wren
 
 
 def compute_memory_rate(p: Values, memory: Values, place: AirEffectInput) -> Values:
-    """Return how fast time goes."""
+    """Return the rate of the gust clock."""
     x, y, z, begin, length, hold = p  # noqa: RUF059
     return (1.0 if length > 0.0 else 0.0,)
 
 
 def find_conflict(values: Mapping[str, float]) -> str:
-    """Return why a gust without a length cannot be: its pressure gradient has no bound."""
+    """Return the reason why a gust needs a length: else its pressure gradient is unbounded."""
     if values['length'] <= 0.0 and any(values[axis] != 0.0 for axis in ('x', 'y', 'z')):
         return 'a gust needs the time in which it builds up; give length in seconds'
     return ''

@@ -48,7 +48,7 @@ PARAMETERS = (
 MEMORY = (('along', 0.0), ('across_1', 0.0), ('across_2', 0.0), ('up_1', 0.0), ('up_2', 0.0))
 
 ROOT_3 = math.sqrt(3.0)
-STILL_AIR = 1e-6  # square of the mean wind that has no direction [m2/s2]
+STILL_AIR = 1e-6  # square of the mean wind below which it has no direction [m2/s2]
 
 
 def compute_air_motion(p: Values, memory: Values, place: AirEffectInput) -> Wrench:
@@ -94,15 +94,15 @@ def compute_memory_rate(p: Values, memory: Values, place: AirEffectInput) -> Val
 
 
 def stationary_memory(normals: Values) -> Values:
-    """Return a memory as turbulence has it that has blown for long, from five standard normals."""
+    """Return a memory of stationary turbulence, from five standard normal numbers."""
     head, side, sideways, rise, rising = normals
     side, rise = side * math.sqrt(0.5), rise * math.sqrt(0.5)
-    rest = math.sqrt(0.125)  # deviation of the second state where the first is known
+    rest = math.sqrt(0.125)  # standard deviation of the second state, given the first
     return (head, side, 0.5 * side + rest * sideways, rise, 0.5 * rise + rest * rising)
 
 
 def find_conflict(values: Mapping[str, float]) -> str:
-    """Return why turbulence without a length cannot be."""
+    """Return the reason why turbulence needs a length."""
     for name in ('along', 'across', 'up'):
         if values[name] > 0.0 and values[f'{name}_length'] <= 0.0:
             return f'turbulence {name} needs its length; give {name}_length in metres'

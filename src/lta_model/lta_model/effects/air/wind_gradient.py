@@ -29,7 +29,7 @@ PARAMETERS = (
 
 
 def compute_air_motion(p: Values, memory: Values, place: AirEffectInput) -> Wrench:
-    """Return the current at the hull and its change along the way of the air."""
+    """Return the current at the hull and its material derivative."""
     x, y, z, x_x, x_y, x_z, y_x, y_y, y_z, z_x, z_y = p
     z_z = -(x_x + y_y)
     east, north, up = place.position[0] - x, place.position[1] - y, place.position[2] - z

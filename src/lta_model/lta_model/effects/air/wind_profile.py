@@ -58,7 +58,7 @@ def compute_air_motion(p: Values, memory: Values, place: AirEffectInput) -> Wren
 
 
 def find_conflict(values: Mapping[str, float]) -> str:
-    """Return why a reference wind without a rough ground below it is none."""
+    """Return the reason why a reference wind needs a rough ground."""
     if values['x'] == 0.0 and values['y'] == 0.0:
         return ''
     if values['roughness'] <= 0.0:

@@ -32,7 +32,7 @@ SLIP_SPEED = 0.05
 
 
 def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
-    """Return what the floor does at the landing point."""
+    """Return the floor's wrench at the landing point."""
     stiffness, relaxation, friction, x, y, z = p
     r, v, w = motion.rotation, motion.velocity, motion.rates
     depth = -(motion.position[2] + r[6] * x + r[7] * y + r[8] * z)

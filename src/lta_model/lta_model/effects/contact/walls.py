@@ -47,7 +47,7 @@ PARAMETERS = (
 )
 
 SLIP_SPEED = 0.05
-BELOW = -1e6  # low face of the height: the floor is another effect's
+BELOW = -1e6  # lower face of the vertical pair: the floor belongs to `floor_contact`
 
 
 def contact_wrench(
@@ -59,28 +59,7 @@ def contact_wrench(
     soft: Vector,
     motion: VehicleMotion,
 ) -> Wrench:
-    """
-    Return what two faces across from each other do, of which the hull can touch one.
-
-    Parameters
-    ----------
-    low, high, place : float
-        The faces and the hull centre along an axis of the map. [m]
-    n : 3-tuple
-        That axis in the body frame.
-    hull : 3-tuple
-        Squares of the half axes. [m^2]
-    soft : 3-tuple
-        Stiffness [N/m], relaxation [s], friction.
-    motion : Motion
-        For the velocity and the rates.
-
-    Returns
-    -------
-    6-tuple
-        Force and moment about the hull centre, body frame. [N, N m]
-
-    """
+    """Return the wrench of two opposite faces, of which the hull can touch one."""
     x, y, z = hull[0] * n[0], hull[1] * n[1], hull[2] * n[2]
     reach = math.sqrt(x * n[0] + y * n[1] + z * n[2])
     side = 1.0 if place - low > high - place else -1.0
@@ -103,7 +82,7 @@ def contact_wrench(
 
 
 def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
-    """Return what the room does to the hull."""
+    """Return the wrench of the room on the hull."""
     (
         x_low, x_high, y_low, y_high, ceiling,
         radius, half_height, stiffness, relaxation, friction,
@@ -125,7 +104,7 @@ def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Val
 
 
 def find_conflict(values: Mapping[str, float]) -> str:
-    """Return why a hull does not fit into the room."""
+    """Return the reason why a hull does not fit into the room."""
     if values['stiffness'] <= 0.0:
         return ''
     if values['radius'] <= 0.0 or values['half_height'] <= 0.0:

@@ -1,1 +1,1 @@
-"""Motors, rotors, and what surfaces near them do to their thrust."""
+"""Motors, rotors, and the influence of nearby surfaces on their thrust."""

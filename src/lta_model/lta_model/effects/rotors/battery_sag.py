@@ -31,7 +31,7 @@ SHARED = (
 
 
 def compute_output(p: Values, memory: Values, value: float, surroundings: Values) -> float:
-    """Return the duty that would do the same at the nominal voltage."""
+    """Return the equivalent duty at the nominal voltage."""
     voltage, sensitivity = p
     present = surroundings[VOLTAGE]
     if voltage > 0.0 and present > 0.0:

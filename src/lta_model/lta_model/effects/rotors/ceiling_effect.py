@@ -32,20 +32,20 @@ PARAMETERS = (
 def extra_thrust(
     gain: float, radius: float, ceiling: float, motion: VehicleMotion, rotor: Values, thrust: float
 ) -> float:
-    """Return what a rotor thrusts more. [N]"""
+    """Return the additional thrust of a rotor. [N]"""
     if thrust == 0.0 or radius <= 0.0:
         return 0.0
     up = rotor_upright(motion, rotor)
     if thrust * up <= 0.0:
         return 0.0
     share = radius / max(ceiling - rotor_height(motion, rotor), 0.25 * radius)
-    # x / (sqrt(1 + x) + 1) is sqrt(1 + x) - 1 without the loss of digits far below.
+    # x / (sqrt(1 + x) + 1) equals sqrt(1 + x) - 1 without cancellation for small x.
     x = 0.125 * share * share
     return 0.5 * gain * x / (math.sqrt(1.0 + x) + 1.0) * abs(up) * thrust
 
 
 def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
-    """Return what the ceiling adds to the thrust of all rotors."""
+    """Return the wrench that the ceiling adds to all rotors."""
     gain, radius, height = p
     rotors = motion.body[ROTOR_PLACE:]
     forces = (
@@ -62,7 +62,7 @@ def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Val
 
 
 def find_conflict(values: Mapping[str, float]) -> str:
-    """Return why a ceiling effect without rotors or a ceiling is none."""
+    """Return the reason why a ceiling effect needs rotors and a ceiling."""
     if values['gain'] > 0.0 and values['radius'] <= 0.0:
         return 'the ceiling effect needs the size of the rotors; give radius in metres'
     if values['gain'] > 0.0 and values['height'] <= 0.0:

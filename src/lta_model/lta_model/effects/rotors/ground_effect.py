@@ -30,7 +30,7 @@ PARAMETERS = (
 def extra_thrust(
     gain: float, radius: float, motion: VehicleMotion, rotor: Values, thrust: float
 ) -> float:
-    """Return what a rotor thrusts more. [N]"""
+    """Return the additional thrust of a rotor. [N]"""
     if thrust == 0.0 or radius <= 0.0:
         return 0.0
     up = rotor_upright(motion, rotor)
@@ -42,7 +42,7 @@ def extra_thrust(
 
 
 def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
-    """Return what the floor adds to the thrust of all rotors."""
+    """Return the wrench that the floor adds to all rotors."""
     gain, radius = p
     rotors = motion.body[ROTOR_PLACE:]
     forces = (
@@ -59,7 +59,7 @@ def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Val
 
 
 def find_conflict(values: Mapping[str, float]) -> str:
-    """Return why a ground effect without the size of the rotors is none."""
+    """Return the reason why a ground effect needs the size of the rotors."""
     if values['gain'] > 0.0 and values['radius'] <= 0.0:
         return 'the ground effect needs the size of the rotors; give radius in metres'
     return ''

@@ -34,7 +34,7 @@ def compute_memory_rate(p: Values, memory: Values, duty: float, surroundings: Va
 
 
 def find_conflict(values: Mapping[str, float]) -> str:
-    """Return why a lag in one direction only cannot be: its memory would have to jump."""
+    """Return the reason why a lag needs both directions: else its memory would jump."""
     if (values['up'] == 0.0) != (values['down'] == 0.0):
         return 'up and down must both be zero (no lag) or both be positive'
     return ''

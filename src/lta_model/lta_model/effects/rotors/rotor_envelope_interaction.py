@@ -58,12 +58,12 @@ PARAMETERS = (
 
 
 def participating_thrust(share: float, thrust: float) -> float:
-    """Return the thrust of a rotor that takes part, else more than any. [N]"""
+    """Return the thrust of a participating rotor, else a number above any thrust. [N]"""
     return share * thrust if share != 0.0 else _NONE
 
 
 def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
-    """Return what reversed and colliding jets add."""
+    """Return the wrench of reversed and colliding jets beyond B T."""
     (
         surge_1, surge_2, surge_3, surge_4, surge_5, surge_6, surge_7, surge_8,
         sway_1, sway_2, sway_3, sway_4, sway_5, sway_6, sway_7, sway_8,
@@ -101,7 +101,7 @@ def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Val
 
 
 def find_conflict(values: Mapping[str, float]) -> str:
-    """Return why the rotors taking part cannot be meant so, or ''."""
+    """Return the reason why the participating rotors are invalid, or ''."""
     taking = sum(values[f'share_{i}'] != 0.0 for i in _ROTORS)
     gains = any(values[name] != 0.0 for name in _TOGETHER)
     if gains and taking < 2:

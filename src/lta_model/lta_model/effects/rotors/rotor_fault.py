@@ -15,7 +15,7 @@ EACH = (EffectParameter('lost', '1', 0.0, 0.0, 1.0, 0.02, _SOURCE),)
 
 
 def compute_output(p: Values, memory: Values, value: float, surroundings: Values) -> float:
-    """Return the thrust that is left. [N]"""
+    """Return the remaining thrust. [N]"""
     (lost,) = p
     return (1.0 - lost) * value
 

@@ -29,8 +29,8 @@ PARAMETERS = tuple(EffectParameter(name, 'rad', 0.0, -0.2, 0.2, 0.009, _SOURCE) 
 
 
 def tilt_wrench(first: float, second: float, thrust: float, body: Values, o: int) -> Wrench:
-    """Return what the tilt of one rotor adds, the numbers of which begin at o of the body."""
-    # Single numbers: a slice of the body would be copied, which takes as long as the rest.
+    """Return the additional wrench of one tilted rotor, whose numbers begin at o of the body."""
+    # Single numbers, because a slice of the body would be copied, at the cost of everything else.
     x, y, z = body[o], body[o + 1], body[o + 2]
     a, b, c = body[o + 3], body[o + 4], body[o + 5]
     # h x a, not yet of length one: z x a, or y x a near the vertical.
@@ -53,7 +53,7 @@ def add_wrenches(a: Wrench, b: Wrench) -> Wrench:
 
 
 def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
-    """Return what the tilts of all rotors add."""
+    """Return the additional wrench of all tilted rotors."""
     (
         first_1, first_2, first_3, first_4, first_5, first_6, first_7, first_8,
         second_1, second_2, second_3, second_4, second_5, second_6, second_7, second_8,

@@ -1,11 +1,11 @@
 """
-The wrench that the rotors give the vehicle.
+The wrench of the rotors on the vehicle.
 
     (F, N) = B T
 
-column i of B is the wrench about the hull centre per newton of rotor i, with what the jet does to
-the hull included (the paper's thrust allocation). Left out: that a reversed jet meets the hull
-differently, and that jets meet each other: `rotor_envelope_interaction` has both.
+column i of B is the wrench about the hull centre per newton of rotor i, including the effect of
+its jet on the hull (the paper's thrust allocation). Left out: the different effect of a reversed
+jet, and the interaction of jets; both are in `rotor_envelope_interaction`.
 """
 
 from lta_model.effects.protocol import (

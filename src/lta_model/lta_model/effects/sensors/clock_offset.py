@@ -17,7 +17,7 @@ PARAMETERS = (EffectParameter('offset', 's', 0.0, -0.5, 0.5, 0.05, _SOURCE),)
 
 
 def compute_reading(p: Values, values: Values, time: float) -> Values:
-    """Return what the vehicle's clock says. [s]"""
+    """Return the time of the vehicle's clock. [s]"""
     (offset,) = p
     return (values[0] + offset,)
 

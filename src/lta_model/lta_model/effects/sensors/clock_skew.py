@@ -15,7 +15,7 @@ PARAMETERS = (EffectParameter('skew', '1', 0.0, -1e-3, 1e-3, 3e-5, _SOURCE),)
 
 
 def compute_reading(p: Values, values: Values, time: float) -> Values:
-    """Return what the vehicle's clock says. [s]"""
+    """Return the time of the vehicle's clock. [s]"""
     (skew,) = p
     return (values[0] + skew * time,)
 

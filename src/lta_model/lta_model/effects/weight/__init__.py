@@ -1,1 +1,1 @@
-"""Mass, its place, and the lift of the gas."""
+"""Mass, its distribution, and the lift of the gas."""

@@ -67,6 +67,7 @@ class FoamCase:
     @property
     def key(self) -> str:
         """Hash of everything that determines the result: its own content and its mesh."""
+        # Step files are hashed too: they change the result as much as the case's files.
         told = sha256(FORMAT.encode())
         told.update(self.mesh.key.encode() if self.mesh else b'')
         for path, content in sorted(self.files.items()):

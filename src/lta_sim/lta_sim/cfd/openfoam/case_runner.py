@@ -52,7 +52,7 @@ class CaseRunner:
         return self._folder / case.key
 
     def is_done(self, case: FoamCase) -> bool:
-        """Tell whether a case has been solved."""
+        """Return whether a case has been solved."""
         return all(
             (self.case_folder(case) / f'{DONE}{step.name}').is_file() for step in case.steps
         )
@@ -82,6 +82,7 @@ class CaseRunner:
         """Lock a case against other runs, also on other machines that share the folder."""
         self._folder.mkdir(parents=True, exist_ok=True)
         with (self._folder / f'.{case.key}.lock').open('w') as lock:
+            # Released when the file is closed, even after a crash.
             fcntl.flock(lock, fcntl.LOCK_EX)
             yield
 

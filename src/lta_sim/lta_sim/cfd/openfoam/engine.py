@@ -141,8 +141,10 @@ def explain_failure(program: str, code: int, tail: Sequence[str]) -> str:
     text = '\n'.join(tail)
     if 'No space left' in text:
         return f'{program} found the disk full; make room (or move it with --cache) and go on.'
+    # 8 is SIGFPE; a shell reports it as 128 + 8.
     if code in (-8, 136) or 'sigFpe::' in text:
         return f'{program} diverged (a floating point error); check that the shape is valid.'
+    # 9 is SIGKILL, which the kernel sends when memory runs out.
     if 'bad_alloc' in text or code in (-9, 137):
         return (
             f'{program} was killed or had no memory left; use --jobs 1 or a coarser fidelity, '

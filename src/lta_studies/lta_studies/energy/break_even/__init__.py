@@ -1,1 +1,1 @@
-"""The break-even map: which light feeds which task, by lamp and cell."""
+"""Break-even map: the light that powers each task, by lamp and cell."""

@@ -1,4 +1,4 @@
-"""The break-even map as one self-contained page."""
+"""Write the break-even map as one self-contained HTML page."""
 
 from collections.abc import Mapping
 from html import escape
@@ -18,34 +18,34 @@ from lta_studies.energy.tables import render_text_table
 from plotly.graph_objects import Figure, Scatter
 
 COLOURS: Final = (TRUTH, ESTIMATE, LAMP, GOOD)
-ABOUT: Final = 'From a warehouse of 300 lx to the sun: what array and charger give, and to whom.'
+ABOUT: Final = 'Output of array and charger from 300 lx in a warehouse to the sun, and its uses.'
 OWN: Final = (
-    'What the charger gives from the array as it is, by kind of light. Dotted: what the tasks '
-    'draw. Below some light the charger costs more than it brings, and is off.'
+    "Charger output with the vehicle's own array, by kind of light. Dotted: power of the tasks. "
+    'In weak light the charger would use more than it delivers, and is off.'
 )
 METHOD: Final = (
-    'Single-diode model of each panel, one string a panel, cells warmed by the light; charger as '
-    'in the vehicle file. An array has as many panels as the weight budget carries, at least one.',
-    'Lumens a radiant watt: white LED 300, sun 110. The spectral answer of a cell is taken as '
-    "that to sunlight: in a white LED's light a silicon cell would do a little better.",
-    'Hover and flight are what the paper measured; lta energy budget has what flights here draw.',
+    'Single-diode model of each panel, one string per panel, cells warmed by the light; charger '
+    'as in the vehicle file. An array has as many panels as the mass budget allows, at least one.',
+    'Lumens per radiant watt: white LED 300, sun 110. The spectral response of a cell is assumed '
+    'to be that to sunlight; under a white LED a silicon cell would perform slightly better.',
+    'Hover and flight powers are those of the paper; see lta energy budget for our flights.',
 )
 
 
 def write_page(result: BreakEvenMap, commands: Mapping[str, str], out: Path) -> Path:
-    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    """Write the page and return its path; raise `BadInput` if that fails."""
     return write_file(render_page(result, commands), out)
 
 
 def render_page(result: BreakEvenMap, commands: Mapping[str, str]) -> str:
-    """Return the whole page."""
+    """Return the HTML of the page."""
     return assemble_page(
         'energy.html',
         title=escape(format_title(result)),
         kicker=escape(f'energy breakeven · {result.vehicle}'),
         about=ABOUT,
         tiles='\n'.join(render_tile(*each) for each in build_tiles(result)),
-        first=render_section('income', 'What the light brings', OWN, draw_income(result)),
+        first=render_section('income', 'Power from the light', OWN, draw_income(result)),
         pictures='',
         tables=render_text_table(build_table(result)),
         method=''.join(f'<p class="note">{escape(each)}</p>' for each in METHOD),
@@ -55,16 +55,16 @@ def render_page(result: BreakEvenMap, commands: Mapping[str, str]) -> str:
 
 
 def format_title(result: BreakEvenMap) -> str:
-    """Return what came out, in a sentence."""
+    """Return the headline."""
     lux = [result.break_even_lux(result.arrays[0], lamp, result.loads['idle']) for lamp in LAMPS]
     return (
-        f'{result.vehicle} idles for ever at {format_klux(lux[0])} klx of white LED, '
+        f'{result.vehicle} idles indefinitely at {format_klux(lux[0])} klx of white LED, '
         f'{format_klux(lux[1])} klx of a flickering one, {format_klux(lux[2])} klx of sun.'
     )
 
 
 def build_tiles(result: BreakEvenMap) -> list[Tile]:
-    """Return where the vehicle as it is breaks even in the sun."""
+    """Return tiles with the break-even illuminance in the sun."""
     made = []
     for task, load in result.loads.items():
         lux = result.break_even_lux(result.arrays[0], 'sun', load)
@@ -73,7 +73,7 @@ def build_tiles(result: BreakEvenMap) -> list[Tile]:
 
 
 def draw_income(result: BreakEvenMap) -> Figure:
-    """Return income against illuminance, with the tasks."""
+    """Plot the charger output against illuminance, with the power of the tasks."""
     figure = create_figure()
     for colour, lamp in zip(COLOURS, LAMPS, strict=False):
         lux, watts = result.sample_income(result.arrays[0], lamp)
@@ -98,6 +98,6 @@ def draw_income(result: BreakEvenMap) -> Figure:
         type='log', title_text='illuminance of the level panel', tickvals=ticks,
         ticktext=['300 lx', '1 klx', '3 klx', '10 klx', '30 klx', '100 klx'],
     )  # fmt: skip
-    figure.update_yaxes(type='log', title_text='behind the charger [mW]', dtick=1)
+    figure.update_yaxes(type='log', title_text='charger output [mW]', dtick=1)
     figure.update_layout(showlegend=True, legend={'orientation': 'h', 'y': 1.1})
     return figure

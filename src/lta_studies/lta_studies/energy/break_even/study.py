@@ -1,4 +1,4 @@
-"""The break-even map of one vehicle, with its own array and with others of the same weight."""
+"""Compute the break-even map of a vehicle with its own array and with others."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,14 +15,14 @@ from lta_studies.energy.tables import TextTable
 import numpy as np
 
 OWN: Final = 'as it is'
-POINTS: Final = 61  # from 300 lx to 100 klx
+POINTS: Final = 61  # of a curve from 300 lx to 100 klx
 HOVERING, FLYING = 1.333, 1.533  # W: seed paper, 1523 to 1544 mW for navigation
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class CandidateArray:
-    """An array: what of, its mass [kg], and what it gives."""
+    """An array: its cell, number of panels, mass [kg] and harvest."""
 
     name: str
     count: int
@@ -34,18 +34,18 @@ class CandidateArray:
 @dataclass(frozen=True, slots=True)
 class BreakEvenMap:
     """
-    What was found.
+    Break-even map of a vehicle.
 
     Parameters
     ----------
     vehicle : str
-        Whose loads and charger.
-    charger : Charger
-        The charger.
+        Name of the vehicle.
+    charger : ChargerModel
+        Its charger.
     loads : mapping of str to float
-        What each task draws. [W]
-    arrays : sequence of Array
-        The vehicle's own first.
+        Power of each task. [W]
+    arrays : sequence of CandidateArray
+        Arrays; the vehicle's own comes first.
 
     """
 
@@ -55,18 +55,18 @@ class BreakEvenMap:
     arrays: Sequence[CandidateArray]
 
     def break_even_lux(self, array: CandidateArray, lamp: str, load: float) -> float:
-        """Return where array and load break even. [lx]"""
+        """Return the illuminance at which the charger output equals the load. [lx]"""
         return break_even_illuminance(array.harvest, self.charger, LAMPS[lamp], load)
 
     def sample_income(self, array: CandidateArray, lamp: str) -> tuple[list[float], list[float]]:
-        """Return illuminances [lx] and what the charger gives there [W]."""
+        """Return illuminances [lx] and the charger output there [W]."""
         lux = np.geomspace(LEAST, MOST, POINTS).tolist()
         return lux, [
             charging_power(array.harvest, self.charger, LAMPS[lamp], each) for each in lux
         ]
 
     def to_json(self) -> dict[str, object]:
-        """Return the map as JSON has it; no number where 100 klx do not suffice."""
+        """Convert the map to JSON; null where 100 klx do not suffice."""
         told = {
             f'{array.count} x {array.name}': {
                 lamp: {
@@ -81,7 +81,7 @@ class BreakEvenMap:
 
 
 def list_task_loads(vehicle: Vehicle) -> dict[str, float]:
-    """Return what the tasks of a vehicle draw. [W]"""
+    """Return the power of the tasks of a vehicle. [W]"""
     loads = vehicle.loads
     return {
         'idle': loads.idle,
@@ -93,16 +93,16 @@ def list_task_loads(vehicle: Vehicle) -> dict[str, float]:
 
 def compute_map(vehicle: Vehicle, cells: Sequence[str], budget: float) -> BreakEvenMap:
     """
-    Return the map of a vehicle.
+    Compute the map of a vehicle.
 
     Parameters
     ----------
     vehicle : Vehicle
-        Its loads and its charger.
+        Provides loads, charger and its own array.
     cells : sequence of str
-        Of which arrays are made instead of its own.
+        Cells for alternative arrays.
     budget : float
-        Mass of each array. [kg]
+        Mass limit of each array. [kg]
 
     Raises
     ------
@@ -112,7 +112,7 @@ def compute_map(vehicle: Vehicle, cells: Sequence[str], budget: float) -> BreakE
     """
     own = vehicle.file.energy.array
     if own is None:
-        raise BadInput(f'{vehicle.file.name} has no solar array; choose one that has.')
+        raise BadInput(f'{vehicle.file.name} has no solar array; choose a vehicle with one.')
     count = own.series * own.parallel
     mass = count * load_cell_file(own.cell).mass.si
     arrays = [CandidateArray(f'{own.cell} ({OWN})', count, mass, HarvestCurve(vehicle.panel))]
@@ -121,8 +121,8 @@ def compute_map(vehicle: Vehicle, cells: Sequence[str], budget: float) -> BreakE
         number = int(budget / each)
         if number == 0:
             raise BadInput(
-                f'One panel {name} weighs {1e3 * each:.1f} g, more than the {1e3 * budget:g} g '
-                'of --budget; leave it out or give more.'
+                f'One panel {name} weighs {1e3 * each:.1f} g, more than the --budget of '
+                f'{1e3 * budget:g} g; leave it out or raise the budget.'
             )
         panel = SolarArrayModel.from_cells(name, 1, number)
         arrays.append(CandidateArray(name, number, number * each, HarvestCurve(panel)))
@@ -149,12 +149,12 @@ def build_table(result: BreakEvenMap) -> TextTable:
         *(f'{task}, {1e3 * load:.0f} mW' for task, load in result.loads.items()),
     ]  # fmt: skip
     note = (
-        'Illuminance of the level panel, of a beacon while it is on, at which the charger gives '
-        'what the task draws. Kilolux.'
+        'Illuminance of the level panel at which the charger output equals the power of the task, '
+        'in kilolux; for a beacon while it is on.'
     )
     return TextTable('Break-even [klx]', heads, rows, note)
 
 
 def format_klux(lux: float) -> str:
-    """Return an illuminance [lx] in klx, or that there is none."""
+    """Format an illuminance [lx] in klx, or 'never'."""
     return 'never' if lux > MOST else f'{lux / 1e3:.1f}'

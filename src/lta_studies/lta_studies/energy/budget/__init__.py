@@ -1,1 +1,1 @@
-"""What each thing that the drone does takes, measured on flights, beside the seed paper."""
+"""Power budget by task, from simulated flights, compared with the seed paper."""

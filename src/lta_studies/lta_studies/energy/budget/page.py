@@ -1,4 +1,4 @@
-"""The power budget as one self-contained page."""
+"""Write the power budget as one self-contained HTML page."""
 
 from collections.abc import Mapping
 from html import escape
@@ -19,31 +19,31 @@ import numpy as np
 from plotly.graph_objects import Bar, Figure, Scatter
 
 TO: Final = '\N{EN DASH}'
-VOLTAGES: Final = ((4.2, TRUTH), (3.7, GOOD), (3.3, ESTIMATE))
+VOLTAGES: Final = ((4.2, TRUTH), (3.7, GOOD), (3.3, ESTIMATE))  # V, full to nearly empty
 TASKS: Final = (
-    'Bars: electronics pale, rotors full; means over the seeds. Diamonds: what the seed paper '
-    'prints; of navigation 1523 to 1544 mW, not told apart; of a standard drone the thrice '
-    '1333 mW that "almost one third" makes.'
+    'Bars: electronics pale, rotors full; means over the seeds. Diamonds: values of the seed '
+    'paper; 1523 to 1544 mW for navigation by any strategy, and 3 x 1333 mW for a standard drone, '
+    'from "almost one third".'
 )
 MOTORS: Final = (
     'Lines: one rotor at three voltages of the cell, by thrust at the mean voltage and power '
-    "affine in thrust. Dots: Bitcraze's bench of 16 rows, its electronics taken off; its own "
-    'voltage fell from 4.0 to 3.3 V on the way, so that the dots move from line to line.'
+    "affine in thrust. Dots: Bitcraze's bench data (16 rows) without the electronics; the supply "
+    'voltage dropped from 4.0 to 3.3 V with load, so that the dots move from line to line.'
 )
 
 
 def write_page(result: PowerBudget, commands: Mapping[str, str], out: Path) -> Path:
-    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    """Write the page and return its path; raise `BadInput` if that fails."""
     return write_file(render_page(result, commands), out)
 
 
 def render_page(result: PowerBudget, commands: Mapping[str, str]) -> str:
-    """Return the whole page."""
+    """Return the HTML of the page."""
     return assemble_page(
         'energy.html',
         title=escape(format_title(result)),
         kicker=escape(f'energy budget · {result.vehicle}'),
-        about='What each task takes, flown in simulation, beside the seed paper.',
+        about='Power of each task in simulated flights, compared with the seed paper.',
         tiles='\n'.join(render_tile(*each) for each in build_tiles(result)),
         first=render_section('tasks', 'Power by task', TASKS, draw_task_power(result)),
         pictures=render_section(
@@ -54,36 +54,40 @@ def render_page(result: PowerBudget, commands: Mapping[str, str]) -> str:
             for each in (build_task_table(result), build_cause_table(result))
         ),
         method=''.join(f'<p class="note">{escape(each)}</p>' for each in format_notes(result)),
-        facts={'vehicle': result.vehicle, 'beside': result.standard, 'commit': read_commit()},
+        facts={
+            'vehicle': result.vehicle,
+            'compared with': result.standard,
+            'commit': read_commit(),
+        },
         commands=commands,
     )
 
 
 def format_title(result: PowerBudget) -> str:
-    """Return what came out, in a sentence."""
+    """Return the headline."""
     hover = result.tasks['hovering'].power
     return (
         f'Hovering takes {1e3 * hover:.0f} mW, {100.0 * result.hover_share:.0f} % of a '
-        f'{result.standard}\'s; the paper has {1e3 * paper.HOVER:.0f} mW, "almost one third".'
+        f'{result.standard}; the paper states {1e3 * paper.HOVER:.0f} mW, "almost one third".'
     )
 
 
 def build_tiles(result: PowerBudget) -> list[Tile]:
-    """Return the tasks in the air, and the multirotor."""
+    """Return tiles for the tasks in flight and for the multirotor."""
     made = []
     for name, task in result.tasks.items():
         if task.rotors > 0.0:
             words = TO.join(format_paper_values(task))
-            note = f'paper: {words} mW' if words else 'paper prints none'
+            note = f'paper: {words} mW' if words else 'not in the paper'
             made.append(Tile(name, f'{1e3 * task.power:.0f}', 'mW', note))
-    note = f'paper: thrice {1e3 * paper.HOVER:.0f} mW'
+    note = f'paper: 3 x {1e3 * paper.HOVER:.0f} mW'
     return [*made, Tile(f'{result.standard}, hovering', f'{result.hover.power:.2f}', 'W', note)]
 
 
 def build_task_table(result: PowerBudget) -> TextTable:
-    """Return every task beside the paper."""
-    heads = ('task', 'seconds', 'electronics [mW]', 'rotors [mW]', 'together [mW]', 'paper [mW]',
-             'ours by paper')  # fmt: skip
+    """Return the table of tasks, compared with the paper."""
+    heads = ('task', 'seconds', 'electronics [mW]', 'rotors [mW]', 'total [mW]', 'paper [mW]',
+             'ours / paper')  # fmt: skip
     rows = []
     for name, each in {**result.tasks, f'{result.standard}, hovering': result.hover}.items():
         words = (
@@ -103,15 +107,15 @@ def build_task_table(result: PowerBudget) -> TextTable:
             TO.join(words) or MISSING,
             format_number(1e3 * each.power / mean) if mean else MISSING,
         ])  # fmt: skip
-    return TextTable('By task, beside the paper', heads, rows)
+    return TextTable('By task, compared with the paper', heads, rows)
 
 
 def build_cause_table(result: PowerBudget) -> TextTable:
-    """Return what would make the paper's hover of ours."""
+    """Return the table of causes that could explain the paper's hover power."""
     cause = result.causes
     rows = [
         [
-            'ideal hover of its weight',
+            'ideal hover at its weight',
             f'{format_number(cause.least, 0, 1e3)} mW',
             'in still air',
         ],
@@ -120,7 +124,7 @@ def build_cause_table(result: PowerBudget) -> TextTable:
             f'{format_number(cause.heaviness, 1, 1e3)} g',
             'heavier than air, instead of 2 g',
         ],
-        ['or against a draught', f'{format_number(cause.wind)} m/s', 'holding its place'],
+        ['or against a draught', f'{format_number(cause.wind)} m/s', 'holding its position'],
         [
             'or worse rotors',
             f'{format_number(cause.factor, 1)} times',
@@ -128,32 +132,32 @@ def build_cause_table(result: PowerBudget) -> TextTable:
         ],
     ]
     note = (
-        'Each alone makes 1333 mW of our hover; the paper does not tell weight, draught or rotors '
-        'of that measurement.'
+        'Each cause alone would raise our hover to 1333 mW; the paper does not state weight, '
+        'draught or rotors of that measurement.'
     )
-    return TextTable('What would make it 1333 mW', ('cause', 'how much', ''), rows, note)
+    return TextTable('Possible causes of 1333 mW', ('cause', 'amount', ''), rows, note)
 
 
 def format_notes(result: PowerBudget) -> list[str]:
-    """Return what differs from the paper, and what it means."""
+    """Return notes on the differences to the paper."""
     flown, share = result.tasks['flying at 0.5 m/s'], result.hover_share
     return [
-        f'A third: thrice 1333 mW would be a standard drone of {paper.STANDARD:.1f} W. '
-        f"Bitcraze's own bench makes {result.hover.power:.1f} W of a Crazyflie of 27 g, so that "
-        f'1333 mW are {100.0 * paper.HOVER / result.hover.power:.0f} % of one, and our '
+        f'A third: 3 x 1333 mW would be a standard drone of {paper.STANDARD:.1f} W. By '
+        f"Bitcraze's bench data a Crazyflie of 27 g takes {result.hover.power:.1f} W, so that "
+        f'1333 mW are {100.0 * paper.HOVER / result.hover.power:.0f} % of that, and our '
         f'{1e3 * result.tasks["hovering"].power:.0f} mW are {100.0 * share:.0f} %: buoyancy saves '
-        'more than the paper says, if its standard drone is a Crazyflie.',
-        "Navigation: the paper's strategies take 190 to 211 mW more than hovering, read here as "
-        'the light board and its computing. Flying 0.5 m/s against drag costs '
-        f'{1e3 * (flown.power - result.tasks["hovering"].power):.0f} mW more than hovering with '
-        'these rotors, which that does not leave room for; ours take both, and turns besides.',
-        "Idle and transmitting are the paper's own figures, taken over. Rotors: power affine in "
-        "thrust by a fit to Bitcraze's bench; ours may be better or worse than the paper's.",
+        'more than the paper states, if its standard drone is a Crazyflie.',
+        "Navigation: the paper's strategies take 190 to 211 mW more than hovering, assigned here "
+        'to the light board and computing. Flying at 0.5 m/s against drag costs another '
+        f'{1e3 * (flown.power - result.tasks["hovering"].power):.0f} mW with these rotors, which '
+        "the paper's value does not include; ours includes both, and turns.",
+        'Idle and transmitting powers are taken from the paper. Rotors: power affine in thrust, '
+        "fitted to Bitcraze's bench data; the paper's rotors may be better or worse.",
     ]
 
 
 def draw_task_power(result: PowerBudget) -> Figure:
-    """Return a bar for each task, and what the paper prints."""
+    """Plot a bar for each task, and the paper's values."""
     figure = create_figure()
     every = {**result.tasks, f'{result.standard}, hovering': result.hover}
     names = list(every)
@@ -190,7 +194,7 @@ def draw_task_power(result: PowerBudget) -> Figure:
 
 
 def draw_rotor_power(result: PowerBudget) -> Figure:
-    """Return a rotor's power by duty at some voltages, and the bench."""
+    """Plot the power of a rotor by duty at several voltages, and the bench data."""
     figure = create_figure()
     duty = np.linspace(0.0, 1.0, 101)
     loads, labels = result.loads, []

@@ -1,9 +1,9 @@
 """
-What would make the seed paper's 1333 mW of this drone: how much of one cause, all else the same.
+Compute single causes that would raise the hover power of a drone to the seed paper's 1333 mW.
 
-Each by the loads of the vehicle's file, rotors affine in thrust, two of them lifting and two
-pushing: heavier than air by so much, held against so much wind, or with rotors that take so many
-times as much. Which of them it was, the paper does not tell.
+The causes are extra weight, wind, or less efficient rotors, each with everything else unchanged.
+The loads are those of the vehicle file, with rotor power affine in thrust. The paper does not
+state which of them applied.
 """
 
 from dataclasses import dataclass
@@ -14,25 +14,25 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_model.vehicle import Vehicle
 from lta_vehicle.figures.thrust_envelope import hover_thrust
 
-FORWARD = 0.5  # of a rotor's thrust along an axis, from which on it pushes that way
+FORWARD = 0.5  # share of the thrust along x above which a rotor counts as a forward one
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class PowerCauses:
     """
-    What would do it alone; NaN where the vehicle's rotors cannot.
+    Causes that alone explain a power; NaN where the vehicle's rotors cannot reach it.
 
     Attributes
     ----------
     least : float
-        Hover of the ideal rotors in still air, radio on. [W]
+        Hover power with ideal rotors in still air, radio on. [W]
     heaviness : float
-        Mass less displaced air. [kg]
+        Mass minus displaced air. [kg]
     wind : float
-        Against which it would stand. [m/s]
+        Wind against which the position is held. [m/s]
     factor : float
-        Of the rotors' power. [1]
+        Factor on the power of the rotors. [1]
 
     """
 
@@ -44,16 +44,16 @@ class PowerCauses:
 
 def explain_hover_power(vehicle: Vehicle, hover: float, goal: float) -> PowerCauses:
     """
-    Return what would make a hover take so much.
+    Compute the causes that raise the hover power to a goal.
 
     Parameters
     ----------
     vehicle : Vehicle
         The vehicle.
     hover : float
-        What its flights took in hover, radio on. [W]
+        Its hover power in flight, radio on. [W]
     goal : float
-        What is to be explained. [W]
+        Power to explain. [W]
 
     """
     loads = vehicle.loads
@@ -71,7 +71,7 @@ def explain_hover_power(vehicle: Vehicle, hover: float, goal: float) -> PowerCau
 
 
 def _equivalent_wind(vehicle: Vehicle, more: float) -> float:
-    """Return the wind whose drag takes so much more power of the rotors that push ahead. [m/s]"""
+    """Return the wind whose drag costs the forward rotors that much power. [m/s]"""
     pushing = [rotor.column[0] for rotor in vehicle.rotors if rotor.column[0] > FORWARD]
     if not pushing:
         return math.nan
@@ -81,4 +81,5 @@ def _equivalent_wind(vehicle: Vehicle, more: float) -> float:
     a, b = effects['quadratic_drag']['surge'], effects['linear_drag']['surge']
     if force <= 0.0 or a + b <= 0.0:
         return math.nan
+    # Positive root of a v^2 + b v = force.
     return (-b + math.sqrt(b * b + 4.0 * a * force)) / (2.0 * a) if a else force / b

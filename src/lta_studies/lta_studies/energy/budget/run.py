@@ -1,4 +1,4 @@
-"""The power budget: every task of a drone and of the multirotor it is compared with."""
+"""Measure the power budget of a drone, and the hover of a multirotor for comparison."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -22,20 +22,20 @@ from lta_studies.energy.budget.tasks import (
 @dataclass(frozen=True, slots=True)
 class PowerBudget:
     """
-    What everything takes.
+    Power budget of a drone.
 
     Attributes
     ----------
     vehicle, standard : str
-        The drone, and the multirotor that it is compared with.
-    tasks : mapping of str to Task
-        Of the drone, by name.
-    hover : Task
-        Of the multirotor in hover.
-    causes : Causes
-        What would make the paper's hover of the drone's.
-    loads : Loads
-        Of the drone.
+        The drone, and the multirotor for comparison.
+    tasks : mapping of str to TaskPower
+        Tasks of the drone, by name.
+    hover : TaskPower
+        Hover of the multirotor.
+    causes : PowerCauses
+        Possible causes of the paper's hover power.
+    loads : LoadModel
+        Loads of the drone.
 
     """
 
@@ -48,26 +48,14 @@ class PowerBudget:
 
     @property
     def hover_share(self) -> float:
-        """What the drone's hover takes of the multirotor's. [1]"""
+        """Hover power of the drone relative to the multirotor. [1]"""
         return self.tasks['hovering'].power / self.hover.power
 
 
 def measure_budget(
     vehicle: str, standard: str, seeds: int, tick: Callable[[], None]
 ) -> PowerBudget:
-    """
-    Return what everything takes, flown with some seeds; `tick` is called after each flight.
-
-    Parameters
-    ----------
-    vehicle, standard : str
-        Shipped names or files.
-    seeds : int
-        Flights of each.
-    tick : callable
-        Of the progress.
-
-    """
+    """Measure the budget with some seeds per task; call `tick` after each flight."""
     body, other = load_vehicle(vehicle), load_vehicle(standard)
     tasks = [
         *list_ground_tasks(body.loads),
@@ -81,12 +69,12 @@ def measure_budget(
 
 
 def count_flights(seeds: int) -> int:
-    """Return how many flights a budget takes."""
+    """Return the number of flights of a budget."""
     return seeds * (2 + len(STRATEGIES))
 
 
 def format_paper_values(task: TaskPower) -> list[str]:
-    """Return what the paper prints of a task. [mW]"""
+    """Format the paper's values for a task. [mW]"""
     low, high = paper.NAVIGATION
     known: dict[str, Sequence[float]] = {
         'idle': [paper.IDLE],
@@ -98,7 +86,7 @@ def format_paper_values(task: TaskPower) -> list[str]:
 
 
 def to_json(result: PowerBudget) -> dict[str, Any]:
-    """Return a budget as JSON has it, in SI units."""
+    """Convert a budget to JSON, in SI units."""
     return {
         'vehicle': result.vehicle,
         'standard': result.standard,

@@ -1,9 +1,9 @@
 """
-What each task takes, from flights in the closed loop.
+Measure the power of each task in closed-loop flights.
 
-One flight in still air stands, takes off, hovers and flies straight on, and its rotors' power is
-told apart by what it was doing; others find a lamp by each strategy. Electronics come on top as
-the vehicle's file has them: the radio always, the light board where light is looked at.
+One flight in still air takes off, hovers and flies straight; its rotor power is split by phase.
+Other flights navigate to a lamp with each strategy. The power of the electronics is added from the
+vehicle file: the radio always, the light board while navigating.
 """
 
 from collections.abc import Callable, Sequence
@@ -23,29 +23,29 @@ SCENE, LAMP_SCENE = 'hall', 'lamp_room'
 STRATEGIES = ('bag', 'des', 'dga')
 RISE = 0.5  # m, seed paper
 SPEED = 0.5  # m/s, seed paper
-GO, SETTLED, AWAY, CRUISING, END = 5.0, 30.0, 60.0, 70.0, 100.0  # s
-NEAR = 0.05  # m below the altitude asked for: there take-off is over
-MOVED = 0.01  # m above where it stood: there it has taken off
+GO, SETTLED, AWAY, CRUISING, END = 5.0, 30.0, 60.0, 70.0, 100.0  # s, start of each phase
+NEAR = 0.05  # m below the setpoint, where take-off ends
+MOVED = 0.01  # m above the standing height that counts as lift-off
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class TaskPower:
     """
-    What a task takes.
+    Power of a task.
 
     Attributes
     ----------
     name : str
-        Of the task.
+        Name of the task.
     electronics : float
-        Controller, radio, light board and computing, as far as they are on. [W]
+        Power of controller, radio, light board and computing, if on. [W]
     rotors : float
-        Mean over the flights. [W]
+        Rotor power, mean over the flights. [W]
     off : float
-        Greatest deviation of one flight from that mean. [W]
+        Largest deviation of one flight from that mean. [W]
     seconds : float
-        How long the task took in a flight, mean. [s]
+        Mean duration of the task. [s]
 
     """
 
@@ -57,12 +57,12 @@ class TaskPower:
 
     @property
     def power(self) -> float:
-        """All of it. [W]"""
+        """Total power. [W]"""
         return self.electronics + self.rotors
 
 
 def list_ground_tasks(loads: LoadModel) -> list[TaskPower]:
-    """Return what it takes to stand: motors off, without and with the radio."""
+    """Return the tasks on the ground: motors off, without and with the radio."""
     return [
         TaskPower('idle', loads.idle, 0.0),
         TaskPower('transmitting', loads.idle + loads.transmitting, 0.0),
@@ -70,7 +70,7 @@ def list_ground_tasks(loads: LoadModel) -> list[TaskPower]:
 
 
 def build_course(base: float) -> Course:
-    """Return take-off, hover and straight flight over a height where it stands. [m]"""
+    """Return the course of take-off, hover and straight flight above a base height. [m]"""
 
     def setpoint_at(time: float) -> Setpoint:
         rise = RISE if time >= GO else 0.0
@@ -80,7 +80,7 @@ def build_course(base: float) -> Course:
 
 
 def fly_course(vehicle: str, seeds: int, tick: Callable[[], None]) -> list[FlightTrack]:
-    """Return flights of a vehicle along the course, one a seed."""
+    """Fly a vehicle along the course, once per seed."""
     flown = []
     for seed in range(1, seeds + 1):
         flown.append(fly_until(prepare_flight(vehicle, seed), stop_after(END)))
@@ -89,14 +89,14 @@ def fly_course(vehicle: str, seeds: int, tick: Callable[[], None]) -> list[Fligh
 
 
 def prepare_flight(vehicle: str, seed: int) -> ClosedLoop:
-    """Return a flight of a vehicle along the course that is about to begin."""
+    """Return the closed loop of a flight along the course before its first step."""
     made_of = load_spec(vehicle, SCENE, 'bag', '')
     base = build_parts(made_of)[0].height_on_floor
     return build_loop(made_of, build_course(base), seed)
 
 
 def average_flight_tasks(loads: LoadModel, tracks: Sequence[FlightTrack]) -> list[TaskPower]:
-    """Return take-off, stabilising and flying, told apart."""
+    """Return the mean power of take-off, hovering and flying."""
     steady = loads.idle + loads.transmitting
     parts = {
         'take-off': [select_take_off(each) for each in tracks],
@@ -107,14 +107,14 @@ def average_flight_tasks(loads: LoadModel, tracks: Sequence[FlightTrack]) -> lis
 
 
 def select_take_off(track: FlightTrack) -> FlightTrack:
-    """Return the stretch from when the rotors are told to lift until it is nearly there."""
+    """Return the part from the take-off command until the altitude is nearly reached."""
     there = track.height[0] + RISE - NEAR
     arrived = track.time[(track.time > GO) & (track.height >= there)]
     return track.crop(GO, float(arrived[0]) if len(arrived) else SETTLED)
 
 
 def average_task(name: str, electronics: float, tracks: Sequence[FlightTrack]) -> TaskPower:
-    """Return what stretches of flights took, one a seed."""
+    """Average the power over flight segments, one per seed."""
     means = [float(each.rotors.mean()) for each in tracks]
     mean = math.fsum(means) / len(means)
     seconds = math.fsum(float(each.time[-1] - each.time[0]) for each in tracks) / len(tracks)
@@ -124,7 +124,7 @@ def average_task(name: str, electronics: float, tracks: Sequence[FlightTrack]) -
 def measure_navigation(
     vehicle: str, strategy: str, seeds: int, tick: Callable[[], None]
 ) -> TaskPower:
-    """Return what it takes to find a lamp by a strategy, from lift-off to the end."""
+    """Return the power of navigating to a lamp with a strategy, from lift-off to the end."""
     made_of: FlightSpec = load_spec(vehicle, LAMP_SCENE, strategy, '')
     flown, electronics = [], 0.0
     for seed in range(1, seeds + 1):
@@ -139,6 +139,6 @@ def measure_navigation(
 
 
 def is_flight_over(loop: ClosedLoop) -> bool:
-    """Tell whether a flight to a lamp is over."""
+    """Return whether a flight to a lamp is over."""
     ended = loop.world.outcome is not FlightOutcome.FLYING
     return ended and load_topic_table().is_settled(loop.world.stamp_ns)

@@ -1,1 +1,1 @@
-"""Solar cells beside each other: the seed paper's figure, the fair one, and arrays of them."""
+"""Compare solar cells by the seed paper's criterion and a fair one, and build arrays."""

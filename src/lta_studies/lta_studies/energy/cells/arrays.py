@@ -1,4 +1,4 @@
-"""Arrays of cells: what they weigh, and what reaches a drone's cell and loads in some light."""
+"""Compute mass and net power of solar arrays on a drone in a given light."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,13 +12,13 @@ from lta_model.electrical.charger import charger_output, ChargerModel
 from lta_model.electrical.loads import LoadModel, power_demand
 from lta_model.electrical.panel import find_max_power, SolarArrayModel
 
-LOWEST = 4.95  # V at the input of the LT3652 on the seed paper's charger (its data sheet)
+LOWEST = 4.95  # V, minimum input of the seed paper's charger LT3652 (data sheet)
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class CellArray:
-    """So many strings of so many panels."""
+    """An array of parallel strings of panels in series."""
 
     cell: CellFile
     series: int
@@ -26,21 +26,21 @@ class CellArray:
 
     @property
     def panel_count(self) -> int:
-        """How many panels there are."""
+        """Number of panels."""
         return self.series * self.parallel
 
     @property
     def mass(self) -> float:
-        """Of the panels, without wiring. [kg]."""
+        """Mass of the panels, without wiring. [kg]"""
         return self.panel_count * self.cell.mass.si
 
     @property
     def area(self) -> float:
-        """Of the panels. [m2]."""
+        """Area of the panels. [m2]"""
         return self.panel_count * self.cell.area
 
     def peak_power(self, irradiance: float) -> float:
-        """Return the largest power in some light [W/m2]. [W]"""
+        """Return the maximum power [W] at an irradiance [W/m2]."""
         return math.prod(
             find_max_power(
                 SolarArrayModel.from_cells(self.cell.name, self.series, self.parallel), irradiance
@@ -50,12 +50,13 @@ class CellArray:
 
 def find_largest_array(cell: CellFile, budget: float) -> CellArray | None:
     """
-    Return the array of most panels within a mass [kg] that the charger can work with.
+    Return the array with the most panels within a mass [kg] that suits the charger.
 
-    Strings are as short as reach the charger's lowest voltage at the rated maximum, so that fewest
-    panels are left over; None where not even one string is light enough.
+    Strings are just long enough to reach the charger's minimum input voltage at the maximum power
+    point. None if even one string is too heavy.
     """
     series = math.ceil(LOWEST / cell.electrical.voltage.si)
+    # 1e-9 keeps a budget of exactly n panels at n despite rounding.
     parallel = int(budget / cell.mass.si * (1.0 + 1e-9)) // series
     return CellArray(cell, series, parallel) if parallel else None
 
@@ -66,7 +67,7 @@ class NetPower:
     """
     The net power of an array in some kind of light. [W]
 
-    `standby` and `transmitting` are what is left after the loads, `given` what the charger gives.
+    `given` is the charger output; `standby` and `transmitting` are that minus the loads.
     """
 
     light: str
@@ -78,7 +79,7 @@ class NetPower:
 
 
 def compute_net_powers(array: CellArray, energy: EnergyBlock, table: CellTable) -> list[NetPower]:
-    """Return the net power of an array on a vehicle, for each kind of light of a table."""
+    """Return the net power of an array on a vehicle for each light of a table."""
     charger = ChargerModel.from_energy(energy)
     idle, sending = compute_ground_loads(energy)
     found = []
@@ -91,22 +92,22 @@ def compute_net_powers(array: CellArray, energy: EnergyBlock, table: CellTable) 
 
 
 def compute_ground_loads(energy: EnergyBlock) -> tuple[float, float]:
-    """Return what stand-by and transmitting take, motors off. [W]"""
+    """Return the power in stand-by and while transmitting, motors off. [W]"""
     own = LoadModel.from_energy(energy)
     return power_demand(own, (), transmitting=False), power_demand(own, (), transmitting=True)
 
 
 def build_array_readings(built: PrintedArray) -> list[CellArray]:
-    """Return an array that was built, for each reading of its cells."""
+    """Return a printed array for each reading of its cells."""
     return [CellArray(load_cell_file(name), built.series, built.parallel) for name in built.cells]
 
 
 def has_printed_signs(net: NetPower, built: PrintedArray) -> bool:
-    """Tell whether the net power has the signs that were printed."""
+    """Return whether the net power has the printed signs."""
     signs = ['surplus' if power > 0.0 else 'deficit' for power in (net.standby, net.transmitting)]
     return signs == [built.standby, built.transmitting]
 
 
 def build_all_arrays(table: CellTable) -> Mapping[str, Sequence[CellArray]]:
-    """Return the arrays that were built, by name: an array for each reading."""
+    """Return the printed arrays by name, one for each reading."""
     return {name: build_array_readings(built) for name, built in table.arrays.built.items()}

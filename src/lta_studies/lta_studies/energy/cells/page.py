@@ -1,4 +1,4 @@
-"""Cells and arrays as one self-contained page."""
+"""Write the comparison of cells and arrays as one self-contained HTML page."""
 
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -28,42 +28,42 @@ from lta_studies.energy.tables import render_text_table
 from plotly.graph_objects import Figure as Picture
 from plotly.graph_objects import Scatter
 
-TITLE: Final = 'Which solar cells are light and quick depends on how one counts.'
+TITLE: Final = 'Which solar cells are best by mass and charging time depends on the criterion.'
 PAPER: Final = (
-    'Charging time by area against mass by area, the figure of the seed paper. Dots: cells; lines '
-    'those that no other beats in both, PowerFilm read as the small panel (full) or the large one '
-    '(dashed). It rewards a large cell twice, for its time and its area.'
+    'Charging time per area against mass per area, as in the seed paper. Dots: cells. Lines: the '
+    'Pareto front, with PowerFilm read as the small panel (full) or the large one '
+    '(dashed). The criterion rewards a large cell twice, for its time and its area.'
 )
 FAIR: Final = (
-    'Charging time times area, which is the same for any size of the same cells, against mass by '
-    'area. Full line: PowerFilm read as the 53.9 cm² that it names; dashed: as the 266.3 cm² '
-    'whose size is printed. The reading decides whether Dracula is on the front.'
+    'Charging time times area, which does not depend on the size of a panel, against mass per '
+    'area. Full line: PowerFilm read as the named 53.9 cm²; dashed: as the printed size of '
+    '266.3 cm². The reading decides whether Dracula is on the front.'
 )
-# Neighbours whose names would lie on each other.
+# Label positions that keep the names of neighbours apart.
 SIDES: Final = {
     'Dracula': 'middle right', 'Kitronik': 'middle right', 'SEEED': 'top right',
     'ANYSOLAR': 'bottom center', 'PowerFilm': 'top right',
 }  # fmt: skip
 METHOD: Final = (
-    'Areas are computed from the printed dimensions, read in cm where mm cannot be; masses are '
-    'printed. Neither light nor capacitance of the charging test is printed: only ratios count.',
-    'Harvest is that of the single-diode model behind each data sheet at the temperature that the '
-    'light gives the cells; the charger tracks, converts and draws as the vehicle file says. Of '
-    'the data sheets most numbers are assumed: each cell file says which.',
+    'Areas are computed from the printed dimensions, read in cm where mm is impossible; masses '
+    'are printed. The charging test states neither light nor capacitance: only ratios count.',
+    'Harvest follows from a single-diode model of each data sheet at the temperature of the lit '
+    'cells; the charger is that of the vehicle file. Most data-sheet numbers are assumed; each '
+    'cell file states which.',
 )
 
 
 def write_page(
     table: CellTable, energy: EnergyBlock, budget: float, commands: Mapping[str, str], out: Path
 ) -> Path:
-    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    """Write the page and return its path; raise `BadInput` if that fails."""
     return write_file(render_page(table, energy, budget, commands), out)
 
 
 def render_page(
     table: CellTable, energy: EnergyBlock, budget: float, commands: Mapping[str, str]
 ) -> str:
-    """Return the whole page; the budget is a mass. [kg]"""
+    """Return the HTML of the page; the budget is a mass. [kg]"""
     found = list_entries(table)
     fronts = [find_both_fronts(found, which) for which in range(max(e.readings for e in found))]
     paper, fair = zip(*fronts, strict=True)
@@ -77,8 +77,8 @@ def render_page(
         kicker=escape(f'cells · {table.name}'),
         about=escape(table.about),
         tiles='\n'.join(render_tile(*each) for each in build_tiles(table, energy)),
-        first=render_section('paper', 'As the paper counts', PAPER, by_area),
-        pictures=render_section('fair', 'As is fair', FAIR, times_area),
+        first=render_section('paper', "The paper's criterion", PAPER, by_area),
+        pictures=render_section('fair', 'A fair criterion', FAIR, times_area),
         tables=''.join(
             render_text_table(each)
             for each in (
@@ -94,7 +94,7 @@ def render_page(
 
 
 def build_tiles(table: CellTable, energy: EnergyBlock) -> list[Tile]:
-    """Return the net power of the paper's arrays in stand-by, each reading in each light."""
+    """Return tiles with the stand-by net power of the paper's arrays in each light."""
     made = []
     for name, strings in build_all_arrays(table).items():
         for strung in strings:
@@ -110,7 +110,7 @@ def build_tiles(table: CellTable, energy: EnergyBlock) -> list[Tile]:
 def draw_fronts(
     entries: Sequence[CellEntry], figure: Figure, unit: str, fronts: Sequence[Sequence[CellEntry]]
 ) -> Picture:
-    """Return cells in the plane of mass by area and a figure, with their fronts."""
+    """Plot a criterion of the cells against mass per area, with the Pareto fronts."""
     drawn = create_figure()
     for kept, dash in zip(fronts, ('solid', '5px,4px'), strict=False):
         drawn.add_trace(
@@ -135,7 +135,7 @@ def draw_fronts(
     )  # fmt: skip
     drawn.update_layout(hovermode='closest')
     drawn.update_xaxes(
-        type='log', title_text='mass by area [g/cm²]', range=[-1.6, -0.05], dtick='D2'
+        type='log', title_text='mass per area [g/cm²]', range=[-1.6, -0.05], dtick='D2'
     )
     return drawn.update_yaxes(type='log', title_text=f'charging time [{unit}]', dtick='D2')
 

@@ -1,8 +1,9 @@
 """
-Which cells are on the front: light and quick.
+Find the Pareto front of solar cells by mass per area and charging time.
 
-The time to charge a given capacitor falls with a cell's area, so time *by* area, the seed paper's
-figure, rewards a large cell twice; time *times* area is the same for any size of the same cells.
+The time to charge a given capacitor falls with the area of a cell. Time *per* area, the criterion
+of the seed paper, therefore rewards a large cell twice. Time *times* area does not depend on the
+size.
 """
 
 from collections.abc import Callable, Sequence
@@ -21,12 +22,12 @@ class CellEntry:
 
     Attributes
     ----------
-    row : Row
-        As printed.
+    row : CellTableRow
+        Row as printed.
     cell : CellFile
-        The panel that it is read as.
+        Panel that the row is read as.
     readings : int
-        How many readings the row has.
+        Number of possible readings of the row.
 
     """
 
@@ -36,28 +37,28 @@ class CellEntry:
 
     @property
     def title(self) -> str:
-        """What it is called in tables and pictures."""
+        """Label in tables and plots."""
         size = f', {1e4 * self.cell.area:.1f} cm²' if self.readings > 1 else ''
         return f'{self.row.maker}{size}'
 
     @property
     def areal_mass(self) -> float:
-        """Mass by area. [kg/m2]."""
+        """Mass per area. [kg/m2]"""
         return self.cell.mass.si / self.cell.area
 
     @property
     def charging_time_per_area(self) -> float:
-        """Charging time by area, the paper's figure. [s/m2]."""
+        """Charging time per area, the paper's criterion. [s/m2]"""
         return self.row.charge.si / self.cell.area
 
     @property
     def charging_time_times_area(self) -> float:
-        """Charging time times area, the fair figure. [s m2]."""
+        """Charging time times area, the fair criterion. [s m2]"""
         return self.row.charge.si * self.cell.area
 
     @property
     def charging_time_times_mass(self) -> float:
-        """Charging time times the printed mass. [s kg]."""
+        """Charging time times the printed mass. [s kg]"""
         return self.row.charge.si * self.row.mass.si
 
 
@@ -74,12 +75,12 @@ def list_entries(table: CellTable) -> list[CellEntry]:
 
 
 def select_readings(entries: Sequence[CellEntry], which: int) -> list[CellEntry]:
-    """Return one entry a row: where a row has several readings, the one of this place."""
+    """Return one entry per row; `which` selects among several readings."""
     return [each for each in entries if each.cell.name == each.row.cells[which % each.readings]]
 
 
 def find_pareto_front(entries: Sequence[CellEntry], figure: Figure) -> list[CellEntry]:
-    """Return the entries that no other beats in both mass by area and a figure; light first."""
+    """Return the Pareto front in mass per area and a criterion, lightest first."""
     best, kept = float('inf'), []
     for each in sorted(entries, key=lambda entry: (entry.areal_mass, figure(entry))):
         if figure(each) < best:

@@ -1,4 +1,4 @@
-"""Cells and arrays as tables of text and as plain data."""
+"""Build tables and JSON of the cells and arrays."""
 
 from collections.abc import Sequence
 from typing import Any, Final
@@ -24,16 +24,16 @@ from lta_studies.energy.cells.ranking import (
 from lta_studies.energy.tables import TextTable
 
 GRAMS: Final = 1e3
-SQUARE: Final = 1e4  # cm2 of a m2
+SQUARE: Final = 1e4  # cm2 per m2
 FRONTS: Final = ('paper', 'fair')
 SHEET: Final = (
-    's/cm² is the figure of the paper, s cm² the fair one. A capacitor far below the open-circuit '
-    'voltage takes the short-circuit current: "sheet" is the time that the data sheets give, '
-    'from that of the quickest cell. Front: on which that cell is, in either reading.'
+    's/cm² is the criterion of the paper, s cm² the fair one. A capacitor far below the '
+    'open-circuit voltage takes the short-circuit current: "sheet" is the time from the '
+    'data sheets, relative to the fastest cell. Front: the front of that cell, in either reading.'
 )
 CHARGED: Final = (
-    'Harvest is the largest power of the array, charged what the charger makes of it; stand-by '
-    '(idle) and sending what is left after the loads. "Not" marks what differs from the paper.'
+    'Harvest is the maximum power of the array, charged the output of the charger; idle '
+    '(stand-by) and sending are that minus the loads. "Not" marks differences from the paper.'
 )
 WORDS: Final = {'white_led': 'LED', 'sunlight': 'sun'}
 
@@ -41,7 +41,7 @@ WORDS: Final = {'white_led': 'LED', 'sunlight': 'sun'}
 def find_both_fronts(
     entries: Sequence[CellEntry], which: int
 ) -> tuple[list[CellEntry], list[CellEntry]]:
-    """Return the paper's front and the fair one, for one reading of the rows."""
+    """Return the fronts by the paper's and the fair criterion, for one reading of the rows."""
     rows = select_readings(entries, which)
     return find_pareto_front(rows, lambda each: each.charging_time_per_area), find_pareto_front(
         rows, lambda each: each.charging_time_times_area
@@ -49,7 +49,7 @@ def find_both_fronts(
 
 
 def build_ranking_table(table: CellTable) -> TextTable:
-    """Return the cells with both figures; a reading on a front says on which."""
+    """Return the table of cells with both criteria and the fronts they are on."""
     found = list_entries(table)
     fronts = [
         find_both_fronts(found, which) for which in range(max(each.readings for each in found))
@@ -79,14 +79,14 @@ def build_ranking_table(table: CellTable) -> TextTable:
 
 
 def datasheet_charging_time(each: CellEntry, entries: Sequence[CellEntry]) -> float:
-    """Return the charging time by the short-circuit currents, from that of the quickest. [s]"""
+    """Return the charging time by short-circuit current, relative to the fastest cell. [s]"""
     first = min(entries, key=lambda entry: entry.row.charge.si)
     currents = [entry.cell.electrical.short_circuit.si for entry in (first, each)]
     return first.row.charge.si * currents[0] / currents[1]
 
 
 def describe_defects(table: CellTable) -> list[str]:
-    """Return what does not add up, a sentence each."""
+    """Return a sentence for each defect of the printed table."""
     told = [(row.maker, each) for row in table.rows.values() for each in row.defects]
     told += [
         (f'The array {n}', d) for n, built in table.arrays.built.items() for d in built.defects
@@ -95,7 +95,7 @@ def describe_defects(table: CellTable) -> list[str]:
 
 
 def build_array_table(table: CellTable, energy: EnergyBlock) -> TextTable:
-    """Return the arrays that were built beside what is printed of them."""
+    """Return the table of the paper's arrays, compared with the printed signs."""
     klux = table.arrays.illuminance.si / 1e3
     heads = ('array', 'light', 'W/m²', 'harvest', 'charged', 'idle', 'sending', 'printed')
     rows = []
@@ -113,18 +113,18 @@ def build_array_table(table: CellTable, energy: EnergyBlock) -> TextTable:
 
 
 def format_powers(net: NetPower) -> list[str]:
-    """Return irradiance and powers as text. [W/m2, mW]"""
+    """Format irradiance [W/m2] and powers [mW]."""
     powers = (net.harvest, net.given, net.standby, net.transmitting)
     return [format_number(net.irradiance, 0), *(format_number(power, 1, 1e3) for power in powers)]
 
 
 def format_array(array: CellArray) -> str:
-    """Return an array in words."""
+    """Format an array, for example '2S1P anysolar'."""
     return f'{array.series}S{array.parallel}P {array.cell.name}'
 
 
 def build_mass_budget_table(table: CellTable, energy: EnergyBlock, budget: float) -> TextTable:
-    """Return the largest array of each cell within a mass. [kg]"""
+    """Return the table of the largest array of each cell within a mass. [kg]"""
     lights = list(table.lights)
     heads = ('array', 'g', 'cm²', 'rated [W]', *(WORDS.get(light, light) for light in lights))
     rows = []
@@ -151,7 +151,7 @@ def list_cells(table: CellTable) -> list[CellFile]:
 
 
 def to_json(table: CellTable, energy: EnergyBlock, budget: float) -> dict[str, Any]:
-    """Return all of it as JSON has it: SI units."""
+    """Convert the comparison to JSON, in SI units."""
     found = list_entries(table)
     return {
         'cells': {

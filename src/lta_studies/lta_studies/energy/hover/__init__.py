@@ -1,1 +1,1 @@
-"""Hovering for 450 s on identical cells: a drone that gas carries, and one that nothing does."""
+"""Hovering for 450 s on identical cells: an airship compared with a multirotor."""

@@ -1,4 +1,4 @@
-"""A cell under a constant load, until it fails or the time is over."""
+"""Simulate a cell under a constant load until it fails or the time is over."""
 
 from dataclasses import dataclass
 from typing import final
@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 STEP = 0.1  # s
-DARK = ChargerModel(tracking=0.0, conversion=0.0, idle=0.0)
+DARK = ChargerModel(tracking=0.0, conversion=0.0, idle=0.0)  # no charging
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class DischargeTrace:
-    """Voltage [V] and state of charge [1] of a cell by time [s]; they end where it failed."""
+    """Voltage [V] and state of charge [1] of a cell over time [s], up to its failure."""
 
     time: Array
     voltage: Array
@@ -25,28 +25,14 @@ class DischargeTrace:
 
     @property
     def voltage_drop(self) -> float:
-        """From the first voltage under load to the last. [V]"""
+        """Voltage drop from the first to the last value under load. [V]"""
         return float(self.voltage[0] - self.voltage[-1])
 
 
 def simulate_discharge(
     cell: BatteryModel, charge: float, power: float, seconds: float
 ) -> DischargeTrace:
-    """
-    Return a cell that gives a constant power.
-
-    Parameters
-    ----------
-    cell : Battery
-        The cell.
-    charge : float
-        State of charge at the start. [1]
-    power : float
-        What is drawn, above 0. [W]
-    seconds : float
-        How long. [s]
-
-    """
+    """Discharge a cell from a state of charge [1] at a constant power [W] for a time [s]."""
     flow, rows, failed = resting_flow(charge), [], None
     for k in range(round(seconds / STEP)):
         flow = advance_power_path(cell, DARK, flow, 0.0, power, STEP)

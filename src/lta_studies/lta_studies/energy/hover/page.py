@@ -1,4 +1,4 @@
-"""Hovering on identical cells as one self-contained page."""
+"""Write the hover comparison as one self-contained HTML page."""
 
 from collections.abc import Mapping
 from html import escape
@@ -19,19 +19,19 @@ from plotly.graph_objects import Figure
 
 CAPTION: Final = (
     'Voltage of the cell under load. Full: flown in the closed loop. Dashed: the same cell under '
-    'the constant power that the seed paper prints for its drone, and under thrice that, which '
-    'its "almost one third" makes of a standard drone. A line ends where the supply fails.'
+    "constant power: the seed paper's value for its drone, and three times that for a standard "
+    'drone ("almost one third"). A line ends where the supply fails.'
 )
-CHARGE: Final = 'State of charge of the same cells; the truth, which no meter sees.'
+CHARGE: Final = 'True state of charge of the same cells.'
 
 
 def write_page(result: HoverComparison, commands: Mapping[str, str], out: Path) -> Path:
-    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    """Write the page and return its path; raise `BadInput` if that fails."""
     return write_file(render_page(result, commands), out)
 
 
 def render_page(result: HoverComparison, commands: Mapping[str, str]) -> str:
-    """Return the whole page."""
+    """Return the HTML of the page."""
     return assemble_page(
         'energy.html',
         title=escape(format_title(result)),
@@ -52,11 +52,11 @@ def render_page(result: HoverComparison, commands: Mapping[str, str]) -> str:
 
 
 def format_title(result: HoverComparison) -> str:
-    """Return what came out, in a sentence."""
+    """Return the headline."""
     first, second = result.first, result.second
     end = second.trace.failed
     lost = (
-        f'falls after {end:.0f} s'
+        f'loses power after {end:.0f} s'
         if end is not None
         else f'drops {second.trace.voltage_drop:.2f} V'
     )
@@ -68,7 +68,7 @@ def format_title(result: HoverComparison) -> str:
 
 
 def build_tiles(result: HoverComparison) -> list[Tile]:
-    """Return power and charge of both, and their share."""
+    """Return tiles with power and charge of both drones, and the power ratio."""
     made = []
     for each in (result.first, result.second):
         left = f'{100 * float(each.trace.charge[-1]):.0f} % of the cell left'
@@ -79,8 +79,8 @@ def build_tiles(result: HoverComparison) -> list[Tile]:
 
 
 def build_table(result: HoverComparison) -> TextTable:
-    """Return all lines of the picture as numbers."""
-    heads = ('on the cell', 'power [mW]', 'drop [V]', 'at the end [V]', 'charge left [%]',
+    """Return the table of the plotted lines."""
+    heads = ('load', 'power [mW]', 'drop [V]', 'at the end [V]', 'charge left [%]',
              'failed after [s]', 'of the multirotor [%]')  # fmt: skip
     rows = [
         format_row(each.name, each.trace, each.power, result)
@@ -96,7 +96,7 @@ def build_table(result: HoverComparison) -> TextTable:
 def format_row(
     name: str, trace: DischargeTrace, power: float, result: HoverComparison
 ) -> list[str]:
-    """Return one line of the table."""
+    """Return one row of the table."""
     failed = MISSING if trace.failed is None else format_number(trace.failed, 0)
     return [
         name, format_number(power, 0, 1e3), format_number(trace.voltage_drop),
@@ -107,27 +107,26 @@ def format_row(
 
 
 def format_notes(result: HoverComparison) -> list[str]:
-    """Return what it means beside the paper."""
+    """Return notes on the differences to the paper."""
     second = result.second
     told = [
-        f"A third: the paper's 1333 mW are {100 * paper.HOVER / second.power:.0f} % of what "
-        f"{second.name} takes by Bitcraze's bench, and ours {100.0 * result.power_share:.0f} %; a "
-        f'third '
-        f'would be a standard drone of {paper.STANDARD:.1f} W.',
-        "As in the paper's figure, the drone's voltage hardly falls, and the other's steadily. "
-        "The figure's own values are not printed, so that no number of it can be compared.",
+        f"A third: the paper's 1333 mW are {100 * paper.HOVER / second.power:.0f} % of the power "
+        f"of {second.name} by Bitcraze's bench data, and ours {100.0 * result.power_share:.0f} %; "
+        f'one third corresponds to a standard drone of {paper.STANDARD:.1f} W.',
+        "As in the paper's figure, the voltage of the drone hardly drops and that of the "
+        'multirotor drops steadily. The paper does not print the values of that figure.',
     ]
     if second.trace.failed is not None:
         told.append(
-            f"{second.name} does not last: on {result.first.name}'s cell its supply fails after "
-            f'{second.trace.failed:.0f} s, short of {result.seconds:.0f} s. A standard '
-            "drone that lasted the paper's 450 s took less than this one, or had a larger cell."
+            f'On the cell of {result.first.name} the supply of {second.name} fails after '
+            f'{second.trace.failed:.0f} s, before the {result.seconds:.0f} s are over. A standard '
+            "drone that lasted the paper's 450 s used less power or had a larger cell."
         )
     return told
 
 
 def draw_traces(result: HoverComparison, key: str) -> Figure:
-    """Return voltage or charge over time."""
+    """Plot voltage or charge over time."""
     figure = create_figure()
     unit, factor = ('V', 1.0) if key == 'voltage' else ('%', 100.0)
     traces = {result.first.name: result.first.trace, result.second.name: result.second.trace}
@@ -156,7 +155,7 @@ def draw_traces(result: HoverComparison, key: str) -> Figure:
 
 
 def to_json(result: HoverComparison) -> dict[str, Any]:
-    """Return the comparison as JSON has it, in SI units."""
+    """Convert the comparison to JSON, in SI units."""
     return {
         'seconds': result.seconds,
         'share': result.power_share,

@@ -1,8 +1,8 @@
 """
-Both drones hover on the same cell, in the closed loop, for as long as the paper's did.
+Hover two drones on the same cell in the closed loop, for as long as in the paper.
 
-The cell is that of the first vehicle's file, full at the start. A drone whose supply fails falls
-out of the comparison at that time: its motors stop.
+The cell is that of the first vehicle's file, full at the start. A drone drops out when its supply
+fails and its motors stop.
 """
 
 from collections.abc import Callable, Mapping
@@ -22,8 +22,8 @@ import numpy as np
 
 SCENE = 'hall'
 RISE = 0.5  # m, seed paper's altitude
-GO = 5.0  # s
-STEADY = 30.0  # s: from then on it hovers
+GO = 5.0  # s, take-off
+STEADY = 30.0  # s, start of steady hover
 FULL = {'value': 100, 'unit': '%'}
 
 
@@ -31,18 +31,18 @@ FULL = {'value': 100, 'unit': '%'}
 @dataclass(frozen=True, slots=True)
 class HoverResult:
     """
-    One drone on its cell.
+    Hover of one drone.
 
     Attributes
     ----------
     name : str
-        Of the vehicle.
-    trace : Trace
-        The cell's voltage and charge, up to where its supply failed.
+        Name of the vehicle.
+    trace : DischargeTrace
+        Voltage and charge of the cell, up to a failure of the supply.
     power : float
-        Mean in hover. [W]
+        Mean power in hover. [W]
     energy : float
-        Drawn from the cell's terminals. [J]
+        Energy drawn from the cell. [J]
 
     """
 
@@ -55,7 +55,7 @@ class HoverResult:
 @final
 @dataclass(frozen=True, slots=True)
 class HoverComparison:
-    """Two drones on one kind of cell, and the paper's powers on it, by name."""
+    """Hover of two drones, and the same cell under the paper's powers, by name."""
 
     seconds: float
     first: HoverResult
@@ -64,12 +64,12 @@ class HoverComparison:
 
     @property
     def power_share(self) -> float:
-        """What the first takes of the second. [1]"""
+        """Power of the first drone relative to the second. [1]"""
         return self.first.power / self.second.power
 
 
 def build_hover_spec(vehicle: str, battery: Any | None = None) -> FlightSpec:  # noqa: ANN401 - YAML
-    """Return what a hover is made of: a full cell, of another file where one is given."""
+    """Return the spec of a hover with a full cell, optionally replaced by `battery`."""
     made_of = load_spec(vehicle, SCENE, 'bag', '')
     scene, body = made_of.contents['scenario'], made_of.contents['vehicle']
     contents = {
@@ -85,16 +85,16 @@ def compare_hovering(
     first: str, second: str, seconds: float, tick: Callable[[float], None]
 ) -> HoverComparison:
     """
-    Return two drones that hover on the same cell.
+    Hover two drones on the same cell.
 
     Parameters
     ----------
     first, second : str
-        Vehicles, names or files; the cell is the first one's.
+        Names or files of the vehicles; both use the cell of the first.
     seconds : float
-        How long. [s]
+        Duration. [s]
     tick : callable
-        Told how much of the flights has been flown since it was told last. [s]
+        Progress callback: simulated seconds since its last call.
 
     """
     own = build_hover_spec(first)
@@ -109,7 +109,7 @@ def compare_hovering(
 
 
 def simulate_paper_hover(cell: BatteryModel, seconds: float) -> dict[str, DischargeTrace]:
-    """Return the cell under the paper's hover, and under what its third makes a standard drone."""
+    """Discharge the cell at the paper's hover power, and at that of a standard drone."""
     return {
         f'paper, {1e3 * power:.0f} mW': simulate_discharge(cell, 1.0, power, seconds)
         for power in (paper.HOVER, paper.STANDARD)
@@ -117,7 +117,7 @@ def simulate_paper_hover(cell: BatteryModel, seconds: float) -> dict[str, Discha
 
 
 def prepare_hover(spec: FlightSpec) -> ClosedLoop:
-    """Return a drone that is about to rise and hover."""
+    """Return the closed loop of a hover before its first step."""
     base = build_parts(spec)[0].height_on_floor
 
     def setpoint_at(time: float) -> Setpoint:
@@ -127,7 +127,7 @@ def prepare_hover(spec: FlightSpec) -> ClosedLoop:
 
 
 def fly_hover(spec: FlightSpec, seconds: float, tick: Callable[[float], None]) -> HoverResult:
-    """Return one drone that hovers until the time [s] is over or its supply fails."""
+    """Hover until the time [s] is over or the supply fails."""
     told = 0.0
 
     def is_over(loop: ClosedLoop) -> bool:
@@ -152,6 +152,6 @@ def fly_hover(spec: FlightSpec, seconds: float, tick: Callable[[float], None]) -
 
 
 def mean_hover_power(loads: LoadModel, track: FlightTrack) -> float:
-    """Return the mean of a flight in hover, electronics and radio included. [W]"""
+    """Return the mean hover power, including electronics and radio. [W]"""
     steady = track.crop(min(STEADY, float(track.time[-1]) / 2.0), math.inf)
     return loads.idle + loads.transmitting + float(np.mean(steady.rotors))

@@ -1,1 +1,1 @@
-"""Where the panels sit: balance, swing, flight and light of each mount."""
+"""Compare panel mounts: balance, swing, flight and light."""

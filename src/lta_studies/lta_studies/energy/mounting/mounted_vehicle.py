@@ -1,9 +1,9 @@
 """
-A vehicle with its panels mounted one way or another, in its own hull or in a fuller one.
+Build a vehicle with a panel mount, in its own hull or in one with a larger volume.
 
-A mount that the hull cannot carry is not refused but told: how much is lacking, and how much
-fuller a hull of the same outline would have to be. In that hull all mounts are compared on equal
-terms: what a lighter mount saves becomes ballast, as the vehicle's file trims it.
+A mount that is too heavy for the hull is not rejected. The lacking lift is reported, and the
+volume that a hull of the same outline would need. In that hull all mounts are compared on equal
+terms: lighter mounts get more ballast, as the vehicle file trims it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,8 +17,8 @@ from lta_config.schema.mount_file import load_mount, mount_panels, MountFile
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_model.vehicle import Vehicle
 
-ROOMY = 3.0  # times fuller: carries whatever anybody mounts, so that what is needed can be told
-STEP = 1e-3  # to which a hull is made fuller
+ROOMY = 3.0  # volume factor that can carry any mount; used to compute the required lift
+STEP = 1e-3  # resolution of the volume factor
 
 
 @final
@@ -29,16 +29,16 @@ class MountedVehicle:
 
     Attributes
     ----------
-    mount : Mount
+    mount : MountFile
         The mount.
     ahead : float
-        How far ahead of their places the panels sit. [m]
+        Forward misplacement of the panels. [m]
     fuller : float
-        Volume of the hull by that of the file's, the outline the same. [1]
+        Volume of the hull relative to the file, with the same outline. [1]
     content : mapping
-        The vehicle file, as YAML holds it.
+        Content of the vehicle file.
     vehicle : Vehicle
-        What follows.
+        The resulting vehicle.
 
     """
 
@@ -50,7 +50,7 @@ class MountedVehicle:
 
     @property
     def rest_lean(self) -> float:
-        """How far the nose hangs down at rest, by the centre of gravity alone. [rad]"""
+        """Nose-down pitch at rest, from the centre of gravity. [rad]"""
         x, _, z = self.vehicle.cg
         return math.atan2(float(x), -float(z))
 
@@ -59,18 +59,18 @@ def build_mounted_vehicle(
     content: Mapping[str, Any], name: str, ahead: float = 0.0, fuller: float = 1.0
 ) -> MountedVehicle:
     """
-    Return a vehicle with a mount.
+    Build a vehicle with a mount.
 
     Parameters
     ----------
     content : mapping
-        The vehicle file as YAML holds it.
+        Content of the vehicle file.
     name : str
-        Mount: shipped name or path.
+        Shipped name or path of the mount.
     ahead : float
-        How far ahead of their places the panels sit, by mistake. [m]
+        Forward misplacement of the panels. [m]
     fuller : float
-        Volume of the hull by that of the file's. [1]
+        Volume of the hull relative to the file. [1]
 
     Raises
     ------
@@ -88,13 +88,13 @@ def build_mounted_vehicle(
 
 
 def lacking_lift(content: Mapping[str, Any], name: str) -> float:
-    """Return how much lift is lacking to fly a mount as heavy as the file says. [kg]"""
+    """Return the lift that the hull lacks to fly a mount at the file's heaviness. [kg]"""
     roomy = build_mounted_vehicle(content, name, fuller=ROOMY).vehicle
     return roomy.gross_lift * (1.0 - 1.0 / ROOMY) - roomy.ballast_mass
 
 
 def required_fullness(content: Mapping[str, Any], names: Sequence[str]) -> float:
-    """Return how much fuller the hull must be to carry every mount; 1 where it does. [1]"""
+    """Return the volume factor that carries every mount; 1 if the hull does. [1]"""
     most = 1.0
     for name in names:
         roomy = build_mounted_vehicle(content, name, fuller=ROOMY).vehicle
@@ -103,12 +103,12 @@ def required_fullness(content: Mapping[str, Any], names: Sequence[str]) -> float
 
 
 def _enlarge_hull(content: dict[str, Any], fuller: float) -> dict[str, Any]:
-    """Return a vehicle file with a fuller hull of the same outline."""
+    """Return the vehicle file with a larger hull volume and the same outline."""
     hull = validate_content(VehicleFile, content, content['name']).hull
     if hull.volume_factor is None:
         raise BadInput(
-            f'{content["name"]} has no balloon for a hull, whose fullness could be changed; take '
-            'a vehicle with one, such as gtmab.'
+            f'The hull of {content["name"]} is not a balloon with a variable volume; choose '
+            'another vehicle, such as gtmab.'
         )
     factor = {
         'value': hull.volume_factor.si * fuller, 'unit': '1', 'source': 'a hull that carries it',

@@ -1,4 +1,4 @@
-"""The comparison of mounts as one self-contained page."""
+"""Write the comparison of mounts as one self-contained HTML page."""
 
 from collections.abc import Mapping
 from html import escape
@@ -25,49 +25,51 @@ from plotly.graph_objects import Bar, Figure
 
 COLOURS: Final = (ESTIMATE, TRUTH, GOOD, LAMP, SETPOINT)
 ABOUT: Final = (
-    'The same panels at the side, at the bottom and on top: weight, balance, swing, drag and '
-    'shade follow from the place alone.'
+    'The same panels at the side, at the bottom and on top: effect of the position on weight, '
+    'balance, swing, drag and shade.'
 )
 STRAIGHT: Final = (
     'Pitch, nose up positive, in the closed loop, seed 1, all in a hull that carries every mount. '
-    'Above: panels in place. Below: out of place, ahead. Dotted: let go by the hand, '
-    'lift-off, and the start of the way at 0.1 m/s.'
+    'Top: panels in place. Bottom: panels misplaced forward. Dotted: release by hand, lift-off, '
+    'and start of the flight at 0.1 m/s.'
 )
-SWUNG: Final = 'Let go at 5° in still air, motors off. Dashed: the envelope by hand, linearised.'
+SWUNG: Final = 'Released at 5° in still air, motors off. Dashed: linearised analytical envelope.'
 OVER: Final = (
-    'The top mount let go at 5°, with its centre of gravity below, at and above the centre of '
-    'buoyancy, all else the same. Coinciding centres right nothing: it stays as it is left.'
+    'The top mount released at 5°, with its centre of gravity below, at and above the centre of '
+    'buoyancy, all else equal. With coinciding centres there is no righting moment.'
 )
 SHINE: Final = (
-    'Of what a plate gets that faces the light and nothing shades; of the overcast sky, what a '
-    'level plate gets. Full: the two panels in series, of which the darker rules. Pale: each by '
-    'itself.'
+    'Relative to an unshaded plate that faces the light; for the overcast sky, to a level plate. '
+    'Full: both panels in series, limited by the darker one. Pale: each panel separately.'
 )
 METHOD: Final = (
-    'Each mount is a file in config/mounts, whose parts take the place of a layer of the vehicle. '
-    'By hand: righting moment, inertia and the moving air, rotational drag linearised at 5°. '
-    'Simulated: the 6-DoF kernel. The cascade has no rotor against pitch: it can only avoid to '
-    'excite it, and what it does with its forward rotors damps it.',
-    'Left out: the jets of the up rotors on the arms of the bottom mount, what flows around '
-    'panels that lie on the hull, and the tilt of the drone in the shares of light.',
+    'Each mount is a file in config/mounts; its parts replace a layer of the vehicle. '
+    'By hand: righting moment, inertia with added mass, rotational drag linearised at 5°. '
+    'Simulated: the 6-DoF kernel. The cascade has no rotor for pitch: it can only avoid exciting '
+    'it, and its forward rotors add damping.',
+    'Neglected: jets of the upward rotors on the arms of the bottom mount, the flow around '
+    'panels on the hull, and the tilt of the drone in the shares of light.',
 )
 
 
 def write_page(study: MountingStudy, commands: Mapping[str, str], out: Path) -> Path:
-    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    """Write the page and return its path; raise `BadInput` if that fails."""
     return write_file(render_page(study, commands), out)
 
 
 def render_page(study: MountingStudy, commands: Mapping[str, str]) -> str:
-    """Return the whole page."""
+    """Return the HTML of the page."""
     first, *pictures = (
         render_section(
-            'straight', 'Straight on at 0.1 m/s', STRAIGHT, draw_straight_flights(study)
+            'straight', 'Straight flight at 0.1 m/s', STRAIGHT, draw_straight_flights(study)
         ),
         render_section('light', 'Light on the panels', SHINE, draw_light_shares(study)),
-        render_section('swing', 'Let go', SWUNG, draw_swings(study)),
+        render_section('swing', 'Swing after a release', SWUNG, draw_swings(study)),
         render_section(
-            'over', 'Centre of gravity below, at and above', OVER, draw_overturning(study)
+            'over',
+            'Centre of gravity below, at and above the hull centre',
+            OVER,
+            draw_overturning(study),
         ),
     )
     notes = [*verdict.format_findings(study), *METHOD]
@@ -87,7 +89,7 @@ def render_page(study: MountingStudy, commands: Mapping[str, str]) -> str:
 
 
 def build_tiles(study: MountingStudy) -> list[Tile]:
-    """Return pitch and light of each mount."""
+    """Return tiles with pitch and light of each mount."""
     made = []
     swing, light = verdict.pitch_rms(study), verdict.mean_light_share(study)
     for name in study.shared:
@@ -99,7 +101,7 @@ def build_tiles(study: MountingStudy) -> list[Tile]:
 
 
 def draw_straight_flights(study: MountingStudy) -> Figure:
-    """Return pitch over time, the mounts in place and out of place."""
+    """Plot pitch over time, with panels in place and misplaced."""
     figure = create_figure(2, (0.5, 0.5))
     for row, group in enumerate((study.shared, study.misplaced), start=1):
         ends, labels = [], []
@@ -121,7 +123,7 @@ def draw_straight_flights(study: MountingStudy) -> Figure:
 
 
 def draw_swings(study: MountingStudy) -> Figure:
-    """Return the free swing of each mount and its envelope by hand."""
+    """Plot the free swing of each mount and its analytical envelope."""
     figure = create_figure()
     labels = []
     for colour, (name, each) in zip(COLOURS, study.shared.items(), strict=False):
@@ -144,14 +146,14 @@ def draw_swings(study: MountingStudy) -> Figure:
 
 
 def swing_envelope(each: MountTrial, time: Array) -> Array:
-    """Return how large the swing is by hand. [°]"""
+    """Return the analytical envelope of the swing. [deg]"""
     ratio, period = each.swing.damping_ratio or 0.0, each.swing.period or math.inf
     first = DEGREES * float(each.release.tilt[0])
     return first * np.exp(-ratio * 2.0 * math.pi / period * time)
 
 
 def draw_overturning(study: MountingStudy) -> Figure:
-    """Return what becomes of a tilt with the centre of gravity below, at and above."""
+    """Plot the tilt with the centre of gravity below, at and above the hull centre."""
     figure = create_figure()
     labels = []
     for colour, each in zip((TRUTH, GOOD, ESTIMATE), study.overturning, strict=True):
@@ -167,7 +169,7 @@ def draw_overturning(study: MountingStudy) -> Figure:
 
 
 def draw_light_shares(study: MountingStudy) -> Figure:
-    """Return the shares of light as bars: in series full, each by itself behind it."""
+    """Plot the shares of light as bars: in series full, separately pale behind."""
     figure = create_figure()
     names = [light.name for light in LIGHTS]
     for colour, (mount, found) in zip(COLOURS, study.light.items(), strict=False):

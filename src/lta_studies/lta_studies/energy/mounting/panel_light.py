@@ -1,9 +1,9 @@
 """
-The light on panels as they are mounted: where they face, and what the hull leaves them.
+Compute the light on mounted panels from their orientation and the shadow of the hull.
 
-Shares are of what a plate gets that faces the light and nothing shades; of an overcast sky, what
-a level plate gets. The hull is the spheroid of its half axes and opaque. Panels in series carry
-one current: without bypass diodes the darkest rules the string; side by side each gives its own.
+Shares are relative to an unshaded plate that faces the light, or to a level plate for an overcast
+sky. The hull is an opaque spheroid. Panels in series carry the same current, so that without
+bypass diodes the darkest one limits the string; separate panels each deliver their own.
 """
 
 from collections.abc import Iterator
@@ -18,16 +18,16 @@ from lta_model.light.shade import visible_fraction
 from lta_model.vehicle import Vehicle
 import numpy as np
 
-SUN = 4.65e-3  # rad, half of the width of the sun's disc; lamps are taken as small
+SUN = 4.65e-3  # rad, angular radius of the sun
 GRID = 5  # points along each side of a panel
-AROUND, RINGS = 24, 18  # directions around, and heights of the sky
-OFF = 1e-3  # m, how far above its face a panel is looked at
+AROUND, RINGS = 24, 18  # azimuths, and elevation rings of the sky
+OFF = 1e-3  # m above the face, so that rays do not start inside the hull
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class LightDirection:
-    """A light by its name: its height above the horizon, or None for an overcast sky. [rad]"""
+    """A named light at an elevation [rad]; None is an overcast sky."""
 
     name: str
     height: float | None
@@ -45,7 +45,7 @@ LIGHTS = (
 @final
 @dataclass(frozen=True, slots=True)
 class PanelLightShares:
-    """Shares of light, mean over all headings: of panels in series, and each on its own. [1]"""
+    """Shares of light, mean over all headings: panels in series, and separately. [1]"""
 
     series: float
     apart: float
@@ -54,7 +54,7 @@ class PanelLightShares:
 def compute_light_shares(
     vehicle: Vehicle, mount: MountFile, light: LightDirection
 ) -> PanelLightShares:
-    """Return the light on the panels of a mount on a level vehicle."""
+    """Compute the light on the panels of a mount on a level vehicle."""
     if light.height is None:
         return _compute_overcast_shares(vehicle, mount)
     series, apart = [], []
@@ -66,12 +66,12 @@ def compute_light_shares(
 
 
 def _compute_overcast_shares(vehicle: Vehicle, mount: MountFile) -> PanelLightShares:
-    """Return the share under a sky that is equally bright everywhere, none from below."""
+    """Compute the shares under a uniformly bright sky, with no light from below."""
     shares = np.zeros(len(mount.panels))
     level = 0.0
     for ring in range(RINGS):
         low, high = (0.5 * math.pi * k / RINGS for k in (ring, ring + 1))
-        patch = math.sin(high) - math.sin(low)
+        patch = math.sin(high) - math.sin(low)  # solid angle of the ring / 2 pi
         height = 0.5 * (low + high)
         level += patch * math.sin(height)
         for k, panel in enumerate(mount.panels):
@@ -85,7 +85,7 @@ def _compute_overcast_shares(vehicle: Vehicle, mount: MountFile) -> PanelLightSh
 
 
 def _iterate_directions(height: float) -> Iterator[Vector]:
-    """Yield directions of one height above the horizon; one alone at the zenith. [rad]"""
+    """Yield directions at an elevation [rad]; only one at the zenith."""
     flat = math.cos(height)
     count = 1 if flat < 1e-9 else AROUND
     for k in range(count):
@@ -94,7 +94,7 @@ def _iterate_directions(height: float) -> Iterator[Vector]:
 
 
 def panel_light_share(vehicle: Vehicle, mount: MountFile, panel: str, towards: Vector) -> float:
-    """Return what one panel gets of a small light in a direction, of a plate that faces it. [1]"""
+    """Return the share of light on one panel from a direction. [1]"""
     facing = sum(a * b for a, b in zip(mount.panels[panel].normal.vector, towards, strict=True))
     if facing <= 0.0:
         return 0.0
@@ -106,7 +106,7 @@ def panel_light_share(vehicle: Vehicle, mount: MountFile, panel: str, towards: V
 
 
 def iterate_panel_points(mount: MountFile, panel: str) -> Iterator[Vector]:
-    """Yield points spread evenly over the lit face of a panel, just above it. [m]"""
+    """Yield evenly spaced points just above the lit face of a panel. [m]"""
     part, normal = mount.parts[panel], mount.panels[panel].normal.vector
     thin = min(range(3), key=lambda axis: part.size.vector[axis])
     across = [axis for axis in range(3) if axis != thin]

@@ -1,8 +1,8 @@
 """
-A vehicle let go tilted in still air, its motors off: it swings, or it turns over.
+Simulate a tilted vehicle after its release in still air, motors off: it swings or overturns.
 
-It is held in balance with the air, so that it neither sinks nor rises. The swing is the
-simulator's own kernel; `lta_vehicle.figures.pendulum` has the same by hand, linearised.
+It is neutrally buoyant, so that it neither sinks nor rises. The motion comes from the simulator's
+kernel; `lta_vehicle.figures.pendulum` has the linearised analytical solution.
 """
 
 from dataclasses import dataclass
@@ -18,28 +18,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-STEP, SHOWN = 2e-3, 10  # of the integrator [s], and how many of them between two that are kept
-HEIGHT = 1000.0  # m, above any floor
+STEP, SHOWN = 2e-3, 10  # integration step [s], and steps per recorded sample
+HEIGHT = 1000.0  # m, far from any floor
 TURNED = math.radians(90.0)  # tilt beyond which it counts as turned over
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Release:
-    """Tilt of the body's upright from the vertical by time. [s], [rad]"""
+    """Tilt of the body's z axis from the vertical [rad] over time [s]."""
 
     time: Array
     tilt: Array
 
     @property
     def overturn_time(self) -> float | None:
-        """When it turned over; None if it did not. [s]"""
+        """Time at which it overturned; None if it did not. [s]"""
         over = np.nonzero(np.abs(self.tilt) > TURNED)[0]
         return float(self.time[over[0]]) if len(over) else None
 
     @property
     def peaks(self) -> tuple[Array, Array]:
-        """Times [s] and tilts [rad] of the extremes to the side where it began."""
+        """Times [s] and tilts [rad] of the maxima on the initial side."""
         inner = self.tilt[1:-1]
         found = np.nonzero((inner > self.tilt[:-2]) & (inner >= self.tilt[2:]) & (inner > 0.0))[0]
         times, tilts = [0.0], [float(self.tilt[0])]
@@ -51,13 +51,13 @@ class Release:
 
     @property
     def period(self) -> float | None:
-        """Mean of the first three swings; None where there are none. [s]"""
+        """Mean period of the first three swings; None if there are fewer. [s]"""
         times, _ = self.peaks
         return float(times[3] / 3.0) if len(times) > 3 else None
 
     @property
     def damping_ratio(self) -> float | None:
-        """Share of critical damping over the first three swings; None where there are none."""
+        """Damping ratio over the first three swings; None if there are fewer."""
         times, tilts = self.peaks
         if len(times) <= 3:
             return None
@@ -66,7 +66,7 @@ class Release:
 
 
 def _parabola_vertex(time: Array, tilt: Array) -> tuple[float, float]:
-    """Return the top of a parabola through three points."""
+    """Return the vertex of a parabola through three points."""
     a, b, c = np.polyfit(time - time[1], tilt, 2).tolist()
     at = -0.5 * b / a
     return float(time[1]) + at, (a * at + b) * at + c
@@ -76,19 +76,18 @@ def simulate_release(
     vehicle: Vehicle, tilt: float, seconds: float, height: float | None = None
 ) -> Release:
     """
-    Let a vehicle go with its nose up.
+    Release a vehicle with its nose up.
 
     Parameters
     ----------
     vehicle : Vehicle
         The vehicle.
     tilt : float
-        At the start. [rad]
+        Initial tilt. [rad]
     seconds : float
-        How long to look on. [s]
+        Duration. [s]
     height : float or None
-        Where to put its centre of gravity, above the hull centre and in the middle, with all else
-        as it is; where it is by default. [m]
+        Height of the centre of gravity above the hull centre; by default unchanged. [m]
 
     """
     cg = vehicle.cg if height is None else np.array([0.0, 0.0, height])
@@ -115,16 +114,16 @@ def simulate_release(
 
 def tilt_growth_rate(vehicle: Vehicle, height: float, inertia: float) -> float:
     """
-    Return how fast a tilt grows from rest with the centre of gravity above, linearised. [1/s]
+    Return the linearised growth rate of a tilt with the centre of gravity above. [1/s]
 
     Parameters
     ----------
     vehicle : Vehicle
-        Whose weight turns it over.
+        The vehicle.
     height : float
-        Of the centre of gravity above the hull centre. [m]
+        Height of the centre of gravity above the hull centre. [m]
     inertia : float
-        What turns, the air and the surge that goes with it included. [kg m2]
+        Effective inertia, including added mass and the coupled surge. [kg m2]
 
     """
     return math.sqrt(vehicle.mass * STANDARD_GRAVITY * height / inertia)

@@ -1,4 +1,4 @@
-"""The whole comparison of mounts: what each weighs, how it swings, how it flies, what it gets."""
+"""Compare panel mounts: weight, swing, flight and light."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -21,8 +21,8 @@ from lta_studies.energy.mounting.release import Release, simulate_release, tilt_
 from lta_studies.energy.mounting.straight_flight import fly_straight, StraightFlight
 from lta_vehicle.figures.pendulum import compute_pendulum_mode, PendulumMode
 
-TILT = math.radians(5.0)  # at which it is let go
-LOOK = 20.0  # s, how long a released vehicle is watched
+TILT = math.radians(5.0)  # at the release
+LOOK = 20.0  # s simulated after a release
 PAPER_SWING = math.radians(2.5)  # the seed paper's pitch oscillation of the side mount
 
 
@@ -34,14 +34,14 @@ class MountTrial:
 
     Attributes
     ----------
-    fitted : Fitted
+    fitted : MountedVehicle
         The vehicle.
-    swing : Swing
-        By hand, linearised at 5 degrees.
+    swing : PendulumMode
+        Analytical swing, linearised at 5 degrees.
     release : Release
-        By the simulator's kernel, let go at 5 degrees.
-    flights : sequence of Straight
-        By seed.
+        Simulated release at 5 degrees.
+    flights : sequence of StraightFlight
+        One flight per seed.
 
     """
 
@@ -52,7 +52,7 @@ class MountTrial:
 
     @property
     def misplacement(self) -> float:
-        """How far out of place the panels must sit for the paper's swing. [m]"""
+        """Misplacement of the panels that would cause the paper's swing. [m]"""
         body = self.fitted.vehicle
         panels = sum(self.fitted.mount.parts[name].mass.si for name in self.fitted.mount.panels)
         return -body.mass * float(body.cg[2]) * math.tan(PAPER_SWING) / panels
@@ -61,7 +61,7 @@ class MountTrial:
 @final
 @dataclass(frozen=True, slots=True)
 class Overturning:
-    """A release with the centre of gravity at a height; growth is linearised, above alone."""
+    """A release at a height of the centre of gravity; `growth` (linearised) only above."""
 
     height: float  # [m]
     release: Release
@@ -72,25 +72,25 @@ class Overturning:
 @dataclass(frozen=True, slots=True)
 class MountingStudy:
     """
-    All of it.
+    Comparison of mounts.
 
     Attributes
     ----------
     vehicle : str
         Name of the vehicle.
     ahead : float
-        How far out of place the panels of the misplaced ones sit. [m]
+        Misplacement of the panels in `misplaced`. [m]
     fuller : float
-        Volume of the hull that carries every mount, by the file's. [1]
+        Volume of the hull that carries every mount, relative to the file. [1]
     lacking : mapping
-        Lift that the file's own hull lacks, by mount; negative is to spare. [kg]
+        Lift that the file's hull lacks, by mount; negative if there is spare lift. [kg]
     own, shared, misplaced : mapping
-        By mount: in the file's hull (where that carries it), in the hull that carries all, and in
-        that hull with the panels out of place.
+        Trials by mount: in the file's hull (if that carries it), in the hull that carries all
+        mounts, and in that hull with misplaced panels.
     overturning : sequence of Overturning
         The centre of gravity below, at and above the centre of buoyancy.
     light : mapping
-        By mount: what falls on the panels, by name of the light.
+        Shares of light by mount and light.
 
     """
 
@@ -108,7 +108,7 @@ class MountingStudy:
 @final
 @dataclass(frozen=True, slots=True)
 class MountingRequest:
-    """What to compare: a vehicle file's content, mounts, a misplacement [m], and seeds."""
+    """Options: content of a vehicle file, mounts, misplacement [m] and number of seeds."""
 
     content: Mapping[str, Any]
     mounts: Sequence[str]
@@ -116,7 +116,7 @@ class MountingRequest:
     seeds: int
 
     def build_vehicles(self) -> dict[str, list[MountedVehicle]]:
-        """Return all that will fly, by group; `BadInput` where something cannot be."""
+        """Build all vehicles by group; raise `BadInput` if one cannot be built."""
         fuller = required_fullness(self.content, self.mounts)
         able = [name for name in self.mounts if lacking_lift(self.content, name) <= 1e-9]
         return {
@@ -132,7 +132,7 @@ class MountingRequest:
 
 
 def run_trial(mounted: MountedVehicle, seeds: int, tick: Callable[[], None]) -> MountTrial:
-    """Return what a mount came to, by hand, let go, and flown."""
+    """Evaluate a mount: analytical swing, release, and flights."""
     flights = []
     for seed in range(1, seeds + 1):
         flights.append(fly_straight(mounted, find_gains_name(mounted), seed))
@@ -144,12 +144,12 @@ def run_trial(mounted: MountedVehicle, seeds: int, tick: Callable[[], None]) -> 
 
 
 def find_gains_name(mounted: MountedVehicle) -> str:
-    """Return the name of the vehicle's own gains; '' where it names none."""
+    """Return the name of the vehicle's own gains; '' if it names none."""
     return str(mounted.content.get('control', {}).get('gains', ''))
 
 
 def simulate_overturning(mounted: MountedVehicle) -> list[Overturning]:
-    """Return releases with the centre of gravity below, at and above the hull's centre."""
+    """Simulate releases with the centre of gravity below, at and above the hull centre."""
     depth = -float(mounted.vehicle.cg[2])
     inertia = compute_pendulum_mode(mounted.vehicle, 'pitch').inertia
     rate = tilt_growth_rate(mounted.vehicle, depth, inertia)
@@ -162,14 +162,14 @@ def simulate_overturning(mounted: MountedVehicle) -> list[Overturning]:
 def compute_panel_light(
     mounted: MountedVehicle, lights: Sequence[LightDirection] = LIGHTS
 ) -> dict[str, PanelLightShares]:
-    """Return what falls on the panels of a mount, by name of the light."""
+    """Compute the light on the panels of a mount, by name of the light."""
     return {
         light.name: compute_light_shares(mounted.vehicle, mounted.mount, light) for light in lights
     }
 
 
 def compare_mounts(request: MountingRequest, tick: Callable[[], None]) -> MountingStudy:
-    """Return the comparison; `tick` is called after each flight."""
+    """Compare the mounts; call `tick` after each flight."""
     fits = request.build_vehicles()
     own, shared, misplaced = (
         {each.mount.name: run_trial(each, request.seeds, tick) for each in fits[group]}

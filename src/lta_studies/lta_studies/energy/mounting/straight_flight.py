@@ -1,9 +1,9 @@
 """
-The seed paper's test of a mount: straight on at 0.1 m/s, in the closed loop.
+Fly the seed paper's test of a mount: straight flight at 0.1 m/s in the closed loop.
 
-A hand holds the drone level until its estimator has learned its biases; it then hangs as its
-balance lets it, rises, waits, and flies straight on. Let go level, a drone whose balance leans it
-swings about its lean as far as it leans: that swing is told apart from that of the flight.
+The drone is held level until its estimator has calibrated the biases. It is then released, rises,
+waits, and flies straight. A drone with an unbalanced mount starts to swing about its lean when it
+is released level; that swing is reported separately from the swing in flight.
 """
 
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ from lta_studies.energy.mounting.mounted_vehicle import MountedVehicle
 import numpy as np
 
 SPEED = 0.1  # m/s, seed paper
-HELD, LIFT_OFF, AWAY, END = 5.0, 8.0, 40.0, 100.0  # s
+HELD, LIFT_OFF, AWAY, END = 5.0, 8.0, 40.0, 100.0  # s: release, lift-off, departure, end
 RISE = 1.5  # m
 SCENE = 'hall'
 
@@ -28,21 +28,21 @@ SCENE = 'hall'
 @dataclass(frozen=True, slots=True)
 class StraightFlight:
     """
-    What a flight came to.
+    Result of a flight.
 
     Attributes
     ----------
     swing : float
-        Greatest deviation from the mean pitch between lift-off and the start of the way. [rad]
+        Largest deviation from the mean pitch between lift-off and departure. [rad]
     lean : float
-        Mean pitch on the way, nose down positive. [rad]
+        Mean pitch after departure, nose down positive. [rad]
     amplitude, rms : float
-        Half of the range of pitch on the way, and its deviation from the mean. [rad]
+        Half of the range, and standard deviation, of pitch after departure. [rad]
     power : float
-        Mean on the way, electronics and radio included. [W]
+        Mean power after departure, including electronics and radio. [W]
     hover : float
-        The same over the last 10 s before it. [W]
-    flown : Flown
+        Mean power in the last 10 s before departure. [W]
+    flown : FlightTrack
         The flight.
 
     """
@@ -57,7 +57,7 @@ class StraightFlight:
 
 
 def prepare_flight(mounted: MountedVehicle, gains: str, seed: int) -> ClosedLoop:
-    """Return a flight, by gains of some name ('' for the vehicle's own), that is to begin."""
+    """Return the closed loop before its first step; gains '' are the vehicle's own."""
     made_of = load_spec('gtmab', SCENE, 'bag', gains)
     scene = made_of.contents['scenario']
     start = {**scene['start'], 'held': f'{HELD} s'}
@@ -76,14 +76,14 @@ def prepare_flight(mounted: MountedVehicle, gains: str, seed: int) -> ClosedLoop
 
 
 def fly_straight(mounted: MountedVehicle, gains: str, seed: int) -> StraightFlight:
-    """Fly once with a seed, by gains of some name ('' for the vehicle's own), and judge."""
+    """Fly once and evaluate; gains '' are the vehicle's own."""
     return evaluate_flight(
         mounted, fly_until(prepare_flight(mounted, gains, seed), stop_after(END))
     )
 
 
 def evaluate_flight(mounted: MountedVehicle, track: FlightTrack) -> StraightFlight:
-    """Return what a flight came to."""
+    """Evaluate a flight."""
     loads = mounted.vehicle.loads
     steady = loads.idle + loads.transmitting
     rising, way = track.crop(LIFT_OFF, AWAY), track.crop(AWAY, END)
@@ -102,14 +102,14 @@ def evaluate_flight(mounted: MountedVehicle, track: FlightTrack) -> StraightFlig
 @final
 @dataclass(frozen=True, slots=True)
 class SeedSpread:
-    """Mean over the seeds and the greatest deviation of one from it."""
+    """Mean over the seeds and the largest deviation from it."""
 
     mean: float
     off: float
 
 
 def average_over_seeds(flights: Sequence[StraightFlight], name: str) -> SeedSpread:
-    """Return a figure over several flights, by the name of an attribute."""
+    """Return mean and spread of an attribute over several flights."""
     values = [float(getattr(each, name)) for each in flights]
     mean = math.fsum(values) / len(values)
     return SeedSpread(mean, max(abs(value - mean) for value in values))

@@ -1,4 +1,4 @@
-"""The comparison of mounts as tables of text: what follows from the place, flights, light."""
+"""Build the tables of the mount comparison: balance, flights and light."""
 
 from typing import Any, Final
 
@@ -18,7 +18,7 @@ def build_tables(study: MountingStudy) -> list[TextTable]:
     more = f'{100.0 * (study.fuller - 1.0):.1f} % fuller'
     own = {f'{name}, own hull': each for name, each in study.own.items()}
     shared = {f'{name}, {more}': each for name, each in study.shared.items()}
-    out = f'{CENTIMETRES * study.ahead:g} cm out of place'
+    out = f'{CENTIMETRES * study.ahead:g} cm misplaced'
     askew = {f'{name}, {out}': each for name, each in study.misplaced.items()}
     return [
         build_balance_table(own | shared),
@@ -28,7 +28,7 @@ def build_tables(study: MountingStudy) -> list[TextTable]:
 
 
 def build_balance_table(entries: dict[str, MountTrial]) -> TextTable:
-    """Return what follows from where the panels sit."""
+    """Return the table of mass, balance and swing."""
     heads = ('mount', 'mass [g]', 'ballast [g]', 'CG below CB [cm]', 'inertia, pitch [g m²]',
              'drag, ahead [mN s²/m²]', 'righting [mN m/°]', 'period by hand [s]', 'simulated [s]',
              'damping by hand [%]', 'simulated [%]')  # fmt: skip
@@ -48,14 +48,14 @@ def build_balance_table(entries: dict[str, MountTrial]) -> TextTable:
             format_number(swing.damping_ratio, 3, 100.0),
             format_number(free.damping_ratio, 3, 100.0),
         ])  # fmt: skip
-    return TextTable('What follows from the place', heads, rows)
+    return TextTable('Balance and swing', heads, rows)
 
 
 def build_flight_table(entries: dict[str, MountTrial]) -> TextTable:
-    """Return the flights."""
-    heads = ('mount', 'lean at rest [°]', 'swing after lift-off [±°]', 'pitch on the way [±°]',
+    """Return the table of flights."""
+    heads = ('mount', 'lean at rest [°]', 'swing after lift-off [±°]', 'pitch in flight [±°]',
              'its rms [°]', 'hovering [mW]', 'flying [mW]',
-             'out of place for ±2.5° [cm]')  # fmt: skip
+             'misplacement for ±2.5° [cm]')  # fmt: skip
     rows = []
     for name, each in entries.items():
         told = [
@@ -71,11 +71,11 @@ def build_flight_table(entries: dict[str, MountTrial]) -> TextTable:
             else MISSING
         )
         rows.append([name, format_number(each.fitted.rest_lean, 2, DEGREES), *told, far])
-    return TextTable('Straight on at 0.1 m/s', heads, rows)
+    return TextTable('Straight flight at 0.1 m/s', heads, rows)
 
 
 def format_figure(each: MountTrial, key: str, digits: int, factor: float) -> str:
-    """Return a figure of some flights, with how far single seeds are off where that shows."""
+    """Format a mean over flights, with the deviation of single seeds if visible."""
     found = average_over_seeds(each.flights, key)
     off = format_number(found.off, digits, factor)
     text = format_number(found.mean, digits, factor)
@@ -83,18 +83,18 @@ def format_figure(each: MountTrial, key: str, digits: int, factor: float) -> str
 
 
 def build_light_table(study: MountingStudy) -> TextTable:
-    """Return the light on the panels."""
+    """Return the table of light on the panels."""
     heads = ['mount', *(f'{light.name} [%]' for light in LIGHTS)]
     rows = []
     for name, found in study.light.items():
-        for words, key in (('in series', 'series'), ('each alone', 'apart')):
+        for words, key in (('in series', 'series'), ('separately', 'apart')):
             cells = [format_number(getattr(each, key), 0, 100.0) for each in found.values()]
             rows.append([f'{name}, {words}', *cells])
     return TextTable('Light on the panels', heads, rows)
 
 
 def to_json(study: MountingStudy) -> dict[str, Any]:
-    """Return the comparison as JSON has it: SI units, angles in rad."""
+    """Convert the comparison to JSON, in SI units."""
     return {
         'vehicle': study.vehicle, 'misplacement': study.ahead, 'fuller': study.fuller,
         'lift_lacking': dict(study.lacking),

@@ -1,4 +1,4 @@
-"""Which mount wins, and by how much: steadiness, light, power, and what the hull can carry."""
+"""Summarize the mount comparison: pitch, light, power and carrying capacity."""
 
 from collections.abc import Mapping
 import math
@@ -14,7 +14,7 @@ IRRADIANCE = 80e3 / 300.0  # W/m2: 80 klux (seed paper) of a white LED of 300 lm
 
 
 def mean_light_share(study: MountingStudy) -> dict[str, float]:
-    """Return the mean over the lights of what the string of panels gets, by mount. [1]"""
+    """Return the light on the panels in series, mean over the lights, by mount. [1]"""
     return {
         name: math.fsum(at.series for at in found.values()) / len(found)
         for name, found in study.light.items()
@@ -22,21 +22,21 @@ def mean_light_share(study: MountingStudy) -> dict[str, float]:
 
 
 def pitch_rms(study: MountingStudy) -> dict[str, float]:
-    """Return the deviation of pitch on the way, in the hull that carries all. [rad]"""
+    """Return the rms pitch in flight, in the hull that carries all mounts. [rad]"""
     return {
         name: average_over_seeds(each.flights, 'rms').mean for name, each in study.shared.items()
     }
 
 
 def mean_power(study: MountingStudy) -> dict[str, float]:
-    """Return the mean power on the way, in the hull that carries all. [W]"""
+    """Return the mean flight power, in the hull that carries all mounts. [W]"""
     return {
         name: average_over_seeds(each.flights, 'power').mean for name, each in study.shared.items()
     }
 
 
 def charger_power(study: MountingStudy, light: str) -> dict[str, float]:
-    """Return what the charger gives at 80 klux of white LED from a direction, by mount. [W]"""
+    """Return the charger output at 80 klux of white LED from a direction, by mount. [W]"""
     return {
         name: _charger_output(each.fitted.vehicle, IRRADIANCE * study.light[name][light].series)
         for name, each in study.shared.items()
@@ -44,23 +44,23 @@ def charger_power(study: MountingStudy, light: str) -> dict[str, float]:
 
 
 def _charger_output(vehicle: Vehicle, irradiance: float) -> float:
-    """Return what array and charger give; the darkest panel's light stands for all. [W]"""
+    """Return the charger output at the irradiance of the darkest panel. [W]"""
     voltage, current = find_max_power(vehicle.panel, irradiance)
     return charger_output(vehicle.charger, voltage * current)
 
 
 def find_best_mount(study: MountingStudy) -> str:
-    """Return the mount with most light among those that the hull carries, or among all."""
+    """Return the mount with the most light among those the hull carries, else among all."""
     found = mean_light_share(study)
     able = {name: found[name] for name in study.own} or found
     return max(able, key=lambda name: able[name])
 
 
 def format_title(study: MountingStudy) -> str:
-    """Return what came out, in a sentence."""
+    """Return the headline."""
     won, light, swing = find_best_mount(study), mean_light_share(study), pitch_rms(study)
     steady = min(swing, key=lambda name: swing[name])
-    text = f'{won.capitalize()} gets most light of what the hull can carry'
+    text = f'{won.capitalize()} gets the most light of the mounts that the hull can carry'
     if len(light) > 1 and steady != won:
         heavy = study.lacking[steady]
         why = f', {1e3 * heavy:.1f}\N{NO-BREAK SPACE}g too heavy to fly,' if heavy > 0.0 else ''
@@ -69,14 +69,14 @@ def format_title(study: MountingStudy) -> str:
 
 
 def format_findings(study: MountingStudy) -> list[str]:
-    """Return the findings, one a line."""
+    """Return the findings as sentences."""
     told = []
     for name, short in study.lacking.items():
         if short > 0.0:
             told.append(
-                f"{name}: {1e3 * short:.1f} g heavier than the hull can carry at the file's "
-                f'heaviness; a hull of the same outline would have to be '
-                f'{100.0 * (study.fuller - 1.0):.1f} % fuller.'
+                f"{name}: {1e3 * short:.1f} g too heavy for the hull at the file's heaviness; a "
+                f'hull of the same outline would need '
+                f'{100.0 * (study.fuller - 1.0):.1f} % more volume.'
             )
     told.append(
         'In that hull, at equal lift: '
@@ -89,7 +89,7 @@ def format_findings(study: MountingStudy) -> list[str]:
         format_ranking(
             f'Harvest at 80 klux of white LED, {light}', charger_power(study, light), 1e3, 'mW', 0
         )
-        + ', behind the charger.'
+        + ', after the charger.'
         for light in ('overhead', 'overcast sky')
     )
     askew = {
@@ -97,9 +97,9 @@ def format_findings(study: MountingStudy) -> list[str]:
         for name, each in study.misplaced.items()
     }
     told.append(
-        f'With the panels {100.0 * study.ahead:g} cm out of place: '
+        f'With the panels misplaced by {100.0 * study.ahead:g} cm: '
         + format_ranking('swing after lift-off', askew, DEGREES, '°', 2)
-        + '; the seed paper saw ±2.5° of the side mount.'
+        + '; the seed paper reports ±2.5° for the side mount.'
     )
     return told
 
@@ -107,7 +107,7 @@ def format_findings(study: MountingStudy) -> list[str]:
 def format_ranking(
     words: str, values: Mapping[str, float], factor: float, unit: str, digits: int
 ) -> str:
-    """Return figures by mount, the least first."""
+    """Format values by mount in ascending order."""
     order = sorted(values, key=lambda name: values[name])
     gap = '' if unit == '°' else ' '
     told = [f'{name} {factor * values[name]:.{digits}f}{gap}{unit}' for name in order]

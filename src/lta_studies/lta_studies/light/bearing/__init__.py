@@ -1,1 +1,1 @@
-"""How well a drone knows the direction to a lamp: ours beside the paper's."""
+"""Bearing accuracy of our estimator and the paper's."""

@@ -1,4 +1,4 @@
-"""One vehicle held still before a lamp: what its diodes read, and what is made of it."""
+"""Simulate light blocks of a vehicle at rest and estimate the bearing to the lamp."""
 
 from dataclasses import dataclass
 import math
@@ -26,20 +26,20 @@ from scipy.spatial.transform import Rotation
 @dataclass(frozen=True, slots=True)
 class BearingReading:
     """
-    One light block, by both estimators; NaN where one gives nothing.
+    Results of both estimators for one light block; NaN where there is no estimate.
 
     Parameters
     ----------
     snr : float
-        Of the diode that hears the lamp best.
+        SNR of the best diode.
     paper, ours : float
-        Error of the bearing. [rad]
+        Errors of the bearing. [rad]
     deviation : float
-        Standard deviation of the bearing that the fit states. [rad]
+        Standard deviation of the bearing, as estimated by the fit. [rad]
     elevation : float
         Error of the elevation. [rad]
     elevation_deviation : float
-        Its standard deviation as the fit states it. [rad]
+        Standard deviation of the elevation, as estimated by the fit. [rad]
 
     """
 
@@ -53,15 +53,7 @@ class BearingReading:
 
 @final
 class BearingBench:
-    """
-    A vehicle in a scene.
-
-    Parameters
-    ----------
-    made_of : Ingredients
-        Vehicle, scene and settings.
-
-    """
+    """A vehicle in a scene with both bearing estimators."""
 
     def __init__(self, spec: FlightSpec) -> None:
         self._vehicle, self.scenario, self._policy = build_parts(spec)
@@ -76,21 +68,21 @@ class BearingBench:
         self._lamp = np.array(self.scenario.goal_lamp.position.vector)
 
     def draw_diodes(self, chance: Generator) -> PhotodiodeArray:
-        """Return the diodes of one such vehicle, their gains by chance."""
+        """Return the diodes of one vehicle with random gains."""
         return self._diodes.draw_gains(chance)
 
     def read_block(self, pose: Pose, diodes: PhotodiodeArray, chance: Generator) -> BearingReading:
         """
-        Return what one light block says.
+        Simulate one light block and estimate the bearing.
 
         Parameters
         ----------
         pose : tuple of float
-            Of the hull, which stands still. [m, map]
+            Pose of the hull at rest. [m, map]
         diodes : PhotodiodeArray
-            As they are.
+            The true diodes.
         chance : Generator
-            Of the noise, and of the lamp's phase.
+            Random generator of the noise and of the lamp's phase.
 
         """
         view = LightView(self.scenario.light_field, self._vehicle, diodes)

@@ -1,4 +1,4 @@
-"""How good bearings are as one self-contained page, in the look of a flight's page."""
+"""Write the report on bearing accuracy as one self-contained HTML page."""
 
 from collections.abc import Sequence
 from html import escape
@@ -22,20 +22,20 @@ from scipy.special import ndtri
 
 MISSING: Final = '\N{EN DASH}'
 CAPTION: Final = (
-    'Dots: the median error of the bearing. Lines above them: up to the error that 95 % of the '
-    "readings stay below. Orange is the paper's weighted mean, blue the fit."
+    'Dots: median error of the bearing. Lines above them: up to the 95 % quantile. Orange: the '
+    "paper's weighted mean. Blue: the fit."
 )
 HONEST: Final = (
-    'How many of the true bearings lie within the interval that the fit states, against how many '
-    'should: on the dashed line it is honest, above it too careful, below it too sure.'
+    "Share of the true bearings within the fit's interval against the nominal share: on the "
+    'dashed line the fit is calibrated, above it too cautious, below it overconfident.'
 )
 METHOD: Final = (
     'Each reading is one light block of 100 ms through the simulated diodes, amplifiers and '
-    "converter, at a random pose within 60 degrees of the lamp's axis: heading at random, the "
-    'hull 0.5 to 1.5 m up, pitch and roll 2 degrees rms, and every pose with diodes of its own, '
-    'gains drawn by their spread. The truth is the direction from the middle of the diodes to the '
-    'lamp. "Holds" is the part of the true bearings within the fit\'s own 95 % interval. A level '
-    'ring does not tell the elevation: what is said of it is what was expected.'
+    "ADC, at a random pose within 60 degrees of the lamp's axis: random heading, the hull at 0.5 "
+    'to 1.5 m, pitch and roll 2 degrees rms, and new random diode gains for every pose. '
+    'The truth is the direction from the centre of the diodes to the '
+    'lamp. "Holds" is the share of the true bearings within the fit\'s 95 % interval. A level '
+    'ring cannot measure the elevation: its estimate is the prior.'
 )
 TICKS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)  # degrees
 HEAD: Final = (
@@ -48,12 +48,12 @@ HEAD: Final = (
 def write_page(
     results: Sequence[BearingTrialResult], request: BearingTrialRequest, out: Path
 ) -> Path:
-    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    """Write the page and return its path; raise `BadInput` if that fails."""
     return write_file(render_page(results, request), out)
 
 
 def render_page(results: Sequence[BearingTrialResult], request: BearingTrialRequest) -> str:
-    """Return the whole page."""
+    """Return the HTML of the page."""
     places = ' · '.join(f'{name}: {PLACES[name].about}' for name in request.places)
     return assemble_page(
         'bearing.html',
@@ -65,7 +65,7 @@ def render_page(results: Sequence[BearingTrialResult], request: BearingTrialRequ
         notes=f'<p class="note">{escape(METHOD)}</p>',
         picture=render_section('errors', 'Error of the bearing', CAPTION, plot_errors(results)),
         honest=render_section(
-            'honest', 'Is the interval honest?', HONEST, plot_calibration(results)
+            'honest', 'Calibration of the interval', HONEST, plot_calibration(results)
         ),
         facts={
             'vehicle': request.vehicle,
@@ -73,12 +73,12 @@ def render_page(results: Sequence[BearingTrialResult], request: BearingTrialRequ
             'readings': str(request.pose_count),
             'commit': read_commit(),
         },
-        commands={'Find it again': format_lta_command(*format_command(request))},
+        commands={'Repeat the study': format_lta_command(*format_command(request))},
     )
 
 
 def format_command(request: BearingTrialRequest) -> list[str]:
-    """Return the command line that finds it again."""
+    """Return the command line that repeats the study."""
     told = ['light', 'bearing', '--vehicle', request.vehicle]
     for place in request.places:
         told += ['--place', place]
@@ -90,22 +90,22 @@ def format_command(request: BearingTrialRequest) -> list[str]:
 
 
 def format_range(distance: float | None) -> str:
-    """Return a range as it is typed. [m]"""
+    """Format a range [m] as an option value."""
     return 'any' if distance is None else f'{distance:g}'
 
 
 def format_degrees(angle: float, digits: int = 2) -> str:
-    """Return an angle in degrees; a dash where there is none."""
+    """Format an angle in degrees; a dash if it is not finite."""
     return f'{math.degrees(angle):.{digits}f}' if math.isfinite(angle) else MISSING
 
 
 def format_percent(part: float) -> str:
-    """Return a part in percent; a dash where there is none."""
+    """Format a share in percent; a dash if it is not finite."""
     return f'{100.0 * part:.1f}' if math.isfinite(part) else MISSING
 
 
 def build_rows(results: Sequence[BearingTrialResult]) -> list[tuple[str, ...]]:
-    """Return the table as text, its first row the head."""
+    """Return the table as text; the first row is the head."""
     told: list[tuple[str, ...]] = [HEAD]
     for each in results:
         s = each.score
@@ -121,7 +121,8 @@ def build_rows(results: Sequence[BearingTrialResult]) -> list[tuple[str, ...]]:
 
 
 def format_title(results: Sequence[BearingTrialResult]) -> str:
-    """Return what came out, in a sentence."""
+    """Return the headline."""
+    # Prefer 8 diodes at 3 m, the setup of the paper.
     best = min(results, key=lambda each: (each.count != 8, each.range != 3.0))
     where = 'anywhere' if best.range is None else f'at {best.range:g} m'
     return (
@@ -132,7 +133,7 @@ def format_title(results: Sequence[BearingTrialResult]) -> str:
 
 
 def build_tiles(results: Sequence[BearingTrialResult]) -> list[Tile]:
-    """Return the fit's median of each kind, up to eight."""
+    """Return tiles with the median error of the fit, up to eight."""
     return [
         Tile(
             f'{each.place}, {each.count}, {format_range(each.range)} m'.replace(
@@ -148,7 +149,7 @@ def build_tiles(results: Sequence[BearingTrialResult]) -> list[Tile]:
 
 
 def render_table(rows: Sequence[Sequence[str]]) -> str:
-    """Return a table whose first row is its head."""
+    """Return an HTML table; the first row is the head."""
     head = ''.join(f'<th scope="col">{escape(cell)}</th>' for cell in rows[0])
     lines = ''.join(
         f'<tr><th scope="row">{escape(row[0])}</th>'
@@ -163,7 +164,7 @@ def render_table(rows: Sequence[Sequence[str]]) -> str:
 
 
 def plot_errors(results: Sequence[BearingTrialResult]) -> Figure:
-    """Return median and 95 % of both estimators, kind by kind."""
+    """Plot median and 95 % quantile of both estimators."""
     figure = create_figure()
     names = [
         f'{each.place}<br>{each.count} diodes<br>{format_range(each.range)}' for each in results
@@ -194,13 +195,13 @@ def plot_errors(results: Sequence[BearingTrialResult]) -> Figure:
 
 
 def plot_calibration(results: Sequence[BearingTrialResult]) -> Figure:
-    """Return the part of the truths inside intervals of every width, against the part stated."""
+    """Plot the coverage of intervals against their nominal probability."""
     figure = create_figure()
     stated = np.linspace(0.02, 0.99, 60)
     widths = ndtri(0.5 + 0.5 * stated)
     figure.add_trace(
         Scatter(
-            x=100.0 * stated, y=100.0 * stated, mode='lines', name='honest', hoverinfo='skip',
+            x=100.0 * stated, y=100.0 * stated, mode='lines', name='calibrated', hoverinfo='skip',
             line={'color': WALL, 'width': 1, 'dash': '4px,4px'},
         )
     )  # fmt: skip
@@ -217,8 +218,8 @@ def plot_calibration(results: Sequence[BearingTrialResult]) -> Figure:
                 line={'color': TIME[k % len(TIME)], 'width': 1.4}, hovertemplate='%{y:.0f} %',
             )
         )  # fmt: skip
-    figure.update_xaxes(title_text='stated [%]', range=[0, 100])
+    figure.update_xaxes(title_text='nominal [%]', range=[0, 100])
     figure.update_yaxes(title_text='true bearings inside [%]', range=[0, 101])
     return figure.add_annotation(
-        x=55, y=50, text='honest', showarrow=False, font={'size': 11, 'color': SOFT}
+        x=55, y=50, text='calibrated', showarrow=False, font={'size': 11, 'color': SOFT}
     )

@@ -1,4 +1,4 @@
-"""Where bearings are judged."""
+"""Scenes of the bearing studies."""
 
 from dataclasses import dataclass
 from typing import Final, final
@@ -11,19 +11,7 @@ DIODES: Final = 'vehicle.sensors.diodes'
 @final
 @dataclass(frozen=True, slots=True)
 class BearingPlace:
-    """
-    A scene by the name of what it stands for.
-
-    Parameters
-    ----------
-    name : str
-        What it is called.
-    scenario : str
-        Its file.
-    about : str
-        What is special about it.
-
-    """
+    """A named scenario file of the bearing studies."""
 
     name: str
     scenario: str
@@ -31,7 +19,7 @@ class BearingPlace:
 
 
 PLACES: Final[dict[str, BearingPlace]] = {
-    'indoor': BearingPlace('indoor', 'lamp_room', 'the shared room, whose surfaces reflect'),
+    'indoor': BearingPlace('indoor', 'lamp_room', 'the shared room with reflecting surfaces'),
     'outdoor': BearingPlace(
         'outdoor', 'sunny_field', 'a field in full daylight, 80 klux on the ground'
     ),
@@ -39,5 +27,5 @@ PLACES: Final[dict[str, BearingPlace]] = {
 
 
 def build_flight_spec(place: BearingPlace, vehicle: str, count: int) -> FlightSpec:
-    """Return vehicle and scene of a place with a number of diodes in an even ring."""
+    """Return the spec of a vehicle with an even ring of diodes at a place."""
     return load_spec(vehicle, place.scenario, 'bag', '').with_values({f'{DIODES}.count': count})

@@ -1,4 +1,4 @@
-"""Random poses of a drone before a lamp."""
+"""Draw random poses of a drone in front of a lamp."""
 
 import math
 from typing import Final
@@ -9,12 +9,12 @@ import numpy as np
 from numpy.random import Generator
 from scipy.spatial.transform import Rotation
 
-HEIGHTS: Final = 0.5, 1.5  # of the hull centre, drawn evenly [m]
+HEIGHTS: Final = 0.5, 1.5  # range of the hull centre's height, uniform [m]
 TILT: Final = math.radians(2.0)  # standard deviation of pitch and roll [rad]
 BESIDE: Final = math.radians(60.0)  # largest angle to the lamp's axis, seen from above [rad]
-CLEAR: Final = 0.6  # least distance of the hull centre to a wall [m]
-NEAREST: Final = 1.5  # of places drawn anywhere in the room: nearer, the lamp saturates [m]
-FARTHEST: Final = 12.0  # of places drawn anywhere in a field [m]
+CLEAR: Final = 0.6  # minimum distance of the hull centre to a wall [m]
+NEAREST: Final = 1.5  # minimum distance to the lamp; nearer, the diodes saturate [m]
+FARTHEST: Final = 12.0  # maximum |x| and |y| of places in an open field [m]
 TRIES: Final = 10_000
 
 Pose = tuple[float, ...]  # position and quaternion x y z w
@@ -22,21 +22,21 @@ Pose = tuple[float, ...]  # position and quaternion x y z w
 
 def draw_pose(scenario: Scenario, distance: float | None, chance: Generator) -> Pose:
     """
-    Return a random pose within the lamp's beam.
+    Draw a random pose within the lamp's beam.
 
     Parameters
     ----------
     scenario : Scenario
         The scene.
     distance : float or None
-        Horizontal distance to the lamp; None for a place anywhere in the room. [m]
+        Horizontal distance to the lamp; None for any place in the room. [m]
     chance : Generator
-        Of the draws.
+        Random generator.
 
     Raises
     ------
     BadInput
-        If no place of that distance is in the room.
+        If no place at that distance is in the room.
 
     """
     height = chance.uniform(*HEIGHTS)
@@ -55,7 +55,7 @@ def draw_pose(scenario: Scenario, distance: float | None, chance: Generator) -> 
 def draw_place(
     scenario: Scenario, distance: float | None, chance: Generator
 ) -> tuple[float, float]:
-    """Return a place on the plan, at a distance from the lamp or anywhere. [m]"""
+    """Draw a horizontal position at a distance from the lamp, or anywhere. [m]"""
     lamp_x, lamp_y, _ = scenario.goal_lamp.position.vector
     length, width, _ = scenario.room.size.vector
     if distance is None:
@@ -68,7 +68,7 @@ def draw_place(
 
 
 def is_before_lamp(scenario: Scenario, x: float, y: float) -> bool:
-    """Tell whether a place [m] is in the room, not too near the lamp and within its beam."""
+    """Return whether a place [m] is in the room, within the beam and far enough away."""
     lamp_x, lamp_y, _ = scenario.goal_lamp.position.vector
     ahead = np.array(scenario.goal_lamp.facing.vector[:2])
     length, width, _ = scenario.room.size.vector

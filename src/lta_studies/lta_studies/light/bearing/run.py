@@ -1,4 +1,4 @@
-"""Judge bearings at random poses: places, numbers of diodes and ranges."""
+"""Evaluate bearings at random poses for places, numbers of diodes and ranges."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -15,22 +15,22 @@ import numpy as np
 @dataclass(frozen=True, slots=True)
 class BearingTrialRequest:
     """
-    What is judged.
+    Options of a bearing study.
 
     Parameters
     ----------
     vehicle : str
-        Whose diodes.
+        Vehicle with the diodes.
     places : tuple of str
-        Of `PLACES`.
+        Names in `PLACES`.
     counts : tuple of int
-        Diodes in the ring.
+        Numbers of diodes in the ring.
     ranges : tuple of float or None
         Horizontal distances to the lamp [m]; None is anywhere in the scene.
     poses : int
-        Poses of each kind, each with diodes of its own.
+        Random poses per combination, each with its own diode gains.
     seed : int
-        Of all chance.
+        Random seed.
 
     """
 
@@ -43,14 +43,14 @@ class BearingTrialRequest:
 
     @property
     def pose_count(self) -> int:
-        """How many poses there are."""
+        """Total number of poses."""
         return len(self.places) * len(self.counts) * len(self.ranges) * self.poses
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class BearingTrialResult:
-    """Readings of one kind: where, by how many diodes, how far away [m], and what they come to."""
+    """Readings and score at a place, number of diodes and range [m]."""
 
     place: str
     count: int
@@ -59,7 +59,7 @@ class BearingTrialResult:
     score: BearingScore
 
     def to_json(self) -> dict[str, Any]:
-        """Return it for JSON, without the single readings."""
+        """Convert the score to JSON, without the single readings."""
         return {
             'place': self.place,
             'diodes': self.count,
@@ -72,19 +72,10 @@ def run_bearing_trials(
     request: BearingTrialRequest, tick: Callable[[], None]
 ) -> list[BearingTrialResult]:
     """
-    Return how good the bearings are.
+    Evaluate the bearings for all combinations; call `tick` after each pose.
 
-    Parameters
-    ----------
-    asked : Asked
-        What is judged.
-    tick : callable
-        Called after each pose.
-
-    Notes
-    -----
-    The poses of one range are the same whatever the place allows and however many diodes there
-    are, as each kind draws from a stream of its own.
+    Every combination starts its own random stream, so that rings of different size see the same
+    poses.
 
     """
     found = []
@@ -105,7 +96,8 @@ def read_random_poses(
     request: BearingTrialRequest,
     tick: Callable[[], None],
 ) -> list[BearingReading]:
-    """Return the readings at random poses, each by diodes of its own."""
+    """Return the readings at random poses, each with its own diode gains."""
+    # Separate streams for poses and noise keep the poses independent of the number of diodes.
     where, what = (np.random.default_rng([request.seed, k]) for k in range(2))
     readings = []
     for _ in range(request.poses):
@@ -116,7 +108,7 @@ def read_random_poses(
 
 
 def to_json(results: Sequence[BearingTrialResult], request: BearingTrialRequest) -> dict[str, Any]:
-    """Return everything for JSON; angles in radians, ranges in metres."""
+    """Convert the results to JSON; angles in rad, ranges in m."""
     return {
         'vehicle': request.vehicle,
         'poses': request.poses,

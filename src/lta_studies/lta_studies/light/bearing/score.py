@@ -1,4 +1,4 @@
-"""What many readings come to: medians, how often the interval holds, how often nothing is said."""
+"""Score bearing readings: median errors, interval coverage and share without estimate."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -19,24 +19,24 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True, slots=True)
 class BearingScore:
     """
-    Readings of one kind; angles in radians, NaN where nothing was said.
+    Score of readings; angles in rad, NaN without estimates.
 
     Parameters
     ----------
     readings : int
-        How many.
+        Number of readings.
     snr : float
-        Median of the best diode's.
+        Median SNR of the best diode.
     paper, paper_most, paper_lost : float
-        Median error of the paper's estimator, its 95 % quantile, and the part without a bearing.
+        Median error of the paper's estimator, its 95 % quantile, and the share without a bearing.
     ours, ours_most, ours_lost : float
-        Those of the fit.
+        The same for the fit.
     deviation : float
-        Median of the standard deviation that the fit states.
+        Median of the standard deviation estimated by the fit.
     holds : float
-        Part of the true bearings within its 95 % interval.
+        Share of the true bearings within its 95 % interval.
     elevation, elevation_deviation, elevation_holds : float
-        Median error of the elevation, and what is stated of it.
+        Median error, median deviation and coverage of the elevation.
 
     """
 
@@ -55,13 +55,13 @@ class BearingScore:
     elevation_holds: float
 
     def to_json(self) -> dict[str, float | None]:
-        """Return it for JSON, which has no NaN."""
+        """Convert the score to JSON, with NaN as null."""
         known: dict[str, float | None] = replace_nonfinite(asdict(self))
         return known
 
 
 def score_readings(readings: Sequence[BearingReading]) -> BearingScore:
-    """Return what readings come to."""
+    """Compute the score of readings."""
     paper, ours = extract_column(readings, 'paper'), extract_column(readings, 'ours')
     deviation = extract_column(readings, 'deviation')
     elevation, up = (
@@ -86,18 +86,18 @@ def score_readings(readings: Sequence[BearingReading]) -> BearingScore:
 
 
 def extract_column(readings: Sequence[BearingReading], name: str) -> Array:
-    """Return one number of all readings, shape (n,)."""
+    """Return an attribute of all readings, shape (n,)."""
     return np.array([getattr(reading, name) for reading in readings], dtype=np.float64)
 
 
 def error_quantile(errors: Array, percent: float) -> float:
-    """Return a quantile of the sizes of errors, NaN where there are none."""
+    """Return a percentile of the absolute errors; NaN if there are none."""
     known = np.abs(errors[np.isfinite(errors)])
     return float(np.percentile(known, percent)) if known.size else math.nan
 
 
 def interval_coverage(errors: Array, deviations: Array, width: float) -> float:
-    """Return the part of the errors within so many of their deviations. [1]"""
+    """Return the share of errors within `width` times their deviations. [1]"""
     known = np.isfinite(errors)
     if not known.any():
         return math.nan

@@ -1,16 +1,17 @@
 """
-The paper's study of the number of photodiodes, with both estimators.
+Repeat the paper's study of the number of photodiodes with both estimators.
 
-The lamp stands 3 m away, 45 degrees off its axis; the ring turns through 16 directions, and each
-is read 50 times; the paper gives medians. One vehicle each: its gains are drawn once, by the seed.
+The lamp is 3 m away and the drone is 45 degrees off the lamp's axis. The ring turns through 16
+directions with 50 readings each; the paper gives medians. The gains of the one vehicle are drawn
+once, from the seed.
 
-What the paper says of it, and where that cannot hold: with ideal cosine diodes the weighted mean
-is exact for any even ring of four or more, whatever the pedestal (`lta_vlc.bearing`); equal diodes
-of any response make a ring of eight exact at all 16 directions, which are its own axes and the
-middles between them. So errors in some directions and not in others can only come from a response
-that is no cosine, from unequal gains, and from reflections. Steady sunlight adds nothing at the
-lamp's frequency but noise: "all worse from sunlight" is noise or saturation, and "4 better than
-indoors" is that reflections are missing.
+Some of the paper's statements need an explanation. With ideal cosine diodes the weighted mean is
+exact for any even ring of four or more, whatever the pedestal (`lta_vlc.bearing`). With equal
+diodes of any response a ring of eight is exact at all 16 directions, which are its own axes and
+the bisectors between them. Errors in some directions only can therefore only come from a response
+other than a cosine, from unequal gains, and from reflections. Steady sunlight adds only noise at
+the lamp's frequency: "all worse from sunlight" is noise or saturation, and "4 better than indoors"
+is due to missing reflections.
 """
 
 from collections.abc import Callable, Sequence
@@ -26,8 +27,8 @@ import numpy as np
 
 DIRECTIONS: Final = 16
 DISTANCE: Final = 3.0  # m
-# Off the lamp's axis, as the paper does not say where in its room: on the axis of a room that is
-# alike to both sides nothing pulls a bearing aside.
+# Off the lamp's axis, as the paper does not state the place: on the axis of a symmetric room
+# reflections cause no bias.
 ASIDE: Final = math.radians(45.0)
 HEIGHT: Final = 0.5  # of the hull centre, that of the paper's flights [m]
 READINGS: Final = 50
@@ -37,7 +38,7 @@ COUNTS: Final = (4, 8, 16)
 @final
 @dataclass(frozen=True, slots=True)
 class RingClaim:
-    """What the paper says of one ring, as far as it can be counted: directions within a limit."""
+    """A claim of the paper: at least so many directions with an error below a limit."""
 
     place: str
     count: int
@@ -57,18 +58,18 @@ CLAIMS: Final = (
 @dataclass(frozen=True, slots=True)
 class RingStudy:
     """
-    One ring in one place.
+    Results of one ring in one place.
 
     Parameters
     ----------
     place : str
-        Of `PLACES`.
+        Name in `PLACES`.
     count : int
-        Diodes.
+        Number of diodes.
     paper, ours : tuple of float
         Median error in each direction. [rad]
     snr : float
-        Median of the best diode's.
+        Median SNR of the best diode.
 
     """
 
@@ -79,7 +80,7 @@ class RingStudy:
     snr: float
 
     def to_json(self) -> dict[str, Any]:
-        """Return it for JSON; angles in radians."""
+        """Convert the study to JSON; angles in rad."""
         return {
             'place': self.place, 'diodes': self.count, 'snr': self.snr,
             'paper': list(self.paper), 'fit': list(self.ours),
@@ -87,14 +88,14 @@ class RingStudy:
 
 
 def list_directions() -> list[float]:
-    """Return the true directions of the lamp from the ring. [rad]"""
+    """Return the true directions of the lamp, seen from the ring. [rad]"""
     return [math.tau * k / DIRECTIONS for k in range(DIRECTIONS)]
 
 
 def study_rings(
     vehicle: str, readings: int, seed: int, tick: Callable[[], None]
 ) -> list[RingStudy]:
-    """Return the study in all places, ring by ring; `tick` is called after each direction."""
+    """Study all rings in all places; call `tick` after each direction."""
     return [
         study_ring(
             BearingBench(build_flight_spec(PLACES[place], vehicle, count)),
@@ -112,7 +113,7 @@ def study_rings(
 def study_ring(
     bench: BearingBench, place: str, count: int, readings: int, seed: int, tick: Callable[[], None]
 ) -> RingStudy:
-    """Return what one ring makes of all directions."""
+    """Study one ring in all directions."""
     chance = np.random.default_rng([seed, count])
     diodes = bench.draw_diodes(chance)
     paper, ours, snrs = [], [], []
@@ -127,12 +128,12 @@ def study_ring(
 
 
 def pose_before_lamp(bench: BearingBench, direction: float) -> Pose:
-    """Return the level pose beside the lamp's axis with the lamp in a direction. [rad]"""
+    """Return the level pose off the lamp's axis that has the lamp in a direction. [rad]"""
     x, y, _ = bench.scenario.goal_lamp.position.vector
     ahead_x, ahead_y, _ = bench.scenario.goal_lamp.facing.vector
     facing = math.atan2(ahead_y, ahead_x) + ASIDE
     half = 0.5 * (facing + math.pi - direction)
-    # The ring sits under the hull's middle, so that level it stands where the hull does.
+    # The ring is below the hull centre, so a level ring has the same horizontal position.
     return (
         x + DISTANCE * math.cos(facing), y + DISTANCE * math.sin(facing), HEIGHT,
         0.0, 0.0, math.sin(half), math.cos(half),
@@ -140,18 +141,18 @@ def pose_before_lamp(bench: BearingBench, direction: float) -> Pose:
 
 
 def count_within(errors: Sequence[float], limit: float) -> int:
-    """Return in how many directions the median stays below a limit."""
+    """Return the number of directions with a median error below a limit."""
     return sum(error < limit for error in errors)
 
 
 def judge_claims(studies: Sequence[RingStudy]) -> list[tuple[str, str, str]]:
-    """Return each claim of the paper, and what became of it by its own estimator and by ours."""
+    """Return each claim of the paper with the results of its estimator and of ours."""
     rings = {(each.place, each.count): each for each in studies}
     return [judge_claim(claim, rings[claim.place, claim.count]) for claim in CLAIMS]
 
 
 def judge_claim(claim: RingClaim, ring: RingStudy) -> tuple[str, str, str]:
-    """Return a claim of the paper, and in how many directions both estimators keep it."""
+    """Return a claim, and the number of directions in which each estimator meets it."""
     paper, ours = (
         f'{count_within(errors, claim.limit)} of {DIRECTIONS}'
         for errors in (ring.paper, ring.ours)

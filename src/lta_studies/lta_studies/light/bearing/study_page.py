@@ -1,4 +1,4 @@
-"""The study of the number of photodiodes as one self-contained page."""
+"""Write the study of the number of photodiodes as one self-contained HTML page."""
 
 from collections.abc import Sequence
 from html import escape
@@ -34,24 +34,24 @@ HEAD: Final = (
 )  # fmt: skip
 CAPTION: Final = 'Median error in each of 16 directions. Full lines: the fit. Dotted: the paper.'
 DEFECT: Final = (
-    "Where the paper's own statement cannot hold: with ideal cosine diodes its weighted mean is "
-    'exact for 4, 8 and 16 diodes at every angle, and equal diodes of any response make eight '
-    'exact at all 16 test angles, so that the errors it prints need a response that is no cosine, '
-    'unequal gains and reflections; these are simulated here. Steady sunlight adds nothing at the '
-    "lamp's frequency but noise: where outdoors is better than indoors, it is because only the "
+    'Limits of the explanation in the paper: with ideal cosine diodes its weighted mean is '
+    'exact for 4, 8 and 16 diodes at every angle, and with equal diodes of any response a ring of '
+    'eight is exact at all 16 test angles. The printed errors therefore need a response other '
+    'than a cosine, unequal gains and reflections, which are simulated here. Steady sunlight adds '
+    "only noise at the lamp's frequency; outdoors can be better than indoors because only the "
     'ground reflects.'
 )
 METHOD: Final = (
-    f'The lamp is {DISTANCE:g} m away, 45 degrees off its axis; the hull stands level, half a '
-    'metre up, and turns through 16 directions. One vehicle, its gains drawn once. Medians over '
-    'the readings, each one light block with noise of its own.'
+    f'The lamp is {DISTANCE:g} m away and the drone 45 degrees off its axis; the hull is level at '
+    '0.5 m and turns through 16 directions. One vehicle with its gains drawn once. Medians over '
+    'the readings, each one light block with independent noise.'
 )
 
 
 def write_page(
     studies: Sequence[RingStudy], vehicle: str, readings: int, seed: int, out: Path
 ) -> Path:
-    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    """Write the page and return its path; raise `BadInput` if that fails."""
     eight = next(each for each in studies if (each.place, each.count) == ('indoor', 8))
     pictures = [
         render_section(
@@ -80,7 +80,7 @@ def write_page(
             pictures='\n'.join(pictures),
             facts={'vehicle': vehicle, 'seed': str(seed), 'commit': read_commit()},
             commands={
-                'Find it again': format_lta_command(
+                'Repeat the study': format_lta_command(
                     'light', 'study', '--vehicle', vehicle, '--readings', str(readings),
                     '--seed', str(seed),
                 )
@@ -91,17 +91,17 @@ def write_page(
 
 
 def build_claim_rows(studies: Sequence[RingStudy]) -> list[tuple[str, str, str]]:
-    """Return what the paper says, counted, its first row the head."""
+    """Return the table of claims; the first row is the head."""
     return [('the paper, indoors', 'its estimator', 'the fit'), *judge_claims(studies)]
 
 
 def median_error(errors: Sequence[float]) -> float:
-    """Return the median over the directions; NaN where one has no bearing."""
+    """Return the median over the directions; NaN if one has no bearing."""
     return float(np.median(errors))
 
 
 def build_rows(studies: Sequence[RingStudy]) -> list[tuple[str, ...]]:
-    """Return the table as text, its first row the head."""
+    """Return the table as text; the first row is the head."""
     told: list[tuple[str, ...]] = [HEAD]
     for each in studies:
         cells = [each.place, str(each.count), f'{each.snr:.0f}']
@@ -113,7 +113,7 @@ def build_rows(studies: Sequence[RingStudy]) -> list[tuple[str, ...]]:
 
 
 def build_tiles(studies: Sequence[RingStudy]) -> list[Tile]:
-    """Return the fit's worst direction of each ring."""
+    """Return tiles with the worst direction of the fit for each ring."""
     return [
         Tile(
             f'{each.place}, {each.count} diodes', format_degrees(max(each.ours)), '°',
@@ -124,7 +124,7 @@ def build_tiles(studies: Sequence[RingStudy]) -> list[Tile]:
 
 
 def plot_errors(studies: Sequence[RingStudy], place: str) -> Figure:
-    """Return the error by direction, ring by ring."""
+    """Plot the error by direction for each ring."""
     figure = create_figure()
     angles = np.degrees(list_directions())
     for each in studies:

@@ -1,1 +1,1 @@
-"""Navigation strategies compared over scenes and seeds, and beside the paper."""
+"""Compare navigation strategies over scenes and seeds, and with the paper."""

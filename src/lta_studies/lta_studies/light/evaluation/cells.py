@@ -1,4 +1,4 @@
-"""What the flights of one strategy in one case of a set come to, with intervals."""
+"""Group flights by strategy and case, and compute their statistics with intervals."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -26,17 +26,17 @@ class EvaluationCell:
     Attributes
     ----------
     strategy, case : str
-        Who flew, and what the case is called: its name, its values in SI, or both.
+        Strategy, and label of the case: its name, its values in SI units, or both.
     family : str
-        What cases have in common that differ along the axis only; '' where all have it.
+        Common name of cases that differ only along the axis; '' if there is only one family.
     place : float
-        Where the case lies on the axis of its set; NaN without one.
+        Value of the case on the axis of its set; NaN without an axis.
     wind : float
-        Mean wind plus one deviation at the hull, over the top airspeed. [1]
+        Mean wind plus one deviation at the hull, relative to the top airspeed. [1]
     rows : dict
-        The flights that could be flown, by seed.
+        Completed flights, by seed.
     failed : int
-        How many could not.
+        Number of flights that could not be simulated.
 
     """
 
@@ -50,16 +50,16 @@ class EvaluationCell:
 
     @property
     def reached_share(self) -> ShareInterval:
-        """Share of the flights that reached the lamp, with Wilson's interval."""
+        """Share of the flights that reached the lamp, with its Wilson interval."""
         return wilson_interval(len(self.arrivals), len(self.rows))
 
     @property
     def arrivals(self) -> dict[int, SweepRow]:
-        """The flights that reached the lamp, by seed."""
+        """Flights that reached the lamp, by seed."""
         return {seed: row for seed, row in self.rows.items() if row.outcome == REACHED}
 
     def select_figure(self, name: str) -> dict[int, float]:
-        """Return a figure of `Results` of the flights that reached the lamp, by seed."""
+        """Return a figure of the flights that reached the lamp, by seed."""
         found = {seed: row.figures.get(name) for seed, row in self.arrivals.items()}
         return {seed: float(value) for seed, value in found.items() if value is not None}
 
@@ -68,14 +68,14 @@ class EvaluationCell:
         return bootstrap_mean(list(self.select_figure(name).values()))
 
     def ratio_to(self, best: 'EvaluationCell | None', name: str = 'path_length') -> BootstrapMean:
-        """Return a figure over that of another flyer, over the seeds in which both arrived."""
+        """Return the ratio of a figure to another cell, over seeds where both arrived."""
         own, other = self.select_figure(name), {} if best is None else best.select_figure(name)
         both = sorted(own.keys() & other.keys())
         return bootstrap_ratio([own[seed] for seed in both], [other[seed] for seed in both])
 
 
 def build_cells(name: str, plan: SweepPlan, rows: Iterable[SweepRow]) -> list[EvaluationCell]:
-    """Return a set's flights by case and strategy, in the order of its sweep."""
+    """Return the cells of a set by case and strategy, in the order of its sweep."""
     axis = find_flight_set(name).axis
     grouped: dict[tuple[str, str], list[SweepRow]] = {}
     for row in rows:
@@ -98,12 +98,12 @@ def build_cells(name: str, plan: SweepPlan, rows: Iterable[SweepRow]) -> list[Ev
 
 
 def format_case(row: SweepRow) -> str:
-    """Return what the case of a flight is called."""
+    """Return the label of a flight's case."""
     return ', '.join(format_value(value) for path, value in row.values.items() if path != STRATEGY)
 
 
 def parse_family(row: SweepRow) -> str:
-    """Return the name of a case that has values besides, or a number at the end of its name."""
+    """Return the case name if the case also has values, or without its final number."""
     name = str(row.values.get(CASE, ''))
     if row.values.keys() - {CASE, STRATEGY}:
         return name
@@ -112,7 +112,7 @@ def parse_family(row: SweepRow) -> str:
 
 
 def build_flight_spec(plan: SweepPlan, row: SweepRow) -> FlightSpec:
-    """Return what a flight was made of, but for its strategy, which may be the pilot."""
+    """Return the spec of a flight without its strategy, which may be the pilot."""
     changes = {
         path: value
         for path, value in plan.build_job(row.index).changes.items()
@@ -122,5 +122,5 @@ def build_flight_spec(plan: SweepPlan, row: SweepRow) -> FlightSpec:
 
 
 def select_pilot_cells(cells: Iterable[EvaluationCell]) -> dict[str, EvaluationCell]:
-    """Return the pilot's flights by case."""
+    """Return the cells of the reference pilot, by case."""
     return {cell.case: cell for cell in cells if cell.strategy == pilot.NAME}

@@ -1,4 +1,4 @@
-"""What an evaluation came to: its figures, its sentences, and both as JSON."""
+"""Summarize an evaluation in numbers and sentences, and as JSON."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -23,86 +23,86 @@ FIGURES: Final = {'path_length': 'm', 'search_time': 's', 'flight_time': 's', 'e
 @final
 @dataclass(frozen=True)
 class EvaluationFindings:
-    """All that page, JSON and tables are made of."""
+    """Data of the page, the tables and the JSON output."""
 
     done: EvaluationStatus
 
     @property
     def cells(self) -> Mapping[str, Sequence[EvaluationCell]]:
-        """What was found, by set."""
+        """Results by set."""
         return self.done.cells
 
     @property
     def plans(self) -> Mapping[str, SweepPlan]:
-        """The sets, by name."""
+        """Sweep plans by set."""
         return self.done.plans
 
     @property
     def folder(self) -> Path:
-        """Where the results are."""
+        """Folder of the results."""
         return self.done.order.folder
 
     @property
     def seeds(self) -> int:
-        """Seeds that were asked for."""
+        """Number of seeds requested."""
         return self.done.order.seeds
 
     @property
     def flying_time(self) -> float:
-        """Time of all flights together. [s]"""
+        """Computing time of all flights. [s]"""
         return self.done.work
 
     @property
     def own_strategy(self) -> str:
-        """The strategy that is to be better than the paper's."""
+        """Our strategy, which is compared with the paper's."""
         return OURS
 
     @property
     def all_sets(self) -> Sequence[str]:
-        """Names of every set."""
+        """Names of all sets."""
         return list(SETS)
 
     @property
     def flight_count(self) -> int:
-        """Flights there are."""
+        """Number of flights."""
         return sum(len(cell.rows) + cell.failed for own in self.cells.values() for cell in own)
 
     @property
     def failed_count(self) -> int:
-        """Flights that could not be flown."""
+        """Number of flights that could not be simulated."""
         return sum(cell.failed for own in self.cells.values() for cell in own)
 
     @property
     def flight_count_text(self) -> str:
-        """How many flights there are, in words."""
+        """Number of flights in words."""
         of = '' if self.flight_count == self.done.total else f' of {self.done.total}'
         lost = f', {self.failed_count} of them failed' if self.failed_count else ''
         return f'{self.flight_count}{of} flights{lost}'
 
     @cached_property
     def ablations(self) -> list[PathOrder]:
-        """How the paths are ordered with one factor changed at a time."""
+        """Path orders with one factor changed at a time."""
         return find_path_orders(self.cells.get(ABLATIONS, []))
 
     @property
     def statement(self) -> str:
-        """What brings about the paper's order of paths."""
+        """Sentence on the paper's order of paths and its causes."""
         return describe_order(
             find_path_orders(self.cells.get(INDOORS, [])), self.ablations, labels.FACTORS
         )
 
     @property
     def cautions(self) -> list[str]:
-        """What to keep in mind beside the paper's figures."""
+        """Notes on the comparison with the paper."""
         ground = ground_roughness.describe_grounds(self.cells.get(ROUGHNESS, []))
         return [*([ground] if ground else []), *paper.CAUTIONS]
 
     @property
     def title(self) -> str:
-        """What came out, in a sentence."""
+        """Headline."""
         flown = [name for name, own in self.cells.items() if any(cell.rows for cell in own)]
         if not flown:
-            return 'No flight could be flown.'
+            return 'No flight could be simulated.'
         name = INDOORS if INDOORS in flown else flown[0]
         cells = [cell for cell in self.cells[name] if cell.rows and cell.strategy != pilot.NAME]
         told = ', '.join(
@@ -115,7 +115,7 @@ class EvaluationFindings:
 
     @property
     def about(self) -> str:
-        """What was done, in two sentences."""
+        """Description of the evaluation."""
         return (
             f'Navigation strategies over {len(self.cells)} '
             f'set{"s" if len(self.cells) > 1 else ""} of scenes, {self.seeds} '
@@ -123,7 +123,7 @@ class EvaluationFindings:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the figures, ready for JSON; what is no number is null."""
+        """Convert the results to JSON, with NaN as null."""
         return {
             'seeds': self.seeds,
             'flights': self.flight_count,
@@ -140,7 +140,7 @@ class EvaluationFindings:
 
 
 def encode_cells(cells: Sequence[EvaluationCell]) -> list[dict[str, Any]]:
-    """Return a set's figures."""
+    """Convert the cells of a set to JSON."""
     best = select_pilot_cells(cells)
     return [
         {
@@ -159,10 +159,10 @@ def encode_cells(cells: Sequence[EvaluationCell]) -> list[dict[str, Any]]:
 
 
 def encode_interval(value: BootstrapMean | ShareInterval) -> dict[str, float | None]:
-    """Return a figure with its interval."""
+    """Convert a value with its interval to JSON."""
     return {name: encode_number(part) for name, part in value._asdict().items()}
 
 
 def encode_number(value: float) -> float | None:
-    """Return a number, None where it is none."""
+    """Return a number; None if it is not finite."""
     return value if math.isfinite(value) else None

@@ -1,9 +1,9 @@
 """
-The flights of the evaluation, seed by seed, and how one is flown.
+List the flights of an evaluation seed by seed, and fly them.
 
-All sets fly their first seed before any flies its second: whoever stops early has all sets with
-fewer seeds. A flight is known by its set and its place in that set's sweep, which does not depend
-on how many seeds are asked for: more seeds only add to those there are.
+All sets fly their first seed before any flies its second, so that an evaluation that is stopped
+early covers all sets. A flight is identified by its set and its index in that set's sweep, which
+does not depend on the number of seeds: more seeds extend an existing evaluation.
 """
 
 from collections.abc import Iterator, Sequence
@@ -21,14 +21,14 @@ from lta_flight.sweep.plan import SweepJob, SweepPlan
 from lta_studies.light.evaluation import pilot
 from lta_studies.light.evaluation.sets import find_flight_set
 
-MOST: Final = 1000  # seeds
+MOST: Final = 1000  # seeds per point of a plan; fixes the indices of the flights
 STRATEGY: Final = 'strategy'
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class EvaluationTask:
-    """One flight: its set, and its job there."""
+    """One flight: its set and its job there."""
 
     part: str
     job: SweepJob
@@ -36,7 +36,7 @@ class EvaluationTask:
 
 def build_plan(name: str) -> SweepPlan:
     """
-    Return the flights of a set, all of them checked; the pilot's among them where it flies.
+    Return the checked sweep plan of a set, including the pilot's flights if it has any.
 
     Raises
     ------
@@ -49,7 +49,7 @@ def build_plan(name: str) -> SweepPlan:
     strategies = file.vary.get(STRATEGY)
     if not isinstance(strategies, list) or file.samples is not None:
         raise BadInput(
-            f'The sweep {part.file} of the set {name} must list strategies, and draw nothing.'
+            f'The sweep {part.file} of the set {name} must list strategies and not use samples.'
         )
     SweepPlan(file).check()
     flyers = [*strategies, *([pilot.NAME] if part.piloted else [])]
@@ -60,7 +60,7 @@ def build_plan(name: str) -> SweepPlan:
 
 
 def count_points(plan: SweepPlan) -> int:
-    """Return how many flights of one seed there are."""
+    """Return the number of flights per seed."""
     return plan.count // plan.file.draws_per_point
 
 
@@ -75,19 +75,19 @@ def iterate_tasks(plans: dict[str, SweepPlan], seeds: int) -> Iterator[Evaluatio
 
 
 def complete_job(plan: SweepPlan, job: SweepJob, place: int) -> SweepJob:
-    """Return a job that names all it is made of: one worker flies the jobs of all sets."""
+    """Return a self-contained job, as the workers fly jobs of all sets."""
     base = plan.base
     case = {**base.names, STRATEGY: base.strategy, **base.replaced, **job.case}
     return replace(job, index=place, case=case)
 
 
 def fly_task(job: SweepJob) -> SweepRow:
-    """Fly one flight, from a job that names all it is made of."""
+    """Fly a self-contained job."""
     return fly_to_row(job, lambda: prepare_flight(job))
 
 
 def prepare_flight(job: SweepJob) -> ClosedLoop:
-    """Return the flight of a job that names all it is made of, about to begin."""
+    """Return the closed loop of a self-contained job before its first step."""
     changes = dict(job.changes)
     piloted = changes[STRATEGY] == pilot.NAME
     if piloted:
@@ -101,13 +101,13 @@ def prepare_flight(job: SweepJob) -> ClosedLoop:
 
 
 def top_airspeed(loop: ClosedLoop) -> float:
-    """Return the most airspeed that the controller of a flight allows. [m/s]"""
+    """Return the airspeed limit of the controller. [m/s]"""
     gains = loop.policy.gains
     return gains.speed_limit if isinstance(gains, CascadeGains) else math.inf
 
 
 def build_flight_spec(changes: dict[str, object]) -> FlightSpec:
-    """Return what a flight is made of that names all of it."""
+    """Return the spec of a self-contained job."""
     vehicle, scenario, strategy, gains = (
         str(changes.pop(root)) for root in ('vehicle', 'scenario', STRATEGY, 'gains')
     )
@@ -115,5 +115,5 @@ def build_flight_spec(changes: dict[str, object]) -> FlightSpec:
 
 
 def build_plans(names: Sequence[str]) -> dict[str, SweepPlan]:
-    """Return the plans of some sets, in their order, each once."""
+    """Return the unique plans of some sets in their order."""
     return {name: build_plan(name) for name in dict.fromkeys(names)}

@@ -1,4 +1,4 @@
-"""Over what ground the paper's wind lets each strategy reach the lamp, in words."""
+"""Describe over which ground each strategy reaches the lamp in the paper's wind."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -6,11 +6,11 @@ from typing import Final
 from lta_studies.light.evaluation import labels, pilot
 from lta_studies.light.evaluation.cells import EvaluationCell
 
-MOST: Final = 0.5  # of the seeds, from which a ground counts as flown over
+MOST: Final = 0.5  # share of seeds that counts as most flights
 
 
 def describe_grounds(cells: Sequence[EvaluationCell]) -> str:
-    """Return from what roughness on each strategy reaches the lamp; '' where none flew."""
+    """Return the smallest roughness at which each strategy arrives; '' if none flew."""
     told = []
     for name in dict.fromkeys(cell.strategy for cell in cells if cell.strategy != pilot.NAME):
         own = [cell for cell in cells if cell.strategy == name]

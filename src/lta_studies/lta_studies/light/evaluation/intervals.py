@@ -1,4 +1,4 @@
-"""Means with 95 % intervals by the bootstrap: nothing is asked of a distribution's shape."""
+"""Compute means with 95 % bootstrap intervals, without assuming a distribution."""
 
 from collections.abc import Sequence
 import math
@@ -13,7 +13,7 @@ ENDS: Final = (2.5, 97.5)  # %
 
 
 class BootstrapMean(NamedTuple):
-    """A mean, or a ratio of two, with the ends of its 95 % interval and the number of flights."""
+    """A mean, or a ratio of means, with its 95 % interval and number of flights."""
 
     value: float
     low: float
@@ -22,30 +22,22 @@ class BootstrapMean(NamedTuple):
 
 
 def draw_resamples(count: int) -> NDArray[np.int64]:
-    """Return which of so many flights each draw takes, shape (DRAWS, count)."""
+    """Return the resampled indices, shape (DRAWS, count)."""
     return np.random.default_rng(SEED).integers(count, size=(DRAWS, count))
 
 
 def bootstrap_mean(values: Sequence[float]) -> BootstrapMean:
     """
-    Return a mean with its interval: percentiles of the means of resampled flights.
+    Return a mean with its percentile bootstrap interval.
 
-    Efron and Tibshirani, An Introduction to the Bootstrap (1993), chapter 13. NaN of nothing; no
-    interval of one.
+    Efron and Tibshirani, An Introduction to the Bootstrap (1993), chapter 13. NaN without values;
+    a single value has no interval.
     """
     return bootstrap_ratio(values, [1.0] * len(values))
 
 
 def bootstrap_ratio(above: Sequence[float], below: Sequence[float]) -> BootstrapMean:
-    """
-    Return the ratio of two means over the same flights, resampled in pairs.
-
-    Parameters
-    ----------
-    above, below : sequence of float
-        One number of each flight.
-
-    """
+    """Return the ratio of two means over the same flights, resampled in pairs."""
     count = len(above)
     if count == 0:
         return BootstrapMean(math.nan, math.nan, math.nan, 0)

@@ -1,4 +1,4 @@
-"""How the evaluation calls strategies and cases, and writes figures with their intervals."""
+"""Label strategies and cases, and format values with their intervals."""
 
 from collections.abc import Mapping
 import math
@@ -22,12 +22,12 @@ FACTORS: Final[Mapping[str, str]] = {
     'light_wind': '0.22 m/s outside',
     'more_wind': '0.36 m/s outside',
     'start_heading': 'start heading within 30\N{DEGREE SIGN} of the lamp',
-    'open_walls': 'no walls: who leaves the room has failed',
+    'open_walls': 'no walls: leaving the room fails',
     'not_stopping': 'DGA does not stop to turn',
     'no_computing': 'DGA computes in no time',
     'plane_through_origin': "DGA's plane through the origin, as printed",
     'ideal_cosine': 'diodes with an ideal cosine',
-    'narrow_diodes': 'diodes that look ahead only (cosine to the 4th)',
+    'narrow_diodes': 'narrow diodes (cosine to the 4th)',
     'small_swing': 'DES swings by 0.5 rad',
     'gradient_alone': 'DES by the gradient alone',
     'scan_and_gradient': 'DES by scan and gradient',
@@ -35,17 +35,17 @@ FACTORS: Final[Mapping[str, str]] = {
 
 
 def label_strategy(name: str) -> str:
-    """Return what to call a strategy."""
+    """Return the label of a strategy."""
     return STRATEGIES.get(name, name)
 
 
 def label_factor(name: str) -> str:
-    """Return what to call a case that has a name."""
+    """Return the label of a named case."""
     return FACTORS.get(name, name.replace('_', ' ')) or MISSING
 
 
 def label_case(cell: EvaluationCell, axis: EvaluationAxis | None) -> str:
-    """Return what to call the case of a cell: its name, or its value on the axis of its set."""
+    """Return the label of a cell's case: its name, or its value on the axis."""
     if axis is None or math.isnan(cell.place):
         return label_factor(cell.case)
     family = f'{label_factor(cell.family)}, ' if cell.family else ''
@@ -53,14 +53,14 @@ def label_case(cell: EvaluationCell, axis: EvaluationAxis | None) -> str:
 
 
 def format_share(value: ShareInterval) -> str:
-    """Return a share with its interval, in percent."""
+    """Format a share with its interval in percent."""
     if math.isnan(value.value):
         return MISSING
     return f'{100 * value.value:.0f} % ({100 * value.low:.0f} to {100 * value.high:.0f})'
 
 
 def format_mean(value: BootstrapMean, digits: int = 1) -> str:
-    """Return a mean with its interval, without its unit."""
+    """Format a mean with its interval, without unit."""
     if math.isnan(value.value):
         return MISSING
     if math.isnan(value.low):

@@ -1,4 +1,4 @@
-"""The evaluation as one self-contained HTML file, in the look of a flight's page."""
+"""Write the evaluation as one self-contained HTML file."""
 
 from collections.abc import Sequence
 from html import escape
@@ -18,22 +18,22 @@ from plotly.graph_objects import Figure
 
 NAME: Final = 'report.html'
 METHOD: Final = (
-    'Reached: with the 95 % interval of Wilson. Path, time and ratios: means over the flights '
-    'that reached the lamp, with 95 % intervals by the bootstrap. Path: over ground, from the '
+    'Reached: with 95 % Wilson interval. Path, time and ratios: means over the flights '
+    'that reached the lamp, with 95 % bootstrap intervals. Path: over ground, from '
     'take-off to the goal circle. Time: from the first forward command. The pilot knows lamp and '
-    'wind and flies as straight as the same vehicle, controller and mission let it; ratios are '
-    'taken over the seeds with which both arrived.'
+    'wind and flies as straight as the same vehicle, controller and mission allow; ratios are '
+    'over the seeds in which both arrived.'
 )
-DRAWN: Final = 'Every strategy with the same seed, seen from above.'
+DRAWN: Final = 'All strategies with the same seed, seen from above.'
 
 
 def write_page(findings: EvaluationFindings) -> Path:
-    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    """Write the page and return its path; raise `BadInput` if that fails."""
     return write_file(render_page(findings), findings.folder / NAME)
 
 
 def render_page(findings: EvaluationFindings) -> str:
-    """Return the whole page."""
+    """Return the HTML of the page."""
     return assemble_page(
         'evaluate.html',
         title=escape(findings.title),
@@ -62,7 +62,7 @@ def render_page(findings: EvaluationFindings) -> str:
 
 
 def build_tiles(findings: EvaluationFindings) -> list[Tile]:
-    """Return how each strategy does indoors, or in the first set there is."""
+    """Return tiles of the strategies in the first set with flights."""
     name = next((each for each, own in findings.cells.items() if own), next(iter(findings.cells)))
     return [
         Tile(
@@ -75,7 +75,7 @@ def build_tiles(findings: EvaluationFindings) -> list[Tile]:
 
 
 def render_indoors(findings: EvaluationFindings) -> list[str]:
-    """Return the paper's flight: the figures of all strategies, and a flight of each."""
+    """Return the sections of the indoor set: comparison with the paper, and tracks."""
     cells = [cell for cell in findings.cells.get(INDOORS, []) if cell.rows]
     if not cells:
         return []
@@ -85,13 +85,13 @@ def render_indoors(findings: EvaluationFindings) -> list[str]:
     height = findings.plans[INDOORS].base.read_value('mission.altitude')
     return [
         render_section('indoors', part.title, part.about, pictures.plot_paper_comparison(cells)),
-        render_section('tracks', 'A flight of each', f'{DRAWN} Seed {seed}.',
+        render_section('tracks', 'One flight of each strategy', f'{DRAWN} Seed {seed}.',
                 tracks.plot_tracks(flown, scenario, height)),
     ]  # fmt: skip
 
 
 def render_sections(findings: EvaluationFindings) -> list[str]:
-    """Return a picture for each further set."""
+    """Return a section for each other set."""
     made = []
     for name, cells in findings.cells.items():
         part, own = find_flight_set(name), [cell for cell in cells if cell.rows]
@@ -101,13 +101,13 @@ def render_sections(findings: EvaluationFindings) -> list[str]:
 
 
 def plot_set(name: str, cells: Sequence[EvaluationCell]) -> Figure:
-    """Return the picture of a set."""
+    """Return the plot of a set."""
     axis = find_flight_set(name).axis
     return pictures.plot_factors(cells) if axis is None else pictures.plot_along_axis(cells, axis)
 
 
 def render_order(findings: EvaluationFindings) -> str:
-    """Return what makes the paper's order of paths, in words and as a table."""
+    """Return the statement on the paper's order of paths, with its table."""
     body = tables.build_order_lines(findings.ablations)
     shown = render_table(tables.ORDER_HEADS, body) if body else ''
     return f'<p class="statement">{escape(findings.statement)}</p>{shown}'
@@ -123,14 +123,14 @@ def render_results(findings: EvaluationFindings) -> str:
 
 
 def render_table(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
-    """Return a table, or that there is nothing in it."""
+    """Return an HTML table, or a note if it is empty."""
     if not lines:
         return '<p class="note">Not flown.</p>'
     return f'<div class="wide">{render_html_table(heads, lines)}</div>'
 
 
 def describe_provenance(findings: EvaluationFindings) -> dict[str, str]:
-    """Return where the figures come from."""
+    """Return the provenance table of the page."""
     return {
         'sets': ', '.join(findings.cells),
         'sweeps': ', '.join(find_flight_set(name).file for name in findings.cells),
@@ -142,21 +142,21 @@ def describe_provenance(findings: EvaluationFindings) -> dict[str, str]:
 
 
 def suggest_commands(findings: EvaluationFindings) -> dict[str, str]:
-    """Return how to go on."""
+    """Return commands for the next steps."""
     names = [word for name in findings.cells for word in ('--sets', name)]
     names = [] if set(findings.cells) == set(findings.all_sets) else names
     return {
-        'Go on, or do it again': format_lta_command(
+        'Resume or repeat': format_lta_command(
             'light', 'evaluate', '--seeds', str(findings.seeds), *names,
             '--out', relative_path(findings.folder),
         ),
-        'Fly one set alone': format_lta_command(
+        'Fly only one set': format_lta_command(
             'sweep', find_flight_set(next(iter(findings.cells))).file,
         ),
         **(
             {} if ABLATIONS not in findings.cells
             else {
-                'Fly the ablations alone': format_lta_command(
+                'Fly only the ablations': format_lta_command(
                     'sweep', find_flight_set(ABLATIONS).file,
                 ),
             }

@@ -1,4 +1,4 @@
-"""Whether the paper's order of paths holds, and which single factor brings it about."""
+"""Test whether the paper's order of path lengths holds, and which factor causes it."""
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
@@ -10,25 +10,25 @@ from lta_studies.light.evaluation.intervals import BootstrapMean, SEED
 from lta_studies.light.evaluation.paper import ORDER
 import numpy as np
 
-SURE: Final = 0.95  # of the draws in which an order must hold to be told as found
-FEWEST: Final = 5  # arrivals of each; fewer, resampled, look surer than they are
+SURE: Final = 0.95  # share of bootstrap draws for a significant order
+FEWEST: Final = 5  # arrivals per strategy; the bootstrap is overconfident with fewer
 AS_FLOWN: Final = 'as_flown'  # the case in which nothing is changed
 
 
 class PathOrder(NamedTuple):
     """
-    How the paths are ordered in one case.
+    Order of the paths in one case.
 
     Attributes
     ----------
     case : str
-        Which.
+        Name of the case.
     paths : dict
         Mean path by strategy. [m]
     holds : bool
         Whether the means are in the paper's order.
     share : float
-        Part of the bootstrap's draws in which they are; NaN where one arrived too seldom.
+        Share of bootstrap draws in that order; NaN with too few arrivals.
 
     """
 
@@ -39,12 +39,12 @@ class PathOrder(NamedTuple):
 
     @property
     def is_significant(self) -> bool:
-        """Whether the order is found beyond chance."""
+        """Whether the order is statistically significant."""
         return self.holds and self.share >= SURE
 
 
 def find_path_orders(cells: Sequence[EvaluationCell]) -> list[PathOrder]:
-    """Return the order in each case in which all of the paper's strategies flew."""
+    """Return the order in each case with all of the paper's strategies."""
     by_case: dict[str, dict[str, EvaluationCell]] = {}
     for cell in cells:
         by_case.setdefault(cell.case, {})[cell.strategy] = cell
@@ -56,7 +56,7 @@ def find_path_orders(cells: Sequence[EvaluationCell]) -> list[PathOrder]:
 
 
 def assess_path_order(case: str, own: Mapping[str, EvaluationCell]) -> PathOrder:
-    """Return the order of the paths in one case."""
+    """Assess the order of the paths in one case."""
     paths = {name: cell.mean('path_length') for name, cell in own.items()}
     values = [list(cell.select_figure('path_length').values()) for cell in own.values()]
     means = [each.value for each in paths.values()]
@@ -65,7 +65,7 @@ def assess_path_order(case: str, own: Mapping[str, EvaluationCell]) -> PathOrder
 
 
 def ordered_share(values: Sequence[Sequence[float]]) -> float:
-    """Return the part of draws in which the means of resampled flights rise; NaN of too few."""
+    """Return the share of bootstrap draws with ascending means; NaN with too few values."""
     if min(map(len, values)) < FEWEST:
         return math.nan
     chance = np.random.default_rng(SEED)
@@ -80,7 +80,7 @@ def ordered_share(values: Sequence[Sequence[float]]) -> float:
 def describe_order(
     indoors: Sequence[PathOrder], ablations: Sequence[PathOrder], titles: Mapping[str, str]
 ) -> str:
-    """Return in words whether the paper's order holds, and what brings it about."""
+    """Describe whether the paper's order holds, and which factor causes it."""
     words = f"The paper's order of paths, {' < '.join(name.upper() for name in ORDER)},"
     unchanged = [each for each in ablations if each.case == AS_FLOWN]
     here = next(iter([*indoors, *unchanged]), None)
@@ -88,20 +88,20 @@ def describe_order(
         return f'{words} was not flown.'
     if here.is_significant:
         return f'{words} holds as flown here (in {format_ordered_share(here)}).'
-    first = f'{words} does not hold beyond chance as flown here (in {format_ordered_share(here)})'
+    first = f'{words} is not significant as flown here (in {format_ordered_share(here)})'
     if not ablations:
         return f'{first}; the ablations were not flown.'
     bring = [each for each in ablations if each.case != AS_FLOWN and each.is_significant]
     if not bring:
-        return f'{first}, and none of the factors alone brings it about.'
+        return f'{first}, and no single factor causes it.'
     names = '; '.join(
         f'{titles.get(each.case, each.case)} (in {format_ordered_share(each)})' for each in bring
     )
-    return f'{first}. One factor alone brings it about: {names}.'
+    return f'{first}. Single factors that cause it: {names}.'
 
 
 def format_ordered_share(order: PathOrder) -> str:
-    """Return in words how often the order holds by chance."""
+    """Format the share of bootstrap draws with the order."""
     if math.isnan(order.share):
         return 'none: too few arrived'
     return f'{100 * order.share:.0f} % of resampled flights'

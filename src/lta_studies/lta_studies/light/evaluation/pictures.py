@@ -1,4 +1,4 @@
-"""The pictures of the evaluation: paths, success along an axis, and what each factor changes."""
+"""Plot the evaluation: comparison with the paper, success along an axis, and factors."""
 
 from collections.abc import Mapping, Sequence
 from itertools import groupby
@@ -21,13 +21,13 @@ SYMBOLS: Final[Mapping[str, str]] = {
     'bag': 'circle', 'dga': 'square', 'des': 'diamond', 'homing': 'triangle-up', pilot.NAME: 'x',
 }  # fmt: skip
 Interval = BootstrapMean | ShareInterval
-APART: Final = 0.012  # of the axis, between the marks of two strategies at one place
+APART: Final = 0.012  # share of the axis between the markers of two strategies
 WANTED: Final = {'dash': '4px,3px', 'color': SOFT, 'width': 1.2}
 LEGEND: Final = {'orientation': 'h', 'x': 0, 'y': 1.02, 'xanchor': 'left', 'yanchor': 'bottom'}
 
 
 def strategy_color(strategy: str) -> str:
-    """Return the colour of a strategy, the same in every picture."""
+    """Return the colour of a strategy, the same in every plot."""
     return COLOURS.get(strategy, TIME[0])
 
 
@@ -41,14 +41,14 @@ def build_error_bars(values: Sequence[Interval], colour: str) -> dict[str, Any]:
 
 
 def finite_length(length: float) -> float | None:
-    """Return the length of an error bar, None where there is none."""
+    """Return a number; None if it is NaN."""
     return None if math.isnan(length) else length
 
 
 def build_markers(
     name: str, x: Sequence[Any], values: Sequence[Interval], *, joined: bool, legend: bool
 ) -> Scatter:
-    """Return the figures of one strategy with their intervals."""
+    """Return the markers of one strategy with error bars."""
     shade = strategy_color(name)
     return Scatter(
         x=list(x), y=[finite_length(each.value) for each in values],
@@ -61,7 +61,7 @@ def build_markers(
 
 
 def plot_paper_comparison(cells: Sequence[EvaluationCell]) -> Figure:
-    """Return path, time and success of each strategy indoors, the paper's flights beside them."""
+    """Plot path, time and success of each strategy indoors, with the paper's flights."""
     figure = create_figure(3, [0.42, 0.34, 0.24])
     for cell in cells:
         name = labels.label_strategy(cell.strategy)
@@ -99,14 +99,14 @@ def plot_paper_comparison(cells: Sequence[EvaluationCell]) -> Figure:
 
 
 def set_share_axis(figure: Figure, row: int) -> None:
-    """Make the axis of a row one of shares."""
+    """Format the y axis of a row for shares."""
     figure.update_yaxes(
         title_text='reached', range=[-0.06, 1.06], tickvals=[0, 0.5, 1], tickformat='.0%', row=row
     )
 
 
 def plot_along_axis(cells: Sequence[EvaluationCell], axis: EvaluationAxis) -> Figure:
-    """Return who reaches the lamp along an axis, and over which path; a row a family of cases."""
+    """Plot success along an axis, one row per family of cases, and path ratios."""
     families = group_by_family(cells)
     piloted = bool(select_pilot_cells(cells))
     figure = create_figure(len(families) + piloted, None)
@@ -146,7 +146,7 @@ def add_ratios(
     axis: EvaluationAxis,
     row: int,
 ) -> None:
-    """Draw the path of each strategy over the pilot's; of all families together."""
+    """Draw the ratio of each strategy's path to the pilot's, for all families."""
     best = select_pilot_cells(cells)
     worst = 1.5
     for name, line in group_by_strategy(cells).items():
@@ -163,13 +163,13 @@ def add_ratios(
 
 
 def group_by_family(cells: Sequence[EvaluationCell]) -> dict[str, list[EvaluationCell]]:
-    """Return cells by family; what has none stands in all of them."""
+    """Group cells by family; cells without a family are in all of them."""
     names = list(dict.fromkeys(cell.family for cell in cells if cell.family)) or ['']
     return {name: [cell for cell in cells if cell.family in {name, ''}] for name in names}
 
 
 def group_by_strategy(cells: Sequence[EvaluationCell]) -> dict[str, list[EvaluationCell]]:
-    """Return cells by strategy, along the axis."""
+    """Group cells by strategy, sorted along the axis."""
     ordered = sorted(cells, key=lambda cell: (cell.strategy, cell.place))
     grouped = groupby(ordered, key=lambda cell: cell.strategy)
     own = {name: list(line) for name, line in grouped}
@@ -179,7 +179,7 @@ def group_by_strategy(cells: Sequence[EvaluationCell]) -> dict[str, list[Evaluat
 def offset_places(
     line: Sequence[EvaluationCell], places: Sequence[float], axis: EvaluationAxis, name: str
 ) -> list[float]:
-    """Return where the cells of a strategy are drawn, a little beside those of others."""
+    """Return the x positions of a strategy's cells, shifted so that markers do not overlap."""
     order = list(COLOURS).index(name) if name in COLOURS else len(COLOURS)
     span = len(places) - 1.0 if axis.decades else places[-1] - places[0]
     shift = APART * (order - 2) * (span or 1.0)
@@ -187,7 +187,7 @@ def offset_places(
 
 
 def plot_factors(cells: Sequence[EvaluationCell]) -> Figure:
-    """Return the mean path of each strategy with one factor changed at a time."""
+    """Plot the mean path of each strategy with one factor changed at a time."""
     figure = create_figure(2, [0.62, 0.38])
     cases = list(dict.fromkeys(cell.case for cell in cells))
     for name, line in group_by_strategy(cells).items():
@@ -209,7 +209,7 @@ def plot_factors(cells: Sequence[EvaluationCell]) -> Figure:
 
 
 def wrap_text(text: str, width: int = 16) -> str:
-    """Return words in lines of about so many letters, as plotly breaks them."""
+    """Wrap text with Plotly line breaks."""
     lines = ['']
     for word in text.split():
         if lines[-1] and len(lines[-1]) + len(word) >= width:

@@ -1,16 +1,16 @@
 """
-The reference pilot: flies as straight to the lamp as the vehicle lets anybody who knows the wind.
+Define the reference pilot, which flies as straight to the lamp as a known wind allows.
 
-It knows the lamp, where the drone is, and the wind at the hull, and flies through the same
-mission, controller and rotors as every strategy. With the wind w, the unit vector t to the lamp
-and n to the left of it, it flies through the air at
+It knows the positions of lamp and drone and the wind at the hull, and uses the same mission,
+controller and rotors as every strategy. With the wind w, the unit vector t to the lamp and n to
+the left of it, its air velocity is
 
     a = sqrt(V^2 - (w.n)^2) t - (w.n) n
 
-so that the track over ground is straight wherever the airspeed V holds against the wind across.
-V is the cruise speed, and all that the controller allows where that leaves less than half of it
-over ground. It knows the wind without its eddies: who turns after each of them turns instead of
-flying. Its path is what others are measured by.
+so that the ground track is straight wherever the airspeed V exceeds the crosswind. V is the cruise
+speed, or the controller's limit if the cruise speed leaves less than half of itself over ground.
+The wind is low-pass filtered, because following every gust would only cost time. The path of the
+pilot is the reference for the strategies.
 """
 
 import math
@@ -27,20 +27,20 @@ from lta_model.state import QUATERNION
 from lta_sim.world import World
 
 NAME = 'pilot'
-EDDIES = 5.0  # s; over so much, the wind at the hull is averaged
-LEAST = 0.5  # of the cruise speed, over ground, before the pilot flies faster
+EDDIES = 5.0  # s, time constant of the low-pass filter of the wind
+LEAST = 0.5  # share of the cruise speed over ground below which the pilot flies faster
 
 
 def build_pilot_strategy(world: World, top: float) -> NavigationStrategy:
     """
-    Return a strategy that looks at the world instead of the light.
+    Return a strategy that uses the true state of the world instead of the light.
 
     Parameters
     ----------
     world : World
-        In which it flies.
+        Simulated world.
     top : float
-        Most airspeed that the controller allows. [m/s]
+        Airspeed limit of the controller. [m/s]
 
     """
     lamp_x, lamp_y, _ = world.scenario.goal_lamp.position.vector
@@ -59,7 +59,7 @@ def build_pilot_strategy(world: World, top: float) -> NavigationStrategy:
             x, y = memory[1] + share * (x - memory[1]), memory[2] + share * (y - memory[2])
         along, left = solve_wind_triangle(x * c + y * s, y * c - x * s, settings.speed, top)
         qx, qy, qz, qw = world.state[QUATERNION].tolist()
-        # The drone counts its heading from where it began; the pilot sees both.
+        # The drone's heading is relative to its start; correct it by the true heading.
         turn = towards + math.atan2(left, along) - yaw_from_quaternion((qx, qy, qz, qw))
         heading = sight.heading + math.remainder(turn, math.tau)
         return SteeringCommand(heading, math.hypot(along, left)), (heading, x, y)
@@ -71,14 +71,14 @@ def solve_wind_triangle(
     with_it: float, across: float, cruise: float, top: float
 ) -> tuple[float, float]:
     """
-    Return the air velocity that keeps a straight track: along the way, and left of it. [m/s]
+    Return the air velocity for a straight track: along the track, and left of it. [m/s]
 
     Parameters
     ----------
     with_it, across : float
-        Wind along the way to the lamp, and to the left of it. [m/s]
+        Wind along the track to the lamp, and to the left of it. [m/s]
     cruise, top : float
-        Usual and most airspeed. [m/s]
+        Cruise and maximum airspeed. [m/s]
 
     """
     for speed in (cruise, max(cruise, top)):

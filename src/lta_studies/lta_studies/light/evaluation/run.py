@@ -1,4 +1,4 @@
-"""The evaluation from its sets to its results: checked first, flown, kept whatever happens."""
+"""Run an evaluation: check its sets, fly them, and store every flight."""
 
 from collections.abc import Mapping
 from contextlib import ExitStack
@@ -24,13 +24,13 @@ from lta_studies.light.evaluation.flights import (
 )
 from rich.console import Console
 
-FLIGHTS = 'flights'  # folder of the logs, one a set
+FLIGHTS = 'flights'  # folder of the logs, one per set
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class EvaluationRequest:
-    """What to fly: names of sets, seeds, and the folder of the results."""
+    """Options of an evaluation."""
 
     sets: tuple[str, ...]
     seeds: int
@@ -43,22 +43,22 @@ class EvaluationRequest:
 @dataclass(frozen=True, slots=True)
 class EvaluationStatus:
     """
-    How an evaluation stands.
+    State of an evaluation.
 
     Attributes
     ----------
-    order : Order
-        What was asked for.
+    order : EvaluationRequest
+        Options.
     plans : mapping
-        Its sets, by name.
+        Sweep plans by set.
     cells : mapping
-        What was found, by set.
+        Results by set.
     flown, total : int
-        Flights of this run, and of all that was asked for.
+        Flights of this run, and all flights requested.
     wall, work : float
-        Time of this run, and of all flights together. [s]
+        Wall time of this run, and computing time of all flights. [s]
     stopped : bool
-        Whether Ctrl-C ended it before all was flown.
+        Whether Ctrl-C ended it early.
 
     """
 
@@ -74,14 +74,14 @@ class EvaluationStatus:
 
 def run_evaluation(order: EvaluationRequest, console: Console) -> EvaluationStatus:
     """
-    Fly what has not been flown yet, and return what all flights come to.
+    Fly the missing flights and return the results of all.
 
-    Flights are kept as they end. Ctrl-C ends it: the same order goes on from there.
+    Flights are stored as they end. After Ctrl-C the same request resumes.
 
     Raises
     ------
     BadInput
-        If a set cannot be flown as it is designed: nothing has been flown then.
+        If a set cannot be flown; raised before any flight.
 
     """
     plans = build_plans(order.sets)
@@ -102,7 +102,7 @@ def run_evaluation(order: EvaluationRequest, console: Console) -> EvaluationStat
         try:
             fly_tasks(todo, plans, logs, (total, order.workers or count_cores()), console)
         except KeyboardInterrupt:
-            stopped = True  # what has been flown is told all the same
+            stopped = True  # report the flights so far
         known = sum(len(select_rows(log, plans[name], order.seeds)) for name, log in logs.items())
     rows = {name: select_rows(log, plans[name], order.seeds) for name, log in logs.items()}
     return EvaluationStatus(
@@ -119,7 +119,7 @@ def fly_tasks(
     size: tuple[int, int],
     console: Console,
 ) -> None:
-    """Fly some flights, of `size` in all and by so many workers, into the logs of their sets."""
+    """Fly tasks into the logs of their sets; `size` is the total and the number of workers."""
     total, workers = size
     jobs = (complete_job(plans[task.part], task.job, k) for k, task in enumerate(todo))
     crew = LocalWorkers(fly_task, min(workers, max(1, len(todo))))
@@ -131,5 +131,5 @@ def fly_tasks(
 
 
 def select_rows(log: SweepLog, plan: SweepPlan, seeds: int) -> list[SweepRow]:
-    """Return the flights of as many seeds as are asked for; a log may hold more."""
+    """Return the flights of the requested seeds; a log may hold more."""
     return [row for row in log.sorted_rows if row.index % plan.file.draws_per_point < seeds]

@@ -1,4 +1,4 @@
-"""docs/navigation_scores.md: every figure of the evaluation, and the command that repeats it."""
+"""Write docs/navigation_scores.md with all results of the evaluation."""
 
 from lta_studies.light.evaluation import tables
 from lta_studies.light.evaluation.findings import EvaluationFindings
@@ -8,7 +8,7 @@ from lta_studies.light.evaluation.tables import format_markdown_table
 
 
 def format_scores_page(findings: EvaluationFindings) -> str:
-    """Return the whole page as Markdown."""
+    """Return the page as Markdown."""
     some = '' if len(findings.cells) == len(SETS) else f' --sets {" ".join(findings.cells)}'
     command = f'lta light evaluate --seeds {findings.seeds}{some} --markdown'
     parts = [

@@ -1,4 +1,4 @@
-"""The sets of flights of the evaluation: which sweep each is, and along what it is looked at."""
+"""Define the flight sets of the evaluation: sweep file, title and axis."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,16 +14,16 @@ from lta_flight.flight_spec import FlightSpec
 @dataclass(frozen=True, slots=True)
 class EvaluationAxis:
     """
-    What a set varies, as a number of each flight.
+    The quantity that a set varies.
 
     Attributes
     ----------
     title, unit : str
-        On the axis of a picture.
+        Label of the axis.
     place : callable
-        `place(made_of) -> float`, in the unit.
+        Returns the value of a flight spec in the unit.
     decades : bool
-        Whether it spans decades.
+        Whether the values span decades.
 
     """
 
@@ -42,13 +42,13 @@ class FlightSet:
     Attributes
     ----------
     file : str
-        Sweep file; it varies `strategy`.
+        Sweep file; it must vary `strategy`.
     title, about : str
-        For people.
-    axis : Axis or None
-        What it is looked at along; None where its cases only have names.
+        Title and description on the page.
+    axis : EvaluationAxis or None
+        Axis of the plot; None if the cases only have names.
     piloted : bool
-        Whether the reference pilot flies it too.
+        Whether the reference pilot also flies it.
 
     """
 
@@ -60,12 +60,12 @@ class FlightSet:
 
 
 def read_quantity(spec: FlightSpec, path: str) -> tuple[float, ...]:
-    """Return the numbers that stand at a path, in SI."""
+    """Return the numbers at a path, in SI units."""
     return Quantity.model_validate(spec.read_value(path)).vector
 
 
 def lamp_distance(spec: FlightSpec) -> float:
-    """Return how far the lamp is at the start. [m]"""
+    """Return the distance from start to lamp. [m]"""
     x, y = read_quantity(spec, 'scenario.start.position')
     there = read_quantity(spec, 'scenario.lamp.position')
     return math.hypot(there[0] - x, there[1] - y)
@@ -103,12 +103,12 @@ SETS: Final[dict[str, FlightSet]] = {
     ),
     WINDS: FlightSet(
         'light_reference_winds', 'Against reference winds',
-        'Wind at 10 m over a roughness of 0.3 m, from the lamp to the start; told to fly 1 m/s.',
+        'Wind at 10 m over a roughness of 0.3 m, from the lamp to the start; airspeed 1 m/s.',
         EvaluationAxis('wind at 10 m', 'm/s', reference_wind),
     ),
     ROUGHNESS: FlightSet(
         'light_roughness', 'The same 8 m/s over other ground',
-        'The paper names no roughness; so near the ground it decides what the hull meets.',
+        'The paper states no roughness; near the ground it determines the wind at the hull.',
         EvaluationAxis('roughness', 'm', ground_roughness),
     ),
     UNIFORM: FlightSet(
@@ -126,17 +126,17 @@ SETS: Final[dict[str, FlightSet]] = {
     ),
     'door': FlightSet(
         'light_door', 'Out of a building',
-        'At the door wind and sunlight step; the lamp stands 3 m outside.',
+        'Wind and sunlight change at the door; the lamp is 3 m outside.',
     ),
     ABLATIONS: FlightSet(
-        'light_ablations', 'What makes the order',
-        'Indoors, one factor changed at a time, the seeds the same.', piloted=False,
+        'light_ablations', 'Causes of the order of paths',
+        'Indoors, one factor changed at a time, with the same seeds.', piloted=False,
     ),
 }  # fmt: skip
 
 
 def find_flight_set(name: str) -> FlightSet:
-    """Return a set; an unknown name is a `BadInput` that lists the known ones."""
+    """Return a set; raise `BadInput` for an unknown name."""
     if name not in SETS:
         raise unknown_name('set', name, list(SETS))
     return SETS[name]

@@ -1,4 +1,4 @@
-"""The figures of the evaluation as lines of text: for the page, and for the docs."""
+"""Build the tables of the evaluation, for page and docs."""
 
 from collections.abc import Mapping, Sequence
 import math
@@ -28,7 +28,7 @@ Lines = list[list[str]]
 
 
 def build_set_lines(name: str, cells: Sequence[EvaluationCell]) -> Lines:
-    """Return a line for each case and strategy of a set."""
+    """Return a row for each case and strategy of a set."""
     axis, best = find_flight_set(name).axis, select_pilot_cells(cells)
     return [
         [
@@ -46,7 +46,7 @@ def build_set_lines(name: str, cells: Sequence[EvaluationCell]) -> Lines:
 
 
 def build_paper_lines(cells: Sequence[EvaluationCell]) -> Lines:
-    """Return the indoor flights beside the paper's."""
+    """Return rows that compare the indoor flights with the paper's."""
     own = {cell.strategy: cell for cell in cells}
     return [
         [
@@ -60,7 +60,7 @@ def build_paper_lines(cells: Sequence[EvaluationCell]) -> Lines:
 
 
 def build_wind_lines(cells: Sequence[EvaluationCell]) -> Lines:
-    """Return who reached the lamp against the paper's winds, here and there."""
+    """Return rows that compare success in the paper's winds."""
     return [
         [
             f'{cell.place:g} m/s',
@@ -74,12 +74,12 @@ def build_wind_lines(cells: Sequence[EvaluationCell]) -> Lines:
 
 
 def build_order_lines(orders: Sequence[PathOrder]) -> Lines:
-    """Return how paths are ordered in each case of the ablations."""
+    """Return a row with the order of paths for each ablation."""
     return [
         [
             labels.label_factor(each.case),
             *(labels.format_mean(each.paths[name]) for name in paper.ORDER),
-            'yes' if each.is_significant else 'not beyond chance' if each.holds else 'no',
+            'yes' if each.is_significant else 'not significant' if each.holds else 'no',
             MISSING if math.isnan(each.share) else f'{100 * each.share:.0f} %',
         ]
         for each in orders
@@ -87,7 +87,7 @@ def build_order_lines(orders: Sequence[PathOrder]) -> Lines:
 
 
 def build_target_lines(findings: Mapping[str, Sequence[EvaluationCell]], ours: str) -> Lines:
-    """Return whether our strategy reaches what was asked of it, in each piloted case."""
+    """Return a row for each piloted case: whether our strategy meets its targets."""
     made = []
     for name, cells in findings.items():
         part, best = find_flight_set(name), select_pilot_cells(cells)
@@ -111,6 +111,6 @@ def build_target_lines(findings: Mapping[str, Sequence[EvaluationCell]], ours: s
 
 
 def format_markdown_table(heads: Sequence[str], body: Lines) -> str:
-    """Return a table of Markdown."""
+    """Return a Markdown table."""
     rows = [heads, ['---'] * len(heads), *body]
     return '\n'.join(f'| {" | ".join(cells)} |' for cells in rows) + '\n'

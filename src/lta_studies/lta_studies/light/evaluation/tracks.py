@@ -1,4 +1,4 @@
-"""A flight of each strategy, drawn from above: the same seed for all."""
+"""Plot one flight of each strategy from above, all with the same seed."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,14 +17,14 @@ from lta_studies.light.evaluation.pictures import LEGEND, strategy_color
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
-BEADS = 400
-MARGIN = 0.25  # m of paper around the room
+BEADS = 400  # points of a track, at most about twice that
+MARGIN = 0.25  # m of blank space around the room
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class EvaluationTrack:
-    """The way of one flight over the ground by time. [s], [m, map]"""
+    """Ground track of one flight over time. [s], [m, map]"""
 
     strategy: str
     time: Array
@@ -34,7 +34,7 @@ class EvaluationTrack:
 
 
 def select_seed(cells: Sequence[EvaluationCell]) -> int:
-    """Return the first seed with which the most strategies reach the lamp."""
+    """Return the first seed in which the most strategies reach the lamp."""
     seeds = sorted({seed for cell in cells for seed in cell.rows})
     return max(seeds, key=lambda seed: (sum(seed in cell.arrivals for cell in cells), -seed))
 
@@ -42,7 +42,7 @@ def select_seed(cells: Sequence[EvaluationCell]) -> int:
 def fly_again(
     plan: SweepPlan, cells: Sequence[EvaluationCell], seed: int
 ) -> tuple[list[EvaluationTrack], Scenario]:
-    """Return the flights of one seed, flown again: rows keep figures, not tracks."""
+    """Repeat the flights of one seed, since rows do not store tracks."""
     drawn = []
     for cell in cells:
         if seed not in cell.rows:
@@ -60,7 +60,7 @@ def fly_again(
 
 
 def plot_tracks(tracks: Sequence[EvaluationTrack], scenario: Scenario, height: float) -> Figure:
-    """Return the ways of some flights in their room."""
+    """Plot some tracks in their room."""
     figure = create_figure()
     draw_room(figure, scenario, height)
     figure.update_traces(showlegend=False)

@@ -1,8 +1,8 @@
 """
-How much of the top airspeed the wind of a flight takes: its mean and one deviation.
+Compute the wind of a flight (mean plus one deviation) relative to the top airspeed.
 
-The top airspeed is the least of what the vehicle can fly level by its numbers ("lta wind") and
-of what its controller allows.
+The top airspeed is the lower of the vehicle's static limit in level flight ("lta wind") and the
+limit of its controller.
 """
 
 from functools import cache
@@ -15,11 +15,11 @@ from lta_flight.flight_spec import build_parts, FlightSpec
 from lta_model.vehicle import load_vehicle
 from lta_sim import wind_limits
 
-ALLOWED: Final = 0.9  # of the top airspeed, up to which a strategy has to reach the lamp
+ALLOWED: Final = 0.9  # ratio up to which a strategy must reach the lamp
 
 
 def wind_to_airspeed_ratio(spec: FlightSpec) -> float:
-    """Return mean wind plus one deviation at the hull, over the top airspeed. [1]"""
+    """Return mean wind plus one deviation at the hull, relative to the top airspeed. [1]"""
     vehicle, scenario, policy = build_parts(spec)
     air = scenario.air
     mean = math.hypot(*air.wind.vector)
@@ -40,5 +40,5 @@ def wind_to_airspeed_ratio(spec: FlightSpec) -> float:
 
 @cache
 def level_airspeed(vehicle: str, density: float) -> float:
-    """Return the airspeed up to which a vehicle flies level, by its numbers. [m/s]"""
+    """Return the static limit of the airspeed in level flight. [m/s]"""
     return wind_limits.static_wind_limit(load_vehicle(vehicle, density))

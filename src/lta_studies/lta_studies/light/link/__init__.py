@@ -1,1 +1,1 @@
-"""The link from a lamp to the photodiodes by distance: lux and signal-to-noise ratio."""
+"""Link budget from a lamp to the photodiodes: illuminance and SNR by distance."""

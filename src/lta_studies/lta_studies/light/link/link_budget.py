@@ -1,9 +1,9 @@
 """
-Lux and SNR of a scene's first lamp against distance, through the whole chain.
+Compute illuminance and SNR of a scene's first lamp against distance.
 
-The drone stands on the lamp's axis, seen from above, with its nose to the lamp. Light is that of
-the link model; SNR is what the demodulator says of whole ADC blocks, the median of several, each
-with gains, noise and a heading of its own.
+The drone is on the lamp's axis (seen from above) and faces the lamp. The light comes from the link
+model. The SNR is the demodulator's median over several ADC blocks with different gains, noise and
+heading.
 """
 
 from collections.abc import Sequence
@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 BLOCK_NS = 100_000_000
-TURN = math.radians(22.5)  # the nose is at most so far off the lamp: half a step of eight diodes
+TURN = math.radians(22.5)  # largest heading offset: half the spacing of eight diodes
 
 
 @final
@@ -40,19 +40,19 @@ class LinkPoint:
     Attributes
     ----------
     distance : float
-        From the lamp to the hull centre, seen from above. [m]
+        Horizontal distance from the lamp to the hull centre. [m]
     lux : float
-        Direct light on a plane at the ring that faces the lamp, while it is on. [lx]
+        Direct light on a plane that faces the lamp, while it is on. [lx]
     read : float
-        What the diode reads that gets most, its response and the echo included. [lx]
+        Reading of the brightest diode, including its response and reflections. [lx]
     echo : float
-        What the diode reads that gets least: reflections alone. [lx]
+        Reading of the darkest diode: reflections only. [lx]
     steady : float
-        Ambient light and daylight on the diode that gets most of them. [lx]
+        Largest ambient light and daylight on a diode. [lx]
     snr : float
-        Of the diode that hears best, median of the blocks.
+        SNR of the best diode, median of the blocks.
     clipped : bool
-        Whether samples of it stand at the top of the converter.
+        Whether any sample saturates the ADC.
 
     """
 
@@ -68,7 +68,7 @@ class LinkPoint:
 @final
 @dataclass(frozen=True, slots=True)
 class LampLink:
-    """The link of one scene: by distance, with the feedback resistor that was selected. [ohm]"""
+    """Link of one scene by distance, with the selected feedback resistor [ohm]."""
 
     scenario: str
     about: str
@@ -80,23 +80,23 @@ def compute_link(
     vehicle: Vehicle, scenario: Scenario, distances: Sequence[float], altitude: float, blocks: int
 ) -> LampLink:
     """
-    Return the link of a scene.
+    Compute the link of a scene.
 
     Parameters
     ----------
     vehicle, scenario : Vehicle, Scenario
-        Who hears which lamp where.
+        Receiver and scene.
     distances : sequence of float
-        [m]
+        Distances from the lamp. [m]
     altitude : float
-        Of the hull centre. [m]
+        Height of the hull centre. [m]
     blocks : int
-        At each distance.
+        ADC blocks at each distance.
 
     Raises
     ------
     BadInput
-        If no distance is inside of the scene, or the lamp shines straight up or down.
+        If no distance is inside the scene, or the lamp shines vertically.
 
     """
     field = scenario.light_field
@@ -104,8 +104,8 @@ def compute_link(
     level = math.hypot(ahead, left)
     if level < 1e-6:
         raise BadInput(
-            f'The first lamp of {scenario.name} shines straight up or down, so that no way leads '
-            'along its axis; take another scenario.'
+            f'The first lamp of {scenario.name} shines straight up or down, but the link is '
+            'computed along a horizontal axis; choose another scenario.'
         )
     diodes, around = select_diode_gain(field, vehicle), build_field_geometry(field)
     x, y, _ = field.first_lamp.position
@@ -119,7 +119,7 @@ def compute_link(
             )
     if not found:
         raise BadInput(
-            f'None of the distances is inside of {scenario.name}; give shorter ones or a lower '
+            f'None of the distances is inside {scenario.name}; choose shorter ones or a lower '
             'altitude.'
         )
     return LampLink(scenario.name, scenario.about, diodes.feedback_resistance, tuple(found))
@@ -133,7 +133,7 @@ def _compute_link_point(
     stand: tuple[float, float, float, float],
     blocks: int,
 ) -> LinkPoint:
-    """Return the link at a place [m] with the lamp in some direction [rad]."""
+    """Compute the link at a place [m] with the lamp in a direction [rad]."""
     table = load_topic_table()
     rate, samples = table.light.sample_rate.si, table.light.samples
     frequency = field.first_lamp.wave.frequency
@@ -165,7 +165,7 @@ def simulate_block(
     stand: tuple[float, float, float, float],
     seed: int,
 ) -> NDArray[np.uint16]:
-    """Return an ADC block at a place [m], the lamp in some direction [rad]; (samples, diodes)."""
+    """Simulate an ADC block at a place [m] facing a direction [rad]; (samples, diodes)."""
     light = load_topic_table().light
     chance = np.random.default_rng(seed)
     x, y, z, towards = stand

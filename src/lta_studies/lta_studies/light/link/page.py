@@ -1,4 +1,4 @@
-"""The link as one self-contained page, in the look of a flight's page."""
+"""Write the link budget as one self-contained HTML page."""
 
 from collections.abc import Callable, Sequence
 from html import escape
@@ -17,30 +17,30 @@ from plotly.graph_objects import Figure, Scatter
 
 COLOURS: Final = (TRUTH, ESTIMATE, GOOD, LAMP, SETPOINT)
 PAPER_DISTANCE: Final = 7.0  # m
-PAPER_LUX: Final = (20.0, 90.0)  # "several tens of lux"
-NEEDED: Final = 10.0  # SNR at that distance
+PAPER_LUX: Final = (20.0, 90.0)  # range read from "several tens of lux"
+NEEDED: Final = 10.0  # required SNR at that distance
 LUX: Final = (
-    'Solid: what the diode that gets most reads of the lamp while it is on, its response and the '
-    'echo included. Dotted: direct light alone, on a plane that faces the lamp. Band: several '
-    'tens of lux at 7 m, the paper.'
+    'Solid: reading of the brightest diode while the lamp is on, including its response and '
+    'reflections. Dotted: direct light on a plane that faces the lamp. Band: the '
+    'several tens of lux at 7 m in the paper.'
 )
 SNR: Final = (
-    'Of the diode that hears the lamp best, as the demodulator tells it: the median of several '
-    'blocks with gains, noise and a heading of their own.'
+    'SNR of the best diode, from the demodulator: median of several '
+    'blocks with different gains, noise and heading.'
 )
 METHOD: Final = (
-    'The drone stands level before the lamp, its nose at most 22.5 degrees off. Light falls by '
-    'the inverse square; surfaces throw it back by place; the hull shades the diodes under it.'
+    'The drone is level and faces the lamp within 22.5 degrees. Light follows the inverse-square '
+    'law; surfaces reflect it depending on the place; the hull shades the diodes below it.'
 )
 
 
 def write_page(links: Sequence[LampLink], again: str, vehicle: str, out: Path) -> Path:
-    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    """Write the page and return its path; raise `BadInput` if that fails."""
     return write_file(render_page(links, again, vehicle), out)
 
 
 def render_page(links: Sequence[LampLink], again: str, vehicle: str) -> str:
-    """Return the whole page; `again` is what to type to find it again."""
+    """Return the HTML of the page; `again` is the command that repeats it."""
     first = links[0].scenario
     return assemble_page(
         'light_link.html',
@@ -54,26 +54,26 @@ def render_page(links: Sequence[LampLink], again: str, vehicle: str) -> str:
         method=escape(METHOD),
         facts={'vehicle': vehicle, 'commit': read_commit()},
         commands={
-            'Find it again': again,
+            'Repeat the study': again,
             'Fly in the first scene': format_lta_command('simulate', '--scenario', first),
         },
     )  # fmt: skip
 
 
 def find_reference_point(link: LampLink) -> LinkPoint:
-    """Return the link nearest to the paper's distance."""
+    """Return the point nearest to the paper's distance."""
     return min(link.at, key=lambda at: abs(at.distance - PAPER_DISTANCE))
 
 
 def format_title(links: Sequence[LampLink]) -> str:
-    """Return what came out, in a sentence."""
+    """Return the headline."""
     told = [f'{find_reference_point(each).snr:.0f} in {each.scenario}' for each in links]
     distances = {f'{find_reference_point(each).distance:g}' for each in links}
     return f'At {"/".join(sorted(distances))} m the SNR is {", ".join(told)}.'
 
 
 def build_tiles(links: Sequence[LampLink]) -> list[Tile]:
-    """Return light and SNR of each scene at the paper's distance."""
+    """Return tiles with light and SNR of each scene at the paper's distance."""
     made = []
     for each in links:
         at = find_reference_point(each)
@@ -84,7 +84,7 @@ def build_tiles(links: Sequence[LampLink]) -> list[Tile]:
 
 
 def plot_lux(links: Sequence[LampLink]) -> Figure:
-    """Return light against distance."""
+    """Plot light against distance."""
     figure = plot_links(links, lambda at: at.read, '%{y:.3g} lx')
     for k, link in enumerate(links):
         figure.add_trace(
@@ -103,7 +103,7 @@ def plot_lux(links: Sequence[LampLink]) -> Figure:
 
 
 def plot_snr(links: Sequence[LampLink]) -> Figure:
-    """Return SNR against distance."""
+    """Plot SNR against distance."""
     figure = plot_links(links, lambda at: at.snr, 'SNR %{y:.3g}')
     figure.add_shape(
         type='line', x0=0.0, x1=1.0, xref='paper', y0=NEEDED, y1=NEEDED, layer='below',
@@ -116,7 +116,7 @@ def plot_snr(links: Sequence[LampLink]) -> Figure:
 def plot_links(
     links: Sequence[LampLink], figure_of: Callable[[LinkPoint], float], words: str
 ) -> Figure:
-    """Return one line a scene, on logarithmic axes."""
+    """Plot one line per scene on logarithmic axes."""
     figure = create_figure()
     for k, link in enumerate(links):
         figure.add_trace(
@@ -140,14 +140,14 @@ HEADS: Final = ('distance [m]', 'direct [lx]', 'read [lx]', 'echo [lx]', 'steady
 
 
 def format_row(at: LinkPoint) -> list[str]:
-    """Return one row as text."""
+    """Format one row of the table."""
     snr = f'{at.snr:.1f}' + (' clipped' if at.clipped else '')
     numbers = (at.lux, at.read, at.echo, at.steady)
     return [f'{at.distance:g}', *(f'{number:.1f}' for number in numbers), snr]
 
 
 def render_table(link: LampLink) -> str:
-    """Return the link of one scene."""
+    """Return the HTML table of one scene."""
     head = ''.join(f'<th scope="col">{each}</th>' for each in HEADS)
     rows = []
     for at in link.at:

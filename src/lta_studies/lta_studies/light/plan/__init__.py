@@ -1,1 +1,1 @@
-"""Where lamps go on a floor, and at what frequencies, so that a drone hears one everywhere."""
+"""Plan lamp positions and frequencies so that a drone receives a lamp everywhere."""

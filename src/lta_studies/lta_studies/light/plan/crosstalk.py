@@ -1,9 +1,9 @@
 """
-What lamps leave of themselves where another is listened for.
+Compute the crosstalk between lamps in the demodulator.
 
-The wave of each lamp goes through the amplifier's pole and the demodulator's spectrum, as in the
-simulator; what it reads in the search window of another lamp and in the bins that tell that one's
-noise is what the two disturb each other by.
+The wave of each lamp passes the amplifier's pole and the demodulator's spectrum as in the
+simulator. Its magnitude in another lamp's search window and in the bins that measure that lamp's
+noise is the crosstalk.
 """
 
 from collections.abc import Sequence
@@ -21,22 +21,22 @@ def compute_crosstalk(
     ear: LightReceiver, frequencies: Sequence[float], duty: float
 ) -> tuple[Array, Array]:
     """
-    Return what a unit wave of each lamp leaves where each other is listened for.
+    Compute the crosstalk of unit waves.
 
     Parameters
     ----------
-    ear : Ear
+    ear : LightReceiver
         Diodes and demodulation.
     frequencies : sequence of float
-        Of the lamps. [Hz]
+        Frequencies of the lamps. [Hz]
     duty : float
-        Of all of them.
+        Duty cycle of all lamps.
 
     Returns
     -------
     window, quiet : ndarray, shape (k, k)
-        In row i and column j: the magnitude that lamp j reads in the window of lamp i, and its
-        mean over the quiet bins of lamp i. Zero on the diagonal.
+        Row i, column j: magnitude of lamp j in the search window of lamp i, and its mean over the
+        noise bins of lamp i. Zero on the diagonal.
 
     """
     rate, samples = ear.light.sample_rate.si, ear.light.samples

@@ -1,8 +1,8 @@
 """
-The floor in cells: where the hull fits, where a lamp must be heard, and what light cannot pass.
+Divide the floor into cells: where the hull fits, where a lamp must be received, and walls.
 
-A cell is free where the centre of the hull can be at flight altitude: inside the hall and at least
-the hull's radius from every wall and from whatever reaches up to its lowest part.
+A cell is free if the centre of the hull can be there at flight altitude: inside the hall, and at
+least the hull's radius from every wall and from every obstacle that reaches up to the hull.
 """
 
 from dataclasses import dataclass
@@ -22,29 +22,29 @@ from lta_studies.light.plan.polygon import (
 )
 import numpy as np
 
-MOST_CELLS = 200_000
+MOST_CELLS = 200_000  # limits memory and run time
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class FloorGrid:
     """
-    A hall as cells.
+    A hall divided into cells.
 
     Attributes
     ----------
     x, y : ndarray, shapes (nx,) and (ny,)
         Centres of the cells. [m]
     cell : float
-        Their side. [m]
+        Side of a cell. [m]
     free : ndarray of bool, shape (ny, nx)
-        Where the hull fits.
+        Cells where the hull fits.
     wanted : ndarray of bool, shape (ny, nx)
-        Where it must hear a lamp: free, and in an area of `hear` if there are any.
+        Free cells that must receive a lamp (inside the areas `hear`, if any).
     walls : ndarray, shape (w, 5)
-        What light does not pass, as upright faces on the floor: x0 y0 x1 y1 and height. [m]
+        Opaque vertical faces on the floor: x0 y0 x1 y1 and height. [m]
     area : float
-        Of the whole floor. [m2]
+        Area of the whole floor. [m2]
 
     """
 
@@ -58,12 +58,12 @@ class FloorGrid:
 
     @property
     def cell_centers(self) -> Array:
-        """The centres of the wanted cells, shape (m, 2). [m]"""
+        """Centres of the wanted cells, shape (m, 2). [m]"""
         rows, columns = np.nonzero(self.wanted)
         return np.stack([self.x[columns], self.y[rows]], axis=1)
 
     def locate_cells(self, points: Array) -> tuple[Array, Array]:
-        """Return rows and columns of the cells in which points of shape (..., 2) lie."""
+        """Return rows and columns of the cells that contain points of shape (..., 2)."""
         column = np.floor((points[..., 0] - self.x[0]) / self.cell + 0.5)
         row = np.floor((points[..., 1] - self.y[0]) / self.cell + 0.5)
         return row.astype(np.intp), column.astype(np.intp)
@@ -71,21 +71,21 @@ class FloorGrid:
 
 def build_floor(plan: FloorPlan, vehicle: Vehicle, cell: float) -> FloorGrid:
     """
-    Return the floor of a plan as a vehicle meets it.
+    Divide the floor of a plan into cells for a vehicle.
 
     Parameters
     ----------
     plan : FloorPlan
         The hall.
     vehicle : Vehicle
-        What flies.
+        The flying vehicle.
     cell : float
         Side of the cells. [m]
 
     Raises
     ------
     BadInput
-        If the hull does not fit at that altitude, or anywhere, or there are too many cells.
+        If the hull fits nowhere at the altitude, or there are too many cells.
 
     """
     _check_height(plan, vehicle)
@@ -94,8 +94,8 @@ def build_floor(plan: FloorPlan, vehicle: Vehicle, cell: float) -> FloorGrid:
     counts = np.maximum(np.ceil((high - low) / cell - 1e-9).astype(int), 1)
     if counts.prod() > MOST_CELLS:
         raise BadInput(
-            f'Cells of {cell:g} m make {counts.prod()} of the floor of {plan.name}, but at most '
-            f'{MOST_CELLS} are looked at; choose larger ones with --cell.'
+            f'Cells of {cell:g} m divide the floor of {plan.name} into {counts.prod()} cells, '
+            f'more than {MOST_CELLS}; choose larger ones with --cell.'
         )
     x, y = (low[k] + (np.arange(counts[k]) + 0.5) * cell for k in (0, 1))
     points = np.stack(np.meshgrid(x, y), axis=-1)
@@ -115,20 +115,20 @@ def build_floor(plan: FloorPlan, vehicle: Vehicle, cell: float) -> FloorGrid:
         wanted = free & np.any([is_inside(points, a.corners) for a in plan.hear.values()], axis=0)
     if not wanted.any():
         raise BadInput(
-            f'{vehicle.file.name}, {2 * radius:g} m wide, fits into no cell of {plan.name} where '
-            f'it must hear a lamp at {plan.altitude.si:g} m; fly higher than what stands there, '
-            'choose smaller cells with --cell, or a smaller vehicle.'
+            f'{vehicle.file.name}, {2 * radius:g} m wide, fits nowhere in the required area of '
+            f'{plan.name} at {plan.altitude.si:g} m; fly above the obstacles, choose smaller '
+            'cells with --cell, or a smaller vehicle.'
         )
     return FloorGrid(x, y, cell, free, wanted, np.vstack(walls), abs(signed_area(corners)))
 
 
 def hull_radius(vehicle: Vehicle) -> float:
-    """Return how far the hull reaches sideways from its centre. [m]"""
+    """Return the largest horizontal half axis of the hull. [m]"""
     return max(half_axes(vehicle.file.hull)[:2])
 
 
 def _check_height(plan: FloorPlan, vehicle: Vehicle) -> None:
-    """Refuse an altitude at which the vehicle would be in the floor or in the ceiling."""
+    """Raise `BadInput` for an altitude at which the vehicle hits the floor or the ceiling."""
     altitude, name = plan.altitude.si, vehicle.file.name
     standing, above = vehicle.height_on_floor, half_axes(vehicle.file.hull)[2]
     if altitude < standing:

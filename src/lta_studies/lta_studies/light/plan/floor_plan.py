@@ -1,8 +1,8 @@
 """
-The floor plan file: a hall, what stands in it, how high the drone flies, and the lamps to lay out.
+Define the floor plan file: a hall, its obstacles, the flight altitude and the lamps to lay out.
 
-Lengths are on the plan's own axes, z up from the floor. Everything that stands reaches from the
-floor to its height; walls reach to the ceiling.
+Positions are on the plan's own axes, with z up from the floor. Obstacles reach from the floor to
+their height; walls reach to the ceiling.
 """
 
 import math
@@ -28,11 +28,11 @@ Length = Annotated[Quantity, si_quantity('m', above=0.0, high=1000.0)]
 Albedo = Annotated[float, Field(ge=0.0, lt=1.0)]
 MOST_CORNERS, MOST_ROWS = 1000, 200
 NO_STEP = Quantity(value=(0.0, 0.0), unit='m')
-ON_WALL = 1e-6  # m
+ON_WALL = 1e-6  # m, rounding tolerance for lamps exactly on a wall
 
 
 class FloorArea(StrictModel):
-    """A simple polygon, its corners one after the other."""
+    """A simple polygon, with its corners in order."""
 
     x: Quantity
     y: Quantity
@@ -44,8 +44,8 @@ class FloorArea(StrictModel):
             raise ValueError('has corners that are not in m or its like')
         if across != up or not 3 <= across <= MOST_CORNERS:
             raise ValueError(
-                f'has {across} numbers in x and {up} in y; give as many in both, from 3 to '
-                f'{MOST_CORNERS}'
+                f'has {across} numbers in x and {up} in y; give the same number in both, from 3 '
+                f'to {MOST_CORNERS}'
             )
         if wrong := find_flaw(self.corners):
             raise ValueError(wrong)
@@ -53,13 +53,13 @@ class FloorArea(StrictModel):
 
     @property
     def corners(self) -> Array:
-        """The corners, shape (k, 2). [m]"""
+        """Corners, shape (k, 2). [m]"""
         return np.stack([self.x.vector, self.y.vector], axis=1)
 
 
 @final
 class FloorObstacle(FloorArea):
-    """What stands on the floor: a rack, a bench, a row of crops; `count` of them, `step` apart."""
+    """An obstacle on the floor, such as a rack; repeated `count` times with a `step`."""
 
     height: Length
     count: Annotated[int, Field(ge=1, le=MOST_ROWS)] = 1
@@ -68,12 +68,12 @@ class FloorObstacle(FloorArea):
     @model_validator(mode='after')
     def _check_step(self) -> Self:
         if self.count > 1 and not any(self.step.vector):
-            raise ValueError(f'stands {self.count} times in one place; give the step between them')
+            raise ValueError(f'has {self.count} copies in one place; give the step between them')
         return self
 
     @property
     def footprints(self) -> list[Array]:
-        """The corners of each, shape (k, 2). [m]"""
+        """Corners of each copy, shape (k, 2). [m]"""
         step = np.array(self.step.vector)
         return [self.corners + k * step for k in range(self.count)]
 
@@ -81,10 +81,10 @@ class FloorObstacle(FloorArea):
 @final
 class LampKind(StrictModel):
     """
-    The lamps to lay out: all alike, at one height.
+    The lamps to lay out: identical and at the same height.
 
-    They face the floor, hung from the ceiling; or sideways, on walls and on what stands higher
-    than they hang. `spacing` is that of the places that are tried.
+    They face down, or sideways on walls and on obstacles that reach above them. `spacing` is the
+    distance between candidate positions.
     """
 
     flux: Annotated[Quantity, si_quantity('lm', above=0.0, high=1e7)]
@@ -103,7 +103,7 @@ class LampKind(StrictModel):
 
 @final
 class ExistingLamp(StrictModel):
-    """A lamp that is there already, of the same kind; its frequency is kept where it has one."""
+    """An existing lamp of the same kind; it keeps its frequency if it has one."""
 
     position: Annotated[Quantity, si_quantity('m', low=-1000.0, high=1000.0, length=3)]
     facing: Annotated[Quantity, si_quantity('1', length=3)]
@@ -112,12 +112,12 @@ class ExistingLamp(StrictModel):
     @model_validator(mode='after')
     def _check_facing(self) -> Self:
         if not any(self.facing.vector):
-            raise ValueError('faces [0, 0, 0]; give the direction of the middle of its beam')
+            raise ValueError('faces [0, 0, 0]; give the direction of its beam axis')
         return self
 
 
 class FloorPlan(StrictModel):
-    """A whole floor plan file; `hear` is where the drone must hear a lamp, else everywhere."""
+    """A floor plan file; `hear` limits the area where the drone must receive a lamp."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
     name: Name

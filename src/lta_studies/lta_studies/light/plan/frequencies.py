@@ -1,18 +1,18 @@
 """
-Frequencies for several lamps, so that no lamp is taken for another, nor for the mains.
+Choose frequencies so that lamps are not confused with each other or with the mains.
 
-All stand in the middle of a bin: a lamp's wave then leaves nothing between its own harmonics. The
-law, in bins of the demodulator's block and its search window of w bins on either side:
+All frequencies are at the centre of a bin, so that a lamp's wave has no leakage between its
+harmonics. Rules, in bins of the demodulator's block with a search window of w bins on either side:
 
-- the windows of two lamps do not touch: more than 2 w bins apart;
-- no multiple of the flicker of the mains lies in a window;
-- no harmonic of a lamp, up to an order, lies in the window of another: n f folded at the sampling
-  rate, since what lies above Nyquist comes back; only harmonics that a wave of this duty has;
-- the windows lie between the lowest frequency and Nyquist.
+- the windows of two lamps do not touch: they are more than 2 w bins apart;
+- no multiple of the mains flicker is in a window;
+- no harmonic of a lamp, up to an order, is in the window of another. Harmonics above Nyquist are
+  aliased, and only harmonics that exist at this duty cycle count;
+- the windows are between the lowest frequency and Nyquist.
 
-A harmonic is weaker than its fundamental by its order: the higher the order up to which they
-stay clear, the nearer a drone may be to one lamp and still hear a far one. So the highest order
-is taken for which there are enough frequencies.
+A harmonic is weaker than its fundamental by its order. The higher the clear order, the nearer a
+drone may be to one lamp and still receive a distant one. The highest order that leaves enough
+frequencies is therefore used.
 """
 
 from collections.abc import Sequence
@@ -26,30 +26,30 @@ from lta_studies.light.plan.polygon import Array, Mask
 from lta_vlc.settings import DemodulationSettings
 import numpy as np
 
-LOWEST: Final = 150.0  # Hz, the paper's; slower flicker is seen by people
-ORDERS: Final = range(49, 4, -2)  # up to which harmonics stay clear, the best first
-FAINT: Final = 1e-9  # a harmonic that a wave does not have, but for rounding
-ROUNDING: Final = 1e-6  # of a bin
+LOWEST: Final = 150.0  # Hz, from the paper; slower flicker is visible
+ORDERS: Final = range(49, 4, -2)  # clear orders of harmonics to try, best first
+FAINT: Final = 1e-9  # amplitude below which a harmonic is zero except for rounding
+ROUNDING: Final = 1e-6  # bins, tolerance
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class FrequencyBand:
     """
-    Where frequencies can be.
+    Constraints on the frequencies.
 
     Attributes
     ----------
     rate : float
-        Samples a second. [Hz]
+        Sampling rate. [Hz]
     samples : int
-        In a block.
+        Samples per block.
     window : int
         Bins searched on either side of a lamp's frequency.
     mains : float
-        Frequency of the mains' flicker, whose multiples are taken. [Hz]
+        Frequency of the mains flicker; its multiples are excluded. [Hz]
     duty : float
-        Of the lamps: which harmonics there are.
+        Duty cycle of the lamps; determines their harmonics.
 
     """
 
@@ -61,24 +61,24 @@ class FrequencyBand:
 
     @property
     def bin_width(self) -> float:
-        """Of a bin. [Hz]"""
+        """Width of a bin. [Hz]"""
         return self.rate / self.samples
 
     @property
     def half_window(self) -> float:
-        """How far a window reaches to either side, with room for rounding. [Hz]"""
+        """Half width of a search window, including a rounding tolerance. [Hz]"""
         return (self.window + ROUNDING) * self.bin_width
 
     def list_harmonics(self, order: int) -> list[int]:
-        """Return the harmonics above the first that a wave of this duty has, up to an order."""
+        """Return the existing harmonics from the second up to an order."""
         return [n for n in range(2, order + 1) if abs(math.sin(math.pi * n * self.duty)) > FAINT]
 
     def alias_frequency(self, frequency: Array) -> Array:
-        """Return where frequencies show in the spectrum. [Hz]"""
+        """Return the aliased frequencies in the sampled spectrum. [Hz]"""
         return np.abs(frequency - self.rate * np.rint(frequency / self.rate))
 
     def is_usable(self, frequency: Array) -> Mask:
-        """Return whether the windows of lamps [Hz] are clear of both ends and of the mains."""
+        """Return whether the windows are within the band and clear of the mains."""
         half = self.half_window
         multiple = np.maximum(np.rint(frequency / self.mains), 1.0)
         off_mains = np.abs(frequency - self.mains * multiple) > half
@@ -87,7 +87,7 @@ class FrequencyBand:
         return np.asarray(ends & off_mains)
 
     def is_separable(self, first: float, second: Array, order: int) -> Mask:
-        """Return which lamps and one more leave each other's windows alone, up to an order."""
+        """Return which lamps do not interfere with `first`, with harmonics up to an order."""
         orders = np.array(self.list_harmonics(order))[:, None]
         near = np.abs(first - second) <= 2.0 * self.half_window
         from_first = np.abs(self.alias_frequency(orders * first) - second) <= self.half_window
@@ -98,14 +98,14 @@ class FrequencyBand:
 def build_band(
     settings: DemodulationSettings, rate: float, samples: int, mains: float, duty: float
 ) -> FrequencyBand:
-    """Return where frequencies can be for a demodulator; in Hz."""
+    """Build the frequency constraints of a demodulator; in Hz."""
     return FrequencyBand(rate, samples, settings.window, mains, duty)
 
 
 def find_clear_frequencies(
     band: FrequencyBand, existing: Sequence[float], order: int, most: int
 ) -> list[float]:
-    """Return up to `most` frequencies beside the kept ones, the lowest first. [Hz]"""
+    """Return up to `most` further frequencies, lowest first. [Hz]"""
     middles: Array = np.arange(1.0, band.samples // 2 + 1) * band.bin_width
     free = band.is_usable(middles)
     for frequency in existing:
@@ -121,21 +121,21 @@ def choose_frequencies(
     band: FrequencyBand, existing: Sequence[float], count: int
 ) -> tuple[list[float], int]:
     """
-    Return frequencies for new lamps, and the order up to which all harmonics stay clear.
+    Choose frequencies for new lamps; also return the order up to which harmonics are clear.
 
     Parameters
     ----------
-    band : Band
-        Where they can be.
-    kept : sequence of float
-        Of lamps that keep theirs. [Hz]
+    band : FrequencyBand
+        Constraints.
+    existing : sequence of float
+        Frequencies of existing lamps. [Hz]
     count : int
-        How many more are wanted.
+        Number of new frequencies.
 
     Raises
     ------
     BadInput
-        If the kept ones are in each other's way or the mains', or not enough fit beside them.
+        If existing frequencies conflict, or not enough new ones fit.
 
     """
     _check_existing(band, existing)
@@ -150,42 +150,41 @@ def choose_frequencies(
 
 
 def explain_shortage(band: FrequencyBand, existing: Sequence[float], count: int, fit: int) -> str:
-    """Return the sentence that says how few frequencies fit, and why."""
+    """Return the error message for too few frequencies."""
     width = band.bin_width
     half = band.window * width
-    beside = f' beside the {len(existing)} that lamps keep' if existing else ''
+    beside = f' in addition to the {len(existing)} existing ones' if existing else ''
     return (
-        f'{count} lamps want a frequency, but only {fit} fit{beside}: in bins of {width:g} Hz, '
+        f'{count} lamps need a frequency, but only {fit} fit{beside}: in bins of {width:g} Hz, '
         f'from {LOWEST:g} Hz to {band.rate / 2 - half:g} Hz, more than {2 * half:g} Hz apart, '
         f'more than {half:g} Hz off every multiple of {band.mains:g} Hz (mains) and off each '
-        f"other's harmonics up to the {ORDERS[-1]}th; ask for fewer lamps with --lamps, or for a "
+        f"other's harmonics up to the {ORDERS[-1]}th; choose fewer lamps with --lamps, or a "
         'narrower window with --set demodulator.window=1.'
     )
 
 
 def _check_existing(band: FrequencyBand, existing: Sequence[float]) -> None:
-    """Refuse frequencies of lamps already there that cannot be told apart."""
+    """Raise `BadInput` if existing frequencies are unusable or conflict."""
     for frequency in existing:
         if not band.is_usable(np.array(frequency)):
             raise BadInput(
-                f'A lamp that is there already flickers at {frequency:g} Hz, below {LOWEST:g} Hz, '
+                f'An existing lamp flickers at {frequency:g} Hz, below {LOWEST:g} Hz, '
                 f'too near to Nyquist ({band.rate / 2:g} Hz) or within '
                 f'{band.window * band.bin_width:g} Hz of a multiple of {band.mains:g} Hz (mains); '
                 'give it another frequency.'
             )
     if found := _find_conflict(band, existing, ORDERS[-1]):
         raise BadInput(
-            f'Two lamps that are there already flicker at {found[0]:g} and {found[1]:g} Hz, too '
-            f"near to each other or to each other's harmonics for a demodulator with bins of "
-            f'{band.bin_width:g} Hz and a window of {band.window} bins; give one another '
-            f'frequency.'
+            f'Two existing lamps flicker at {found[0]:g} and {found[1]:g} Hz, too '
+            f"close to each other or to each other's harmonics for a demodulator with bins of "
+            f'{band.bin_width:g} Hz and a window of {band.window} bins; change one of them.'
         )
 
 
 def _find_conflict(
     band: FrequencyBand, existing: Sequence[float], order: int
 ) -> tuple[float, float] | None:
-    """Return two of the frequencies that are not apart."""
+    """Return the first pair of conflicting frequencies, or None."""
     return next(
         (
             (one, other)

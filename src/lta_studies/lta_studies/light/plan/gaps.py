@@ -1,4 +1,4 @@
-"""Where too few lamps are heard, as patches of the floor, and why."""
+"""Find the connected areas of the floor that receive too few lamps, and why."""
 
 from collections.abc import Sequence
 from typing import final, NamedTuple
@@ -7,24 +7,24 @@ from lta_studies.light.plan.layout import LampLayout
 import numpy as np
 from scipy import ndimage
 
-BEYOND = 'no place for a lamp is heard there'
-DROWNED = 'other lamps drown what is heard there'
+BEYOND = 'out of reach of all possible lamp positions'
+DROWNED = 'interference from other lamps'
 FEW = 'too few lamps'
 
 
 @final
 class CoverageGap(NamedTuple):
     """
-    A patch of cells that hear too few lamps.
+    A connected area of cells that receive too few lamps.
 
     Attributes
     ----------
     area : float
-        [m2]
+        Area. [m2]
     west, south, east, north : float
-        The box around it. [m]
+        Bounding box. [m]
     why : str
-        What most of its cells lack.
+        Most common cause.
 
     """
 
@@ -37,7 +37,7 @@ class CoverageGap(NamedTuple):
 
 
 def find_gaps(layout: LampLayout) -> list[CoverageGap]:
-    """Return the gaps of a layout, the largest first."""
+    """Return the gaps of a layout, largest first."""
     floor, half = layout.floor, 0.5 * layout.floor.cell
     lacking = layout.audible_count < layout.overlap
     grid = np.zeros(floor.wanted.shape, dtype=bool)
@@ -57,7 +57,7 @@ def find_gaps(layout: LampLayout) -> list[CoverageGap]:
 
 
 def _explain_cells(layout: LampLayout) -> list[str]:
-    """Return for each wanted cell what it would lack."""
+    """Return the cause for each wanted cell, in case it is a gap."""
     alone = (layout.light >= layout.least).sum(axis=0)
     return [
         BEYOND if reach < layout.overlap else DROWNED if near >= layout.overlap else FEW

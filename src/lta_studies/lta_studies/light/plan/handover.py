@@ -1,9 +1,9 @@
 """
-Which lamp hands over to which, and a route along them.
+Find which lamp can hand over to which, and a route along them.
 
-A flight to a lamp ends in the cell nearest to it that hears it: under a lamp overhead the drone's
-own hull hides it. The lamp hands over to every other lamp that is heard from there, if the
-straight way to where the flight to that one ends is free.
+A flight to a lamp ends in the nearest cell that receives it; directly below a lamp the drone's own
+hull hides it. The lamp hands over to every other lamp that is received there, if the straight path
+to the end of that lamp's flight is free.
 """
 
 from dataclasses import dataclass
@@ -23,18 +23,18 @@ Place = tuple[float, float]
 @dataclass(frozen=True, slots=True)
 class LampHandover:
     """
-    How a drone gets from lamp to lamp.
+    Hand-overs between lamps.
 
     Attributes
     ----------
     arrivals : tuple of (tuple of 2 floats or None)
-        Where a flight to each lamp ends; None where it is heard nowhere. [m]
+        End of a flight to each lamp; None if it is received nowhere. [m]
     edges : tuple of (int, int)
-        From which lamp to which.
+        Hand-overs, from lamp to lamp.
     route : tuple of int
-        The longest of the shortest ways from a lamp to another, by lamps passed.
+        The longest of the shortest paths between two lamps.
     start : tuple of 2 floats or None
-        Where the route begins: as far from its first lamp as that is flown to straight. [m]
+        Start of the route: the farthest place with a straight flight to the first lamp. [m]
 
     """
 
@@ -45,7 +45,7 @@ class LampHandover:
 
 
 def plan_handover(layout: LampLayout) -> LampHandover:
-    """Return how a drone gets from lamp to lamp of a layout."""
+    """Plan the hand-overs and the route of a layout."""
     centres, heard = layout.floor.cell_centers, layout.audible
     ends = [find_arrival_cell(centres, heard[k], layout, k) for k in range(len(layout.lamps))]
     edges = []
@@ -64,7 +64,7 @@ def plan_handover(layout: LampLayout) -> LampHandover:
 
 
 def find_arrival_cell(centres: Array, audible: Mask, layout: LampLayout, lamp: int) -> int | None:
-    """Return the cell where a flight to a lamp ends."""
+    """Return the index of the cell where a flight to a lamp ends, or None."""
     if not audible.any():
         return None
     off = np.hypot(*(centres - layout.lamps[lamp].mount.position[:2]).T)
@@ -72,7 +72,8 @@ def find_arrival_cell(centres: Array, audible: Mask, layout: LampLayout, lamp: i
 
 
 def is_way_free(floor: FloorGrid, here: Array, there: Array) -> bool:
-    """Return whether the hull fits all along the straight way between two places. [m]"""
+    """Return whether the hull fits along the straight path between two places. [m]"""
+    # Two samples per cell, so that no cell on the path is skipped.
     steps = max(int(np.ceil(2.0 * np.hypot(*(there - here)) / floor.cell)), 1)
     points = here + np.linspace(0.0, 1.0, steps + 1)[:, None] * (there - here)
     rows, columns = floor.locate_cells(points)
@@ -80,7 +81,7 @@ def is_way_free(floor: FloorGrid, here: Array, there: Array) -> bool:
 
 
 def find_longest_route(count: int, edges: list[tuple[int, int]]) -> tuple[int, ...]:
-    """Return the longest of the shortest ways in a graph of so many nodes, node by node."""
+    """Return the longest of the shortest paths in a graph, as nodes."""
     if not edges:
         return (0,) if count else ()
     rows, columns = np.array(edges).T
@@ -96,7 +97,7 @@ def find_longest_route(count: int, edges: list[tuple[int, int]]) -> tuple[int, .
 
 
 def find_farthest_place(floor: FloorGrid, centres: Array, audible: Mask, end: int) -> Place:
-    """Return the farthest place that hears a lamp and from where one flies straight to it. [m]"""
+    """Return the farthest place that receives a lamp and has a straight path to it. [m]"""
     off = np.where(audible, np.hypot(*(centres - centres[end]).T), -1.0)
     for cell in np.argsort(-off):
         if off[cell] >= 0.0 and is_way_free(floor, centres[cell], centres[end]):

@@ -1,4 +1,4 @@
-"""What a layout is made of, as files have it, with single parameters replaced (--set)."""
+"""Load the input files of a layout, with single parameters replaced (--set)."""
 
 from collections.abc import Sequence
 
@@ -19,16 +19,16 @@ def load_inputs(
     plan: str, vehicle: str, margin: float, changes: Sequence[str] = ()
 ) -> tuple[FloorPlan, LightReceiver]:
     """
-    Return hall and drone.
+    Load the hall and the receiver.
 
     Parameters
     ----------
     plan, vehicle : str
         Shipped names or paths.
     margin : float
-        How far above the demodulator's threshold the SNR must be.
+        Required SNR relative to the demodulator's threshold.
     changes : sequence of str
-        `PATH=VALUE`, the first word of the path one of plan, vehicle and demodulator.
+        `PATH=VALUE`, with a path that starts with plan, vehicle or demodulator.
 
     Raises
     ------

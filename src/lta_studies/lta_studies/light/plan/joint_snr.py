@@ -1,15 +1,15 @@
 """
-How well each lamp is heard over each cell while all lamps are on, as compiled plain functions.
+Compute the SNR of each lamp over each cell while all lamps are on, as compiled functions.
 
-With c counts a lux, E the light of a lamp and F that of all others on one diode, and the
+With c counts per lux, E the light of a lamp and F that of all others on one diode, and the
 demodulator's g, l and h (`lta_sim.light_link`):
 
     A = g c E,   m = s sqrt(pi / N) + l c E + h + sum q c F
 
-q is what a unit wave of another lamp leaves in this one's quiet bins. As in the demodulator, a
-diode whose converter all lamps together fill is spoilt, and the ring takes for a lamp's tone what
-is strongest in its search window over all sound diodes: so a lamp is not heard where it is not
-`PURE` times as strong there as what the harmonics of others leave.
+q is the crosstalk of a unit wave of another lamp in this lamp's noise bins. As in the demodulator,
+a diode whose ADC is saturated is excluded, and the strongest peak in a search window over all
+valid diodes counts as the lamp's tone. A lamp is therefore not received unless it is `PURE` times
+as strong there as the harmonics of the others.
 """
 
 import math
@@ -19,7 +19,7 @@ from lta_model.effects.protocol import Vector
 from lta_model.light.lambertian import DiodeResponse, unpack_beam
 from lta_studies.light.plan.rays import Array, diode_light
 
-PURE: Final = 2.0
+PURE: Final = 2.0  # required amplitude ratio of a lamp to the crosstalk in its window
 Numbers = tuple[float, float, float, float, float, float, float, float]
 
 
@@ -32,21 +32,21 @@ def diode_snr(
     numbers: Numbers,
 ) -> float:
     """
-    Return the SNR that a lamp comes to on one diode, without the scatter of blocks.
+    Return the expected SNR of a lamp on one diode.
 
     Parameters
     ----------
     own, total : float
         Counts of this lamp and of all lamps while they are on.
     disturbed : float
-        What the others leave in the bins that tell the noise. [counts]
+        Crosstalk of the other lamps in the noise bins. [counts]
     of_lamp : tuple of 3 floats
-        Gain, leak and hum at the lamp's frequency, as `Listening` has them.
+        Gain, leak and hum at the lamp's frequency, as in `LightLink`.
     factor : float
-        Gain of the diode, times what it reads of light from all sides.
+        Gain of the diode times its share of ambient light.
     numbers : tuple of 8 floats
-        Counts a lux, in the dark, by steady light and at most; variance in the dark, what a count
-        of steady light and one of a lamp add to it, and samples.
+        Counts per lux, in the dark, from steady light and at full scale; variance in the dark,
+        variance per count of steady light and of a lamp, and number of samples.
 
     """
     _, _, steady, _, variance, shot, flicker, samples = numbers
@@ -57,7 +57,7 @@ def diode_snr(
 
 
 def is_saturated(total: float, factor: float, numbers: Numbers) -> bool:
-    """Return whether all lamps' counts fill a diode's converter; parameters as `diode_snr`."""
+    """Return whether all lamps together saturate the ADC; parameters as in `diode_snr`."""
     return numbers[1] + factor * numbers[2] + total > numbers[3]
 
 
@@ -74,22 +74,22 @@ def compute_ring_light(
     light: Array,
 ) -> None:
     """
-    Write the light of all lamps on all diodes of a drone.
+    Compute the light of all lamps on all diodes of a drone.
 
     Parameters
     ----------
     lamps, eye, planes, half_axes
-        As `compute_joint_snr` takes them.
+        As in `compute_joint_snr`.
     visible : ndarray of bool, shape (l,)
-        Which lamps no wall hides.
+        Lamps that are not hidden by a wall.
     cell : tuple of 3 floats
         Hull centre. [m]
     cosine, sine : float
-        Of its heading.
+        Cosine and sine of the heading.
     counts : float
-        A lux.
+        Counts per lux.
     light : ndarray, shape (l, d)
-        What is written. [counts]
+        Output. [counts]
 
     """
     for d in range(planes.shape[0]):
@@ -120,30 +120,30 @@ def compute_joint_snr(
     out: Array,
 ) -> None:
     """
-    Write the SNR of each lamp over each cell on its best diode, at its worst heading.
+    Compute the SNR of each lamp over each cell on its best diode, at the worst heading.
 
     Parameters
     ----------
     lamps : ndarray, shape (l, 11)
-        In the order of `Beam`, without any room.
-    eye : Eye
-        Of the diodes.
+        Lamps in the order of `LampBeam`, without room.
+    eye : DiodeResponse
+        Response of the diodes.
     visible : ndarray of bool, shape (m, l)
-        Which lamp no wall hides from which cell.
+        Lamps that are not hidden from a cell by a wall.
     cells : ndarray, shape (m, 3)
         Hull centres. [m]
     planes, half_axes, headings
-        As `rays.extremes` takes them.
+        As in `rays.light_extremes`.
     numbers : tuple of 8 floats
-        As `diode_snr` takes them.
+        As in `diode_snr`.
     each : ndarray, shape (l, 3)
         Gain, leak and hum at each lamp's frequency.
     window, quiet : ndarray, shape (l, l)
-        From `crosstalk`.
+        From `compute_crosstalk`.
     light : ndarray, shape (l, d)
-        Room for the light of all lamps on all diodes.
+        Work space.
     out : ndarray, shape (l, m)
-        The SNR.
+        Output: the SNR.
 
     """
     count = lamps.shape[0]

@@ -1,4 +1,4 @@
-"""A layout in numbers, for files and scripts: SI units, places on the plan's own axes."""
+"""Convert a layout to JSON, in SI units and on the plan's own axes."""
 
 from typing import Any
 
@@ -8,7 +8,7 @@ from lta_studies.light.plan.layout import LampLayout
 
 
 def encode_layout(layout: LampLayout, handover: LampHandover) -> dict[str, Any]:
-    """Return everything that came out, as JSON takes it."""
+    """Return the JSON object of a layout."""
     floor, heard, count = layout.floor, layout.audible, layout.audible_count
     names = [lamp.name for lamp in layout.lamps]
     return {

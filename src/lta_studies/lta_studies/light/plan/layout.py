@@ -1,4 +1,4 @@
-"""What came out: the lamps with their places and frequencies, and how they are heard."""
+"""Define the result of a plan: lamps with positions, frequencies and reception."""
 
 from dataclasses import dataclass
 from typing import final
@@ -20,11 +20,11 @@ class LayoutLamp:
     Attributes
     ----------
     name : str
-        `lamp_1` and so on, or its own where it was there already.
-    mount : Mount
-        Place and direction.
+        `lamp_1` and so on, or the name of an existing lamp.
+    mount : LampMount
+        Position and direction.
     frequency : float
-        At which it flickers. [Hz]
+        Flicker frequency. [Hz]
 
     """
 
@@ -37,28 +37,29 @@ class LayoutLamp:
 @dataclass(frozen=True, slots=True)
 class LampLayout:
     """
-    What came out.
+    Result of a plan.
 
     Attributes
     ----------
     plan, floor, ear
-        What was given.
+        Inputs.
     overlap : int
-        Lamps that each cell should hear.
-    lamps : tuple of Placed
-        In the order in which the page is read.
+        Number of lamps that each cell should receive.
+    lamps : tuple of LayoutLamp
+        Lamps from top left to bottom right.
     light, snr : ndarray, shape (lamps, cells)
-        Of each lamp over each wanted cell at the worst heading, all lamps on. [lx, 1]
+        Light and SNR of each lamp over each wanted cell at the worst heading, all lamps on.
+        [lx, 1]
     reachable : ndarray of int, shape (cells,)
-        How many of all lamps that could be mounted are heard there.
+        Number of candidate positions that a cell could receive.
     places : int
-        How many places for lamps there were.
+        Number of candidate positions.
     least : float
-        Light from which a lamp is heard, were it alone. [lx]
+        Light required to receive a single lamp. [lx]
     order : int
-        Up to which harmonics of lamps stay out of each other's windows.
+        Order up to which harmonics are outside the windows of other lamps.
     bound : int
-        No fewer lamps cover all that can be covered.
+        Lower bound on the number of lamps for full coverage.
 
     """
 
@@ -77,15 +78,15 @@ class LampLayout:
 
     @property
     def audible(self) -> Mask:
-        """Which lamp is heard over which wanted cell, shape (lamps, cells)."""
+        """Whether each lamp is received in each wanted cell, shape (lamps, cells)."""
         return np.asarray(self.snr >= self.ear.required_snr)
 
     @property
     def audible_count(self) -> Array:
-        """How many lamps are heard over each wanted cell."""
+        """Number of lamps received in each wanted cell."""
         return np.asarray(self.audible.sum(axis=0))
 
     @property
     def coverage(self) -> float:
-        """Share of the wanted cells that hear as many lamps as they should."""
+        """Share of the wanted cells that receive enough lamps."""
         return float((self.audible_count >= self.overlap).mean())

@@ -1,4 +1,4 @@
-"""The places where a lamp can be mounted, and those of the lamps that are there already."""
+"""List the candidate positions for lamps, and the existing lamps."""
 
 from typing import final, NamedTuple
 
@@ -7,9 +7,9 @@ from lta_studies.light.plan.floor_plan import FloorPlan
 from lta_studies.light.plan.polygon import Array, is_inside, Mask, polygon_edges, signed_area
 import numpy as np
 
-OFF = 0.05  # m, from the face that a lamp is mounted on to its own
+OFF = 0.05  # m between a wall and the lamp on it
 DOWN = (0.0, 0.0, -1.0)
-MOST = 5000
+MOST = 5000  # candidate positions
 
 Vector = tuple[float, float, float]
 
@@ -17,18 +17,18 @@ Vector = tuple[float, float, float]
 @final
 class LampMount(NamedTuple):
     """
-    A place for a lamp.
+    A candidate position for a lamp.
 
     Attributes
     ----------
     position : tuple of 3 floats
-        Of the lamp. [m]
+        Position of the lamp. [m]
     axis : tuple of 3 floats
-        Unit vector along the middle of its beam.
+        Unit vector along the beam axis.
     name : str
-        Of a lamp that is there already; else empty.
+        Name of an existing lamp; else empty.
     frequency : float or None
-        That a lamp there already keeps. [Hz]
+        Frequency of an existing lamp. [Hz]
 
     """
 
@@ -40,12 +40,12 @@ class LampMount(NamedTuple):
 
 def list_mounts(plan: FloorPlan) -> list[LampMount]:
     """
-    Return all places for lamps, first the lamps that are there already.
+    Return all candidate positions, existing lamps first.
 
     Raises
     ------
     BadInput
-        If there is no place for a lamp, or far too many.
+        If there are no positions, or too many.
 
     """
     standing = []
@@ -58,19 +58,20 @@ def list_mounts(plan: FloorPlan) -> list[LampMount]:
     found = standing + new
     if not found:
         raise BadInput(
-            f'{plan.name} has no place for a lamp facing {plan.lamp.facing} at '
-            f'{plan.lamp.height.si:g} m; forbid less, hang them elsewhere, or lower lamp.spacing.'
+            f'{plan.name} has no position for a lamp facing {plan.lamp.facing} at '
+            f'{plan.lamp.height.si:g} m; reduce the forbidden areas, change the height, or lower '
+            'lamp.spacing.'
         )
     if len(found) > MOST:
         raise BadInput(
-            f'{plan.name} has {len(found)} places for lamps, but at most {MOST} are tried; raise '
+            f'{plan.name} has {len(found)} positions for lamps, more than {MOST}; raise '
             'lamp.spacing.'
         )
     return found
 
 
 def list_ceiling_mounts(plan: FloorPlan) -> list[LampMount]:
-    """Return the places of lamps that face the floor: an even grid over the hall."""
+    """Return the positions of lamps that face down: a regular grid over the hall."""
     corners, spacing = plan.outline.corners, plan.lamp.spacing.si
     low, high = corners.min(axis=0), corners.max(axis=0)
     axes = [
@@ -84,7 +85,7 @@ def list_ceiling_mounts(plan: FloorPlan) -> list[LampMount]:
 
 
 def list_wall_mounts(plan: FloorPlan) -> list[LampMount]:
-    """Return the places of lamps that face sideways: along walls, and on what stands higher."""
+    """Return the positions of lamps that face sideways: on walls and taller obstacles."""
     faces = [_place_along_sides(plan.outline.corners, plan.lamp.spacing.si, inwards=True)]
     for obstacle in plan.obstacles.values():
         if obstacle.height.si > plan.lamp.height.si:
@@ -101,7 +102,7 @@ def list_wall_mounts(plan: FloorPlan) -> list[LampMount]:
 
 
 def _place_along_sides(corners: Array, spacing: float, inwards: bool) -> tuple[Array, Array]:
-    """Return points just off the sides of a polygon, and the direction away from each side."""
+    """Return points just off the sides of a polygon, with the normals of the sides."""
     left = 1.0 if (signed_area(corners) > 0.0) == inwards else -1.0
     points, axes = [], []
     for x0, y0, x1, y1 in polygon_edges(corners):
@@ -116,7 +117,7 @@ def _place_along_sides(corners: Array, spacing: float, inwards: bool) -> tuple[A
 
 
 def _is_allowed(plan: FloorPlan, points: Array) -> Mask:
-    """Return which points are in the hall, not forbidden and not inside what stands there."""
+    """Return which points are in the hall, not forbidden and not inside an obstacle."""
     allowed = is_inside(points, plan.outline.corners)
     for area in plan.forbidden.values():
         allowed &= ~is_inside(points, area.corners)

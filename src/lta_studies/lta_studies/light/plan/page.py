@@ -1,4 +1,4 @@
-"""The layout as one self-contained page, in the look of a flight's page."""
+"""Write the layout as one self-contained HTML page."""
 
 from collections.abc import Sequence
 from html import escape
@@ -16,54 +16,41 @@ from lta_studies.light.plan.joint_snr import PURE
 from lta_studies.light.plan.layout import LampLayout
 from lta_studies.light.plan.pictures import plot_coverage, plot_handovers
 
-PAPER: Final = 150.0  # m2 a lamp, of the seed paper
+PAPER: Final = 150.0  # m2 per lamp, seed paper
 MOST_GAPS: Final = 12
 HEIGHTS: Final = (360.0, 900.0)  # px of a picture
-WIDTH: Final = 1100.0  # px, about that of a picture on a desktop
+WIDTH: Final = 1100.0  # px, typical width of a plot on a desktop
 COVERED: Final = (
-    'Colour: the SNR of the lamp that is heard best over each cell, at the heading at which it is '
-    'heard worst. Grey: what stands on the floor. White: where the hull does not fit. Hatched: '
-    'too few lamps are heard.'
+    'Colour: SNR of the best received lamp in each cell, at its worst '
+    'heading. Grey: obstacles. White: where the hull does not fit. Hatched: '
+    'too few lamps are received.'
 )
 HANDED: Final = (
-    'Rings: where a flight to a lamp ends, the cell nearest to it that hears it. Thin lines: '
-    'from there another lamp is heard, and the straight way to where the flight to it ends is '
-    'free. Thick: the longest of the shortest routes along them.'
+    'Rings: end of a flight to a lamp, the nearest cell that receives it. Thin lines: '
+    'hand-overs, where another lamp is received at that point and the straight path to the end '
+    'of its flight is free. Thick: the longest of the shortest routes along them.'
 )
 METHOD: Final = (
-    'A lamp is heard over a cell if, at every heading and with all other lamps on, its SNR on its '
-    'best diode is at least {needed:g} ({margin:g} times the threshold of the demodulator), and '
-    'the ring hears it {pure:g} times as loud in its search window as what others leave there. '
-    "Light, diodes, noise and demodulation are the simulator's. Light passes neither walls nor "
-    "what stands on the floor, nor the drone's own hull above the diodes. Left out, to the safe "
-    'side: reflections from walls and floor. Left out besides: tilt, and what is narrower than a '
-    'cell of {cell:g} m.'
+    'A lamp is received in a cell if, at every heading and with all other lamps on, its SNR on '
+    'its best diode is at least {needed:g} ({margin:g} times the threshold of the demodulator), '
+    'and it is {pure:g} times as strong in its search window as the crosstalk of the others. '
+    'Light, diodes, noise and demodulation are those of the simulator. Walls, obstacles and '
+    "the drone's own hull block the light. Reflections are neglected, which is conservative. "
+    'Tilt and details smaller than a cell of {cell:g} m are also neglected.'
 )
 
 
 def write_page(
     layout: LampLayout, handover: LampHandover, again: str, scene: str, next_step: str, out: Path
 ) -> Path:
-    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    """Write the page and return its path; raise `BadInput` if that fails."""
     return write_file(render_page(layout, handover, again, scene, next_step), out)
 
 
 def render_page(
     layout: LampLayout, handover: LampHandover, again: str, scene: str, next_step: str
 ) -> str:
-    """
-    Return the whole page.
-
-    Parameters
-    ----------
-    layout, handover
-        What came out.
-    again, next_step : str
-        What to type to find it again, and to go on.
-    scene : str
-        The scenario file.
-
-    """
+    """Return the HTML of the page; `again` and `next_step` are commands, `scene` is a file."""
     plan, gaps = layout.plan, find_gaps(layout)
     return assemble_page(
         'light_plan.html',
@@ -88,28 +75,28 @@ def render_page(
             )
         ),
         facts=describe_provenance(layout),
-        commands={'Find it again': again, 'Fly in it': next_step},
+        commands={'Repeat the plan': again, 'Fly in it': next_step},
         files={'The scenario file': scene},
     )  # fmt: skip
 
 
 def format_title(layout: LampLayout) -> str:
-    """Return what came out, in a sentence."""
+    """Return the headline."""
     count, where = len(layout.lamps), layout.plan.name.replace('_', ' ')
     heard = 'one' if layout.overlap == 1 else f'{layout.overlap} of them'
     return (
-        f'{count} lamp{"s" if count > 1 else ""}: a drone hears {heard} over '
+        f'{count} lamp{"s" if count > 1 else ""}: a drone receives {heard} over '
         f'{format_percent(layout.coverage)} % of the {where}, at any heading.'
     )
 
 
 def format_percent(share: float) -> str:
-    """Return a share in percent, 100 only where nothing lacks."""
+    """Format a share in percent, rounded down so that 100 means complete."""
     return '100' if share == 1.0 else f'{math.floor(1000.0 * share) / 10.0:g}'
 
 
 def build_tiles(layout: LampLayout, handover: LampHandover) -> list[Tile]:
-    """Return the figures of the layout."""
+    """Return the tiles of the layout."""
     count, floor = len(layout.lamps), layout.floor
     wanted = float(floor.wanted.sum()) * floor.cell**2
     weakest = float(layout.snr.max(axis=0).min())
@@ -119,15 +106,15 @@ def build_tiles(layout: LampLayout, handover: LampHandover) -> list[Tile]:
     return [
         Tile('covered', format_percent(layout.coverage), '%', f'of {wanted:.0f} m² where the hull '
         f'fits'),
-        Tile('lamps', str(count), '', f'no fewer than {layout.bound} could cover it'),
+        Tile('lamps', str(count), '', f'lower bound for full coverage: {layout.bound}'),
         Tile(
             'lamps by area', f'{100.0 * count / floor.area:.2f}', 'per 100 m²',
-            f'one for {floor.area / max(count, 1):.0f} m²; the paper says {PAPER:g}',
+            f'one for {floor.area / max(count, 1):.0f} m²; paper: {PAPER:g}',
         ),
-        Tile('two lamps heard', two, '%', 'of the same floor: room for hand-over'),
+        Tile('two lamps received', two, '%', 'of the same area, which allows a hand-over'),
         Tile(
             'weakest spot', f'{weakest:.0f}', 'SNR',
-            f'{layout.ear.required_snr:g} counts as heard',
+            f'{layout.ear.required_snr:g} is required',
         ),
         Tile(
             'frequencies', f'{min(tones):g} to {max(tones):g}', 'Hz',
@@ -137,7 +124,7 @@ def build_tiles(layout: LampLayout, handover: LampHandover) -> list[Tile]:
 
 
 def picture_height(layout: LampLayout) -> float:
-    """Return the height of a picture of the floor at the width of a desktop. [px]"""
+    """Return the height of a plot of the floor on a desktop. [px]"""
     corners = layout.plan.outline.corners
     across, up = corners.max(axis=0) - corners.min(axis=0)
     return min(max(float(up / across) * WIDTH + 60.0, HEIGHTS[0]), HEIGHTS[1])
@@ -145,7 +132,7 @@ def picture_height(layout: LampLayout) -> float:
 
 def render_lamps(layout: LampLayout, handover: LampHandover) -> str:
     """Return the table of the lamps."""
-    heads = ('x [m]', 'y [m]', 'z [m]', 'frequency [Hz]', 'heard over [m²]')
+    heads = ('x [m]', 'y [m]', 'z [m]', 'frequency [Hz]', 'received over [m²]')
     names = [lamp.name for lamp in layout.lamps]
     lines = []
     for k, lamp in enumerate(layout.lamps):
@@ -154,7 +141,7 @@ def render_lamps(layout: LampLayout, handover: LampHandover) -> str:
         cells = ''.join(f'<td>{cell}</td>' for cell in (*numbers, f'{area:.0f}'))
         others = [str(j + 1) for i, j in handover.edges if i == k]
         to = ', '.join(others) or MISSING
-        there = ', there already' if lamp.mount.name else ''
+        there = ', existing' if lamp.mount.name else ''
         words = (format_facing(lamp.mount.axis) + there, to)
         cells += ''.join(f'<td class="text">{escape(word)}</td>' for word in words)
         lines.append(f'<tr><th scope="row"><b>{k + 1}</b> {escape(names[k])}</th>{cells}</tr>')
@@ -167,28 +154,28 @@ def render_lamps(layout: LampLayout, handover: LampHandover) -> str:
 
 
 def format_facing(axis: tuple[float, float, float]) -> str:
-    """Return where a lamp faces, in a word."""
+    """Format the direction of a lamp."""
     if abs(axis[2]) > 0.9:
         return 'down' if axis[2] < 0.0 else 'up'
     return f'{math.degrees(math.atan2(axis[1], axis[0])) % 360.0:.0f}°'
 
 
 def describe_separation(layout: LampLayout) -> str:
-    """Return how the frequencies stand to each other."""
+    """Describe the separation of the frequencies."""
     ear = layout.ear
     width = ear.light.sample_rate.si / ear.light.samples
     half = ear.demodulation.window * width
     return (
-        f'Directions anticlockwise from x. All frequencies stand in the middle of a bin of '
+        f'Directions anticlockwise from x. All frequencies are at the centre of a bin of '
         f'{width:g} Hz, more than {2 * half:g} Hz apart and more than {half:g} Hz off every '
         f'multiple of {layout.plan.ambient.mains_frequency.si:g} Hz (mains); no harmonic of a '
         f'lamp up to its {layout.order}th, folded at {ear.light.sample_rate.si:g} samples/s, '
-        'comes into the search window of another.'
+        'is in the search window of another.'
     )
 
 
 def render_gaps(gaps: Sequence[CoverageGap]) -> str:
-    """Return the table of the gaps, or that there are none."""
+    """Return the table of the gaps, or a note that there are none."""
     if not gaps:
         return '<p class="note">None: the whole floor where the hull fits is covered.</p>'
     heads = ''.join(f'<th scope="col">{h}</th>' for h in ('gap', 'area [m²]', 'x [m]', 'y [m]'))
@@ -208,16 +195,16 @@ def render_gaps(gaps: Sequence[CoverageGap]) -> str:
 
 
 def describe_provenance(layout: LampLayout) -> dict[str, str]:
-    """Return where the layout comes from."""
+    """Return the provenance table of the page."""
     plan, lamp = layout.plan, layout.plan.lamp
     angle = math.degrees(lamp.half_power.si)
     return {
         'vehicle': f'{layout.ear.vehicle.file.name}, hull centre at {plan.altitude.si:g} m',
         'lamps': f'{lamp.flux.si:g} lm, half power at {angle:g}°, at {lamp.height.si:g} m, '
-        f'facing {lamp.facing}; {layout.places} places tried',
+        f'facing {lamp.facing}; {layout.places} candidate positions',
         'ambient light': f'{plan.ambient.steady.si:g} lx, mains '
         f'{plan.ambient.mains_amplitude.si:g} lx at {plan.ambient.mains_frequency.si:g} Hz',
-        'light needed': f'{layout.least:.2g} lx on the diode, were the lamp alone',
+        'light needed': f'{layout.least:.2g} lx on the diode for a single lamp',
         'cells': f'{layout.floor.cell:g} m',
         'commit': read_commit(),
     }

@@ -1,4 +1,4 @@
-"""The floor from above: how well a lamp is heard, what is not covered, who hands over to whom."""
+"""Plot the floor from above: coverage with gaps, and hand-overs."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -25,14 +25,14 @@ import numpy as np
 from numpy.typing import NDArray
 from plotly.graph_objects import Figure, Heatmap, Scatter
 
-STEPS: Final = (1, 2, 5)  # of the colour scale's labels, times powers of ten
-AIR: Final = 0.02  # of the longer side, around the hall
-SIDEWAYS: Final = 0.4  # part of a lamp's axis on the floor from which it is drawn as an arrow
-CHARACTER: Final = 6.0  # px
+STEPS: Final = (1, 2, 5)  # labels of the colour scale, times powers of ten
+AIR: Final = 0.02  # margin around the hall, as a share of its longer side
+SIDEWAYS: Final = 0.4  # horizontal part of the axis above which a lamp is drawn as an arrow
+CHARACTER: Final = 6.0  # px, width of a character of a label
 
 
 def plot_coverage(layout: LampLayout) -> Figure:
-    """Return the SNR of the best heard lamp over the floor, lamps, and gaps hatched."""
+    """Plot the SNR of the best received lamp, the lamps, and the gaps hatched."""
     figure = plot_ground(layout)
     floor = layout.floor
     best = np.full(floor.wanted.shape, np.nan)
@@ -60,7 +60,7 @@ def plot_coverage(layout: LampLayout) -> Figure:
 
 
 def plot_handovers(layout: LampLayout, handover: LampHandover) -> Figure:
-    """Return where flights to lamps end, the hand-overs between them, and the route."""
+    """Plot the ends of flights to lamps, the hand-overs between them, and the route."""
     figure = plot_ground(layout)
     ends = handover.arrivals
     ways = [(a, b) for i, j in handover.edges if (a := ends[i]) and (b := ends[j])]
@@ -86,7 +86,7 @@ def plot_handovers(layout: LampLayout, handover: LampHandover) -> Figure:
 
 
 def plot_ground(layout: LampLayout) -> Figure:
-    """Return walls and what stands on the floor."""
+    """Return a figure with the walls and obstacles."""
     plan = layout.plan
     figure = create_figure()
     corners = plan.outline.corners
@@ -109,26 +109,26 @@ def plot_ground(layout: LampLayout) -> Figure:
 
 
 def format_outline(corners: NDArray[np.float64]) -> str:
-    """Return a polygon as the path of a shape."""
+    """Return the SVG path of a polygon."""
     return 'M ' + ' L '.join(f'{x:g} {y:g}' for x, y in corners) + ' Z'
 
 
 def color_range(layout: LampLayout) -> tuple[float, float]:
-    """Return the ends of the colour scale: log10 of the SNR needed, and of the greatest shown."""
+    """Return the range of the colour scale, as log10 of the SNR."""
     low = math.log10(layout.ear.required_snr)
     best = layout.snr.max(axis=0)
     return low, max(math.log10(max(float(np.quantile(best, 0.98)), 1e-9)), low + 0.5)
 
 
 def choose_ticks(low: float, high: float) -> list[float]:
-    """Return round numbers between two powers of ten."""
+    """Return round numbers between 10**low and 10**high."""
     decades = range(math.floor(low), math.ceil(high) + 1)
     steps = [step * 10.0**k for k in decades for step in STEPS]
     return [step for step in steps if low <= math.log10(step) <= high]
 
 
 def hatch_gaps(figure: Figure, layout: LampLayout) -> None:
-    """Hatch the cells that hear too few lamps."""
+    """Hatch the cells that receive too few lamps."""
     floor, half = layout.floor, 0.5 * layout.floor.cell
     grid = np.zeros(floor.wanted.shape, dtype=bool)
     grid[floor.wanted] = layout.audible_count < layout.overlap
@@ -153,7 +153,7 @@ def hatch_gaps(figure: Figure, layout: LampLayout) -> None:
 
 
 def draw_lamps(figure: Figure, layout: LampLayout, words: Sequence[str]) -> None:
-    """Draw the lamps, each turned to where it faces, with its number and some words before it."""
+    """Draw the lamps in their direction, with number and label."""
     facing = [lamp.mount.axis[:2] for lamp in layout.lamps]
     sideways = [math.hypot(*axis) > SIDEWAYS for axis in facing]
     figure.add_trace(
@@ -187,7 +187,7 @@ def draw_lamps(figure: Figure, layout: LampLayout, words: Sequence[str]) -> None
 def draw_ways(
     figure: Figure, ways: Sequence[tuple[Place, Place]], colour: str, width: float, name: str
 ) -> None:
-    """Draw straight ways between places as one broken line."""
+    """Draw straight lines between places as one trace."""
     figure.add_trace(
         Scatter(
             x=[x for (a, _), (b, _) in ways for x in (a, b, None)],

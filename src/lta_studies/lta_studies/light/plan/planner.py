@@ -1,4 +1,4 @@
-"""How lamps are laid out: as few as cover all, then frequencies, then all heard together."""
+"""Plan a layout: minimise the lamps, assign frequencies, then compute the joint reception."""
 
 from collections.abc import Callable
 import math
@@ -27,7 +27,7 @@ from lta_studies.light.plan.set_cover import (
 )
 import numpy as np
 
-SEED: Final = 1  # of the search for fewer lamps
+SEED: Final = 1  # random seed of the search for fewer lamps
 
 Say = Callable[[str], None]
 
@@ -43,32 +43,31 @@ def plan_layout(
     say: Say,
 ) -> LampLayout:
     """
-    Return where lamps go, and what is heard of them.
+    Plan the positions and frequencies of lamps.
 
     Parameters
     ----------
     plan, ear, floor, mounts
-        Hall, drone, cells, and places for lamps.
+        Hall, receiver, cells, and candidate positions.
     overlap : int
-        Lamps that each cell should hear.
+        Number of lamps that each cell should receive.
     most : int or None
-        How many lamps there may be at most.
+        Maximum number of lamps.
     tick : callable
-        Called once for each place for a lamp.
+        Progress callback, called once per candidate position.
     say : callable
-        Told what is done next.
+        Called with the name of the next stage.
 
     Raises
     ------
     BadInput
-        If no lamp can be heard anywhere, or there are not enough frequencies.
+        If no lamp can be received anywhere, or there are not enough frequencies.
 
     """
     kept = [k for k, mount in enumerate(mounts) if mount.name]
     if most is not None and most < len(kept):
         raise BadInput(
-            f'{plan.name} has {len(kept)} lamps already, but at most {most} are asked for; raise '
-            '--lamps.'
+            f'{plan.name} already has {len(kept)} lamps, more than --lamps {most}; raise --lamps.'
         )
     band = build_band(
         ear.demodulation, ear.light.sample_rate.si, ear.light.samples,
@@ -84,13 +83,14 @@ def plan_layout(
     alone = light[:, 0] >= least
     if not alone.any():
         raise BadInput(_explain_no_reception(plan, ear, least))
-    say('choosing')
+    say('choosing positions')
     cells, needed = merge_duplicate_cells(alone, coverage_demand(alone, overlap))
     bound = solve_lower_bound(cells, needed, kept)
     chosen = select_greedily(cells, needed, kept, len(mounts) if most is None else most)
     chosen = improve_cover(cells, needed, chosen, kept, bound, np.random.default_rng(SEED))
+    # Number the lamps from top left to bottom right.
     chosen.sort(key=lambda k: (-round(mounts[k].position[1], 3), mounts[k].position[0]))
-    say('hearing all together')
+    say('computing joint reception')
     lamps, order = _assign_frequencies([mounts[k] for k in chosen], band)
     taken, tones = [lamp.mount for lamp in lamps], [lamp.frequency for lamp in lamps]
     snr = compute_snr(plan, ear, floor, taken, tones, light[chosen, 1] > 0.0)
@@ -103,7 +103,7 @@ def plan_layout(
 def _assign_frequencies(
     mounts: list[LampMount], band: FrequencyBand
 ) -> tuple[tuple[LayoutLamp, ...], int]:
-    """Return lamps with names and frequencies, and the order up to which harmonics stay clear."""
+    """Return lamps with names and frequencies, and the clear order of harmonics."""
     kept = [mount.frequency for mount in mounts if mount.frequency is not None]
     new, order = choose_frequencies(band, kept, len(mounts) - len(kept))
     coming = iter(new)
@@ -121,12 +121,12 @@ def _explain_no_reception(plan: FloorPlan, ear: LightReceiver, least: float) -> 
     vehicle, ambient = ear.vehicle.file.name, plan.ambient.steady.si
     if math.isinf(least):
         return (
-            f'{vehicle} hears no lamp in {plan.name}, however bright: the ambient light of '
-            f'{ambient:g} lx fills the converter of its diodes or the flicker of the mains drowns '
-            'all; plan for less of it, or give the diodes a smaller feedback resistor.'
+            f'{vehicle} cannot receive any lamp in {plan.name}, however bright: the ambient light '
+            f'of {ambient:g} lx saturates its ADC, or the mains flicker is too strong. Plan for '
+            'less ambient light, or give the diodes a smaller feedback resistor.'
         )
     return (
-        f'{vehicle} hears no lamp of {plan.name} at every heading anywhere: it takes {least:.2g} '
-        "lx on a diode that its hull does not shade; hang them nearer to the drone's altitude, or "
-        'take brighter ones.'
+        f'{vehicle} receives no lamp of {plan.name} at every heading anywhere: it needs '
+        f"{least:.2g} lx on an unshaded diode. Mount the lamps nearer to the drone's altitude, or "
+        'use brighter ones.'
     )

@@ -1,4 +1,4 @@
-"""Polygons on the floor: what lies in them, how far off they are, whether they are simple."""
+"""Polygon geometry on the floor: inclusion, distances, area and validity."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,23 +13,13 @@ def polygon_edges(corners: Array) -> Array:
 
 
 def signed_area(corners: Array) -> float:
-    """Return the area within a simple polygon, positive where it runs counter-clockwise. [m2]"""
+    """Return the area of a simple polygon, positive if counter-clockwise. [m2]"""
     x, y = corners.T
     return float(0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
 
 
 def is_inside(points: Array, corners: Array) -> Mask:
-    """
-    Return which points lie in a polygon, by the even-odd rule.
-
-    Parameters
-    ----------
-    points : ndarray, shape (..., 2)
-        Where. [m]
-    corners : ndarray, shape (k, 2)
-        Of the polygon. [m]
-
-    """
+    """Return which points (..., 2) are in a polygon (k, 2), by the even-odd rule."""
     x, y = points[..., 0], points[..., 1]
     odd = np.zeros(x.shape, dtype=bool)
     for x0, y0, x1, y1 in polygon_edges(corners):
@@ -41,17 +31,7 @@ def is_inside(points: Array, corners: Array) -> Mask:
 
 
 def distance_to_edges(points: Array, edges: Array) -> Array:
-    """
-    Return the distance from points to the nearest of some edges. [m]
-
-    Parameters
-    ----------
-    points : ndarray, shape (..., 2)
-        Where. [m]
-    edges : ndarray, shape (k, 4)
-        As `polygon_edges` gives them; none are endlessly far away.
-
-    """
+    """Return the distance from points (..., 2) to the nearest edge; inf without edges. [m]"""
     nearest = np.full(points.shape[:-1], np.inf)
     for x0, y0, x1, y1 in edges:
         along = np.array([x1 - x0, y1 - y0])
@@ -62,28 +42,28 @@ def distance_to_edges(points: Array, edges: Array) -> Array:
 
 
 def find_flaw(corners: Array) -> str | None:
-    """Return what keeps corners of shape (k, 2) from being a simple polygon, None if nothing."""
+    """Return why corners of shape (k, 2) are not a simple polygon, or None."""
     edges = polygon_edges(corners)
     sides = np.hypot(*(edges[:, 2:] - edges[:, :2]).T)
     if sides.min() <= 0.0:
         x, y = corners[int(sides.argmin())]
-        return f'has the corner ({x:g}, {y:g}) m twice in a row; leave one out'
+        return f'has the corner ({x:g}, {y:g}) m twice in succession; remove one'
     count = len(edges)
     for i in range(count):
         for j in range(i + 2, count):
             if (j + 1) % count != i and _has_common_point(edges[i], edges[j]):
                 return (
-                    f'crosses itself: its side {_format_edge(edges[i])} meets '
+                    f'intersects itself: its side {_format_edge(edges[i])} meets '
                     f'{_format_edge(edges[j])}; reorder '
                     'its corners'
                 )
     if abs(signed_area(corners)) <= 1e-9 * float(sides.max()) ** 2:
-        return 'encloses no area; move its corners off one line'
+        return 'encloses no area; its corners must not be collinear'
     return None
 
 
 def _format_edge(edge: Array) -> str:
-    """Return an edge in words. [m]"""
+    """Format an edge. [m]"""
     x0, y0, x1, y1 = edge
     return f'from ({x0:g}, {y0:g}) to ({x1:g}, {y1:g}) m'
 

@@ -1,9 +1,9 @@
 """
-How much light of a lamp the ring of photodiodes gets over every cell, at its worst heading.
+Compute the light of a lamp on the photodiode ring over every cell, at the worst heading.
 
-Plain functions of numbers, compiled: the light is that of `lta_model.light.lambertian`, direct
-alone. What hides a lamp is the drone's own hull above the ring, walls, and whatever stands on the
-floor; the line of sight of all diodes is that of the middle of their ring.
+These functions are compiled. Only direct light counts (`lta_model.light.lambertian`). A lamp can
+be hidden by the drone's own hull, by walls and by obstacles. For walls and obstacles, the line of
+sight of the ring's centre stands for all diodes.
 """
 
 import math
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-NEARLY = 1.0 - 1e-6  # of the way to a lamp: it may hang on a wall
+NEARLY = 1.0 - 1e-6  # end rays just before the lamp, which may be on a wall
 
 
 def diode_light(
@@ -29,22 +29,22 @@ def diode_light(
     half_axes: Vector,
 ) -> float:
     """
-    Return the light that a diode of a level drone reads of a lamp past its own hull. [lx]
+    Return the light of a lamp on a diode of a level drone, shaded by its own hull. [lx]
 
     Parameters
     ----------
-    lamp : Beam
-        The lamp, without any room.
-    eye : Eye
-        Of the diode.
+    lamp : LampBeam
+        The lamp, without room.
+    eye : DiodeResponse
+        Response of the diode.
     cosine, sine : float
-        Of the heading.
+        Cosine and sine of the heading.
     centre : tuple of float
         Hull centre. [m]
     spot, axis : tuple of float
-        Place [m] and axis of the diode, body frame.
+        Position [m] and axis of the diode, body frame.
     half_axes : tuple of float
-        Of the hull. [m]
+        Half axes of the hull. [m]
 
     """
     x, y, z = spot
@@ -55,7 +55,7 @@ def diode_light(
     part = angular_response(eye, axis, towards)
     if light <= 0.0 or part <= 0.0:
         return 0.0
-    # As small as it is from so far: the light told, the lamp is that bright at the distance.
+    # Angular radius of the lamp, for its penumbra at the edge of the hull.
     u, v, w = lamp.x - centre[0], lamp.y - centre[1], lamp.z - centre[2]
     width = math.sqrt(lamp.square / (u * u + v * v + w * w + lamp.square))
     return light * part * visible_fraction(half_axes, spot, towards, width)
@@ -63,9 +63,9 @@ def diode_light(
 
 def is_blocked(start: Vector, end: Vector, walls: Array) -> bool:
     """
-    Return whether a straight line meets one of the upright faces `walls`, rows x0 y0 x1 y1 height.
+    Return whether a line meets one of the vertical faces `walls`, rows x0 y0 x1 y1 height.
 
-    What is closed on all sides needs no top: who passes through it leaves by a side below.
+    Closed obstacles need no top face: a ray through the top also passes a side below its height.
     """
     dx, dy = end[0] - start[0], end[1] - start[1]
     for k in range(walls.shape[0]):
@@ -94,28 +94,28 @@ def light_extremes(
     headings: Array,
 ) -> tuple[float, float]:
     """
-    Return the light on the diode that reads most of a lamp: at the worst heading and the best.
+    Return the light on the brightest diode at the worst and the best heading.
 
     Parameters
     ----------
-    lamp : Beam
-        The lamp, without any room.
-    eye : Eye
-        Of the diodes.
+    lamp : LampBeam
+        The lamp, without room.
+    eye : DiodeResponse
+        Response of the diodes.
     centre : tuple of float
-        Hull centre of a drone that flies level. [m]
+        Hull centre of a level drone. [m]
     planes : ndarray, shape (d, 8)
-        Places [m] and axes of the diodes, body frame; their gains, none where one is dead; and
-        which part each reads of light that comes alike from all sides.
+        Positions [m] and axes of the diodes in the body frame, their gains (0 if dead), and their
+        shares of isotropic ambient light.
     half_axes : tuple of float
-        Of the hull. [m]
+        Half axes of the hull. [m]
     headings : ndarray, shape (h, 2)
-        Cosine and sine of each heading to look at.
+        Cosine and sine of each heading.
 
     Returns
     -------
     tuple of float
-        Least and most; 0 where no diode sees the lamp. [lx]
+        Minimum and maximum; 0 if no diode sees the lamp. [lx]
 
     """
     least, most = math.inf, 0.0
@@ -145,24 +145,24 @@ def compute_cell_light(
     out: Array,
 ) -> None:
     """
-    Write the light of one lamp over all cells.
+    Compute the light of one lamp over all cells.
 
     Parameters
     ----------
-    lamp : Beam
-        The lamp, without any room.
-    eye : Eye
-        Of the diodes.
+    lamp : LampBeam
+        The lamp, without room.
+    eye : DiodeResponse
+        Response of the diodes.
     cells : ndarray, shape (m, 3)
         Hull centres. [m]
     walls : ndarray, shape (w, 5)
-        As `is_blocked` takes them.
+        As in `is_blocked`.
     planes, half_axes, headings
-        As `light_extremes` takes them.
+        As in `light_extremes`.
     faintest : float
-        Light below which nothing is looked at more closely: nobody hears it. [lx]
+        Cells with less direct light are skipped, as they cannot receive the lamp. [lx]
     out : ndarray, shape (2, m)
-        Least and most light over the headings; 0 where walls hide the lamp or it is fainter. [lx]
+        Output: minimum and maximum over the headings; 0 if hidden or fainter. [lx]
 
     """
     level = 0.0

@@ -1,4 +1,4 @@
-"""Who listens: the drone, its diodes and its demodulator."""
+"""Define the receiver: the drone, its diodes and its demodulator."""
 
 from dataclasses import dataclass
 from typing import final
@@ -12,18 +12,18 @@ from lta_vlc.settings import DemodulationSettings
 @dataclass(frozen=True, slots=True)
 class LightReceiver:
     """
-    Who listens.
+    Receiver of the lamps.
 
     Attributes
     ----------
     vehicle : Vehicle
-        Its hull and ring.
-    demodulation : Demodulation
-        How it listens; the frequency is each lamp's.
-    light : Light
+        Hull and photodiode ring.
+    demodulation : DemodulationSettings
+        Demodulator; its frequency is replaced by that of each lamp.
+    light : AdcBlockShape
         Sampling rate and block length.
     margin : float
-        How far above the threshold the SNR must be.
+        Required SNR relative to the threshold.
 
     """
 
@@ -34,5 +34,5 @@ class LightReceiver:
 
     @property
     def required_snr(self) -> float:
-        """The SNR from which a lamp counts as heard."""
+        """SNR above which a lamp counts as received."""
         return self.margin * self.demodulation.threshold

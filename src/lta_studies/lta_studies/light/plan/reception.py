@@ -1,7 +1,7 @@
 """
-What a drone over each cell hears of each lamp: light, and the signal-to-noise ratio it comes to.
+Compute light and SNR of each lamp over each cell.
 
-Light, diodes, amplifier, converter and demodulation are the simulator's (`lta_sim.light_link`).
+Light, diodes, amplifier, ADC and demodulation are those of the simulator (`lta_sim.light_link`).
 """
 
 from collections.abc import Callable, Sequence
@@ -27,12 +27,12 @@ from lta_studies.light.plan.rays import compute_cell_light
 from lta_studies.light.plan.receiver import LightReceiver
 import numpy as np
 
-NEARLY = 1.0 - 1e-9
-HEADINGS = 64  # of a full turn, 5.6 degrees apart
+NEARLY = 1.0 - 1e-9  # just below saturation of the ADC
+HEADINGS = 64  # per full turn, 5.6 degrees apart
 
 
 def build_light_field(plan: FloorPlan, mount: LampMount, frequency: float) -> LightField:
-    """Return the light of one lamp [Hz] in the hall's ambient light, without any reflection."""
+    """Return the light field of one lamp with the ambient light, without reflections."""
     lamp = plan.lamp
     return LightField(
         lamps=(
@@ -52,7 +52,7 @@ def build_light_field(plan: FloorPlan, mount: LampMount, frequency: float) -> Li
 def compute_reception(
     plan: FloorPlan, ear: LightReceiver, mount: LampMount, frequency: float
 ) -> LightLink:
-    """Return what decides how a lamp is heard at a frequency. [Hz]"""
+    """Return the light link of a lamp at a frequency. [Hz]"""
     field = build_light_field(plan, mount, frequency)
     return build_light_link(
         field,
@@ -65,7 +65,7 @@ def compute_reception(
 
 
 def pack_numbers(reception: LightLink) -> Numbers:
-    """Return what is the same for all lamps, as `ratio` takes it."""
+    """Return the numbers common to all lamps, as in `diode_snr`."""
     return (
         reception.counts, reception.dark, reception.steady, reception.top, reception.variance,
         reception.shot, reception.shot * reception.duty, reception.samples,
@@ -74,16 +74,16 @@ def pack_numbers(reception: LightLink) -> Numbers:
 
 def lone_lamp_snr(reception: LightLink, share: float, light: float) -> float:
     """
-    Return the SNR that a lamp comes to on a diode, were it alone.
+    Return the SNR of a single lamp on a diode.
 
     Parameters
     ----------
-    heard : Listening
-        The lamp.
+    reception : LightLink
+        Light link of the lamp.
     share : float
-        What the diode reads of light that comes alike from all sides.
+        Share of isotropic ambient light that the diode reads.
     light : float
-        What it reads of the lamp. [lx]
+        Light of the lamp on the diode. [lx]
 
     """
     own, steady = reception.counts * light, share * reception.steady
@@ -94,7 +94,7 @@ def lone_lamp_snr(reception: LightLink, share: float, light: float) -> float:
 
 
 def solve_required_light(reception: LightLink, share: float, needed: float) -> float:
-    """Return the light from which the SNR is as needed; infinite if it never is. [lx]"""
+    """Return the light at which the SNR reaches `needed`, by bisection; inf if never. [lx]"""
     low, high = (
         0.0,
         max(reception.top - reception.dark - share * reception.steady, 0.0)
@@ -120,21 +120,21 @@ def compute_lamp_light(
     tick: Callable[[], None],
 ) -> Array:
     """
-    Return the light of every lamp over every wanted cell.
+    Compute the light of every lamp over every wanted cell.
 
     Parameters
     ----------
     plan, ear, floor, mounts
-        Hall, drone, cells and places of lamps.
+        Hall, receiver, cells and positions of lamps.
     faintest : float
-        Light below which a lamp counts as dark. [lx]
+        Light below which a lamp is ignored. [lx]
     tick : callable
-        Called once for each lamp.
+        Progress callback, called once per lamp.
 
     Returns
     -------
     ndarray, shape (lamps, 2, cells)
-        On the diode that gets most of it, at the worst heading and at the best. [lx]
+        Light on the brightest diode at the worst and the best heading. [lx]
 
     """
     (kernel,) = compile_functions(compute_cell_light)
@@ -153,16 +153,16 @@ def compute_snr(
     tones: Sequence[float], visible: Mask,
 ) -> Array:  # fmt: skip
     """
-    Return the SNR of each lamp over every wanted cell while all of them are on.
+    Compute the SNR of each lamp over every wanted cell while all lamps are on.
 
     Parameters
     ----------
     plan, ear, floor, mounts
-        Hall, drone, cells and lamps.
+        Hall, receiver, cells and lamps.
     tones : sequence of float
         Frequencies of the lamps. [Hz]
     visible : ndarray of bool, shape (lamps, cells)
-        Where no wall hides them.
+        Where no wall hides a lamp.
 
     """
     (kernel,) = compile_functions(compute_joint_snr)
@@ -184,7 +184,7 @@ def _build_eye(ear: LightReceiver) -> DiodeResponse:
 
 
 def ambient_shares(plan: FloorPlan, ear: LightReceiver) -> Array:
-    """Return which part each diode reads of light from all sides alike, shape (diodes,). [1]"""
+    """Return each diode's share of isotropic ambient light, shape (diodes,). [1]"""
     nowhere = LampMount((0.0, 0.0, plan.lamp.height.si), (1.0, 0.0, 0.0))
     heard = compute_reception(plan, ear, nowhere, LOWEST)
     out = np.empty((LAMPS + 1, len(heard.planes)))
@@ -196,7 +196,7 @@ def ambient_shares(plan: FloorPlan, ear: LightReceiver) -> Array:
 def _prepare_cells(
     plan: FloorPlan, ear: LightReceiver, floor: FloorGrid
 ) -> tuple[Array, Array, Vector]:
-    """Return the hull centres over the wanted cells, the diodes and half the size of the hull."""
+    """Return hull centres over the wanted cells, diode planes and hull half axes."""
     centres = floor.cell_centers
     cells = np.hstack([centres, np.full((len(centres), 1), plan.altitude.si)])
     diodes = ear.vehicle.diodes
@@ -205,7 +205,7 @@ def _prepare_cells(
 
 
 def choose_headings(planes: Array, hull: Vector) -> Array:
-    """Return cosine and sine of the headings to look at: where a turn changes nothing, fewer."""
+    """Return cosine and sine of the headings; one diode spacing suffices if symmetric."""
     turn = 2.0 * math.pi / len(planes)
     cosine, sine = math.cos(turn), math.sin(turn)
     turned = planes.copy()

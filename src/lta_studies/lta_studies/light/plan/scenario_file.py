@@ -1,4 +1,4 @@
-"""The layout as a scenario file: its lamps in the hall, and the route along them."""
+"""Write a layout as a scenario file with its lamps and a route."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -7,16 +7,16 @@ import math
 from lta_studies.light.plan.handover import LampHandover
 from lta_studies.light.plan.layout import LampLayout, LayoutLamp
 
-GOAL = 1.0  # m from a lamp, horizontally, that counts as reached, at least
-SLOWEST = 0.2  # m/s along the route, for the time limit
+GOAL = 1.0  # m, minimum goal radius around a lamp
+SLOWEST = 0.2  # m/s along the route, determines the time limit
 
 
 def format_scenario(layout: LampLayout, handover: LampHandover) -> str:
     """
     Return the scenario file of a layout.
 
-    The room is the box around the outline, with its origin in the middle. Racks are not in it: the
-    simulator knows none.
+    The room is the bounding box of the outline with its origin in the middle. Obstacles are left
+    out, as the simulator does not support them.
     """
     plan = layout.plan
     low, high = plan.outline.corners.min(axis=0), plan.outline.corners.max(axis=0)
@@ -91,7 +91,7 @@ def _format_lengths(*numbers: float) -> str:
 
 
 def _goal_radius(layout: LampLayout, handover: LampHandover) -> float:
-    """Return how near counts as reached: a flight ends where the hull hides a lamp. [m]"""
+    """Return a goal radius that includes all arrivals, where the hull hides a lamp. [m]"""
     ends = [
         math.dist(end, layout.lamps[k].mount.position[:2])
         for k in handover.route
@@ -101,7 +101,7 @@ def _goal_radius(layout: LampLayout, handover: LampHandover) -> float:
 
 
 def _time_limit(handover: LampHandover) -> float:
-    """Return how long the route may take, in whole minutes. [s]"""
+    """Return the time limit of the route, in whole minutes. [s]"""
     places = [handover.start, *(handover.arrivals[k] for k in handover.route)]
     stops = [place for place in places if place is not None]
     way = sum(math.dist(a, b) for a, b in pairwise(stops))

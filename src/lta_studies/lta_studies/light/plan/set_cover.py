@@ -1,10 +1,9 @@
 """
-Which lamps, as few as may be, so that every cell hears as many as it should.
+Select as few lamps as possible so that every cell receives enough of them.
 
-Set cover is hard: a greedy choice (Chvatal, A greedy heuristic for the set-covering problem,
-Mathematics of Operations Research 4, 1979) is made better by tearing holes into it and filling
-them otherwise; a linear program, the same problem with parts of lamps, tells how few there
-could be at least.
+Set cover is NP-hard. A greedy solution (Chvatal, A greedy heuristic for the set-covering problem,
+Mathematics of Operations Research 4, 1979) is improved by large neighbourhood search: remove
+neighbouring lamps and fill the hole again. The linear relaxation gives a lower bound.
 """
 
 import math
@@ -17,17 +16,17 @@ from numpy.typing import NDArray
 from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import csr_array
 
-ROUNDING: Final = 1e-6  # of the linear program's optimum
-TRIES: Final = 400
-HOLE: Final = 6  # lamps taken away at once, at most
-LEAST_WEIGHT: Final = 0.7
+ROUNDING: Final = 1e-6  # tolerance of the linear program's optimum
+TRIES: Final = 400  # iterations of the improvement
+HOLE: Final = 6  # maximum number of lamps removed at once
+LEAST_WEIGHT: Final = 0.7  # random weights in [0.7, 1] vary the greedy choice
 
 Chosen = list[int]
 Whole = NDArray[np.int64]
 
 
 def coverage_demand(audible: Mask, overlap: int) -> Whole:
-    """Return how many lamps each cell should hear: `overlap`, or as many as can be heard there."""
+    """Return the demand of each cell: `overlap`, or the number of lamps it can receive."""
     return np.asarray(np.minimum(audible.sum(axis=0), overlap), dtype=np.int64)
 
 
@@ -35,20 +34,20 @@ def select_greedily(
     audible: Mask, needed: Whole, existing: Chosen, most: int, weights: Array | None = None
 ) -> Chosen:
     """
-    Return lamps, each the one that brings most of what is still needed.
+    Select lamps greedily by the unmet demand that each covers.
 
     Parameters
     ----------
-    heard : ndarray of bool, shape (lamps, cells)
-        Which lamp is heard where.
+    audible : ndarray of bool, shape (lamps, cells)
+        Whether a lamp is received in a cell.
     needed : ndarray of int, shape (cells,)
-        How many lamps each cell should hear.
-    kept : list of int
-        Lamps that are there in any case.
+        Demand of each cell.
+    existing : list of int
+        Lamps that are always included.
     most : int
-        How many lamps there may be.
+        Maximum number of lamps.
     weights : ndarray, shape (lamps,), optional
-        By which what a lamp brings is counted; all alike by default.
+        Weights of the lamps; equal by default.
 
     """
     chosen = list(existing)
@@ -70,21 +69,21 @@ def improve_cover(
     audible: Mask, needed: Whole, chosen: Chosen, existing: Chosen, bound: int, chance: Generator
 ) -> Chosen:
     """
-    Return lamps that cover what was covered, fewer where that is found.
+    Search for fewer lamps with the same coverage.
 
-    Takes a lamp and its neighbours away and fills the hole by a greedy choice among weighted
-    lamps, again and again; what is no worse is gone on from.
+    Repeatedly removes a lamp and its neighbours and fills the hole greedily with random weights.
+    A solution that is not worse is accepted.
 
     Parameters
     ----------
-    heard, needed, kept
-        As `select_greedily` takes them.
+    audible, needed, existing
+        As in `select_greedily`.
     chosen : list of int
-        What to begin with.
+        Initial solution.
     bound : int
-        There cannot be fewer.
+        Lower bound; the search stops there.
     chance : numpy.random.Generator
-        Of the holes and weights.
+        Random generator.
 
     """
     goal = np.minimum(audible[chosen].sum(axis=0), needed)
@@ -104,7 +103,7 @@ def improve_cover(
 
 
 def drop_redundant(audible: Mask, goal: Whole, chosen: Chosen, existing: Chosen) -> Chosen:
-    """Return lamps without those whose cells hear enough others, the first chosen first."""
+    """Drop lamps whose cells all receive enough others, in the order of choice."""
     count = audible[chosen].sum(axis=0)
     left = list(chosen)
     for lamp in chosen:
@@ -115,7 +114,7 @@ def drop_redundant(audible: Mask, goal: Whole, chosen: Chosen, existing: Chosen)
 
 
 def solve_lower_bound(audible: Mask, needed: Whole, existing: Chosen) -> int:
-    """Return a number of lamps below which nothing covers all, from the linear program."""
+    """Return a lower bound on the number of lamps, from the linear relaxation."""
     columns, weights = merge_duplicate_cells(audible, needed)
     if not columns.size:
         return len(existing)
@@ -130,7 +129,7 @@ def solve_lower_bound(audible: Mask, needed: Whole, existing: Chosen) -> int:
 
 
 def merge_duplicate_cells(audible: Mask, needed: Whole) -> tuple[Mask, Whole]:
-    """Return each different column once, with what it needs; cells that need nothing are out."""
+    """Return the unique columns with their demand, without cells that need nothing."""
     asks = needed > 0
     packed = np.vstack([np.packbits(audible[:, asks], axis=0), needed[asks].astype(np.uint8)])
     _, first = np.unique(packed, axis=1, return_index=True)

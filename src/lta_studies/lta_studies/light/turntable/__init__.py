@@ -1,1 +1,1 @@
-"""A real light board on a turntable before a lamp."""
+"""Evaluate a real light board on a turntable in front of a lamp."""

@@ -1,4 +1,4 @@
-"""The polar study of a real board as one self-contained page, in the look of the simulated one."""
+"""Write the polar study of a real light board as one self-contained HTML page."""
 
 from collections.abc import Mapping
 from html import escape
@@ -27,20 +27,20 @@ import numpy as np
 from plotly.graph_objects import Figure, Scatter, Scatterpolar
 
 POLAR: Final = (
-    'Direction: where the lamp truly was, counter-clockwise from the nose. Radius: the median '
-    "error there. Blue is the fit, orange the paper's weighted mean."
+    'Direction: true direction of the lamp, counter-clockwise from the nose. Radius: median '
+    "error there. Blue: the fit. Orange: the paper's weighted mean."
 )
 CURVE: Final = (
-    'Each dot is one diode in one direction: what it read, over its gain and the strength of the '
-    'lamp. The line is the response that fits best; the vehicle file takes its exponent.'
+    'Each dot is one diode in one direction: its reading divided by its gain and the strength of '
+    'the lamp. The line is the fitted response; its exponent goes into the vehicle file.'
 )
 METHOD: Final = (
-    'A real board on a turntable. The truth is the angle of the table, the zero of which is where '
-    'the nose pointed at the lamp: an error of that zero is the same in all directions, and is '
-    'told apart. Each reading is one light block of 100 ms. Response and gains are fitted over '
-    'all directions, their deviations by leaving out one direction after the other.'
+    'A real board on a turntable. The truth is the angle of the table, with its zero where '
+    'the nose points at the lamp. An error of that zero is the same in all directions and is '
+    'reported separately. Each reading is one light block of 100 ms. Response and gains are '
+    'fitted over all directions, with jackknife deviations over the directions.'
 )
-POINTS: Final = 91
+POINTS: Final = 91  # of the fitted curve, every 2 degrees
 
 
 def write_page(
@@ -52,7 +52,7 @@ def write_page(
     again: str,
     out: Path,
 ) -> Path:
-    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    """Write the page and return its path; raise `BadInput` if that fails."""
     return write_file(
         assemble_page(
             'study.html',
@@ -72,25 +72,25 @@ def write_page(
             notes=f'<p class="note">{escape(METHOD)}</p>',
             pictures='\n'.join([
                 render_section('polar', 'Error by direction', POLAR, plot_polar(study)),
-                render_section('curve', 'What a diode makes of the angle', CURVE,
+                render_section('curve', 'Angular response of a diode', CURVE,
                         plot_response(readings, response, diodes)),
             ]),
             facts=facts,
-            commands={'Find it again': again},
+            commands={'Repeat the study': again},
         ),
         out,
     )  # fmt: skip
 
 
 def build_claim_rows(study: RingStudy) -> list[tuple[str, ...]]:
-    """Return what the paper says of a ring of so many diodes, counted; its first row the head."""
+    """Return the table of the paper's claims on such a ring; the first row is the head."""
     told: list[tuple[str, ...]] = [('the paper, indoors', 'its estimator', 'the fit')]
     told += [judge_claim(claim, study) for claim in CLAIMS if claim.count == study.count]
     return told
 
 
 def build_gain_rows(response: TurntableResponse) -> list[tuple[str, ...]]:
-    """Return the gain of each diode as text, its first row the head."""
+    """Return the table of diode gains; the first row is the head."""
     told: list[tuple[str, ...]] = [('diode', 'gain', 'standard deviation')]
     told += [
         (str(k), f'{gain:.3f}', f'{deviation:.3f}')
@@ -102,7 +102,7 @@ def build_gain_rows(response: TurntableResponse) -> list[tuple[str, ...]]:
 
 
 def build_tiles(study: RingStudy, response: TurntableResponse) -> list[Tile]:
-    """Return the figures that matter most."""
+    """Return the tiles with the key figures."""
     return [
         Tile('fit', format_degrees(median_error(study.ours)), '°', f'worst '
         f'{format_degrees(max(study.ours))}°'),
@@ -112,12 +112,13 @@ def build_tiles(study: RingStudy, response: TurntableResponse) -> list[Tile]:
         Tile('exponent', f'{response.exponent:.2f}', '',
              f'of the cosine, \N{PLUS-MINUS SIGN} {response.exponent_deviation:.1g}'),
         Tile('gains', f'{1e2 * response.gain_spread:.1f}', '%', 'spread among the diodes'),
-        Tile('pedestal', f'{1e2 * response.pedestal:.1f}', '%', 'of what faces the lamp: echo'),
+        Tile('pedestal', f'{1e2 * response.pedestal:.1f}', '%', 'of the largest signal:
+        reflections'),
     ]  # fmt: skip
 
 
 def plot_polar(study: RingStudy) -> Figure:
-    """Return the error around the board, the first direction again at the end."""
+    """Plot the error by direction; the first direction is repeated to close the curve."""
     figure = create_figure()
     around = [*np.degrees(list_directions()), 360.0]
     for name, errors, colour in (('paper', study.paper, ESTIMATE), ('fit', study.ours, TRUTH)):
@@ -143,7 +144,7 @@ def plot_polar(study: RingStudy) -> Figure:
 def plot_response(
     readings: TurntableReadings, response: TurntableResponse, diodes: DiodeArray
 ) -> Figure:
-    """Return what each diode read against the angle between its axis and the lamp."""
+    """Plot the reading of each diode against the angle between its axis and the lamp."""
     figure = create_figure()
     axes = np.array(diodes.axes)
     azimuth = np.arctan2(axes[:, 1], axes[:, 0])

@@ -1,13 +1,12 @@
 """
-What the diodes make of light, from a turn: exponent of the cosine, gain of each, pedestal.
+Fit the response of the diodes to a turn: cosine exponent, gains and pedestal.
 
-Diode i, whose axis lies at an angle from the lamp, is taken to read
+The model of diode i, whose axis is at an angle from the lamp, is
 
     M_i = g_i (S max(0, cos angle)^p + P)
 
-with gains of mean 1. The spread of the estimates is a jackknife over the directions: what is wrong
-with the model (the room's echo, an axis that is bent) differs from direction to direction, so that
-noise alone would promise too much.
+with gains of mean 1. Standard deviations are a jackknife over the directions: model errors
+(reflections, a bent axis) vary with direction, so that noise alone would underestimate them.
 """
 
 import math
@@ -20,27 +19,27 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 Array = NDArray[np.float64]
-BEGIN_AT = 1.2  # exponent
+BEGIN_AT = 1.2  # initial exponent of the fit
 EXPONENTS = (0.1, 20.0)  # as the vehicle file allows
 
 
 @final
 class TurntableResponse(NamedTuple):
     """
-    The diodes, each with its standard deviation.
+    Fitted response with standard deviations.
 
     Attributes
     ----------
     exponent, exponent_deviation : float
-        p.
+        Exponent p.
     gains, gain_deviations : tuple of float
-        Of each diode; their mean is 1.
+        Gain of each diode; their mean is 1.
     strength : float
-        S, a nominal diode that faces the lamp. [counts]
+        S, reading of a nominal diode that faces the lamp. [counts]
     pedestal : float
-        P, part of S.
+        P relative to S.
     misfit : float
-        Root mean square of what the model leaves, part of S.
+        Rms residual relative to S.
 
     """
 
@@ -70,14 +69,14 @@ def fit_response(
     readings: TurntableReadings, diodes: DiodeArray, zero: float = 0.0
 ) -> TurntableResponse:
     """
-    Return what fits the readings of a whole turn best; see the module.
+    Fit the response to the readings of a whole turn.
 
     Parameters
     ----------
-    readings : Readings
-        Of a whole turn.
-    diodes : Diodes
-        Their axes count.
+    readings : TurntableReadings
+        Readings of a whole turn.
+    diodes : DiodeArray
+        Provides the axes.
     zero : float
         Error of the table's zero. [rad]
 
@@ -112,7 +111,7 @@ def _predict_amplitude(values: Array, cosine: Array) -> Array:
 
 
 def _fit_parameters(cosine: Array, amplitude: Array) -> Array:
-    """Return exponent, strength, pedestal and gains; the gains' mean is kept at 1."""
+    """Return exponent, strength, pedestal and gains, with the mean gain fixed to 1."""
     top = float(amplitude.max())
 
     def expand(values: Array) -> Array:

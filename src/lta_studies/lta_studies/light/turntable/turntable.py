@@ -1,10 +1,10 @@
 """
-A real light board on a turntable before a lamp: the paper's polar study from a recording.
+Evaluate a recording of a real light board on a turntable: the paper's polar study.
 
-The board stands level on a turntable, its nose to a lamp 3 m away, and is recorded while it turns.
-Where the lamp truly was in each light block follows from how the table turned: by steps, as the
-paper's, at a steady rate, or as a tracker saw it. Turning the board by some angle turns the lamp
-by as much the other way.
+The board is level on a turntable, its nose towards a lamp 3 m away, and is recorded while it
+turns. The true direction of the lamp in each light block follows from the motion of the table: in
+steps as in the paper, at a constant rate, or from a tracker. A rotation of the board turns the
+direction of the lamp the other way.
 """
 
 from collections.abc import Callable, Iterator
@@ -33,23 +33,23 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 PHOTODIODES: Final = 'photodiodes'
 TRUTH: Final = 'ground_truth/odom'
-SETTLED: Final = 0.15  # part of each hold, at both of its ends, in which the table may still turn
-TOGETHER: Final = 100  # blocks that are read at a time
-FEWEST: Final = DIRECTIONS  # blocks without which there is no study
+SETTLED: Final = 0.15  # share at both ends of a hold in which the table may still move
+TOGETHER: Final = 100  # blocks read at a time
+FEWEST: Final = DIRECTIONS  # minimum number of blocks
 
 
 class TurntableMotion(NamedTuple):
     """
-    How the turntable went, counter-clockwise from above.
+    Motion of the turntable, counter-clockwise from above.
 
     Attributes
     ----------
     rate : float
-        Steady; 0 where it went by steps or a tracker saw it. [rad/s]
+        Constant rate; 0 for steps or a tracker. [rad/s]
     step : float
-        Each; 0 where there are none. [rad]
+        Size of a step; 0 if there are none. [rad]
     hold : float
-        From one step to the next. [s]
+        Time from one step to the next. [s]
     start : float
         Direction of the lamp from the nose in the first block. [rad]
 
@@ -65,18 +65,18 @@ class TurntableMotion(NamedTuple):
 @dataclass(frozen=True, slots=True)
 class TurntableReadings:
     """
-    What each light block of a turn says.
+    Results of the light blocks of a turn.
 
     Parameters
     ----------
     direction : ndarray, shape (n,)
-        Where the lamp truly was, counter-clockwise from the nose. [rad]
+        True direction of the lamp, counter-clockwise from the nose. [rad]
     paper, ours : ndarray, shape (n,)
-        Bearing by both estimators; NaN where one says nothing. [rad]
+        Bearings by both estimators; NaN without an estimate. [rad]
     snr : ndarray, shape (n,)
-        Of the diode that hears best.
+        SNR of the best diode.
     amplitude : ndarray, shape (n, diodes)
-        Of the beacon. [counts]
+        Amplitude of the beacon. [counts]
 
     """
 
@@ -96,27 +96,27 @@ def read_turn(
     tick: Callable[[int], None],
 ) -> TurntableReadings:
     """
-    Return what the light blocks of a recording say.
+    Evaluate the light blocks of a recording.
 
     Parameters
     ----------
-    flight : Flight
-        The recording, with `photodiodes`.
-    diodes : Diodes
-        As the vehicle file has them.
-    demodulation : Demodulation
-        Which lamp.
-    table : Table
-        How the turntable went.
+    flight : RecordedFlight
+        Recording with the topic `photodiodes`.
+    diodes : DiodeArray
+        Diodes of the vehicle file.
+    demodulation : DemodulationSettings
+        Demodulator for the lamp.
+    table : TurntableMotion
+        Motion of the turntable.
     full_scale : float
-        The converter's largest reading. [counts]
+        Full scale of the ADC. [counts]
     tick : callable
-        Told how many blocks have been read.
+        Progress callback: number of blocks read since its last call.
 
     Raises
     ------
     BadInput
-        If the topics are not there, the diodes are others, or too little is left of the turn.
+        If topics are missing, the number of diodes differs, or too few blocks are usable.
 
     """
     light = load_topic_table().light
@@ -143,8 +143,8 @@ def read_turn(
         tick(len(part.time))
     if len(found) < FEWEST:
         raise BadInput(
-            f'{len(found)} light blocks are left of the turn, too few for {DIRECTIONS} '
-            'directions; record for longer, or give --rate, --step and --hold as they were.'
+            f'The turn has {len(found)} usable light blocks, too few for {DIRECTIONS} directions; '
+            'record for longer, or correct --rate, --step and --hold.'
         )
     direction, by_paper, by_fit, snr = np.array(found).T
     return TurntableReadings(direction, by_paper, by_fit, snr, np.array(amplitudes))
@@ -153,7 +153,7 @@ def read_turn(
 def _build_true_direction(
     flight: RecordedFlight, table: TurntableMotion
 ) -> Callable[[float], float]:
-    """Return the lamp's direction at a time [rad, s]; NaN where the table was on its way."""
+    """Return the lamp's direction [rad] by time [s]; NaN while the table moves a step."""
     first = next(iter(flight.iterate_blocks(PHOTODIODES, 1))).time[0]
     if table.step:
 
@@ -167,8 +167,8 @@ def _build_true_direction(
         return lambda time: wrap_angle(table.start - table.rate * (time - first))
     if TRUTH not in flight.topics:
         raise BadInput(
-            f'The recording has no {TRUTH}, so how the table turned is unknown; give its --rate '
-            'in degrees a second, or --step in degrees and --hold in seconds.'
+            f'The recording has no {TRUTH}, so the motion of the table is unknown; give its '
+            '--rate in degrees a second, or --step in degrees and --hold in seconds.'
         )
     series = flight.read_series(TRUTH)
     names = [f'pose.pose.orientation.{axis}' for axis in 'xyzw']
@@ -180,7 +180,7 @@ def _build_true_direction(
 
 
 def zero_offset(readings: TurntableReadings) -> float:
-    """Return by how much the fit is turned as a whole: the error of the zero. [rad]"""
+    """Return the median error of the fit, which is the error of the table's zero. [rad]"""
     errors = _bearing_errors(readings.ours, readings.direction)
     return float(np.nanmedian(errors))
 
@@ -189,16 +189,16 @@ def summarize_directions(
     readings: TurntableReadings, place: str, turned: float = 0.0
 ) -> tuple[RingStudy, list[int]]:
     """
-    Return the median errors in each direction, and how many blocks each has.
+    Return the median errors in each direction, and the number of blocks in each.
 
     Parameters
     ----------
-    readings : Readings
-        Of a whole turn.
+    readings : TurntableReadings
+        Readings of a whole turn.
     place : str
-        What to call it.
+        Label of the study.
     turned : float
-        Taken off as the error of the table's zero. [rad]
+        Error of the table's zero, which is subtracted. [rad]
 
     Raises
     ------
@@ -211,8 +211,8 @@ def summarize_directions(
     if missing:
         told = ', '.join(f'{k * 360.0 / DIRECTIONS:g}' for k in missing)
         raise BadInput(
-            f'No light block has the lamp at {told} degrees; record a whole turn, or give --rate, '
-            '--step and --hold as they were.'
+            f'No light block has the lamp at {told} degrees; record a whole turn, or correct '
+            '--rate, --step and --hold.'
         )
     paper, ours = (
         tuple(
@@ -229,7 +229,7 @@ def summarize_directions(
 
 
 def group_by_direction(direction: Array) -> Iterator[NDArray[np.intp]]:
-    """Yield for each of the 16 directions the blocks nearest to it."""
+    """Yield the indices of the blocks nearest to each of the 16 directions."""
     nearest = np.round(direction / math.tau * DIRECTIONS).astype(int) % DIRECTIONS
     for k in range(DIRECTIONS):
         yield np.flatnonzero(nearest == k)
