@@ -1,1 +1,1 @@
-"""How the LTA nodes are wired, kept in step, watched and launched."""
+"""Wire, synchronise, monitor and launch the LTA nodes."""

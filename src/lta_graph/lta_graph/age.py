@@ -1,25 +1,17 @@
-"""How old what is stamped is, where a stamp of the future makes nothing fresh."""
+"""Compute the age of stamped data; a stamp far in the future does not count as fresh."""
 
 import math
 from typing import Final
 
-AHEAD: Final = 0.3  # s that a stamp may lie ahead of us; farther, its clock or ours was set
+AHEAD: Final = 0.3  # s; a stamp further ahead of our clock means that a clock was changed
 
 
 def stamp_age(stamp_ns: int | None, now_ns: int) -> float:
     """
-    Return the age of what is stamped so. [s].
+    Return the age [s] of data stamped `stamp_ns` at graph time `now_ns` [ns].
 
-    Infinite for nothing, and for the far future: as the newest word of all it would be followed
-    until its time has come, long after its sender died.
-
-    Parameters
-    ----------
-    stamp_ns : int or None
-        Graph time; None where nothing has come. [ns]
-    now_ns : int
-        Graph time. [ns]
-
+    The age is infinite if there is no stamp, or if it is far in the future: otherwise such data
+    would stay the newest long after its sender died.
     """
     if stamp_ns is None:
         return math.inf

@@ -1,8 +1,8 @@
 """
-The ament index: where packages and their executables are, as ROS 2 itself finds them.
+Find packages and executables by the ament index, as ROS 2 does.
 
-Every prefix in AMENT_PREFIX_PATH holds a marker file a package in
-`share/ament_index/resource_index/packages/`, its data in `share/<package>/` and its executables in
+For each package, a prefix in AMENT_PREFIX_PATH has a marker file in
+`share/ament_index/resource_index/packages/`, data in `share/<package>/` and executables in
 `lib/<package>/`.
 """
 
@@ -18,19 +18,15 @@ OURS = 'lta_'
 
 
 def list_prefixes() -> list[Path]:
-    """Return the prefixes of the index, the overriding ones first."""
+    """Return the prefixes of the index; earlier ones override later ones."""
     return [Path(item) for item in os.environ.get('AMENT_PREFIX_PATH', '').split(':') if item]
 
 
 def find_package_prefix(package: str) -> Path:
     """
-    Return the prefix that a package is installed in.
+    Return the prefix in which a package is installed.
 
-    Raises
-    ------
-    BadInput
-        If no prefix has the package.
-
+    Raises `BadInput` if no prefix has the package.
     """
     for prefix in list_prefixes():
         if (prefix / MARKERS / package).is_file():
@@ -39,19 +35,19 @@ def find_package_prefix(package: str) -> Path:
     if ours:
         raise unknown_name('package', package, ours)
     raise BadInput(
-        f"Package '{package}' is not in AMENT_PREFIX_PATH, nor is any other of LTA; "
+        f"Package '{package}' is not in AMENT_PREFIX_PATH, and no other LTA package is; "
         'build the workspace (make build) and source its setup file.'
     )
 
 
 def list_resources(folder: Path, prefix: str) -> list[str]:
-    """Return the names in one folder of the index that begin with a prefix, in all prefixes."""
-    found = {path.name for item in list_prefixes() for path in (item / folder).glob(f'{prefix}*')}
-    return sorted(found)
+    """Return the entries of an index folder that start with `prefix`, over all prefixes."""
+    names = {path.name for item in list_prefixes() for path in (item / folder).glob(f'{prefix}*')}
+    return sorted(names)
 
 
 def list_middlewares() -> list[str]:
-    """Return the ROS middlewares that are installed."""
+    """Return the installed RMW implementations."""
     return [name for name in list_resources(MIDDLEWARES, 'rmw_') if name != 'rmw_implementation']
 
 
@@ -64,11 +60,7 @@ def find_executable(package: str, executable: str) -> Path:
     """
     Return the path of a package's executable, as `ros2 run` finds it.
 
-    Raises
-    ------
-    BadInput
-        If the package has no such executable; those that it has are listed.
-
+    Raises `BadInput` with the known executables if there is no such one.
     """
     folder = find_package_prefix(package) / 'lib' / package
     path = folder / executable

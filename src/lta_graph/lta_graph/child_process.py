@@ -1,4 +1,4 @@
-"""One process that a launcher owns: how it is started, signalled, and seen to end."""
+"""Start, signal and reap one process of a launcher."""
 
 from collections import deque
 from collections.abc import Callable, Mapping
@@ -15,30 +15,30 @@ from lta_config.errors import BadInput
 from lta_graph.ament import find_executable
 from lta_graph.launch_node import LaunchProcess
 
-KEPT_LINES = 20  # of each stream
+KEPT_LINES = 20  # last lines of each stream, for error messages
 PR_SET_PDEATHSIG = 1  # linux/prctl.h
 THREADS = ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS')
-_LIBC = ctypes.CDLL(None)  # loaded before any fork: nothing may be imported after one
+_LIBC = ctypes.CDLL(None)  # loaded here, because loading is unsafe between fork and exec
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class ProcessExit:
     """
-    How one process ended.
+    The exit of one process.
 
     Attributes
     ----------
     name : str
-        What the plan calls the process.
+        Label of the process in the plan.
     status : int
-        Exit status; minus the signal's number where a signal ended it.
+        Exit status; the negative signal number if a signal ended it.
     stdout, stderr : tuple of str
-        Its last lines.
+        Last lines of output.
     success : bool
-        Whether this was the planned end of the run: status 0 of an `on_exit: shutdown` process.
+        Whether this is the planned end of the run: status 0 of an `on_exit: shutdown` process.
     stopped : bool
-        Whether the launcher had asked it to end.
+        Whether the launcher stopped it.
 
     """
 
@@ -51,19 +51,19 @@ class ProcessExit:
 
     @property
     def sentence(self) -> str:
-        """What happened, without a full stop: 'estimator was killed by SIGKILL'."""
+        """Description without a full stop, such as 'estimator was killed by SIGKILL'."""
         if self.status < 0:
             return f'{self.name} was killed by {signal_name(-self.status)}'
         return f'{self.name} ended' + (f' with status {self.status}' if self.status else '')
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """Its last lines on stderr, or on stdout if there were none."""
+        """Last lines of stderr, or of stdout if stderr was empty."""
         return self.stderr or self.stdout
 
 
 def signal_name(number: int) -> str:
-    """Return 'SIGKILL' for 9; real-time signals have only their number."""
+    """Return the name of a signal; real-time signals only have a number."""
     try:
         return signal.Signals(number).name
     except ValueError:
@@ -75,15 +75,7 @@ class ChildProcess:
     """
     A running process, leader of its own session and process group.
 
-    Parameters
-    ----------
-    process : Process
-        What runs.
-    name : str
-        What the plan calls it.
-    popen : subprocess.Popen
-        The process itself, with pipes for stdout and stderr.
-
+    `name` is its label in the plan; `popen` has pipes for stdout and stderr.
     """
 
     def __init__(
@@ -100,28 +92,29 @@ class ChildProcess:
         self._lock = threading.Lock()
 
     def has_exited(self) -> bool:
-        """Tell whether the process has ended; it stays a zombie, so its id is not used again."""
+        """Return whether the process has ended, without reaping it."""
         with self._lock:
             if self.popen.returncode is not None:
                 return True
-            found = os.waitid(os.P_PID, self.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT)
-            return found is not None
+            # WNOWAIT leaves a zombie, so the process id cannot be reused before `reap`.
+            info = os.waitid(os.P_PID, self.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT)
+            return info is not None
 
     def send_signal(self, number: int) -> None:
-        """Send a signal to the process and all that it started."""
+        """Send a signal to the whole process group."""
         with self._lock:
             if self.popen.returncode is None:
                 with suppress(ProcessLookupError):
                     os.killpg(self.pid, number)
 
     def reap(self) -> None:
-        """Kill what an ended process has left in its group, and take its status."""
+        """Kill the remaining group members of an ended process and collect its status."""
         self.send_signal(signal.SIGKILL)
         with self._lock:
             self.popen.wait()
 
     def has_group_members(self) -> bool:
-        """Tell whether a reaped process's group still has members: a kill takes a moment."""
+        """Return whether the group of a reaped process still has members."""
         try:
             os.killpg(self.pid, 0)
         except (ProcessLookupError, PermissionError):
@@ -129,7 +122,7 @@ class ChildProcess:
         return True
 
     def build_exit(self, stopped: bool) -> ProcessExit:
-        """Return how a reaped process ended."""
+        """Return the exit record of a reaped process."""
         status = int(self.popen.returncode)
         return ProcessExit(
             name=self.name,
@@ -142,12 +135,12 @@ class ChildProcess:
 
 
 def build_environment() -> dict[str, str]:
-    """Return what nodes run in: prints come at once, and each is one thread of linear algebra."""
+    """Return the environment of nodes: unbuffered output and one linear-algebra thread each."""
     return {**os.environ, 'PYTHONUNBUFFERED': '1', **dict.fromkeys(THREADS, '1')}
 
 
 def build_command(process: LaunchProcess) -> list[str]:
-    """Return a process's whole command line; the executable is found by the ament index."""
+    """Return a process's command line, with its executable from the ament index."""
     path = find_executable(process.package, process.executable)
     return [str(path), *process.arguments]
 
@@ -155,15 +148,7 @@ def build_command(process: LaunchProcess) -> list[str]:
 def spawn_process(
     process: LaunchProcess, name: str, words: list[str], variables: Mapping[str, str]
 ) -> ChildProcess:
-    """
-    Start a process.
-
-    Raises
-    ------
-    BadInput
-        If the system cannot execute it.
-
-    """
+    """Start a process; raise `BadInput` if the system cannot execute it."""
     try:
         popen = subprocess.Popen(
             words,
@@ -183,12 +168,12 @@ def spawn_process(
 
 
 def _bind_to_parent(parent: int) -> Callable[[], None]:
-    """Return what a child does before it executes: end with its parent, and heed SIGINT."""
+    """Return a `preexec_fn` that ties the child to its parent and restores SIGINT."""
 
     def bind() -> None:
         signal.signal(signal.SIGINT, signal.SIG_DFL)  # a shell's background job ignores it
         _LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGINT)
         if os.getppid() != parent:
-            os._exit(1)  # the parent died before prctl could watch it
+            os._exit(1)  # the parent died before prctl took effect
 
     return bind

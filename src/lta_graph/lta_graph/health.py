@@ -1,4 +1,4 @@
-"""What a node says of itself: facts with a level, gathered here and published by the node."""
+"""Collect the health of a node: one status per task, for /diagnostics."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -19,7 +19,7 @@ class HealthLevel(IntEnum):
 @final
 @dataclass(frozen=True, slots=True)
 class HealthFact:
-    """One line of a node's health: a task, how it stands, and the figures behind it."""
+    """The status of one task, with a message and values."""
 
     task: str
     level: HealthLevel
@@ -27,35 +27,36 @@ class HealthFact:
     values: Mapping[str, str] = field(default_factory=dict)
 
     def parse_numbers(self, *names: str) -> tuple[float, ...] | None:
-        """Return figures; None where one is missing or no number, as anybody may speak."""
+        """Return values as finite numbers; None if one is missing or invalid."""
+        # Any node may publish on /diagnostics, so do not trust the content.
         try:
-            found = tuple(float(self.values[name]) for name in names)
+            numbers = tuple(float(self.values[name]) for name in names)
         except (KeyError, ValueError):
             return None
-        return found if all(map(math.isfinite, found)) else None
+        return numbers if all(map(math.isfinite, numbers)) else None
 
 
 @final
 class Health:
-    """The facts of one node, the newest of each task; tells when a level has changed."""
+    """The latest status of each task of a node; `changed` is set when a level changes."""
 
     def __init__(self) -> None:
         self._facts: dict[str, HealthFact] = {}
         self.changed = False
 
     def report(self, task: str, level: HealthLevel, message: str, **values: object) -> None:
-        """Set the fact of one task."""
+        """Set the status of one task."""
         text = {key: str(value) for key, value in values.items()}
         self.set_fact(HealthFact(task, level, message, text))
 
     def set_fact(self, fact: HealthFact) -> None:
-        """Set the fact of its task."""
+        """Set the status of the fact's task."""
         before = self._facts.get(fact.task)
         self.changed |= before is None or before.level != fact.level
         self._facts[fact.task] = fact
 
     def __contains__(self, task: str) -> bool:
-        """Tell whether a task has been reported."""
+        """Return whether a task has been reported."""
         return task in self._facts
 
     @property

@@ -1,10 +1,10 @@
 """
-When a node may answer: only after every input that the topic table makes due has come.
+Synchronise the inputs of a node.
 
-DDS keeps the order within a topic but not between topics. In lockstep each message of a periodic
-topic has a known turn, so a node can tell what is missing, wait for it, and give the same answers
-in every run. In real time nobody waits: a node takes what has come, and of what it does not take
-only the newest is kept.
+DDS keeps the order within a topic but not between topics. In lockstep, the topic table defines
+which messages are due at each step; a node waits for all of them, so every run gives the same
+outputs. In real time a node never waits: it uses the messages that have arrived, and a bounded
+queue drops the oldest.
 """
 
 from collections import deque
@@ -15,22 +15,22 @@ from typing import Any, final
 from lta_config.topics import TopicTable
 from lta_graph.lockstep import GridTurns, MessageTurns
 
-BACKLOG_NS = 2_000_000_000  # of graph time: what is kept for a trigger that has stopped
-BACKLOG = 100  # messages of a topic without a rhythm
+BACKLOG_NS = 2_000_000_000  # graph time; queue length in real time while the trigger is silent
+BACKLOG = 100  # messages; queue length of an aperiodic topic
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class InboxStep:
     """
-    What a node answers at once.
+    The inputs of one step of a node.
 
     Attributes
     ----------
     stamp_ns : int
-        Stamp of the message that triggered the step; the answer keeps it. [ns]
+        Stamp of the triggering message; outputs reuse it. [ns]
     messages : mapping
-        New messages by topic, oldest first; empty lists where nothing new has come.
+        New messages by topic, oldest first; an empty list if there are none.
 
     """
 
@@ -45,27 +45,27 @@ class InboxStep:
 
 class Inbox:
     """
-    Collect one node's inputs and hand them out step by step.
+    Collect a node's inputs and return them step by step.
 
     Parameters
     ----------
     table : TopicTable
-        Says what is due when.
+        Defines which messages are due at each step.
     role : str
-        Whose inbox this is; gives the lag of each input.
+        Role of the node; determines the lag of each input.
     topics : list of str
         The inputs.
     trigger : str
-        The periodic topic that the node answers, message by message.
+        The periodic topic; each of its messages triggers a step.
     lockstep : bool
-        Whether to wait for everything that is due.
+        Whether to wait for all messages that are due.
     replayed : bool
-        Whether what is due is still to be told, in `turns`; nothing is handed out before.
+        Whether the due times come from a player; no step is returned until `turns` is set.
 
     Attributes
     ----------
-    turns : Turns or None
-        What is due when, in lockstep.
+    turns : MessageTurns or None
+        Due messages in lockstep.
 
     """
 
@@ -96,24 +96,12 @@ class Inbox:
         self._trigger_stamps: deque[int] = deque()
 
     def _backlog_limit(self, name: str) -> int:
-        """Return how many messages of a topic are kept in real time until they are taken."""
+        """Return the queue length of a topic in real time."""
         period = self._table[name].period_ns
         return max(1, BACKLOG_NS // period) if period else BACKLOG
 
     def put(self, topic: str, stamp_ns: int, message: Any) -> None:  # noqa: ANN401
-        """
-        Add a message.
-
-        Parameters
-        ----------
-        topic : str
-            Relative topic name.
-        stamp_ns : int
-            The header's stamp; ignored where the topic has none. [ns]
-        message : Any
-            The message itself, handed out unchanged.
-
-        """
+        """Add a message; `stamp_ns` is ignored for topics without a header."""
         if self._lockstep:
             self._count_gap(topic, stamp_ns)
         self._queues[topic].append(message)
@@ -121,14 +109,14 @@ class Inbox:
             self._trigger_stamps.append(stamp_ns)
 
     def _count_gap(self, topic: str, stamp_ns: int) -> None:
-        """Count messages that were lost on the way, by the turn that this one should have."""
+        """Count lost messages from the sequence number that the stamp implies."""
         expected = self._turn[topic]
         arrived = self.turns.find_turn(topic, expected, stamp_ns) if self.turns else expected
         self.gaps[topic] += max(0, arrived - expected)
         self._turn[topic] = arrived + 1
 
     def _count_due(self, name: str, lag: int, now: int) -> int:
-        """Return how many messages must have come; of a topic without rhythm, all that have."""
+        """Return the number of messages due so far; for aperiodic topics, all that arrived."""
         if name not in self._rhythmic:
             return self._taken[name] + len(self._queues[name])
         return 0 if self.turns is None else self.turns.count_due(name, now, lag)
@@ -142,7 +130,7 @@ class Inbox:
         ]
 
     def pop(self) -> InboxStep | None:
-        """Return the next step if all it needs has come, else None."""
+        """Return the next step, or None while an input is missing."""
         if not self._trigger_stamps:
             return None
         if self._lockstep and (self.turns is None or self._list_missing()):
@@ -155,12 +143,12 @@ class Inbox:
             queue = self._queues[name]
             count = len(queue)
             if self._lockstep:
-                # A recording whose time goes back asks for less than has been taken already.
+                # In a recording whose time runs backwards, fewer are due than were taken already.
                 count = max(0, self._count_due(name, lag, now) - self._taken[name])
             messages[name] = [queue.popleft() for _ in range(count)]
             self._taken[name] += count
         return InboxStep(stamp, messages)
 
     def list_missing_topics(self) -> list[str]:
-        """Return the topics that keep a begun step from being answered."""
+        """Return the topics for which a triggered step is waiting."""
         return self._list_missing() if self._lockstep and self._trigger_stamps else []

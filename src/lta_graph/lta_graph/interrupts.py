@@ -1,8 +1,8 @@
 """
-Hold back Ctrl-C and its like while something must not be torn apart.
+Defer SIGINT, SIGTERM and SIGHUP during a critical section.
 
-An exception raised by a signal in the middle of a C extension's conversion comes out as some other
-error, or not at all; so what calls one for long holds signals back and lets them act afterwards.
+An exception that a signal handler raises inside a C extension may turn into another error or get
+lost. Code that spends a long time in an extension defers signals until afterwards.
 """
 
 from collections.abc import Iterator
@@ -16,23 +16,23 @@ STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 @contextmanager
 def hold_interrupts() -> Iterator[list[int]]:
-    """Count Ctrl-C and its like instead of being interrupted, and let the first act afterwards."""
+    """Record the signals in STOPS instead of acting on them; deliver the first one at the end."""
     presses: list[int] = []
 
     def record_press(number: int, _: FrameType | None) -> None:
         presses.append(number)
 
     before = {number: signal.getsignal(number) for number in STOPS}
-    # What is ignored or left to the kernel stays so.
-    heard = {number: handler for number, handler in before.items() if callable(handler)}
+    # Signals that are ignored or have the default action stay as they are.
+    handlers = {number: handler for number, handler in before.items() if callable(handler)}
     if threading.current_thread() is not threading.main_thread():
-        heard = {}
-    for number in heard:
+        handlers = {}  # only the main thread may set handlers
+    for number in handlers:
         signal.signal(number, record_press)
     try:
         yield presses
     finally:
-        for number, handler in heard.items():
+        for number, handler in handlers.items():
             signal.signal(number, handler)
     if presses:
-        heard[signal.Signals(presses[0])](presses[0], None)
+        handlers[signal.Signals(presses[0])](presses[0], None)

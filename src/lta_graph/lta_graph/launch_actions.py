@@ -1,8 +1,8 @@
 """
-The actions of ROS 2's YAML launch files that LTA runs, as strict models of what is written.
+Define strict models of the supported actions of ROS 2 YAML launch files.
 
-Names and types are those of ROS 2 Jazzy's own reader, so that a file that passes here also runs
-under `ros2 launch`; there, too, most values must be text and a number needs quotes.
+Names and types follow ROS 2 Jazzy's parser, so a file that is valid here also runs under
+`ros2 launch`. As there, most values must be text, so numbers need quotes.
 """
 
 from typing import Annotated, Any, Literal
@@ -72,14 +72,14 @@ class Include(ConditionalAction):
 
 
 class GroupAction(ConditionalAction):
-    """Run actions in a scope of their own, unless `scoped: false`."""
+    """Run actions in their own scope, unless `scoped: false`."""
 
     scoped: bool = True
     children: list[Any]
 
 
 class PushRosNamespace(ConditionalAction):
-    """Put what follows in the scope into a namespace."""
+    """Put the following nodes of the scope into a namespace."""
 
     namespace: Text
 
@@ -117,7 +117,7 @@ class Remap(StrictModel):
 
 
 class NodeAction(ConditionalAction):
-    """Start a ROS node as a process of its own."""
+    """Start a ROS node in its own process."""
 
     pkg: Text
     exec: Text

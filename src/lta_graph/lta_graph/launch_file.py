@@ -1,9 +1,9 @@
 """
-ROS 2's YAML launch files, read into a plan of processes without ROS's launch.
+Read ROS 2 YAML launch files into a plan of processes, without the `launch` package.
 
-The same files run under the genuine `ros2 launch`: names, types, scopes and substitutions are
-those of ROS 2 Jazzy (see `launch_actions`, `launch_text`). This reader is stricter: an argument
-must be declared by the file it is given to, and an unknown key or action is an error.
+The same files run under `ros2 launch`: names, types, scopes and substitutions are those of ROS 2
+Jazzy (see `launch_actions`, `launch_substitutions`). This reader is stricter: arguments must be
+declared by the file that receives them, and an unknown key or action is an error.
 """
 
 from collections.abc import Mapping, Sequence
@@ -29,7 +29,7 @@ from lta_graph.launch_node import build_process, join_namespaces, LaunchProcess
 from lta_graph.launch_substitutions import LaunchContext, substitute_text
 from pydantic import ValidationError
 
-NAMESPACE = 'ros_namespace'  # the launch variable in which ROS, too, keeps the pushed namespace
+NAMESPACE = 'ros_namespace'  # launch variable that ROS also uses for the pushed namespace
 
 
 @final
@@ -43,9 +43,9 @@ class LaunchArgument:
     name, description : str
         As written.
     default : str or None
-        As written, substitutions not made; None where the argument must be given.
+        As written, before substitution; None if the argument is required.
     choices : tuple of str
-        The allowed values; empty where every text is allowed.
+        The allowed values; empty if any text is allowed.
 
     """
 
@@ -58,7 +58,7 @@ class LaunchArgument:
 @final
 @dataclass(frozen=True, slots=True)
 class LaunchPlan:
-    """What a launch file starts with the given arguments."""
+    """The processes that a launch file starts."""
 
     processes: tuple[LaunchProcess, ...]
 
@@ -68,40 +68,25 @@ class LaunchPlan:
         return list(dict.fromkeys(item.namespace.strip('/') for item in self.processes))
 
     def label(self, process: LaunchProcess) -> str:
-        """Return what people call a process here: `estimator`, or `lta2/estimator` of several."""
+        """Return the label of a process: `estimator`, or `lta2/estimator` with several robots."""
         several = len(self.namespaces) > 1
         return f'{process.namespace}/{process.name}'.strip('/') if several else process.name
 
 
 def list_arguments(path: Path) -> list[LaunchArgument]:
     """
-    Return the arguments that a launch file declares, in their order.
+    Return the arguments that a launch file declares, in order.
 
-    Raises
-    ------
-    BadInput
-        If the file is not a launch file.
-
+    Raises `BadInput` if the file is not a launch file.
     """
     return [_build_argument(action) for action in _read_actions(path) if isinstance(action, Arg)]
 
 
 def load_plan(path: Path, arguments: Mapping[str, str]) -> LaunchPlan:
     """
-    Return the plan of a launch file.
+    Return the plan of a `*.launch.yaml` file with arguments by name.
 
-    Parameters
-    ----------
-    path : Path
-        A `*.launch.yaml`.
-    given : mapping
-        Values of launch arguments by name.
-
-    Raises
-    ------
-    BadInput
-        If the file or an argument cannot be used: where, what, and the remedy.
-
+    Raises `BadInput` with place and remedy if the file or an argument is invalid.
     """
     walk = _PlanBuilder()
     walk.include_file(Path(path), arguments)
@@ -114,14 +99,14 @@ def _build_argument(arg: Arg) -> LaunchArgument:
 
 
 def _read_actions(path: Path) -> list[Action]:
-    """Return a file's actions."""
+    """Parse the actions of a launch file."""
     if not path.is_file():
         raise BadInput(f'There is no launch file {path}; check the path.')
     if not path.name.endswith(('.launch.yaml', '.launch.yml')):
         raise BadInput(f'{path} is not a *.launch.yaml; only YAML launch files run without ROS.')
     content = load_yaml(path)
     if not isinstance(content, dict) or list(content) != ['launch']:
-        raise BadInput(f"{path} is no launch file; its only key must be 'launch:'.")
+        raise BadInput(f"{path} is not a launch file; its only key must be 'launch:'.")
     return _parse_actions(content['launch'], path)
 
 
@@ -144,21 +129,21 @@ def _parse_action(entry: Any, path: Path) -> Action:  # noqa: ANN401 - what the 
     except ValidationError as error:
         raise BadInput(f'{path}: {name}: {format_error(error)}') from None
     if isinstance(action, GroupAction):
-        # Checked here and not when it runs, so that a mistake is found in every condition.
+        # Parse children now, so that an error is found even if the condition skips the group.
         children = _parse_actions(action.children, path)
         if any(isinstance(child, Arg) for child in children):
-            raise BadInput(f"{path}: an 'arg' stands in a group; move it to the top of the file.")
+            raise BadInput(f"{path}: an 'arg' is in a group; move it to the top of the file.")
         return action.model_copy(update={'children': children})
     return action
 
 
 class _LocatedError(BadInput):
-    """Bad input whose sentence says already in which file it is."""
+    """Bad input whose message already names the file."""
 
 
 @final
 class _PlanBuilder:
-    """One pass through a launch file: the variables in scope and the processes so far."""
+    """Walk a launch file and collect its processes, with the variables in scope."""
 
     def __init__(self) -> None:
         self.processes: list[LaunchProcess] = []
@@ -166,7 +151,7 @@ class _PlanBuilder:
         self._open: list[Path] = []
 
     def include_file(self, path: Path, arguments: Mapping[str, str]) -> None:
-        """Walk a file; its variables stay, as in ROS, unless a group surrounds the include."""
+        """Run a file's actions; as in ROS, its variables persist unless the include is grouped."""
         if path.resolve() in self._open:
             raise BadInput(f'{path} includes itself; remove the include.')
         actions = _read_actions(path)

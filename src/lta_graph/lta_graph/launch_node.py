@@ -1,4 +1,4 @@
-"""From the `node` action of a launch file to the command line of a process."""
+"""Convert a `node` action of a launch file to the command line of a process."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -30,13 +30,13 @@ class LaunchProcess:
     package, executable : str
         As in `ros2 run PACKAGE EXECUTABLE`.
     name : str
-        The node's name, or its executable where the file gives none.
+        The node's name; the executable by default.
     namespace : str
-        Absolute; `/` where the file gives none.
+        Absolute; `/` by default.
     arguments : tuple of str
-        All that follows the executable on the command line.
+        Command line after the executable.
     on_exit_shutdown : bool
-        Whether the end of this process ends the run.
+        Whether the exit of this process ends the run.
 
     """
 
@@ -52,15 +52,7 @@ def build_process(node: NodeAction, context: LaunchContext, pushed: str) -> Laun
     """
     Return the process that a `node` action starts.
 
-    Parameters
-    ----------
-    node : Node
-        The action as written.
-    context : Context
-        What its substitutions see.
-    pushed : str
-        The namespace of the scope, absolute, or empty.
-
+    `pushed` is the namespace of the scope, absolute or empty.
     """
     executable = substitute_text(node.exec, context)
     arguments = split_command_line(node.args, context)
@@ -93,13 +85,9 @@ def build_process(node: NodeAction, context: LaunchContext, pushed: str) -> Laun
 
 def join_namespaces(base: str, name: str) -> str:
     """
-    Return a namespace below another, absolute; an absolute name stands for itself.
+    Return `name` below `base` as an absolute namespace; an absolute name is kept.
 
-    Raises
-    ------
-    BadInput
-        If the result is no namespace.
-
+    Raises `BadInput` if the result is not a valid namespace.
     """
     joined = name if name.startswith('/') else f'{base}/{name}'
     joined = '/' + joined.strip('/') if joined.strip('/') else ''
@@ -109,7 +97,7 @@ def join_namespaces(base: str, name: str) -> str:
 
 
 def format_parameter(param: Param, context: LaunchContext) -> list[str]:
-    """Return one `param` entry as arguments of `--ros-args`."""
+    """Convert a `param` entry to `--ros-args` arguments."""
     if param.from_ is not None:
         path = Path(substitute_text(param.from_, context))
         if not path.is_file():
@@ -125,7 +113,7 @@ def format_parameter(param: Param, context: LaunchContext) -> list[str]:
 def iterate_parameters(
     param: Param, context: LaunchContext, prefix: str = ''
 ) -> Iterator[tuple[str, Scalar | list[Scalar]]]:
-    """Yield every parameter of an entry: its dotted name and its value."""
+    """Yield the dotted name and the value of every parameter of an entry."""
     name = prefix + substitute_text(param.name or '', context)
     for nested in param.param or []:
         yield from iterate_parameters(nested, context, f'{name}.')
@@ -147,8 +135,8 @@ def convert_value(name: str, scalar: Scalar, kind: str | None, context: LaunchCo
     """
     Return a parameter's value with the type that ROS gives it.
 
-    A number or text as written keeps its type. What a substitution gives is read as YAML, so that
-    `$(var speed)` can be a number, unless `type` says what it is.
+    Literal values keep their type. The result of a substitution is parsed as YAML, so that
+    `$(var speed)` can be a number, unless `type` is given.
     """
     if not isinstance(scalar, str) or (kind is None and not has_substitution(scalar)):
         value: object = substitute_text(scalar, context) if isinstance(scalar, str) else scalar
@@ -177,9 +165,9 @@ def _parse_yaml_value(text: str, kind: str | None) -> object:
 
 def format_ros_yaml(value: Scalar | list[Scalar]) -> str:
     """
-    Return a value as YAML that ROS's own parser reads back with the same type.
+    Format a value as YAML that ROS's parser reads back with the same type.
 
-    Text is always quoted: ROS takes a bare `y` for true and a bare `nan` for a number.
+    Text is always quoted: ROS reads a bare `y` as true and a bare `nan` as a number.
     """
     if isinstance(value, list):
         return f'[{", ".join(format_ros_yaml(item) for item in value)}]'

@@ -1,8 +1,9 @@
 r"""
-Substitutions in ROS 2 launch files: `$(var x)`, `$(env X default)`, `$(find-pkg-share p)` ...
+Evaluate substitutions of ROS 2 launch files: `$(var x)`, `$(env X default)` and others.
 
-They nest, `$(find-pkg-share $(var package))`; an argument with spaces stands in quotes; `\$` is a
-dollar sign. `$(eval ...)`, which runs code, and `$(command ...)` are not offered.
+Substitutions can be nested: `$(find-pkg-share $(var package))`. An argument with spaces needs
+quotes; `\$` is a dollar sign. `$(eval ...)` and `$(command ...)`, which run code, are not
+supported.
 """
 
 from collections.abc import Callable, Mapping
@@ -18,7 +19,7 @@ from lta_graph.ament import find_package_share
 @final
 @dataclass(frozen=True, slots=True)
 class LaunchContext:
-    """What substitutions can see: the folder of the launch file and its variables."""
+    """The context of substitutions: the folder of the launch file and its variables."""
 
     folder: Path
     variables: Mapping[str, str]
@@ -56,13 +57,9 @@ SUBSTITUTIONS: dict[str, tuple[Callable[..., str], int, int]] = {
 
 def substitute_text(text: str, context: LaunchContext) -> str:
     """
-    Return a text with all its substitutions made.
+    Replace all substitutions in a text.
 
-    Raises
-    ------
-    BadInput
-        If a substitution is unknown, ill-formed or cannot be made.
-
+    Raises `BadInput` if a substitution is unknown, ill-formed or fails.
     """
     result, end = _read_text(text, 0, context, stop='')
     assert end == len(text)
@@ -70,18 +67,18 @@ def substitute_text(text: str, context: LaunchContext) -> str:
 
 
 def split_command_line(text: str, context: LaunchContext) -> list[str]:
-    """Return the words of a command line; what a substitution gives is never split."""
+    """Split a command line into words; the result of a substitution is never split."""
     words, _ = _read_words(text, 0, context, stop='')
     return words
 
 
 def has_substitution(text: str) -> bool:
-    """Tell whether ROS would make anything of a text but the text itself."""
+    """Return whether a text contains a substitution."""
     return '$(' in text.replace('\\$', '')
 
 
 def _read_text(text: str, at: int, context: LaunchContext, stop: str) -> tuple[str, int]:
-    """Return the text up to one of the `stop` characters, and where that is."""
+    """Return the text up to one of the `stop` characters, and its position."""
     parts = []
     while at < len(text) and text[at] not in stop:
         if text.startswith('\\', at) and at + 1 < len(text) and text[at + 1] in '$"\'\\':
@@ -97,9 +94,9 @@ def _read_text(text: str, at: int, context: LaunchContext, stop: str) -> tuple[s
 
 
 def _read_words(text: str, at: int, context: LaunchContext, stop: str) -> tuple[list[str], int]:
-    """Return the words up to one of the `stop` characters, quotes taken off, and where that is."""
+    """Return the unquoted words up to one of the `stop` characters, and its position."""
     words: list[str] = []
-    joined = False  # whether the last word goes on
+    joined = False  # whether the next piece continues the last word
     while at < len(text) and text[at] not in stop:
         if text[at].isspace():
             joined, at = False, at + 1
@@ -107,7 +104,7 @@ def _read_words(text: str, at: int, context: LaunchContext, stop: str) -> tuple[
         if text[at] in '\'"':
             piece, end = _read_text(text, at + 1, context, stop=text[at])
             if end == len(text):
-                raise BadInput(f"'{text}' has a quote without its end; close it.")
+                raise BadInput(f"'{text}' has an unclosed quote; close it.")
             at = end + 1
         else:
             piece, at = _read_text(text, at, context, stop=' \t\n\'"' + stop)
@@ -117,10 +114,10 @@ def _read_words(text: str, at: int, context: LaunchContext, stop: str) -> tuple[
 
 
 def _read_substitution(text: str, start: int, context: LaunchContext) -> tuple[str, int]:
-    """Return the value of the substitution that begins at `start`, and where the text goes on."""
+    """Return the value of the substitution at `start`, and the position after it."""
     words, at = _read_words(text, start + 2, context, stop=')')
     if at == len(text):
-        raise BadInput(f"'{text}' has a substitution without its end; close it with ')'.")
+        raise BadInput(f"'{text}' has an unclosed substitution; close it with ')'.")
     return _evaluate_substitution(words, text[start : at + 1], context), at + 1
 
 

@@ -1,10 +1,10 @@
 """
-Start the processes of a launch plan, watch them, and leave none behind.
+Start the processes of a launch plan, monitor them and stop them all.
 
-One thread reads what the processes write and notices their ends; events wait in a queue, so the
-caller may be busy with something else. Every process leads a session of its own: Ctrl-C reaches
-only the launcher, which then stops the others in order. If the launcher itself is killed, the
-kernel interrupts its processes, and a guard kills those that do not heed that.
+A thread reads their output and detects exits; events are queued for the caller. Every process
+leads its own session, so Ctrl-C reaches only the launcher, which then stops the others. If the
+launcher is killed, the kernel sends SIGINT to its processes, and a guard kills those that ignore
+it.
 """
 
 from collections.abc import Collection
@@ -30,35 +30,35 @@ from lta_graph.watchdog import ProcessGuard
 
 GRACE = 8.0  # seconds from SIGINT to SIGTERM: the recorder must close its bag
 TERM_GRACE = 2.0  # seconds from SIGTERM to SIGKILL
-SPARE_GRACE = 1.0  # seconds from SIGINT to SIGKILL for a spare process: it has nothing to finish
-GROUP_PATIENCE = 1.0  # seconds; a container may have nobody who takes orphans' statuses
-PERIOD = 0.02  # seconds between looks while stopping
+SPARE_GRACE = 1.0  # seconds from SIGINT to SIGKILL for an optional process: nothing to finish
+GROUP_PATIENCE = 1.0  # seconds; without an init that reaps orphans (containers) groups never empty
+PERIOD = 0.02  # seconds between checks while stopping
 
 
 @final
 class Launcher:
     """
-    The processes of one launch plan: `with Launcher(plan, on_line) as launcher: ...`.
+    Run the processes of a launch plan: `with Launcher(plan, on_line) as launcher: ...`.
 
-    Start it from the main thread: the kernel takes the end of the starting thread for the end of
-    the launcher.
+    Start it from the main thread: the kernel sends the parent-death signal when the starting
+    thread ends.
 
     Parameters
     ----------
     plan : LaunchPlan
-        What to start.
+        The processes.
     on_line : callable
-        Called from another thread with what the plan calls a node and each line that it writes.
+        Called from another thread with the label of a process and each line of its output.
     grace : float
-        Time that processes have to end after SIGINT. [s]
-    spare : collection of str
-        What the plan calls the processes without which the run goes on, such as a viewer; one
-        that hangs does not hold up the end either.
+        Time from SIGINT to SIGTERM. [s]
+    optional : collection of str
+        Labels of processes that may exit during the run, such as a viewer; they do not delay the
+        stop either.
 
     Attributes
     ----------
-    ended : list of Ended
-        Every end that `poll` or `wait` has returned, in order.
+    ended : list of ProcessExit
+        All exits that `poll` or `wait` has returned, in order.
 
     """
 
@@ -81,7 +81,7 @@ class Launcher:
         self._guard: ProcessGuard | None = None
 
     def __enter__(self) -> Self:
-        """Start."""
+        """Start all processes."""
         self.start()
         return self
 
@@ -91,21 +91,21 @@ class Launcher:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Stop."""
+        """Stop all processes."""
         self.stop()
 
     @property
     def running(self) -> list[str]:
-        """What the plan calls the processes that have not ended."""
+        """Labels of the processes that have not ended."""
         return [child.name for child in self._children if not child.has_exited()]
 
     @property
     def outcome(self) -> ProcessExit | None:
         """
-        The end of the process that ended the run, None while it goes on.
+        The exit that ended the run; None while it continues.
 
-        Its `success` tells whether that was planned; any process that ends unasked ends the run,
-        unless it is a spare one.
+        Any process that exits by itself ends the run, except optional ones. `success` is whether
+        the exit was planned.
         """
         ending = (item for item in self.ended if item.name not in self._spare)
         return next((item for item in ending if not item.stopped), None)
@@ -119,7 +119,7 @@ class Launcher:
         BadInput
             If one cannot be found or executed.
         KeyboardInterrupt
-            If Ctrl-C came meanwhile; nothing is left running.
+            After Ctrl-C during the start; nothing is left running.
 
         """
         commands = [build_command(process) for process in self._plan.processes]
@@ -133,7 +133,7 @@ class Launcher:
                     child = spawn_process(process, self._plan.label(process), words, variables)
                     self._children.append(child)
                     self._guard.add_group(child.pid)
-                # Not earlier: a fork beside threads is unsafe.
+                # Start the thread after the forks: forking a process with threads is unsafe.
                 self._start_watch()
         except BaseException:
             self.stop()
@@ -144,24 +144,19 @@ class Launcher:
         self._watch.start()
 
     def poll(self) -> list[ProcessExit]:
-        """Return the processes that have ended since the last call; raises what `on_line` did."""
+        """Return the exits since the last call; reraise an exception of `on_line`."""
         return self.wait(0.0)
 
     def wait(self, timeout: float) -> list[ProcessExit]:
         """
-        Wait until a process ends, and return all that have since the last call.
+        Wait up to `timeout` [s] for an exit, and return all exits since the last call.
 
-        Ctrl-C acts when the wait is over.
-
-        Parameters
-        ----------
-        timeout : float
-            Longest time to wait. [s]
+        Ctrl-C is delivered when the wait is over.
 
         """
         found: list[ProcessExit] = []
         if self._watch is not None:
-            # An exception that a signal raises inside the queue may leave it locked for ever.
+            # An exception raised by a signal inside the queue may leave it locked.
             with hold_interrupts():
                 with suppress(Empty):
                     found.append(self._watch.events.get(timeout=timeout))
@@ -174,10 +169,10 @@ class Launcher:
 
     def stop(self) -> None:
         """
-        End all processes: SIGINT, after the grace SIGTERM, then SIGKILL; the spare ones sooner.
+        Stop all processes: SIGINT, then SIGTERM, then SIGKILL; optional ones get less time.
 
-        Returns when all are gone. Ctrl-C meanwhile does not interrupt it but goes on to the next
-        signal at once, and is raised as KeyboardInterrupt when all are gone.
+        Returns when all are gone. Ctrl-C moves on to the next signal immediately and is raised as
+        KeyboardInterrupt at the end.
         """
         with hold_interrupts() as presses:
             self._stopping.set()
@@ -197,7 +192,7 @@ class Launcher:
     def _wait_for_exits(self, grace: float, presses: list[int]) -> None:
         began = time.monotonic()
         before = len(presses)
-        # The last signal cannot be hurried, so a further Ctrl-C must not end the wait for it.
+        # Nothing follows SIGKILL, so a further Ctrl-C must not end that wait.
         while self.running and (passed := time.monotonic() - began) < grace:
             if len(presses) > before and grace < float('inf'):
                 return
@@ -214,7 +209,7 @@ class Launcher:
         if self._watch is None and self._children:
             self._start_watch()
         if self._watch is not None:
-            self._watch.join(1.0)  # not for ever: `on_line` may hang on a full terminal
+            self._watch.join(1.0)  # bounded: `on_line` may block on a full terminal
         for child in self._children:
             child.reap()
         deadline = time.monotonic() + GROUP_PATIENCE

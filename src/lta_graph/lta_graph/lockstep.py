@@ -1,9 +1,9 @@
 """
-Which messages must have come by when: by the topic table's grid, or by what a recording holds.
+Determine which messages are due at a step in lockstep.
 
-A simulated flight has every message of the table, so that counting periods tells what is due. A
-recording may begin late, have gaps, or keep a rhythm of its own. Its player knows every message
-beforehand and tells the nodes when each is due (`replay/due`).
+A simulated flight has every message of the topic table, so the due messages follow from the
+periods. A recording may start late, have gaps or other periods; its player knows all messages in
+advance and publishes their due times (`replay/due`).
 """
 
 from bisect import bisect_right
@@ -14,7 +14,7 @@ from lta_config.topics import TopicTable
 
 
 class MessageTurns(Protocol):
-    """What an inbox asks."""
+    """Schedule of due messages, as an inbox uses it."""
 
     def count_due(self, name: str, now_ns: int, lag: int) -> int:
         """Return how many messages of a topic must have come at a control step."""
@@ -27,15 +27,7 @@ class MessageTurns(Protocol):
 
 @final
 class GridTurns:
-    """
-    The turns of a whole flight from the table's first stamp on.
-
-    Parameters
-    ----------
-    table : TopicTable
-        Periods, latencies and the first stamp.
-
-    """
+    """Schedule of a complete flight, from the periods, latencies and first stamp of the table."""
 
     def __init__(self, table: TopicTable) -> None:
         self._table = table
@@ -55,14 +47,14 @@ class GridTurns:
 @final
 class RecordedTurns:
     """
-    The turns of a replay: what its player said.
+    Schedule of a replay, as published by its player.
 
     Parameters
     ----------
     table : TopicTable
-        The control period, in which lags are counted.
+        Gives the control period, the unit of lags.
     due : mapping of str to sequence of int
-        By topic, when each message is due, in order. A topic that is not there has none. [ns]
+        Due time of each message by topic, sorted; a missing topic has no messages. [ns]
 
     """
 
@@ -75,5 +67,5 @@ class RecordedTurns:
         return bisect_right(self._due.get(name, ()), now_ns - lag * self._control_ns)
 
     def find_turn(self, _name: str, expected: int, _stamp_ns: int) -> int:
-        """Return the expected number: a player sends no more than its nodes can keep."""
+        """Return the expected number: a player never overruns the queues of its nodes."""
         return expected

@@ -1,9 +1,9 @@
 """
-How far robots of one launch may drift apart in time, and when all of them have ended.
+Synchronise the simulation time of several robots in one launch.
 
-Each says in a pulse, every `lead_ns`, where in time it is, and waits before it would be further
-than that ahead of the newest pulse of any other. The one that is last in time never waits: all
-pulses of the others are at most one period older than its own.
+Each robot publishes a pulse with its time every `lead_ns`, and waits before it would get further
+ahead of the newest pulse of any other. There is no deadlock, because the slowest robot never
+waits: the pulses of the others are at most one period older than its own.
 """
 
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ class Peers:
     start_ns : int
         The first stamp of every robot. [ns]
     lead_ns : int
-        Period of the pulse, and by how much one may be ahead of it. [ns]
+        Pulse period and largest lead over a pulse. [ns]
 
     """
 
@@ -33,28 +33,28 @@ class Peers:
 
     @property
     def active(self) -> list[str]:
-        """Those that have not ended."""
+        """Robots that have not ended."""
         return list(self._flying)
 
     def record_pulse(self, name: str, stamp_ns: int) -> None:
-        """Take a pulse. [ns]"""
+        """Record a pulse. [ns]"""
         self._newest[name] = max(stamp_ns, self._newest.get(name, self._start_ns))
 
     def mark_ended(self, name: str) -> None:
-        """Take note that one has ended; nobody waits for it any more."""
+        """Mark a robot as ended; others stop waiting for it."""
         if name in self._flying:
             self._flying.remove(name)
 
     def find_lagging(self, stamp_ns: int) -> list[str]:
-        """Return those for whom a robot that is about to be at a time has to wait. [ns]"""
+        """Return the robots to wait for before advancing to a time. [ns]"""
         limit = stamp_ns - self._lead_ns
         return [name for name in self._flying if self._newest.get(name, self._start_ns) < limit]
 
     def has_started(self, name: str) -> bool:
-        """Tell whether one has been heard at all."""
+        """Return whether a robot has sent a pulse."""
         return name in self._newest
 
     def launch_time(self, own_ns: int) -> int:
-        """Return the time of the launch once one's own has stopped; it never goes back. [ns]"""
+        """Return the common time after the own robot has stopped; it never decreases. [ns]"""
         others = [self._newest.get(name, self._start_ns) for name in self._flying]
         return max(own_ns, min(others, default=own_ns))

@@ -1,4 +1,4 @@
-"""The end of a process, without the second that it takes to take Python apart."""
+"""Exit a process without the interpreter teardown, which takes up to a second."""
 
 import atexit
 from contextlib import suppress
@@ -9,16 +9,16 @@ from typing import NoReturn
 
 def exit_process(status: int) -> NoReturn:
     """
-    End this process: what was to be done at its end is done, and everything is said.
+    Run the exit handlers, flush the standard streams and exit immediately.
 
-    Modules and compiled code are not taken apart, which the kernel forgets anyway: up to a
-    second of a node, for which the others of a graph wait. Whoever needs a thread to finish joins
-    it before. Under another program, such as a profiler or a debugger, all ends as usual.
+    Modules and compiled code are not torn down: that takes up to a second per node, and the kernel
+    frees them anyway. Threads are not joined; join them before. Under a profiler or a debugger the
+    process exits normally.
     """
     if sys.modules['__main__'].__spec__ is not None:
         sys.exit(status)
     atexit._run_exitfuncs()
     for stream in (sys.stdout, sys.stderr):
-        with suppress(OSError, ValueError):  # nobody reads it any more
+        with suppress(OSError, ValueError):  # the reader has closed the pipe
             stream.flush()
     os._exit(status)

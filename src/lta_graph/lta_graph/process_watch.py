@@ -1,4 +1,4 @@
-"""The thread that reads what a launcher's processes write and notices their ends."""
+"""Read the output of a launcher's processes and detect their exits, in a thread."""
 
 from collections.abc import Callable
 import os
@@ -9,9 +9,9 @@ from typing import final
 
 from lta_graph.child_process import ChildProcess, ProcessExit
 
-PERIOD = 0.05  # seconds between looks at processes that write nothing
+PERIOD = 0.05  # seconds between checks of silent processes
 CHUNK = 65536  # bytes read at once; a longer line is cut
-LAST_WORDS = 16  # chunks read after a process's end: all that its pipes can hold
+LAST_WORDS = 16  # chunks read after an exit: 1 MiB, the largest pipe buffer
 
 OnLine = Callable[[str, str], None]
 
@@ -23,12 +23,12 @@ class ProcessWatch(threading.Thread):
 
     Parameters
     ----------
-    children : list of Child
-        The processes; their pipes belong to this thread.
+    children : list of ChildProcess
+        The processes; this thread owns their pipes.
     on_line : callable
-        Called in this thread with what the plan calls a process and each line that it writes.
+        Called in this thread with the label of a process and each line of its output.
     stopping : threading.Event
-        Set once the launcher asks its processes to end.
+        Set when the launcher stops its processes.
 
     """
 
@@ -51,7 +51,7 @@ class ProcessWatch(threading.Thread):
                 self._selector.register(pipe, selectors.EVENT_READ, (child, stream))
 
     def run(self) -> None:
-        """Read and watch; ends with the last process."""
+        """Read output until the last process has ended."""
         while self._living:
             for key, _ in self._selector.select(PERIOD):
                 self._read_chunk(key)
@@ -60,7 +60,7 @@ class ProcessWatch(threading.Thread):
         self._selector.close()
 
     def _read_chunk(self, key: selectors.SelectorKey) -> bool:
-        """Take a chunk from a pipe; False if there was none."""
+        """Read a chunk from a pipe; return False if there was none."""
         try:
             chunk = os.read(key.fd, CHUNK)
         except BlockingIOError:
@@ -84,7 +84,7 @@ class ProcessWatch(threading.Thread):
             try:
                 self._on_line(child.name, text)
             except Exception as error:
-                self.fault = error  # raised again where the caller polls
+                self.fault = error  # reraised in `Launcher.poll`
 
     def _close_pipe(self, key: selectors.SelectorKey) -> None:
         if self._partial[key.fd]:
@@ -93,7 +93,7 @@ class ProcessWatch(threading.Thread):
         key.fileobj.close()  # type: ignore[union-attr]
 
     def _finish_process(self, child: ChildProcess) -> None:
-        """Take an ended process's status and last words, and tell."""
+        """Reap an ended process, read its remaining output and queue its exit."""
         stopped = self._stopping.is_set()
         child.reap()
         keys = [key for key in self._selector.get_map().values() if key.data[0] is child]

@@ -4,7 +4,7 @@ from typing import Final, final
 
 from lta_graph.health import HealthFact, HealthLevel
 
-LONGEST: Final = 200  # characters of a reason: whoever sends nonsense decides how much of it
+LONGEST: Final = 200  # characters of a reason, whose length the faulty sender controls
 
 
 @final

@@ -9,7 +9,15 @@ FAR = 1000.0  # m; no scene is larger
 
 
 def offset_start(scenario: Scenario, x: float, y: float) -> Scenario:
-    """Return a scenario with the start moved; the same object for a zero offset."""
+    """
+    Return a scenario with the start moved; the same object for a zero offset.
+
+    Raises
+    ------
+    BadInput
+        If the drone would start outside of the room or within its goal.
+
+    """
     if x == 0.0 and y == 0.0:
         return scenario
     before = scenario.start.position.vector

@@ -56,7 +56,15 @@ class CommandLink:
         self._coming: deque[tuple[int, Array]] = deque()
 
     def pack_command(self, duties: Sequence[float], mass_place: Vector | None = None) -> Array:
-        """Return a command for the kernel, clipped to the rotors' limits."""
+        """
+        Return a command for the kernel, clipped to the rotors' limits.
+
+        Raises
+        ------
+        ValueError
+            If there is not one finite duty for each rotor, or a place is not finite.
+
+        """
         asked = list(map(float, duties))
         if len(asked) != len(self._lowest) or not all(map(math.isfinite, asked)):
             raise ValueError(f'The duties are {asked}; give {len(self._lowest)} finite numbers.')

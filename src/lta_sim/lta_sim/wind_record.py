@@ -47,7 +47,16 @@ class WindRecord:
 
     @classmethod
     def read(cls, path: Path, needed: float) -> Self:
-        """Read a wind file."""
+        """
+        Read a wind file.
+
+        Raises
+        ------
+        BadInput
+            One sentence, if the file cannot be read, holds something else, is not in order, has a
+            gap of more than 3 usual intervals, or ends too early.
+
+        """
         try:
             with path.open(encoding='utf-8') as stream:
                 rows = _read_rows(path, stream)

@@ -1,1 +1,1 @@
-"""What a vehicle is and can do, in words and pictures; how two differ; what a flight weighed."""
+"""Describe, validate and compare vehicle files, and estimate heaviness from a flight."""

@@ -1,4 +1,4 @@
-"""The argument of verbs that look at a vehicle."""
+"""Define the VEHICLE argument of the `lta vehicle` commands."""
 
 from typing import Annotated
 

@@ -1,4 +1,4 @@
-"""Where two vehicle files differ, and what follows from it."""
+"""Compare two vehicle files and the figures derived from them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,17 +15,17 @@ from lta_vehicle.figures.figure import DerivedFigure
 from lta_vehicle.figures.sheet import build_sheet, VehicleSheet
 from lta_vehicle.stale_aero import find_stale_aero
 
-ROOT = 'vehicle.'  # may stand before a path, as lta simulate --set has it
-SAME = 1e-12  # relative: two ways to write one number in other units
-# What is one thing of many numbers: how many words its place has.
+ROOT = 'vehicle.'  # optional path prefix, as in `lta simulate --set`
+SAME = 1e-12  # relative; absorbs the rounding of unit conversions, such as 4 g and 0.004 kg
+# Groups reported as one change when added or removed, with the path depth of one group.
 WHOLE = {'layers': 3, 'rotors': 2, 'aero.thrust_allocation': 3}
-WORDS = ('name', 'about')  # of these nothing follows
+WORDS = ('name', 'about')  # texts without effect on the physics
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class VehicleChange:
-    """A number or choice of the file that is not the same; None where a file has none."""
+    """An entry that differs between two files; None where a file lacks it."""
 
     place: str
     before: VehicleFileEntry | None
@@ -35,22 +35,22 @@ class VehicleChange:
 @final
 @dataclass(frozen=True, slots=True)
 class FigureChange:
-    """A derived figure that is not the same; None where a vehicle has none."""
+    """A derived figure that differs; None where a vehicle does not have it."""
 
     before: DerivedFigure | None
     after: DerivedFigure | None
 
     @property
     def figure(self) -> DerivedFigure:
-        """The figure that there is, the later one first."""
-        found = self.after or self.before
-        if found is None:
-            raise ValueError('a consequence of nothing')
-        return found
+        """The later figure, or the earlier one if the later vehicle has none."""
+        figure = self.after or self.before
+        if figure is None:
+            raise ValueError('A figure change needs a figure before or after.')
+        return figure
 
     @property
     def shift(self) -> float | None:
-        """How much greater the later one is, in its unit; None where one is missing."""
+        """Later minus earlier value, in the unit of the figure; None if one is missing."""
         if self.before is None or self.after is None:
             return None
         a, b = self.before.value, self.after.value
@@ -62,7 +62,7 @@ class FigureChange:
 @final
 @dataclass(frozen=True, slots=True)
 class VehicleDifference:
-    """What differs between two vehicles: their sheets, changes of files, and consequences."""
+    """Two vehicle sheets, the changed entries and the derived figures that changed."""
 
     before: VehicleSheet
     after: VehicleSheet
@@ -71,13 +71,13 @@ class VehicleDifference:
 
     @property
     def changed_effects(self) -> list[str]:
-        """The effects that differ, of which no figure need say anything."""
+        """Names of the changed effects; the derived figures may not show their influence."""
         places = [change.place.split('.') for change in self.changes]
         return list(dict.fromkeys(place[1] for place in places if place[0] == 'effects'))
 
     @property
     def stale_aero_notes(self) -> list[str]:
-        """Sentences on what of the aero block did not follow rotors and hull."""
+        """Warnings about aero values that were not updated with the rotors or the hull."""
         columns = self.after.vehicle.file.aero.thrust_allocation
         return list(find_stale_aero([change.place for change in self.changes], columns))
 
@@ -86,21 +86,21 @@ def load_vehicle_variant(
     name: str, sets: Sequence[str] = (), swaps: Sequence[str] = ()
 ) -> Vehicle:
     """
-    Return a vehicle, perhaps with numbers or layers replaced.
+    Load a vehicle, optionally with replaced numbers or layers.
 
     Parameters
     ----------
     name : str
         Vehicle name or file.
     sets : sequence of str
-        PATH=VALUE each, as `lta simulate --set` takes them; 'vehicle.' may be left out.
+        PATH=VALUE as in `lta simulate --set`; the prefix 'vehicle.' is optional.
     swaps : sequence of str
-        LAYER=VEHICLE each: the layer of that name out of another vehicle file.
+        LAYER=VEHICLE: take the layer of that name from another vehicle file.
 
     Raises
     ------
     BadInput
-        If a file cannot be read, or there is no such place or layer.
+        If a file cannot be read, or a path or layer does not exist.
 
     """
     path = find_file('vehicle', name)
@@ -123,31 +123,31 @@ def load_vehicle_variant(
 
 
 def require_mapping(content: Any, where: str) -> dict[str, Any]:  # noqa: ANN401 - as YAML has it
-    """Return what a file held if that is a mapping; `BadInput` else."""
+    """Return a file's content; raise `BadInput` if it is not a mapping."""
     if not isinstance(content, dict):
         raise BadInput(f'{where} holds no mapping of keys; compare it with a shipped file.')
     return content
 
 
 def _replace_layer(content: dict[str, Any], swap: str, where: str) -> dict[str, Any]:
-    """Return a file's content with one layer out of another file."""
+    """Return the content with one layer taken from another file."""
     layer, mark, donor = swap.partition('=')
     if not mark or not layer or not donor:
         raise BadInput(
-            f"'{swap}' swaps nothing; write LAYER=VEHICLE, as in 'harvesting=my_blimp.yaml'."
+            f"Invalid layer swap '{swap}'; write LAYER=VEHICLE, as in 'harvesting=my_blimp.yaml'."
         )
     path = find_file('vehicle', donor)
-    given = require_mapping(load_yaml(path), str(path)).get('layers')
+    donor_layers = require_mapping(load_yaml(path), str(path)).get('layers')
     own = content.get('layers')
-    for layers, of in ((own, where), (given, str(path))):
+    for layers, of in ((own, where), (donor_layers, str(path))):
         if not isinstance(layers, Mapping) or layer not in layers:
             names = [str(key) for key in layers] if isinstance(layers, Mapping) else []
             raise unknown_name(f'layer of {of}', layer, names)
-    return {**content, 'layers': {**own, layer: given[layer]}}  # type: ignore[dict-item, index]
+    return {**content, 'layers': {**own, layer: donor_layers[layer]}}  # type: ignore[dict-item, index]
 
 
 def compare_vehicles(before: Vehicle, after: Vehicle) -> VehicleDifference:
-    """Return where two vehicles differ."""
+    """Compare the files and the derived figures of two vehicles."""
     a, b = build_sheet(before), build_sheet(after)
     return VehicleDifference(
         a, b, find_changes(before.file, after.file), find_figure_changes(a, b)
@@ -155,9 +155,10 @@ def compare_vehicles(before: Vehicle, after: Vehicle) -> VehicleDifference:
 
 
 def find_changes(before: VehicleFile, after: VehicleFile) -> list[VehicleChange]:
-    """Return the numbers and choices that differ, in the order of the later file."""
+    """Return the entries that differ, in the order of the later file."""
     a = {entry.place: entry for entry in list_entries(before)}
     b = {entry.place: entry for entry in list_entries(after)}
+    # A part that only one file has is one change, not one for each of its numbers.
     for own, other in ((a, b), (b, a)):
         _merge_entries(own, other)
     places = [*b, *(place for place in a if place not in b)]
@@ -171,7 +172,7 @@ def find_changes(before: VehicleFile, after: VehicleFile) -> list[VehicleChange]
 def _merge_entries(
     own: dict[str, VehicleFileEntry], other: Mapping[str, VehicleFileEntry]
 ) -> None:
-    """Put one entry in place of all those of a part, rotor or column that the other lacks."""
+    """Merge the entries of each part, rotor or column that the other file lacks into one."""
     groups: dict[str, list[VehicleFileEntry]] = {}
     for entry in own.values():
         keys = entry.place.split('.')
@@ -181,6 +182,7 @@ def _merge_entries(
     for group, parts in groups.items():
         if any(place.startswith(f'{group}.') for place in other):
             continue
+        # Represent a part by its mass, the number that readers look for first.
         first = next((part for part in parts if part.place.endswith('.mass')), parts[0])
         value = first.value if first.numbers and first.place.endswith('.mass') else 'as a whole'
         for part in parts:
@@ -189,7 +191,7 @@ def _merge_entries(
 
 
 def is_same_entry(a: VehicleFileEntry | None, b: VehicleFileEntry | None) -> bool:
-    """Tell whether two entries say the same; a source alone makes no difference."""
+    """Return whether two entries have the same value; their sources may differ."""
     if a is None or b is None:
         return a is b
     if not a.numbers and not b.numbers:
@@ -205,7 +207,7 @@ def is_same_entry(a: VehicleFileEntry | None, b: VehicleFileEntry | None) -> boo
 
 
 def find_figure_changes(a: VehicleSheet, b: VehicleSheet) -> list[FigureChange]:
-    """Return the derived figures that differ as they are shown."""
+    """Return the derived figures whose displayed values differ."""
     before, after = a.by_key, b.by_key
     keys = [*after, *(key for key in before if key not in after)]
     return [
@@ -216,7 +218,7 @@ def find_figure_changes(a: VehicleSheet, b: VehicleSheet) -> list[FigureChange]:
 
 
 def _rounded_value(figure: DerivedFigure | None) -> object:
-    """Return what is compared: the value, rounded as it is shown."""
+    """Return the value, rounded as displayed."""
     if figure is None or figure.value is None:
         return None
-    return round(figure.value, figure.digits) + 0.0
+    return round(figure.value, figure.digits) + 0.0  # turns -0.0 into 0.0

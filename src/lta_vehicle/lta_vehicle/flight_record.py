@@ -1,4 +1,4 @@
-"""Where a vehicle was in a flight and what its rotors were told, out of a bag."""
+"""Read poses and rotor duties of a recorded flight from a bag."""
 
 from typing import Final, final, NamedTuple
 
@@ -9,15 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-POSES: Final = ('ground_truth/odom', 'odom')  # the truth or a tracker first
+POSES: Final = ('ground_truth/odom', 'odom')  # in order of preference: truth or tracker first
 
 
 @final
 class VehiclePath(NamedTuple):
     """
-    Where the vehicle was: time [s], hull centre in map [m] and attitude (x y z w).
+    Measured path: time [s], hull centre in map [m] and attitude quaternion (x y z w).
 
-    Velocities are fitted to it, so that a tracker which knows poses only will do.
+    It has no velocities, since a tracker may measure poses only; they are fitted later.
     """
 
     time: Array
@@ -27,7 +27,7 @@ class VehiclePath(NamedTuple):
 
 @final
 class RotorCommands(NamedTuple):
-    """Duties of the rotors over time, shape (n, rotors), in the order of the vehicle. [s, 1]"""
+    """Rotor duties over time [s, 1], shape (n, rotors), in the order of the vehicle file."""
 
     time: Array
     duties: Array
@@ -37,22 +37,23 @@ def read_flight_record(
     flight: RecordedFlight, vehicle: Vehicle
 ) -> tuple[VehiclePath, RotorCommands, str]:
     """
-    Return path and commands of a recorded flight, and the topic of its poses.
+    Read path and commands of a recorded flight, and return the topic of its poses.
 
     Raises
     ------
     BadInput
-        If the bag has no duties or poses, or duties of other rotors.
+        If the bag lacks duties or poses, or its rotors are not those of the vehicle.
 
     """
     topic = next((name for name in POSES if name in flight.topics), None)
     if topic is None or 'motors' not in flight.topics:
         raise BadInput(
-            f"'{flight.bag.path}' has no {'motors' if topic else 'odom'} to weigh by; record it."
+            f"'{flight.bag.path}' has no topic {'motors' if topic else 'odom'}, which the estimate "
+            'needs; record it.'
         )
     poses, motors = flight.read_series(topic), flight.read_series('motors')
     if not len(poses) or not len(motors):
-        raise BadInput(f"'{flight.bag.path}' has no message on motors or {topic}; record both.")
+        raise BadInput(f"'{flight.bag.path}' has no messages on motors or {topic}; record both.")
     names = [
         str(motors.texts[f'name[{i}]'][-1])
         for i in range(len(vehicle.rotors))
@@ -63,6 +64,7 @@ def read_flight_record(
             f"'{flight.bag.path}' has no duty of {', '.join(missing)} of {vehicle.file.name}; "
             'name the vehicle that flew with --vehicle.'
         )
+    # A bag may list the rotors in another order than the vehicle file.
     order = [names.index(name) for name in vehicle.rotor_names]
     duties = np.stack([motors[f'effort[{i}]'] for i in order], axis=1).astype(np.float64)
     path = VehiclePath(

@@ -1,4 +1,4 @@
-"""A vehicle file to start from: a copy of one that flies, comments and all, under another name."""
+"""Create a vehicle file as a renamed copy of an existing one, comments included."""
 
 from pathlib import Path
 import re
@@ -10,15 +10,15 @@ from lta_model.vehicle import load_vehicle
 NAME = re.compile(r'[a-z][a-z0-9_]*')
 LINE = re.compile(r'(?m)^name:[ \t]*\S.*$')
 HEAD = """\
-# {name}: begun as a copy of {model}.
+# {name}: copied from {model}.
 #
-# Put in your own numbers, one by one. Weigh each part, measure its place from the hull centre,
-# and write where the number comes from: "measured, kitchen scale", "data sheet", or "assumed"
-# where it is a guess. Then:
-#   lta vehicle check {file}      what is wrong with it
-#   lta vehicle show {file}       what it is and can do
-#   lta vehicle diff {model} {file}      what that changed
-# What follows was written about {model}.
+# Replace the numbers with your own. Weigh each part, measure its position from the hull centre,
+# and give the source of each number: "measured, kitchen scale", "data sheet", or "assumed" if
+# it is a guess. Then:
+#   lta vehicle check {file}      check it for errors
+#   lta vehicle show {file}       show its properties and performance
+#   lta vehicle diff {model} {file}      show what your changes did
+# The rest of this file was written for {model}.
 #
 """
 
@@ -30,37 +30,37 @@ def format_new_vehicle(name: str, model: str) -> str:
     Parameters
     ----------
     name : str
-        Of the new vehicle: small letters, digits and underscores.
+        Name of the new vehicle: lower-case letters, digits and underscores.
     model : str
         Vehicle name or file to copy.
 
     Raises
     ------
     BadInput
-        If the name is none, or the model cannot be read.
+        If the name is invalid, or the model cannot be read.
 
     """
     if not NAME.fullmatch(name):
         raise BadInput(
-            f"'{name}' cannot name a vehicle; take small letters, digits and underscores, with a "
-            'letter first.'
+            f"'{name}' cannot name a vehicle; use lower-case letters, digits and underscores, and "
+            'begin with a letter.'
         )
-    copied = load_vehicle(model).file.name  # a file that is broken is no start
+    copied = load_vehicle(model).file.name  # raises BadInput if the model itself is invalid
     text = find_file('vehicle', model).read_text(encoding='utf-8')
     renamed, count = LINE.subn(f'name: {name}', text, count=1)
     if count != 1:
-        raise BadInput(f"{find_file('vehicle', model)} has no line 'name: ...'; write one.")
+        raise BadInput(f"{find_file('vehicle', model)} has no line 'name: ...'; add one.")
     return HEAD.format(name=name, model=copied, file=f'{name}.yaml') + renamed
 
 
 def write_new_vehicle(name: str, model: str, out: Path) -> None:
-    """Write a new vehicle file; `BadInput` if it is there already or cannot be written."""
+    """Write a new vehicle file; raise `BadInput` if it exists or cannot be written."""
     text = format_new_vehicle(name, model)
     try:
         with out.open('x', encoding='utf-8') as stream:
             stream.write(text)
     except FileExistsError:
-        raise BadInput(f'{out} is there already; choose another place with --out.') from None
+        raise BadInput(f'{out} already exists; choose another file with --out.') from None
     except OSError as error:
-        raise BadInput(f'{out} cannot be written ({error.strerror}); choose another.') from None
-    load_vehicle(str(out.absolute()))
+        raise BadInput(f'{out} cannot be written ({error.strerror}); choose another file.') from None
+    load_vehicle(str(out.absolute()))  # the copy must be valid under its new name

@@ -1,8 +1,8 @@
 """
-What of an aero block is of another shape: columns beside place and axis, drag beside the hull.
+Find aero values that no longer match the rotors or the hull.
 
-Columns win over places and axes, so a rotor that is moved in the file pushes as before until its
-column goes or is made anew.
+Thrust allocation columns override rotor positions and axes: a rotor that is moved in the file has
+its old wrench until its column is deleted or computed again.
 """
 
 from collections.abc import Collection, Iterator, Sequence
@@ -14,14 +14,15 @@ from lta_config.schema.vehicle_file import VehicleFile
 from lta_model import propulsion
 from lta_model.propulsion import Six
 
-# The jets of all shipped vehicles and aero files push at most 3.8 degrees off the axis of their
-# rotor, since they cling to the hull; and their moment is at most 1.1 % of the rotor's distance
-# from the hull centre off that of place and axis. Reversed jets that meet the hull are far off.
-ASIDE: Final = 10.0  # degrees between a rotor's axis and its push
-FAR: Final = 0.05  # of the rotor's distance from the hull centre, between both moments
+# Jets attach to the hull, so a valid column may differ from the rotor geometry. Over all shipped
+# vehicles and aero files the force is at most 3.8 degrees off the rotor axis, and the moment at
+# most 1.1 % of the rotor's distance from the hull centre. Reverse thrust is not compared, since
+# reversed jets that hit the hull differ far more.
+ASIDE: Final = 10.0  # largest angle between rotor axis and force [deg]
+FAR: Final = 0.05  # largest difference of the moments, relative to the rotor's distance
 REMEDY: Final = (
-    'delete aero.thrust_allocation, so that columns follow from place and axis, or make new ones '
-    'with lta cfd run.'
+    'delete aero.thrust_allocation to compute columns from position and axis, or compute new '
+    'ones with lta cfd run.'
 )
 OUTLINE: Final = frozenset(f'hull.{key}' for key in ('shape', 'diameter', 'height', 'length'))
 COLUMNS: Final = 'aero.thrust_allocation'
@@ -29,19 +30,19 @@ DRAGS: Final = ('aero.linear_drag', 'aero.quadratic_drag')
 
 
 def find_stale_columns(file: VehicleFile) -> Iterator[str]:
-    """Yield which rotors do not push as they stand and point: one of the two is out of date."""
+    """Yield a warning for each rotor whose column does not match its position and axis."""
     for name, column in file.aero.thrust_allocation.items():
         rotor = file.rotors[name]
         plain = propulsion.geometric_column(rotor)
         distance = math.hypot(*rotor.position.vector)
-        if told := _describe_force_mismatch(name, column, plain) or _describe_moment_mismatch(
+        if warning := _describe_force_mismatch(name, column, plain) or _describe_moment_mismatch(
             name, column, plain, distance
         ):
-            yield told
+            yield warning
 
 
 def _describe_force_mismatch(name: str, column: WrenchPerNewton, plain: Six) -> str:
-    """Return a sentence where a column pushes aside of its rotor's axis, '' else."""
+    """Return a sentence if the force is not along the rotor axis, else ''."""
     force, axis = column.force.vector, plain[:3]
     length = math.hypot(*force)
     along = sum(a * b for a, b in zip(force, axis, strict=True))
@@ -49,17 +50,16 @@ def _describe_force_mismatch(name: str, column: WrenchPerNewton, plain: Six) -> 
         return ''
     angle = math.degrees(math.acos(max(-1.0, along / length)))
     return (
-        f'The rotor {name} points along {_format_vector(axis, 2)}, {angle:.0f} degrees away from '
-        f'{_format_vector(force, 2)}, where its column of {COLUMNS} pushes. The column is what '
-        f'flies; '
-        f'{REMEDY}'
+        f'The rotor {name} points along {_format_vector(axis, 2)}, but its column of '
+        f'{COLUMNS} pushes along {_format_vector(force, 2)}, {angle:.0f} degrees away. '
+        f'The simulation uses the column; {REMEDY}'
     )
 
 
 def _describe_moment_mismatch(
     name: str, column: WrenchPerNewton, plain: Six, distance: float
 ) -> str:
-    """Return a sentence where a column turns unlike place and axis, '' else; distance in m."""
+    """Return a sentence if the moment does not match the rotor geometry, else ''; in m."""
     own, of_place = column.moment.vector, plain[3:]
     if math.dist(own, of_place) <= FAR * distance:
         return ''
@@ -67,43 +67,43 @@ def _describe_moment_mismatch(
         _format_vector([100.0 * number for number in each], 1) for each in (of_place, own)
     )
     return (
-        f'The rotor {name} would turn the hull by {there} N cm per newton where it stands, but '
-        f'its column of {COLUMNS} says {here}. The column is what flies; {REMEDY}'
+        f'By its position and axis, the rotor {name} has a moment of {there} N cm per newton, '
+        f'but its column of {COLUMNS} gives {here}. The simulation uses the column; {REMEDY}'
     )
 
 
 def _format_vector(numbers: Sequence[float], digits: int) -> str:
-    """Return numbers in brackets; -0.0 is 0.0."""
+    """Return numbers in brackets, -0.0 as 0.0."""
     return f'({", ".join(f"{round(number, digits) + 0.0:.{digits}f}" for number in numbers)})'
 
 
 def find_stale_aero(changed: Collection[str], columns: Collection[str]) -> Iterator[str]:
     """
-    Yield what of an aero block stayed, in sentences, though what it is of changed.
+    Yield a warning for each aero value that was not updated with the rotors or the hull.
 
     Parameters
     ----------
     changed : collection of str
-        Places of the file that differ, as 'rotors.left.position'.
+        Paths that differ, such as 'rotors.left.position'.
     columns : collection of str
-        Rotors that have a column.
+        Names of the rotors that have a thrust allocation column.
 
     """
     held = [name for name in columns if _has_stale_column(name, changed)]
     if held:
         yield (
-            f'{", ".join(held)}: moved or turned, but {COLUMNS} has the same columns as before, '
-            f'which win over places and axes, so that nothing follows for the push; {REMEDY}'
+            f'{", ".join(held)}: moved or turned, but {COLUMNS} still has the same columns. They '
+            f'override positions and axes, so the thrust does not change; {REMEDY}'
         )
     if OUTLINE.intersection(changed) and not any(place.startswith(DRAGS) for place in changed):
         yield (
-            'The hull has another shape or size, but aero has the same drag as before; make it '
-            'anew with lta cfd run.'
+            'The hull has another shape or size, but aero has the same drag as before; '
+            'compute it again with lta cfd run.'
         )
 
 
 def _has_stale_column(name: str, changed: Collection[str]) -> bool:
-    """Tell whether place or axis of a rotor differ and its column does not."""
+    """Return whether the position or axis of a rotor changed but its column did not."""
     own = f'{COLUMNS}.{name}'
     if any(place == own or place.startswith(f'{own}.') for place in changed):
         return False

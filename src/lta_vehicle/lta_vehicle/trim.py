@@ -1,17 +1,17 @@
 """
-How heavy a vehicle really is, from the duties that carried it in flight.
+Estimate the heaviness of a vehicle from the rotor duties of a hover.
 
-While it hangs at one height the rotors carry what the gas does not. Over a stretch of time T, with
-z the map's vertical, R the attitude and w the climb rate,
+At constant height the rotors carry the weight that the gas does not. Over an interval of time T,
+with z the map's vertical, R the attitude and w the climb rate,
 
     m_h g T = int (R B T(u))_z dt - int (R D(v))_z dt - (m + A_z) (w_end - w_begin)
 
-where B T(u) is what the rotors give at their duties, lagging as the file says, D the drag along
-the body axes through still air, and m + A_z the mass that rises, air included. Stretches of two
-seconds in which it neither climbed nor flew fast are weighed; m_h is their mean, and its error
-follows from their scatter (Student's t, 95 %; stretches are taken as independent).
+where B T(u) is the rotor force at the duties u after the motor lag, D the drag along the body axes
+in still air, and m + A_z the mass including the added mass. The estimate m_h is the mean over
+intervals of two seconds without fast flight or climb. Its error follows from their scatter
+(Student's t, 95 %; the intervals are taken as independent).
 
-What cannot be told from this: an error of the thrust curve, which is in m_h in full.
+An error of the thrust curve cannot be separated: it enters m_h in full.
 """
 
 from collections.abc import Sequence
@@ -28,10 +28,10 @@ from lta_vehicle.flight_record import Array, RotorCommands, VehiclePath
 import numpy as np
 from scipy.special import stdtrit
 
-STRETCH: Final = 2.0  # s
+STRETCH: Final = 2.0  # s, length of an interval
 CALM_CLIMB: Final = 0.05  # m/s, mean over a stretch
-CALM_SPEED: Final = 0.4  # m/s over the ground; drag is counted, but not known well
-FEWEST: Final = 3  # stretches
+CALM_SPEED: Final = 0.4  # m/s over the ground; drag is subtracted, but uncertain
+FEWEST: Final = 3  # intervals needed for an estimate of the scatter
 SMOOTH: Final = 0.3  # s; window of the fit that gives velocities
 CONFIDENCE: Final = 0.95
 # The Crazyflie constants a, b that the shipped files use, against Bitcraze's bench table.
@@ -42,20 +42,20 @@ CURVE_ERROR: Final = 0.0029  # N rms a rotor
 @dataclass(frozen=True, slots=True)
 class HeavinessEstimate:
     """
-    What a flight says of the vehicle's weight.
+    Heaviness of a vehicle as estimated from a flight.
 
     Attributes
     ----------
     heaviness : float
         Mass less displaced air. [kg]
     error : float
-        Half of the 95 % interval, from the scatter of the stretches. [kg]
+        Half of the 95 % interval, from the scatter of the intervals. [kg]
     curve_error : float
-        What the thrust curve may be wrong by (1 sigma), in kilograms of heaviness.
+        Uncertainty by the thrust curve (1 sigma). [kg]
     declared : float
-        What the file says. [kg]
+        Heaviness by the vehicle file. [kg]
     duration : float
-        Time that was weighed. [s]
+        Total time of the intervals used. [s]
     duty : float
         Mean duty of the rotors that lift. [1]
 
@@ -70,7 +70,7 @@ class HeavinessEstimate:
 
     @property
     def ballast_change(self) -> float:
-        """Ballast to add for the declared heaviness; negative is to take off. [kg]"""
+        """Ballast to add to reach the declared heaviness; negative to remove. [kg]"""
         return self.declared - self.heaviness
 
 
@@ -78,21 +78,14 @@ def estimate_heaviness(
     vehicle: Vehicle, path: VehiclePath, commands: RotorCommands
 ) -> HeavinessEstimate:
     """
-    Return how heavy a vehicle was in a flight.
+    Estimate the heaviness of a vehicle in a flight.
 
-    Parameters
-    ----------
-    vehicle : Vehicle
-        As its file has it; mass and drag are taken from it, and what it should weigh.
-    path : Path
-        Where it was.
-    commands : Commands
-        What its rotors were told.
+    Mass, drag, thrust curve and declared heaviness are those of the vehicle file.
 
     Raises
     ------
     BadInput
-        If it never hung still for long enough.
+        If the vehicle did not hover for long enough.
 
     """
     grid = _build_time_grid(path, commands)
@@ -103,23 +96,24 @@ def estimate_heaviness(
     flying = _sample_duties(commands, grid).max(axis=1) > 0.0
     rising = vehicle.mass + vehicle.added_mass[2]
     length = max(2, round(STRETCH / (grid[1] - grid[0])))
-    found = []
-    kept = []
+    samples = []
+    stretches = []
     for first in range(0, len(grid) - length, length):
         part = slice(first, first + length + 1)
         if not flying[part].all() or not _is_calm(velocity[part]):
             continue
         took = grid[first + length] - grid[first]
+        # The change of vertical momentum is thrust that did not carry weight.
         gained = rising * (velocity[first + length, 2] - velocity[first, 2]) / took
-        found.append((float(up[part].mean()) - gained) / STANDARD_GRAVITY)
-        kept.append(part)
-    if len(found) < FEWEST:
+        samples.append((float(up[part].mean()) - gained) / STANDARD_GRAVITY)
+        stretches.append(part)
+    if len(samples) < FEWEST:
         raise BadInput(
-            f'The flight hangs still for {STRETCH * len(found):.0f} s only, slower than '
-            f'{CALM_CLIMB:g} m/s up or down and {CALM_SPEED:g} m/s over the ground; let it hover '
-            'in still air for 20 s.'
+            f'The flight has only {STRETCH * len(samples):.0f} s of hover (climb rate below '
+            f'{CALM_CLIMB:g} m/s, ground speed below {CALM_SPEED:g} m/s); let it hover in still '
+            'air for 20 s.'
         )
-    return _summarize_stretches(vehicle, found, commands, grid, kept)
+    return _summarize_stretches(vehicle, samples, commands, grid, stretches)
 
 
 def _summarize_stretches(
@@ -133,8 +127,10 @@ def _summarize_stretches(
     spread = float(values.std(ddof=1)) / math.sqrt(len(values))
     factor = float(stdtrit(len(values) - 1, 0.5 + 0.5 * CONFIDENCE))
     lifts = [max(rotor.column[2], 0.0) for rotor in vehicle.rotors]
+    # Rotors that push mostly upwards; all of them where none does.
     busy = [i for i, lift in enumerate(lifts) if lift > 0.5] or list(range(len(lifts)))
     duties = np.concatenate([_sample_duties(commands, grid)[part] for part in stretches])
+    # Errors of the thrust curves are taken as independent between rotors.
     curve = CURVE_ERROR * math.sqrt(sum(lifts[i] ** 2 for i in busy)) / STANDARD_GRAVITY
     return HeavinessEstimate(
         heaviness=float(values.mean()),
@@ -152,28 +148,30 @@ def _is_calm(velocity: Array) -> bool:
 
 
 def _build_time_grid(path: VehiclePath, commands: RotorCommands) -> Array:
-    """Return the times of the commands that lie within the path."""
+    """Return an even grid over the commands that lie within the path."""
     inside = (commands.time >= path.time[0]) & (commands.time <= path.time[-1])
     grid = commands.time[inside]
     if len(grid) < FEWEST or len(path.time) < FEWEST:
-        raise BadInput('The recording has no motors or no poses to weigh by; record both.')
+        raise BadInput('The recording has too few motor commands or poses; record both.')
     return np.linspace(grid[0], grid[-1], len(grid))
 
 
 def _estimate_velocity(path: VehiclePath, grid: Array) -> Array:
-    """Return the velocity at some times, the slope of a line through the poses around each."""
+    """Return the velocity at the grid times, by a line fit to the poses around each."""
     step = float(np.median(np.diff(path.time)))
     half = max(1, round(0.5 * SMOOTH / step))
     uniform = build_even_grid(path.time[0], path.time[-1], step, len(path.time))
     if not len(uniform):
         raise BadInput(
-            f'The stamps of the poses reach over {path.time[-1] - path.time[0]:.0f} s, too far '
-            f'for {len(path.time)} of them; a clock was set meanwhile: see `lta bag check`.'
+            f'The {len(path.time)} poses span {path.time[-1] - path.time[0]:.0f} s, which is too '
+            'long; the clock was set during the recording: see `lta bag check`.'
         )
+    # Least-squares slope over an odd window, as a convolution.
     weights = np.arange(-half, half + 1) / (step * sum(k * k for k in range(-half, half + 1)))
     velocity = np.zeros((len(grid), 3))
     for axis in range(3):
         even = np.interp(uniform, path.time, path.place[:, axis])
+        # Point reflection at both ends keeps the slope there.
         padded = np.concatenate(
             [2 * even[0] - even[half:0:-1], even, 2 * even[-1] - even[-2 : -half - 2 : -1]]
         )
@@ -183,7 +181,7 @@ def _estimate_velocity(path: VehiclePath, grid: Array) -> Array:
 
 
 def _rotation_matrices(path: VehiclePath, grid: Array) -> Array:
-    """Return the attitudes at some times as matrices from body to map, shape (n, 3, 3)."""
+    """Return the rotations from body to map at the grid times, shape (n, 3, 3)."""
     nearest = np.clip(np.searchsorted(path.time, grid), 0, len(path.time) - 1)
     x, y, z, w = path.attitude[nearest].T
     return np.stack(
@@ -197,7 +195,7 @@ def _rotation_matrices(path: VehiclePath, grid: Array) -> Array:
 
 
 def _sample_duties(commands: RotorCommands, grid: Array) -> Array:
-    """Return the duties that were in force at some times."""
+    """Return the duties at the grid times; each command holds until the next."""
     index = np.clip(np.searchsorted(commands.time, grid, side='right') - 1, 0, None)
     return commands.duties[index]
 
@@ -205,7 +203,7 @@ def _sample_duties(commands: RotorCommands, grid: Array) -> Array:
 def _vertical_thrust(
     vehicle: Vehicle, commands: RotorCommands, grid: Array, rotation: Array
 ) -> Array:
-    """Return what the rotors push upwards in the map. [N]."""
+    """Return the rotor force along the vertical of the map. [N]"""
     duties = _sample_duties(commands, grid)
     effects = vehicle.collect_effects()
     _refuse_other_curves(vehicle, effects)
@@ -213,35 +211,36 @@ def _vertical_thrust(
     lag = effects.get('motor_lag', {})
     up, down = lag.get('up', 0.0), lag.get('down', 0.0)
     body = np.zeros((len(grid), 3))
-    given = []
+    thrusts = []
     for rotor, duty in zip(vehicle.rotors, duties.T, strict=True):
         turning = _apply_motor_lag(duty, grid, up, down)
         thrust = scale * np.sign(turning) * (rotor.a * turning**2 + rotor.b * abs(turning))
-        given.append(thrust)
+        thrusts.append(thrust)
         forward, reverse = np.array(rotor.column[:3]), np.array(rotor.reverse[:3])
         body += np.where(
             thrust[:, None] >= 0.0, thrust[:, None] * forward, thrust[:, None] * reverse
         )
     coupling = vehicle.file.aero.coupling
     if coupling:
+        # Colliding jets: the weaker rotor of the group limits the coupling force.
         sign = -1.0 if coupling.reversed else 1.0
         names = [rotor.name for rotor in vehicle.rotors]
-        shares = [np.maximum(sign * given[names.index(name)], 0.0) for name in coupling.rotors]
+        shares = [np.maximum(sign * thrusts[names.index(name)], 0.0) for name in coupling.rotors]
         body += np.min(shares, axis=0)[:, None] * np.array(coupling.force.vector)
     return np.asarray(np.einsum('nj,nj->n', rotation[:, 2], body))
 
 
 def _refuse_other_curves(vehicle: Vehicle, effects: Effects) -> None:
-    """Refuse thrust that follows from more than the duty."""
+    """Raise `BadInput` if the thrust depends on more than the duty."""
     if other := [name for name in OTHER_CURVES if name in effects]:
         raise BadInput(
-            f'{vehicle.file.name} has its thrust from {other[0]}, which depends on what a bag '
-            'does not tell; give it a thrust_curve.'
+            f'The thrust of {vehicle.file.name} is computed by {other[0]}, which needs data that '
+            'a bag does not contain; give it a thrust_curve.'
         )
 
 
 def _apply_motor_lag(target: Array, grid: Array, up: float, down: float) -> Array:
-    """Return the duty that a motor has reached; time constants up and down [s]. [1]."""
+    """Return the duty after a first-order motor lag; time constants up and down in s."""
     if up <= 0.0 and down <= 0.0:
         return target
     step = float(grid[1] - grid[0])
@@ -254,7 +253,7 @@ def _apply_motor_lag(target: Array, grid: Array, up: float, down: float) -> Arra
 
 
 def _vertical_drag(vehicle: Vehicle, velocity: Array, rotation: Array) -> Array:
-    """Return the force of still air on the moving hull, upwards in the map, negated. [N]."""
+    """Return the drag in still air along the vertical of the map, positive downwards. [N]"""
     effects = vehicle.collect_effects()
     axes = ('surge', 'sway', 'heave')
     linear = np.array([effects['linear_drag'][axis] for axis in axes])

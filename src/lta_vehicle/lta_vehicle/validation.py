@@ -1,7 +1,7 @@
 """
-What is wrong with a vehicle file, all of it, and what is right but should be looked at.
+Validate a vehicle file: list all faults, and warn about unusual values.
 
-Faults keep the vehicle from flying; warnings do not. Thresholds of warnings are assumed.
+A vehicle with faults cannot fly; one with warnings can. Thresholds of warnings are assumed.
 """
 
 from collections.abc import Iterator
@@ -22,19 +22,19 @@ from lta_vehicle.figures.sheet import build_sheet, VehicleSheet
 from lta_vehicle.stale_aero import find_stale_columns
 from pydantic import ValidationError
 
-SHALLOW: Final = 2.0  # cm that the CG hangs below the CB
-LEANING: Final = 3.0  # degrees off the vertical
-STEEP: Final = 30.0  # degrees at full push
-BUSY: Final = 70.0  # % of duty in hover
-SOON: Final = 7.0  # days at the highest leak
-LIGHT: Final = 1.0  # g of ballast left to take off
-DISAGREE: Final = 0.03  # of the displaced air: weighed against hull; of a size: envelope, hull
-IMPURE: Final = 0.8  # purity of the gas
+SHALLOW: Final = 2.0  # least depth of the CG below the CB [cm]
+LEANING: Final = 3.0  # largest tilt at rest [deg]
+STEEP: Final = 30.0  # largest tilt at full forward thrust [deg]
+BUSY: Final = 70.0  # largest hover duty [%]
+SOON: Final = 7.0  # least hover endurance at the highest leak rate [days]
+LIGHT: Final = 1.0  # least ballast that can still be removed [g]
+DISAGREE: Final = 0.03  # relative; displaced air (weighed, hull) and sizes (envelope, hull)
+IMPURE: Final = 0.8  # least purity of the gas [1]
 
 
 @final
 class VehicleValidation(NamedTuple):
-    """What was found: faults, warnings, and the sheet where there are no faults."""
+    """Faults and warnings of a vehicle file; the sheet is None if there are faults."""
 
     faults: list[str]
     warnings: list[str]
@@ -43,18 +43,18 @@ class VehicleValidation(NamedTuple):
 
 def validate_vehicle_file(path: Path) -> VehicleValidation:
     """
-    Return everything that is wrong with a vehicle file.
+    Check a vehicle file.
 
     Raises
     ------
     BadInput
-        If it cannot be read as YAML at all, which hides everything else.
+        If the file is not valid YAML.
 
     """
     content = load_yaml(path)
     if not isinstance(content, dict):
         return VehicleValidation(
-            ['It holds no mapping of keys; compare it with a shipped file.'], [], None
+            ['It is not a mapping of keys; compare it with a shipped file.'], [], None
         )
     try:
         file = VehicleFile.model_validate(content)
@@ -70,13 +70,14 @@ def validate_vehicle_file(path: Path) -> VehicleValidation:
 
 
 def capitalize_sentence(text: str) -> str:
-    """Return a sentence that begins like one; places in a file stay as they are written."""
+    """Capitalize a sentence, unless it begins with a path of the file."""
     return text[0].upper() + text[1:] if text.startswith(('the ', 'is ', 'has ')) else text
 
 
 def _find_faults(file: VehicleFile) -> Iterator[str]:
-    """Yield what keeps a file that can be read from being a vehicle."""
+    """Yield the faults of a file that matches the schema."""
     own = ''
+    # First without effects, so that a fault of the body is not reported once for each effect.
     try:
         Vehicle(file.model_copy(update={'effects': {}}))
     except BadInput as error:
@@ -98,12 +99,12 @@ def _find_faults(file: VehicleFile) -> Iterator[str]:
 
 
 def _find_effect_fault(file: VehicleFile, flies: bool, name: str) -> str:
-    """Return what is wrong with one effect of a file, '' if nothing is."""
+    """Return the fault of one effect, '' if there is none."""
     alone = file.model_copy(update={'effects': {name: file.effects[name]}})
     try:
         added = hull.added_mass(file.hull, AIR_DENSITY)
         effect_parameters.collect_effects(alone, propulsion.build_rotors(file), added, AIR_DENSITY)
-        if flies:  # only the whole model knows the bounds
+        if flies:  # some bounds are checked only by the complete model
             Vehicle(alone)
     except BadInput as error:
         return str(error)
@@ -111,7 +112,7 @@ def _find_effect_fault(file: VehicleFile, flies: bool, name: str) -> str:
 
 
 def find_warnings(sheet: VehicleSheet) -> list[str]:
-    """Return what should be looked at, in sentences."""
+    """Return the warnings about a valid vehicle, as sentences."""
     return [
         *_find_balance_warnings(sheet),
         *_find_lift_warnings(sheet),
@@ -126,19 +127,19 @@ def _find_balance_warnings(sheet: VehicleSheet) -> Iterator[str]:
     if sheet.vehicle.file.hull.shape == 'none':
         return
     if depth <= 0.0:
-        yield f'The centre of gravity is {-depth:.1f} cm above that of buoyancy; it will flip.'
+        yield f'The centre of gravity is {-depth:.1f} cm above the centre of buoyancy; it will flip over.'
     elif depth < SHALLOW:
         yield (
-            f'The centre of gravity is only {depth:.1f} cm below that of buoyancy: it hardly '
-            'rights itself; move mass down.'
+            f'The centre of gravity is only {depth:.1f} cm below the centre of buoyancy, so the '
+            'righting moment is small; move mass down.'
         )
     if 'lean' in f and (f['lean'].value or 0.0) > LEANING:
         yield f'It hangs {f["lean"].text} off the vertical; move mass to the other side.'
     lean = f.get('push_lean')
     if lean is not None and lean.value is None:
-        yield f'Full push forward turns it over: {lean.note}.'
+        yield f'Full forward thrust turns it over: {lean.note}.'
     elif lean is not None and (lean.value or 0.0) > STEEP:
-        yield f'It leans {lean.text} at full push forward; bring the rotors nearer to the CB.'
+        yield f'It leans {lean.text} at full forward thrust; move the rotors closer to the CB.'
 
 
 def _find_lift_warnings(sheet: VehicleSheet) -> Iterator[str]:
@@ -147,23 +148,23 @@ def _find_lift_warnings(sheet: VehicleSheet) -> Iterator[str]:
     if duty.value is None:
         yield duty.note or 'Its rotors cannot lift it.'
     elif duty.value > BUSY:
-        yield f'It needs {duty.text} duty to hover, which leaves little to steer and climb with.'
+        yield f'It needs {duty.text} duty to hover, which leaves little for control and climb.'
     ballast = f.get('ballast')
     if ballast is not None and (ballast.value or 0.0) < LIGHT:
         yield (
-            f'Only {ballast.text} of ballast is left to take off; any part that comes out '
-            'heavier than its number grounds it.'
+            f'It carries only {ballast.text} of ballast; if a part is heavier than its number, '
+            'it cannot be made light enough.'
         )
     loss, leak = f.get('hover_loss'), f.get('leak_high')
     if loss is not None and leak is not None and loss.value and leak.value:
         soon = loss.value / leak.value
         if soon < SOON:
             yield (
-                f'After {loss.text} of lost lift it cannot hover, which may take only '
+                f'It cannot hover after losing {loss.text} of lift, which may happen within '
                 f'{soon:.0f} days.'
             )
     if up.value is None:
-        yield 'Its rotors cannot hold its heading and stay in place while they lift.'
+        yield 'Its rotors cannot lift it while they hold heading and position.'
 
 
 def _find_hull_warnings(sheet: VehicleSheet) -> Iterator[str]:
@@ -176,12 +177,11 @@ def _find_hull_warnings(sheet: VehicleSheet) -> Iterator[str]:
         off = vehicle.displaced_mass / geometric - 1.0
         if abs(off) > DISAGREE:
             yield (
-                f'It was weighed to displace {1e3 * vehicle.displaced_mass:.1f} g of air, but its '
-                f'hull '
-                f'has room for {1e3 * geometric:.1f} g: {100 * off:+.0f} %.'
+                f'By its weight it displaces {1e3 * vehicle.displaced_mass:.1f} g of air, but the '
+                f'volume of its hull gives {1e3 * geometric:.1f} g: {100 * off:+.0f} %.'
             )
     if file.hull.purity and file.hull.purity.si < IMPURE:
-        yield f'A purity of {100 * file.hull.purity.si:.0f} % is low; fill it anew.'
+        yield f'A purity of {100 * file.hull.purity.si:.0f} % is low; refill it.'
     sizes = [2.0 * half for half in hull.half_axes(file.hull)]
     for name, part in file.parts.items():
         if part.shape == 'shell' and any(
@@ -190,7 +190,7 @@ def _find_hull_warnings(sheet: VehicleSheet) -> Iterator[str]:
         ):
             own = ' x '.join(f'{100 * number:.1f}' for number in part.size.vector)
             of_hull = ' x '.join(f'{100 * number:.1f}' for number in sizes)
-            yield f'The shell {name} measures {own} cm, but the hull {of_hull} cm.'
+            yield f'The shell {name} measures {own} cm, but the hull measures {of_hull} cm.'
 
 
 def _find_push_warnings(sheet: VehicleSheet) -> Iterator[str]:
@@ -205,13 +205,12 @@ def _find_push_warnings(sheet: VehicleSheet) -> Iterator[str]:
     yield from find_stale_columns(sheet.vehicle.file)
     turns = [f[f'push_turn_{side}'].value for side in ('left', 'right')]
     if not all(turns):
-        yield 'Its rotors cannot turn it to both sides.'
+        yield 'Its rotors cannot yaw it in both directions.'
 
 
 def _find_source_warnings(sheet: VehicleSheet) -> Iterator[str]:
     if sheet.assumed_count:
         yield (
             f'{sheet.assumed_count} of {len(sheet.numbers)} numbers are assumed; measure those '
-            f'that '
-            'matter; lta vehicle show --sources lists them.'
+            'that matter; lta vehicle show --sources lists them.'
         )

@@ -110,5 +110,5 @@ def test_the_address_is_the_one_that_foxglove_opens():
 
 
 def test_an_address_of_another_machine_is_refused():
-    with pytest.raises(BadInput, match=r'Port 8765 cannot be used for the live view \(.+\); end'):
+    with pytest.raises(BadInput, match=r'Port 8765 cannot be used for the live view \(.+\); stop'):
         check_port('192.0.2.1', 8765)

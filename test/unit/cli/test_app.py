@@ -24,9 +24,9 @@ def test_it_tells_its_version(call, monkeypatch):
 def test_help_flows_at_any_width(call):
     _, said = call('fly', '--help', columns=80)
     text = said.out.partition('In lockstep')[0].splitlines()
-    whole = [line.strip() for line in text if line.strip().startswith('Fly:')]
+    whole = [line.strip() for line in text if line.strip().startswith('Fly with')]
     assert whole == [
-        'Fly: the whole graph, one process a node, recorded to MCAP and reported as a'
+        'Fly with the full ROS graph, one process per node; record to MCAP and write a'
     ]
 
 

@@ -101,7 +101,9 @@ CARRIED = STILL._replace(rates=(0.2, 0.0, 0.5), force=(1.5, 0.0, 9.7), pressure=
 def test_who_is_carried_learns_once_it_stands():
     """Turned and tilted in the hand first; that became its biases for good."""
     state = run(MotionEstimate(), CARRIED, 300)
-    assert describe_biases(state, BODY)[1].startswith('calibrating the biases: keep the drone still')
+    assert describe_biases(state, BODY)[1].startswith(
+        'calibrating the biases: keep the drone still'
+    )
     still = STILL._replace(range=0.05, pressure=101_000.0)
     assert not run(state, still, 199).ready
     state = run(state, still, 200)

@@ -115,7 +115,7 @@ class Point:
     ('effect', 'words'),
     [
         (effects.EFFECTS['linear_drag'], 'linear_drag of somewhere:EFFECT exists already'),
-        ('wind', 'no effect'),
+        ('wind', 'not an effect'),
         (WrenchEffect('side-wind', (), weight_and_buoyancy.compute_wrench), 'underscores'),
         (
             WrenchEffect('tow', (POUNDS,), weight_and_buoyancy.compute_wrench),

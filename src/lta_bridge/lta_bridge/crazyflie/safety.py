@@ -348,7 +348,7 @@ def _step_landing(
             )
         curable = state.curable and fit
         return state._replace(curable=curable), SafetyOutputs(drive=1.0 - gone / RAMP, stream=True)
-    # The firmware needs AGAIN to receive the hand-over before its FLYING bit means anything.
+    # A landing counts only after the hand-over was sent.
     landed = not inputs.word & SupervisorBit.FLYING
     if (landed and gone > RAMP + AGAIN) or gone > RAMP + SETTLING:
         return _enter_disarmed(state, now, state.why), SafetyOutputs(arm=False)

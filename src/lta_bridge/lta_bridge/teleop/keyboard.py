@@ -28,7 +28,7 @@ TORN: Final = re.compile(rb'\x1b(?:\[\[?[0-?]*[ -/]*|O)?\Z')
 HELP: Final = """\
 w s  ahead, back     a d  left, right     r f  up, down     (hold a key down)
 space  take control     b  hand it back     x  EMERGENCY STOP: motors off for good
-Ctrl-C quits; if you have control, the drone then holds its position and lands.
+Ctrl-C quits; if you have control, the drone then holds and lands.
 """
 
 

@@ -14,7 +14,7 @@ from lta_bridge.one_way_clock import BACK_NS
 from lta_bridge.tracking.pose import angle_between, TrackerPose
 
 UNIT: Final = 0.01  # tolerance of the quaternion's norm, enough for single precision
-SPEED: Final = 5.0  # m/s; five times the speed of these airships
+SPEED: Final = 5.0  # m/s; over five times the speed of these airships
 SPIN: Final = 10.0  # rad/s
 SLACK: Final = 0.05  # m and rad, tolerance of each step for noise
 FROZEN_NS: Final = 500_000_000  # real poses have noise and do not repeat exactly for so long

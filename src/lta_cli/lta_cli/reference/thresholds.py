@@ -49,7 +49,7 @@ class Threshold(NamedTuple):
     Attributes
     ----------
     module, name : str
-        Where it is declared, below the package: 'selection.acceptance', 'GAIN'.
+        Module below the package and constant: 'selection.acceptance', 'GAIN'.
     value : str
         Source text of the value.
     about : str

@@ -123,7 +123,7 @@ def _repair_stream(who: str, stream: Stream) -> tuple[Stream, float, list[str]]:
     raster = fit_regular_times(time, step)
     off, there = time - raster, np.isfinite(raster)
     if there.mean() < 0.5 or not _is_regular(raster, off, step):
-        # If all gaps are multiples of the same period, readings are missing, but no stamp is wrong.
+        # If all gaps are multiples of one period, readings are missing, but no stamp is wrong.
         gaps = np.rint(np.diff(time) / step).astype(np.int64) if step else np.ones(1, np.int64)
         fine = step > 0.0 and np.median(gaps) >= 3 * np.gcd.reduce(gaps)
         return stream, UNIFORM * step if fine else 0.0, []

@@ -84,7 +84,7 @@ class LogBlocks:
 
         """
         what, number = data[0], data[1]
-        # For fewer than two bytes the firmware's unsigned length underflows: it reads the whole buffer.
+        # For fewer than two bytes the firmware's count of variables exceeds its buffer.
         variables = data[2:size] if size >= 2 else data[2:]
         done = {
             5: lambda: self.reset(),

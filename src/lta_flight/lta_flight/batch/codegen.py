@@ -59,8 +59,10 @@ CORES: tuple[Callable[..., Any], ...] = (
 
 
 SENSE = """
-        force = core_sensor_specific_force(craft, state, rates(state, fixed, command,
-        surroundings)) rates_now = (state[10], state[11], state[12])
+        force = core_sensor_specific_force(
+            craft, state, rates(state, fixed, command, surroundings)
+        )
+        rates_now = (state[10], state[11], state[12])
         heard = core_read_sensors(
             craft, errors, seed, step, step * $period, force, rates_now, state[2], distance,
             step % $pressure == 0,

@@ -86,7 +86,7 @@ def collect_warnings(sweep: TunnelSweep) -> list[str]:
             continue
         ratio = ratio_to_estimate(sweep, axis)
         if not flow_checks.is_near_estimate(ratio, 1.0):
-            warnings.append(f'{axis}: {ratio:.2f} times the estimate by hand; inspect the flow')
+            warnings.append(f'{axis}: {ratio:.2f} times what is known by hand; look at the flow')
         coarser = mesh_share(sweep, axis)
         if coarser is not None and abs(coarser) > MESHED:
             warnings.append(f'{axis}: {100 * coarser:+.0f} % of drag on a coarser mesh')
@@ -127,7 +127,7 @@ def _format_unjoined(sweep: TunnelSweep, axis: Axis) -> str:
     ).drag_at(slow.speed)
     return (
         f'{axis}: the steady flow at {slow.speed:g} m/s has {100 * (share - 1):+.0f} % of drag '
-        'relative to the transient fit, and is left out of it'
+        'beside the transient one, and is left out of the fit'
     )
 
 

@@ -134,7 +134,7 @@ def _round_to_three(number: float | None) -> float | None:
 def format_aero_file(sweep: TunnelSweep) -> str:
     """Return the aero file of a sweep."""
     head = (
-        f'# Results of the wind tunnel for {sweep.name}. Generated file: lta cfd refit makes '
+        f'# What the wind tunnel gave of {sweep.name}. Not written by hand: lta cfd refit makes '
         f'it from {sweep.name}.sweep.json.\n'
     )
     return head + yaml.dump(

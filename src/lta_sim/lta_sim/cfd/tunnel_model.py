@@ -118,7 +118,15 @@ class TunnelModel:
 
 
 def load_tunnel_model(name: str, mount: MountFile | None = None) -> TunnelModel:
-    """Load the model of a tunnel file."""
+    """
+    Load the model of a tunnel file.
+
+    Raises
+    ------
+    BadInput
+        If a file is wrong, a surface is open, or a rotor is inside a body.
+
+    """
     file, path = load_tunnel_file(name)
     vehicle = load_vehicle_file(file.vehicle)
     bodies = {each: _load_surface(body, path.parent) for each, body in file.bodies.items()}
@@ -194,6 +202,14 @@ def winding_number(triangles: Array, points: Array) -> Array:
     Return the winding number of a closed surface about each point: 1 inside, 0 outside.
 
     The solid angle of each triangle is that of van Oosterom and Strackee (1983).
+
+    Parameters
+    ----------
+    triangles : array (n, 3, 3)
+        Corners. [m]
+    points : array (m, 3)
+        Where. [m]
+
     """
     around = []
     for point in points:

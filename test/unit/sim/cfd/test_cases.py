@@ -319,7 +319,7 @@ def test_no_cell_is_so_coarse_that_a_bar_lies_between_the_middles_of_two_unseen(
         (flow_checks.check_zones, ({}, {'up_left': 1.0}), 'of up_left has 0 cells, fewer than 30'),
         (flow_checks.check_spread, (0.2, 50), 'swings by 20 %'),
         (flow_checks.check_spread, (math.nan, 50), 'swings by nan'),
-        (flow_checks.check_spread, (0.0, 12), '12 rounds'),
+        (flow_checks.check_spread, (0.0, 12), '12 iterations'),
         (flow_checks.check_balance, (0.3,), '30 % of the force'),
         (flow_checks.check_balance, (math.nan,), 'nan % of the force'),
         (flow_checks.check_brakes, (-0.01,), 'points in the direction of motion'),
@@ -328,7 +328,11 @@ def test_no_cell_is_so_coarse_that_a_bar_lies_between_the_middles_of_two_unseen(
         (flow_checks.check_mean, (0.06, 12.0), r'uncertain by 6 % \(over 5 %\)'),
         (flow_checks.check_mean, (math.nan, 12.0), 'uncertain by nan'),
         (flow_checks.check_mean, (math.inf, 12.0), 'uncertain by inf'),  # shorter than one batch
-        (flow_checks.check_mean, (0.01, 9.9), r'Only 9\.9 hull lengths of flow are averaged, under 10'),
+        (
+            flow_checks.check_mean,
+            (0.01, 9.9),
+            r'Only 9\.9 hull lengths of flow are averaged, under 10',
+        ),
     ],
 )
 def test_gates_refuse_with_the_figure(gate, given, said):

@@ -139,7 +139,7 @@ def test_a_worker_without_openfoam_is_one_sentence(cluster, run, monkeypatch, tm
     monkeypatch.setattr(shutil, 'which', lambda _: None)
     status, told = run('--scheduler', cluster)
     assert status == 2
-    assert 'is not installed where the worker' in told.err
+    assert 'is not installed on the worker' in told.err
     assert not (tmp_path / 'done').exists()
 
 

@@ -117,11 +117,11 @@ def test_the_factor_that_makes_the_order_is_named():
     changed = case('start_heading', bag=6, dga=8, des=12)
     titles = {'start_heading': 'the start heading'}
     said = path_order.describe_order([], path_order.find_path_orders([*here, *changed]), titles)
-    assert 'does not hold beyond chance as flown here (in 0 % of resampled flights)' in said
-    assert said.endswith('One factor alone brings it about: the start heading (in 100 % of '
+    assert 'is not significant as flown here (in 0 % of resampled flights)' in said
+    assert said.endswith('Single factors that cause it: the start heading (in 100 % of '
                          'resampled flights).')  # fmt: skip
     said = path_order.describe_order([], path_order.find_path_orders(here), titles)
-    assert said.endswith(', and none of the factors alone brings it about.')
+    assert said.endswith(', and no single factor causes it.')
 
 
 @pytest.mark.parametrize(

@@ -183,8 +183,8 @@ def test_polygons_by_hand():
 @pytest.mark.parametrize(
     ('corners', 'words'),
     [
-        ([[0, 0], [4, 4], [4, 0], [0, 4]], 'crosses itself: its side from'),
-        ([[0, 0], [4, 0], [4, 0], [0, 4]], 'has the corner (4, 0) m twice in a row'),
+        ([[0, 0], [4, 4], [4, 0], [0, 4]], 'intersects itself: its side from'),
+        ([[0, 0], [4, 0], [4, 0], [0, 4]], 'has the corner (4, 0) m twice in succession'),
         ([[0, 0], [4, 0], [2, 0]], 'encloses no area'),
     ],
 )
@@ -196,7 +196,7 @@ def test_what_is_no_polygon_is_refused(corners, words):
     ('changes', 'words'),
     [
         ({'outline': {'x': {'value': [0, 4, 4, 0], 'unit': 'm'},
-                      'y': {'value': [0, 4, 0, 4], 'unit': 'm'}}}, 'crosses itself'),
+                      'y': {'value': [0, 4, 0, 4], 'unit': 'm'}}}, 'intersects itself'),
         ({'outline': {'x': {'value': [0, 4, 4], 'unit': 'm'},
                       'y': {'value': [0, 4], 'unit': 'm'}}}, 'has 3 numbers in x and 2 in y'),
         ({'lamp': {'height': '6 m'}}, 'hangs its lamps at 6 m, above the ceiling at 5 m'),
@@ -205,7 +205,7 @@ def test_what_is_no_polygon_is_refused(corners, words):
         ({'obstacles': {'rack': rectangle(1, 1, 2, 2) | {'height': '9 m'}}},
          'has the obstacle rack of 9 m under a ceiling of 5 m'),
         ({'obstacles': {'rack': rectangle(1, 1, 2, 2) | {'height': '1 m', 'count': 3}}},
-         'stands 3 times in one place'),
+         'has 3 copies in one place'),
         ({'lamps': {'old': {'position': {'value': [20, 6, 1], 'unit': 'm'},
                             'facing': {'value': [1, 0, 0], 'unit': '1'}}}}, 'outside the hall'),
         ({'lamps': {'old': {'position': {'value': [2, 6, 1], 'unit': 'm'},
@@ -224,10 +224,10 @@ def test_a_file_that_cannot_be_is_refused(changes, words):
         ({'altitude': '0.3 m'}, {}, 'when it stands on the floor; fly higher'),
         ({'altitude': '4.9 m'}, {}, r'reaches 0\.30 m above its hull centre'),
         ({'obstacles': {'all': rectangle(0.2, 0.2, 11.8, 11.8) | {'height': '3 m'}}}, {},
-         'fits into no cell'),
+         'fits nowhere in the required area'),
         ({}, {'cell': 0.01}, 'choose larger ones with --cell'),
-        ({'forbidden': {'all': rectangle(-1, -1, 13, 13)}}, {}, 'has no place for a lamp'),
-        ({'lamp': {'facing': 'down', 'height': '4.5 m', 'flux': '1 lm'}}, {}, 'hears no lamp of'),
+        ({'forbidden': {'all': rectangle(-1, -1, 13, 13)}}, {}, 'has no position for a lamp'),
+        ({'lamp': {'facing': 'down', 'height': '4.5 m', 'flux': '1 lm'}}, {}, 'receives no lamp of'),
         ({'lamp': {'spacing': '0.25 m', 'facing': 'down', 'height': '4 m'},
           'outline': rectangle(0, 0, 120, 12)}, {}, r'raise lamp\.spacing'),
     ],
@@ -251,7 +251,7 @@ def test_the_command_writes_page_numbers_and_scenario(tmp_path):
     file.write_text(yaml.safe_dump(content(obstacles=CROSS)))
     told = call(file, '--out', tmp_path / 'out')
     assert told.exit_code == 0, told.output
-    assert '4 lamps: a drone hears one over 100 % of the test, at any heading.' in told.stdout
+    assert '4 lamps: a drone receives one over 100 % of the test, at any heading.' in told.stdout
     results = json.loads((tmp_path / 'out/plan.json').read_text())
     assert results['coverage'] == 1.0
     assert results['lamps_at_least'] == 4
@@ -285,12 +285,12 @@ def test_more_lamps_there_than_asked_for_is_bad_input(tmp_path):
     file = tmp_path / 'test.yaml'
     file.write_text(yaml.safe_dump(content(lamps={'a': old, 'b': old})))
     told = call(file, '--lamps', 1, '--out', tmp_path / 'out')
-    assert 'has 2 lamps already, but at most 1 are asked for' in str(told.exception)
+    assert 'already has 2 lamps, more than --lamps 1' in str(told.exception)
     assert not (tmp_path / 'out').exists()
 
 
 def test_more_lamps_than_frequencies_says_how_many_fit(tmp_path):
     told = call('warehouse', '--overlap', '3', '--cell', '1', '--out', tmp_path / 'out')
     assert isinstance(told.exception, BadInput)
-    assert 'lamps want a frequency, but only' in str(told.exception)
+    assert 'lamps need a frequency, but only' in str(told.exception)
     assert not (tmp_path / 'out').exists()

@@ -88,7 +88,7 @@ def test_light_that_fills_the_converter_leaves_nothing_to_hear():
     heard = compute_reception(plan, who, LampMount((0.0, 6.0, 1.67), (1.0, 0.0, 0.0)), 150.0)
     assert solve_required_light(heard._replace(steady=4000.0), 1.0, who.required_snr) < math.inf
     assert solve_required_light(heard._replace(steady=4100.0), 1.0, who.required_snr) == math.inf
-    assert 'the ambient light of 100 lx fills the converter' in _explain_no_reception(
+    assert 'the ambient light of 100 lx saturates its ADC' in _explain_no_reception(
         plan, who, math.inf
     )
 

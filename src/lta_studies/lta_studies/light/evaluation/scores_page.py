@@ -17,7 +17,7 @@ def format_scores_page(findings: EvaluationFindings) -> str:
         f'them: '
         '[navigation.md](navigation.md).',
         '![Path, time and success of each strategy](images/evaluate.png)',
-        '## Beside the paper',
+        '## Compared with the paper',
         format_markdown_table(
             tables.PAPER_HEADS, tables.build_paper_lines(findings.cells.get(INDOORS, []))
         ).rstrip(),
@@ -29,7 +29,7 @@ def format_scores_page(findings: EvaluationFindings) -> str:
             if name == WINDS
         ),
         *findings.cautions,
-        '## What makes the order',
+        '## Causes of the order of paths',
         findings.statement,
     ]
     if findings.ablations:
@@ -41,7 +41,7 @@ def format_scores_page(findings: EvaluationFindings) -> str:
     wanted = tables.build_target_lines(findings.cells, findings.own_strategy)
     if wanted:
         parts += [
-            '## What our strategy was to reach',
+            '## Targets of our strategy',
             format_markdown_table(tables.TARGET_HEADS, wanted).rstrip(),
         ]
     parts += ['## Every figure', METHOD]

@@ -112,8 +112,8 @@ def build_tiles(study: RingStudy, response: TurntableResponse) -> list[Tile]:
         Tile('exponent', f'{response.exponent:.2f}', '',
              f'of the cosine, \N{PLUS-MINUS SIGN} {response.exponent_deviation:.1g}'),
         Tile('gains', f'{1e2 * response.gain_spread:.1f}', '%', 'spread among the diodes'),
-        Tile('pedestal', f'{1e2 * response.pedestal:.1f}', '%', 'of the largest signal:
-        reflections'),
+        Tile('pedestal', f'{1e2 * response.pedestal:.1f}', '%',
+             'of the largest signal: reflections'),
     ]  # fmt: skip
 
 
