@@ -56,4 +56,4 @@ def test_a_second_run_only_counts(scored: tuple[ChallengeScore, Path]) -> None:
     assert sum(cells for kind in told['matrix'].values() for cells in kind.values()) == len(
         first.cases
     )
-    assert 'Who is taken for whom' in write_page(again, folder).read_text(encoding='utf-8')
+    assert 'Confusion of effects' in write_page(again, folder).read_text(encoding='utf-8')

@@ -21,7 +21,11 @@ REFUSED = [
     (CRAZYFLIE, 'command:=override', r'tether the drone to a bench and add tethered:=true'),
     (CRAZYFLIE, 'crazyflie:=multirotor', r"multirotor\.yaml' is for multirotor, and gtmab flies"),
     (TEENSY, 'port:=/dev/ttyNOPE', r'There is no serial port /dev/ttyNOPE'),
-    (TEENSY, 'port:=udp://0.0.0.0:99999', r'is not an address to listen on; give udp://0.0.0.0:14550'),
+    (
+        TEENSY,
+        'port:=udp://0.0.0.0:99999',
+        r'is not an address to listen on; give udp://0.0.0.0:14550',
+    ),
 ]
 
 

@@ -134,16 +134,20 @@ def test_the_laws_find_a_page_that_retracts(
     place = 'lta_challenge.contradictions'
     said = render_study(named)
     broken = {
-        'the headline keeps silent': said._replace(headline='Linear drag (surge) is missing.'),
+        'the headline does not mention': said._replace(headline='Linear drag (surge) is missing.'),
         'not to use it': said._replace(rest=f'{said.rest} keep the vehicle file'),
-        'no cause for it': said._replace(rest=f'{said.rest} no cause for doubt'),
-        'is cut': said._replace(terminal=f'{said.terminal} linear_dr\N{HORIZONTAL ELLIPSIS}'),
-        'not whole': said._replace(terminal=said.terminal.replace('linear_drag', 'linear')),
+        'a doubt is stated together': said._replace(rest=f'{said.rest} no cause for doubt'),
+        'a text is truncated': said._replace(
+            terminal=f'{said.terminal} linear_dr\N{HORIZONTAL ELLIPSIS}'
+        ),
+        'linear_drag is truncated': said._replace(
+            terminal=said.terminal.replace('linear_drag', 'linear')
+        ),
         'not at the end': said._replace(ladder='Round 1: net lift is named'),
         'nothing is left over': said._replace(tiles='no force or moment remains'),
-        'value of the file': said._replace(effects='the file does not have it'),
-        'the JSON alone': said._replace(headline=said.headline.partition(':')[0]),
-        'not the same everywhere': said._replace(terminal=said.terminal.replace('Use', 'Keep')),
+        'a file value is shown': said._replace(effects='the file does not have it'),
+        'only one of headline and JSON': said._replace(headline=said.headline.partition(':')[0]),
+        'the advice differs': said._replace(terminal=said.terminal.replace('Use', 'Keep')),
     }
     other = replace(named, ladder=((LadderRung('net_lift.force', 30.0, 20.0, 20.0, 0.1, True),),))
     other = replace(other, unexplained=('a line',), verdict='named+unexplained')

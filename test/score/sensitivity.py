@@ -6,8 +6,8 @@ package, and the same cases are studied with it. What came out differently, case
 docs/discovery_sensitivity.json, whence `make reference` takes it. A variant that was measured is
 not measured again while the package stays the same: `make sensitivity` goes on where it was.
 
-ARGS='--cases 12 --only selection.acceptance --jobs 2': how many cases, of which thresholds, how many at
-once. What moves nothing does not decide in these cases; it may in others.
+ARGS='--cases 12 --only selection.acceptance --jobs 2': how many cases, of which thresholds, how
+many at once. What moves nothing does not decide in these cases; it may in others.
 """
 
 import argparse

@@ -118,7 +118,7 @@ def test_the_soak_sees_each_message_that_is_not_there(monkeypatch, tmp_path, nam
         topic = robot_topic(soak.ROBOT, other)
         whole = of_one_second(topic, TABLE[other])
         told += spoilt(whole) if other == name else whole
-    bag = SimpleNamespace(complete=True, messages=lambda names: iter(told))
+    bag = SimpleNamespace(is_complete=True, iterate_messages=lambda names: iter(told))
     monkeypatch.setattr(soak, 'read_bag', lambda path: bag)
     assert (word in soak.lost(tmp_path, STEPS)) if word else not soak.lost(tmp_path, STEPS)
 
@@ -129,6 +129,6 @@ def test_the_soak_counts_what_has_no_stamp(monkeypatch, tmp_path, name):
     for other in soak.PERIODIC:
         whole = of_one_second(robot_topic(soak.ROBOT, other), TABLE[other])
         told += whole[2:] if other == name else whole
-    bag = SimpleNamespace(complete=True, messages=lambda names: iter(told))
+    bag = SimpleNamespace(is_complete=True, iterate_messages=lambda names: iter(told))
     monkeypatch.setattr(soak, 'read_bag', lambda path: bag)
     assert f'/lta1/{name} has 8 messages' in soak.lost(tmp_path, STEPS)

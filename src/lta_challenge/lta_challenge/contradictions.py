@@ -1,8 +1,8 @@
 """
-Whether a study contradicts itself: what its headline, tiles, tables, terminal and JSON say.
+Detect contradictions between the headline, tiles, tables, terminal and JSON of a study.
 
-Each law is asked of the words themselves and not of what they are made from, so that a page that
-is changed in one place only is found.
+The checks read the rendered texts and not the data behind them, so that they detect a text that
+was changed in only one place.
 """
 
 from collections.abc import Iterator
@@ -42,7 +42,7 @@ UNFIT: Final = ('need more than', 'Measure the numbers')
 
 @final
 class RenderedStudy(NamedTuple):
-    """What a study says in each place, as plain text."""
+    """The outputs of a study as plain text."""
 
     headline: str
     tiles: str
@@ -60,7 +60,7 @@ class RenderedStudy(NamedTuple):
 
 
 def render_study(finding: DiscoveryFinding) -> RenderedStudy:
-    """Return what a study says in each place."""
+    """Render all outputs of a study as plain text."""
     out = StringIO()
     print_finding(finding, Console(file=out, width=COLUMNS, color_system=None))
     rest = (
@@ -81,12 +81,12 @@ def render_study(finding: DiscoveryFinding) -> RenderedStudy:
 
 
 def _strip_tags(html: str) -> str:
-    """Return the words of HTML."""
+    """Return the text of HTML, with single spaces."""
     return ' '.join(unescape(TAG.sub(' ', html)).split())
 
 
 def find_contradictions(finding: DiscoveryFinding) -> list[str]:
-    """Return what a study asserts and retracts, a sentence each; none is as it should be."""
+    """Return a sentence for each contradiction; empty if there are none."""
     said = render_study(finding)
     laws = (_check_gains(said), _check_names(finding, said), _check_nothing(finding, said),
             _check_values(finding, said), _check_json(finding, said))  # fmt: skip
@@ -94,77 +94,75 @@ def find_contradictions(finding: DiscoveryFinding) -> list[str]:
 
 
 def _check_gains(rendered: RenderedStudy) -> Iterator[str]:
-    """Yield where a gain is told, or the learned file offered, and it should not be used."""
+    """Check that no gain is reported and no learned file offered that should not be used."""
     keep = 'keep the vehicle file' in rendered.whole_text.lower()
     doubted = 'do not trust its value' in rendered.whole_text or 'Fly again' in rendered.whole_text
     for words in BETTER:
         if words in rendered.whole_text and (keep or doubted):
-            yield f"'{words}' beside the advice not to use it"
+            yield f"'{words}' together with the advice not to use it"
     if ' fly --vehicle' in rendered.commands and (keep or doubted):
-        yield 'the learned file is to be flown and is not to be used'
+        yield 'a command uses the learned file, but the advice is not to use it'
     if 'no cause for doubt' in rendered.whole_text and any(
         words in rendered.whole_text for words in DOUBT
     ):
-        yield 'doubt beside no cause for it'
+        yield 'a doubt is stated together with "no cause for doubt"'
 
 
 def _check_names(finding: DiscoveryFinding, rendered: RenderedStudy) -> Iterator[str]:
-    """Yield names that are asserted without their rivals, or that do not stand at the end."""
+    """Check that named effects appear with their rivals and in every output."""
     for one in finding.effects:
         for rival in one.confusable_with:
             if (
                 finding.verdict != 'not_identifiable'
                 and format_parameter(rival) not in rendered.headline
             ):
-                yield f'the headline keeps silent about {rival}'
+                yield f'the headline does not mention {rival}'
         folded = ''.join(rendered.terminal.split())
         if one.name not in folded:
-            yield f'{one.name} is not whole on a terminal of {COLUMNS} columns'
+            yield f'{one.name} is truncated on a terminal of {COLUMNS} columns'
     if '\N{HORIZONTAL ELLIPSIS}' in rendered.terminal:
-        yield f'something is cut on a terminal of {COLUMNS} columns'
+        yield f'a text is truncated on a terminal of {COLUMNS} columns'
     if CLAIMS.match(rendered.headline) and (
         finding.verdict == 'not_identifiable' or not finding.effects
     ):
-        yield 'a name is asserted that the verdict does not have'
+        yield 'the headline names an effect that the verdict does not have'
     named = {name.partition('.')[0] for one in finding.effects for name in one.knobs}
     for knob in (rung.knob for step in finding.ladder for rung in step):
         heading = f'{format_parameter(knob)} is named'
         stays = rendered.ladder.count(heading) > rendered.ladder.count(f'{heading}, but dropped')
         if stays and knob.partition('.')[0] not in named:
-            yield f'{knob} is named in a round and not at the end'
+            yield f'{knob} is named in a round but not in the result'
 
 
 def _check_nothing(finding: DiscoveryFinding, rendered: RenderedStudy) -> Iterator[str]:
-    """Yield where nothing is said to be missing, and something is."""
+    """Check that "nothing is missing" is stated only if that is the result."""
     more = finding.effects or finding.remains or finding.unexplained
     if NOTHING in rendered.headline and (more or 'Unexplained:' in rendered.terminal):
-        yield 'nothing is missing, and something is'
-    if 'no force or moment remains' in rendered.tiles and (
-        finding.remains or finding.unexplained
-    ):
-        yield 'nothing is left over, and something is unexplained'
+        yield 'the headline says that nothing is missing, but something is'
+    if 'no force or moment remains' in rendered.tiles and (finding.remains or finding.unexplained):
+        yield 'a tile says that no force remains, but something is unexplained'
     if FITS in rendered.effects and any(words in rendered.whole_text for words in UNFIT):
-        yield 'the file explains the flights, and has to be measured again'
+        yield 'the file explains the flights, but should be measured again'
 
 
 def _check_values(finding: DiscoveryFinding, rendered: RenderedStudy) -> Iterator[str]:
-    """Yield values of the file that it lacks, and values that hide what they depend on."""
+    """Check the values of the file and the notes on assumed values."""
     lacking = sum(not each.in_file for one in finding.effects for each in one.parameters)
     if rendered.effects.count('the file does not have it') != lacking:
-        yield 'a value of the file that it lacks'
+        yield 'a file value is shown for a parameter that the file does not have'
     assumed = sum(bool(one.assumed) for one in finding.effects)
     if rendered.effects.count('assumed and not fitted') != assumed:
-        yield 'a value that depends on an assumed one does not say so'
+        yield 'a value that depends on an assumed one is not marked'
 
 
 def _check_json(finding: DiscoveryFinding, rendered: RenderedStudy) -> Iterator[str]:
-    """Yield where the JSON draws another conclusion than the words."""
+    """Check that JSON and texts draw the same conclusion."""
     drawn = rendered.json['conclusion']
     gain = any(words in rendered.headline for words in BETTER)
     if gain != (drawn['gain'] is not None):
-        yield 'a gain in the headline or in the JSON alone'
+        yield 'only one of headline and JSON reports a gain'
     undecided = any(words in rendered.headline for words in DOUBT[:2])
     if drawn['asserted'] != (bool(finding.effects) and not undecided):
-        yield 'asserted by the headline or by the JSON alone'
+        yield 'only one of headline and JSON asserts an effect'
     if drawn['do'] not in rendered.terminal.replace('\n', ' ') or drawn['do'] not in rendered.rest:
-        yield 'the advice is not the same everywhere'
+        yield 'the advice differs between the outputs'

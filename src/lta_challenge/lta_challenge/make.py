@@ -158,6 +158,6 @@ def read_challenge(folder: Path) -> dict[str, Any]:
         int(found['cases'])
     except (OSError, ValueError, TypeError, KeyError):
         raise BadInput(
-            f"'{folder}' holds no challenge; make one with: lta challenge make --out {folder}"
+            f"'{folder}' has no challenge; make one with: lta challenge make --out {folder}"
         ) from None
     return found

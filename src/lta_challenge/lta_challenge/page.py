@@ -1,4 +1,4 @@
-"""A score as one self-contained HTML file, in the look of a flight's page."""
+"""Write a challenge score as a self-contained HTML page."""
 
 from collections.abc import Sequence
 from html import escape
@@ -23,7 +23,7 @@ from lta_report.page_frame import assemble_page, write_file
 from lta_report.page_parts import render_section, render_tile
 
 NAME: Final = 'report.html'
-# Of the figures, large, and what they are to be.
+# Figures shown as tiles, with their targets.
 SHOWN: Final = {
     'one effect, 6 sigma or more: exact': '97 %',
     'one effect: a wrong name': '2 % at most',
@@ -35,7 +35,7 @@ SHOWN: Final = {
 
 
 def write_page(scored: ChallengeScore, folder: Path) -> Path:
-    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    """Write the page and return where it is; `BadInput` if it cannot be written."""
     return write_file(render_page(scored, folder), folder / NAME)
 
 
@@ -45,17 +45,17 @@ def render_page(scored: ChallengeScore, folder: Path) -> str:
     row = ROWS[about['row']]
     shares = {each.name: each.share for each in compute_figures(cases)}
     tiles = [
-        (name, f'{shares[name].hits}/{shares[name].of}', '', f'wanted: {wanted}')
+        (name, f'{shares[name].hits}/{shares[name].of}', '', f'target: {wanted}')
         for name, wanted in SHOWN.items()
     ]
     return assemble_page(
         'challenge.html',
-        title=escape(f'{len(cases)} hidden cases: who was found, and who was taken for whom'),
+        title=escape(f'{len(cases)} cases with hidden effects: what discovery named'),
         kicker=escape(f'challenge {about["seed"]} \N{MIDDLE DOT} {about["row"]}'),
         about=escape(f'{row.about}. {format_errors(cases)} {format_cost(cases)}'),
         tiles='\n'.join(render_tile(*each) for each in tiles),
         pictures=_render_pictures(scored),
-        figures=_render_table(['figure', 'share', 'wanted', 'met'], format_figures(cases)),
+        figures=_render_table(['figure', 'share', 'target', 'met'], format_figures(cases)),
         matrix=_render_table(*format_matrix(cases)),
         outside=_render_table(OUTSIDE_HEADS, format_outside(cases)),
         wrong=_render_table(['case', 'row', 'kind', 'hidden', 'named'], format_wrong_cases(cases)),
@@ -75,33 +75,33 @@ def render_page(scored: ChallengeScore, folder: Path) -> str:
 
 
 def _render_pictures(scored: ChallengeScore) -> str:
-    """Return the pictures."""
+    """Return the plots as page sections."""
     cases = scored.cases
     shown = [
         render_section(
             'confusion',
-            'Who is taken for whom',
-            'Cases with one thing hidden at most; a wrong name counts before a right one.',
+            'Confusion of effects',
+            'Cases with at most one hidden effect; a case with a wrong name counts as wrong.',
             plot_confusion(cases),
         ),
         render_section(
             'strength',
-            'From what strength on',
-            'Single effects by how many deviations they come to in these flights, the tolerance '
-            'of the vehicle among them; bars are 95 % intervals (Wilson).',
+            'Detection by strength',
+            'Single effects by strength in standard deviations of these flights, vehicle '
+            'tolerance included; bars are 95 % intervals (Wilson).',
             plot_strength(cases),
         ),
     ]
     if any(one.intervals for one in cases):
-        caption = 'Each parameter that was rightly named; 95 % should lie between the lines.'
+        caption = 'Correctly named parameters; 95 % should lie between the lines.'
         shown.append(
-            render_section('coverage', 'How sure it may be', caption, plot_coverage(cases))
+            render_section('coverage', 'Coverage of the intervals', caption, plot_coverage(cases))
         )
     return '\n'.join(shown)
 
 
 def _render_table(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
-    """Return a table, or that there is nothing in it."""
+    """Return an HTML table, or the note "None." without rows."""
     if not lines:
         return '<p class="note">None.</p>'
     head = ''.join(f'<th scope="col">{escape(each)}</th>' for each in heads)

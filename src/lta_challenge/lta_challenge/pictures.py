@@ -1,4 +1,4 @@
-"""The pictures of a score: who is taken for whom, from what strength on, and how sure."""
+"""Plot the confusion matrix, the detection by strength, and the coverage of intervals."""
 
 from collections import Counter
 from collections.abc import Sequence

@@ -8,7 +8,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemaini
 import typer
 
 Jobs = Annotated[
-    int | None, typer.Option(help='Processes; as many as processors by default.', min=1)
+    int | None, typer.Option(help='Number of worker processes; default: one per processor.', min=1)
 ]
 
 

@@ -76,11 +76,11 @@ def _check_complete(folder: Path, todo: Sequence[int], about: dict[str, Any]) ->
     """Refuse a challenge of which a case to study is gone, or whose answers are others."""
     if read_digest(folder / SEALED) != about['answers_sha256']:
         raise BadInput(
-            f"'{folder / SEALED}' was changed after it was sealed; make the challenge again."
+            f"'{folder / SEALED}' was changed after it was made; make the challenge again."
         )
     for place in (folder / case_folder(number) for number in todo):
         if not place.is_dir():
-            raise BadInput(f"'{place}' is gone; make the challenge again.")
+            raise BadInput(f"'{place}' is missing; make the challenge again.")
 
 
 def score_challenge(

@@ -1,4 +1,4 @@
-"""A score in words: the table of the terminal, and the page of the documentation."""
+"""Format a challenge score for the terminal and as a Markdown page."""
 
 from collections.abc import Iterable, Mapping, Sequence
 import math
@@ -20,31 +20,31 @@ from lta_challenge.score_statistics import (
 
 DASH: Final = '\N{EN DASH}'
 METHOD: Final = """\
-A case is a GT-MAB that is off from its file by the tolerances of vehicles (thrust 3 %, each
+A case is a GT-MAB that deviates from its file within vehicle tolerances (thrust 3 %, each
 rotor 2 %, drag, added mass 5 %, inertia 4 %, mass 1 %, centre of gravity 3 mm, toe 0.5 degrees,
-lag 6 ms, delay 5 ms, and of each flight lift 0.6 mN and the biases of its sensors), three
-flights of it (train, confirm, holdout: laps, climbs, steps, wandering, shaken by its pilot),
-and what is hidden. The tracker loses it, mistakes it for something else, and has a clock of its
-own. Cases of one seed, row and number share vehicle, courses and what is hidden, as far as their
-kinds have it in common.
+lag 6 ms, delay 5 ms; and in each flight lift 0.6 mN and the sensor biases). It has three flights
+(train, confirm, holdout: laps, climbs, steps, random waypoints, with pilot excitation) and hidden
+effects. The tracker loses the vehicle at times, reports outliers, and has its own clock. Cases
+with the same seed, row and number share vehicle, courses and hidden effects, as far as their kinds
+allow.
 
-The flights share the equations of the effects with the model that is put to the test, and
-nothing else: rigid body (rotation matrix and momenta in the axes of the map), integrator
-(Dormand and Prince), weight, rotors and their toe, the way of a command, pilot, battery,
-sensors and noise are written apart (`lta_challenge/truth_*.py`, `truth_sensors.py`). Without
-noise and tolerance both fly alike to 1e-4 with each effect (4e-3 with a toed rotor, which the
+The flights share only the equations of the effects with the model under test. Rigid body
+(rotation matrix and momenta in map axes), integrator (Dormand and Prince), weight, rotors and
+their toe, command path, pilot, battery, sensors and noise are implemented separately
+(`lta_challenge/truth_*.py`, `truth_sensors.py`). Without
+noise and tolerance both agree to 1e-4 with each effect (4e-3 with a toed rotor, which the
 model turns to first order) (`test/unit/challenge/test_truth.py`). Flights of the row
-`other` share no equation at all: `lta_challenge/other/` has a simulator of its own, with
-kinds outside the library of its own, which count as late ones.
+`other` share no equation: `lta_challenge/other/` is a separate simulator with its own kinds
+outside the library, which count as late kinds.
 
-*Sigma* of a hidden effect is its size over the deviation with which the flights of the case
-leave it when everything is fitted with the true structure, together with the vehicle's own
-tolerance of the same number. It is drawn by what such data showed once, and counted as it came
-out. *Exact*: all that was hidden was named and nothing else; names that no such data can tell
-apart count as one ([classes](discovery_classes.md)). *Outside* is sized by the force that it
-leaves unexplained, 4 to 40 times the floor; *late kinds* of it were written by somebody who
-had not seen how discovery works, were kept from it until it was finished (`drying` has been looked
-at since), and are in every second case. The *oracle* knows what was hidden, not how large."""
+*Sigma* of a hidden effect is its size divided by its standard deviation, when all parameters are
+fitted to the flights of the case with the true structure; the vehicle's tolerance of the same
+parameter is included. Sizes are drawn from a forecast of sigma and counted by the achieved sigma.
+*Exact*: all hidden effects were named and nothing else; names that such data cannot distinguish
+count as one ([classes](discovery_classes.md)). *Outside* kinds are sized by the force that they
+leave unexplained, 4 to 40 times the noise floor. *Late kinds* are in every second of these cases:
+their author had not seen how discovery works, and they were not used before it was finished
+(`drying` has been examined since). The *oracle* knows the hidden structure, not its size."""
 
 
 def format_share(share: ShareEstimate) -> str:
@@ -56,7 +56,7 @@ def format_share(share: ShareEstimate) -> str:
 
 
 def format_target(figure: ScoreFigure) -> str:
-    """Return what a figure is to be."""
+    """Return the target range of a figure."""
     parts = []
     if not math.isnan(figure.least):
         parts.append(f'>= {100 * figure.least:.0f} %')
@@ -66,7 +66,7 @@ def format_target(figure: ScoreFigure) -> str:
 
 
 def format_figures(cases: Sequence[ScoredCase]) -> list[list[str]]:
-    """Return a line for each figure: what, how many, what it is to be, whether it is."""
+    """Return a row for each figure: name, share, target, and whether it is met."""
     return [
         [f.name, format_share(f.share), format_target(f), f.target_met]
         for f in compute_figures(cases)
@@ -74,7 +74,7 @@ def format_figures(cases: Sequence[ScoredCase]) -> list[list[str]]:
 
 
 def format_matrix(cases: Sequence[ScoredCase]) -> tuple[list[str], list[list[str]]]:
-    """Return heads and lines of what each kind came to."""
+    """Return header and rows of the outcomes by kind."""
     found = count_outcomes(cases)
     columns = sorted({column for cells in found.values() for column in cells})
     lines = [
@@ -116,18 +116,18 @@ def format_outside(cases: Sequence[ScoredCase]) -> list[list[str]]:
 
 
 def format_errors(cases: Sequence[ScoredCase]) -> str:
-    """Return the errors from the vehicle file to the oracle, in a sentence."""
+    """Return the median position errors, from the vehicle file to the oracle."""
     known = {name: value for name, value in median_errors(cases).items() if math.isfinite(value)}
     steps = ', '.join(f'{name} {1e3 * value:.1f}' for name, value in known.items())
     return f'Position after 3 s on held-out flights, median of cases [mm]: {steps or DASH}.'
 
 
 def format_cost(cases: Sequence[ScoredCase]) -> str:
-    """Return error of the parameters and time, in a sentence."""
+    """Return the median parameter error and computing time."""
     error = finite_median(each.error for one in cases for each in one.intervals)
     seconds = finite_median(one.seconds for one in cases)
     off = DASH if math.isnan(error) else f'{100 * error:.0f} % of the change'
-    return f'Parameters are off by {off} (median); a case took {seconds:.1f} s of processor time.'
+    return f'Median parameter error: {off}; median processor time per case: {seconds:.1f} s.'
 
 
 def format_wrong_cases(cases: Sequence[ScoredCase]) -> list[list[str]]:
@@ -152,21 +152,21 @@ def format_table(heads: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
 
 def render_markdown(scores: Sequence[tuple[dict[str, Any], Sequence[ScoredCase]]]) -> str:
     """
-    Return the page of some scores.
+    Return the Markdown page of several challenges.
 
     Parameters
     ----------
     scores : sequence of (about, cases)
-        Of each challenge.
+        One pair for each challenge.
 
     """
     first = scores[0][0]
     parts = [
         '# Scores of discovery on hidden effects',
-        'Made by `lta challenge score ... --markdown docs/discovery_scores.md`, which overwrites '
-        'what is edited here. One thing is written by hand, below the heading: a paragraph '
-        '`**Stale:** ...` that says what has changed since, until the scores are made again. '
-        'What is hidden and how: `lta challenge --help`.',
+        'Generated by `lta challenge score ... --markdown docs/discovery_scores.md`, which '
+        'overwrites edits. Only the paragraph `**Stale:** ...` below the heading is written by '
+        'hand: it lists changes since the scores were computed. '
+        'For the hidden effects, see `lta challenge --help`.',
         f'Scored: effects `{first["registry"]}`, vehicle `{first["vehicle"]}` '
         f'`{first["vehicle_digest"]}`, commit {_format_commits(about for about, _ in scores)}.',
         METHOD,
@@ -190,7 +190,7 @@ def render_markdown(scores: Sequence[tuple[dict[str, Any], Sequence[ScoredCase]]
 
 
 def _format_commits(abouts: Iterable[dict[str, Any]]) -> str:
-    """Return the commits that studied the cases."""
+    """Return the commits at which the cases were analysed."""
     known = {one: None for about in abouts for one in about['commit'].split(', ')}
     return ', '.join(f'`{one}`' for one in known)
 
@@ -203,7 +203,7 @@ def _format_overview(rows: Mapping[str, Sequence[ScoredCase]]) -> str:
         for each in zip(*found, strict=True)
     ]
     cases = ['cases', '', *(str(len(cases)) for cases in rows.values())]
-    return format_table(['figure', 'wanted', *rows], [cases, *lines])
+    return format_table(['figure', 'target', *rows], [cases, *lines])
 
 
 def _format_brief_share(share: ShareEstimate) -> str:
@@ -212,13 +212,13 @@ def _format_brief_share(share: ShareEstimate) -> str:
 
 
 def _format_row(name: str, cases: Sequence[ScoredCase], seeds: Sequence[str]) -> list[str]:
-    """Return what is told of one row."""
+    """Return the Markdown blocks of one row."""
     heads, lines = format_matrix(cases)
     bands = ['sigma', 'exact', 'wrong', 'silent']
     parts = [
         f'## {name.capitalize()}: {ROWS[name].about}',
         f'{len(cases)} cases: {", ".join(seeds)}.',
-        format_table(['figure', 'share (95 %, Wilson)', 'wanted', 'met'], format_figures(cases)),
+        format_table(['figure', 'share (95 %, Wilson)', 'target', 'met'], format_figures(cases)),
         format_table(heads, lines),
         format_table(bands, format_strengths(cases)),
         f'{format_errors(cases)} {format_cost(cases)}',

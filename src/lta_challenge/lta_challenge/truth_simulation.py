@@ -153,7 +153,7 @@ def simulate_flight(
         hull.command_delay, np.array(cell), longest, commands, kept,
     )  # fmt: skip
     if not np.isfinite(kept).all():
-        raise BadInput('A drawn flight ran away; the sizes of the effects are too large.')
+        raise BadInput('A generated flight diverged; choose smaller effects.')
     return TruthTrajectory(
         kept[:, :3], kept[:, 3:12].reshape(-1, 3, 3), kept[:, 12:15], kept[:, 15:18],
         kept[:, 18:26], kept[:, 26:32], kept[:, 32], commands,

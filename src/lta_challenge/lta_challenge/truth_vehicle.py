@@ -195,7 +195,7 @@ def _check_effects(nominal: NominalVehicle) -> None:
             nominal.parameter_value(name, known.name) != known.null for known in effect.parameters
         ):
             raise BadInput(
-                f'The vehicle has {name}, which a challenge cannot fly; take a plain vehicle.'
+                f'The vehicle has {name}, which a challenge cannot fly; choose another vehicle.'
             )
 
 

@@ -48,8 +48,7 @@ def read_flight_record(
     topic = next((name for name in POSES if name in flight.topics), None)
     if topic is None or 'motors' not in flight.topics:
         raise BadInput(
-            f"'{flight.bag.path}' has no topic {'motors' if topic else 'odom'}, which the estimate "
-            'needs; record it.'
+            f"'{flight.bag.path}' has no topic {'motors' if topic else 'odom'}; record it."
         )
     poses, motors = flight.read_series(topic), flight.read_series('motors')
     if not len(poses) or not len(motors):

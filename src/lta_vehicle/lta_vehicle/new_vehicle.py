@@ -62,5 +62,7 @@ def write_new_vehicle(name: str, model: str, out: Path) -> None:
     except FileExistsError:
         raise BadInput(f'{out} already exists; choose another file with --out.') from None
     except OSError as error:
-        raise BadInput(f'{out} cannot be written ({error.strerror}); choose another file.') from None
+        raise BadInput(
+            f'{out} cannot be written ({error.strerror}); choose another file.'
+        ) from None
     load_vehicle(str(out.absolute()))  # the copy must be valid under its new name

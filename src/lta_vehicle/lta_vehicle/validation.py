@@ -127,7 +127,10 @@ def _find_balance_warnings(sheet: VehicleSheet) -> Iterator[str]:
     if sheet.vehicle.file.hull.shape == 'none':
         return
     if depth <= 0.0:
-        yield f'The centre of gravity is {-depth:.1f} cm above the centre of buoyancy; it will flip over.'
+        yield (
+            f'The centre of gravity is {-depth:.1f} cm above the centre of buoyancy; it will '
+            'flip over.'
+        )
     elif depth < SHALLOW:
         yield (
             f'The centre of gravity is only {depth:.1f} cm below the centre of buoyancy, so the '

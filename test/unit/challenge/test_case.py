@@ -136,7 +136,7 @@ def test_answers_that_were_changed_are_refused(tmp_path: Path) -> None:
     assert read_answers(path) == {'0': {'hidden': []}}
     note, digest, data = path.read_text().splitlines()
     path.write_text(f'{note}\n{digest[::-1]}\n{data}\n')
-    with pytest.raises(BadInput, match='changed after it was sealed'):
+    with pytest.raises(BadInput, match='changed after it was made'):
         read_answers(path)
     path.write_text('something else\n')
     with pytest.raises(BadInput, match='no sealed answers'):
@@ -151,7 +151,7 @@ def test_a_challenge_of_which_something_is_gone_is_not_scored(tmp_path: Path) ->
     with pytest.raises(BadInput, match='is gone'):
         score_challenge(folder)
     write_answers({'0': {'hidden': []}}, folder / NAME)
-    with pytest.raises(BadInput, match='changed after it was sealed'):
+    with pytest.raises(BadInput, match='changed after it was made'):
         score_challenge(folder)
 
 

@@ -62,17 +62,17 @@ def test_metadata_of_the_wrong_types_leaves_the_recording(tmp_path, told):
     [
         ({'datatype': 99}, "^Unknown point field type '99'; known: 1, 2, 3, 4, 5, 6, 7, 8.$"),
         ({'datatype': 0}, "^Unknown point field type '0'"),
-        ({'offset': 4_000_000_000}, 'do not fit'),
-        ({'offset': 21}, 'do not fit'),
-        ({'name': 'x'}, 'do not fit'),  # as another one
-        ({'point_step': 0}, 'do not fit'),
-        ({'point_step': 25}, 'do not fit'),
-        ({'row_step': 191}, 'do not fit'),
-        ({'row_step': 193}, 'do not fit'),
-        ({'height': 2}, 'do not fit'),
-        ({'height': 4_294_967_295}, 'do not fit'),
-        ({'width': 9}, 'do not fit'),
-        ({'data': np.zeros(191, np.uint8)}, 'do not fit'),
+        ({'offset': 4_000_000_000}, 'do not match'),
+        ({'offset': 21}, 'do not match'),
+        ({'name': 'x'}, 'do not match'),  # as another one
+        ({'point_step': 0}, 'do not match'),
+        ({'point_step': 25}, 'do not match'),
+        ({'row_step': 191}, 'do not match'),
+        ({'row_step': 193}, 'do not match'),
+        ({'height': 2}, 'do not match'),
+        ({'height': 4_294_967_295}, 'do not match'),
+        ({'width': 9}, 'do not match'),
+        ({'data': np.zeros(191, np.uint8)}, 'do not match'),
     ],
 )
 def test_a_point_cloud_that_does_not_fit(given, sentence):
@@ -98,5 +98,5 @@ def test_an_image_that_does_not_fit(given):
     image = block(5.0)
     for name, value in given.items():
         setattr(image, name, value)
-    with pytest.raises(BadInput, match='do not fit'):
+    with pytest.raises(BadInput, match='do not match'):
         decode_image(image)

@@ -151,7 +151,7 @@ def test_an_even_turn_is_never_a_bias():
     assert not state.ready
     level, sentence = describe_biases(state, BODY)
     assert level is HealthLevel.ERROR
-    assert 'the drone turns by 5.7 deg/s, and no gyroscope is off by more than 3;' in sentence
+    assert 'the drone turns at 5.7 deg/s, above the largest gyroscope bias of 3;' in sentence
     assert not run(state, TURNED, 5000).ready
     still = STILL._replace(range=0.05, pressure=101_000.0)
     state = run(state, still, 200)

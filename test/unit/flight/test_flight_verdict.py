@@ -41,7 +41,7 @@ def test_whatever_somebody_says_in_its_name_ends_nothing(values):
     shown = []
 
     class Eyes:
-        def at(self, *told):
+        def show_position(self, *told):
             shown.append(told)
 
     show_status({FLIGHT: HealthFact(FLIGHT, HealthLevel.OK, '', values)}, Eyes())

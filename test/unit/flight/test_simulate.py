@@ -23,7 +23,7 @@ def _unbuilt(monkeypatch):
 
 
 class Silent:
-    def at(self, time, distance, pace):
+    def show_position(self, time, distance, pace):
         pass
 
     def say(self, sentence):

@@ -17,4 +17,5 @@ command_line = pytest.importorskip('lta_graph.ros.command_line', exc_type=Import
     ],
 )
 def test_the_parameters_given_to_a_node(words, names):
-    assert command_line.given(['program', '--ros-args', *words], 'demodulator') == names
+    line = ['program', '--ros-args', *words]
+    assert command_line.list_parameter_names(line, 'demodulator') == names

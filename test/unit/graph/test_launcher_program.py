@@ -16,21 +16,21 @@ from .tiny_processes import fleet as fleet
 
 LAUNCH = """
 import os, signal, sys
-from lta_graph.launch_file import LaunchPlan, Process
+from lta_graph.launch_file import LaunchPlan, LaunchProcess
 from lta_graph import launcher
 
 grace, launcher.TERM_GRACE, last = map(float, sys.argv[1:4])
-plan = LaunchPlan(tuple(Process('fleet', n, n, '/', (), False) for n in sys.argv[4:]))
+plan = LaunchPlan(tuple(LaunchProcess('fleet', n, n, '/', (), False) for n in sys.argv[4:]))
 def say(*words):  # one write a line: two threads speak here
     os.write(1, (' '.join(words) + '\\n').encode())
-spawned, spawn = [], launcher.spawn
+spawned, spawn = [], launcher.spawn_process
 def interrupted(*words):
     spawned.append(spawn(*words))
     say('spawned')
     if len(spawned) == last:
         os.kill(os.getpid(), signal.SIGINT)
     return spawned[-1]
-launcher.spawn = interrupted
+launcher.spawn_process = interrupted
 try:
     with launcher.Launcher(plan, say, grace=grace) as it:
         say('started')

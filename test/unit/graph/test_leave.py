@@ -8,7 +8,7 @@ from waiting import PATIENCE
 
 CODE = """
 import atexit, sys, time
-from lta_graph.process_end import leave
+from lta_graph.process_end import exit_process
 
 class Slow:
     def __del__(self):
@@ -17,7 +17,7 @@ class Slow:
 slow = Slow()
 atexit.register(sys.stdout.write, ', tidied')
 sys.stdout.write('worked')
-leave(3)
+exit_process(3)
 """
 
 

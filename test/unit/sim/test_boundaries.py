@@ -212,10 +212,10 @@ def test_ceiling_by_hand():
 @pytest.mark.parametrize('effect', [ground_effect, ceiling_effect])
 def test_rotors_without_a_size_are_refused_and_gain_nothing(effect):
     values = {parameter.name: parameter.null for parameter in effect.PARAMETERS}
-    assert effect.check(values) == ''
-    assert 'radius' in effect.check({**values, 'gain': 1.0})
+    assert effect.find_conflict(values) == ''
+    assert 'radius' in effect.find_conflict({**values, 'gain': 1.0})
     p = (1.0, *(0.0,) * (len(values) - 1))
-    assert not any(effect.wrench(p, (), standing((0, 0, 0.05), rotors=(UP,)), (1.0,) * 8))
+    assert not any(effect.compute_wrench(p, (), standing((0, 0, 0.05), rotors=(UP,)), (1.0,) * 8))
 
 
 def test_a_ceiling_effect_needs_its_ceiling():

@@ -80,7 +80,7 @@ def test_a_function_within_a_function_is_refused():
 
 
 def test_two_things_cannot_share_a_name():
-    with pytest.raises(BadInput, match='box_wrench'):
+    with pytest.raises(BadInput, match='box_compute_wrench'):
         text_of(linear_drag.compute_wrench, quadratic_drag.compute_wrench)
 
 

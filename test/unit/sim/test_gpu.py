@@ -28,12 +28,12 @@ SIMULATED = """
     import sys
 
     from lta_sim.kernels import gpu
-    from lta_sim.kernels.vehicle_batch import Fleet
+    from lta_sim.kernels.vehicle_batch import VehicleBatch
     import numpy as np
 
     folder, gpu.THREADS = Path(sys.argv[1]), 2
     states, duties, winds, *fleet = (np.load(folder / f'{k}.npy') for k in range(7))
-    later = gpu.advance_many(states, Fleet(*fleet), duties, winds, 2e-3, 5)
+    later = gpu.advance_many(states, VehicleBatch(*fleet), duties, winds, 2e-3, 5)
     np.save(folder / 'later.npy', later)
 """
 

@@ -43,14 +43,14 @@ def null(module):
 def test_null_is_no_force_and_no_rate_whatever_the_memory(module):
     seen = air.motion(TILTED, displaced=0.4, irradiance=300.0)
     memory = (0.7,) * len(module.EFFECT.memory)
-    assert module.wrench(null(module), memory, seen, THRUST) == (0.0,) * 6
+    assert module.compute_wrench(null(module), memory, seen, THRUST) == (0.0,) * 6
     fresh = tuple(value for _, value in module.EFFECT.memory)
     assert not any(module.EFFECT.rate(null(module), fresh, seen))
 
 
 @pytest.mark.parametrize('module', BODY, ids=named)
 def test_null_leaves_the_vehicle_to_the_bit(module):
-    assert module.change(null(module), VEHICLE) == VEHICLE
+    assert module.change_body(null(module), VEHICLE) == VEHICLE
 
 
 def test_net_lift_is_up_in_the_map_at_the_hull_centre():
@@ -151,7 +151,7 @@ def test_a_point_mass_is_one_point_more(module):
     masses, places = generator.uniform(0.01, 0.1, 7), generator.normal(size=(7, 3))
     before = of_points(masses[:6], places[:6], 0.4)
     after = of_points(masses, places, 0.4)
-    changed = module.change((masses[6], *places[6]), before)
+    changed = module.change_body((masses[6], *places[6]), before)
     for name in RigidBody._fields:
         np.testing.assert_allclose(
             getattr(changed, name), getattr(after, name), rtol=1e-12, atol=1e-15

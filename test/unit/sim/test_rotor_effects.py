@@ -46,7 +46,7 @@ def around(voltage=0.0):
 
 
 def through(effect, p, value, voltage=0.0):
-    return effect.output(p, (), value, around(voltage))
+    return effect.compute_output(p, (), value, around(voltage))
 
 
 def cubic(which, duty, nominal=4.2):

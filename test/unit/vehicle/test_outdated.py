@@ -70,20 +70,21 @@ def test_place_and_axis_make_a_column_by_hand(gtmab):
 def test_rotors_twice_as_far_out_should_turn_it_twice_as_much():
     left, right = warned(*WIDE)
     assert left == (
-        'The rotor forward_left would turn the hull by (0.0, -40.0, -20.0) N cm per newton where '
-        'it stands, but its column of aero.thrust_allocation says (-0.2, -40.3, -10.0). The '
-        'column is what flies; delete aero.thrust_allocation, so that columns follow from place '
-        'and axis, or make new ones with lta cfd run.'
+        'By its position and axis, the rotor forward_left has a moment of (0.0, -40.0, -20.0) N '
+        'cm '
+        'per newton, but its column of aero.thrust_allocation gives (-0.2, -40.3, -10.0). The '
+        'simulation uses the column; delete aero.thrust_allocation to compute columns from '
+        'position and axis, or compute new ones with lta cfd run.'
     )
-    assert 'forward_right would turn the hull by (0.0, -40.0, 20.0) N cm' in right
+    assert 'forward_right has a moment of (0.0, -40.0, 20.0) N cm' in right
 
 
 def test_a_rotor_that_is_turned_is_told_by_its_direction():
     """By 30 degrees; (0.981, 0.011, -0.061) makes acos(0.855 / 0.983) = 29.6 with that axis."""
     (told,) = warned('rotors.forward_left.axis=[0.866, 0.5, 0] 1')
     assert told.startswith(
-        'The rotor forward_left points along (0.87, 0.50, 0.00), 30 degrees away from '
-        '(0.98, 0.01, -0.06), where its column of aero.thrust_allocation pushes.'
+        'The rotor forward_left points along (0.87, 0.50, 0.00), but its column of '
+        'aero.thrust_allocation pushes along (0.98, 0.01, -0.06), 30 degrees away.'
     )
 
 
@@ -113,8 +114,8 @@ def test_diff_says_which_columns_held_moved_rotors(gtmab):
     found = compare_vehicles(gtmab, load_vehicle_variant('gtmab', WIDE))
     (told,) = found.stale_aero_notes
     assert told.startswith(
-        'forward_left, forward_right: moved or turned, but aero.thrust_allocation has the same '
-        'columns as before'
+        'forward_left, forward_right: moved or turned, but aero.thrust_allocation still has the '
+        'same columns'
     )
     assert found.consequences == []
     words = said(found)
@@ -134,8 +135,8 @@ def test_diff_says_that_the_drag_is_of_another_hull(gtmab):
     larger = ['hull.diameter=110 cm', 'hull.height=65.9 cm']
     (told,) = compare_vehicles(gtmab, load_vehicle_variant('gtmab', larger)).stale_aero_notes
     assert told == (
-        'The hull has another shape or size, but aero has the same drag as before; make it anew '
-        'with lta cfd run.'
+        'The hull has another shape or size, but aero has the same drag as before; compute it '
+        'again with lta cfd run.'
     )
     drag = 'aero.quadratic_drag.force=[0.114, 0.111, 0.445] N s2/m2'
     assert (

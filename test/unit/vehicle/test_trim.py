@@ -64,7 +64,7 @@ def test_what_it_gains_in_speed_is_not_weight(gtmab):
 
 
 def test_no_still_stretch_is_one_sentence(gtmab):
-    with pytest.raises(BadInput, match='hangs still for 0 s only'):
+    with pytest.raises(BadInput, match='has only 0 s of hover'):
         estimate_heaviness(gtmab, *hanging(ahead=lambda t: 0.5 * t))
 
 
@@ -102,7 +102,7 @@ def test_words_say_what_to_do(gtmab):
     text = describe_heaviness(heavy, 'gtmab', simulated=True)
     grams = 1e3 * 2 * 0.961 * (0.0915 * 0.04 + 0.0677 * 0.2) / G
     assert f'gtmab was {grams:.2f} g heavier than air' in text
-    assert f'Take off {grams - 2.0:.2f} g of ballast to be 2.00 g heavy' in text
+    assert f'Remove {grams - 2.0:.2f} g of ballast to reach the 2.00 g of its file' in text
     light = estimate_heaviness(gtmab, *hanging(duty=0.05))
     assert 'Add 1.' in describe_heaviness(light, 'gtmab', simulated=True)
     assert 'leave the ballast' in describe_heaviness(
@@ -114,7 +114,7 @@ def test_a_real_flight_is_told_of_the_thrust_curve(gtmab):
     """2.9 mN a rotor, two of them at 0.961: 0.40 g."""
     found = estimate_heaviness(gtmab, *hanging())
     assert 'thrust curve' not in describe_heaviness(found, 'gtmab', simulated=True)
-    assert '0.4 g if it is as good' in describe_heaviness(found, 'gtmab', simulated=False)
+    assert '0.4 g, if it is as good' in describe_heaviness(found, 'gtmab', simulated=False)
     expected = 0.0029 * 0.961 * math.sqrt(2.0) / G
     assert encode_heaviness(found)['thrust_curve_error'] == pytest.approx(expected)
 

@@ -29,7 +29,7 @@ def test_a_new_vehicle_is_a_copy_with_comments_that_loads(call, tmp_path):
     assert status == 0
     assert 'my_blimp.yaml' in said.out
     text = (tmp_path / 'my_blimp.yaml').read_text('utf-8')
-    assert text.startswith('# my_blimp: begun as a copy of gtmab.\n')
+    assert text.startswith('# my_blimp: copied from gtmab.\n')
     assert text.endswith(SHIPPED.replace('\nname: gtmab\n', '\nname: my_blimp\n'))
     assert call('check', 'my_blimp.yaml')[0] == 0
     assert 'say the same' in call('diff', 'gtmab', 'my_blimp.yaml')[1].out
@@ -45,7 +45,7 @@ def test_nothing_is_overwritten(call, tmp_path):
     (tmp_path / 'a.yaml').write_text('mine')
     status, said = call('new', 'a')
     assert status == 2
-    assert said.err == 'a.yaml is there already; choose another place with --out.\n'
+    assert said.err == 'a.yaml already exists; choose another file with --out.\n'
     assert (tmp_path / 'a.yaml').read_text() == 'mine'
 
 
@@ -109,14 +109,14 @@ def test_warnings_leave_the_status_at_zero(call):
 @pytest.mark.parametrize(
     ('old', 'new', 'warning'),
     [
-        ('{value: 2, unit: g', '{value: 20, unit: g', 'which may take only 5 days'),
+        ('{value: 2, unit: g', '{value: 20, unit: g', 'which may happen within 5 days'),
         ('size: {value: [100, 100, 59.9]', 'size: {value: [90, 90, 53.9]', 'The shell envelope'),
-        ('purity: {value: 93', 'purity: {value: 89.5', 'Only .* g of ballast is left'),
+        ('purity: {value: 93', 'purity: {value: 89.5', 'carries only .* g of ballast'),
         ('[0, 0, -33], unit: cm', '[9, 0, -33], unit: cm', 'hangs .* off the vertical'),
         (
             'value: [0, 0, 1], unit: "1"',
             'value: [0, 1, 0], unit: "1"',
-            'up_left points along .* 89 degrees away from',
+            'up_left points along .* 89 degrees away',
         ),
     ],
 )

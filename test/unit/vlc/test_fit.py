@@ -191,7 +191,7 @@ def test_at_most_twelve_steps_are_limited_and_halved_after_five(monkeypatch, pul
             scratch[NORMAL + (UNKNOWNS + 1) * unknown] = 4.0
         scratch[PULLS + AZIMUTH] = 4.0 * pull
 
-    monkeypatch.setattr(sys.modules['lta_vlc.direction_fit'], 'normal_equations', pulling)
+    monkeypatch.setattr(sys.modules['lta_vlc.direction_fit'], 'build_normal_equations', pulling)
     level = EXPECTED._replace(elevation=0.0)
     found = fit_direction(four(), level, (50.0, 10.0, 10.0, 10.0), SURE, [0.0] * FIT_SCRATCH)
     assert found.found

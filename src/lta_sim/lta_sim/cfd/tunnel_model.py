@@ -113,7 +113,9 @@ class TunnelModel:
         for name, mesh in self.bodies.items():
             # Adding 0.0 removes -0.0, so that the hash is the same on every machine.
             told.update(name.encode() + (np.round(mesh.triangles, 7) + 0.0).tobytes())
-        told.update(repr(sorted(self.rotors.items())).encode())
+        # Stored sweeps have the hash of the class name `Rotor`.
+        rotors = repr(sorted(self.rotors.items())).replace('RotorDisk(', 'Rotor(')
+        told.update(rotors.encode())
         return told.hexdigest()[:16]
 
 

@@ -173,9 +173,7 @@ def test_unknown_topic_names_the_known(flight_bag):
 def test_two_robots_are_told_apart(record, types):
     flag = types['std_msgs/msg/Bool'](True)
     bag = record([(f'/{name}/flag', 'std_msgs/msg/Bool', flag, 5) for name in ('lta2', 'lta1')])
-    with pytest.raises(
-        BadInput, match=r'several robots \(lta1, lta2\); choose one.*--robot lta2'
-    ):
+    with pytest.raises(BadInput, match=r'several robots \(lta1, lta2\); choose one.*--robot lta2'):
         open_flight(bag)
     with pytest.raises(BadInput, match="Unknown robot 'lta3'"):
         open_flight(bag, 'lta3')

@@ -213,9 +213,7 @@ def test_rhythm_tells_what_no_index_does(tmp_path):
 
 def test_what_is_whole_or_empty_is_refused(tmp_path, whole):
     source = tmp_path / 'bag'
-    with pytest.raises(
-        BadInput, match=r'is intact: all 96 messages are readable'
-    ):
+    with pytest.raises(BadInput, match=r'is intact: all 96 messages are readable'):
         recover_bag(source, tmp_path / 'new')
     assert not (tmp_path / 'new').exists()
     damage(tmp_path, whole.data[: whole.chunks[0].start + 10])

@@ -129,7 +129,7 @@ def test_the_command_lists_all_and_draws_some(call, bag, tmp_path):
     ('words', 'sentence'),
     [
         (('none',), "No channel matches 'none'"),
-        (('motors', '--from', '5', '--to', '4'), 'From 5 s to 4 s there is nothing'),
+        (('motors', '--from', '5', '--to', '4'), '--from (5 s) is not below --to (4 s)'),
         (('motors', '--from', '99'), 'have no data in that time range'),
     ],
 )

@@ -48,9 +48,7 @@ def test_a_second_ahead_alone_decides_nothing() -> None:
     better = replace(far, shrink_ci95=(0.09, 0.46))
     told = [near, better]
     assert not should_keep_file(told)
-    assert list_forecast_warnings(told) == [
-        'Some forecasts get worse: position after 1 s.'
-    ]
+    assert list_forecast_warnings(told) == ['Some forecasts get worse: position after 1 s.']
     assert should_keep_file(
         [near, replace(far, shrink_ci95=(-0.1, 0.46))]
     )  # nothing is surely better

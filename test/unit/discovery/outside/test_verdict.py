@@ -129,8 +129,7 @@ def test_a_draught_alone_is_nothing_unexplained() -> None:
     )
     assert calm.sentences == ()
     assert air.sentence == (
-        'a draught: a random horizontal force of 1.1 mN, as from air moving at about '
-        '2.6 mm/s'
+        'a draught: a random horizontal force of 1.1 mN, as from air moving at about 2.6 mm/s'
     )
 
 

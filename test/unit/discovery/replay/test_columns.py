@@ -162,7 +162,7 @@ def test_what_is_not_wanted_costs_nothing_and_changes_nothing(
 
 def test_a_piece_that_ends_after_the_flight_repeats_its_last_point() -> None:
     """The last of 100 points has the index 99; the times of the piece go on beyond it."""
-    flight = SimpleNamespace(time=0.3 + 0.04 * np.arange(100), only_tracked=False)
+    flight = SimpleNamespace(time=0.3 + 0.04 * np.arange(100), has_only_pose=False)
     cut = SimpleNamespace(first=np.array([3, 97]), length=5, knots=2)
     found = FlightLinearizer(SimpleNamespace(flight=flight, cut=cut, span=5 * STEPS), [], None)
     assert found.index.tolist() == [[3, 4, 5, 6, 7], [97, 98, 99, 99, 99]]

@@ -247,6 +247,6 @@ def test_a_flight_is_linearised_again_if_a_candidate_has_no_column(k: int, again
     grams[:, 5, 5] = grams[:, 0, 0] = 0.0
     fitted = LinearOnly(SimpleNamespace(grams=grams, names=tuple('abcd'), point='here'))
     knobs = [SimpleNamespace(typical=size) for size in (1.0, 0.0, 2.0)]
-    flight = SimpleNamespace(knobs=knobs, at=lambda point: f'linearised {point}')
+    flight = SimpleNamespace(knobs=knobs, linearize=lambda point: f'linearised {point}')
     found = module._complete_columns(fitted, flight)
     assert found.linear == 'linearised here' if again else found is fitted

@@ -218,19 +218,21 @@ LIT = ('scenario.goal.time_limit=0.5 s', *BRIEF[1:])
 SIMULATED = """
     import sys
     from lta_flight.batch import fly
-    from lta_flight.batch.batch_flight import made_of
-    from lta_flight.flight_spec import gather, parts_of
-    from lta_config.parameter_override import assignment
-    from lta_config.topics import topic_table
+    from lta_flight.batch.batch_flight import build_flight
+    from lta_flight.flight_spec import build_parts, load_spec
+    from lta_config.parameter_override import parse_assignment
+    from lta_config.topics import load_topic_table
     import numpy as np
 
     fly.THREADS = 2
     out, device, *changes = sys.argv[1:]
-    base = gather('gtmab', 'lamp_room', 'bag', 'gtmab').with_values(
-        dict(map(assignment, changes))
+    base = load_spec('gtmab', 'lamp_room', 'bag', 'gtmab').with_values(
+        dict(map(parse_assignment, changes))
     )
     flights = [
-        made_of(*parts_of(base.with_values({'mission.speed': speed})), topic_table())
+        build_flight(
+            *build_parts(base.with_values({'mission.speed': speed})), load_topic_table()
+        )
         for speed in (0.3, 0.5)
     ]
     told = fly.fly_many(flights, [1, 2, 3], device, which=np.array([0, 1, 1]))

@@ -176,7 +176,7 @@ def test_set_point_holds_until_the_next_one():
 
 def test_a_rest_at_a_lamp_of_the_route_is_not_cruised():
     asked = TimeCurve(np.array([1.0, 4.0, 6.0]), np.array([0.5, 0.0, 0.5]))
-    flight = SimpleNamespace(has=lambda _: True, speed_setpoint=asked)
+    flight = SimpleNamespace(has_topics=lambda _: True, speed_setpoint=asked)
     time = np.arange(10.0)
     flown = is_cruising(flight, FlightPhases(0.0, 1.0, 2.0, 8.0), time)
     assert time[flown].tolist() == [2.0, 3.0, 6.0, 7.0, 8.0]

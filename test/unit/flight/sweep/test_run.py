@@ -47,7 +47,7 @@ class Here:
     def __exit__(self, *_):
         pass
 
-    def fly(self, jobs):
+    def run_jobs(self, jobs):
         return map(self._fly, jobs)
 
 
@@ -189,11 +189,11 @@ SCRIPT = """
 import sys
 from pathlib import Path
 sys.path[:0] = sys.argv[3:]
-from lta_flight.sweep.run import Order, sweep_once
+from lta_flight.sweep.run import sweep_once, SweepRequest
 from rich.console import Console
 if __name__ == '__main__':
     try:
-        sweep_once(Order(sys.argv[1], Path(sys.argv[2]), workers=1), Console())
+        sweep_once(SweepRequest(sys.argv[1], Path(sys.argv[2]), workers=1), Console())
     except KeyboardInterrupt:
         sys.exit(130)
 """

@@ -238,7 +238,7 @@ def test_what_was_flown_is_not_flown_again_and_more_seeds_only_add(done, monkeyp
         def __exit__(self, *_):
             pass
 
-        def fly(self, jobs):
+        def run_jobs(self, jobs):
             for job in jobs:
                 flown.append(job)
                 yield SweepRow(job.index, job.seed, dict(job.values), 'timeout', 'made up')

@@ -16,7 +16,7 @@ class Long:
 
     ended = False
 
-    def live(self, told):
+    def run(self, told):
         for _ in range(round(PATIENCE / EVERY)):
             told(1.0)
             time.sleep(EVERY)
