@@ -143,8 +143,8 @@ def test_the_laws_find_a_page_that_retracts(
         'linear_drag is truncated': said._replace(
             terminal=said.terminal.replace('linear_drag', 'linear')
         ),
-        'not at the end': said._replace(ladder='Round 1: net lift is named'),
-        'nothing is left over': said._replace(tiles='no force or moment remains'),
+        'not in the result': said._replace(ladder='Round 1: net lift is named'),
+        'says that no force remains': said._replace(tiles='no force or moment remains'),
         'a file value is shown': said._replace(effects='the file does not have it'),
         'only one of headline and JSON': said._replace(headline=said.headline.partition(':')[0]),
         'the advice differs': said._replace(terminal=said.terminal.replace('Use', 'Keep')),

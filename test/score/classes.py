@@ -137,7 +137,10 @@ def main() -> int:
         } and before.digest == kept.digest
         sys.stdout.write('as derived\n' if same else 'not as derived: run make classes\n')
         return 0 if same else 1
-    head = '# Derived by `make classes`; see discovery/selection/equivalence_classes.py. Not to be edited.\n'
+    head = (
+        '# Derived by `make classes`; see discovery/selection/equivalence_classes.py. '
+        'Not to be edited.\n'
+    )
     text = yaml.safe_dump(kept.model_dump(), sort_keys=False, width=120, default_flow_style=None)
     TABLE.write_text(head + text)
     PAGE.write_text(page(kept))

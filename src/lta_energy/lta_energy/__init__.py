@@ -1,1 +1,1 @@
-"""What it costs: battery, panel, loads and the energy books."""
+"""Battery, solar and load models, in-flight energy monitoring and mission energy budgets."""

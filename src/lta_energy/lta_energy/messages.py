@@ -1,4 +1,4 @@
-"""Energy cores to ROS messages and back."""
+"""Convert between energy data and ROS messages."""
 
 import math
 

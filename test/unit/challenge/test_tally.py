@@ -164,7 +164,7 @@ def test_a_page_has_the_challenges_of_a_row_together_and_the_rows_side_by_side()
     other = {**ABOUT, 'kind': 'clean', 'seed': 7, 'scored': 3, 'commit': 'c0ffee, decaf'}
     text = render_markdown([({**ABOUT, 'row': 'pose'}, wrong), (ABOUT, wrong), (other, clean)])
     assert 'commit `c0ffee`, `decaf`.' in text
-    assert '| figure | wanted | base | pose |' in text
+    assert '| figure | target | base | pose |' in text
     assert '| cases |  | 4 | 1 |' in text
     dash = '\N{EN DASH}'
     assert f'| nothing hidden: any name | <= 1 % | 0/3 = 0 % | {dash} |' in text

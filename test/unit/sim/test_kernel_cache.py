@@ -40,29 +40,29 @@ def answer():
 EFFECT = '''
     """A push along x, from another package."""
 
-    from lta_model.effects.protocol import Parameter, WrenchEffect
+    from lta_model.effects.protocol import EffectParameter, WrenchEffect
 
 
-    def wrench(p, memory, motion, thrust):
+    def compute_wrench(p, memory, motion, thrust):
         """Return the push."""
         (push,) = p
         return ({expression}, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-    PARAMETERS = (Parameter('push', 'N', 0.0, -9.0, 9.0, 0.1, 'test'),)
-    EFFECT = WrenchEffect('side_push', PARAMETERS, wrench, ('push',))
+    PARAMETERS = (EffectParameter('push', 'N', 0.0, -9.0, 9.0, 0.1, 'test'),)
+    EFFECT = WrenchEffect('side_push', PARAMETERS, compute_wrench, ('push',))
 '''
 
 SCRIPT = """
     from lta_model.effects import initial_memory
-    from lta_sim.kernels.kernel import wrenches
+    from lta_sim.kernels.kernel import effect_wrenches
     from lta_model.model import Model
-    from lta_model.state import pack
+    from lta_model.state import pack_state
     import numpy as np
     import sys
 
     model = Model.build({'side_push': {'push': 3.0}}, mass=2.0, cg=np.zeros(3), inertia=np.eye(3))
-    wrench = wrenches(pack(memory=initial_memory()), model, np.zeros(4))['side_push']
+    wrench = effect_wrenches(pack_state(memory=initial_memory()), model, np.zeros(4))['side_push']
     sys.stdout.write(str(float(wrench[0])))
 """
 

@@ -58,7 +58,7 @@ def test_nothing_is_overwritten(call, tmp_path):
         (('show', 'nope'), "Unknown vehicle 'nope'"),
         (('diff', 'gtmab'), 'There is nothing to compare with'),
         (('show', 'gtmab', '--out', 'no/such/page.html'), 'cannot be written'),
-        (('show', 'rgblimp', '--gains'), 'rgblimp flies by the control law glide'),
+        (('show', 'rgblimp', '--gains'), 'rgblimp uses the control law glide'),
         (('trim', 'no_bag'), 'no_bag'),
     ],
 )

@@ -1,4 +1,4 @@
-"""The energy books: what came in, what went out, what is stored, and whether it adds up."""
+"""Keep the energy balance: input, output, stored energy and the residual."""
 
 from dataclasses import dataclass
 from typing import final

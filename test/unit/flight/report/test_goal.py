@@ -32,7 +32,8 @@ def flown(x, scenario=ROUND, **more):
     known = {'ground_truth/odom', *(TOPICS[name] for name in more)}
     return SimpleNamespace(
         scene=SimpleNamespace(scenario=scenario, vehicle=None), goal=FlightGoal(scenario, truth),
-        truth=truth, span=(0.0, float(len(x) - 1)), has_topics=lambda *topics: set(topics) <= known,
+        truth=truth, span=(0.0, float(len(x) - 1)),
+        has_topics=lambda *topics: set(topics) <= known,
         **more,
     )  # fmt: skip
 

@@ -141,7 +141,9 @@ def test_without_scenario_nobody_knows_where_the_lamp_is(tmp_path):
 @pytest.mark.parametrize('text', ['schema: 1', '[', '- a'])
 def test_unreadable_file_in_the_bag_is_one_sentence(tmp_path, key, text):
     folder = write_flight(tmp_path / 'bag', until=0.5, facts={key: text})
-    with pytest.raises(BadInput, match=rf"^The bag's {key} is .*[^.]\.$"):
+    with pytest.raises(
+        BadInput, match=rf"^The bag's {key} cannot be read by this version: .*[^.]\.$"
+    ):
         results(folder)
 
 
