@@ -1,4 +1,4 @@
-"""What is written down of a mission over days: its flights, the charge, and the books."""
+"""Record flights, charge and energy balance of a mission over days."""
 
 from dataclasses import dataclass, field
 from typing import final, NamedTuple

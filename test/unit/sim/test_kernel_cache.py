@@ -56,12 +56,12 @@ EFFECT = '''
 SCRIPT = """
     from lta_model.effects import initial_memory
     from lta_sim.kernels.kernel import effect_wrenches
-    from lta_model.model import Model
+    from lta_model.model import VehicleModel
     from lta_model.state import pack_state
     import numpy as np
     import sys
 
-    model = Model.build({'side_push': {'push': 3.0}}, mass=2.0, cg=np.zeros(3), inertia=np.eye(3))
+    model = VehicleModel.build({'side_push': {'push': 3.0}}, mass=2.0, cg=np.zeros(3), inertia=np.eye(3))
     wrench = effect_wrenches(pack_state(memory=initial_memory()), model, np.zeros(4))['side_push']
     sys.stdout.write(str(float(wrench[0])))
 """

@@ -1,1 +1,1 @@
-"""Readings that cannot be believed: one file a fault, and the watch over all of them."""
+"""Detect faulty meter readings: one file for each fault, and all detectors together."""

@@ -1,4 +1,4 @@
-"""All detectors together: what each remembers, and which faults are on."""
+"""Run all fault detectors and keep their state."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""A cell that gives way: below its cut-off the electronics may reset at any moment."""
+"""Detect a cell below its cut-off voltage, where the electronics may reset at any moment."""
 
 from lta_energy.faults.detector import FaultDetector, Memory, MeterObservation
 from lta_energy.faults.dropout import NOTHING

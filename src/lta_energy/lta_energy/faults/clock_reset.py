@@ -1,4 +1,4 @@
-"""Readings by a clock set back; `lta_energy.monitoring.clock_shift` tells when they are."""
+"""Detect that the clock of the readings was set back; see `monitoring.clock_shift`."""
 
 from lta_energy.faults.detector import FaultDetector, Memory, MeterObservation
 from lta_graph.health import HealthLevel
@@ -9,9 +9,7 @@ def _detect_clock_reset(memory: Memory, observation: MeterObservation) -> tuple[
 
 
 def _describe_clock_reset(observation: MeterObservation) -> str:
-    return (
-        f'the clock was set back by {observation.back:.1f} s: what flowed just then is not counted'
-    )
+    return f'the clock was set back by {observation.back:.1f} s: the charge in that time is not counted'
 
 
 DETECTOR = FaultDetector(

@@ -1,4 +1,4 @@
-"""What a detector of bad readings is: a condition, how long it must last, and its name."""
+"""Define a fault detector: condition, minimum duration and name."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

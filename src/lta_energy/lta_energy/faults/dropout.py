@@ -1,4 +1,4 @@
-"""A meter that gives nothing: the drone runs, and its cell reads zero volts."""
+"""Detect a meter without output: the drone runs, but the cell reads zero volts."""
 
 from lta_energy.faults.detector import FaultDetector, Memory, MeterObservation
 from lta_graph.health import HealthLevel
@@ -12,9 +12,8 @@ def _detect_dropout(memory: Memory, observation: MeterObservation) -> tuple[bool
 
 def _describe_dropout(observation: MeterObservation) -> str:
     return (
-        f'the cell reads {observation.reading.voltage:.2f} V: a brown-out that cut the supply, or '
-        f'a wire '
-        'of the power meter'
+        f'the cell reads {observation.reading.voltage:.2f} V: check the supply (brown-out) '
+        'and the wires of the power meter'
     )
 
 

@@ -1,4 +1,4 @@
-"""A time without readings: what flowed meanwhile is not known."""
+"""Detect a gap without readings, in which the charge flow is unknown."""
 
 from lta_energy.faults.detector import FaultDetector, Memory, MeterObservation
 from lta_graph.health import HealthLevel

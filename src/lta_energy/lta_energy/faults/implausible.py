@@ -1,4 +1,4 @@
-"""A voltage that no cell of this kind has."""
+"""Detect a voltage that no cell of this kind can have."""
 
 from lta_energy.faults.detector import FaultDetector, Memory, MeterObservation
 from lta_energy.faults.dropout import NOTHING

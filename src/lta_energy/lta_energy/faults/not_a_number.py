@@ -1,4 +1,4 @@
-"""A voltage or current of the cell that is not a number, or beyond what a meter reads."""
+"""Detect a cell voltage or current that is not a number or out of range of the meter."""
 
 import math
 

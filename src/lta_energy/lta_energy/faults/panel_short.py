@@ -1,4 +1,4 @@
-"""A panel that stands in the light and has no voltage, or one that nobody measures."""
+"""Detect a lit panel without voltage: a short circuit, or a panel that is not measured."""
 
 import math
 
@@ -18,7 +18,7 @@ def _describe_short(observation: MeterObservation) -> str:
     reading = observation.reading
     return (
         f'the panel has {reading.panel_voltage:.2f} V in {reading.illuminance:.0f} lx: '
-        'it is shorted, or its charger is'
+        'the panel or its charger is shorted'
     )
 
 

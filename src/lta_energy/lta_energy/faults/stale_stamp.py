@@ -1,4 +1,4 @@
-"""Readings whose stamps do not move on: an old message is sent again and again."""
+"""Detect readings whose stamps do not advance: an old message is repeated."""
 
 from lta_energy.faults.detector import FaultDetector, Memory, MeterObservation
 from lta_graph.health import HealthLevel

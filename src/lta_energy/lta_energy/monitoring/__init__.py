@@ -1,1 +1,1 @@
-"""What a drone knows of its energy in flight, and what follows for the flight."""
+"""Estimate the energy state in flight and monitor the reserve."""

@@ -1,4 +1,4 @@
-"""What a person should hear about the energy: levels and sentences, drawn from an estimate."""
+"""Derive health levels and messages from an energy estimate."""
 
 import math
 
@@ -70,6 +70,9 @@ def assess_way_home(estimate: EnergyEstimate) -> Verdict:
     """Return how far home is, and what is left beyond the way there and the reserve."""
     stock = estimate.stock
     if stock is None or estimate.last is None or estimate.last.where is None:
-        return HealthLevel.OK, 'where the drone is, is not known; the way home counts as none'
+        return (
+            HealthLevel.OK,
+            'the position of the drone is unknown; no energy is reserved for the way home',
+        )
     text = f'home is {estimate.last.where.distance:.1f} m away, {stock.spare:.0f} J to spare'
     return (HealthLevel.WARN if stock.spare <= 0.0 else HealthLevel.OK), text

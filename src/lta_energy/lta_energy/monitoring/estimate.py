@@ -1,4 +1,4 @@
-"""What is known of the energy after a reading."""
+"""Define the energy estimate after a reading."""
 
 import math
 from typing import NamedTuple

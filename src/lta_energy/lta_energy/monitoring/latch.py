@@ -1,4 +1,4 @@
-"""A yes or no with hysteresis in time: it takes a while to say yes, and to take it back."""
+"""Provide a latch that switches on and off only after a delay."""
 
 from typing import NamedTuple
 

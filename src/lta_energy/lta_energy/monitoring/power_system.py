@@ -1,4 +1,4 @@
-"""What the monitor knows of its own vehicle: the cell and the charger, as the file has them."""
+"""Describe the cell and the charger of the vehicle file for the monitor."""
 
 import math
 from typing import NamedTuple, Self

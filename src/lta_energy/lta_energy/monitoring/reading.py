@@ -1,4 +1,4 @@
-"""One turn of the drone's meters, and where it then took itself to be."""
+"""Define one reading of the power meters, with the estimated position."""
 
 from dataclasses import dataclass
 import math

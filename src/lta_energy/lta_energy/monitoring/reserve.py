@@ -1,4 +1,4 @@
-"""The decision to come down: the charge that is surely there against what must be left."""
+"""Decide when to land: compare the lower bound of the charge with the reserve."""
 
 from typing import NamedTuple
 

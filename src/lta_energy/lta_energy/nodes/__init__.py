@@ -1,1 +1,1 @@
-"""The processes of lta_energy."""
+"""ROS nodes of lta_energy."""

@@ -1,4 +1,4 @@
-"""Keep the energy books of the drone from its meters, and say when the reserve is reached."""
+"""Monitor the energy of the drone in a ROS node, and report when the reserve is reached."""
 
 from typing import TYPE_CHECKING
 

@@ -138,12 +138,17 @@ def test_without_scenario_nobody_knows_where_the_lamp_is(tmp_path):
 
 
 @pytest.mark.parametrize('key', ['scenario_file', 'vehicle_file'])
-@pytest.mark.parametrize('text', ['schema: 1', '[', '- a'])
-def test_unreadable_file_in_the_bag_is_one_sentence(tmp_path, key, text):
+@pytest.mark.parametrize(
+    ('text', 'fault'),
+    [
+        ('schema: 1', 'cannot be read by this version: '),
+        ('[', 'is not valid YAML: '),
+        ('- a', 'cannot be read by this version: '),
+    ],
+)
+def test_unreadable_file_in_the_bag_is_one_sentence(tmp_path, key, text, fault):
     folder = write_flight(tmp_path / 'bag', until=0.5, facts={key: text})
-    with pytest.raises(
-        BadInput, match=rf"^The bag's {key} cannot be read by this version: .*[^.]\.$"
-    ):
+    with pytest.raises(BadInput, match=rf"^The bag's {key} {fault}.*[^.]\.$"):
         results(folder)
 
 

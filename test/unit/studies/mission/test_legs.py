@@ -43,13 +43,13 @@ def pilot(made):
 
 
 def begun(pilot, scenes, charge=0.8):
-    state = pilot.standing(-3.2, -2.0, scenes.vehicle.standing_height, 0.4, 3)
+    state = pilot.ground_state(-3.2, -2.0, scenes.vehicle.height_on_floor, 0.4, 3)
     return initial_leg_state(charge, charge), state
 
 
 def go_on(pilot, made, leg, memory, state):
     memory = memory._replace(outcome=FLYING, begun=memory.step)
-    return pilot.fly(pilot.constants(made), leg, memory, state, 3)
+    return pilot.fly_leg(pilot.pack_constants(made), leg, memory, state, 3)
 
 
 def test_a_dwell_in_two_pieces_is_one_dwell(pilot, made, scenes):
@@ -78,7 +78,7 @@ def test_it_lands_where_it_is_told_to(pilot, made, scenes):
     memory, state = go_on(pilot, made, LEG, *begun(pilot, scenes))
     memory, state = go_on(pilot, made, LEG._replace(kind=LAND, limit=60.0), memory, state)
     assert memory.outcome == DONE
-    assert state[2] == pytest.approx(scenes.vehicle.standing_height, abs=0.02)
+    assert state[2] == pytest.approx(scenes.vehicle.height_on_floor, abs=0.02)
 
 
 def test_the_books_of_a_flight_balance(pilot, made, scenes):
@@ -113,8 +113,8 @@ def test_a_payload_is_carried_and_not_trimmed_away(scenes):
 
 def test_the_brightness_that_homing_is_told_is_that_of_its_own_settings(scenes):
     """In the shipped room homing's default of 2100 counts is that of its lamp at 0.8 off axis."""
-    dark = scenes.made('aisle', DARK, 1.0).craft
-    bright = scenes.made('aisle', DARK, 5e4).craft
+    dark = scenes.build_flight('aisle', DARK, 1.0).craft
+    bright = scenes.build_flight('aisle', DARK, 5e4).craft
     lamp = scenes.lamp('aisle')
     assert dark.mission.homing.brightness == pytest.approx(lamp_brightness(dark.listening, lamp))
     assert bright.listening.counts < 0.2 * dark.listening.counts  # another resistor
