@@ -145,7 +145,7 @@ def test_a_busy_folder_stays_as_it_is(refused, tmp_path):
     assert 'is not empty' in refused('fly', '--out', out)
     assert [path.name for path in out.iterdir()] == ['thesis.tex']
     assert (out / 'thesis.tex').read_text() == 'mine'
-    assert 'cannot be made' in refused('fly', '--out', out / 'thesis.tex')
+    assert 'cannot be created' in refused('fly', '--out', out / 'thesis.tex')
 
 
 def test_a_domain_that_cannot_be_is_one_sentence(refused, tmp_path, monkeypatch):
@@ -189,7 +189,7 @@ def spoil():
     except KeyboardInterrupt:
         raise ImportError('initialization failed') from None
 
-app.put_together = load
+app.build_app = load
 command.main()
 """
 

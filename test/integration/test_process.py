@@ -10,18 +10,18 @@ from waiting import PATIENCE
 CODE = """
 from lta_config.errors import BadInput
 from lta_graph.ros.node import GraphNode
-from lta_graph.ros.process import run
+from lta_graph.ros.process import run_node
 
 class Node(GraphNode):
     def __init__(self):
         super().__init__('energy_monitor')
         {made}
 
-    def work(self):
+    def run(self):
         print('worked', end='')
         {act}
 
-run(Node, ['node'])
+run_node(Node, ['node'])
 """
 
 

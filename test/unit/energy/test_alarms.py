@@ -67,7 +67,7 @@ def test_what_is_worst_is_said_first():
     dead = update_detectors(
         WELL.watch, MeterObservation(replace(READ, voltage=0.0), READ, 0.1, CELL)
     )
-    assert said(watch=dead, **critical)[1].startswith('the cell reads 0.00 V: a brown-out')
+    assert said(watch=dead, **critical)[1].startswith('the cell reads 0.00 V: check the supply')
     gap = update_detectors(WELL.watch, MeterObservation(READ, READ, 2.0, CELL))
     assert (
         said(watch=gap)[0] is HealthLevel.OK
@@ -89,8 +89,9 @@ def test_the_way_home_is_told_with_what_is_to_spare():
         {'stock': None}, {'last': None}, {'last': replace(READ, where=None)},
     ):  # fmt: skip
         assert alarms.assess_way_home(WELL._replace(**unknown)) == (
-            HealthLevel.OK, 'where the drone is, is not known; the way home counts as none',
-        )  # fmt: skip
+            HealthLevel.OK,
+            'the position of the drone is unknown; no energy is reserved for the way home',
+        )
 
 
 def test_at_first_nothing_is_known_and_the_reserve_counts_as_reached():

@@ -61,7 +61,8 @@ SCRIPT = """
     import numpy as np
     import sys
 
-    model = VehicleModel.build({'side_push': {'push': 3.0}}, mass=2.0, cg=np.zeros(3), inertia=np.eye(3))
+    still = {'mass': 2.0, 'cg': np.zeros(3), 'inertia': np.eye(3)}
+    model = VehicleModel.build({'side_push': {'push': 3.0}}, **still)
     wrench = effect_wrenches(pack_state(memory=initial_memory()), model, np.zeros(4))['side_push']
     sys.stdout.write(str(float(wrench[0])))
 """

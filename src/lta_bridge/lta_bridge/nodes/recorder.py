@@ -146,7 +146,7 @@ class Recorder(GraphNode):
             name: item.to_provenance(lockstep=lockstep)
             for name, item in declare_origins(self, robots).items()
         }
-        origin = merge_origins(each) if each else told.told(lockstep=lockstep)
+        origin = merge_origins(each) if each else told.to_provenance(lockstep=lockstep)
         if told.replay and self.get_parameter('source').value == 'replay':
             own = self.get_namespace().strip('/')
             with limit_memory():

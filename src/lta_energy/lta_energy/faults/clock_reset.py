@@ -9,7 +9,10 @@ def _detect_clock_reset(memory: Memory, observation: MeterObservation) -> tuple[
 
 
 def _describe_clock_reset(observation: MeterObservation) -> str:
-    return f'the clock was set back by {observation.back:.1f} s: the charge in that time is not counted'
+    return (
+        f'the clock was set back by {observation.back:.1f} s: the charge in that time is not '
+        'counted'
+    )
 
 
 DETECTOR = FaultDetector(
