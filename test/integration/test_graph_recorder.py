@@ -193,7 +193,7 @@ def test_everything_is_found_as_its_publishers_offer_it(recording):
     assert offered['/lta1/odom'] == ('best_effort', 'volatile')
     late_profiles = told['/lta1/late']['offered_qos_profiles']
     assert {each['durability'] for each in late_profiles} == {'volatile', 'transient_local'}
-    assert 'is missed on /lta1/late' in facts(recording.bag, 'latched')[-1][0]
+    assert 'are missing on /lta1/late' in facts(recording.bag, 'latched')[-1][0]
     assert offered['/lta1/motors'] == ('reliable', 'volatile')  # nobody is there: the table's
     bag = read_bag(recording.bag)
     (latched,) = [

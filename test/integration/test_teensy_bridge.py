@@ -181,7 +181,7 @@ def test_only_an_active_bridge_publishes_and_each_transition_reports(bench, tmp_
     bench.light(light[:900])  # ends one block and no more
     bench.until(lambda: len(bench.blocks) == 1)
     assert bench.change(Transition.TRANSITION_DEACTIVATE)
-    bench.told('is not published')
+    bench.told('not publishing')
     assert bench.change(Transition.TRANSITION_CLEANUP)
     bench.until(lambda: 'not configured' in bench.facts[TASK][1])
     assert len(bench.blocks) == 1

@@ -48,11 +48,11 @@ import json
 from pathlib import Path
 import sys
 
-from lta_graph.launch_file import load
+from lta_graph.launch_file import load_plan
 from lta_graph.launcher import Launcher
 
 assert find_spec('lta_sim') is None
-plan = load(Path(sys.argv[1]), json.loads(sys.argv[2]))
+plan = load_plan(Path(sys.argv[1]), json.loads(sys.argv[2]))
 aboard = tuple(process for process in plan.processes if process.package != 'lta_sim')
 with Launcher(replace(plan, processes=aboard), lambda _name, _line: None) as launcher:
     sys.stdin.read()
