@@ -21,7 +21,7 @@ def main() -> None:
     """Linearise a short flight, and draw a case of the challenge."""
     vehicle, knobs = nominal()
     flight = prepared(flown({}, seed=1, length=8.0), knobs)
-    flight.at(build_origin(vehicle, knobs, flight.replay.cut))
+    flight.linearize(build_origin(vehicle, knobs, flight.replay.cut))
     CaseGenerator(load_challenge_vehicle(), 0, 0, 'base', 'clean', (20.0, 24.0)).generate_case()
 
 
