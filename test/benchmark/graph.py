@@ -32,10 +32,10 @@ ROUNDS = 3000
 class Silent:
     """Nobody watches."""
 
-    def at(self, time: float, distance: float, pace: float) -> None:
+    def show_position(self, time: float, distance: float, pace: float) -> None:
         """Ignore where the drone is."""
 
-    def say(self, sentence: str) -> None:
+    def show_message(self, sentence: str) -> None:
         """Pass on what happened."""
         sys.stderr.write(sentence + '\n')
 

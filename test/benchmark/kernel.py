@@ -25,11 +25,11 @@ import time; begin = time.perf_counter()
 import numpy as np
 from lta_model.effects import initial_memory
 from lta_sim.kernels.kernel import advance
-from lta_model.model import Model
-from lta_model.state import pack
+from lta_model.model import VehicleModel
+from lta_model.state import pack_state
 weight = {'weight_and_buoyancy': {'gravity': 9.81}}
-model = Model.build(weight, mass=0.358, cg=np.zeros(3), inertia=np.eye(3))
-advance(pack(memory=initial_memory()), model, (0.1,), (0.1,), 2e-3, 1)
+model = VehicleModel.build(weight, mass=0.358, cg=np.zeros(3), inertia=np.eye(3))
+advance(pack_state(memory=initial_memory()), model, (0.1,), (0.1,), 2e-3, 1)
 import sys; sys.stdout.write(str(time.perf_counter() - begin))
 """
 

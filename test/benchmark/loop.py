@@ -32,7 +32,7 @@ PARTS = {
     'sense_motion': lambda loop: loop.world,
     'sense_rest': lambda loop: loop.world,
     'advance': lambda loop: loop.world,
-    '_fly': lambda loop: loop,
+    '_estimate_and_control': lambda loop: loop,
     '_navigate': lambda loop: loop,
 }
 FIRST = """

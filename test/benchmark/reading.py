@@ -107,15 +107,15 @@ def theirs(topic: str) -> Callable[[], float]:
 MEMORY = """
 import sys
 from pathlib import Path
-from lta_data.bag import bag_info, read_bag
+from lta_data.bag import read_bag, summarize_bag
 
 def peak():
     lines = Path('/proc/self/status').read_text().splitlines()
     return next(int(line.split()[1]) for line in lines if line.startswith('VmHWM'))
 
 before = peak()
-bag_info(sys.argv[1])
-for _ in read_bag(sys.argv[1]).messages():
+summarize_bag(sys.argv[1])
+for _ in read_bag(sys.argv[1]).iterate_messages():
     pass
 print(peak() - before)
 """

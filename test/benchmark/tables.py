@@ -33,7 +33,7 @@ PATHS = (
 class Blind:
     """Watches nothing."""
 
-    def at(self, time: float, distance: float, pace: float) -> None:
+    def show_position(self, time: float, distance: float, pace: float) -> None:
         """Take no note."""
 
 

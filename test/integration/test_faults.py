@@ -96,7 +96,7 @@ def test_a_full_disk_ends_the_flight_with_a_sentence_and_a_bag_that_opens(lta, s
     assert result.returncode == 2
     (sentence,) = [line for line in result.stderr.splitlines() if line]
     assert 'The disk' in sentence
-    assert 'make room' in sentence
+    assert 'free disk space' in sentence
     bag = read_bag(small_disk / 'out' / 'bag')
     assert bag.is_complete
     assert bag.topics['/lta1/imu'].count > 10

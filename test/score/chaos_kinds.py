@@ -111,7 +111,7 @@ def filled(trial: Any) -> str:
     free = os.statvfs(trial.disk)
     with filler.open('wb') as file, suppress(OSError):  # a little less may be left
         file.write(bytes(free.f_bavail * free.f_frsize))
-    return 'The disk'
+    return 'free disk space'
 
 
 def slowed(trial: Any) -> str:
@@ -124,8 +124,8 @@ def slowed(trial: Any) -> str:
 def unplugged(trial: Any) -> str:
     """Pull the cable of the light board, and put it back."""
     board = trial.graph.hardware.board
-    trial.target, trial.lasts, trial.cure = 'teensy_bridge', 2.0, board.toggle
-    board.toggle()
+    trial.target, trial.lasts, trial.cure = 'teensy_bridge', 2.0, board.toggle_cable
+    board.toggle_cable()
     return 'teensy_bridge: .*plug the light board in'
 
 

@@ -26,7 +26,7 @@ from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand
 from lta_bridge.crazyflie.cflib_link import CflibLink
 from lta_bridge.crazyflie.link import LogPacket
 from lta_bridge.crazyflie.log_table import BLOCKS
-from lta_bridge.crazyflie.safety import SafetyRequest as AskedBy
+from lta_bridge.crazyflie.safety import SafetyRequest
 from lta_config.schema.crazyflie_file import load_crazyflie
 from lta_emulation.crazyflie.body import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
@@ -169,7 +169,7 @@ def heed(link, bridge):
             bridge.receive_packet(event)
     now = time.time_ns()
     bridge.accept_command(CrazyflieCommand(now, duties=(1.0,) * 4))
-    bridge.tick(1e-9 * now, now, linked=True, active=True, asked=AskedBy())
+    bridge.tick(1e-9 * now, now, linked=True, active=True, request=SafetyRequest())
 
 
 def wrong(count, seed):
@@ -186,7 +186,7 @@ def wrong(count, seed):
         f'hears on {well}',
         flush=True,
     )
-    return turned or sent['duties'] or sent['hover'] or not well
+    return turned or sent['send_duties'] or sent['send_hover_setpoint'] or not well
 
 
 def main():

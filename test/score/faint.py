@@ -4,9 +4,9 @@ Score the search for faint effects on chance alone: `test/score/faint.py CASE` (
 CASE is a folder of `lta challenge make --kind clean`. Its flights are fitted once; then the
 products of their columns with what is left over are drawn anew, many times, as the linear model
 has them: noise, the vehicle's tolerances and, in every second draw, one candidate at random of 3
-to 6 deviations. Each draw is put to `faint.chosen` with several least gains. What is counted is
-the best that the search could do if flights were as the model takes them to be: linear, with white
-noise.
+to 6 deviations. Each draw is put to `weak_effects.choose_candidate` with several least gains. What
+is counted is the best that the search could do if flights were as the model takes them to be:
+linear, with white noise.
 """
 
 import argparse

@@ -139,7 +139,7 @@ KINDS: Final = {
     'silent': Kind('nothing, both ways', CUT_OFF, link(silent=True), 'sent nothing', ALONE),
     'dumb': Kind('nothing from the drone', SILENT, one_way('down'), 'sent nothing'),
     'deaf': Kind('nothing to the drone', CUT_OFF, one_way('up'), '', ALONE),
-    'closed': Kind('its port closed', CUT_OFF, lambda trial: trial.server.shut(), 'no link',
+    'closed': Kind('its port closed', CUT_OFF, lambda trial: trial.server.close_port(), 'no link',
                    ALONE),
     'log reset': Kind('it forgets its log blocks', SILENT,
                       lambda trial: trial.server.firmware.log.reset(), 'sent nothing'),

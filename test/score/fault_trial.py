@@ -101,7 +101,7 @@ class Trial:
 
     def _wrapped(self) -> bool:
         """Tell whether the drone's stamps have begun anew."""
-        return bool(self.server.firmware.milliseconds(self.server.now) > WRAP_MS + 1000)
+        return bool(self.server.firmware.clock_ms(self.server.now) > WRAP_MS + 1000)
 
     # The flight.
 

@@ -95,7 +95,7 @@ class Relay:
         """Send something to the drone, past the link."""
         self._far.send(datagram)
 
-    def shut(self) -> None:
+    def close_port(self) -> None:
         """Close the port: whoever sends hears that nobody is there."""
         self._shut.set()
 

@@ -32,7 +32,7 @@ class LightKind:
         What the bridge says of it; empty where light goes on.
     strike, cure : callable
         Does it, and takes it away, to a `LightTrial`.
-    spoilt : Faults
+    spoilt : FrameFaults
         What happens to frames meanwhile.
     figure : str
         Which figure of the bridge counts just the frames that were spoilt; empty for none.
@@ -67,7 +67,7 @@ def another(**board: int) -> Callable[[Any], None]:
 LIGHT_KINDS: Final = {
     'light unplugged': LightKind(
         'the cable is pulled, and put back', 'plug the light board in',
-        lambda trial: trial.server.toggle(), lambda trial: trial.server.toggle(),
+        lambda trial: trial.server.toggle_cable(), lambda trial: trial.server.toggle_cable(),
     ),
     'light silent': LightKind('the board says nothing', 'silent for', hushed(True),
                               hushed(False)),

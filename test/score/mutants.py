@@ -10,7 +10,7 @@ An operator stays out where its mutants say nothing of the tests:
 - a number of 100 or more made one larger or smaller: tolerances are there to pass that.
 
 A place stays out where no behaviour is decided: annotations and type aliases, the texts of
-messages and exceptions, what `setting`, `Parameter` and `Field` declare, which the generated
+messages and exceptions, what `setting`, `EffectParameter` and `Field` declare, which the generated
 pages repeat and test/contract compares, and guards against a mistake in the code itself:
 `frozen=` and `slots=` of a dataclass, `strict=` of `zip`.
 """
@@ -49,7 +49,7 @@ OPERATORS: Final = (
     'ZeroIterationForLoop',
 )
 LARGE: Final = 100
-DECLARED: Final = ('setting', 'Parameter', 'Field', 'TypeVar')
+DECLARED: Final = ('setting', 'EffectParameter', 'Field', 'TypeVar')
 GUARDS: Final = ('frozen', 'slots', 'strict')
 MISSING: Final = (
     'cosmic-ray makes the mutants and is not here: '

@@ -11,7 +11,7 @@ Line = tuple[str, str, str]
 DISCOVERY: Final = 'src/lta_discovery/lta_discovery/'
 EQUAL: Final[dict[Line, str]] = {
     (
-        f'{DISCOVERY}where/conditions.py',
+        f'{DISCOVERY}discrepancies/conditions.py',
         'share = (1 + np.sum(by_chance >= won[best])) / (DRAWS + 1)',
         'share = (1 + np.sum(by_chance >= won[best])) / (DRAWS + 2)',
     ): 'It is compared with 0.01: 2 / 200 and 2 / 201 pass, 3 / 200 and 3 / 201 do not.',
@@ -21,9 +21,9 @@ EQUAL: Final[dict[Line, str]] = {
         'up = np.broadcast_to(np.array([0.0, 0.0, 1.0]), (*states.shape[:- 0], 3))',
     ): 'It is one vector instead of one for each state: numpy broadcasts it later as well.',
     (
-        f'{DISCOVERY}flights/said_once.py',
-        'if len(names) == 1 and (len(said) == 1 or rests[0].startswith(IS)):',
-        'if len(names) == 1 and (len(said) == 1 or rests[ -1].startswith(IS)):',
+        f'{DISCOVERY}flights/sentence_merger.py',
+        'if len(names) == 1 and (len(sentences) == 1 or rests[0].startswith(IS)):',
+        'if len(names) == 1 and (len(sentences) == 1 or rests[ -1].startswith(IS)):',
     ): 'Only sentences of one pattern are joined: the last rest starts with IS if the first does.',
     (
         'src/lta_bridge/lta_bridge/crazyflie/packet_check.py',
@@ -32,8 +32,8 @@ EQUAL: Final[dict[Line, str]] = {
     ): 'It is the least size, and no packet has fewer than 0 bytes.',
     (
         'src/lta_control/lta_control/autopilot.py',
-        'HEARD = Layout(Heard((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))',
-        'HEARD = Layout(Heard((0.0, 0.0, -1.0), (0.0, 0.0, 0.0)))',
+        'HEARD = TupleLayout(SensorInputs((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))',
+        'HEARD = TupleLayout(SensorInputs((0.0, 0.0, -1.0), (0.0, 0.0, 0.0)))',
     ): 'A layout depends on the structure and types of its example, not on the values.',
     (
         'src/lta_control/lta_control/mission.py',
@@ -42,8 +42,8 @@ EQUAL: Final[dict[Line, str]] = {
     ): 'The next turn sets the count to 0 before anything reads it: `SWITCHING` turns must pass.',
     (
         'src/lta_energy/lta_energy/mission.py',
-        'self._perch(self.now + STEP, 0.0, OUT)',
-        'self._perch(self.now + STEP, 1.0, OUT)',
+        'self._charge_until(self.now + STEP, 0.0, OUT)',
+        'self._charge_until(self.now + STEP, 1.0, OUT)',
     ): 'The load is that of one step, in which the supply has failed and feeds none.',
     (
         'src/lta_energy/lta_energy/mission.py',

@@ -35,7 +35,7 @@ SOURCE = ROOT / 'src/lta_discovery/lta_discovery'
 RUNS = ROOT / 'runs/sensitivity'
 FACTORS = ('2', '0.5')
 SEED, SECONDS = 91, (60.0, 60.0)
-LATER = {'carrying', 'conclusion'}  # asked of real flights only, or when all has been decided
+LATER = {'transfer', 'conclusion'}  # asked of real flights only, or when all has been decided
 
 
 def describe_outcome(one: ScoredCase) -> str:

@@ -26,7 +26,7 @@ class Silent:
     def show_position(self, time, distance, pace):
         pass
 
-    def say(self, sentence):
+    def show_message(self, sentence):
         pass
 
 
