@@ -1,1 +1,1 @@
-"""Flights in which an effect is hidden, and the score of what is found in them."""
+"""Generate flights with hidden effects and score what discovery finds in them."""

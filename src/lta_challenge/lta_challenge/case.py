@@ -1,4 +1,4 @@
-"""One case of a challenge: drawn from a seed and its number alone."""
+"""Draw one case of a challenge from its seed and number alone."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

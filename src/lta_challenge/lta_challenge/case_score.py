@@ -1,4 +1,4 @@
-"""What a finding was worth: one case after its answer has been opened."""
+"""Score one case: compare the finding with the answer."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

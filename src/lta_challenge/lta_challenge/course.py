@@ -1,4 +1,4 @@
-"""What the pilot of a challenge is asked to fly: laps, climbs, steps, hover, wandering."""
+"""Draw the course of a challenge flight: laps, climbs, steps, hover, random waypoints."""
 
 from collections.abc import Callable
 from typing import Final

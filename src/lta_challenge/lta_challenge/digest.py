@@ -1,4 +1,4 @@
-"""What a score is about, in a few letters: the effects that could be named, and the vehicle."""
+"""Compute digests of the effect library and the vehicle to which a score applies."""
 
 import ast
 from collections.abc import Callable, Mapping

@@ -1,4 +1,4 @@
-"""What is hidden: which effect, which of its numbers, how large."""
+"""Draw the hidden effects: names, parameters and sizes."""
 
 from collections.abc import Mapping, Sequence
 from typing import Final, final, NamedTuple

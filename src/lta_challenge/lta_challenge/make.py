@@ -1,4 +1,4 @@
-"""Make a challenge: cases in folders of their own, and the answers sealed beside them."""
+"""Make a challenge: a folder for each case, and the encoded answers."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What the verbs that take hours over many cases share: their bar, and on how many processors."""
+"""Share progress bar and process option between the long-running commands."""
 
 from typing import Annotated
 

@@ -1,4 +1,4 @@
-"""A flight of a challenge as a bag, which says nothing of what is hidden in it."""
+"""Write a challenge flight as a bag that does not reveal the hidden effects."""
 
 from collections.abc import Mapping, Sequence
 from heapq import merge

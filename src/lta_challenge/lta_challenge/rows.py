@@ -1,4 +1,4 @@
-"""The rows of a challenge: what its flights are like; and its kinds: what is hidden in them."""
+"""Define the rows (kinds of flights) and kinds (hidden effects) of a challenge."""
 
 from dataclasses import dataclass
 from typing import Final, final, Literal

@@ -1,4 +1,4 @@
-"""Score a challenge: put its cases to discovery, open the answers, count."""
+"""Score a challenge: run discovery on its cases and compare with the answers."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass

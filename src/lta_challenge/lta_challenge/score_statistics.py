@@ -1,4 +1,4 @@
-"""Many judged cases as shares with their intervals, the figures that are to be reached beside."""
+"""Summarize scored cases as shares with intervals, and compare them with targets."""
 
 from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise

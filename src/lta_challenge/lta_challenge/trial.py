@@ -1,4 +1,4 @@
-"""One case put to discovery, and to the oracle, which is told what was hidden."""
+"""Run discovery on one case, and fit the oracle that knows the hidden structure."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict

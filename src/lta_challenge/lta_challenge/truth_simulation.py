@@ -1,4 +1,4 @@
-"""Flying a vessel: what its pilot is asked for, and what happens then."""
+"""Simulate a flight of the truth vehicle along the course of its pilot."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

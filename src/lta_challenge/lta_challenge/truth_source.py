@@ -1,4 +1,4 @@
-"""Compose the source of the truth: its own equations, and the functions of the effects in them."""
+"""Generate the source of the truth simulator: own equations and effect functions."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

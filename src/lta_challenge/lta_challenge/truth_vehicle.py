@@ -1,4 +1,4 @@
-"""A vehicle as the numbers that the truth is flown with."""
+"""Convert a vehicle to the numbers that the truth simulator uses."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,1 +1,1 @@
-"""What the light says: demodulation of a flickering lamp and its bearing."""
+"""Demodulate modulated light (VLC) and estimate the bearing and position of a lamp."""

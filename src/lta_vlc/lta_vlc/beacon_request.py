@@ -1,3 +1,3 @@
-"""What is asked for on `light/beacon`: known without loading what hears it."""
+"""Define the values of `light/beacon`, without importing the receiver."""
 
 NO_WISH = 0.0  # Hz, of a wanted beacon: the first of the settings

@@ -1,4 +1,4 @@
-"""How the light stands, in the words and figures that /diagnostics shows."""
+"""Describe the state of the light reception for /diagnostics."""
 
 from collections.abc import Iterator
 import math
@@ -8,7 +8,7 @@ from lta_vlc.demodulation import DemodulatedBlock
 from lta_vlc.faults import DiodeFault
 from lta_vlc.presence import BeaconPresence
 
-WANTED = 'light'  # the task that tells of the beacon that is wanted
+WANTED = 'light'  # diagnostics task of the wanted beacon
 
 
 def describe_beacons(
@@ -36,7 +36,7 @@ def describe_beacons(
     for one, beacon in enumerate(beacons):
         found = presences[one].found
         best = float(hearing.peaks[one].snr.max())
-        # One that is not heard has no frequency to be off.
+        # A beacon that is not detected has no frequency error.
         error = hearing.frequencies[one] - beacon if found and best > 0.0 else math.nan
         values = {
             'beacon_Hz': f'{beacon:g}',

@@ -1,4 +1,4 @@
-"""What the drone believes of its photodiodes, from its vehicle file; any arrangement of them."""
+"""Describe an arrangement of photodiodes as given by the vehicle file."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The direction to a lamp: the fit of `lta_vlc.direction_fit` as nodes and loops call it."""
+"""Estimate the direction to a lamp: interface to the fit of `lta_vlc.direction_fit`."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What can be wrong with a diode's samples, seen in the samples themselves."""
+"""Detect faults of photodiodes from their samples and spectra."""
 
 from enum import Flag
 
@@ -39,7 +39,7 @@ class DiodeFault(Flag):
 
 SPOILT = (
     DiodeFault.SATURATED | DiodeFault.FLAT | DiodeFault.NOT_A_NUMBER
-)  # the diode tells nothing of a beacon
+)  # the diode cannot be used for any beacon
 FAULTS = tuple(map(DiodeFault, range(16)))  # by value
 
 

@@ -1,4 +1,4 @@
-"""How the light's inner loops are compiled: as written, without reordering, kept on disk."""
+"""Compile the inner loops of the light processing: no reordering, cached on disk."""
 
 from collections.abc import Callable
 from typing import cast, TypeVar

@@ -1,4 +1,4 @@
-"""Where the lamp is in the body frame, as far as one direction tells."""
+"""Estimate the lamp position in the body frame from one direction and a prior."""
 
 import math
 from typing import final, NamedTuple, TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""From the peaks of one beacon to the paper's vector and to where its lamp is."""
+"""Estimate bearing and lamp position from the peaks of one beacon."""
 
 from typing import final, NamedTuple
 

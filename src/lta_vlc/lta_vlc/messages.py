@@ -1,4 +1,4 @@
-"""Light blocks, peaks and bearings as ROS messages, and back."""
+"""Convert between light data and ROS messages."""
 
 import array
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Whether a beacon is found or lost: not by one block, so that nothing flickers."""
+"""Decide whether a beacon is present, with hysteresis over blocks."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""What a drone does with one light block after another: hear, and follow the lamps' clocks."""
+"""Demodulate successive light blocks and track the beacon frequencies."""
 
 from functools import lru_cache
 import math
@@ -14,8 +14,8 @@ from lta_vlc.tracker import FrequencyTracker, tracking_range
 import numpy as np
 from numpy.typing import ArrayLike
 
-STEPS = 16  # of a bin, in which the bins follow a lamp
-MOST = 4  # beacons at once: those wanted last
+STEPS = 16  # tracking steps per bin; few steps keep the cache of planned bins small
+MOST = 4  # beacons at once; the most recently requested ones are kept
 
 
 class BeaconReceiver:
@@ -109,7 +109,7 @@ class BeaconReceiver:
             try:
                 self._check_beacons((*kept, one))
             except BadInput:
-                continue  # it collides with what is wanted more
+                continue  # it collides with a more recent request
             kept = (*kept, one)
         self._select_beacons(kept)
 
@@ -121,7 +121,7 @@ class BeaconReceiver:
         found = [one + number * step for one, number in zip(beacons, steps, strict=True)]
         try:
             return plan_beacon_bins(found, self._settings, *self._shape)
-        except BadInput:  # followed to where it could not be heard
+        except BadInput:  # tracked to a frequency that cannot be detected
             return plan_beacon_bins(beacons, self._settings, *self._shape)
 
     def demodulate(self, block: ArrayLike) -> DemodulatedBlock:

@@ -1,4 +1,4 @@
-"""Whether light blocks go on from one another: their stamps must, by the length of a block."""
+"""Check the order of light blocks by their stamps, and count missing blocks."""
 
 from lta_config.errors import BadInput
 

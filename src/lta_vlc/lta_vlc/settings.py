@@ -1,4 +1,4 @@
-"""Which beacons are listened for, and how: what can be set about the demodulation."""
+"""Define the settings of the demodulation."""
 
 from typing import Annotated, final
 

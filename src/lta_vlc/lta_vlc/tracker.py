@@ -1,12 +1,12 @@
-"""The frequency of one beacon from block to block, for a lamp whose clock is off or drifts."""
+"""Track the frequency of one beacon over blocks, for lamps with clock error or drift."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
-PULL = 0.25  # part of the way to the newest frequency: a block's noise counts less than half
-REACH = 0.05  # farthest that a lamp's clock is followed, in parts of its frequency
-PATIENCE = 20  # blocks without the beacon after which it is sought where it should be
+PULL = 0.25  # gain of the low-pass filter on the measured frequency
+REACH = 0.05  # largest clock error that is tracked, relative to the frequency
+PATIENCE = 20  # blocks without the beacon after which the search returns to the nominal
 
 
 @final

@@ -67,7 +67,7 @@ def test_what_is_worst_is_said_first():
     dead = update_detectors(
         WELL.watch, MeterObservation(replace(READ, voltage=0.0), READ, 0.1, CELL)
     )
-    assert said(watch=dead, **critical)[1].startswith('the cell reads 0.00 V: check the supply')
+    assert said(watch=dead, **critical)[1].startswith('the cell reads 0.00 V: a brown-out')
     gap = update_detectors(WELL.watch, MeterObservation(READ, READ, 2.0, CELL))
     assert (
         said(watch=gap)[0] is HealthLevel.OK

@@ -1,1 +1,1 @@
-"""Cases of the row `other`: a simulator that shares no code and no equations with the model."""
+"""Simulate cases of the row `other`, sharing no code and no equations with the model."""

@@ -1,4 +1,4 @@
-"""The air in the room: wind that is never quite steady, a draught, and what else moves it."""
+"""Simulate the air in the room: unsteady wind, draughts and other disturbances."""
 
 from collections.abc import Sequence
 import math

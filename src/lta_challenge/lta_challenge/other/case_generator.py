@@ -1,4 +1,4 @@
-"""A case of the row `other`, drawn from seed, number and kind alone."""
+"""Draw a case of the row `other` from seed, number and kind alone."""
 
 from collections.abc import Sequence
 from dataclasses import replace

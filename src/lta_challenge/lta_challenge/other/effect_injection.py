@@ -1,4 +1,4 @@
-"""Effects of the library that can be hidden, each in the form that nature gives it here."""
+"""Effects of the library that can be hidden, in the form of this simulator."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""A flight: the equations of motion integrated from command to command, and what came of it."""
+"""Simulate a flight by integrating the equations of motion between commands."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What all things outside the library are made from: something that does nothing yet."""
+"""Define the base of all disturbances outside the library, which has no effect."""
 
 from collections.abc import Mapping, Sequence
 

@@ -1,4 +1,4 @@
-"""A pilot who makes the vehicle swing, climb and turn, and never lets it near the floor."""
+"""Simulate a pilot who excites swings, climbs and turns and stays clear of the floor."""
 
 from dataclasses import dataclass
 import math

@@ -1,4 +1,4 @@
-"""The rotors: deadband, lag and thrust, exact between two commands."""
+"""Simulate the rotors: deadband, lag and thrust, exact between two commands."""
 
 from collections.abc import Sequence
 import math

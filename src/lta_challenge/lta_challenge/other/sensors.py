@@ -1,4 +1,4 @@
-"""What is recorded of a flight: sensors with noise, each with its own clock and its stamps."""
+"""Simulate sensors with noise, each with its own clock and stamps."""
 
 from dataclasses import dataclass
 import math

@@ -1,4 +1,4 @@
-"""How strong something is that is in no library, and how it is drawn and scaled."""
+"""Draw and scale the strength of disturbances outside the library."""
 
 from collections.abc import Mapping
 import math

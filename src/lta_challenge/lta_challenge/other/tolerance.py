@@ -1,4 +1,4 @@
-"""Small errors of a vehicle from its file, and of its sensors from flight to flight."""
+"""Draw small errors of a vehicle, and of its sensors for each flight."""
 
 from dataclasses import replace
 import math

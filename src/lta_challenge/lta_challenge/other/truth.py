@@ -1,4 +1,4 @@
-"""The numbers that are true of one vehicle, of the air around it and of its sensors."""
+"""Draw the true parameters of a vehicle, the air around it and its sensors."""
 
 from dataclasses import dataclass
 import math

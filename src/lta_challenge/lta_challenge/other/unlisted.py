@@ -1,4 +1,4 @@
-"""All things that are outside the library, and between which their numbers are drawn."""
+"""List all disturbances outside the library with the ranges of their parameters."""
 
 from collections.abc import Callable, Mapping
 import math

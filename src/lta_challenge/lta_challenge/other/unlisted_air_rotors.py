@@ -1,4 +1,4 @@
-"""Things outside the library that move the air, or change the rotors."""
+"""Disturbances outside the library that act on the air or the rotors."""
 
 from collections.abc import Sequence
 import math

@@ -1,4 +1,4 @@
-"""Things outside the library that push the body."""
+"""Disturbances outside the library that exert forces on the body."""
 
 import math
 from typing import final

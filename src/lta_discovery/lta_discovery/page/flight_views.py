@@ -1,4 +1,4 @@
-"""Replay the flights of a study before and after, for the figures of the page."""
+"""Replay flights with the model before and after a study, for the figures of the page."""
 
 from collections.abc import Sequence
 from typing import final, NamedTuple

@@ -12,8 +12,8 @@ def _detect_dropout(memory: Memory, observation: MeterObservation) -> tuple[bool
 
 def _describe_dropout(observation: MeterObservation) -> str:
     return (
-        f'the cell reads {observation.reading.voltage:.2f} V: check the supply (brown-out) '
-        'and the wires of the power meter'
+        f'the cell reads {observation.reading.voltage:.2f} V: a brown-out that cut the supply, '
+        'or a broken wire of the power meter'
     )
 
 

@@ -83,8 +83,9 @@ def fly(fixed, c, g, m, s, seed, scratch, lights, echoes, pencils):
     while outcome == 0:
 $before
         surroundings = craft.wind + noise + (warmth, supply.flow.voltage, 0.0, 0.0, 0.0)
-        force = core_sensor_specific_force(craft, state, rates(state, fixed, command,
-        surroundings))
+        force = core_sensor_specific_force(
+            craft, state, rates(state, fixed, command, surroundings)
+        )
         rates_now = (state[10], state[11], state[12])
         heard = core_read_sensors(
             craft, errors, seed, step, step * $period, force, rates_now, state[2], distance,

@@ -1,4 +1,4 @@
-"""The demodulator node: from ADC blocks to peaks and a bearing."""
+"""Demodulate ADC blocks to peaks, bearing and lamp position in a ROS node."""
 
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.settings import setting

@@ -1,4 +1,4 @@
-"""Where beacons stand in the spectrum of blocks of one length, and what is quiet there."""
+"""Select the search bins of each beacon and the quiet bins for the noise."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""One look at each sample of a block: its mean, its ends, and the fault that it may show."""
+"""Compute mean and range of each diode, and remove the mean, in one pass."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""Beacons that cannot be told apart, from each other or from the lamps on the mains."""
+"""Check that beacons can be separated from each other and from mains flicker."""
 
 from collections.abc import Sequence
 from itertools import combinations, permutations

@@ -1,4 +1,4 @@
-"""The spectrum of a block of samples, and the bin in which a beacon stands."""
+"""Compute the spectrum of a block of samples and the bin of a beacon."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""One look at each bin of a spectrum: the peaks, the noise, and the loudest of what is neither."""
+"""Scan a spectrum once for beacon peaks, noise and the strongest unknown tone."""
 
 from typing import NamedTuple
 

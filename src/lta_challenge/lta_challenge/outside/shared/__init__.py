@@ -1,1 +1,1 @@
-"""What the kinds of forces share."""
+"""Helpers shared by the kinds of forces outside the library."""

@@ -1,4 +1,4 @@
-"""From the map into body axes and back, in plain numbers that can be composed."""
+"""Rotate vectors between map and body axes, in scalar form for code generation."""
 
 from lta_model.effects.protocol import Values
 

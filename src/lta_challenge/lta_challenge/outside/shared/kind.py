@@ -1,4 +1,4 @@
-"""What a kind of force that no library has is to a challenge."""
+"""Define a kind of force that is not in the effect library."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

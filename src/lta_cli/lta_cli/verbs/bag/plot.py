@@ -52,7 +52,7 @@ def plot(
     """
     console = plain_console()
     if not begin < end:
-        raise BadInput(f'--from ({begin:g} s) is not below --to ({end:g} s); swap them.')
+        raise BadInput(f'--from ({begin:g} s) is not below --to ({end:g} s); choose a later --to.')
     flight = open_flight(find_bag(bag), robot)
     if not patterns:
         print_overview(flight, begin, end, console)

@@ -81,7 +81,7 @@ def score(
 def _print_score(scored: ChallengeScore, console: Console) -> None:
     """Print the metrics and the confusion matrix."""
     for heads, lines in (
-        (['figure', 'share', 'wanted', 'met'], format_figures(scored.cases)),
+        (['figure', 'share', 'target', 'met'], format_figures(scored.cases)),
         format_matrix(scored.cases),
     ):
         table = Table(*heads, box=None, pad_edge=False)
