@@ -76,7 +76,7 @@ from types import SimpleNamespace
 from lta_model.effects.contact.guide_rope import compute_wrench
 from lta_model.effects.protocol import VehicleMotion
 import numpy as np
-from oracle.given import Given
+from oracle.parameters import Given
 from scipy.spatial.transform import Rotation
 from second import guide_rope
 
@@ -149,7 +149,7 @@ def test_an_effect_with_the_test_of_its_tutorial(tmp_path, titled, plain):
     laws = python(tmp_path, *once, *words, **more)
     assert ' passed' in laws
     shutil.copytree(ROOT / 'test/unit/sim/oracle', tmp_path / 'oracle')
-    given = 'from oracle.given import at_centre, NONE\n\n\n'
+    given = 'from oracle.parameters import at_centre, NONE\n\n\n'
     (tmp_path / 'second.py').write_text(given + titled['test/unit/sim/oracle/lift.py'])
     said = python(tmp_path, '-c', SECOND + PAGE)
     assert '| `guide_rope` | A rope that hangs to the floor' in said

@@ -11,7 +11,6 @@ import time
 from typing import Any, Final
 from unittest.mock import patch
 
-import beside  # noqa: F401
 from command import Lta, processes
 from diagnostic_msgs.msg import DiagnosticArray
 from endless import endless
@@ -21,6 +20,7 @@ from lta_graph.ros.message_types import find_message_type
 from peer import Peer
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_srvs.srv import SetBool
+import tool_paths  # noqa: F401
 
 TABLE: Final = load_topic_table()
 ROBOT: Final = 'lta1'

@@ -9,7 +9,6 @@ import os
 from pathlib import Path
 import time
 
-import beside  # noqa: F401
 from domain import free_domain
 from lta_emulation.crazyflie.body import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
@@ -17,6 +16,7 @@ from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_graph.ros.stamps import from_stamp
 import numpy as np
 from peer import Peer, start
+import tool_paths  # noqa: F401
 
 COUNT = 1000
 

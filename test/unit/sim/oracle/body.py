@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .given import AXES, HELIUM, P_AIR, T_AIR
+from .parameters import AXES, HELIUM, P_AIR, T_AIR
 
 
 def about(place):

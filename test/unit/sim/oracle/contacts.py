@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .given import NONE
+from .parameters import NONE
 
 SLIP = 0.05
 

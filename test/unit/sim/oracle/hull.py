@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .given import at_centre, AXES, NONE
+from .parameters import at_centre, AXES, NONE
 
 SLOW = 1e-3
 

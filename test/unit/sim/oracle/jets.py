@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .given import at, AXES, NONE
+from .parameters import at, AXES, NONE
 
 ROTORS = range(1, 9)
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .given import at, at_centre, G, NONE, T_AIR
+from .parameters import at, at_centre, G, NONE, T_AIR
 
 
 def weight_and_buoyancy(p, memory, scene, thrusts):

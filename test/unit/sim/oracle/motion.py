@@ -11,10 +11,10 @@ from scipy.spatial.transform import Rotation
 from .air import AIR
 from .body import BODY, INERTIA
 from .contacts import CONTACTS
-from .given import Body, Given, Scene
 from .hull import HULL
 from .jets import JETS
 from .lift import LIFT
+from .parameters import Body, Given, Scene
 from .rotors import ROTORS
 from .wings import WINGS
 

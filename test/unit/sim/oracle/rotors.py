@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .given import NONE
+from .parameters import NONE
 
 
 def battery_compensation(p, i, memory, duty, scene):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .given import NONE
+from .parameters import NONE
 
 FRD = np.diag([1.0, -1.0, -1.0])
 SLOW = 1e-3

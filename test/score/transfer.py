@@ -1,5 +1,5 @@
 """
-Score names by forecasts on smooth flights: `python test/score/carrying.py --cases 20`.
+Score names by forecasts on smooth flights: `python test/score/transfer.py --cases 20`.
 
 Each case is one of `lta challenge make --row pose`, with more flights: a GT-MAB that is off from
 its file by the tolerances of vehicles, poses alone, filtered both ways until no noise is left, as

@@ -1,5 +1,5 @@
 """
-Score the search for faint effects on chance alone: `test/score/faint.py CASE` (minutes).
+Score the search for faint effects on chance alone: `test/score/weak_effects.py CASE` (minutes).
 
 CASE is a folder of `lta challenge make --kind clean`. Its flights are fitted once; then the
 products of their columns with what is left over are drawn anew, many times, as the linear model
