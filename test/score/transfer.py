@@ -6,7 +6,7 @@ its file by the tolerances of vehicles, poses alone, filtered both ways until no
 published ones are. Hidden is nothing, or one effect (`--kind single`). Every case is forced
 through naming by forecasts, as if the readings had said that something is missing. On clean
 flights any name is false. `--free` lifts the limit of what tolerances may explain
-(`carrying.route.LOOSE`), to see what it prevents.
+(`forecast_naming.LOOSE`), to see what it prevents.
 """
 
 import argparse

@@ -1,9 +1,9 @@
 """
-At what illuminance a drone lives on light: what an array brings equals what a task draws.
+Compute the break-even illuminance at which the solar harvest equals the load.
 
-An illuminance says little of the power in it: a white LED has some 300 lm in a radiant watt, the
-sun 110, so that the same lux from the sun carry 2.7 times as much; and a beacon that flickers half
-of the time brings half of what its brightness would.
+Illuminance alone does not fix the radiant power: a white LED emits about 300 lm per radiant watt
+and the sun 110, so the same illuminance from the sun carries 2.7 times the power. A beacon with a
+duty cycle of one half carries half the power of a steady lamp.
 """
 
 from collections.abc import Mapping
@@ -19,7 +19,7 @@ STEPS = 60  # of bisection
 
 
 class LightSource(NamedTuple):
-    """A kind of light: lumens a radiant watt, and the part of the time that it is on."""
+    """Luminous efficacy [lm per radiant watt] and duty cycle of a kind of light."""
 
     efficacy: float
     duty: float
@@ -33,7 +33,7 @@ LAMPS: Final[Mapping[str, LightSource]] = {
 
 
 def irradiance_from_lux(lamp: LightSource, lux: float) -> PanelIrradiance:
-    """Return the light of a lamp that gives an illuminance while it is on. [lx]"""
+    """Return the irradiance of a lamp whose illuminance [lx] is given for its on phase."""
     if lamp.duty < 1.0:
         return DARK._replace(beacon=lux / lamp.efficacy, duty=lamp.duty)
     return DARK._replace(lamps=lux / lamp.efficacy)
@@ -42,7 +42,7 @@ def irradiance_from_lux(lamp: LightSource, lux: float) -> PanelIrradiance:
 def charging_power(
     harvest: HarvestCurve, charger: ChargerModel, lamp: LightSource, lux: float
 ) -> float:
-    """Return what the charger gives in so many lux. [W]"""
+    """Return the charger's output power at an illuminance. [W]"""
     return charger_output(charger, harvest(irradiance_from_lux(lamp, lux)))
 
 

@@ -1,8 +1,8 @@
 """
-Cell, charger and loads of a mission over a while, with what it does to the books.
+Advance cell, charger and loads over one time step and keep the energy totals.
 
-The only place where a mission on the perch meets the power path
-(`lta_model.electrical.charger`); in flight the same goes through `lta_sim.supply_step`.
+Used on the perch; in flight, `lta_sim.supply_step` calls the same power path
+(`lta_model.electrical.charger`).
 """
 
 from typing import NamedTuple
@@ -19,7 +19,7 @@ from lta_model.electrical.charger import (
 
 
 class EnergyTotals(NamedTuple):
-    """Energy since some start: harvested, left unharvested, consumed, lost as heat. [J]"""
+    """Energy harvested, available but not harvested, consumed, and lost as heat. [J]"""
 
     harvested: float
     curtailed: float
@@ -43,7 +43,7 @@ __all__ = [
 
 
 def add_totals(one: EnergyTotals, other: EnergyTotals) -> EnergyTotals:
-    """Return the sum of two."""
+    """Add two totals field by field."""
     return EnergyTotals(*(a + b for a, b in zip(one, other, strict=True)))
 
 
@@ -57,20 +57,16 @@ def step_circuit(
     dt: float,
 ) -> tuple[PowerFlow, EnergyTotals]:
     """
-    Return the power path and the books after a while at constant light and load.
+    Advance the power path and the energy totals by one step at constant light and load.
 
     Parameters
     ----------
-    cell, charger : Battery, Charger
-        Their numbers.
-    store, spent : Flow, Spent
-        Before.
     available : float
-        Largest power of the array. [W]
-    asked : float
-        What the loads want. [W]
+        Maximum power of the array. [W]
+    load : float
+        Power that the loads request. [W]
     dt : float
-        Time. [s]
+        Step. [s]
 
     """
     store = advance_power_path(cell, charger, store, available, load, dt)

@@ -1,9 +1,9 @@
 """
-The drone's own idea of its charge over a day: coulombs counted, corrected by resting voltages.
+Estimate the state of charge over days: coulomb counting, corrected by resting voltages.
 
-A Kalman filter of one number. Counting drifts by the errors of the current's meter; the voltage of
-a cell that hardly works tells the charge by the slope of its resting voltage. It never sees the
-true charge.
+This is a scalar Kalman filter. Coulomb counting drifts with the errors of the current meter; the
+voltage of a cell at low current gives the charge through the slope of the open-circuit voltage.
+The gauge never uses the true charge.
 """
 
 from typing import NamedTuple
@@ -23,7 +23,7 @@ NARROW = 0.02  # of the charge, to either side: over which the slope is taken
 
 
 class ChargeGauge(NamedTuple):
-    """Counted state of charge and its standard deviation. [1]"""
+    """Estimated state of charge and its standard deviation. [1]"""
 
     charge: float
     deviation: float
@@ -32,21 +32,7 @@ class ChargeGauge(NamedTuple):
 def update_gauge(
     cell: BatteryModel, gauge: ChargeGauge, voltage: float, current: float, dt: float
 ) -> ChargeGauge:
-    """
-    Return the gauge after a while.
-
-    Parameters
-    ----------
-    cell : Battery
-        As the drone believes it.
-    gauge : Gauge
-        Before.
-    voltage, current : float
-        As metered. [V, A]
-    dt : float
-        Time. [s]
-
-    """
+    """Update the gauge with a measured voltage [V] and current [A] after a time step [s]."""
     gauge = propagate_gauge(cell, gauge, current, dt)
     if abs(current) > QUIET:
         return gauge
@@ -64,7 +50,7 @@ def update_gauge(
 def propagate_gauge(
     cell: BatteryModel, gauge: ChargeGauge, current: float, dt: float
 ) -> ChargeGauge:
-    """Return the gauge after a current was counted for a while. [A, s]"""
+    """Count a current [A] over a time step [s], and grow the deviation by the meter's errors."""
     error = (SCALE * abs(current) + OFFSET) * dt / cell.capacity
     return ChargeGauge(
         count_charge(gauge.charge, current, cell.capacity, dt), gauge.deviation + error

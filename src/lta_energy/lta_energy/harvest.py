@@ -1,9 +1,9 @@
 """
-What an array can give in the light of a mission, flicker included.
+Compute the maximum power of a solar array under steady and flickering light.
 
-A beacon that flickers some hundred times a second lights the array for part of the time. Cells
-answer in microseconds, so that the power is the mean of that with the lamp on and that without,
-not that of the mean light. Left out: that the charger holds one voltage through both.
+Solar cells respond within microseconds, far faster than a beacon flickers. The mean power is
+therefore the mean of the powers with the lamp on and off, not the power in the mean light.
+Neglected: the charger holds one voltage through both phases.
 """
 
 from typing import final
@@ -17,15 +17,7 @@ LEAST, MOST, POINTS = 1e-2, 2000.0, 256  # W/m2; between points the power is a s
 
 @final
 class HarvestCurve:
-    """
-    The largest power of a level array, looked up: 256 points from twilight to noon.
-
-    Parameters
-    ----------
-    panel : Panel
-        The array.
-
-    """
+    """Maximum power of a horizontal array, interpolated from a table over irradiance."""
 
     def __init__(self, panel: SolarArrayModel) -> None:
         self._light = np.concatenate([[0.0], np.geomspace(LEAST, MOST, POINTS)])
@@ -33,7 +25,7 @@ class HarvestCurve:
         self._power = np.array([voltage * current for voltage, current in points])
 
     def steady_power(self, irradiance: float) -> float:
-        """Return the power in steady light of so many W/m2. [W]"""
+        """Return the maximum power in steady light [W/m2]. [W]"""
         return float(np.interp(irradiance, self._light, self._power))
 
     def __call__(self, light: PanelIrradiance) -> float:

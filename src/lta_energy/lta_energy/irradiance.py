@@ -1,13 +1,12 @@
 """
-The light on a perch over days, minute by minute, and what can be known of it beforehand.
+Simulate the light on the perch over days, minute by minute, and forecast it.
 
-A clear day after Haurwitz (1945, Insolation in relation to cloudiness and cloud density, J.
-Meteorology 2, 154-166): 1098 W/m2 sin(h) exp(-0.057 / sin(h)) on level ground at the sun's
-elevation h, with Cooper's declination (1969, Solar Energy 12, 333-346). Glass takes its share.
-Clouds come and go one after the other, by the seed.
+Clear sky after Haurwitz (1945, Insolation in relation to cloudiness and cloud density, J.
+Meteorology 2, 154-166): 1098 W/m2 sin(h) exp(-0.057 / sin(h)) on level ground at the solar
+elevation h, with Cooper's declination (1969, Solar Energy 12, 333-346), times the transmittance of
+the glass. Clouds are a random sequence of covered and clear intervals.
 
-The forecast knows lamps and clear sky exactly, and of the clouds only their means: nobody knows
-when the next one comes.
+The forecast knows lamps and clear sky exactly, but only the mean transmittance of the clouds.
 """
 
 from dataclasses import dataclass
@@ -26,16 +25,18 @@ MINUTES = round(DAY / MINUTE)
 
 class PanelIrradiance(NamedTuple):
     """
-    Light on the panel at one time.
+    Irradiance of the panel at one time.
 
     Attributes
     ----------
     sun : float
-        Radiant power of sun and sky by area. [W/m2]
+        Direct and diffuse sunlight. [W/m2]
     lamps : float
-        Of lamps that burn steadily. [W/m2]
-    beacon, duty : float
-        Of the lamp that flickers, while it is on [W/m2], and the part of the time that it is.
+        Lamps that burn steadily. [W/m2]
+    beacon : float
+        The flickering lamp while it is on. [W/m2]
+    duty : float
+        Duty cycle of the flickering lamp. [1]
 
     """
 
@@ -52,18 +53,16 @@ DARK = PanelIrradiance(0.0, 0.0, 0.0, 1.0)
 @dataclass(frozen=True, slots=True, eq=False)
 class IrradianceSeries:
     """
-    Light of some days, a number a minute.
+    Irradiance over several days, one sample per minute.
 
     Parameters
     ----------
     sun, lamps, beacon : ndarray, shape (n,)
         As in `PanelIrradiance`. [W/m2]
-    duty : float
-        As in `PanelIrradiance`.
     clear : ndarray, shape (n,)
         `sun` without clouds. [W/m2]
     mean : float
-        Part of the clear light that comes through clouds on average.
+        Mean transmittance of the clouds. [1]
     efficacies : tuple of float
         Of sun, lamps and beacon. [lm/W]
 
@@ -78,7 +77,7 @@ class IrradianceSeries:
     efficacies: tuple[float, float, float]
 
     def at(self, time: float) -> PanelIrradiance:
-        """Return the light at a time since the first midnight. [s]"""
+        """Return the irradiance at a time since the first midnight. [s]"""
         k = self._minute_index(time)
         return PanelIrradiance(
             float(self.sun[k]), float(self.lamps[k]), float(self.beacon[k]), self.duty
@@ -91,13 +90,13 @@ class IrradianceSeries:
         return PanelIrradiance(sun, float(self.lamps[k]), float(self.beacon[k]), self.duty)
 
     def illuminance(self) -> Array:
-        """Return the illuminance of the panel, the beacon's as a mean over its flicker. [lx]"""
+        """Return the illuminance of the panel, with the beacon averaged over its flicker. [lx]"""
         sun, lamps, beacon = self.efficacies
         return sun * self.sun + lamps * self.lamps + beacon * self.duty * self.beacon
 
     @property
     def end(self) -> float:
-        """When the last day ends. [s]"""
+        """End of the last day. [s]"""
         return len(self.sun) * MINUTE
 
     def _minute_index(self, time: float) -> int:
@@ -105,19 +104,7 @@ class IrradianceSeries:
 
 
 def simulate_irradiance(day: LightDay, days: int, seed: int) -> IrradianceSeries:
-    """
-    Return the light of some days.
-
-    Parameters
-    ----------
-    day : LightDay
-        What it is made of.
-    days : int
-        How many, all of one date.
-    seed : int
-        Of the clouds.
-
-    """
+    """Simulate the light of some days, all of one date; the seed sets the clouds."""
     times: Array = np.arange(0.5, days * MINUTES) * MINUTE
     nothing = np.zeros(len(times))
     clear = nothing if day.sun is None else clear_sky_irradiance(day.sun, times)
@@ -146,7 +133,7 @@ def simulate_irradiance(day: LightDay, days: int, seed: int) -> IrradianceSeries
 
 
 def solar_elevation_sine(latitude: float, day: int, times: Array) -> Array:
-    """Return the sine of the sun's elevation at solar times from midnight. [1]"""
+    """Return the sine of the solar elevation at solar times since midnight. [s]"""
     declination = math.radians(23.45) * math.sin(2.0 * math.pi * (284 + day) / 365.0)
     hour = 2.0 * math.pi * (times / DAY - 0.5)
     up = math.sin(latitude) * math.sin(declination)
@@ -154,14 +141,14 @@ def solar_elevation_sine(latitude: float, day: int, times: Array) -> Array:
 
 
 def clear_sky_irradiance(sun: SunModel, times: Array) -> Array:
-    """Return the radiant power of a clear sky behind the glass, level. [W/m2]"""
+    """Return the clear-sky irradiance of a horizontal surface behind the glass. [W/m2]"""
     sine = np.maximum(solar_elevation_sine(sun.latitude.si, sun.day, times), 1e-3)
     outside = 1098.0 * sine * np.exp(-0.057 / sine)
     return sun.through.si * np.where(sine > 1e-3, outside, 0.0)
 
 
 def simulate_cloud_transmittance(clouds: CloudPattern, chance: Generator) -> Array:
-    """Return what the clouds of one day let through, minute by minute. [1]"""
+    """Simulate the cloud transmittance of one day, one value per minute. [1]"""
     low, high = clouds.cover.vector
     cover = float(chance.uniform(low, high))
     share = np.ones(MINUTES)
@@ -179,13 +166,13 @@ def simulate_cloud_transmittance(clouds: CloudPattern, chance: Generator) -> Arr
 
 
 def mean_cloud_transmittance(clouds: CloudPattern) -> float:
-    """Return what clouds let through on average. [1]"""
+    """Return the mean transmittance of the clouds. [1]"""
     cover = sum(clouds.cover.vector) / 2.0
     return 1.0 - cover * (1.0 - sum(clouds.through.vector) / 2.0)
 
 
 def lamp_irradiance(lamp: TimedLamp, times: Array) -> Array:
-    """Return the radiant power of a lamp by its timer. [W/m2]"""
+    """Return the irradiance of a lamp that is switched by a timer. [W/m2]"""
     begin, end = lamp.hours.vector
     clock = times % DAY
     on = (begin <= clock) & (clock < end) if begin <= end else (clock >= begin) | (clock < end)

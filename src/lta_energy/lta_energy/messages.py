@@ -26,7 +26,7 @@ def to_reading(
     light: Illuminance | None,
     odom: Odometry | None,
 ) -> MeterReading:
-    """Return the meters' messages as a reading; NaN where no message has come yet."""
+    """Convert the messages of the meters to a reading; NaN for those not received yet."""
     stamp = battery.header.stamp
     return MeterReading(
         stamp_ns=stamp.sec * 1_000_000_000 + stamp.nanosec,
@@ -71,7 +71,7 @@ def from_charge(
 
 
 def _supply_status(current: float) -> int:
-    """Return the supply status that a current means."""
+    """Return the supply status for the sign of a current."""
     if current > 0.0:
         return int(BatteryState.POWER_SUPPLY_STATUS_CHARGING)
     if current < 0.0:
@@ -82,7 +82,7 @@ def _supply_status(current: float) -> int:
 
 
 def _supply_health(estimate: EnergyEstimate) -> int:
-    """Return the health that the faults mean; nobody measures more of it."""
+    """Return the supply health for the active faults; cell ageing is not measured."""
     if estimate.critical.on:
         return int(BatteryState.POWER_SUPPLY_HEALTH_DEAD)
     if estimate.watch.is_doubtful:
@@ -93,7 +93,7 @@ def _supply_health(estimate: EnergyEstimate) -> int:
 def collect_energy_values(
     settings: MonitorSettings, aboard: PowerSystem, estimate: EnergyEstimate, reading: MeterReading
 ) -> dict[str, float]:
-    """Return the books as named numbers; each name ends with its unit."""
+    """Return the energy balance as named numbers; each name ends with its unit."""
     books, cell = estimate.books, aboard.cell
     empty = time_to_empty(settings, cell, estimate)
     full = time_to_full(settings, cell, estimate)
@@ -119,7 +119,7 @@ def collect_energy_values(
 
 
 def _collect_cell_values(cell: BatteryModel, estimate: EnergyEstimate) -> dict[str, float]:
-    """Return what the filter makes of the cell itself, and how far off its last voltage was."""
+    """Return the estimated resistance and capacity, and the last voltage innovation."""
     if estimate.belief is None:
         resistance = capacity = math.nan
     else:
@@ -136,7 +136,7 @@ def _collect_cell_values(cell: BatteryModel, estimate: EnergyEstimate) -> dict[s
 def _collect_return_values(
     settings: MonitorSettings, estimate: EnergyEstimate, reading: MeterReading
 ) -> dict[str, float]:
-    """Return how far home is, what is left beyond it and the reserve, and how far that brings."""
+    """Return the distance home, the spare energy beyond way home and reserve, and its range."""
     stock, travel = estimate.stock, estimate.travel
     spare = math.nan if stock is None else stock.spare
     return {
@@ -153,7 +153,7 @@ def from_energy_balance(
     reading: MeterReading,
     measured: BatteryState,
 ) -> DiagnosticArray:
-    """Return books and faults as two diagnostic statuses, stamped as the battery was measured."""
+    """Return energy balance and faults as two statuses, with the stamp of the battery message."""
     level, sentence = alarms.assess_battery(settings, aboard.cell, estimate)
     trust, faults = alarms.assess_meters(estimate)
     numbers = collect_energy_values(settings, aboard, estimate, reading)

@@ -1,8 +1,8 @@
 """
-A mission over days: perch and charge, fly when the schedule says so, keep the books.
+Simulate a mission over days: charge on the perch, fly by the schedule, keep the energy totals.
 
-Time on the perch goes in steps of half a minute; flights are flown by whoever is given as `fly`,
-step by step. Both draw on the same cell (`lta_energy.circuit`).
+Time on the perch advances in steps of 30 s. Flights are simulated by the `fly` callable. Both use
+the same cell (`lta_energy.circuit`).
 """
 
 from collections.abc import Callable
@@ -31,7 +31,7 @@ BLIND = 0.05  # standard deviation of the charge that a drone knows at first
 
 
 class Departure(NamedTuple):
-    """How a flight begins: when [s], power path, the drone's own charge, light, number."""
+    """State at take-off: time [s], power path, estimated state of charge, light, flight number."""
 
     time: float
     store: PowerFlow
@@ -41,7 +41,7 @@ class Departure(NamedTuple):
 
 
 class Landing(NamedTuple):
-    """What a flight leaves: the power path, and the flight."""
+    """Result of a flight: the power path after it, and the log entry."""
 
     store: PowerFlow
     flight: MissionFlight
@@ -54,24 +54,22 @@ Fly = Callable[[Departure], Landing]
 @dataclass(frozen=True, slots=True)
 class PerchConfig:
     """
-    What is drawn and kept on the perch.
+    Cell, charger, loads and rules of operation on the perch.
 
     Parameters
     ----------
-    cell, charger, harvest : Battery, Charger, Harvest
-        The electricity.
     awake, asleep : float
-        Loads. [W]
+        Load on the perch. [W]
     work : tuple of float
-        Hours of work. [s of the day]
+        Start and end of the working hours. [s of the day]
     reserve : float
-        State of charge that flights must leave.
+        State of charge that a flight must leave. [1]
     charge : float
-        At the first midnight.
+        State of charge at the first midnight. [1]
     fetched : float
-        Time until somebody brings a drone back that did not come home. [s]
+        Time until a drone that landed elsewhere is brought back. [s]
     gain, offset : float
-        Errors of the current's meter: factor, and A.
+        Scale factor [1] and offset [A] of the current meter.
 
     """
 
@@ -91,20 +89,16 @@ class PerchConfig:
 @final
 class MissionSimulation:
     """
-    One mission.
+    Simulate one mission.
 
     Parameters
     ----------
-    upkeep : Upkeep
-        What it has and needs on the perch.
-    light : LightOfDays
-        On the perch.
-    schedule : Schedule
-        When it flies.
+    light : IrradianceSeries
+        Light on the perch.
     fly : Fly
-        How.
+        Simulates one flight.
     guess : tuple of float
-        What a flight is taken to need before the first [J], and how long [s].
+        Energy [J] and duration [s] assumed for a flight before the first one.
 
     """
 
@@ -141,7 +135,7 @@ class MissionSimulation:
         return self.diary
 
     def _collect_schedule_inputs(self) -> ScheduleInputs:
-        """Return what a schedule may look at."""
+        """Collect what a schedule may use, with the flight statistics so far."""
         flown = [f for f in self.diary.flights if f.ending == 'home'][-20:]
         needs = [f.spent.consumed + f.spent.lost - f.spent.harvested for f in flown]
         need, spread, lasts = self._guess[0], 0.1 * self._guess[0], self._guess[1]
@@ -158,7 +152,7 @@ class MissionSimulation:
         )  # fmt: skip
 
     def _fly_once(self) -> None:
-        """Fly once, and be fetched if need be."""
+        """Simulate one flight, and the pickup if the drone does not come home."""
         diary, begin = self.diary, self.now
         light = self._light.at(begin)
         number = len(diary.flights)
@@ -178,20 +172,20 @@ class MissionSimulation:
             self._wait_for_pickup(self.now + self._upkeep.fetched)
 
     def _wait_for_pickup(self, until: float) -> None:
-        """Lie somewhere in the dark, switched off, until it is fetched."""
+        """Wait switched off and in the dark until the drone is fetched."""
         self._record_state(AWAY, self.now)
         self.now = min(until, self._light.end)
         self._record_state(AWAY, self.now)
 
     def _rest_on_perch(self, wish: ScheduleDecision) -> None:
-        """Stay on the perch as long as is wished, a minute at least."""
+        """Stay on the perch as long as the schedule asks, but at least one minute."""
         up = self._upkeep
         until = max(wish.until, self.now + 2 * STEP)
         load = up.asleep if wish.asleep else up.awake
         self._charge_until(min(until, self._light.end), load, ASLEEP if wish.asleep else PERCHED)
 
     def _charge_until(self, until: float, load: float, state: int) -> None:
-        """Charge until a time; a cell that goes out ends it."""
+        """Charge until a time, or until the cell runs empty."""
         up = self._upkeep
         while self.now < until - 1e-6:
             dt = min(STEP, until - self.now)
@@ -211,11 +205,11 @@ class MissionSimulation:
         self._out = not self._store.fed
 
     def _charger_output(self, light: PanelIrradiance) -> float:
-        """Return what the charger can give in some light. [W]"""
+        """Return the charger's maximum output in some light. [W]"""
         return charger_output(self._upkeep.charger, self._upkeep.harvest(light))
 
     def _track_clearness(self, light: PanelIrradiance, dt: float) -> None:
-        """Keep in mind how the light compares with what was to be expected."""
+        """Update the mean ratio of sunlight to its forecast."""
         due = self._light.forecast(self.now).sun
         if due > 1.0:
             self._seen += (light.sun / due - self._seen) * min(dt / HOUR, 1.0)

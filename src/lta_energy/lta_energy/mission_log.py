@@ -1,4 +1,4 @@
-"""Record flights, charge and energy balance of a mission over days."""
+"""Record flights, charge and energy totals of a mission over days."""
 
 from dataclasses import dataclass, field
 from typing import final, NamedTuple
@@ -10,27 +10,27 @@ PERCHED, ASLEEP, ALOFT, AWAY, OUT = range(5)
 
 class MissionFlight(NamedTuple):
     """
-    One flight.
+    Log entry of one flight.
 
     Attributes
     ----------
-    start, duration : float
-        Since the first midnight, and in the air. [s]
+    start : float
+        Since the first midnight. [s]
+    duration : float
+        Time in the air. [s]
     visits : int
-        Beacons of the round that were reached.
+        Number of beacons of the round that were reached.
     path : float
-        Horizontal. [m]
-    spent : Spent
-        Energy.
+        Horizontal length. [m]
     before, after : float
-        True state of charge.
+        True state of charge. [1]
     told : float
-        The drone's own, after it.
+        Estimated state of charge after the flight. [1]
     lowest : float
-        Voltage. [V]
+        Minimum voltage. [V]
     ending : str
-        'home', or how it failed: 'empty', 'away' (landed elsewhere at the reserve), 'lost' (did
-        not find the next beacon in time), 'escaped', 'stopped'.
+        'home', or how the flight failed: 'empty', 'away' (landed elsewhere at the reserve), 'lost'
+        (did not find the next beacon in time), 'escaped', 'stopped'.
 
     """
 
@@ -50,22 +50,24 @@ class MissionFlight(NamedTuple):
 @dataclass(slots=True)
 class MissionLog:
     """
-    What has happened.
+    Log of a mission.
 
     Attributes
     ----------
-    flights : list of Flight
-        One after the other.
-    time, charge, told, deviation, state : list
-        Minute by minute: s, true and told state of charge, its deviation, and what the drone does.
-    spent : Spent
-        Energy, flights included. [J]
+    time : list
+        Sample times, about one per minute. [s]
+    charge, told, deviation : list
+        True state of charge, its estimate and the estimate's standard deviation. [1]
+    state : list
+        `PERCHED`, `ASLEEP`, `ALOFT`, `AWAY` or `OUT`.
+    spent : EnergyTotals
+        Energy totals, flights included. [J]
     begun, ended : float
-        What the cell held. [J]
+        Energy stored in the cell at start and end. [J]
     outages : int
-        How often the cell was empty on the perch.
+        Number of times that the cell ran empty on the perch.
     dark : int
-        Flights that ended without light on the panel.
+        Number of flights that ended without light on the panel.
 
     """
 
@@ -83,7 +85,7 @@ class MissionLog:
 
     @property
     def imbalance(self) -> float:
-        """What the books do not account for, by what was harvested or consumed. [1]"""
+        """Residual of the energy balance, relative to the harvested or consumed energy. [1]"""
         spent = self.spent
         rest = spent.harvested - spent.consumed - spent.lost - (self.ended - self.begun)
         return rest / max(spent.harvested, spent.consumed, 1e-9)

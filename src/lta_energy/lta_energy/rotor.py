@@ -1,14 +1,15 @@
 """
-A small brushed rotor by duty and voltage.
+Model a small brushed rotor by duty cycle and battery voltage.
 
 Under pulse-width modulation the motor sees the mean voltage v = duty x voltage, and
 
     thrust = A v^2 + B v,   power = offset + slope thrust,   current = power / voltage
 
 with A and B fitted here to Bitcraze's bench table (`BENCH`: four 7 mm coreless motors with 47 mm
-propellers): 2.8 mN rms a rotor, 15 mW rms for the power by thrust. Bitcraze's own polynomials by
-voltage (platform_defaults_cf2.h) miss that table by 10 to 13 mN. A vehicle's own curve is by duty
-alone; with the effect `battery_sag` at 3.5 V it is 3.2 mN rms off the table, without it 2.9 mN.
+propellers): residuals of 2.8 mN rms per rotor, and 15 mW rms for power over thrust. Bitcraze's own
+polynomials in voltage (platform_defaults_cf2.h) miss that table by 10 to 13 mN. A vehicle file's
+curve depends on duty alone; with the effect `battery_sag` at 3.5 V it is 3.2 mN rms off the table,
+without it 2.9 mN.
 """
 
 from typing import final, NamedTuple
@@ -36,7 +37,7 @@ class RotorBenchPoint(NamedTuple):
 
     @property
     def power(self) -> float:
-        """Power of everything, the electronics of the Crazyflie included. [W]"""
+        """Total power, electronics of the Crazyflie included. [W]"""
         return self.current * self.voltage
 
 
@@ -55,23 +56,11 @@ BENCH = tuple(
 
 
 def thrust_at_duty(duty: float, voltage: float) -> float:
-    """Return the thrust of one rotor at a duty and a voltage of the battery [V]. [N]"""
+    """Return the thrust of one rotor at a duty cycle and a battery voltage [V]. [N]"""
     mean = duty * voltage
     return (A * abs(mean) + B) * mean
 
 
 def power_at_duty(duty: float, voltage: float, offset: float, slope: float) -> float:
-    """
-    Return the electrical power of one rotor.
-
-    Parameters
-    ----------
-    duty : float
-        Of either sign.
-    voltage : float
-        Of the battery under load. [V]
-    offset, slope : float
-        As `lta_model.electrical.loads.rotor_power`. [W], [W/N]
-
-    """
+    """Return the electrical power of one rotor; offset and slope as in `loads.rotor_power`. [W]"""
     return rotor_power(thrust_at_duty(duty, voltage), offset, slope)

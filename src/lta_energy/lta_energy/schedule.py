@@ -1,8 +1,8 @@
 """
-When to fly: the naive duty cycle, and one that reckons with light, charge and the night.
+Decide when to fly: a fixed duty cycle, or a schedule that accounts for light, charge and night.
 
-A schedule is a plain function of what the drone can know. Both ask `is_flight_safe` before a
-take-off, so that they differ in when they fly, not in what they dare.
+A schedule is a pure function of what the drone can know. Both call `is_flight_safe` before
+take-off, so that they take the same risk and differ only in when they fly.
 """
 
 from collections.abc import Callable
@@ -22,34 +22,34 @@ NIGHT = 1.3  # of the energy that the night is reckoned to take, so much is kept
 
 class ScheduleInputs(NamedTuple):
     """
-    What a schedule may look at.
+    What a schedule may use.
 
     Attributes
     ----------
     time : float
         Since the first midnight. [s]
-    gauge : Gauge
-        Charge as the drone knows it.
-    cell : Battery
-        As the drone believes it.
+    gauge : ChargeGauge
+        Estimated state of charge.
+    cell : BatteryModel
+        Nominal cell.
     income : callable
-        What the charger can give in some light. [W]
-    light : LightOfDays
-        Of which only `expected` is looked at.
+        Maps light to the charger's maximum output. [W]
+    light : IrradianceSeries
+        Only its `forecast` is used.
     seen : float
-        Light by what was to be expected, over the last hour by day. [1]
+        Ratio of measured to forecast sunlight over the last hour of daylight. [1]
     awake, asleep : float
-        What is drawn on the perch. [W]
+        Load on the perch. [W]
     work : tuple of float
-        Times of the day between which it may fly. [s]
+        Start and end of the working hours. [s of the day]
     reserve : float
-        State of charge that a flight must leave.
+        State of charge that a flight must leave. [1]
     need, spread : float
-        Energy of a flight, as flown so far, and its standard deviation. [J]
+        Mean energy of a flight so far, and its standard deviation. [J]
     flight : float
-        How long one lasts. [s]
+        Duration of a flight. [s]
     landed, lasted : float
-        When the last flight ended, and how long it was; `landed` is -inf before the first. [s]
+        End and duration of the last flight; `landed` is -inf before the first. [s]
 
     """
 
@@ -71,7 +71,7 @@ class ScheduleInputs(NamedTuple):
 
 
 class ScheduleDecision(NamedTuple):
-    """What to do next: fly, or rest until a time, asleep or awake."""
+    """Whether to fly now; otherwise until when to rest, and whether asleep."""
 
     fly: bool
     until: float = 0.0
@@ -82,7 +82,7 @@ Schedule = Callable[[ScheduleInputs], ScheduleDecision]
 
 
 def is_within_hours(inputs: ScheduleInputs) -> bool:
-    """Tell whether a flight that starts now is back within the hours of work."""
+    """Return whether a flight that starts now ends within the working hours."""
     clock = inputs.time % DAY
     begin, end = inputs.work
     if begin <= end:
@@ -91,30 +91,30 @@ def is_within_hours(inputs: ScheduleInputs) -> bool:
 
 
 def next_work_start(inputs: ScheduleInputs) -> float:
-    """Return when work begins next. [s]"""
+    """Return the next start of the working hours. [s]"""
     today = inputs.time - inputs.time % DAY + inputs.work[0]
     return today if today > inputs.time else today + DAY
 
 
 def next_work_end(inputs: ScheduleInputs) -> float:
-    """Return when work ends next. [s]"""
+    """Return the next end of the working hours. [s]"""
     today = inputs.time - inputs.time % DAY + inputs.work[1]
     return today if today >= inputs.time else today + DAY
 
 
 def reserve_energy(inputs: ScheduleInputs) -> float:
-    """Return the energy that a cell which is surely above the reserve holds. [J]"""
+    """Return the energy of the reserve plus the margin for the uncertain charge. [J]"""
     sure = inputs.reserve + SURE * inputs.gauge.deviation
     return stored_energy(min(sure, 1.0), inputs.cell.capacity)
 
 
 def estimate_cell_energy(inputs: ScheduleInputs) -> float:
-    """Return what the cell holds, as the drone knows it. [J]"""
+    """Return the estimated energy in the cell. [J]"""
     return stored_energy(inputs.gauge.charge, inputs.cell.capacity)
 
 
 def is_flight_safe(inputs: ScheduleInputs) -> bool:
-    """Tell whether the charge suffices for a flight."""
+    """Return whether the charge suffices for a flight, with margins."""
     return estimate_cell_energy(inputs) - inputs.need - SURE * inputs.spread >= reserve_energy(
         inputs
     )
@@ -140,10 +140,10 @@ def build_fixed_schedule(rest: float, *, asleep: bool = False) -> Schedule:
 
 def schedule_by_light(inputs: ScheduleInputs) -> ScheduleDecision:
     """
-    Return what the energy-aware schedule wants.
+    Decide by light, charge and night.
 
-    It flies when the charge is safe and either the night is provided for without what the flight
-    takes, or the cell would be full before dark and light be wasted. Otherwise it sleeps.
+    Fly when the charge is safe and either the night remains covered after the flight, or the cell
+    would be full before dark and light would be wasted. Otherwise sleep.
     """
     if not is_within_hours(inputs):
         return ScheduleDecision(False, next_work_start(inputs), True)
@@ -156,7 +156,7 @@ def schedule_by_light(inputs: ScheduleInputs) -> ScheduleDecision:
 
 
 def forecast_charge(inputs: ScheduleInputs) -> tuple[bool, float]:
-    """Tell whether the cell would be full by the end of work, and what it would hold then. [J]"""
+    """Return whether the cell fills before the end of work, and its energy then. [J]"""
     energy, most = estimate_cell_energy(inputs), stored_energy(1.0, inputs.cell.capacity)
     full, time = False, inputs.time
     # Not `is_within_hours` of each step: a break shorter than a step is stepped over, and work
@@ -171,7 +171,7 @@ def forecast_charge(inputs: ScheduleInputs) -> tuple[bool, float]:
 
 
 def night_energy(inputs: ScheduleInputs) -> float:
-    """Return what the cell must hold at the end of work to reach the next morning. [J]"""
+    """Return the energy needed at the end of work to last until the next morning. [J]"""
     time = next_work_end(inputs)
     end, needed, taken = time + DAY, 0.0, 0.0
     while time < end and forecast_harvest(inputs, time) < inputs.asleep:
@@ -182,7 +182,7 @@ def night_energy(inputs: ScheduleInputs) -> float:
 
 
 def forecast_harvest(inputs: ScheduleInputs, time: float) -> float:
-    """Return the harvest that is to be expected at a time, as cloudy as it is now. [W]"""
+    """Forecast the harvest at a time, starting from the present cloudiness. [W]"""
     light = inputs.light.forecast(time)
     # The sky as it is now says little about the sky in some hours.
     weight = math.exp(-(time - inputs.time) / 7200.0)

@@ -40,7 +40,7 @@ SWAPPED = DETECTORS.index(cell_swap.DETECTOR)
 
 
 class MeterFault(NamedTuple):
-    """A fault that is on, and what was said of it when it was last seen."""
+    """An active fault, with the message from the last time that its condition held."""
 
     name: str
     level: HealthLevel
@@ -49,18 +49,18 @@ class MeterFault(NamedTuple):
 
 class DetectorStates(NamedTuple):
     """
-    What all detectors know, in their order.
+    State of all detectors; every tuple is in the order of `DETECTORS`.
 
     Attributes
     ----------
     memories : tuple
-        What each remembers.
+        Internal state of each detector.
     latches : tuple of Latch
-        Whether each is on.
+        Whether each fault is active.
     seen : tuple of bool
-        Whether its condition holds for the newest reading.
+        Whether each condition holds for the newest reading.
     sentences : tuple of str
-        What each said when its condition last held.
+        Message from the last time that each condition held.
 
     """
 
@@ -71,7 +71,7 @@ class DetectorStates(NamedTuple):
 
     @property
     def is_unusable(self) -> bool:
-        """Whether the newest reading says nothing of the cell."""
+        """Whether the newest reading must not be used to estimate the cell."""
         return any(
             condition and detector.spoils
             for detector, condition in zip(DETECTORS, self.seen, strict=True)
@@ -79,7 +79,7 @@ class DetectorStates(NamedTuple):
 
     @property
     def faults(self) -> tuple[MeterFault, ...]:
-        """The faults that are on."""
+        """The active faults."""
         return tuple(
             MeterFault(detector.name, detector.level, sentence)
             for detector, latch, sentence in zip(
@@ -90,7 +90,7 @@ class DetectorStates(NamedTuple):
 
     @property
     def is_doubtful(self) -> bool:
-        """Whether a fault is on that makes the energy doubtful."""
+        """Whether an active fault makes the energy estimate unreliable."""
         return any(
             latch.on and detector.level >= HealthLevel.ERROR
             for detector, latch in zip(DETECTORS, self.latches, strict=True)
@@ -98,11 +98,7 @@ class DetectorStates(NamedTuple):
 
 
 def update_detectors(watch: DetectorStates, observation: MeterObservation) -> DetectorStates:
-    """
-    Return what the detectors know after one more reading.
-
-    A reading in which one finds a grave fault surprises nobody further down the list.
-    """
+    """Update all detectors with one reading."""
     rows = []
     for detector, memory, latch, sentence in zip(
         DETECTORS, watch.memories, watch.latches, watch.sentences, strict=True

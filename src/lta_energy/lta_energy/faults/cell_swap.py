@@ -1,9 +1,4 @@
-"""
-Another cell than a moment ago: a voltage that neither charge nor load explains.
-
-A meter that hangs makes the other one look surprising; a reading that repeats a number of the one
-before is no witness.
-"""
+"""Detect an exchanged cell: a voltage jump that neither charge nor load explains."""
 
 from lta_energy.faults.detector import FaultDetector, Memory, MeterObservation
 from lta_graph.health import HealthLevel

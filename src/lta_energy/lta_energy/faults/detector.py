@@ -13,20 +13,20 @@ Memory = tuple[float, ...]
 
 class MeterObservation(NamedTuple):
     """
-    What a detector looks at.
+    Input of a detector.
 
     Attributes
     ----------
-    reading, before : Reading, Reading or None
-        The newest turn of the meters and the one before it; None at the first.
+    before : MeterReading or None
+        The previous reading; None at the first.
     dt : float
-        Time between their stamps; 0 at the first, negative where stamps go back. [s]
-    cell : Battery
-        The cell as its file has it.
+        Time between the two stamps; 0 at the first, negative where stamps go back. [s]
+    cell : BatteryModel
+        The cell of the vehicle file.
     surprise : float
-        How many standard deviations the voltage was off what was expected; 0 where nothing was.
+        Voltage innovation in standard deviations; 0 without a prediction.
     back : float
-        By how much the clock was found set back with this reading; 0 where it was not. [s]
+        By how much the clock was set back at this reading; otherwise 0. [s]
 
     """
 
@@ -42,24 +42,24 @@ class MeterObservation(NamedTuple):
 @dataclass(frozen=True, slots=True)
 class FaultDetector:
     """
-    One kind of bad reading.
+    One kind of faulty reading.
 
     Parameters
     ----------
     name : str
-        What it is called, in messages and diagnostics.
+        Name in messages and diagnostics.
     sees : callable
-        `sees(memory, seen) -> (condition, memory)`.
+        `sees(memory, observation) -> (condition, memory)`.
     says : callable
-        `says(seen) -> str`: what is wrong, and what to look at.
-    level : Level
-        ERROR makes the energy doubtful: the drone comes down and does not take off.
+        `says(observation) -> str`: the message, with what to check.
+    level : HealthLevel
+        At ERROR the energy is unreliable: the drone lands and does not take off.
     spoils : bool
-        Whether a reading of which the condition holds says nothing of the cell.
+        Whether a reading that fulfils the condition is unusable for the estimate.
     rise, fall : float
-        How long it must last to be told, and be absent to be taken back. [s]
+        Time that the condition must hold to report the fault, and be absent to clear it. [s]
     start : tuple of float
-        What it remembers before the first reading.
+        Memory before the first reading.
 
     """
 

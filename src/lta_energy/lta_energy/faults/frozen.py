@@ -1,9 +1,4 @@
-"""
-Readings that stay the same to the last bit: a meter or its driver that hangs.
-
-A meter with half a count of noise repeats a reading about every second time, so that one which
-repeats for 5 s at 10 Hz has a chance of 1e-15. A panel in the dark really reads zero.
-"""
+"""Detect readings that stay identical to the last bit because a meter or its driver hangs."""
 
 from lta_energy.faults.detector import FaultDetector, Memory, MeterObservation
 from lta_energy.faults.dropout import NOTHING
@@ -14,7 +9,7 @@ DARK = 0.01  # A
 
 
 def _update_frozen_time(time: float, now: float, before: float, dt: float) -> float:
-    """Return how long a number has stayed the same. [s]"""
+    """Return how long a value has stayed the same. [s]"""
     return time + dt if now == before else 0.0
 
 

@@ -1,4 +1,4 @@
-"""Detect a gap without readings, in which the charge flow is unknown."""
+"""Detect a gap between readings, during which the charge flow is unknown."""
 
 from lta_energy.faults.detector import FaultDetector, Memory, MeterObservation
 from lta_graph.health import HealthLevel

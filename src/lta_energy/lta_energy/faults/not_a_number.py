@@ -1,4 +1,4 @@
-"""Detect a cell voltage or current that is not a number or out of range of the meter."""
+"""Detect a cell voltage or current that is NaN or outside the range of the meter."""
 
 import math
 

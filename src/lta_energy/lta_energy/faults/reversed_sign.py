@@ -1,9 +1,9 @@
 """
-A current of the wrong sign, by either of two laws.
+Detect a battery current with the wrong sign, by either of two physical constraints.
 
-The cell cannot take up more than the panel gives. And the voltage of a cell rises with the current
-that charges it, by its resistance: where the two change against each other, the sign is wrong,
-also in bright light. The slope is fitted to the changes of the last while.
+The cell cannot absorb more power than the panel delivers. And its terminal voltage rises with the
+charging current, by the resistance: a negative slope of voltage over current means a reversed
+sign, also in bright light. The slope is a least-squares fit to recent changes.
 """
 
 import math
@@ -33,7 +33,7 @@ def _detect_reversed_sign(memory: Memory, observation: MeterObservation) -> tupl
 
 
 def _sum_changes(memory: Memory, observation: MeterObservation) -> tuple[float, float]:
-    """Return the faded sums of current change squared, and times voltage change. [A2, V A]"""
+    """Return the decayed sums of squared current changes and of current times voltage changes."""
     squares, products = memory
     before, now = observation.before, observation.reading
     if before is None or not before.is_usable or not 0.0 < observation.dt < 1.0:

@@ -16,9 +16,9 @@ def assess_battery(
     settings: MonitorSettings, cell: BatteryModel, estimate: EnergyEstimate
 ) -> Verdict:
     """
-    Return how the energy stands, and by its level what it asks for.
+    Return health level and message of the battery.
 
-    ERROR is: come down now, do not take off; WARN: the reserve is reached.
+    ERROR means land now and do not take off; WARN means that the reserve is reached.
     """
     if faults := [fault for fault in estimate.watch.faults if fault.level >= HealthLevel.ERROR]:
         return HealthLevel.ERROR, faults[0].sentence
@@ -46,7 +46,7 @@ def assess_battery(
 def _format_endurance(
     settings: MonitorSettings, cell: BatteryModel, estimate: EnergyEstimate
 ) -> str:
-    """Return how long it lasts or takes, in words."""
+    """Format the time to empty or to full."""
     empty, full = time_to_empty(settings, cell, estimate), time_to_full(settings, cell, estimate)
     if empty.mean < LONGEST:
         return f', {_format_minutes(empty)} at this power'
@@ -58,7 +58,7 @@ def _format_minutes(time: TimeEstimate) -> str:
 
 
 def assess_meters(estimate: EnergyEstimate) -> Verdict:
-    """Return whether the readings can be believed."""
+    """Return health level and message of the meter readings."""
     faults = estimate.watch.faults
     if not faults:
         return HealthLevel.OK, 'readings are plausible'
@@ -67,7 +67,7 @@ def assess_meters(estimate: EnergyEstimate) -> Verdict:
 
 
 def assess_way_home(estimate: EnergyEstimate) -> Verdict:
-    """Return how far home is, and what is left beyond the way there and the reserve."""
+    """Return the distance home and the energy left beyond the way home and the reserve."""
     stock = estimate.stock
     if stock is None or estimate.last is None or estimate.last.where is None:
         return (

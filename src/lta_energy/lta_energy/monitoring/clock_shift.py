@@ -1,9 +1,9 @@
 """
-Readings that come in order and all lie before the newest: their clock was set back.
+Detect a clock that was set back and shift the stored stamps into the new clock.
 
-What was overtaken on the way, or is sent again, does not come in order and thrice in a row. The
-stamps of before are then taken over into the new clock, where the newest of them lies at the
-first reading by it: nothing can tell what time passed between these two.
+Messages that were delayed or repeated do not arrive in ascending order three times in a row, so
+three such stamps before the newest one mean a new clock. The newest old reading is then placed at
+the time of the first new one, because the time between the two is unknown.
 """
 
 from dataclasses import replace
@@ -16,12 +16,12 @@ ENOUGH: Final = 3  # readings
 
 
 def extend_ordered_stamps(before: tuple[int, ...], stamp_ns: int) -> tuple[int, ...]:
-    """Return the stamps that have come in order, with one more. [ns]"""
+    """Append a stamp to an ascending sequence, or start a new sequence. [ns]"""
     return (*before, stamp_ns) if before and stamp_ns > before[-1] else (stamp_ns,)
 
 
 def shift_stamps(estimate: EnergyEstimate, back_ns: int) -> EnergyEstimate:
-    """Return an estimate by a clock that is so much behind that of its readings. [ns]"""
+    """Move the stamps of an estimate back into the new clock. [ns]"""
     last, good = _shift_reading(estimate.last, back_ns), _shift_reading(estimate.good, back_ns)
     # That the newest reading was a good one is told by their being one.
     return estimate._replace(last=last, good=last if estimate.good is estimate.last else good)

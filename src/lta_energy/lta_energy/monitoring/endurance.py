@@ -1,13 +1,12 @@
-r"""
-How long it lasts: time to empty and to full at the mean load, each with a standard deviation.
+"""
+Estimate the time to empty and to full at the mean load, with standard deviations.
 
-A cell is empty where it can no longer give the mean power P above the cut-off voltage: at the
-charge whose resting voltage is :math:`V_c + R P / V_c`. Between here and there it stores W(s); at
-the power p that leaves its chemistry, losses included, the time is :math:`T = W C / (C_0 p)`. To
-first order its variance is that of charge and capacity (with what the filter knows of both
-together) and of p.
+A cell is empty where it can no longer deliver the mean power P above the cut-off voltage: at the
+charge whose open-circuit voltage is :math:`V_c + R P / V_c`. With W(s) the energy between here and
+there and p the power drawn from the chemistry, losses included, the time is :math:`T = W C / (C_0
+p)`. Its variance is propagated to first order from charge, capacity (with their covariance) and p.
 
-Full is by the same rule and leaves out that a charger tapers its current off at the end.
+The time to full follows the same rule and neglects that a charger tapers its current at the end.
 """
 
 import math
@@ -23,7 +22,7 @@ from lta_model.electrical.battery import (
 
 
 class TimeEstimate(NamedTuple):
-    """A time and its standard deviation [s]; infinite where it never comes."""
+    """A time and its standard deviation [s]; infinite if it is never reached."""
 
     mean: float
     deviation: float
@@ -34,7 +33,7 @@ NEVER = TimeEstimate(math.inf, math.inf)
 
 
 def empty_charge(cell: BatteryModel, state: CellState, power: float) -> float:
-    """Return the charge at which a power [W] pulls the cell down to its cut-off. [1]"""
+    """Return the charge at which a power [W] pulls the voltage down to the cut-off. [1]"""
     resistance = state.mean[RESISTANCE] * (cell.resistance + cell.relaxation_resistance)
     return state_of_charge(
         cell.discharge_cutoff + resistance * max(power, 0.0) / cell.discharge_cutoff
@@ -42,7 +41,7 @@ def empty_charge(cell: BatteryModel, state: CellState, power: float) -> float:
 
 
 def energy_between(cell: BatteryModel, state: CellState, low: float, high: float) -> float:
-    """Return what the cell stores between two charges; negative where low is above high. [J]"""
+    """Return the energy between two charges; negative where low is above high. [J]"""
     capacity = cell.capacity / state.mean[INVERSE]
     return stored_energy(high, capacity) - stored_energy(low, capacity)
 
@@ -50,19 +49,7 @@ def energy_between(cell: BatteryModel, state: CellState, low: float, high: float
 def estimate_discharge_time(
     cell: BatteryModel, state: CellState, power: float, deviation: float
 ) -> TimeEstimate:
-    """
-    Return how long the cell lasts.
-
-    Parameters
-    ----------
-    cell : Battery
-        The cell's file.
-    belief : Belief
-        What is known of it.
-    power, deviation : float
-        Mean power out of its chemistry, and the standard deviation of that. [W]
-
-    """
+    """Estimate the time to empty from the mean power and its standard deviation. [W]"""
     if power <= 0.0:
         return NEVER
     energy = energy_between(cell, state, empty_charge(cell, state, power), state.charge)
@@ -72,7 +59,7 @@ def estimate_discharge_time(
 def estimate_charging_time(
     cell: BatteryModel, state: CellState, power: float, deviation: float
 ) -> TimeEstimate:
-    """Return the time until the cell is full [s]; as `estimate_discharge_time`, power negative."""
+    """Estimate the time to full; the power is negative while the cell is charged. [W]"""
     if power >= 0.0:
         return NEVER
     energy = energy_between(cell, state, state.charge, 1.0)
@@ -87,7 +74,7 @@ def _estimate_time(
     deviation: float,
     sign: float,
 ) -> TimeEstimate:
-    """Return energy by power; a larger charge makes it longer (sign 1) or shorter (-1)."""
+    """Return energy by power; more charge makes it longer (`sign` 1) or shorter (-1)."""
     p, inverse = state.spread, state.mean[INVERSE]
     time = energy / power
     by_charge = sign * open_circuit_voltage(state.charge) * cell.capacity / inverse / power

@@ -1,4 +1,4 @@
-"""Keep the energy balance: input, output, stored energy and the residual."""
+"""Keep the energy balance: harvested, consumed, lost and stored energy, and the residual."""
 
 from dataclasses import dataclass
 from typing import final
@@ -19,7 +19,7 @@ class EnergyBalance:
     lost : float
         As heat in cell and charger.
     stored : float
-        Change of what the cell holds; negative when it has been emptied.
+        Change of the energy in the cell; negative after a net discharge.
 
     """
 
@@ -30,7 +30,7 @@ class EnergyBalance:
 
     @property
     def imbalance(self) -> float:
-        """What the books do not account for: harvested - consumed - lost - stored. [J]"""
+        """Residual of the balance: harvested - consumed - lost - stored. [J]"""
         return self.harvested - self.consumed - self.lost - self.stored
 
 
@@ -38,18 +38,16 @@ def add_interval(
     books: EnergyBalance, harvest: float, load: float, loss: float, stored: float, dt: float
 ) -> EnergyBalance:
     """
-    Return the books after one more entry.
+    Add one interval to the balance.
 
     Parameters
     ----------
-    books : Books
-        The books before.
     harvest, load, loss : float
         Mean power from the panel, to the loads, and lost as heat. [W]
     stored : float
         Change of the cell's energy. [J]
     dt : float
-        Time. [s]
+        Length of the interval. [s]
 
     """
     return EnergyBalance(

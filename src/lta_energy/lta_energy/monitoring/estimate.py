@@ -15,38 +15,39 @@ from lta_energy.monitoring.way_home import TravelEstimate
 
 class EnergyEstimate(NamedTuple):
     """
-    What is known after a reading.
+    Energy estimate after a reading.
 
     Attributes
     ----------
-    belief : Belief or None
-        Of the cell; None before the first usable reading.
-    load : Load
-        Power that leaves the cell's chemistry, losses included.
-    travel : Travel or None
-        What flying takes.
-    stock : Stock or None
-        The charge against reserve and way home.
+    belief : CellState or None
+        State of the cell; None before the first usable reading.
+    load : LoadEstimate
+        Power drawn from the cell's chemistry, losses included.
+    travel : TravelEstimate or None
+        Power and speed of flight.
+    stock : ReserveMargin or None
+        Charge compared with reserve and way home.
     low : bool
-        Whether the reserve is reached by the charge, with hysteresis.
+        Whether the charge has reached the reserve, with hysteresis.
     reserve : bool
-        Whether it counts as reached: by the charge, or because the energy is doubtful.
+        Whether the reserve counts as reached: by the charge, or because the estimate is
+        unreliable.
     critical : Latch
-        Whether the voltage is so low that nothing but landing is left.
-    watch : Watch
-        What the detectors of bad readings know.
-    surprise : Surprise or None
-        How far the newest voltage was off what was expected.
+        Whether the voltage is so low that the drone must land.
+    watch : DetectorStates
+        State of the fault detectors.
+    surprise : VoltageInnovation or None
+        Innovation of the newest voltage.
     gap : float
-        Time since the reading before. [s]
-    last : Reading or None
+        Time since the previous reading. [s]
+    last : MeterReading or None
         The newest reading.
-    good : Reading or None
-        The newest one that no detector spoilt.
-    books : Books
-        Energy since the first good reading.
+    good : MeterReading or None
+        The newest usable reading.
+    books : EnergyBalance
+        Energy balance since the first usable reading.
     behind : tuple of int
-        Stamps of readings after `last` that lie before it and came in order. [ns]
+        Stamps of readings received after `last` that lie before it, in ascending order. [ns]
 
     """
 
@@ -67,7 +68,7 @@ class EnergyEstimate(NamedTuple):
 
     @property
     def charge(self) -> float:
-        """State of charge, NaN before the first usable reading. [1]"""
+        """State of charge; NaN before the first usable reading. [1]"""
         return math.nan if self.belief is None else self.belief.charge
 
     @property
@@ -77,5 +78,5 @@ class EnergyEstimate(NamedTuple):
 
     @property
     def is_urgent(self) -> bool:
-        """Whether to come down at once: a cell that gives way, or readings that mean nothing."""
+        """Whether to land at once: no estimate, critical voltage, or unreliable readings."""
         return self.belief is None or self.critical.on or self.watch.is_doubtful

@@ -6,7 +6,7 @@ ROUNDING = 1e-6  # s; of a sum of differences of stamps
 
 
 class Latch(NamedTuple):
-    """Whether it is on, and how long its condition has said otherwise. [s]"""
+    """Whether it is on, and how long its condition has disagreed with that. [s]"""
 
     on: bool = False
     since: float = 0.0
@@ -14,18 +14,14 @@ class Latch(NamedTuple):
 
 def update_latch(latch: Latch, condition: bool, dt: float, rise: float, fall: float) -> Latch:
     """
-    Return the latch after some time.
+    Update the latch with its condition after a time step.
 
     Parameters
     ----------
-    latch : Latch
-        As it was.
-    condition : bool
-        What is seen now.
     dt : float
-        Time since it was last seen. [s]
+        Time since the last update. [s]
     rise, fall : float
-        How long a condition must last to switch on, and its absence to switch off; 0 is at once.
+        Time that the condition must hold to switch on, and be absent to switch off; 0 is at once.
         [s]
 
     """

@@ -1,9 +1,9 @@
 """
-The power that goes out of the cell, smoothed, and how sure its mean is.
+Smooth the power drawn from the cell, and estimate the uncertainty of its mean.
 
-Two first-order filters in a row: the quick one follows what the drone does now, the slow one is
-the mean that a forecast takes. If the quick one is an Ornstein-Uhlenbeck process of correlation
-time T1 and variance v, its mean over T2 has the variance v T1 / (T1 + T2).
+Two first-order filters in series: the quick one follows the present load, the slow one is the mean
+used for forecasts. If the quick one is an Ornstein-Uhlenbeck process of correlation time T1 and
+variance v, its mean over T2 has the variance v T1 / (T1 + T2).
 """
 
 import math
@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 
 class LoadEstimate(NamedTuple):
-    """Quick and slow mean [W], variance of the quick one about the slow [W2], age [s]."""
+    """Quick and slow mean [W], variance of the quick about the slow one [W2], age [s]."""
 
     quick: float = 0.0
     mean: float = 0.0
@@ -20,7 +20,7 @@ class LoadEstimate(NamedTuple):
 
 
 def initial_load(power: float) -> LoadEstimate:
-    """Return the load after one reading: nothing is known of how it changes. [W]"""
+    """Return the load after one reading [W], with the power itself as its standard deviation."""
     return LoadEstimate(power, power, power * power)
 
 
@@ -28,20 +28,16 @@ def update_load(
     before: LoadEstimate, power: float, dt: float, quick: float, slow: float
 ) -> LoadEstimate:
     """
-    Return the load after one more reading.
-
-    A young mean is the plain mean so far, so that the first reading does not linger.
+    Update the load with a new power.
 
     Parameters
     ----------
-    before : Load
-        As it was.
     power : float
-        Out of the cell. [W]
+        Power drawn from the cell. [W]
     dt : float
-        Time since. [s]
+        Time since the last update. [s]
     quick, slow : float
-        Time constants; 0 is none. [s]
+        Time constants; 0 disables the filter. [s]
 
     """
     age = before.age + dt
@@ -57,12 +53,12 @@ def update_load(
 
 
 def mean_load_deviation(load: LoadEstimate, quick: float, slow: float) -> float:
-    """Return the standard deviation of the mean. [W]"""
+    """Return the standard deviation of the mean load. [W]"""
     span = min(slow, load.age)
     share = quick / (quick + span) if quick + span > 0.0 else 1.0
     return math.sqrt(load.variance * share)
 
 
 def _smoothing_weight(dt: float, time: float, age: float) -> float:
-    """Return the share of the newest in a mean over a time, or over all of a younger age."""
+    """Return the weight of the newest value: exponential, or that of a plain mean while young."""
     return max(-math.expm1(-dt / time), dt / age) if time > 0.0 and age > 0.0 else 1.0

@@ -1,9 +1,9 @@
 """
-What a drone can know of its energy from its meters: charge, books, times, reserve, faults.
+Estimate the drone's energy from its meters: charge, balance, times, reserve and faults.
 
-One reading goes through: what the filter expects of it, whether a detector spoils it, the filter
-or, without it, a guess that the load went on as before; then books, load, way home and reserve. It
-never looks at the truth.
+For each reading: predict the voltage, run the fault detectors, correct the filter (or only predict
+it if the reading is unusable), then update energy balance, load, way home and reserve. The true
+state is never used.
 """
 
 from lta_config.settings import setting
@@ -41,7 +41,7 @@ QUIET = 1e-3  # A; two counts of the meter and its offset
 
 
 class MonitorSettings(EnergyReserveSettings):
-    """When to come down, and how the readings are taken."""
+    """Reserve, smoothing and filter settings of the energy monitor."""
 
     smoothing: float = setting(
         5.0, 'Time constant of the power that is shown.', unit='s', low=0.0, high=600.0
@@ -56,21 +56,7 @@ class MonitorSettings(EnergyReserveSettings):
 def update_estimate(
     settings: MonitorSettings, aboard: PowerSystem, before: EnergyEstimate, reading: MeterReading
 ) -> EnergyEstimate:
-    """
-    Return what is known after one more reading.
-
-    Parameters
-    ----------
-    settings : MonitorSettings
-        The reserve and the smoothing.
-    aboard : Aboard
-        Cell and charger, as their file has them.
-    before : Estimate
-        What was known.
-    reading : Reading
-        The meters.
-
-    """
+    """Update the energy estimate with one reading."""
     last, cell, back = before.last, aboard.cell, 0
     if last is not None and reading.stamp_ns <= last.stamp_ns:
         behind = extend_ordered_stamps(before.behind, reading.stamp_ns)
@@ -112,7 +98,7 @@ def _predict_cell_state(
     reading: MeterReading,
     dt: float,
 ) -> CellState | None:
-    """Return what is believed of the cell before the newest voltage is looked at."""
+    """Predict the state of the cell before the newest voltage is used."""
     belief = before.belief
     if belief is None or before.good is None:
         return belief
@@ -135,13 +121,13 @@ def _normalized_innovation(
 
 
 def _expected_current(before: EnergyEstimate, state: CellState) -> tuple[float, float]:
-    """Return the current to expect while no reading tells, and how unsure that is. [A]"""
+    """Return the current expected without a reading, and its standard deviation. [A]"""
     current = -before.load.quick / open_circuit_voltage(state.charge)
     return current, abs(current) + QUIET
 
 
 def _update_critical(before: Latch, reading: MeterReading, dt: float) -> Latch:
-    """Return whether the voltage is critical; it must recover before that is taken back."""
+    """Update the alarm of critical voltage, with hysteresis."""
     if not reading.is_usable:
         return before
     limit = RECOVERED_VOLTAGE if before.on else CRITICAL_VOLTAGE
@@ -155,7 +141,7 @@ def _apply_good_reading(
     reading: MeterReading,
     dt: float,
 ) -> EnergyEstimate:
-    """Return the estimate with a good reading in load, books and way."""
+    """Update load, energy balance and travel with a usable reading."""
     belief = after.belief
     if belief is None:
         return after
@@ -182,11 +168,9 @@ def _update_balance(
     reading: MeterReading,
 ) -> EnergyBalance:
     """
-    Return the books after the time between two good readings.
+    Add the interval between two usable readings to the energy balance.
 
-    Stored is what flowed into the chemistry by the current and the resting voltage, lost what
-    charger and resistances turned into heat; what is left over says how far model and meters
-    disagree.
+    The residual of the balance shows how far model and meters disagree.
     """
     dt = (reading.stamp_ns - last.stamp_ns) * 1e-9
     current = 0.5 * (last.current + reading.current)
@@ -211,7 +195,7 @@ def _update_balance(
 def _decide_reserve(
     settings: MonitorSettings, cell: BatteryModel, after: EnergyEstimate
 ) -> EnergyEstimate:
-    """Return the estimate with the decision about the reserve."""
+    """Compute the reserve margin and decide whether the reserve is reached."""
     belief, travel = after.belief, after.travel
     if belief is None or travel is None:
         return after
@@ -228,7 +212,7 @@ def _decide_reserve(
 def time_to_empty(
     settings: MonitorSettings, cell: BatteryModel, estimate: EnergyEstimate
 ) -> TimeEstimate:
-    """Return how long the charge lasts at the mean load; infinite while nothing is drained."""
+    """Return the time to empty at the mean load; infinite while the cell is not drained."""
     if estimate.belief is None:
         return endurance.UNKNOWN
     spread = load.mean_load_deviation(estimate.load, settings.smoothing, settings.outlook)
@@ -238,7 +222,7 @@ def time_to_empty(
 def time_to_full(
     settings: MonitorSettings, cell: BatteryModel, estimate: EnergyEstimate
 ) -> TimeEstimate:
-    """Return how long the cell takes until it is full; infinite while it is not charged."""
+    """Return the time to full at the mean load; infinite while the cell is not charged."""
     if estimate.belief is None:
         return endurance.UNKNOWN
     spread = load.mean_load_deviation(estimate.load, settings.smoothing, settings.outlook)

@@ -16,11 +16,11 @@ class PowerSystem(NamedTuple):
 
     @classmethod
     def from_entry(cls, energy: EnergyBlock) -> Self:
-        """Return what a vehicle file says."""
+        """Build cell and charger from the energy block of a vehicle file."""
         return cls(BatteryModel.from_energy(energy), ChargerModel.from_energy(energy))
 
     def charger_output(self, harvest: float) -> float:
-        """Return what the charger makes of what the array gives; 0 if unmeasured. [W]"""
+        """Return the charger's output for a measured panel power; 0 if not measured. [W]"""
         if not math.isfinite(harvest):
             return 0.0
         return max(0.0, harvest * self.charger.conversion - self.charger.idle)

@@ -13,14 +13,14 @@ MOST_AMPERES: Final = 100.0
 @dataclass(frozen=True, slots=True)
 class TravelState:
     """
-    Where the drone is by dead reckoning, and how fast it flies.
+    Dead-reckoned distance and speed of the drone.
 
     Attributes
     ----------
     distance : float
-        Horizontal, from where it started. [m]
+        Horizontal distance from the start. [m]
     speed : float
-        Horizontal, through the air: the ground is not observable. [m/s]
+        Horizontal airspeed; ground speed is not observable. [m/s]
 
     """
 
@@ -32,20 +32,18 @@ class TravelState:
 @dataclass(frozen=True, slots=True)
 class MeterReading:
     """
-    One turn of the meters; NaN is what is not measured.
+    One reading of the meters; NaN where a value is not measured.
 
     Attributes
     ----------
-    stamp_ns : int
-        When. [ns]
     voltage, current : float
-        Cell; a positive current charges. [V, A]
+        Of the cell; a positive current charges. [V, A]
     panel_voltage, panel_current : float
-        Harvesting branch; a positive current harvests. [V, A]
+        Of the panel; a positive current harvests. [V, A]
     illuminance : float
-        Light at the panel. [lx]
-    where : Whereabouts or None
-        None while the drone does not know.
+        At the panel. [lx]
+    where : TravelState or None
+        None while the position is unknown.
 
     """
 
@@ -59,7 +57,7 @@ class MeterReading:
 
     @property
     def is_usable(self) -> bool:
-        """Whether the cell's voltage and current are numbers that a meter can read."""
+        """Whether the cell's voltage and current are finite and within the range of a meter."""
         return abs(self.voltage) <= MOST_VOLTS and abs(self.current) <= MOST_AMPERES
 
     @property
@@ -69,7 +67,7 @@ class MeterReading:
 
     @property
     def plausible_panel_power(self) -> float:
-        """Power of the panel as the books take it: 0 where no meter can have read it. [W]"""
+        """Power of the panel, or 0 if it is not measured or outside the range of a meter. [W]"""
         known = abs(self.panel_voltage) <= MOST_VOLTS and abs(self.panel_current) <= MOST_AMPERES
         return self.panel_power if known else 0.0
 

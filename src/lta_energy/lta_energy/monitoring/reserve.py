@@ -9,7 +9,7 @@ from lta_model.electrical.battery import BatteryModel, open_circuit_voltage
 
 
 class EnergyReserveSettings(Settings):
-    """What must be left."""
+    """Energy reserve that the drone must keep."""
 
     reserve: float = setting(
         0.25, 'State of charge at which the reserve is reached.', low=0.0, high=0.9
@@ -27,16 +27,16 @@ class EnergyReserveSettings(Settings):
 
 class ReserveMargin(NamedTuple):
     """
-    The charge against what must be left.
+    Charge compared with the reserve.
 
     Attributes
     ----------
     sure : float
-        Charge without what is not counted on. [1]
+        Lower bound of the charge. [1]
     home : float
-        Charge that the way home takes. [1]
+        Charge needed for the way home. [1]
     spare : float
-        Energy beyond reserve and way home; negative where it is lacking. [J]
+        Energy beyond reserve and way home; negative if it is missing. [J]
 
     """
 
@@ -48,7 +48,7 @@ class ReserveMargin(NamedTuple):
 def compute_margin(
     settings: EnergyReserveSettings, cell: BatteryModel, state: CellState, home: float
 ) -> ReserveMargin:
-    """Return how a charge stands against the reserve and the energy of the way home. [J]"""
+    """Compare the charge with the reserve and the energy of the way home. [J]"""
     sure = state.charge - settings.caution * state.deviation
     full = open_circuit_voltage(state.charge) * cell.capacity / state.mean[INVERSE]
     return ReserveMargin(
@@ -59,5 +59,5 @@ def compute_margin(
 def is_reserve_reached(
     settings: EnergyReserveSettings, before: bool, stock: ReserveMargin
 ) -> bool:
-    """Tell whether the reserve is reached, with hysteresis."""
+    """Return whether the reserve is reached, with hysteresis."""
     return stock.sure <= settings.reserve + stock.home + (settings.hysteresis if before else 0.0)

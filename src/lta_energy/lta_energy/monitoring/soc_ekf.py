@@ -1,9 +1,9 @@
 r"""
-What voltage and current say of a cell: an extended Kalman filter.
+Estimate the state of charge from voltage and current with an extended Kalman filter.
 
-The state is the charge s, the relaxation voltage u, two factors by which this cell differs from
-its file (of resistance, of the inverse of capacity), and by how much its resting voltage is off
-the chart. With the current I, positive where it charges,
+The state is the charge s, the relaxation voltage u, two factors relative to the vehicle file (on
+the resistance and on the inverse capacity), and the error e of the open-circuit voltage chart.
+With the current I, positive while charging,
 
 .. math::
 
@@ -11,12 +11,13 @@ the chart. With the current I, positive where it charges,
     V = E(s) + e + u + f_R R_0 I .
 
 Plett, "Extended Kalman filtering for battery management systems", parts 2 and 3, J. Power Sources
-134 (2004): states and parameters in one filter. An error of the chart stays where the charge
-stays, so that no number of readings averages it away: it is a Gauss-Markov process over the
-charge instead of noise. The slope of the chart, which has kinks, is that of a chord as wide as
-the belief.
+134 (2004): states and parameters in one filter. The chart error depends on the charge and does not
+average out over readings, so it is modelled as a Gauss-Markov process over the charge instead of
+noise. The chart has kinks; its slope is taken over a chord as wide as the uncertainty of the
+charge.
 
-Plain scalars in a fixed order, without BLAS: the same to the last bit in every process.
+All arithmetic is on plain scalars in a fixed order, without BLAS, so that results are bitwise the
+same in every process.
 """
 
 import math
@@ -36,7 +37,7 @@ Row = tuple[float, float, float, float, float]
 
 
 class SocFilterSettings(Settings):
-    """How far cells may differ from their file, one standard deviation each."""
+    """Spread of cells about their vehicle file, as standard deviations."""
 
     capacity_spread: float = setting(
         0.05, 'Of the capacity, relative; assumed.', low=0.0, high=0.5
@@ -60,7 +61,7 @@ class SocFilterSettings(Settings):
 
 
 class CellState(NamedTuple):
-    """Mean and covariance of the state."""
+    """Mean and covariance of the filter state."""
 
     mean: Row
     spread: tuple[Row, ...]
@@ -77,14 +78,14 @@ class CellState(NamedTuple):
 
 
 class VoltageInnovation(NamedTuple):
-    """How far a voltage was off what was expected [V], and the deviation to expect of that [V]."""
+    """Measured minus predicted voltage, and its expected standard deviation. [V]"""
 
     innovation: float
     deviation: float
 
 
 def initial_state(settings: SocFilterSettings, cell: BatteryModel) -> CellState:
-    """Return the belief before any reading: any charge."""
+    """Return the state before any reading, with the charge uniform between 0 and 1."""
     deviations = (
         UNIFORM,
         cell.relaxation_resistance * settings.recent_current,
@@ -104,23 +105,7 @@ def predict_state(
     deviation: float,
     dt: float,
 ) -> CellState:
-    """
-    Return the belief after some time.
-
-    Parameters
-    ----------
-    settings : BeliefSettings
-        How far cells differ.
-    cell : Battery
-        The cell's file.
-    belief : Belief
-        Before.
-    current, deviation : float
-        Mean current and its standard deviation. [A]
-    dt : float
-        Time. [s]
-
-    """
+    """Predict the state after a time step [s] at a mean current and its standard deviation. [A]"""
     s, u, resistance, inverse, chart = state.mean
     step = current * dt / cell.capacity
     kept = math.exp(-dt / cell.relaxation_time) if cell.relaxation_time > 0.0 else 0.0
@@ -175,28 +160,14 @@ def correct_state(
     voltage: float,
     current: float,
 ) -> tuple[CellState, VoltageInnovation]:
-    """
-    Return the belief with a reading, and how surprising that was.
-
-    Parameters
-    ----------
-    settings : BeliefSettings
-        The noise of a reading.
-    cell : Battery
-        The cell's file.
-    belief : Belief
-        Before.
-    voltage, current : float
-        At the terminals. [V, A]
-
-    """
+    """Correct the state with a measured terminal voltage [V] and current [A]."""
     return _update_linearized(settings, cell, state, state.charge, voltage, current)
 
 
 def initialize_from_reading(
     settings: SocFilterSettings, cell: BatteryModel, voltage: float, current: float
 ) -> CellState:
-    """Return the belief after a first reading [V, A], linearised where the voltage points to."""
+    """Return the state after a first reading [V, A], linearised at the charge of that voltage."""
     pointed = state_of_charge(voltage - cell.resistance * current)
     start = initial_state(settings, cell)
     return _update_linearized(settings, cell, start, pointed, voltage, current)[0]
@@ -210,7 +181,7 @@ def _update_linearized(
     voltage: float,
     current: float,
 ) -> tuple[CellState, VoltageInnovation]:
-    """Return the belief after a reading, linearised at a charge; a Kalman step of one number."""
+    """Apply one scalar Kalman update, linearised at a given charge."""
     mean, p = state
     half = min(max(state.deviation, NARROW), WIDE) if at == mean[CHARGE] else NARROW
     slope = chord_slope(at, half)
@@ -239,6 +210,6 @@ def _update_linearized(
 
 
 def chord_slope(charge: float, half: float) -> float:
-    """Return the slope of the resting voltage over a chord around a charge. [V]"""
+    """Return the mean slope of the open-circuit voltage within `half` of a charge. [V]"""
     low, high = max(charge - half, 0.0), min(charge + half, 1.0)
     return (open_circuit_voltage(high) - open_circuit_voltage(low)) / (high - low)

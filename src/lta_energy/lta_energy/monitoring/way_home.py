@@ -1,9 +1,8 @@
 """
-The way home: what it takes by what flying has been seen to take, and what is left beyond it.
+Estimate the energy for the way home from the measured power and speed of flight.
 
-Power and speed are means over the time in which the drone moved, so that one that rests far from
-home still knows what the flight back takes. They begin with what a shipped flight has; the speed
-is through the air, less the head wind to allow for.
+Power and speed are averaged only while the drone moves, so that a drone resting far from home
+still has a valid estimate. The speed over ground is the airspeed less an assumed head wind.
 """
 
 import math
@@ -14,7 +13,7 @@ from lta_energy.monitoring.reading import TravelState
 
 
 class WayHomeSettings(Settings):
-    """What is assumed of the way home until it has been measured, and for what nobody measures."""
+    """Assumptions about the way home that hold until measured or cannot be measured."""
 
     power: float = setting(1.4, 'Power of flight until measured.', unit='W', low=0.0, high=1000.0)
     speed: float = setting(0.5, 'Airspeed until measured.', unit='m/s', low=0.05, high=30.0)
@@ -33,14 +32,14 @@ class WayHomeSettings(Settings):
 
 
 class TravelEstimate(NamedTuple):
-    """Power out of the chemistry and airspeed while the drone moves. [W, m/s]"""
+    """Mean power from the chemistry and mean airspeed while moving. [W, m/s]"""
 
     power: float
     speed: float
 
 
 def initial_travel(settings: WayHomeSettings) -> TravelEstimate:
-    """Return what is assumed before the drone has moved."""
+    """Return the assumptions before the drone has moved."""
     return TravelEstimate(settings.power, settings.speed)
 
 
@@ -62,12 +61,12 @@ def update_travel(
 
 
 def energy_home(settings: WayHomeSettings, travel: TravelEstimate, distance: float) -> float:
-    """Return what a way of some metres takes out of the cell. [J]"""
+    """Return the energy to fly a distance [m]. [J]"""
     return travel.power * distance / _ground_speed(settings, travel)
 
 
 def reachable_distance(settings: WayHomeSettings, travel: TravelEstimate, energy: float) -> float:
-    """Return how far the drone comes on an energy [J]. [m]"""
+    """Return the distance that an energy [J] allows. [m]"""
     if travel.power <= 0.0:
         return math.inf
     return max(energy, 0.0) / travel.power * _ground_speed(settings, travel)

@@ -1,4 +1,4 @@
-"""Monitor the energy of the drone in a ROS node, and report when the reserve is reached."""
+"""Run the energy monitor as a ROS node; it reports when the reserve is reached."""
 
 from typing import TYPE_CHECKING
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class EnergyMonitorParameters(MonitorSettings):
-    """When to come down, and the vehicle whose cell it is."""
+    """Parameters of the energy monitor node."""
 
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
 

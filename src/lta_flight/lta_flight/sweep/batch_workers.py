@@ -22,7 +22,7 @@ from lta_flight.batch.flight import RAN_AWAY
 from lta_flight.batch.fly import Device, fly_many
 from lta_flight.flight_spec import build_parts, FlightSpec
 from lta_flight.sweep.job_runner import build_failed_row, SweepRow
-from lta_flight.sweep.plan import convert_to_si, SweepJob
+from lta_flight.sweep.plan import convert_to_si, SweepJob, SweepPlan
 from lta_model.stiffness import divergence_error
 from lta_report.json_value import replace_nonfinite
 from lta_sim.kernels.gpu import require_cuda
@@ -67,7 +67,10 @@ class BatchWorkers:
             )
         if device == 'gpu':
             require_cuda()
-        self._build_flight({})
+
+    def check(self, plan: SweepPlan) -> None:
+        """Raise `BadInput` if a value of the sweep needs what a batch does not support."""
+        plan.check(lambda spec, _: self._build_flight(spec))
 
     def __enter__(self) -> Self:
         """Be ready."""
@@ -86,9 +89,8 @@ class BatchWorkers:
         while batch := list(islice(jobs, BATCH[self._device])):
             yield from self._fly_batch(batch)
 
-    def _build_flight(self, values: dict[str, Any]) -> BatchFlight:
-        parts = build_parts(self._base.with_values(values))
-        return build_flight(*parts, self._table, self._duties)
+    def _build_flight(self, spec: FlightSpec) -> BatchFlight:
+        return build_flight(*build_parts(spec), self._table, self._duties)
 
     def _fly_batch(self, jobs: list[SweepJob]) -> Iterator[SweepRow]:
         """Yield the rows of one batch; what cannot be built is a failed flight."""
@@ -100,7 +102,7 @@ class BatchWorkers:
             name = repr(job.changes)
             if name not in places:
                 try:
-                    made.append(self._build_flight(job.changes))
+                    made.append(self._build_flight(self._base.with_values(job.changes)))
                     places[name] = len(made) - 1
                 except BadInput as error:
                     places[name] = str(error)

@@ -68,15 +68,17 @@ def render_page(data: SweepPageData) -> str:
 def format_title(plan: SweepPlan, rows: Sequence[SweepRow]) -> str:
     """Return what came out, in a sentence."""
     share = reached_share(rows)
-    flown = sum(row.outcome != FAILED for row in rows)
+    failed = sum(row.outcome == FAILED for row in rows)
+    flown = len(rows) - failed
     begun = '' if len(rows) == plan.count else f' (of {plan.count} planned)'
     if not flown:
         return f'{len(rows)} flights{begun}: none could be flown.'
     reached = sum(row.outcome == REACHED for row in rows)
     ends = f'{100 * share.low:.1f} to {100 * share.high:.1f} %'
+    lost = f', and {failed} could not be flown' if failed else ''
     return (
-        f'{reached} of {flown} flights{begun} reached their goal; with 95 % confidence it is '
-        f'{ends} of all such flights.'
+        f'{reached} of {len(rows)} flights{begun} reached their goal{lost}; with 95 % confidence '
+        f'{ends} of all flights that can be flown do.'
     )
 
 

@@ -5,7 +5,7 @@ Flight k of a sweep is always the same flight: its point in the grid, its sample
 follow from k alone.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 import hashlib
@@ -140,7 +140,7 @@ class SweepPlan:
             if index not in done:
                 yield self.build_job(index)
 
-    def check(self) -> None:
+    def check(self, build: Callable[[FlightSpec, int], object] = build_loop) -> None:
         """
         Build every kind of flight once, each value alone: the ends of what is drawn, too.
 
@@ -152,16 +152,18 @@ class SweepPlan:
             If one cannot be flown; nothing has been flown then.
 
         """
-        build_loop(self.base, self.file.seeds.first)
+        build(self.base, self.file.seeds.first)
         for name, case in self.cases.items():
-            self._check_values(case, f'In the case {name}')
+            self._check_values(build, case, f'In the case {name}')
         for path in self.file.vary:
             for value in self._select_check_values(path):
-                self._check_values({path: value}, f'With {path} at {format_value(value)}')
+                self._check_values(build, {path: value}, f'With {path} at {format_value(value)}')
 
-    def _check_values(self, values: Mapping[str, Any], where: str) -> None:
+    def _check_values(
+        self, build: Callable[[FlightSpec, int], object], values: Mapping[str, Any], where: str
+    ) -> None:
         try:
-            build_loop(self.base.with_values(values), self.file.seeds.first)
+            build(self.base.with_values(values), self.file.seeds.first)
         except BadInput as error:
             raise BadInput(f'{where}: {error}') from None
 

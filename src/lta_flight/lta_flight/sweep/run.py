@@ -109,6 +109,7 @@ def sweep_once(order: SweepRequest, console: Console) -> SweepRun:
     far: SweepWorkers | None = None
     if order.device is not None:
         far = BatchWorkers(plan.base, order.device, order.duties)
+        far.check(plan)
     elif order.scheduler is not None:
         far = SweepCluster(plan.base, order.scheduler)
     with SweepLog(folder, identity, order.retry) as log:

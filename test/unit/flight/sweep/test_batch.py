@@ -13,6 +13,7 @@ from lta_flight.batch.fly import fly_many
 from lta_flight.sweep import batch_workers
 from lta_flight.sweep.heat_map import find_map_parameters, plot_heat_map
 from lta_flight.sweep.job_runner import SweepRow
+from lta_flight.sweep.page import format_title
 from lta_flight.sweep.plan import SweepPlan
 from lta_flight.sweep.run import sweep_once, SweepRequest
 from lta_flight.sweep.statistics import group_rows, reached_share
@@ -83,18 +84,30 @@ def test_an_open_loop_asks_nothing_of_the_drone(sweep, tmp_path):
 
 
 def test_what_cannot_be_built_is_kept_as_failed(sweep, tmp_path, monkeypatch):
-    def picky(vehicle, *others):
-        if vehicle.heaviness > 2.5e-3:
+    """Each value can be flown alone, so that the check before the first flight passes."""
+
+    def picky(vehicle, scenario, *others):
+        if vehicle.heaviness > 2.5e-3 and scenario.air.wind.vector[1] > 0.05:
             raise BadInput('It is too heavy; take less.')
-        return build_flight(vehicle, *others)
+        return build_flight(vehicle, scenario, *others)
 
     monkeypatch.setattr(batch_workers, 'build_flight', picky)
-    file = sweep(vary={HEAVY: ['1 g', '3 g']})
+    file = sweep(vary={SIDE: ['0 m/s', '0.1 m/s'], HEAVY: ['1 g', '3 g']})
     done = run(file, tmp_path / 'out', page=False)
-    assert Counter(row.outcome for row in done.rows) == {'timeout': 2, 'failed': 2}
+    assert Counter(row.outcome for row in done.rows) == {'timeout': 6, 'failed': 2}
     assert {row.sentence for row in done.rows if row.outcome == 'failed'} == {
         'It is too heavy; take less.'
     }
+    title = format_title(done.plan, done.rows)
+    assert title.startswith('0 of 8 flights reached their goal, and 2 could not be flown; with')
+
+
+def test_what_a_batch_does_not_support_is_refused_before_the_first_flight(tmp_path):
+    """The shipped sweep over strategies: a batch flew a quarter of it and left out the rest."""
+    out = tmp_path / 'out'
+    with pytest.raises(BadInput, match=r'^With strategy at dga: .* leave --device out\.$'):
+        run('light_indoors', out)
+    assert not out.exists()
 
 
 def test_a_flight_whose_numbers_ran_away_has_failed(sweep, tmp_path, monkeypatch):
