@@ -8,6 +8,7 @@ holds what the two nodes read and what they answered. It tells no platform and n
 it counts as made elsewhere: the same within 1e-9, and every decision.
 """
 
+import math
 from pathlib import Path
 import shutil
 import sys
@@ -23,7 +24,7 @@ from lta_control.gains_file import load_gains
 from lta_control.messages import from_setpoint, to_dead_reckoning, to_measurement
 from lta_control.mission import mission_step, MissionSettings
 from lta_control.phases import Mission
-from lta_control.reserve import FlightPermission
+from lta_control.reserve import FlightPermission, ReserveActionSettings
 from lta_control.sighting import build_sight
 from lta_control.strategies import find_strategy
 from lta_data.bag.reader import read_bag
@@ -105,6 +106,7 @@ def answered(folder, demodulation=None, mission=None):
     listener = BeaconReceiver(settings, light.sample_rate.si, light.samples, ENTRY.largest_reading)
     odometry, reserves = recorded('odom'), recorded('energy/reserve')
     motions = {from_stamp(m.header.stamp): to_dead_reckoning(m) for _, m in odometry}
+    land = ReserveActionSettings().rule
     state, plan, finder = Mission(), find_strategy('bag'), DirectionFinder(DIODES)
     with BagWriter(folder, {}) as writer:
         for name in ANSWERS:
@@ -128,9 +130,9 @@ def answered(folder, demodulation=None, mission=None):
                 motions[begun + TABLE['photodiodes'].period_ns // 2],
                 TABLE['photodiodes'].period_ns * 1e-9,
             )
-            altitude = None if measured is None or not known else measured.altitude
+            altitude = math.nan if measured is None or not known else measured.altitude
             order = FlightPermission.RESERVE if known and known[-1] else FlightPermission.FLY
-            asked, state = mission_step(mission, plan, state, sight, altitude, order)
+            asked, state = mission_step(mission, plan, state, sight, altitude, order, 1, land)
             pose, velocity = from_setpoint(to_stamp(begun), asked)
             for name, message in (
                 ('light/peaks', from_peaks(image.header, hearing.peaks, DIODES.axes)),

@@ -3,19 +3,31 @@ Take the source of plain functions, with all that they use, out of their modules
 
 The text is what gets compiled and what the cache is keyed by, so that neither an edit of a
 function nor of anything that it calls, in whichever file, can leave old physics behind.
+
+Three constructs of plain Python that numba does not support are rewritten:
+
+- a member of an `IntEnum` becomes its number;
+- `value._replace(field=...)`, where `value` is an argument annotated with a named tuple, becomes a
+  call of that type;
+- an argument that is bound to an object (`SourceExtract(strategy=STRATEGIES['bag'])`) disappears
+  from every function, and its attributes become functions and numbers of the source.
 """
 
 import ast
 import builtins
 from collections.abc import Callable, Collection, Mapping
+from enum import IntEnum
 from functools import cache
 import inspect
 import math
 from pathlib import Path
 from types import FunctionType, ModuleType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeGuard
 
 from lta_config.errors import BadInput
+
+TUPLES = 'core'  # prefix of the named tuples
+REPLACE = '_replace'
 
 
 @cache
@@ -32,9 +44,38 @@ def _parse_definitions(path: Path, changed_ns: int, size: int) -> dict[str, ast.
 def _strip_annotations(node: ast.FunctionDef) -> ast.FunctionDef:
     """Return the function without annotations and decorators, which mean nothing compiled."""
     node.decorator_list, node.returns = [], None
+    kinds = {}
     for argument in [*node.args.args, *node.args.posonlyargs, *node.args.kwonlyargs]:
+        if isinstance(argument.annotation, ast.Name):
+            kinds[argument.arg] = argument.annotation.id
         argument.annotation = None
-    return node
+    return _MarkReplace(kinds).visit(node)  # type: ignore[no-any-return]
+
+
+class _MarkReplace(ast.NodeTransformer):
+    """Turn `value._replace(field=...)` of an argument into `Kind(_replace, value, field=...)`."""
+
+    def __init__(self, kinds: Mapping[str, str]) -> None:
+        self._kinds = kinds
+
+    def visit_Call(self, node: ast.Call) -> ast.AST:
+        """Return the marked call."""
+        self.generic_visit(node)
+        called = node.func
+        if (
+            isinstance(called, ast.Attribute)
+            and called.attr == REPLACE
+            and isinstance(called.value, ast.Name)
+            and called.value.id in self._kinds
+        ):
+            kind = ast.Name(self._kinds[called.value.id], ast.Load())
+            return ast.Call(kind, [ast.Name(REPLACE, ast.Load()), called.value], node.keywords)
+        return node
+
+
+def _is_named_tuple(value: object) -> TypeGuard[type[Any]]:
+    """Return whether a value is a named tuple type."""
+    return isinstance(value, type) and issubclass(value, tuple) and hasattr(value, '_fields')
 
 
 def _is_literal(value: object) -> bool:
@@ -44,16 +85,61 @@ def _is_literal(value: object) -> bool:
     return isinstance(value, bool | int | float)
 
 
-def _rename_names(part: Any, names: Mapping[str, str]) -> Any:  # noqa: ANN401 - any field of a node
-    """Return a copy of a part of a tree with other names."""
-    if isinstance(part, list):
-        return [_rename_names(each, names) for each in part]
-    if not isinstance(part, ast.AST):
-        return part
-    new = {key: _rename_names(value, names) for key, value in vars(part).items()}
-    if isinstance(part, ast.Name):
-        new['id'] = names.get(part.id, part.id)
-    return type(part)(**new)
+class _Rewriter(NamedTuple):
+    """Copies a part of a tree with the names and attributes of the extracted source."""
+
+    names: Mapping[str, str]
+    attributes: Mapping[str, str]  # source text of `Phase.REST` or `strategy.steer`
+    fields: Mapping[str, tuple[str, ...]]  # of the named tuples, by name in the module
+    bound: Collection[str]
+
+    def copy(self, part: Any) -> Any:  # noqa: ANN401 - any field of a node
+        """Return the rewritten copy."""
+        if isinstance(part, list):
+            return [self.copy(each) for each in part if not self._is_bound(each)]
+        if not isinstance(part, ast.AST):
+            return part
+        if isinstance(part, ast.Attribute) and isinstance(part.value, ast.Name):
+            text = self.attributes.get(f'{part.value.id}.{part.attr}')
+            if text is not None:
+                return ast.parse(text, mode='eval').body
+        if isinstance(part, ast.Call) and _is_marked(part):
+            part = self._write_out_replace(part)
+        if isinstance(part, ast.arguments):
+            part = self._without_bound_defaults(part)
+        new = {key: self.copy(value) for key, value in vars(part).items()}
+        if isinstance(part, ast.Name):
+            new['id'] = self.names.get(part.id, part.id)
+        return type(part)(**new)
+
+    def _is_bound(self, part: object) -> bool:
+        """Return whether an item of a list is a bound argument, in a signature or a call."""
+        if isinstance(part, ast.keyword):
+            part = part.value
+        name = part.arg if isinstance(part, ast.arg) else getattr(part, 'id', None)
+        return name in self.bound
+
+    def _write_out_replace(self, call: ast.Call) -> ast.Call:
+        """Return `Kind(_replace, value, field=...)` as a call with all fields."""
+        value, changed = call.args[1], {item.arg: item.value for item in call.keywords}
+        items = [
+            changed.get(name) or ast.Attribute(value, name, ast.Load())
+            for name in self.fields[ast.unparse(call.func)]
+        ]
+        return ast.Call(call.func, items, [])
+
+    def _without_bound_defaults(self, arguments: ast.arguments) -> ast.arguments:
+        """Return arguments of which the bound ones have no default."""
+        names = [item.arg for item in [*arguments.posonlyargs, *arguments.args]]
+        pairs = zip(names[::-1], arguments.defaults[::-1], strict=False)
+        left = [value for name, value in pairs if name not in self.bound][::-1]
+        return ast.arguments(**{**vars(arguments), 'defaults': left})
+
+
+def _is_marked(call: ast.Call) -> bool:
+    """Return whether a call stands for `_replace`, see `_MarkReplace`."""
+    first = call.args[0] if call.args else None
+    return isinstance(first, ast.Name) and first.id == REPLACE
 
 
 class _FunctionSource(NamedTuple):
@@ -88,13 +174,32 @@ def _list_globals(source: _FunctionSource, variables: tuple[str, ...]) -> list[s
     names = [item for item in ast.walk(source.node) if isinstance(item, ast.Name)]
     # What a comprehension binds is in no list of the function's own variables.
     bound = {item.id for item in names if isinstance(item.ctx, ast.Store)}
-    return sorted({item.id for item in names} - bound - {*variables})
+    return sorted({item.id for item in names} - bound - {*variables, REPLACE})
 
 
 @cache
-def _render_function(source: _FunctionSource, own: str, names: tuple[tuple[str, str], ...]) -> str:
+def _list_attributes(source: _FunctionSource, name: str) -> list[str]:
+    """Return the attributes of a name that a function uses."""
+    return sorted(
+        {
+            item.attr
+            for item in ast.walk(source.node)
+            if isinstance(item, ast.Attribute) and getattr(item.value, 'id', None) == name
+        }
+    )
+
+
+@cache
+def _render_function(
+    source: _FunctionSource,
+    own: str,
+    names: tuple[tuple[str, str], ...],
+    attributes: tuple[tuple[str, str], ...],
+    fields: tuple[tuple[str, tuple[str, ...]], ...],
+    bound: tuple[str, ...],
+) -> str:
     """Return the text of a function called `own` whose globals have these names."""
-    node = _rename_names(source.node, dict(names))
+    node = _Rewriter(dict(names), dict(attributes), dict(fields), bound).copy(source.node)
     node.name = own
     return ast.unparse(node)
 
@@ -104,11 +209,19 @@ class SourceExtract:
     A growing text of functions without imports other than `math`.
 
     Each function is called `<prefix>_<name>` in it, and `prefix` also goes before the constants
-    and functions that it uses, so that files may use the same names for different things.
+    and functions that it uses, so that files may use the same names for different things. Named
+    tuples are called `core_<name>` under every prefix.
+
+    Parameters
+    ----------
+    bound : object
+        Arguments that are replaced by these objects, by name.
+
     """
 
-    def __init__(self) -> None:
+    def __init__(self, **bound: object) -> None:
         self._pieces: dict[str, str] = {}
+        self._bound = bound
 
     def add_function(self, function: Callable[..., Any], prefix: str) -> str:
         """
@@ -124,11 +237,33 @@ class SourceExtract:
             raise BadInput(f'{function!r} of {prefix} is no plain function; write it with def.')
         own = f'{prefix}_{function.__name__}'
         source = _locate_source(function)
-        names = {
-            name: self._add_global(function, name, prefix)
-            for name in _list_globals(source, function.__code__.co_varnames)
-        }
-        return self._add_piece(own, _render_function(source, own, tuple(names.items())))
+        names, attributes, fields = {}, {}, {}
+        for name in _list_globals(source, function.__code__.co_varnames):
+            value = function.__globals__.get(name)
+            if isinstance(value, type) and issubclass(value, IntEnum):
+                for member in _list_attributes(source, name):
+                    attributes[f'{name}.{member}'] = str(int(value[member]))
+                continue
+            names[name] = self._add_global(function, name, prefix)
+            if _is_named_tuple(value):
+                fields[name] = value._fields
+        bound = [name for name in self._bound if name in function.__code__.co_varnames]
+        for name in bound:
+            for attribute in _list_attributes(source, name):
+                attributes[f'{name}.{attribute}'] = self._add_bound(name, attribute)
+        text = _render_function(
+            source, own, (*names.items(),), (*attributes.items(),), (*fields.items(),), (*bound,)
+        )
+        return self._add_piece(own, text)
+
+    def _add_bound(self, name: str, attribute: str) -> str:
+        """Return what an attribute of a bound argument is called, having taken it along."""
+        value = getattr(self._bound[name], attribute)
+        if isinstance(value, FunctionType):
+            return self.add_function(value, name)
+        if _is_literal(value):
+            return repr(value)
+        raise BadInput(f'{name}.{attribute} is {value!r}, which cannot be compiled.')
 
     def _add_global(self, function: FunctionType, name: str, prefix: str) -> str:
         """Return what a global is called in the text, having taken it along."""
@@ -140,7 +275,9 @@ class SourceExtract:
             return self.add_function(value, prefix)
         if getattr(math, getattr(value, '__name__', ''), None) is value:
             return f'math.{value.__name__}'  # type: ignore[union-attr]
-        if isinstance(value, type) and issubclass(value, tuple) and hasattr(value, '_fields'):
+        if _is_named_tuple(value):
+            # One type for all prefixes: values pass between functions of different prefixes.
+            own = f'{TUPLES}_{value.__name__}'
             return self._add_piece(
                 own, f'{own} = namedtuple({value.__name__!r}, {value._fields!r})'
             )

@@ -12,13 +12,14 @@ lamp, as set in `reserve`. On the ground it stays there, and an interrupted flig
 The received light belongs to the beacon requested one step earlier (`topics.yaml`, light/beacon).
 """
 
+import math
 from typing import final
 
 from lta_config.course import Course
 from lta_config.settings import setting
 from lta_control.cascade import Setpoint
 from lta_control.phases import Mission, Phase, SWITCHING
-from lta_control.reserve import FlightPermission, ReserveActionSettings
+from lta_control.reserve import FlightPermission, ReserveRule
 from lta_control.reserve_policy import apply_reserve, heading_to_start
 from lta_control.strategies.protocol import LightSight, NavigationStrategy
 from lta_control.strategies.settings import StrategySettings
@@ -52,15 +53,22 @@ class MissionSettings(StrategySettings):
     again: float = setting(10.0, 'Time until the next attempt.', unit='s', low=0.5, high=3600.0)
 
 
+def initial_mission(strategy: NavigationStrategy) -> Mission:
+    """Return the mission at rest, with a memory of the strategy's type for compiled loops."""
+    return Mission(
+        Phase.REST, strategy.start(0.0), 0, 0, SWITCHING, 0, False, (0.0, 0.0), 0.0, 0.0
+    )
+
+
 def mission_step(
     settings: MissionSettings,
     strategy: NavigationStrategy,
     mission: Mission,
     sight: LightSight,
-    altitude: float | None,
+    altitude: float,
     order: FlightPermission,
-    lamps: int = 1,
-    reserve: ReserveActionSettings = ReserveActionSettings(),  # noqa: B008 - frozen
+    lamps: int,
+    rule: ReserveRule,
 ) -> tuple[Setpoint, Mission]:
     """
     Return the controller's setpoint, and the new state of the mission.
@@ -71,39 +79,39 @@ def mission_step(
         Steers while seeking.
     sight : LightSight
         The latest light.
-    altitude : float or None
-        Estimated altitude; None while take-off is not allowed: the estimator calibrates its
+    altitude : float
+        Estimated altitude; NaN while take-off is not allowed: the estimator calibrates its
         biases, or the energy is unknown. [m]
     order : FlightPermission
         What the energy monitor allows.
     lamps : int
         Number of lamps on the route.
-    reserve : ReserveActionSettings
+    rule : ReserveRule
         Action at the energy reserve.
 
     """
-    phase, memory = mission.phase, mission.memory
-    if altitude is None or (phase is Phase.REST and order is not FlightPermission.FLY):
+    waiting = mission.phase == Phase.REST and order != FlightPermission.FLY
+    if math.isnan(altitude) or waiting:
         return Setpoint(0.0, sight.heading, 0.0), mission
-    if phase is Phase.REST:
-        phase, memory = Phase.CLIMB, strategy.start(sight.heading)
-        mission = mission._replace(start=sight.position)
-    if phase is Phase.CLIMB and altitude > settings.altitude - settings.reached:
-        phase = Phase.SEEK
-    mission = mission._replace(phase=phase, memory=memory)
-    mission = apply_reserve(reserve, settings.speed, mission, sight, order)
-    phase, memory = mission.phase, mission.memory
-    if phase is Phase.HOME:
-        heading = heading_to_start(mission.start, sight.position)
-        mission = mission._replace(memory=(heading, *memory[1:]))
-        return Setpoint(settings.altitude, heading, settings.speed), mission
-    if phase is Phase.SEEK or phase is Phase.ARRIVED:
+    if mission.phase == Phase.REST:
+        mission = mission._replace(
+            phase=Phase.CLIMB,
+            memory=strategy.start(sight.heading),
+            heading=sight.heading,
+            start=sight.position,
+        )
+    if mission.phase == Phase.CLIMB and altitude > settings.altitude - settings.reached:
+        mission = mission._replace(phase=Phase.SEEK)
+    mission = apply_reserve(rule, settings.speed, mission, sight, order)
+    if mission.phase == Phase.HOME:
+        mission = mission._replace(heading=heading_to_start(mission.start, sight.position))
+        return Setpoint(settings.altitude, mission.heading, settings.speed), mission
+    if mission.phase == Phase.SEEK or mission.phase == Phase.ARRIVED:
         return _steer_by_strategy(settings, strategy, mission, sight, lamps)
-    if phase is Phase.CLIMB and strategy.watch is not None:
-        memory = strategy.watch(settings, memory, sight)
-        mission = mission._replace(memory=memory)
-    height = settings.landing if phase is Phase.LAND else settings.altitude
-    return Setpoint(height, memory[0], 0.0), mission
+    if mission.phase == Phase.CLIMB:
+        mission = mission._replace(memory=strategy.watch(settings, mission.memory, sight))
+    height = settings.landing if mission.phase == Phase.LAND else settings.altitude
+    return Setpoint(height, mission.heading, 0.0), mission
 
 
 def _steer_by_strategy(
@@ -120,7 +128,7 @@ def _steer_by_strategy(
         settings, mission.memory, sight if known else remove_light(sight)
     )
     setpoint = Setpoint(settings.altitude, course.heading, course.speed)
-    mission = mission._replace(memory=memory)
+    mission = mission._replace(memory=memory, heading=memory[0])
     if course.arrived:
         mission = mission._replace(phase=Phase.ARRIVED)
     if lamps > 1:
@@ -144,7 +152,7 @@ def _listen_for_next(
     turns = mission.turns + 1
     received = mission.heard + 1 if sight.seen and turns > SWITCHING else 0
     mission = mission._replace(turns=turns, heard=received)
-    if mission.phase is not Phase.ARRIVED or mission.leg + 1 == lamps:
+    if mission.phase != Phase.ARRIVED or mission.leg + 1 == lamps:
         return mission
     time = turns * sight.interval
     if mission.asked == mission.leg:
@@ -152,11 +160,14 @@ def _listen_for_next(
         if time < wait:
             return mission
         return mission._replace(asked=mission.leg + 1, turns=0, heard=0)
-    if received * sight.interval >= settings.heard and strategy.onward is not None:
-        memory = strategy.onward(mission.memory)
-        leg = mission.asked
+    if received * sight.interval >= settings.heard and strategy.arrives:
         return mission._replace(
-            phase=Phase.SEEK, memory=memory, leg=leg, turns=turns, heard=received, refused=False
+            phase=Phase.SEEK,
+            memory=strategy.onward(mission.memory),
+            leg=mission.asked,
+            turns=turns,
+            heard=received,
+            refused=False,
         )
     if time >= settings.patience:
         return mission._replace(asked=mission.leg, turns=0, heard=0, refused=True)
@@ -164,7 +175,7 @@ def _listen_for_next(
 
 
 def course_step(
-    course: Course, time: float, heading: float, altitude: float | None, order: FlightPermission
+    course: Course, time: float, heading: float, altitude: float, order: FlightPermission
 ) -> Setpoint:
     """
     Return the controller's setpoint on a fixed course that replaces the search.
@@ -172,9 +183,9 @@ def course_step(
     `time` counts from the first light [s], and `heading` [rad] is held on the floor. Where the
     energy does not allow to fly on, the drone lands where it is.
     """
-    if altitude is None:
+    if math.isnan(altitude):
         return Setpoint(0.0, heading, 0.0)
     planned = course.setpoint_at(time)
-    if order is not FlightPermission.FLY:
+    if order != FlightPermission.FLY:
         return Setpoint(0.0, planned.heading, 0.0)
     return Setpoint(planned.altitude, planned.heading, planned.speed)

@@ -22,6 +22,7 @@ from lta_control.estimator import (
 )
 from lta_control.message_rounding import air_relative_velocity, build_measurement
 from lta_control.per_rotor import NONE, PerRotor
+from lta_control.sighting import DeadReckonedMotion
 
 
 class DroneConstants(NamedTuple):
@@ -107,6 +108,17 @@ def onboard_step(
     return OnboardMemory(
         estimate, measured, memory.guided, memory.setpoint, control, duties, stopped
     )
+
+
+def reckon_motion(memory: OnboardMemory) -> DeadReckonedMotion:
+    """Return the drone's estimate of its motion."""
+    measured, place = memory.measured, memory.estimate.position
+    return DeadReckonedMotion(measured.heading, place[0], place[1], measured.speed, measured.sway)
+
+
+def guidance_altitude(memory: OnboardMemory) -> float:
+    """Return the estimated altitude; NaN while the estimator calibrates. [m]"""
+    return memory.measured.altitude if memory.estimate.ready else math.nan
 
 
 def _must_stop(

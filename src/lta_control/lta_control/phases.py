@@ -1,6 +1,6 @@
 """State of a mission: its phase, its start, and its current lamp."""
 
-from enum import StrEnum
+from enum import IntEnum
 from typing import NamedTuple
 
 from lta_control.strategies.protocol import Memory
@@ -8,15 +8,19 @@ from lta_control.strategies.protocol import Memory
 SWITCHING = 2  # light blocks from requesting a beacon until a block surely holds its light
 
 
-class Phase(StrEnum):
+class Phase(IntEnum):
     """What the drone is doing."""
 
-    REST = 'rest'
-    CLIMB = 'climb'
-    SEEK = 'seek'
-    ARRIVED = 'arrived'
-    HOME = 'home'
-    LAND = 'land'
+    REST = 0
+    CLIMB = 1
+    SEEK = 2
+    ARRIVED = 3
+    HOME = 4
+    LAND = 5
+
+    def __str__(self) -> str:
+        """Return the name as diagnostics report it."""
+        return self.name.lower()
 
 
 class Mission(NamedTuple):
@@ -41,6 +45,8 @@ class Mission(NamedTuple):
         Take-off position, by dead reckoning. [m, odom]
     left : float
         Remaining time for the flight back. [s]
+    heading : float
+        Last commanded heading, held while landing. [rad, odom]
 
     """
 
@@ -53,3 +59,4 @@ class Mission(NamedTuple):
     refused: bool = False
     start: tuple[float, float] = (0.0, 0.0)
     left: float = 0.0
+    heading: float = 0.0

@@ -21,6 +21,23 @@ class FlightPermission(IntEnum):
     DOWN = 2
 
 
+class ReserveAction(IntEnum):
+    """What to do at the energy reserve."""
+
+    LAND = 0
+    RETURN = 1
+    PERCH = 2
+
+
+class ReserveRule(NamedTuple):
+    """`ReserveActionSettings` as the mission takes them: numbers alone."""
+
+    action: int
+    home: float  # [m]
+    patience: float
+    turning: float  # [s]
+
+
 @final
 class ReserveActionSettings(Settings):
     """Action at the energy reserve, and how long a report is valid."""
@@ -50,6 +67,12 @@ class ReserveActionSettings(Settings):
     turning: float = setting(
         20.0, 'Additional time to coast and turn.', unit='s', low=0.0, high=600.0
     )
+
+    @property
+    def rule(self) -> ReserveRule:
+        """The part that decides in flight."""
+        action = ReserveAction[self.action.upper()]
+        return ReserveRule(action, self.home, self.patience, self.turning)
 
 
 class ReserveReport(NamedTuple):

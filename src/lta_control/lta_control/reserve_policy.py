@@ -4,7 +4,12 @@ import math
 
 from lta_config.errors import BadInput
 from lta_control.phases import Mission, Phase
-from lta_control.reserve import FlightPermission, ReserveActionSettings
+from lta_control.reserve import (
+    FlightPermission,
+    ReserveAction,
+    ReserveActionSettings,
+    ReserveRule,
+)
 from lta_control.strategies.protocol import LightSight, NavigationStrategy
 
 Place = tuple[float, float]
@@ -20,7 +25,7 @@ def check_reserve(settings: ReserveActionSettings, strategy: NavigationStrategy)
 
 
 def apply_reserve(
-    settings: ReserveActionSettings,
+    rule: ReserveRule,
     speed: float,
     mission: Mission,
     sight: LightSight,
@@ -32,20 +37,20 @@ def apply_reserve(
     A flight back is never restarted and always ends in a landing, wherever it has led: it uses
     dead reckoning, which drifts with the wind. `speed` is its airspeed. [m/s]
     """
-    if mission.phase is Phase.HOME:
+    if mission.phase == Phase.HOME:
         mission = mission._replace(left=mission.left - sight.interval)
-        near = distance_to_start(mission.start, sight.position) <= settings.home
-        over = near or mission.left <= 0.0 or order is FlightPermission.DOWN
+        near = distance_to_start(mission.start, sight.position) <= rule.home
+        over = near or mission.left <= 0.0 or order == FlightPermission.DOWN
         return mission._replace(phase=Phase.LAND) if over else mission
-    if order is FlightPermission.FLY or mission.phase is Phase.LAND:
+    if order == FlightPermission.FLY or mission.phase == Phase.LAND:
         return mission
     # During the climb the drone is still near its start, so it lands at once.
-    if order is FlightPermission.RESERVE and mission.phase is not Phase.CLIMB:
-        if settings.action == 'perch' and mission.phase is Phase.SEEK:
+    if order == FlightPermission.RESERVE and mission.phase != Phase.CLIMB:
+        if rule.action == ReserveAction.PERCH and mission.phase == Phase.SEEK:
             return mission
-        if settings.action == 'return' and speed > 0.0:
+        if rule.action == ReserveAction.RETURN and speed > 0.0:
             way = distance_to_start(mission.start, sight.position)
-            left = settings.turning + settings.patience * way / speed
+            left = rule.turning + rule.patience * way / speed
             return mission._replace(phase=Phase.HOME, left=left)
     return mission._replace(phase=Phase.LAND)
 

@@ -39,6 +39,18 @@ class LampPosition(NamedTuple):
     spread: Spread
 
 
+class LampDirection(NamedTuple):
+    """Whether the lamp is seen, and where in the body frame; zeros where it is not. [rad]"""
+
+    seen: bool
+    bearing: float
+    elevation: float
+    deviation: float  # standard deviation of the bearing
+
+
+UNSEEN = LampDirection(False, 0.0, 0.0, 0.0)
+
+
 def build_sight(
     lamp: LampPosition | None,
     axes: tuple[tuple[float, float], ...],
@@ -68,21 +80,37 @@ def build_sight(
     """
     # A diode without valid samples counts as dark.
     amplitudes = tuple(a if math.isfinite(a) else 0.0 for a in amplitudes)
-    bearing = deviation = strength = elevation = 0.0
+    direction = UNSEEN
     if lamp is not None:
-        away = math.hypot(lamp.x, lamp.y)
-        bearing, elevation = math.atan2(lamp.y, lamp.x), math.atan2(lamp.z, away)
-        deviation = bearing_deviation(lamp)
-        strength = facing_strength(axes, amplitudes) / scale
+        direction = LampDirection(
+            True,
+            math.atan2(lamp.y, lamp.x),
+            math.atan2(lamp.z, math.hypot(lamp.x, lamp.y)),
+            bearing_deviation(lamp),
+        )
+    # An empty tuple means that the block could not be read.
+    return sight_from_direction(direction, axes, amplitudes or (0.0,), reckoned, interval, scale)
+
+
+def sight_from_direction(
+    lamp: LampDirection,
+    axes: tuple[tuple[float, float], ...],
+    amplitudes: tuple[float, ...],
+    reckoned: DeadReckonedMotion,
+    interval: float,
+    scale: float,
+) -> LightSight:
+    """Return the sight of one block from the direction of the lamp; see `build_sight`."""
+    strength = facing_strength(axes, amplitudes) / scale if lamp.seen else 0.0
     return LightSight(
-        lamp is not None,
-        bearing,
+        lamp.seen,
+        lamp.bearing,
         reckoned.heading,
-        amplitudes or (0.0,),  # the block could not be read
+        amplitudes,
         interval,
-        deviation,
+        lamp.deviation,
         strength,
-        elevation,
+        lamp.elevation,
         (reckoned.x, reckoned.y),
         (reckoned.forward, reckoned.left),
     )
@@ -103,7 +131,7 @@ def bearing_deviation(lamp: LampPosition) -> float:
 def facing_strength(axes: tuple[tuple[float, float], ...], amplitudes: tuple[float, ...]) -> float:
     """Return the amplitude of a diode that would face the lamp. [ADC counts]"""
     forward = left = 0.0
-    for (x, y), amplitude in zip(axes, amplitudes, strict=True):
-        forward += amplitude * x
-        left += amplitude * y
+    for k in range(len(axes)):  # numba compiles no strict zip
+        forward += amplitudes[k] * axes[k][0]
+        left += amplitudes[k] * axes[k][1]
     return 4.0 * math.hypot(forward, left) / max(len(axes), 1)

@@ -249,7 +249,7 @@ class ClosedLoop:
         scale = self.world.diode_scale
         sight = build_sight(lamp, self._axes, amplitudes, self._reckoned[0], self._block, scale)
         measured, energy = self.measured_state(), self.energy
-        altitude = None if measured is None or energy is None else measured.altitude
+        altitude = math.nan if measured is None or energy is None else measured.altitude
         order = self._reserve_order(stamp_ns)
         if self._plan is not None:
             time = (stamp_ns - self._table.start_ns) * 1e-9
@@ -258,7 +258,7 @@ class ClosedLoop:
         policy, route = self.policy, self.world.scenario.route_beacons
         self.asked, self.mission = mission_step(
             policy.mission, policy.strategy, self.mission, sight, altitude, order,
-            max(len(route), 1), policy.reserve,
+            max(len(route), 1), policy.reserve.rule,
         )  # fmt: skip
         self.beacon = route[self.mission.asked][1] if route else NO_WISH
 

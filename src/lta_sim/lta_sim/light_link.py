@@ -53,8 +53,7 @@ class LightLink(NamedTuple):
     alive: tuple[float, ...]
     hull: Vector
     around: SceneGeometry
-    cosines: tuple[float, ...]
-    sines: tuple[float, ...]
+    axes: tuple[tuple[float, float], ...]  # of the diodes along body x and y
     threshold: float
     counts: float
     dark: float
@@ -99,8 +98,7 @@ def build_light_link(
         alive=tuple(array.diode_gains.tolist()),
         hull=hull,
         around=build_field_geometry(field),
-        cosines=tuple(axes[:, 0].tolist()),
-        sines=tuple(axes[:, 1].tolist()),
+        axes=tuple((x, y) for x, y in axes[:, :2].tolist()),
         threshold=settings.threshold,
         counts=volts / lamp.efficacy * scale,
         dark=array.dark_offset * scale,

@@ -1,37 +1,39 @@
 """The mission: rest, climb, seek, land; forward only."""
 
 import itertools
+import math
 
 from lta_config.course import Course
 from lta_control.cascade import Setpoint
 from lta_control.mission import course_step, mission_step, MissionSettings, remove_light
 from lta_control.phases import Mission, Phase, SWITCHING
-from lta_control.reserve import FlightPermission
+from lta_control.reserve import FlightPermission, ReserveActionSettings
 from lta_control.strategies import find_strategy
 from lta_control.strategies.protocol import LightSight
 import pytest
 
 SETTINGS = MissionSettings()
+LAND = ReserveActionSettings().rule
 BAG = find_strategy('bag')
 SEEN = LightSight(seen=True, bearing=0.4, heading=1.0, amplitudes=(0.0,) * 8, interval=0.1)
 BLIND = SEEN._replace(seen=False, bearing=0.0)
 
 
 def go(mission=Mission(), sight=SEEN, altitude=0.42, order=FlightPermission.FLY):  # noqa: B008 - immutable
-    return mission_step(SETTINGS, BAG, mission, sight, altitude, order)
+    return mission_step(SETTINGS, BAG, mission, sight, altitude, order, 1, LAND)
 
 
 def test_at_rest_it_asks_for_nothing():
-    setpoint, mission = go(altitude=None)
+    setpoint, mission = go(altitude=math.nan)
     assert setpoint == Setpoint(0.0, 1.0, 0.0)
     assert mission == Mission(Phase.REST, ())
-    assert go(altitude=None, order=FlightPermission.RESERVE)[1] == mission
+    assert go(altitude=math.nan, order=FlightPermission.RESERVE)[1] == mission
 
 
 def test_it_climbs_on_the_heading_it_stood_on():
     setpoint, mission = go()
     assert setpoint == Setpoint(0.5, 1.0, 0.0)
-    assert mission == Mission(Phase.CLIMB, (1.0,))
+    assert mission == Mission(Phase.CLIMB, (1.0,), heading=1.0)
     setpoint, mission = go(mission, SEEN._replace(heading=1.3))
     assert setpoint == Setpoint(0.5, 1.0, 0.0)
 
@@ -40,24 +42,24 @@ def test_it_climbs_on_the_heading_it_stood_on():
     ('altitude', 'phase'), [(0.459, Phase.CLIMB), (0.5 - 0.04, Phase.CLIMB), (0.461, Phase.SEEK)]
 )
 def test_the_climb_ends_near_the_altitude(altitude, phase):
-    assert go(Mission(Phase.CLIMB, (1.0,)), altitude=altitude)[1].phase is phase
+    assert go(Mission(Phase.CLIMB, (1.0,), heading=1.0), altitude=altitude)[1].phase is phase
 
 
 def test_it_seeks_where_the_strategy_says():
-    setpoint, mission = go(Mission(Phase.SEEK, (1.0,)), altitude=0.5)
+    setpoint, mission = go(Mission(Phase.SEEK, (1.0,), heading=1.0), altitude=0.5)
     assert setpoint == Setpoint(0.5, pytest.approx(1.4), 0.5)
-    assert mission == Mission(Phase.SEEK, (pytest.approx(1.4),))
+    assert mission == Mission(Phase.SEEK, (pytest.approx(1.4),), heading=pytest.approx(1.4))
 
 
 def test_sinking_does_not_start_another_climb():
-    assert go(Mission(Phase.SEEK, (1.0,)), altitude=0.1)[1].phase is Phase.SEEK
+    assert go(Mission(Phase.SEEK, (1.0,), heading=1.0), altitude=0.1)[1].phase is Phase.SEEK
 
 
 @pytest.mark.parametrize('order', [FlightPermission.RESERVE, FlightPermission.DOWN])
 @pytest.mark.parametrize('phase', [Phase.CLIMB, Phase.SEEK, Phase.LAND])
 @pytest.mark.parametrize('altitude', [0.42, 0.5])
 def test_the_reserve_lands_it(phase, altitude, order):
-    setpoint, mission = go(Mission(phase, (0.7,)), altitude=altitude, order=order)
+    setpoint, mission = go(Mission(phase, (0.7,), heading=0.7), altitude=altitude, order=order)
     assert mission.phase is Phase.LAND
     assert setpoint == Setpoint(0.3, 0.7, 0.0)
 
@@ -70,7 +72,7 @@ def test_it_does_not_take_off_on_the_reserve_and_does_when_it_is_taken_back(orde
 
 
 def test_it_goes_on_landing_when_the_reserve_recovers():
-    setpoint, mission = go(Mission(Phase.LAND, (0.7,)), altitude=0.5)
+    setpoint, mission = go(Mission(Phase.LAND, (0.7,), heading=0.7), altitude=0.5)
     assert setpoint == Setpoint(0.3, 0.7, 0.0)
     assert mission.phase is Phase.LAND
 
@@ -81,9 +83,10 @@ def test_landing_asks_for_less_than_where_the_gear_stands():
 
 def test_phases_only_go_forward():
     phases = list(Phase)
-    assert phases == ['rest', 'climb', 'seek', 'arrived', 'home', 'land']
+    names = ['rest', 'climb', 'seek', 'arrived', 'home', 'land']
+    assert list(map(str, phases)) == names
     inputs = list(
-        itertools.product((SEEN, BLIND), (None, 0.1, 0.42, 0.47, 3.0), tuple(FlightPermission))
+        itertools.product((SEEN, BLIND), (math.nan, 0.1, 0.42, 0.47, 3.0), tuple(FlightPermission))
     )
     for phase, (sight, altitude, order) in itertools.product(phases, inputs):
         memory = () if phase is Phase.REST else (0.7,)
@@ -98,7 +101,7 @@ def test_blind_removes_only_the_light_from_a_sight():
 
 
 def test_a_fresh_mission_rests_and_has_waited_for_its_first_lamp():
-    assert Mission() == (Phase.REST, (), 0, 0, SWITCHING, 0, False, (0.0, 0.0), 0.0)
+    assert Mission() == (Phase.REST, (), 0, 0, SWITCHING, 0, False, (0.0, 0.0), 0.0, 0.0)
 
 
 def test_a_course_is_flown_by_its_rows_until_the_energy_reserve():
@@ -106,6 +109,6 @@ def test_a_course_is_flown_by_its_rows_until_the_energy_reserve():
     course = Course.model_validate({'between': 'step', 'rows': [row]})
     assert course_step(course, 2.0, 0.3, 0.42, FlightPermission.FLY) == Setpoint(1.0, 0.5, 0.4)
     assert course_step(course, 1.0, 0.3, 0.42, FlightPermission.FLY) == Setpoint(0.0, 0.5, 0.0)
-    assert course_step(course, 2.0, 0.3, None, FlightPermission.FLY) == Setpoint(0.0, 0.3, 0.0)
+    assert course_step(course, 2.0, 0.3, math.nan, FlightPermission.FLY) == Setpoint(0.0, 0.3, 0.0)
     for order in (FlightPermission.RESERVE, FlightPermission.DOWN):
         assert course_step(course, 2.0, 0.3, 0.42, order) == Setpoint(0.0, 0.5, 0.0)

@@ -37,7 +37,7 @@ SEEKER = NavigationStrategy(
 
 def go(mission, order, reserve, position=(0.0, 0.0), altitude=0.5):
     sight = SIGHT._replace(position=position)
-    return mission_step(SETTINGS, SEEKER, mission, sight, altitude, order, 1, reserve)
+    return mission_step(SETTINGS, SEEKER, mission, sight, altitude, order, 1, reserve.rule)
 
 
 def airborne(position=(0.0, 0.0)):

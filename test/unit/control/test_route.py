@@ -3,12 +3,13 @@
 from lta_config.errors import BadInput
 from lta_control.mission import mission_step, MissionSettings
 from lta_control.phases import Mission, Phase, SWITCHING
-from lta_control.reserve import FlightPermission
+from lta_control.reserve import FlightPermission, ReserveActionSettings
 from lta_control.strategies import check_route, find_strategy
 from lta_control.strategies.protocol import LightSight, NavigationStrategy, SteeringCommand
 import pytest
 
 SETTINGS = MissionSettings()
+LAND = ReserveActionSettings().rule
 SEEN = LightSight(True, 0.4, 1.0, (0.0,), 0.1, 0.05, 800.0)
 BLIND = SEEN._replace(seen=False)
 
@@ -32,7 +33,7 @@ def fly(sights, mission=None, lamps=2):
     rows = []
     for sight in sights:
         _, mission = mission_step(
-            SETTINGS, THERE, mission, sight, 0.5, FlightPermission.FLY, lamps
+            SETTINGS, THERE, mission, sight, 0.5, FlightPermission.FLY, lamps, LAND
         )
         rows.append(mission)
     return rows
@@ -85,7 +86,9 @@ def test_a_single_lamp_is_never_left():
 
 def test_the_reserve_lands_it_on_a_route_too():
     mission = fly([SEEN] * 3)[-1]
-    asked, mission = mission_step(SETTINGS, THERE, mission, SEEN, 0.5, FlightPermission.RESERVE, 2)
+    asked, mission = mission_step(
+        SETTINGS, THERE, mission, SEEN, 0.5, FlightPermission.RESERVE, 2, LAND
+    )
     assert mission.phase is Phase.LAND
     assert (asked.altitude, asked.speed) == (SETTINGS.landing, 0.0)
 

@@ -66,7 +66,7 @@ def test_a_nan_or_infinite_amplitude_is_taken_as_zero():
 
 
 def test_fewer_amplitudes_than_diodes_are_an_error():
-    with pytest.raises(ValueError, match='zip'):
+    with pytest.raises(IndexError, match='out of range'):
         facing_strength(((1.0, 0.0), (0.0, 1.0)), (4.0,))
     assert facing_strength((), ()) == 0.0
 

@@ -14,7 +14,7 @@ BLIND = SEEN._replace(seen=False, bearing=0.0)
 
 def test_bag_is_known():
     assert find_strategy('bag') is STRATEGY
-    assert (STRATEGY.arrives, STRATEGY.ranges, STRATEGY.watch) == (False, False, None)
+    assert (STRATEGY.arrives, STRATEGY.ranges) == (False, False)
 
 
 def test_an_unknown_name_is_refused_with_the_known_ones():

@@ -1,6 +1,7 @@
 """Navigator node: convert the light estimate to heading, altitude and speed."""
 
 from collections import deque
+import math
 
 from lta_config.settings import setting
 from lta_control.cascade import Setpoint
@@ -87,7 +88,7 @@ class Navigator(GraphNode):
             return  # light may arrive before an estimate; in lockstep every node answers
         estimate = step.last_message('light/estimate')
         measured = to_measurement(self._history[-1]) if self._history else None
-        altitude = None if measured is None or self._word is None else measured.altitude
+        altitude = math.nan if measured is None or self._word is None else measured.altitude
         setpoint = self._compute_setpoint(step, altitude)
         pose, velocity = from_setpoint(estimate.header.stamp, setpoint)
         self._pose.publish(pose)
@@ -99,7 +100,7 @@ class Navigator(GraphNode):
         """The beacon frequency to listen for next. [Hz]"""
         return self._route[self._mission.asked][1] if self._route else NO_WISH
 
-    def _compute_setpoint(self, step: InboxStep, altitude: float | None) -> Setpoint:
+    def _compute_setpoint(self, step: InboxStep, altitude: float) -> Setpoint:
         """Return the setpoint, and report the mission's state."""
         sight, settings = self._build_sight(step), self._settings.value
         order = decide_permission(settings.reserve, self._word, step.stamp_ns)
@@ -110,7 +111,7 @@ class Navigator(GraphNode):
             return course_step(self._course, time, sight.heading, altitude, order)
         setpoint, self._mission = mission_step(
             settings, self._strategy, self._mission, sight, altitude, order,
-            max(len(self._route), 1), settings.reserve,
+            max(len(self._route), 1), settings.reserve.rule,
         )  # fmt: skip
         self._report_lamp(order, step.stamp_ns)
         return setpoint

@@ -83,6 +83,20 @@ class CruiseSettings(Settings):
     )
 
 
+def keep_memory(
+    settings: 'StrategySettings',
+    memory: Memory,
+    sight: LightSight,
+) -> Memory:
+    """Return the memory unchanged, for a strategy that learns nothing during the climb."""
+    return memory
+
+
+def keep_lamp(memory: Memory) -> Memory:
+    """Return the memory unchanged, for a strategy that never arrives."""
+    return memory
+
+
 @final
 @dataclass(frozen=True, slots=True)
 class NavigationStrategy:
@@ -113,11 +127,11 @@ class NavigationStrategy:
     name: str
     start: Callable[[float], Memory]
     steer: Callable[['StrategySettings', Any, LightSight], tuple[SteeringCommand, Memory]]
-    watch: Callable[['StrategySettings', Any, LightSight], Memory] | None = None
-    onward: Callable[[Any], Memory] | None = None
+    watch: Callable[['StrategySettings', Any, LightSight], Memory] = keep_memory
+    onward: Callable[[Any], Memory] = keep_lamp
     ranges: bool = False
 
     @property
     def arrives(self) -> bool:
         """Whether it ever reports an arrival."""
-        return self.onward is not None
+        return self.onward is not keep_lamp

@@ -12,7 +12,7 @@ from lta_control.cascade import CascadeGains
 from lta_control.laws import LAWS
 from lta_control.laws.onboard_law import CASCADE
 from lta_control.per_rotor import NONE, pad_to_slots
-from lta_control.strategies import bearing_angle
+from lta_control.strategies.protocol import NavigationStrategy
 from lta_flight.batch.flight_data import BatchGoal, BatchPower, FlightConstants
 from lta_flight.batch.targets import BatchRhythm, STEP
 from lta_flight.flight_stack import FlightStack
@@ -54,6 +54,8 @@ class BatchFlight:
         What kind of number each is; flights of one form share a text.
     craft : Craft
         The constants.
+    strategy : NavigationStrategy
+        How it navigates; flights of one strategy share a text.
     name : str
         Of the vehicle.
 
@@ -64,6 +66,7 @@ class BatchFlight:
     form: str
     craft: FlightConstants
     name: str
+    strategy: NavigationStrategy
 
 
 def build_rhythm(table: TopicTable) -> BatchRhythm:
@@ -94,10 +97,6 @@ def build_model(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> Ve
         If it needs what a batch does not have.
 
     """
-    if policy.strategy is not bearing_angle.STRATEGY:
-        raise BadInput(
-            f'A batch knows the strategy bag only, not {policy.strategy.name}; leave --device out.'
-        )
     if policy.law is not LAWS[CASCADE]:
         raise BadInput(
             f'A batch knows the control law {CASCADE} only, not {policy.law.name}, which '
@@ -162,17 +161,20 @@ def build_flight(
         mass_place=(place.get('x', 0.0), place.get('y', 0.0), place.get('z', 0.0)),
         duties=pad_to_slots(duties),
     )
-    return flight_from_constants(model, craft, vehicle)
+    return flight_from_constants(model, craft, vehicle, policy.strategy)
 
 
 def flight_from_constants(
-    model: VehicleModel, constants: FlightConstants, vehicle: Vehicle
+    model: VehicleModel,
+    constants: FlightConstants,
+    vehicle: Vehicle,
+    strategy: NavigationStrategy,
 ) -> BatchFlight:
     """Return a flight from its constants."""
     numbers: list[float] = []
     form: list[str] = []
     flatten_numbers(settings_to_tuples(constants), numbers, form)
-    return BatchFlight(model, numbers, ''.join(form), constants, vehicle.file.name)
+    return BatchFlight(model, numbers, ''.join(form), constants, vehicle.file.name, strategy)
 
 
 def build_constants(
@@ -189,13 +191,14 @@ def build_constants(
         policy.tilt_limit,
     )
     rate, samples = light.sample_rate.si, light.samples
+    selected = select_diode_gain(scenario.light_field, vehicle)
     return FlightConstants(
         drone=drone,
         mission=policy.mission,
         sensors=build_sensors(vehicle, scenario.air.pressure.si),
         listening=build_light_link(
             scenario.light_field,
-            select_diode_gain(scenario.light_field, vehicle),
+            selected,
             half_axes(vehicle.file.hull),
             policy.demodulation,
             rate,
@@ -212,6 +215,8 @@ def build_constants(
         lowest=pad_to_slots(-1.0 if reverses else 0.0 for reverses in vehicle.reversible),
         mass_place=(0.0, 0.0, 0.0),
         duties=NONE,
+        reserve=policy.reserve.rule,
+        diode_scale=selected.gain_scale,
     )
 
 

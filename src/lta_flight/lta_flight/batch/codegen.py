@@ -12,7 +12,14 @@ from typing import Any
 from lta_config.compilation.extract import SourceExtract
 from lta_config.compilation.flat import PREFIX, TupleLayout
 from lta_control.attitude import yaw_from_quaternion
-from lta_control.onboard import onboard_step, OnboardMemory
+from lta_control.mission import initial_mission, mission_step
+from lta_control.onboard import (
+    guidance_altitude,
+    onboard_step,
+    OnboardMemory,
+    reckon_motion,
+)
+from lta_control.strategies.protocol import NavigationStrategy
 from lta_flight.batch import flight
 from lta_flight.batch.assembly import (
     assemble_source,
@@ -43,11 +50,15 @@ CORES: tuple[Callable[..., Any], ...] = (
     flight.read_sensors,
     flight.sensor_specific_force,
     flight.with_setpoint,
-    flight.guidance_step,
     flight.initial_tally,
     flight.amplitude_error,
     flight.is_lamp_detected,
-    flight.build_sight,
+    flight.sight_from_fit,
+    flight.permission_by_charge,
+    initial_mission,
+    mission_step,
+    reckon_motion,
+    guidance_altitude,
     flight.initial_supply,
     flight.panel_irradiance,
     flight.step_supply,
@@ -73,21 +84,25 @@ SENSE = """
         onboard = core_onboard_step(craft.drone, onboard, heard, scratch)
         duties = onboard.duties
         if step % $light == $middle:
-            middle, facing = state[0:7], onboard.measured.heading
+            middle, reckoned = state[0:7], core_reckon_motion(onboard)
         if step > 0 and step % $light == 0:
             position, q = middle[0:3], middle[3:7]
 $heard
-            lamp = light_fit_direction(craft.array, craft.expected, $amplitudes, $errors, scratch)
-            found = lamp.found and core_is_lamp_detected($snrs, craft.listening.threshold)
-            angle = math.atan2(lamp.y, lamp.x)
-            sight = core_build_sight(found, angle, facing, $light * $period)
-            asked, phase, memory = core_guidance_step(
-                craft.mission, phase, memory, sight, onboard.estimate.ready,
-                onboard.measured.altitude, supply.flow.charge <= craft.power.reserve,
+            amplitudes = $amplitudes
+            lamp = light_fit_direction(craft.array, craft.expected, amplitudes, $errors, scratch)
+            detected = core_is_lamp_detected($snrs, craft.listening.threshold)
+            sight = core_sight_from_fit(
+                craft, lamp, detected, amplitudes, reckoned, $light * $period
+            )
+            asked, mission = core_mission_step(
+                craft.mission, mission, sight, core_guidance_altitude(onboard),
+                core_permission_by_charge(craft.power, supply.flow.charge), 1, craft.reserve,
             )
             told = True
             began = (step - $light) * $period
-            tally = core_update_light_tally(craft, tally, middle, found, angle, asked.speed, began)
+            tally = core_update_light_tally(
+                craft, tally, middle, sight.seen, sight.bearing, asked.speed, began
+            )
 """
 
 FLY = Template('''
@@ -102,8 +117,8 @@ def fly(fixed, c, seed, scratch, lights, pencils, out):
     tally = core_initial_tally(craft)
     begin = $begin
     onboard = $onboard
-    asked, told, phase, memory = onboard.setpoint, False, 0, (0.0,)
-    middle, facing = state[0:7], 0.0
+    asked, told, mission = onboard.setpoint, False, core_initial_mission()
+    middle, reckoned = state[0:7], core_reckon_motion(onboard)
     distance = core_sample_range(craft.sensors, errors, seed, 0, state)
     duties = $still
     command = core_build_command(craft, duties)
@@ -168,6 +183,7 @@ def _format_initial_values(names: Sequence[str]) -> dict[str, str]:
 
 def build_source(
     names: Sequence[str],
+    strategy: NavigationStrategy,
     constants: TupleLayout[Any],
     diodes: int,
     rhythm: BatchRhythm,
@@ -182,6 +198,8 @@ def build_source(
     ----------
     names : sequence of str
         Effects of the kernel, in registry order.
+    strategy : NavigationStrategy
+        How the drone navigates.
     craft : Layout
         Of `flight.FlightConstants`.
     diodes : int
@@ -194,7 +212,7 @@ def build_source(
         Whether the drone decides; otherwise it keeps `Craft.duties`.
 
     """
-    extract = SourceExtract()
+    extract = SourceExtract(strategy=strategy)
     for core in CORES:
         extract.add_function(core, PREFIX)
     extract.add_function(fit_direction, LIGHT)

@@ -10,12 +10,18 @@ import math
 
 from lta_control.attitude import yaw_from_quaternion
 from lta_control.cascade import Setpoint, wrap_angle
-from lta_control.mission import MissionSettings
 from lta_control.onboard import OnboardMemory, SensorInputs
 from lta_control.per_rotor import PerRotor
-from lta_control.strategies.bearing_angle import start, steer
-from lta_control.strategies.protocol import LightSight, Memory
-from lta_flight.batch.flight_data import BatchGoal, FlightConstants, FlightTally, Vector
+from lta_control.reserve import FlightPermission
+from lta_control.sighting import DeadReckonedMotion, LampDirection, sight_from_direction
+from lta_control.strategies.protocol import LightSight
+from lta_flight.batch.flight_data import (
+    BatchGoal,
+    BatchPower,
+    FlightConstants,
+    FlightTally,
+    Vector,
+)
 from lta_model.electrical.charger import resting_flow
 from lta_model.electrical.loads import power_demand
 from lta_model.light.lambertian import direct_light
@@ -32,13 +38,13 @@ from lta_sim.compiled_sensors import (
 from lta_sim.counter_rng import draw_uniforms
 from lta_sim.supply_step import advance_supply, SupplyInputs, SupplyState
 from lta_vlc.direction import PART
+from lta_vlc.direction_fit import DirectionFit
 
 State = tuple[float, ...]
 LIFTED = 0.01  # m above where it stood: the drone has left the ground, as in the results
 
 FLYING, REACHED, TIMEOUT, ESCAPED = 0, 1, 2, 3
 RAN_AWAY = 4  # beyond the outcomes: the numbers, see `stiffness.watch`
-REST, CLIMB, SEEK, LAND = 0, 1, 2, 5  # as `phases.Phase`; BAG never arrives
 
 
 def initial_supply(charge: float) -> SupplyState:
@@ -106,31 +112,6 @@ def with_setpoint(memory: OnboardMemory, setpoint: Setpoint) -> OnboardMemory:
     )  # fmt: skip
 
 
-def guidance_step(
-    settings: MissionSettings,
-    phase: int,
-    memory: Memory,
-    sight: LightSight,
-    ready: bool,
-    altitude: float,
-    reserve: bool,
-) -> tuple[Setpoint, int, Memory]:
-    """Return what to hold, and the mission: `mission.mission_step` with a number for a phase."""
-    if not ready or (phase == REST and reserve):
-        return Setpoint(0.0, sight.heading, 0.0), phase, memory
-    if phase == REST:
-        phase, memory = CLIMB, start(sight.heading)
-    if phase == CLIMB and altitude > settings.altitude - settings.reached:
-        phase = SEEK
-    if reserve:
-        phase = LAND
-    if phase == SEEK:
-        course, memory = steer(settings, memory, sight)
-        return Setpoint(settings.altitude, course.heading, course.speed), phase, memory
-    height = settings.landing if phase == LAND else settings.altitude
-    return Setpoint(height, memory[0], 0.0), phase, memory
-
-
 def panel_irradiance(constants: FlightConstants, state: State) -> float:
     """Return the light that the panel now has. [W/m2]"""
     position, q = (state[0], state[1], state[2]), (state[3], state[4], state[5], state[6])
@@ -182,11 +163,31 @@ def is_lamp_detected(snrs: tuple[float, ...], threshold: float) -> bool:
     return False
 
 
-def build_sight(detected: bool, angle: float, facing: float, interval: float) -> LightSight:
-    """Return what a light block says, as far as BAG looks at it."""
-    return LightSight(
-        detected, angle, facing, (0.0,), interval, 0.0, 0.0, 0.0, (0.0, 0.0), (0.0, 0.0)
-    )  # fmt: skip
+def sight_from_fit(
+    constants: FlightConstants,
+    fit: DirectionFit,
+    detected: bool,
+    amplitudes: tuple[float, ...],
+    reckoned: DeadReckonedMotion,
+    interval: float,
+) -> LightSight:
+    """Return the sight of a light block from the fit to its amplitudes."""
+    lamp = LampDirection(False, 0.0, 0.0, 0.0)
+    if detected and fit.found:
+        lamp = LampDirection(
+            True,
+            math.atan2(fit.y, fit.x),
+            math.atan2(fit.z, math.hypot(fit.x, fit.y)),
+            math.sqrt(max(fit.azimuth_variance, 0.0)),
+        )
+    return sight_from_direction(
+        lamp, constants.listening.axes, amplitudes, reckoned, interval, constants.diode_scale
+    )
+
+
+def permission_by_charge(power: BatchPower, charge: float) -> int:
+    """Return what the energy allows by the true state of charge."""
+    return FlightPermission.RESERVE if charge <= power.reserve else FlightPermission.FLY
 
 
 def evaluate_outcome(goal: BatchGoal, x: float, y: float, z: float, elapsed: float) -> int:

@@ -5,6 +5,7 @@ from typing import NamedTuple
 from lta_control.mission import MissionSettings
 from lta_control.onboard import DroneConstants
 from lta_control.per_rotor import PerRotor
+from lta_control.reserve import ReserveRule
 from lta_model.electrical.loads import LoadModel
 from lta_model.light.panel_light import PanelPlane
 from lta_sim.compiled_sensors import SensorDatasheets
@@ -67,6 +68,10 @@ class FlightConstants(NamedTuple):
         Of the moving mass. [m, body]
     duties : PerRotor
         In an open loop.
+    reserve : ReserveRule
+        Action at the energy reserve.
+    diode_scale : float
+        Gain of the selected resistor relative to the largest one.
 
     """
 
@@ -85,6 +90,8 @@ class FlightConstants(NamedTuple):
     lowest: PerRotor
     mass_place: Vector
     duties: PerRotor
+    reserve: ReserveRule
+    diode_scale: float
 
 
 class FlightTally(NamedTuple):

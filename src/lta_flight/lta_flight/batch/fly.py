@@ -10,6 +10,7 @@ from typing import Any, Literal
 from lta_config.compilation.flat import TupleLayout
 from lta_config.compilation.kernel_cache import load_kernel
 from lta_config.topics import load_topic_table
+from lta_control.strategies import STRATEGIES
 from lta_flight.batch.batch_flight import BatchFlight, build_rhythm
 from lta_flight.batch.codegen import build_source, FIGURES
 from lta_flight.batch.targets import CPU, GPU
@@ -26,12 +27,20 @@ PIECE = 8  # flights of one turn of a thread; they differ in length
 
 @cache
 def _compile_kernel(
-    names: tuple[str, ...], layout: TupleLayout[Any], diodes: int, device: Device, closed: bool
+    names: tuple[str, ...],
+    strategy: str,
+    layout: TupleLayout[Any],
+    diodes: int,
+    device: Device,
+    closed: bool,
 ) -> ModuleType:
     """Return the compiled flight of some effects."""
     target = GPU if device == 'gpu' else CPU
     rhythm = build_rhythm(load_topic_table())
-    return load_kernel(build_source(names, layout, diodes, rhythm, target, closed=closed))
+    source = build_source(
+        names, STRATEGIES[strategy], layout, diodes, rhythm, target, closed=closed
+    )
+    return load_kernel(source)
 
 
 def fly_many(
@@ -75,14 +84,19 @@ def fly_many(
     on = np.maximum.reduce([made.model.on for made in flights])
     names = tuple(name for name in LAYOUT.effects if on[LAYOUT.flag_index(name)])
     parameters, _ = LAYOUT.find_places(names)
-    forms = np.array([made.form for made in flights])
+    forms = np.array([f'{made.strategy.name} {made.form}' for made in flights])
     for form in dict.fromkeys(forms.tolist()):
         alike = np.flatnonzero(forms == form)
         inside = np.flatnonzero(np.isin(chosen, alike))
         rows = np.searchsorted(alike, chosen[inside])
         first = flights[int(alike[0])]
         kernel = _compile_kernel(
-            names, TupleLayout(first.craft), len(first.craft.listening.planes), device, closed
+            names,
+            first.strategy.name,
+            TupleLayout(first.craft),
+            len(first.craft.listening.planes),
+            device,
+            closed,
         )
         models = [flights[k].model for k in alike.tolist()]
         fixed = np.array([[*m.parameters[parameters], *m.body, *m.inverse] for m in models])

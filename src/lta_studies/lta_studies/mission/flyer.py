@@ -11,6 +11,7 @@ import math
 from typing import final
 
 from lta_config.schema.mission_file import MissionFile
+from lta_control.phases import Phase
 from lta_control.strategies.homing import reset_for_next_lamp
 from lta_energy.circuit import EnergyTotals
 from lta_energy.irradiance import IrradianceSeries, PanelIrradiance
@@ -176,8 +177,12 @@ class MissionFlyer:
         """Fly one leg and return its outcome."""
         memory = going.memory
         made = self._scenes.build_flight(name, going.light, going.lux)
-        homing = reset_for_next_lamp(memory.homing) if leg.kind == GO else memory.homing
-        begin = memory._replace(outcome=FLYING, begun=memory.step, homing=homing)
+        mission = memory.mission
+        if leg.kind == GO:
+            # On the ground it has to climb first.
+            phase = Phase.SEEK if mission.phase == Phase.ARRIVED else mission.phase
+            mission = mission._replace(phase=phase, memory=reset_for_next_lamp(mission.memory))
+        begin = memory._replace(outcome=FLYING, begun=memory.step, mission=mission)
         going.memory, going.state = self._pilot.fly_leg(
             self._pilot.pack_constants(made), leg, begin, going.state, going.seed
         )

@@ -12,7 +12,8 @@ from typing import Any
 from lta_config.compilation.compiler import ENTRY
 from lta_config.compilation.extract import SourceExtract
 from lta_config.compilation.flat import PREFIX, TupleLayout
-from lta_control.onboard import onboard_step
+from lta_control.onboard import guidance_altitude, onboard_step, reckon_motion
+from lta_control.strategies.homing import STRATEGY
 from lta_flight.batch import flight
 from lta_flight.batch.assembly import (
     assemble_source,
@@ -48,11 +49,13 @@ CORES: tuple[Callable[..., Any], ...] = (
     flight.sensor_specific_force,
     leg_state.meter_charge,
     leg_state.has_moved,
-    leg_state.lamp_strength,
     leg_state.assess_leg,
     leg_state.unreachable_pose,
     leg_state.step_leg_supply,
-    leg_state.reckon_motion,
+    leg_state.guide_leg,
+    flight.sight_from_fit,
+    guidance_altitude,
+    reckon_motion,
 )
 # Cores with functions that share a name with others get a prefix of their own.
 OWN: dict[str, tuple[Callable[..., Any], ...]] = {
@@ -61,7 +64,6 @@ OWN: dict[str, tuple[Callable[..., Any], ...]] = {
         light_link.add_direct_light,
         light_link.sample_magnitude,
     ),
-    'homing': (leg_state.guide_leg, leg_state.sight_from_fit),
     LIGHT: (fit_direction,),
 }
 
@@ -74,8 +76,8 @@ def fly(fixed, c, g, m, s, seed, scratch, lights, echoes, pencils):
     memory = $memory
     state = $state
     errors = core_draw_errors(craft.sensors, seed)
-    onboard, homing, asked, told, fresh, phase, middle, reckoned, distance = memory[0:9]
-    supply, irradiance, charge, step, ticks, begun, path, lowest, outcome = memory[9:18]
+    onboard, mission, asked, told, fresh, middle, reckoned, distance = memory[0:8]
+    supply, irradiance, charge, step, ticks, begun, path, lowest, outcome = memory[8:17]
     if step == 0:
         distance = core_sample_range(craft.sensors, errors, seed, 0, state)
     noise, warmth = (0.0, 0.0, 0.0), 0.0
@@ -107,15 +109,14 @@ $before
 $heard
             amplitudes = $amplitudes
             lamp = light_fit_direction(craft.array, craft.expected, amplitudes, $errors, scratch)
-            found = lamp.found and core_is_lamp_detected($snrs, craft.listening.threshold)
-            listening = craft.listening
-            strength = core_lamp_strength(listening.cosines, listening.sines, amplitudes)
-            sight = homing_sight_from_fit(lamp, found, strength, reckoned, $light * $period)
-            wish, phase, homing = homing_guide_leg(
-                craft.mission, leg.kind, phase, homing, sight, onboard.estimate.ready,
-                onboard.measured.altitude,
+            detected = core_is_lamp_detected($snrs, craft.listening.threshold)
+            sight = core_sight_from_fit(
+                craft, lamp, detected, amplitudes, reckoned, $light * $period
             )
-            asked = core_Setpoint(wish[0], wish[1], wish[2])
+            asked, mission = core_guide_leg(
+                craft.mission, leg.kind, mission, sight, core_guidance_altitude(onboard),
+                craft.reserve,
+            )
             told, fresh = True, True
         command = core_build_command(craft, onboard.duties)
         x, y = state[0], state[1]
@@ -129,11 +130,11 @@ $steps
         step += 1
         path += math.hypot(state[0] - x, state[1] - y)
         outcome = core_assess_leg(
-            craft, leg, state, onboard, homing, phase, supply.flow.fed, charge,
+            craft, leg, state, onboard, mission, supply.flow.fed, charge,
             (step - begun) * $period,
         )
     after = core_LegState(
-        onboard, homing, asked, told, fresh, phase, middle, reckoned, distance, supply,
+        onboard, mission, asked, told, fresh, middle, reckoned, distance, supply,
         irradiance, charge, step, ticks, begun, path, lowest, outcome,
     )
 $kept
@@ -188,7 +189,7 @@ def generate_source(
         Periods of control, sensors and light blocks.
 
     """
-    extract = SourceExtract()
+    extract = SourceExtract(strategy=STRATEGY)
     for core in CORES:
         extract.add_function(core, PREFIX)
     for prefix, cores in OWN.items():
@@ -198,13 +199,10 @@ def generate_source(
     hearing = format_light_reading(diodes)
     told = hearing['heard'].replace(f'{PREFIX}_', 'hearing_').splitlines()
     hearing['heard'] = '\n'.join(line for line in told if 'write_ring_light' not in line)
-    began = memory.render_expression('m')
-    for kind in ('HomingMemory', 'LampFix'):
-        began = began.replace(f'{PREFIX}_{kind}(', f'homing_{kind}(')
     parts = {
         'craft': constants.render_expression('c'),
         'leg': leg.render_expression('g'),
-        'memory': began,
+        'memory': memory.render_expression('m'),
         'state': format_tuple(f's[{k}]' for k in range(size)),
         'kept': '\n'.join(f'    m[{k}] = after.{path}' for k, path in enumerate(memory.paths)),
         'before': build_surroundings(names),

@@ -12,29 +12,28 @@ from typing import NamedTuple
 
 from lta_control.attitude import yaw_from_quaternion
 from lta_control.cascade import Setpoint
-from lta_control.mission import MissionSettings
+from lta_control.mission import initial_mission, mission_step, MissionSettings
 from lta_control.onboard import OnboardMemory
 from lta_control.per_rotor import NONE, PerRotor
+from lta_control.phases import Mission, Phase
+from lta_control.reserve import FlightPermission, ReserveRule
 from lta_control.sighting import DeadReckonedMotion
-from lta_control.strategies.homing import HomingMemory, start, steer, watch
-from lta_control.strategies.protocol import LightSight
+from lta_control.strategies.homing import STRATEGY
+from lta_control.strategies.protocol import LightSight, NavigationStrategy
 from lta_flight.batch.flight import initial_supply, is_plausible
 from lta_flight.batch.flight_data import FlightConstants
 from lta_model.electrical.battery import count_charge
 from lta_model.electrical.charger import PowerFlow
 from lta_model.electrical.loads import power_demand
 from lta_sim.supply_step import advance_supply, SupplyInputs, SupplyState
-from lta_vlc.direction_fit import DirectionFit
 
 State = tuple[float, ...]
-Amplitudes = tuple[float, ...]
 MOVED = 1.0  # m of motion after which reflections are computed again
 TURNED = math.cos(0.5 * 0.35) ** 2  # the same for a rotation by 0.35 rad
 ON_FOOT = 0.02  # m above the standing height that still counts as on the ground
 
 FLYING, DONE, LATE, RESERVE, EMPTY, ESCAPED, STOPPED = range(7)
 GO, DWELL, LAND = range(3)  # kinds of leg
-REST, CLIMB, SEEK = range(3)  # phases
 
 
 class LegPlan(NamedTuple):
@@ -75,14 +74,12 @@ class LegState(NamedTuple):
 
     Attributes
     ----------
-    onboard, homing : OnboardMemory, HomingMemory
+    onboard, mission : OnboardMemory, Mission
         Memory of the drone.
     asked : Setpoint
         Setpoint of the guidance.
     told, fresh : bool
         Whether there is a setpoint, and whether the controller has not received it yet.
-    phase : int
-        `REST`, `CLIMB` or `SEEK`.
     middle : tuple of float
         True position and attitude at the middle of the current light block.
     reckoned : DeadReckonedMotion
@@ -108,11 +105,10 @@ class LegState(NamedTuple):
     """
 
     onboard: OnboardMemory
-    homing: HomingMemory
+    mission: Mission
     asked: Setpoint
     told: bool
     fresh: bool
-    phase: int
     middle: tuple[float, float, float, float, float, float, float]
     reckoned: DeadReckonedMotion
     distance: float
@@ -136,19 +132,11 @@ def ground_leg_state(store: PowerFlow, counted: float) -> LegState:
     """Return the state on the ground from the state of the power path."""
     onboard = OnboardMemory()
     return LegState(
-        onboard, start(0.0), onboard.setpoint, False, False, REST,
+        onboard, initial_mission(STRATEGY), onboard.setpoint, False, False,
         (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0), DeadReckonedMotion(0.0, 0.0, 0.0, 0.0, 0.0), math.nan,
         SupplyState(store, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), 0.0, counted, 0, 0, 0, 0.0,
         store.voltage, FLYING,
     )  # fmt: skip
-
-
-def reckon_motion(onboard: OnboardMemory) -> DeadReckonedMotion:
-    """Return the drone's estimate of its motion."""
-    measured, place_ = onboard.measured, onboard.estimate.position
-    return DeadReckonedMotion(
-        measured.heading, place_[0], place_[1], measured.speed, measured.sway
-    )
 
 
 def unreachable_pose() -> tuple[float, float, float, float, float, float, float]:
@@ -167,57 +155,21 @@ def has_moved(pose: State, gathered: State) -> bool:
     return same * same < TURNED
 
 
-def lamp_strength(cosines: Amplitudes, sines: Amplitudes, amplitudes: Amplitudes) -> float:
-    """Return the reading of a diode that faces the lamp, as in `sighting`. [counts]"""
-    forward = left = 0.0
-    for k in range(len(amplitudes)):
-        forward += amplitudes[k] * cosines[k]
-        left += amplitudes[k] * sines[k]
-    return 4.0 * math.hypot(forward, left) / len(amplitudes)
-
-
-def sight_from_fit(
-    lamp: DirectionFit,
-    detected: bool,
-    strength: float,
-    reckoned: DeadReckonedMotion,
-    interval: float,
-) -> LightSight:
-    """Return the sighting of a light block from a direction fit."""
-    bearing = deviation = 0.0
-    if detected:
-        bearing = math.atan2(lamp.y, lamp.x)
-        deviation = math.sqrt(max(lamp.azimuth_variance, 0.0))
-    return LightSight(
-        detected, bearing, reckoned.heading, (0.0,), interval, deviation,
-        strength if detected else 0.0, 0.0,
-        (reckoned.x, reckoned.y), (reckoned.forward, reckoned.left),
-    )  # fmt: skip
-
-
 def guide_leg(
     settings: MissionSettings,
+    strategy: NavigationStrategy,
     kind: int,
-    phase: int,
-    homing: HomingMemory,
+    mission: Mission,
     sight: LightSight,
-    ready: bool,
     altitude: float,
-) -> tuple[tuple[float, float, float], int, HomingMemory]:
-    """Return setpoint, phase and memory: `mission.mission_step` for homing to one lamp."""
-    if not ready:
-        return (0.0, sight.heading, 0.0), phase, homing
-    if phase == REST:
-        phase, homing = CLIMB, start(sight.heading)
-    if phase == CLIMB and altitude > settings.altitude - settings.reached:
-        phase = SEEK
+    rule: ReserveRule,
+) -> tuple[Setpoint, Mission]:
+    """Return setpoint and mission; the leg, not the energy monitor, decides when to land."""
     if kind == LAND:
-        return (settings.landing, homing.heading, 0.0), phase, homing
-    if phase == SEEK:
-        course, homing = steer(settings, homing, sight)
-        return (settings.altitude, course.heading, course.speed), phase, homing
-    homing = watch(settings, homing, sight)
-    return (settings.altitude, homing.heading, 0.0), phase, homing
+        mission = mission._replace(phase=Phase.LAND)
+    return mission_step(
+        settings, strategy, mission, sight, altitude, FlightPermission.FLY, 1, rule
+    )
 
 
 def step_leg_supply(
@@ -250,8 +202,7 @@ def assess_leg(
     leg: LegPlan,
     state: State,
     onboard: OnboardMemory,
-    homing: HomingMemory,
-    phase: int,
+    mission: Mission,
     fed: bool,
     charge: float,
     spent: float,
@@ -267,7 +218,7 @@ def assess_leg(
     if leg.kind == LAND:
         down = state[2] <= constants.place[2] + ON_FOOT and onboard.duties == NONE
         return DONE if down else LATE if spent >= leg.limit else FLYING
-    if leg.kind == GO and phase == SEEK and homing.arrived:
+    if leg.kind == GO and mission.phase == Phase.ARRIVED:
         return DONE
     if charge <= leg.reserve:
         return RESERVE

@@ -13,7 +13,7 @@ from lta_config.errors import BadInput, unknown_name
 from lta_config.schema.mission_file import InspectionPayload, MissionFile
 from lta_config.topics import load_topic_table
 from lta_control.cascade import CascadeGains
-from lta_control.strategies.bearing_angle import STRATEGY as BAG
+from lta_control.strategies.homing import STRATEGY
 from lta_energy.irradiance import PanelIrradiance
 from lta_flight.batch.batch_flight import (
     BatchFlight,
@@ -92,7 +92,7 @@ class MissionScene:
         self._table = load_topic_table()
         alone = {mission.perch: self.scenario.lamps[mission.perch]}
         scene = self.scenario.model_copy(update={'several': alone, 'alone': None, 'route': ()})
-        self._model = build_model(self.vehicle, scene, replace(self.policy, strategy=BAG))
+        self._model = build_model(self.vehicle, scene, self.policy)
         self._base = build_constants(self.vehicle, self.scenario, self.policy, self._table)
         self._known: dict[tuple[str, int], BatchFlight] = {}
 
@@ -107,12 +107,15 @@ class MissionScene:
         if known is None:
             listening = self._build_link(beacon, 2.0 ** (level / STEPS))
             known = flight_from_constants(
-                self._model, self._build_constants(listening, self.lamp(beacon)), self.vehicle
+                self._model,
+                self._build_constants(listening, self.lamp(beacon)),
+                self.vehicle,
+                STRATEGY,
             )
             self._known[beacon, level] = known
         irradiance = light.sun + light.lamps
         craft = known.craft._replace(power=known.craft.power._replace(ambient=irradiance))
-        return flight_from_constants(self._model, craft, self.vehicle)
+        return flight_from_constants(self._model, craft, self.vehicle, STRATEGY)
 
     def _build_link(self, beacon: str, lux: float) -> LightLink:
         """Build the light link of one beacon in steady ambient light."""
@@ -135,7 +138,8 @@ class MissionScene:
             update={'brightness': lamp_brightness(listening, lamp)}
         )
         mission = self.policy.mission.model_copy(update={'homing': homing})
-        return self._base._replace(listening=listening, mission=mission)
+        # The brightness is that by the resistor selected for this lantern.
+        return self._base._replace(listening=listening, mission=mission, diode_scale=1.0)
 
 
 def lamp_brightness(listening: LightLink, lamp: BeaconLamp) -> float:

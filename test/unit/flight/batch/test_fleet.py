@@ -12,11 +12,6 @@ from lta_config.errors import BadInput
 from lta_config.parameter_override import parse_assignment
 from lta_config.topics import load_topic_table
 from lta_control.cascade import Setpoint
-from lta_control.mission import mission_step, MissionSettings
-from lta_control.phases import Mission, Phase
-from lta_control.reserve import FlightPermission
-from lta_control.strategies.bearing_angle import STRATEGY
-from lta_control.strategies.protocol import LightSight
 from lta_flight.batch import flight
 from lta_flight.batch.batch_flight import build_flight
 from lta_flight.batch.codegen import FIGURES
@@ -32,7 +27,6 @@ import numpy as np
 import pytest
 
 TABLE = load_topic_table()
-PHASES = tuple(Phase)
 DUTIES = (0.16, 0.14, 0.3, 0.25)
 needs_cuda = pytest.mark.skipif(
     find_spec('numba.cuda') is None, reason='this numba needs numba-cuda (requirements-gpu.txt)'
@@ -61,31 +55,6 @@ def opened(*changes, seed=1, scene='lamp_room'):
 
 def figures(row):
     return dict(zip(FIGURES, row.tolist(), strict=True))
-
-
-def test_the_mission_is_the_mission():
-    settings, chance = MissionSettings(), np.random.default_rng(1)
-    mission, phase, memory = Mission(), 0, (0.0,)
-    for k in range(3000):
-        if k % 150 == 0:
-            mission, phase, memory = Mission(), 0, (0.0,)
-        heading, bearing, altitude = chance.uniform(-3.0, 3.0, 3).tolist()
-        sight = LightSight(bool(chance.random() < 0.5), bearing, heading, (0.0,), 0.1)
-        ready, reserve = bool(chance.random() < 0.7), bool(chance.random() < 0.02)
-        expected, mission = mission_step(
-            settings,
-            STRATEGY,
-            mission,
-            sight,
-            altitude / 3 if ready else None,
-            FlightPermission.RESERVE if reserve else FlightPermission.FLY,
-        )
-        told, phase, memory = flight.guidance_step(
-            settings, phase, memory, sight, ready, altitude / 3, reserve
-        )
-        assert told == expected
-        assert PHASES[phase] is mission.phase
-        assert not mission.memory or memory == mission.memory
 
 
 def test_the_referee_is_the_referee():
