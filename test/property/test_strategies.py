@@ -5,7 +5,7 @@ import math
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_control.strategies import STRATEGIES
-from lta_control.strategies.protocol import LightSight, SteeringCommand
+from lta_control.strategies.protocol import keep_memory, LightSight, SteeringCommand
 from lta_control.strategies.settings import StrategySettings
 import pytest
 

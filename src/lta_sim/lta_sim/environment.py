@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 import math
-from typing import final
+from typing import final, NamedTuple
 
 from lta_model.effects import initial_memory
 from lta_model.effects.air import turbulence
@@ -14,6 +14,8 @@ from lta_sim.scene_model import load_wind_record
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
+
+Vector = tuple[float, float, float]
 
 
 def draw_initial_memory(
@@ -28,21 +30,35 @@ def draw_initial_memory(
     return memory
 
 
-@final
-class _DoorWind:
-    """Steady wind in a room and outside its door; a hull in the door gets a share of each."""
+class SteadyWind(NamedTuple):
+    """Steady wind of a scene [m/s, map]; it changes by `step` in the door, at x = `wall` [m]."""
 
-    def __init__(self, scenario: Scenario, radius: float) -> None:
-        self._inside = np.array(scenario.air.wind.vector)
-        beyond = self._inside if scenario.outside is None else scenario.outside.wind.vector
-        self._step = np.array(beyond) - self._inside
-        self._wall, self._radius = scenario.room.size.vector[0] / 2, radius
+    inside: Vector
+    step: Vector  # zero in a scene without a door
+    wall: float
+    radius: float  # half length of the hull [m]
 
-    def wind_at(self, x: float) -> NDArray[np.float64]:
-        """Return the wind on a hull whose centre is at some map x. [m/s]"""
-        out = 0.5 + 0.5 * (x - self._wall) / self._radius
-        wind: NDArray[np.float64] = self._inside + min(max(out, 0.0), 1.0) * self._step
-        return wind
+
+def build_steady_wind(scenario: Scenario, radius: float) -> SteadyWind:
+    """Return the steady wind of a scene on a hull of some half length. [m]"""
+    x, y, z = scenario.air.wind.vector
+    outside = scenario.outside
+    beyond = (x, y, z) if outside is None else outside.wind.vector
+    return SteadyWind(
+        (x, y, z),
+        (beyond[0] - x, beyond[1] - y, beyond[2] - z),
+        scenario.room.size.vector[0] / 2,
+        radius,
+    )
+
+
+def steady_wind_at(wind: SteadyWind, x: float) -> Vector:
+    """Return the wind on a hull whose centre is at some map x: in the door a share of each."""
+    share = min(max(0.5 + 0.5 * (x - wind.wall) / wind.radius, 0.0), 1.0)
+    inside, step = wind.inside, wind.step
+    return (
+        inside[0] + share * step[0], inside[1] + share * step[1], inside[2] + share * step[2]
+    )  # fmt: skip
 
 
 @final
@@ -67,9 +83,7 @@ class FlightEnvironment:
         radius: float,
     ) -> None:
         self.numbers: NDArray[np.float64] = np.zeros(SURROUNDINGS)
-        self._steady = np.array(scenario.air.wind.vector)
-        self.numbers[WIND : WIND + 3] = self._steady
-        self._door = None if scenario.outside is None else _DoorWind(scenario, radius)
+        self._steady = build_steady_wind(scenario, radius)
         self._record = load_wind_record(scenario)
         self._period = period
         self._turbulent = 'turbulence' in effect_parameters
@@ -80,8 +94,7 @@ class FlightEnvironment:
     def refresh(self, pose: Pose, voltage: float, elapsed: float) -> None:
         """Update the surroundings for the next control period."""
         self.numbers[VOLTAGE] = voltage
-        steady = self._steady if self._door is None else self._door.wind_at(pose[0])
-        self.numbers[WIND : WIND + 3] = steady
+        self.numbers[WIND : WIND + 3] = steady_wind_at(self._steady, pose[0])
         if self._record is not None:
             wind, rate = self._record.sample_span(elapsed, elapsed + self._period)
             self.numbers[WIND : WIND + 3] += wind

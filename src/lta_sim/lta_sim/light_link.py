@@ -28,7 +28,7 @@ from lta_model.light.lambertian import DiodeResponse, LampBeam
 from lta_model.light.ray_bundles import DAY, LAMPS, SHARE
 from lta_model.light.ray_integration import gather_indirect_light
 from lta_model.light.reflections import build_field_geometry, build_reflecting_beam
-from lta_model.light.scene_geometry import SceneGeometry
+from lta_model.light.scene_geometry import is_in_room, SceneGeometry
 from lta_model.sensors.photodiode import noise_variances, PhotodiodeArray, voltage_sensitivity
 from lta_sim.compiled_sensors import GAINS, LIGHT
 from lta_sim.counter_rng import draw_normals
@@ -53,6 +53,7 @@ class LightLink(NamedTuple):
     alive: tuple[float, ...]
     hull: Vector
     around: SceneGeometry
+    door: bool  # ambient light in the room only
     axes: tuple[tuple[float, float], ...]  # of the diodes along body x and y
     threshold: float
     counts: float
@@ -90,6 +91,7 @@ def build_light_link(
     lux = volts / ambient.efficacy * scale
     mains = amplitude_spectrum(sample_mains_wave(ambient, 0, sampling)[:, None])
     axes = array.planes[:, 3:]
+    daylight = field.daylight if field.outside is None else field.outside.daylight
     return LightLink(
         lamp=build_reflecting_beam(lamp, field),
         eye=DiodeResponse(array.response, array.edge_cosine),
@@ -98,13 +100,14 @@ def build_light_link(
         alive=tuple(array.diode_gains.tolist()),
         hull=hull,
         around=build_field_geometry(field),
+        door=field.outside is not None,
         axes=tuple((x, y) for x, y in axes[:, :2].tolist()),
         threshold=settings.threshold,
         counts=volts / lamp.efficacy * scale,
         dark=array.dark_offset * scale,
         top=2.0**array.adc_bits - 1.0,
         steady=ambient.steady * lux,
-        day=0.0 if field.daylight is None else volts / field.daylight.efficacy * scale,
+        day=0.0 if daylight is None else volts / daylight.efficacy * scale,
         gain=gain,
         leak=float(spectrum[bins.quiet, 0].mean()),
         hum=ambient.mains * lux * float(mains[bins.quiet, 0].mean()),
@@ -145,6 +148,10 @@ def write_reflections(
     gather_indirect_light(
         listening.around, lamps, eye, hull, position, q, listening.planes, out, scratch
     )
+    x, y, z = position
+    if listening.door and not is_in_room(listening.around, x, y, z):
+        for diode in range(len(listening.planes)):
+            out[SHARE, diode] = 0.0
 
 
 def add_direct_light(listening: LightLink, position: Vector, q: Quaternion, out: Array) -> None:

@@ -1,37 +1,146 @@
-"""Decide the outcome of a flight: goal reached, out of the room, out of time, or still flying."""
+"""
+Decide the outcome of a flight: goal reached, out of the room, out of time, or still flying.
+
+`evaluate_outcome` is the rule, plain numbers and tuples so that it compiles; the world, batches
+and the tests call it. A flight starts indoors and may leave the room through its door only.
+"""
 
 import math
-from typing import final
+from typing import final, NamedTuple
 
 from lta_model.scenario import Scenario
-from lta_sim.bounds import FlightBounds
 from lta_sim.readings import FlightOutcome
+
+OUTCOMES = tuple(FlightOutcome)
+FLYING, REACHED, TIMEOUT, ESCAPED = range(4)  # places in OUTCOMES
+Place = tuple[float, float]
+
+
+class DoorBounds(NamedTuple):
+    """The door in the wall at the high end of x, and how far a flight may go beyond it. [m]"""
+
+    middle: float
+    half_width: float
+    height: float
+    reach: float  # 0 in a room without a door
+
+
+class FlightGoal(NamedTuple):
+    """
+    End conditions of a flight.
+
+    Attributes
+    ----------
+    stops : tuple of tuple of float
+        Lamps in the order in which they are to be reached. [m, map]
+    radius : float
+        Horizontal distance at which a lamp is reached. [m]
+    limit : float
+        Time limit. [s]
+    half_length, half_width, height : float
+        Size of the room. [m]
+    door : DoorBounds
+        Its door.
+    along : bool
+        Whether the flight follows a course instead of searching lamps.
+
+    """
+
+    stops: tuple[Place, ...]
+    radius: float
+    limit: float
+    half_length: float
+    half_width: float
+    height: float
+    door: DoorBounds
+    along: bool
+
+
+class GoalProgress(NamedTuple):
+    """Index of the lamp to reach next, and whether the drone is indoors."""
+
+    stop: int
+    indoors: bool
+
+
+def build_goal(scenario: Scenario) -> FlightGoal:
+    """Return the end conditions of a scene."""
+    length, width, height = scenario.room.size.vector
+    outside = scenario.outside
+    door = DoorBounds(0.0, 0.0, 0.0, 0.0)
+    if outside is not None:
+        opening = outside.door
+        door = DoorBounds(
+            opening.middle.si, opening.width.si / 2, opening.height.si, outside.reach.si
+        )
+    return FlightGoal(
+        tuple((x, y) for x, y, _ in (lamp.position.vector for lamp in scenario.target_lamps)),
+        scenario.goal.radius.si,
+        scenario.goal.time_limit.si,
+        length / 2,
+        width / 2,
+        height,
+        door,
+        scenario.course is not None,
+    )
+
+
+def is_indoors(goal: FlightGoal, x: float, y: float, z: float) -> bool:
+    """Return whether a hull centre is in the room. [m, map]"""
+    return abs(x) <= goal.half_length and abs(y) <= goal.half_width and z <= goal.height
+
+
+def is_in_bounds(goal: FlightGoal, was_indoors: bool, x: float, y: float, z: float) -> bool:
+    """Return whether a hull centre is where it may be, one control period after `was_indoors`."""
+    door, indoors = goal.door, is_indoors(goal, x, y, z)
+    if door.reach <= 0.0:
+        return indoors
+    # A change between indoors and outdoors is allowed only through the door.
+    if indoors != was_indoors:
+        return abs(y - door.middle) <= door.half_width and z <= door.height and x > 0.0
+    return indoors or (
+        x <= goal.half_length + door.reach and abs(y) <= door.reach and z <= door.reach
+    )
+
+
+def distance_to_goal(goal: FlightGoal, progress: GoalProgress, x: float, y: float) -> float:
+    """Return the horizontal distance to the lamp that is to be reached next. [m]"""
+    stop = goal.stops[progress.stop]
+    return math.hypot(stop[0] - x, stop[1] - y)
+
+
+def evaluate_outcome(
+    goal: FlightGoal, progress: GoalProgress, x: float, y: float, z: float, elapsed: float
+) -> tuple[int, GoalProgress]:
+    """Return the outcome, as a place in `OUTCOMES`, and the progress after a control period."""
+    inside = is_in_bounds(goal, progress.indoors, x, y, z)
+    near = distance_to_goal(goal, progress, x, y) <= goal.radius
+    progress = progress._replace(indoors=is_indoors(goal, x, y, z))
+    if near and not goal.along:
+        if progress.stop + 1 == len(goal.stops):
+            return REACHED, progress
+        progress = progress._replace(stop=progress.stop + 1)
+    if not inside:
+        return ESCAPED, progress
+    if elapsed >= goal.limit:
+        # On a course, flying it to its end is the goal.
+        return REACHED if goal.along else TIMEOUT, progress
+    return FLYING, progress
 
 
 @final
 class FlightTermination:
-    """End conditions of a flight from its scenario; the lamps of a route count in order."""
+    """The end conditions of one flight, from its start."""
 
     def __init__(self, scenario: Scenario) -> None:
-        self._bounds = FlightBounds(scenario)
-        self._stops = [lamp.position.vector[:2] for lamp in scenario.target_lamps]
-        self._radius, self._limit = scenario.goal.radius.si, scenario.goal.time_limit.si
-        self._along = scenario.course is not None
+        self._goal = build_goal(scenario)
+        self._progress = GoalProgress(0, True)
 
     def goal_distance(self, x: float, y: float) -> float:
         """Return the horizontal distance to the lamp that is to be reached next. [m]"""
-        return math.dist(self._stops[0], (x, y))
+        return distance_to_goal(self._goal, self._progress, x, y)
 
     def evaluate_outcome(self, x: float, y: float, z: float, elapsed: float) -> FlightOutcome:
-        """Return the current outcome of the flight."""
-        in_bounds = self._bounds.is_inside(x, y, z)
-        if not self._along and self.goal_distance(x, y) <= self._radius:
-            if len(self._stops) == 1:
-                return FlightOutcome.REACHED
-            del self._stops[0]
-        if not in_bounds:
-            return FlightOutcome.ESCAPED
-        if elapsed >= self._limit:
-            # On a course, flying it to its end is the goal.
-            return FlightOutcome.REACHED if self._along else FlightOutcome.TIMEOUT
-        return FlightOutcome.FLYING
+        """Return the outcome of the flight after one more control period."""
+        outcome, self._progress = evaluate_outcome(self._goal, self._progress, x, y, z, elapsed)
+        return OUTCOMES[outcome]

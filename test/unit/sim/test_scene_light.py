@@ -8,7 +8,8 @@ from lta_model.light.view import LightView
 from lta_model.scenario import load_scenario, Scenario
 from lta_model.state import WIND
 from lta_model.vehicle import load_vehicle
-from lta_sim.bounds import FlightBounds
+from lta_sim.readings import FlightOutcome
+from lta_sim.termination import FlightTermination
 from lta_sim.world import World
 from lta_vlc.demodulation import demodulate_beacon, plan_bins
 from lta_vlc.settings import DemodulationSettings
@@ -58,8 +59,8 @@ def test_the_sunny_field_has_80_klx():
 
 def test_who_leaves_by_the_door_is_in_bounds():
     def flown(*way):
-        bounds = FlightBounds(load_scenario('hall_door'))
-        return [bounds.is_inside(x, y, z) for x, y, z in way]
+        end = FlightTermination(load_scenario('hall_door'))
+        return [end.evaluate_outcome(x, y, z, 0.0) is not FlightOutcome.ESCAPED for x, y, z in way]
 
     assert flown((0, 0, 1), (4.9, 0, 1), (5.1, 0, 1), (24, -19, 5)) == [True] * 4
     assert flown((4.9, 0, 1), (5.1, 0, 1), (4.9, 0, 1)) == [True] * 3

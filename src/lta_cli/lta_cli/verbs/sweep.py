@@ -63,7 +63,7 @@ def sweep(
     are stored with their seed and the reason. flights.parquet has one row per flight, with SI
     units and descriptions in the column metadata.
 
-    --device flies thousands of closed loops at once (strategy bag only). It models the received
+    --device flies thousands of closed loops at once. It models the received
     lamp signal by geometry and noise instead of ADC blocks, so flights agree in distribution, not
     seed by seed. A batch reports no cruise data and no estimator errors.
 

@@ -13,7 +13,7 @@ from lta_control.laws import LAWS
 from lta_control.laws.onboard_law import CASCADE
 from lta_control.per_rotor import NONE, pad_to_slots
 from lta_control.strategies.protocol import NavigationStrategy
-from lta_flight.batch.flight_data import BatchGoal, BatchPower, FlightConstants
+from lta_flight.batch.flight_data import BatchPower, FlightConstants
 from lta_flight.batch.targets import BatchRhythm, STEP
 from lta_flight.flight_stack import FlightStack
 from lta_model.effects import EFFECTS
@@ -29,9 +29,11 @@ from lta_model.sensors.pressure import PressureSettings
 from lta_model.sensors.range import RangeSettings
 from lta_model.vehicle import Vehicle
 from lta_sim.compiled_sensors import ImuAxes, SensorDatasheets, Six
+from lta_sim.environment import build_steady_wind
 from lta_sim.light_link import build_light_link
-from lta_sim.scene_model import build_scene_model
+from lta_sim.scene_model import build_scene_model, vehicle_reach
 from lta_sim.supply_step import SupplyParts
+from lta_sim.termination import build_goal
 from lta_vlc.diodes import build_diode_array
 from lta_vlc.direction import build_direction_prior, build_fit_array
 
@@ -104,19 +106,10 @@ def build_model(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> Ve
         )
     if policy.course is not None or scenario.course is not None:
         raise BadInput('A batch flies to the lamp, not along a course; leave --device out.')
-    if scenario.start.held.si > 0.0:
-        raise BadInput(
-            f'A batch lets go of the drone at once, and the scenario {scenario.name} holds it for '
-            f'{scenario.start.held.si:g} s; leave --device out.'
-        )
     if len(scenario.lamps) > 1:
         raise BadInput(
             f'A batch knows one lamp, and the scenario {scenario.name} has '
             f'{len(scenario.lamps)}; leave --device out.'
-        )
-    if scenario.outside is not None:
-        raise BadInput(
-            f'A batch knows no door, which the scenario {scenario.name} has; leave --device out.'
         )
     if scenario.wind_file is not None:
         raise BadInput(
@@ -211,7 +204,8 @@ def build_constants(
         place=(x, y, vehicle.height_on_floor),
         heading=start.heading.si,
         spread=start.heading_spread.si,
-        wind=to_three(scenario.air.wind.vector),
+        wind=build_steady_wind(scenario, vehicle_reach(vehicle)[0]),
+        held=start.held.si,
         lowest=pad_to_slots(-1.0 if reverses else 0.0 for reverses in vehicle.reversible),
         mass_place=(0.0, 0.0, 0.0),
         duties=NONE,
@@ -259,18 +253,11 @@ def build_sensors(vehicle: Vehicle, floor: float) -> SensorDatasheets:
     )
 
 
-def build_goal(scenario: Scenario) -> BatchGoal:
-    """Return how a flight in a scene ends."""
-    length, width, height = scenario.room.size.vector
-    x, y, _ = scenario.goal_lamp.position.vector
-    goal = scenario.goal
-    return BatchGoal(x, y, goal.radius.si, goal.time_limit.si, length / 2, width / 2, height)
-
-
 def build_power(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> BatchPower:
     """Return the electricity of a vehicle in a scene."""
     field = scenario.light_field
     lamp, ambient = field.first_lamp, field.ambient
+    daylight = field.daylight if field.outside is None else field.outside.daylight
     return BatchPower(
         SupplyParts(vehicle.battery, vehicle.charger, vehicle.panel),
         vehicle.loads,
@@ -280,7 +267,7 @@ def build_power(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> Ba
         ),
         lamp.wave.duty / lamp.efficacy,
         ambient.steady / ambient.efficacy,
-        0.0 if field.daylight is None else 1.0 / field.daylight.efficacy,
+        0.0 if daylight is None else 1.0 / daylight.efficacy,
         policy.energy.reserve,
         scenario.start.charge.si,
     )

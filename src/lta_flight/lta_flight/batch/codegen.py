@@ -32,6 +32,7 @@ from lta_flight.batch.targets import BatchRhythm, CompileTarget
 from lta_model.effects import initial_memory
 from lta_model.state import ACTUATORS, RIGID
 from lta_sim import compiled_sensors, light_link
+from lta_sim.environment import steady_wind_at
 from lta_sim.kernels.kernel import LAYOUT
 from lta_sim.kernels.layout import format_tuple
 from lta_vlc.direction_fit import fit_direction
@@ -45,6 +46,7 @@ CORES: tuple[Callable[..., Any], ...] = (
     compiled_sensors.draw_turbulence_memory,
     compiled_sensors.sample_range,
     compiled_sensors.draw_white_noise,
+    steady_wind_at,
     flight.initial_pose,
     flight.build_command,
     flight.read_sensors,
@@ -70,9 +72,8 @@ CORES: tuple[Callable[..., Any], ...] = (
 
 
 SENSE = """
-        force = core_sensor_specific_force(
-            craft, state, rates(state, fixed, command, surroundings)
-        )
+        rate, held = rates(state, fixed, command, surroundings), step * $period < craft.held
+        force = core_sensor_specific_force(craft, state, rate, held)
         rates_now = (state[10], state[11], state[12])
         heard = core_read_sensors(
             craft, errors, seed, step, step * $period, force, rates_now, state[2], distance,
@@ -126,13 +127,16 @@ def fly(fixed, c, seed, scratch, lights, pencils, out):
     noise, warmth, step, ticks = (0.0, 0.0, 0.0), 0.0, 0, 0
     while tally.outcome == 0:
 $before
-        surroundings = craft.wind + noise + (warmth, supply.flow.voltage, 0.0, 0.0, 0.0)
+        wind = core_steady_wind_at(craft.wind, state[0])
+        surroundings = wind + noise + (warmth, supply.flow.voltage, 0.0, 0.0, 0.0)
 $decide
         if not supply.flow.fed:
             duties = $still
         command = core_build_command(craft, duties)
-        x, y = state[0], state[1]
+        x, y, before = state[0], state[1], state
 $steps
+        if step * $period < craft.held:
+            state = $frozen
         if step % $light == 0:
             irradiance = core_panel_irradiance(craft, state)
         thrusts = thrusts_of(state, fixed, command, surroundings)
@@ -169,6 +173,12 @@ def _format_memory(names: Sequence[str]) -> str:
     return ''.join(f' + {text}' for text in texts)
 
 
+def format_held_state(names: Sequence[str]) -> str:
+    """Return the source of a held drone's state: motors, gas and turbulence continue."""
+    size = RIGID + sum(LAYOUT.memory_size(name) for name in names)
+    return format_tuple(f'{"before" if k < RIGID else "state"}[{k}]' for k in range(size))
+
+
 def _format_initial_values(names: Sequence[str]) -> dict[str, str]:
     """Return the source of what is there before the first step, and of what comes out."""
     return {
@@ -176,6 +186,7 @@ def _format_initial_values(names: Sequence[str]) -> dict[str, str]:
         'begin': format_tuple(map(repr, BEGIN.write(OnboardMemory()).tolist())),
         'onboard': BEGIN.render_expression('begin'),
         'still': format_tuple(['0.0'] * ACTUATORS),
+        'frozen': format_held_state(names),
         'before': build_surroundings(names),
         'results': format_tuple(RESULTS),
     }

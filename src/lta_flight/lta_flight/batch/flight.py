@@ -16,7 +16,6 @@ from lta_control.reserve import FlightPermission
 from lta_control.sighting import DeadReckonedMotion, LampDirection, sight_from_direction
 from lta_control.strategies.protocol import LightSight
 from lta_flight.batch.flight_data import (
-    BatchGoal,
     BatchPower,
     FlightConstants,
     FlightTally,
@@ -26,7 +25,8 @@ from lta_model.electrical.charger import resting_flow
 from lta_model.electrical.loads import power_demand
 from lta_model.light.lambertian import direct_light
 from lta_model.light.panel_light import daylight_on_panel, lamp_light_on_panel
-from lta_model.light.scene_geometry import daylight_illuminance
+from lta_model.light.scene_geometry import daylight_illuminance, is_in_room
+from lta_model.state import RIGID
 from lta_model.stiffness import SPEED_LIMIT
 from lta_sim.compiled_sensors import (
     sample_imu,
@@ -37,13 +37,19 @@ from lta_sim.compiled_sensors import (
 )
 from lta_sim.counter_rng import draw_uniforms
 from lta_sim.supply_step import advance_supply, SupplyInputs, SupplyState
+from lta_sim.termination import (
+    distance_to_goal,
+    evaluate_outcome,
+    FLYING,
+    GoalProgress,
+)
 from lta_vlc.direction import PART
 from lta_vlc.direction_fit import DirectionFit
 
 State = tuple[float, ...]
+HELD_RATE = (0.0,) * RIGID  # derivative of the state of a held drone
 LIFTED = 0.01  # m above where it stood: the drone has left the ground, as in the results
 
-FLYING, REACHED, TIMEOUT, ESCAPED = 0, 1, 2, 3
 RAN_AWAY = 4  # beyond the outcomes: the numbers, see `stiffness.watch`
 
 
@@ -99,8 +105,12 @@ def read_sensors(
     return SensorInputs(turned, felt, distance, pressure)
 
 
-def sensor_specific_force(constants: FlightConstants, state: State, rate: State) -> Vector:
-    """Return the specific force at the sensor. [m/s2]"""
+def sensor_specific_force(
+    constants: FlightConstants, state: State, rate: State, held: bool
+) -> Vector:
+    """Return the specific force at the sensor, of a held drone that of rest. [m/s2]"""
+    if held:
+        return specific_force_at(constants.sensors, state, HELD_RATE)
     return specific_force_at(constants.sensors, state, rate)
 
 
@@ -112,13 +122,21 @@ def with_setpoint(memory: OnboardMemory, setpoint: Setpoint) -> OnboardMemory:
     )  # fmt: skip
 
 
+def ambient_irradiance(constants: FlightConstants, position: Vector) -> float:
+    """Return the ambient light at a place: beyond a door there is none. [W/m2]"""
+    listening, (x, y, z) = constants.listening, position
+    if listening.door and not is_in_room(listening.around, x, y, z):
+        return 0.0
+    return constants.power.ambient
+
+
 def panel_irradiance(constants: FlightConstants, state: State) -> float:
     """Return the light that the panel now has. [W/m2]"""
     position, q = (state[0], state[1], state[2]), (state[3], state[4], state[5], state[6])
     power, lamp, around = constants.power, constants.listening.lamp, constants.listening.around
     bright = power.lamp_share * lamp_light_on_panel(power.panel, around, lamp, position, q)
     day = power.day_share * daylight_on_panel(power.panel, around, position, q)
-    return bright + day + power.panel.share * power.ambient
+    return bright + day + power.panel.share * ambient_irradiance(constants, position)
 
 
 def step_supply(
@@ -140,14 +158,16 @@ def hull_irradiance(constants: FlightConstants, state: State) -> float:
     light = direct_light(lamp, (state[0], state[1], state[2]))[0] + lamp.diffuse
     power, s = constants.power, constants.listening.around
     day = daylight_illuminance(s, (state[0], state[1], state[2]), (s.sun_x, s.sun_y, s.sun_z))
-    return power.lamp_share * light + power.ambient + power.day_share * day
+    ambient = ambient_irradiance(constants, (state[0], state[1], state[2]))
+    return power.lamp_share * light + ambient + power.day_share * day
 
 
 def initial_tally(constants: FlightConstants) -> FlightTally:
     """Return the tally before the first step."""
     x, y, _ = constants.place
-    away = math.hypot(constants.goal.x - x, constants.goal.y - y)
-    return FlightTally(FLYING, math.nan, math.nan, 0.0, away, 0.0, 0.0, 0.0, 0.0)
+    progress = GoalProgress(0, True)
+    away = distance_to_goal(constants.goal, progress, x, y)
+    return FlightTally(FLYING, progress, math.nan, math.nan, 0.0, away, 0.0, 0.0, 0.0, 0.0)
 
 
 def amplitude_error(amplitude: float, snr: float) -> float:
@@ -190,15 +210,6 @@ def permission_by_charge(power: BatchPower, charge: float) -> int:
     return FlightPermission.RESERVE if charge <= power.reserve else FlightPermission.FLY
 
 
-def evaluate_outcome(goal: BatchGoal, x: float, y: float, z: float, elapsed: float) -> int:
-    """Return how a flight stands, as `lta_sim.termination`."""
-    if math.hypot(goal.x - x, goal.y - y) <= goal.radius:
-        return REACHED
-    if not (abs(x) <= goal.half_length and abs(y) <= goal.half_width and z <= goal.height):
-        return ESCAPED
-    return TIMEOUT if elapsed >= goal.limit else FLYING
-
-
 def is_plausible(state: State) -> bool:
     """Tell whether velocity and rates are what anything that flies here has."""
     return (
@@ -219,18 +230,19 @@ def update_tally(
 ) -> FlightTally:
     """Return the tally after one more control period; `before` is where it began. [m]"""
     x, y, z = state[0], state[1], state[2]
-    goal = constants.goal
+    outcome, progress = evaluate_outcome(constants.goal, tally.progress, x, y, z, elapsed)
     lift_off, energy = tally.lift_off, tally.energy
     if math.isfinite(lift_off):
         energy -= supply.flow.voltage * supply.flow.current * dt
     elif z > constants.place[2] + LIFTED:
         lift_off = elapsed
     return FlightTally(
-        evaluate_outcome(goal, x, y, z, elapsed) if is_plausible(state) else RAN_AWAY,
+        outcome if is_plausible(state) else RAN_AWAY,
+        progress,
         lift_off,
         tally.search_start,
         tally.path_length + math.hypot(x - before[0], y - before[1]),
-        min(tally.closest, math.hypot(goal.x - x, goal.y - y)),
+        min(tally.closest, distance_to_goal(constants.goal, tally.progress, x, y)),
         energy,
         tally.blocks,
         tally.bearings,
@@ -256,12 +268,11 @@ def update_light_tally(
         blocks += 1.0
         if detected:
             q = (middle[3], middle[4], middle[5], middle[6])
-            true = math.atan2(
-                constants.goal.y - middle[1], constants.goal.x - middle[0]
-            ) - yaw_from_quaternion(q)
+            lamp = constants.goal.stops[tally.progress.stop]
+            true = math.atan2(lamp[1] - middle[1], lamp[0] - middle[0]) - yaw_from_quaternion(q)
             bearings += 1.0
             squares += wrap_angle(angle - true) ** 2
     return FlightTally(
-        tally.outcome, tally.lift_off, search_start, tally.path_length, tally.closest,
-        tally.energy, blocks, bearings, squares,
+        tally.outcome, tally.progress, tally.lift_off, search_start, tally.path_length,
+        tally.closest, tally.energy, blocks, bearings, squares,
     )  # fmt: skip

@@ -9,23 +9,13 @@ from lta_control.reserve import ReserveRule
 from lta_model.electrical.loads import LoadModel
 from lta_model.light.panel_light import PanelPlane
 from lta_sim.compiled_sensors import SensorDatasheets
+from lta_sim.environment import SteadyWind
 from lta_sim.light_link import LightLink
 from lta_sim.supply_step import SupplyParts
+from lta_sim.termination import FlightGoal, GoalProgress
 from lta_vlc.reading_model import DirectionPrior, FitArray
 
 Vector = tuple[float, float, float]
-
-
-class BatchGoal(NamedTuple):
-    """How a flight ends; as `lta_sim.termination`."""
-
-    x: float
-    y: float
-    radius: float
-    limit: float
-    half_length: float
-    half_width: float
-    height: float
 
 
 class BatchPower(NamedTuple):
@@ -52,7 +42,7 @@ class FlightConstants(NamedTuple):
         What the drone knows.
     mission : MissionSettings
         Altitudes and speeds.
-    sensors, listening, goal, power : Sensors, Listening, Goal, Power
+    sensors, listening, goal, power : SensorDatasheets, LightLink, FlightGoal, BatchPower
         The world.
     array, expected : Array, Expected
         What the drone believes of its diodes and of the lamp.
@@ -60,8 +50,10 @@ class FlightConstants(NamedTuple):
         Of the hull centre at the start. [m, map]
     heading, spread : float
         Middle and half width of the headings at the start. [rad]
-    wind : tuple of float
-        [m/s, map]
+    wind : SteadyWind
+        Of the scene.
+    held : float
+        Time for which a hand holds the drone. [s]
     lowest : PerRotor
         Least duty of each rotor.
     mass_place : tuple of float
@@ -81,12 +73,13 @@ class FlightConstants(NamedTuple):
     listening: LightLink
     array: FitArray
     expected: DirectionPrior
-    goal: BatchGoal
+    goal: FlightGoal
     power: BatchPower
     place: Vector
     heading: float
     spread: float
-    wind: Vector
+    wind: SteadyWind
+    held: float
     lowest: PerRotor
     mass_place: Vector
     duties: PerRotor
@@ -98,6 +91,7 @@ class FlightTally(NamedTuple):
     """What a flight has come to; NaN is what has not happened. SI."""
 
     outcome: int
+    progress: GoalProgress
     lift_off: float
     search_start: float
     path_length: float

@@ -27,11 +27,11 @@ from lta_model.stiffness import divergence_error
 from lta_report.json_value import replace_nonfinite
 from lta_sim.kernels.gpu import require_cuda
 from lta_sim.readings import FlightOutcome
+from lta_sim.termination import distance_to_goal, GoalProgress, OUTCOMES
 import numpy as np
 
 # Flights kept together as they end: more fill a GPU, fewer are lost with a batch.
 BATCH: dict[str, int] = {'cpu-batch': 512, 'gpu': 65_536}
-OUTCOMES = tuple(FlightOutcome)
 
 
 @final
@@ -147,7 +147,7 @@ def compute_figures(
         'flight_time': end - outputs['lift_off'],
         'search_time': end - outputs['search_start'],
         'path_length': outputs['path_length'],
-        'straight_length': math.hypot(goal.x - x, goal.y - y) - goal.radius,
+        'straight_length': distance_to_goal(goal, GoalProgress(0, True), x, y) - goal.radius,
         'closest': outputs['closest'],
         'lamp_error': divide_or_nan(outputs['squares'], outputs['bearings']) ** 0.5,
         'lamp_share': divide_or_nan(outputs['bearings'], outputs['blocks']),

@@ -12,7 +12,7 @@ from typing import final
 
 from lta_config.schema.mission_file import MissionFile
 from lta_control.phases import Phase
-from lta_control.strategies.homing import reset_for_next_lamp
+from lta_control.strategies.homing import STRATEGY
 from lta_energy.circuit import EnergyTotals
 from lta_energy.irradiance import IrradianceSeries, PanelIrradiance
 from lta_energy.mission import Departure, Landing
@@ -90,10 +90,7 @@ class MissionFlyer:
         offset: float = 0.0,
     ) -> None:
         self._mission, self._scenes, self._light, self._seed = mission, scenes, light, seed
-        length, width, height = scenes.scenario.room.size.vector
-        self._leg = LegPlan(
-            GO, 1.0, mission.reserve.si, 0.0, gain, offset, length / 2, width / 2, height
-        )
+        self._leg = LegPlan(GO, 1.0, mission.reserve.si, 0.0, gain, offset)
         made = scenes.build_flight(mission.perch, light.at(0.0), 1.0)
         self._pilot = LegPilot(made, self._leg)
         self._speed = scenes.policy.mission.speed
@@ -181,7 +178,7 @@ class MissionFlyer:
         if leg.kind == GO:
             # On the ground it has to climb first.
             phase = Phase.SEEK if mission.phase == Phase.ARRIVED else mission.phase
-            mission = mission._replace(phase=phase, memory=reset_for_next_lamp(mission.memory))
+            mission = mission._replace(phase=phase, memory=STRATEGY.onward(mission.memory))
         begin = memory._replace(outcome=FLYING, begun=memory.step, mission=mission)
         going.memory, going.state = self._pilot.fly_leg(
             self._pilot.pack_constants(made), leg, begin, going.state, going.seed

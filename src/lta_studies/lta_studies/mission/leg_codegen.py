@@ -27,6 +27,7 @@ from lta_model.effects import initial_memory
 from lta_model.light.ray_bundles import LAMPS
 from lta_model.state import RIGID
 from lta_sim import compiled_sensors, light_link
+from lta_sim.environment import steady_wind_at
 from lta_sim.kernels.kernel import LAYOUT
 from lta_sim.kernels.layout import format_tuple
 from lta_studies.mission import leg_state
@@ -54,6 +55,7 @@ CORES: tuple[Callable[..., Any], ...] = (
     leg_state.step_leg_supply,
     leg_state.guide_leg,
     flight.sight_from_fit,
+    steady_wind_at,
     guidance_altitude,
     reckon_motion,
 )
@@ -84,10 +86,10 @@ def fly(fixed, c, g, m, s, seed, scratch, lights, echoes, pencils):
     command, gathered = core_build_command(craft, onboard.duties), core_unreachable_pose()
     while outcome == 0:
 $before
-        surroundings = craft.wind + noise + (warmth, supply.flow.voltage, 0.0, 0.0, 0.0)
-        force = core_sensor_specific_force(
-            craft, state, rates(state, fixed, command, surroundings)
-        )
+        wind = core_steady_wind_at(craft.wind, state[0])
+        surroundings = wind + noise + (warmth, supply.flow.voltage, 0.0, 0.0, 0.0)
+        rate = rates(state, fixed, command, surroundings)
+        force = core_sensor_specific_force(craft, state, rate, False)
         rates_now = (state[10], state[11], state[12])
         heard = core_read_sensors(
             craft, errors, seed, step, step * $period, force, rates_now, state[2], distance,

@@ -26,6 +26,7 @@ from lta_model.electrical.battery import count_charge
 from lta_model.electrical.charger import PowerFlow
 from lta_model.electrical.loads import power_demand
 from lta_sim.supply_step import advance_supply, SupplyInputs, SupplyState
+from lta_sim.termination import is_indoors
 
 State = tuple[float, ...]
 MOVED = 1.0  # m of motion after which reflections are computed again
@@ -52,8 +53,6 @@ class LegPlan(NamedTuple):
         Power of the payload: sensor and its radio. [W]
     gain, offset : float
         Errors of the current meter: factor, and offset in A.
-    half_length, half_width, height : float
-        Size of the room. [m]
 
     """
 
@@ -63,9 +62,6 @@ class LegPlan(NamedTuple):
     payload: float
     gain: float
     offset: float
-    half_length: float
-    half_width: float
-    height: float
 
 
 class LegState(NamedTuple):
@@ -210,8 +206,7 @@ def assess_leg(
     """Return the outcome of a leg after a time. [s]"""
     if not fed:
         return EMPTY
-    inside = abs(state[0]) <= leg.half_length and abs(state[1]) <= leg.half_width
-    if not (inside and state[2] <= leg.height):
+    if not is_indoors(constants.goal, state[0], state[1], state[2]):
         return ESCAPED
     if onboard.stopped or not is_plausible(state):
         return STOPPED

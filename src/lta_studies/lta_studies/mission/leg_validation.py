@@ -49,8 +49,7 @@ def measure_leg(
 ) -> tuple[float, float]:
     """Return the energy consumed [J] and the time [s] of a compiled leg."""
     made = scenes.build_flight(beacon, DARK, 1.0)
-    length, width, height = scenes.scenario.room.size.vector
-    leg = LegPlan(GO, LIMIT, 0.0, 0.0, 1.0, 0.0, length / 2, width / 2, height)
+    leg = LegPlan(GO, LIMIT, 0.0, 0.0, 1.0, 0.0)
     pilot = LegPilot(made, leg)
     height = scenes.vehicle.height_on_floor
     state = pilot.ground_state(start.x, start.y, height, start.heading, seed)

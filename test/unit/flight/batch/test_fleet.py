@@ -19,10 +19,9 @@ from lta_flight.batch.fly import fly_many
 from lta_flight.flight_spec import build_loop, build_parts, load_spec
 from lta_flight.loop_view import LoopView
 from lta_flight.report.results import compute_results
-from lta_model.scenario import load_scenario
 from lta_sim.readings import FlightOutcome
 from lta_sim.scene_model import vehicle_reach
-from lta_sim.termination import FlightTermination
+from lta_sim.termination import FLYING, REACHED, TIMEOUT
 import numpy as np
 import pytest
 
@@ -57,20 +56,11 @@ def figures(row):
     return dict(zip(FIGURES, row.tolist(), strict=True))
 
 
-def test_the_referee_is_the_referee():
-    referee, goal = FlightTermination(load_scenario('lamp_room')), made().craft.goal
-    places = np.random.default_rng(2).uniform((-6, -5, 0, 0), (6, 5, 4, 70), (2000, 4)).tolist()
-    for place in places:
-        assert tuple(FlightOutcome)[
-            flight.evaluate_outcome(goal, *place)
-        ] is referee.evaluate_outcome(*place)
-
-
 def test_numbers_that_run_away_end_a_flight():
     craft = made().craft
     cell, tally = flight.initial_supply(0.9), flight.initial_tally(craft)
     for k, value, outcome in (
-        (7, 999.0, flight.FLYING),
+        (7, 999.0, FLYING),
         (9, -1001.0, flight.RAN_AWAY),
         (12, math.nan, flight.RAN_AWAY),
     ):
@@ -149,23 +139,48 @@ def test_each_flight_of_a_batch_is_what_it_is_alone(batches):
     assert len(np.unique(np.nan_to_num(together), axis=0)) == 4
 
 
-# Its parts are held to the loop's one by one above, and its text flies in the test before.
-@pytest.mark.long
-def test_its_flights_are_those_of_the_loop_in_distribution():
+FIGURES_OF_A_FLIGHT = ('path_length', 'end', 'energy', 'lift_off', 'search_start')
+
+
+def fly_loops(spec, seeds):
+    """Return the results of flights in the one-process loop."""
     flown = []
-    for seed in range(1001, 1013):
-        loop = build_loop(ingredients(), seed)
+    for seed in seeds:
+        loop = build_loop(spec, seed)
         view = LoopView(loop)
         for _ in loop.iterate_steps():
             view.record_step()
         flown.append(compute_results(view))
-    batch = [figures(row) for row in fly_many([made()], range(60), which=np.zeros(60, int))]
-    assert all(told['outcome'] == flight.REACHED for told in batch)
-    for name in ('path_length', 'end', 'energy', 'lift_off', 'search_start'):
-        own, few = (np.array([told[name] for told in batch]),
-                    np.array([getattr(results, name) for results in flown]))  # fmt: skip
-        error = own.std() * math.sqrt(1 / len(few) + 1 / len(own))
-        assert abs(few.mean() - own.mean()) < 3.5 * error, name
+    return flown
+
+
+# Steering, sensing and the end of a flight are the loop's own functions; light and chance differ.
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ('strategy', 'scene'),
+    [
+        ('bag', 'lamp_room'),
+        ('dga', 'lamp_room'),
+        ('des', 'lamp_room'),
+        ('homing', 'lamp_room'),
+        ('homing', 'hall_door'),  # daylight and wind beyond a door
+        ('homing', 'windy_field'),  # held by a hand at first, in gusts
+    ],
+)
+def test_its_flights_are_those_of_the_loop_in_distribution(strategy, scene):
+    spec = load_spec('gtmab', scene, strategy, 'gtmab')
+    flown = fly_loops(spec, range(1001, 1013))
+    flight_of_batch = build_flight(*build_parts(spec), TABLE)
+    rows = fly_many([flight_of_batch], range(60), which=np.zeros(60, int))
+    batch = [figures(row) for row in rows]
+    reached = [told['outcome'] == REACHED for told in batch]
+    share, few = np.mean(reached), np.mean([results.success for results in flown])
+    assert abs(share - few) <= 3.5 * math.sqrt(max(share * (1 - share), 0.03) / len(flown))
+    for name in FIGURES_OF_A_FLIGHT:
+        own, loop = (np.array([told[name] for told in batch]),
+                     np.array([getattr(results, name) for results in flown]))  # fmt: skip
+        error = own.std() * math.sqrt(1 / len(loop) + 1 / len(own))
+        assert abs(loop.mean() - own.mean()) < 3.5 * error, name
 
 
 def test_what_a_batch_does_not_know_it_refuses():
@@ -226,6 +241,6 @@ def test_a_thread_of_a_gpu_flies_the_same_closed_loop(tmp_path):
         )
         assert done.returncode == 0, done.stderr
         told[device] = np.load(out)
-    assert set(told['gpu'][:, FIGURES.index('outcome')]) == {flight.TIMEOUT}
+    assert set(told['gpu'][:, FIGURES.index('outcome')]) == {TIMEOUT}
     assert told['gpu'][:, FIGURES.index('path_length')].min() > 0.0
     np.testing.assert_allclose(told['gpu'], told['cpu-batch'], rtol=1e-12, atol=1e-12)

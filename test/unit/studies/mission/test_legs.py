@@ -24,7 +24,7 @@ import pytest
 
 pytestmark = pytest.mark.long  # a minute, most of it to compile a pilot
 
-LEG = LegPlan(GO, 120.0, 0.1, 0.0, 1.0, 0.0, 14.0, 10.0, 8.0)
+LEG = LegPlan(GO, 120.0, 0.1, 0.0, 1.0, 0.0)
 
 
 @pytest.fixture(scope='module')
