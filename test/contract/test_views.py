@@ -243,7 +243,7 @@ def test_motors_are_shown_by_the_names_of_the_vehicle():
 
 def test_bad_views_are_refused():
     views = load_views()
-    for series, words in (('odom', 'names no field'), ('nope.x', "Unknown topic 'nope'")):
+    for series, words in (('odom', 'does not name a field'), ('nope.x', "Unknown topic 'nope'")):
         with pytest.raises(BadInput, match=words):
             parse_series(views, series)
     with pytest.raises(BadInput, match='foxglove, plotjuggler'):

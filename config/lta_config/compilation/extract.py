@@ -1,8 +1,8 @@
 """
-Take the source of plain functions, with all that they use, out of their modules.
+Extract the source of plain functions, with everything they use, from their modules.
 
-The text is what gets compiled and what the cache is keyed by, so that neither an edit of a
-function nor of anything that it calls, in whichever file, can leave old physics behind.
+The text is compiled and is the key of the cache, so an edit of a function, or of anything it calls
+in any file, never runs stale code.
 """
 
 import ast
@@ -20,7 +20,8 @@ from lta_config.errors import BadInput
 
 @cache
 def _parse_definitions(path: Path, changed_ns: int, size: int) -> dict[str, ast.FunctionDef]:
-    """Return the functions at the top of a file as it stood at that time, bare."""
+    """Return the top-level functions of a file, without annotations."""
+    # Time and size are only keys of the cache: an edited file is parsed again
     tree = ast.parse(path.read_text(encoding='utf-8'))
     return {
         node.name: _strip_annotations(node)
@@ -30,7 +31,7 @@ def _parse_definitions(path: Path, changed_ns: int, size: int) -> dict[str, ast.
 
 
 def _strip_annotations(node: ast.FunctionDef) -> ast.FunctionDef:
-    """Return the function without annotations and decorators, which mean nothing compiled."""
+    """Return the function without annotations and decorators, which compiling ignores."""
     node.decorator_list, node.returns = [], None
     for argument in [*node.args.args, *node.args.posonlyargs, *node.args.kwonlyargs]:
         argument.annotation = None
@@ -38,18 +39,19 @@ def _strip_annotations(node: ast.FunctionDef) -> ast.FunctionDef:
 
 
 def _is_literal(value: object) -> bool:
-    """Return whether a value is a number or a tuple of such."""
+    """Return whether a value is a number or a nested tuple of numbers."""
     if isinstance(value, tuple):
         return all(_is_literal(item) for item in value)
     return isinstance(value, bool | int | float)
 
 
 def _rename_names(part: Any, names: Mapping[str, str]) -> Any:  # noqa: ANN401 - any field of a node
-    """Return a copy of a part of a tree with other names."""
+    """Return a copy of a syntax tree with names replaced."""
     if isinstance(part, list):
         return [_rename_names(each, names) for each in part]
     if not isinstance(part, ast.AST):
         return part
+    # A copy, because the parsed tree is shared through the cache
     new = {key: _rename_names(value, names) for key, value in vars(part).items()}
     if isinstance(part, ast.Name):
         new['id'] = names.get(part.id, part.id)
@@ -57,7 +59,7 @@ def _rename_names(part: Any, names: Mapping[str, str]) -> Any:  # noqa: ANN401 -
 
 
 class _FunctionSource(NamedTuple):
-    """Where a function is defined: its file as it stood at that time, and its name."""
+    """Where a function is defined: its name, its file and the file's state."""
 
     path: Path
     changed_ns: int
@@ -66,7 +68,7 @@ class _FunctionSource(NamedTuple):
 
     @property
     def node(self) -> ast.FunctionDef:
-        """Return its syntax tree, which is shared."""
+        """The function's syntax tree, which is shared."""
         return _parse_definitions(self.path, self.changed_ns, self.size)[self.name]
 
 
@@ -77,23 +79,21 @@ def _locate_source(function: FunctionType) -> _FunctionSource:
     source = _FunctionSource(path, file.st_mtime_ns, file.st_size, function.__qualname__)
     if source.name in _parse_definitions(path, file.st_mtime_ns, file.st_size):
         return source
-    raise BadInput(
-        f'No function {function.__name__} stands at the top of {path}; define it there.'
-    )
+    raise BadInput(f'{function.__name__} is not at the top level of {path}; define it there.')
 
 
 @cache
 def _list_globals(source: _FunctionSource, variables: tuple[str, ...]) -> list[str]:
-    """Return the names that a function with these variables takes from elsewhere, in order."""
+    """Return the sorted names that a function with these variables takes from its module."""
     names = [item for item in ast.walk(source.node) if isinstance(item, ast.Name)]
-    # What a comprehension binds is in no list of the function's own variables.
+    # Variables of a comprehension are not in co_varnames
     bound = {item.id for item in names if isinstance(item.ctx, ast.Store)}
     return sorted({item.id for item in names} - bound - {*variables})
 
 
 @cache
 def _render_function(source: _FunctionSource, own: str, names: tuple[tuple[str, str], ...]) -> str:
-    """Return the text of a function called `own` whose globals have these names."""
+    """Return the text of a function under a new name, with its globals renamed."""
     node = _rename_names(source.node, dict(names))
     node.name = own
     return ast.unparse(node)
@@ -103,8 +103,8 @@ class SourceExtract:
     """
     A growing text of functions without imports other than `math`.
 
-    Each function is called `<prefix>_<name>` in it, and `prefix` also goes before the constants
-    and functions that it uses, so that files may use the same names for different things.
+    Each function is called `<prefix>_<name>` in it. The constants and functions that it uses get
+    the same prefix, so that different modules may use the same names.
     """
 
     def __init__(self) -> None:
@@ -112,16 +112,16 @@ class SourceExtract:
 
     def add_function(self, function: Callable[..., Any], prefix: str) -> str:
         """
-        Take a function and all that it uses; return its name in the text.
+        Add a function and everything it uses; return its name in the text.
 
         Raises
         ------
         BadInput
-            If it uses something other than `math`, numbers and plain functions.
+            If it uses anything but `math`, numbers and plain functions.
 
         """
         if not isinstance(function, FunctionType):
-            raise BadInput(f'{function!r} of {prefix} is no plain function; write it with def.')
+            raise BadInput(f'{function!r} of {prefix} is not a plain function; write it with def.')
         own = f'{prefix}_{function.__name__}'
         source = _locate_source(function)
         names = {
@@ -131,15 +131,18 @@ class SourceExtract:
         return self._add_piece(own, _render_function(source, own, tuple(names.items())))
 
     def _add_global(self, function: FunctionType, name: str, prefix: str) -> str:
-        """Return what a global is called in the text, having taken it along."""
+        """Add a global and return its name in the text."""
         value = function.__globals__.get(name, getattr(builtins, name, None))
         own = f'{prefix}_{name}'
+        # `math` and builtins such as min exist in compiled code under their own names
         if value is math or value is getattr(builtins, name, math):
             return name
         if isinstance(value, FunctionType):
             return self.add_function(value, prefix)
+        # A function imported by `from math import ...`
         if getattr(math, getattr(value, '__name__', ''), None) is value:
             return f'math.{value.__name__}'  # type: ignore[union-attr]
+        # Methods of a NamedTuple class are lost; compiled code only needs the fields
         if isinstance(value, type) and issubclass(value, tuple) and hasattr(value, '_fields'):
             return self._add_piece(
                 own, f'{own} = namedtuple({value.__name__!r}, {value._fields!r})'
@@ -153,19 +156,19 @@ class SourceExtract:
         )
 
     def _add_piece(self, own: str, piece: str) -> str:
-        """Keep a piece under its name; two different ones cannot share it."""
+        """Store a piece under its name; two different pieces cannot share a name."""
         if self._pieces.setdefault(own, piece) != piece:
             raise BadInput(f'Two different things are called {own} in the kernel; rename one.')
         return own
 
     def has_text(self, prefix: str, text: str) -> bool:
-        """Tell whether a text stands in the pieces of one prefix."""
+        """Return whether a text occurs in the pieces of one prefix."""
         return any(
             text in piece for own, piece in self._pieces.items() if own.startswith(f'{prefix}_')
         )
 
     def render(self, decorator: str, entry: str = '', entries: Collection[str] = ()) -> str:
-        """Return all pieces, the functions under `decorator`, some under `entry` instead."""
+        """Return all pieces, the functions with `decorator`, those in `entries` with `entry`."""
         return '\n\n\n'.join(
             f'{entry if own in entries else decorator}\n{piece}'
             if piece.startswith('def ')

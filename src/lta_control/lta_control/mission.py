@@ -87,6 +87,7 @@ def mission_step(
         return Setpoint(0.0, sight.heading, 0.0), mission
     if phase is Phase.REST:
         phase, memory = Phase.CLIMB, strategy.start(sight.heading)
+        # Take-off position for a later return
         mission = mission._replace(start=sight.position)
     if phase is Phase.CLIMB and altitude > settings.altitude - settings.reached:
         phase = Phase.SEEK
@@ -95,6 +96,7 @@ def mission_step(
     phase, memory = mission.phase, mission.memory
     if phase is Phase.HOME:
         heading = heading_to_start(mission.start, sight.position)
+        # The first element of every strategy's memory is the last commanded heading
         mission = mission._replace(memory=(heading, *memory[1:]))
         return Setpoint(settings.altitude, heading, settings.speed), mission
     if phase is Phase.SEEK or phase is Phase.ARRIVED:
@@ -142,12 +144,14 @@ def _listen_for_next(
 ) -> Mission:
     """Return the mission after one more block of listening on a route of several lamps."""
     turns = mission.turns + 1
+    # Consecutive blocks only: one block without the lamp starts the count again
     received = mission.heard + 1 if sight.seen and turns > SWITCHING else 0
     mission = mission._replace(turns=turns, heard=received)
     if mission.phase is not Phase.ARRIVED or mission.leg + 1 == lamps:
         return mission
     time = turns * sight.interval
     if mission.asked == mission.leg:
+        # After an unsuccessful attempt, stay with the current lamp for a while
         wait = settings.again if mission.refused else 0.0
         if time < wait:
             return mission

@@ -41,10 +41,12 @@ def apply_reserve(
         return mission
     # During the climb the drone is still near its start, so it lands at once.
     if order is FlightPermission.RESERVE and mission.phase is not Phase.CLIMB:
+        # Continue to the lamp; the landing follows on arrival
         if settings.action == 'perch' and mission.phase is Phase.SEEK:
             return mission
         if settings.action == 'return' and speed > 0.0:
             way = distance_to_start(mission.start, sight.position)
+            # A time limit, because a head wind may make the start unreachable
             left = settings.turning + settings.patience * way / speed
             return mission._replace(phase=Phase.HOME, left=left)
     return mission._replace(phase=Phase.LAND)

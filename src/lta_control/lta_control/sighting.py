@@ -95,6 +95,7 @@ def bearing_deviation(lamp: LampPosition) -> float:
         return math.pi
     xx, xy, yy = lamp.spread
     x, y = lamp.x, lamp.y
+    # Variance along and across the ray: quadratic forms with its unit vectors
     along = (x * x * xx + 2.0 * x * y * xy + y * y * yy) / squared
     across = (y * y * xx - 2.0 * x * y * xy + x * x * yy) / squared
     return math.sqrt(max(across, 0.0) / (squared + max(along, 0.0)))
@@ -106,4 +107,5 @@ def facing_strength(axes: tuple[tuple[float, float], ...], amplitudes: tuple[flo
     for (x, y), amplitude in zip(axes, amplitudes, strict=True):
         forward += amplitude * x
         left += amplitude * y
+    # Inverse of |sum M_i n_i| = N M / 4
     return 4.0 * math.hypot(forward, left) / max(len(axes), 1)

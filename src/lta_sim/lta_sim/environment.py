@@ -1,4 +1,4 @@
-"""Compute the surroundings of a vehicle for each control period, as the kernel's input."""
+"""Compute wind, noise, light and voltage around a vehicle for each control period."""
 
 from collections.abc import Mapping
 import math
@@ -22,6 +22,7 @@ def draw_initial_memory(
     """Return the initial memory of all effects, with turbulence in its stationary state."""
     memory = list(initial_memory())
     if 'turbulence' in parameters:
+        # The layout counts from the start of the state, the memory begins after the rigid body
         first = LAYOUT.remembers['turbulence'] - RIGID
         drawn = chance.standard_normal(len(turbulence.MEMORY))
         memory[first : first + len(drawn)] = turbulence.stationary_memory(tuple(drawn.tolist()))
@@ -39,7 +40,8 @@ class _DoorWind:
         self._wall, self._radius = scenario.room.size.vector[0] / 2, radius
 
     def wind_at(self, x: float) -> NDArray[np.float64]:
-        """Return the wind on a hull whose centre is at some map x. [m/s]"""
+        """Return the wind on a hull whose centre is at map x [m]. [m/s]"""
+        # Share of the hull's diameter that is beyond the wall
         out = 0.5 + 0.5 * (x - self._wall) / self._radius
         wind: NDArray[np.float64] = self._inside + min(max(out, 0.0), 1.0) * self._step
         return wind
@@ -50,11 +52,11 @@ class FlightEnvironment:
     """
     The surroundings of one flight; only values that an active effect needs are updated.
 
-    Turbulence noise is drawn once per control period from its own stream, and only while the
-    effect is on, with variance 1 / period, so that it has unit intensity. Light and voltage are
-    those at the beginning of the period. Recorded wind is that of the middle with its mean rate
-    of change: a neutral hull without drag ends each period with the speed of the air, and drag
-    sees an airspeed that is wrong by at most the change in half a period.
+    Turbulence noise is drawn once per control period from its own stream while the effect is on.
+    Light and voltage are those at the beginning of the period. Recorded wind is that of the middle
+    of the period with its mean rate of change: a neutral hull without drag ends each period with
+    the speed of the air, and drag sees an airspeed that is wrong by at most the change in half a
+    period.
     """
 
     def __init__(
@@ -75,6 +77,7 @@ class FlightEnvironment:
         self._turbulent = 'turbulence' in effect_parameters
         self._warmed = 'superheat' in effect_parameters
         self._light, self._chance = light, chance
+        # Variance 1 / period gives the piecewise constant noise unit intensity
         self._deviation = 1.0 / math.sqrt(period)
 
     def refresh(self, pose: Pose, voltage: float, elapsed: float) -> None:

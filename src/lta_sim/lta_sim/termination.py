@@ -10,20 +10,22 @@ from lta_sim.readings import FlightOutcome
 
 @final
 class FlightTermination:
-    """End conditions of a flight from its scenario; the lamps of a route count in order."""
+    """End conditions of a flight; the lamps of a route must be reached in order."""
 
     def __init__(self, scenario: Scenario) -> None:
         self._bounds = FlightBounds(scenario)
         self._stops = [lamp.position.vector[:2] for lamp in scenario.target_lamps]
         self._radius, self._limit = scenario.goal.radius.si, scenario.goal.time_limit.si
+        # A course is a prescribed trajectory; it has no lamps to reach
         self._along = scenario.course is not None
 
     def goal_distance(self, x: float, y: float) -> float:
-        """Return the horizontal distance to the lamp that is to be reached next. [m]"""
+        """Return the horizontal distance to the next lamp. [m]"""
         return math.dist(self._stops[0], (x, y))
 
     def evaluate_outcome(self, x: float, y: float, z: float, elapsed: float) -> FlightOutcome:
         """Return the current outcome of the flight."""
+        # Evaluated first, because the bounds track every step
         in_bounds = self._bounds.is_inside(x, y, z)
         if not self._along and self.goal_distance(x, y) <= self._radius:
             if len(self._stops) == 1:

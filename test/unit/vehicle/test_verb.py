@@ -159,8 +159,8 @@ def test_diff_says_what_no_figure_knows(call, ballast):
     status, said = call('diff', 'gtmab', '--set', scale, *ballast)
     assert status == 0
     words = ' '.join(said.out.split())
-    assert 'what thrust_scale does is seen where it flies with and without it' in words
-    assert 'Nothing follows' not in words
+    assert 'To see the influence of thrust_scale, simulate both vehicles' in words
+    assert 'No derived figure changes' not in words
     assert ('ballast to add' in words) == bool(ballast)
 
 

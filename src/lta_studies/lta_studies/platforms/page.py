@@ -40,7 +40,7 @@ HEADS = ('platform', 'manoeuvre', 'held', 'overshoot', 'settles', 'steady error'
 DASHED = 'Dashed: setpoint. Flights with seed 1.'
 LIMITED = (
     'One flight for each commanded speed. Dashed: speed reached equals speed commanded. The '
-    'changes are listed below, under "What decides".'
+    'changes are listed below, under "What causes the differences".'
 )
 METHOD = (
     'Held: settles before the last quarter, height within 0.2 m, not turned over. Steady error '
@@ -134,7 +134,7 @@ def draw_pictures(comparison: ComparisonFile, rows: Sequence[PlatformResult]) ->
         manoeuvre = load_maneuver(name)
         found.append(
             render_section(f'changed-{name}', f'{name.capitalize()}, one thing changed',
-                    f'The changes are listed below, under "What decides". {DASHED}',
+                    f'The changes are listed below, under "What causes the differences". {DASHED}',
                     draw_ablations(rows, comparison, manoeuvre))
         )  # fmt: skip
     if comparison.limits:

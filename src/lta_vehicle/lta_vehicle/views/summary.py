@@ -1,4 +1,4 @@
-"""What a vehicle is and can do, in sentences."""
+"""Summarize a vehicle sheet in sentences."""
 
 from collections.abc import Iterator
 import math
@@ -11,13 +11,14 @@ MANY = ('no', 'one', 'two', 'three', 'four', 'five', 'six', 'seven', 'eight')
 
 
 def format_headline(sheet: VehicleSheet) -> str:
-    """Return the one sentence that matters most."""
+    """Return the headline: weight, heaviness and hover duty."""
     f = sheet.by_key
     name = sheet.vehicle.file.name
     heavy = f['heaviness']
     weight = f['mass'].text
     if sheet.vehicle.file.hull.shape == 'none':
         first = f'{name} weighs {weight}, all of which its rotors carry'
+    # Exactly zero: trimmed to neutral buoyancy by the file
     elif heavy.value == 0.0:
         first = f'{name} weighs {weight}, gas included, and floats'
     else:
@@ -33,15 +34,14 @@ def format_headline(sheet: VehicleSheet) -> str:
 
 
 def describe_vehicle(sheet: VehicleSheet) -> list[str]:
-    """Return what people ask first, and how much of it is assumed."""
+    """Return the most important properties as sentences, and the share of assumed numbers."""
     return [
         *_describe_weight(sheet),
         *_describe_push(sheet),
         *_describe_stability(sheet),
         *_describe_helium(sheet),
-        f'{sheet.assumed_count} of the {len(sheet.numbers)} numbers in its file are assumed: '
-        f'nobody '
-        'measured or published them.',
+        f'{sheet.assumed_count} of the {len(sheet.numbers)} numbers in its file are assumed, '
+        'neither measured nor published.',
     ]
 
 
@@ -51,18 +51,18 @@ def _describe_weight(sheet: VehicleSheet) -> Iterator[str]:
     if ballast is not None:
         yield (
             f'Add {ballast.text} of ballast to make it {f["heaviness"].text} heavy; '
-            'then let lta vehicle trim tell from a hover what it really weighs.'
+            'then estimate its actual weight from a hover with lta vehicle trim.'
         )
     if 'cg_x' in f and 'lean' in f and (f['lean'].value or 0.0) > 1.0:
         yield (
-            f'It hangs {f["lean"].text} off the vertical, for its centre of gravity is '
+            f'It hangs {f["lean"].text} off the vertical, because its centre of gravity is '
             f'{_format_side(f["cg_x"], "ahead of", "behind")} the hull centre and '
             f'{_format_side(f["cg_y"], "to the left", "to the right")} of it.'
         )
 
 
 def _format_side(figure: DerivedFigure, positive: str, negative: str) -> str:
-    """Return a length with the side that its sign means."""
+    """Return a length with the side that its sign denotes."""
     words = negative if (figure.value or 0.0) < 0.0 else positive
     return f'{figure.text.removeprefix(MINUS)} {words}'
 

@@ -43,7 +43,7 @@ def test_a_cut_compressed_text_is_refused(bring, tmp_path):
 MAPPINGS = {
     'dimension': ('unit: m}', 'unit: m/s}', 'position is in m/s, but must be in m'),
     'no unit': (', unit: m}', '}', 'position has no unit; add "unit: m"'),
-    'unknown unit': ('unit: m}', 'unit: feet}', 'no known unit'),
+    'unknown unit': ('unit: m}', 'unit: feet}', 'not a known unit'),
     'unknown topic': ('ground_truth/odom', 'odometry', "Unknown topic to import into 'odometry'"),
     'unknown part': (
         'position:',
