@@ -23,6 +23,7 @@ def limit_memory() -> Iterator[None]:
     try:
         yield
     finally:
+        # Only the soft limit was changed, so it can be raised again
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 
 

@@ -180,6 +180,7 @@ def _match_replacement(old: Any, value: Any, where: str) -> Any:  # noqa: ANN401
     before, now = parse_quantity(old), parse_quantity(value)
     if before is not None:
         return _mark_source(_check_same_unit(before, now, value, where))
+    # An aero block may be replaced by the name of a file
     if where == NAMED and isinstance(value, str):
         return value
     if isinstance(old, Mapping):

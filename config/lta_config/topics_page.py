@@ -47,6 +47,7 @@ def render_page(table: TopicTable) -> str:
             topic.about,
         )
         rows.append('| ' + ' | '.join(cells) + ' |\n')
+    # kS/s
     rate = table.light.sample_rate.si / 1e3
     return HEAD.format(samples=table.light.samples, rate=rate) + ''.join(rows)
 

@@ -91,6 +91,7 @@ def _set_in_text(text: str, node: Any, way: list[str], value: Any) -> str:  # no
     for key, below in node.value:
         if key.value == way[0]:
             return _set_in_text(text, below, way[1:], value)
+    # Nest the value in the missing keys, from the inside out
     for key in reversed(way[1:]):
         value = {key: value}
     return _append_line(text, node, f'{way[0]}: {format_inline(value)}')

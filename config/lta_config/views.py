@@ -88,6 +88,7 @@ class Views(StrictModel):
 
     def absolute_topic(self, name: str) -> str:
         """Return the absolute name of a topic; an unknown one is a `BadInput`."""
+        # Raises BadInput for an unknown topic
         _ = load_topic_table()[name]
         return robot_topic(self.robot, name)
 

@@ -252,5 +252,5 @@ def test_bad_views_are_refused():
     for panel in ({'title': 'a'}, {'title': 'a', 'plot': {}, 'scene': 'map'}):
         with pytest.raises(ValidationError, match='must be one of plot'):
             Views.model_validate({**given, 'tabs': {'A': [[panel]]}})
-    with pytest.raises(ValidationError, match='no name'):
+    with pytest.raises(ValidationError, match='not a valid name'):
         Views.model_validate({**given, 'robot': '1', 'tabs': {}})

@@ -19,6 +19,7 @@ import subprocess
 import sys
 from typing import Any, Final
 
+import add_paths  # noqa: F401
 from campaign import campaign, Case, codes, Row, tried, turn_about
 from campaign import kept as flown
 from campaign import told as printed
@@ -30,7 +31,6 @@ from firmware_scenarios import APP, app_files, ARMING, BUILDS, SCENARIOS, SOLD
 from firmware_trial import IMPOSSIBLE
 from linux_crazyflie import build, commit_of, Process
 import lta_bridge
-import tool_paths  # noqa: F401
 
 HERE: Final = Path(__file__).resolve().parent
 ROOT: Final = HERE.parents[1]

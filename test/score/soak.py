@@ -15,6 +15,7 @@ import tempfile
 import time
 from typing import Final, NamedTuple
 
+import add_paths  # noqa: F401
 from command import Lta, Started
 from domain import free_domain
 from endless import endless
@@ -29,7 +30,6 @@ from reliability import put
 from rich.progress import Progress
 from soak_latency import latency
 from soak_memory import LEAK, resident, Slope, slope_of
-import tool_paths  # noqa: F401
 
 TABLE: Final = load_topic_table()
 ROBOT: Final = 'lta1'

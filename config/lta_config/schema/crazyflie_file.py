@@ -152,6 +152,7 @@ def find_crazyflie(vehicle: str, name: str, other: str = '') -> CrazyflieFile:
 
     """
     beside = find_file('vehicle', vehicle).with_suffix(BESIDE)
+    # An explicit file has priority over the one next to the vehicle
     if other:
         return load_crazyflie(other, name)
     if beside.is_file():

@@ -201,6 +201,7 @@ class TopicMapping(_WithAxes):
     def columns(self) -> list[str]:
         """Every required column."""
         actuators = self.actuators or {}
+        # Effort, position and velocity of each actuator
         scalars = [s for a in actuators.values() for s in (a.effort, a.position, a.velocity) if s]
         needed = list(self.where)
         for part in (*self.parts.values(), *scalars):

@@ -65,6 +65,7 @@ class ManeuverFile(StrictModel):
     def setpoint_at(self, time: float) -> ManeuverSetpoint:
         """Return the setpoint at a time [s]; before the first row, to stay in place."""
         rows = [(row.rise.si, row.heading.si, row.speed.si) for row in self.course]
+        # On the ground, with the first heading
         before = (0.0, rows[0][1], 0.0)
         return ManeuverSetpoint(
             *interpolate_rows([row.at.si for row in self.course], rows, self.between, time, before)

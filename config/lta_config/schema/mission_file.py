@@ -52,6 +52,7 @@ class MissionFile(StrictModel):
 
     @model_validator(mode='after')
     def _check_round(self) -> Self:
+        # The drone returns to the perch after every round anyway
         if self.perch in self.round:
             raise ValueError(f'visits its own perch {self.perch}; leave it out of the round')
         return self

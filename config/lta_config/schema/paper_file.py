@@ -93,6 +93,7 @@ class PaperClaim(StrictModel):
 
     @model_validator(mode='after')
     def _check_tested(self) -> Self:
+        # The paper claims nothing yet, so there is nothing to agree with
         if self.source == 'future':
             if self.measure is None or self.rule is not None:
                 raise ValueError('is of the future: it needs a measure, and no rule')
@@ -203,6 +204,7 @@ class PaperRow(StrictModel):
 
 def find_measure_names(text: str) -> set[str]:
     """Return the measures named in braces in a text."""
+    # Formatter.parse yields (text, field name, format, conversion)
     return {name for _, name, _, _ in Formatter().parse(text) if name is not None}
 
 

@@ -100,6 +100,7 @@ class SweepFile(StrictModel):
                 'has both samples and seeds.count; each sample has its own seed, so leave count '
                 'out'
             )
+        # A parameter with two values would be ambiguous
         both = sorted(self.vary.keys() & self.settings.keys())
         if both:
             raise ValueError(f'both sets and varies {", ".join(both)}; keep one')

@@ -31,6 +31,7 @@ class TunnelBody(StrictModel):
     def _check_shape(self) -> 'TunnelBody':
         box = self.position is not None and self.size is not None
         given = self.stl is not None and self.unit is not None
+        # Both or neither
         if box == given:
             raise ValueError('needs either position and size of a box, or stl and its unit')
         return self

@@ -64,6 +64,7 @@ class HullBlock(StrictModel):
             raise ValueError(
                 f'has the shape {self.shape}, which needs {", ".join(missing)}; add it'
             )
+        # A key that has no effect is probably a mistake
         if idle := [key for key in given if key not in needed]:
             raise ValueError(
                 f'has the shape {self.shape}, which has no {" and no ".join(idle)}; remove it'

@@ -63,6 +63,7 @@ class ArrayBlock(StrictModel):
         length = math.hypot(*self.normal.vector)
         if not 0.99 <= length <= 1.01:
             raise ValueError(f'has a normal of length {length:.3g}; divide it by that')
+        # Read now, so that an invalid cell is an error of the vehicle file
         try:
             load_cell_file(self.cell)
         except BadInput as error:

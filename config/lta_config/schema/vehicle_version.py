@@ -17,6 +17,7 @@ def upgrade_content(content: Any) -> Any:  # noqa: ANN401 - whatever the file he
     """Return content of version 1 or 2 as version 3, and anything else unchanged."""
     if not isinstance(content, dict):
         return content
+    # Versions are upgraded one after the other
     if content.get('schema') == 1:
         content = _convert_version_1(content)
     if content.get('schema') == 2:

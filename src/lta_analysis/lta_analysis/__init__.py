@@ -21,4 +21,5 @@ def __getattr__(name: str) -> object:
         from lta_data.bag.recording import open_recording
 
         return open_recording
+    # The message of Python for a missing attribute of a module
     raise AttributeError(f"module '{__name__}' has no attribute '{name}'")

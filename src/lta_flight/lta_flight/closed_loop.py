@@ -281,7 +281,7 @@ class ClosedLoop:
         return decide_permission(self.policy.reserve, word, stamp_ns)
 
     def _whereabouts(self) -> TravelState | None:
-        """Return distance from the start and speed as odom carries them; None while learning."""
+        """Return distance from the start and speed as in odom; None without an estimate."""
         if self.measured_state() is None:
             return None
         reckoned = self._reckoned[-1]

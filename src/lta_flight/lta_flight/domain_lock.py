@@ -58,10 +58,11 @@ class DomainLock:
             holder = os.pread(self._file, LONGEST, 0).decode(errors='replace')
             os.close(self._file)
             raise BadInput(
-                f'{holder or "A robot is"} flying on ROS domain {self._domain} already, and all share '
-                'its /clock; wait until it ends, or choose another domain: '
+                f'{holder or "A robot is"} flying on ROS domain {self._domain} already, and all '
+                'share its /clock; wait until it ends, or choose another domain: '
                 f'export ROS_DOMAIN_ID={(int(self._domain) + 1) % (HIGHEST_DOMAIN + 1)}.'
             ) from None
+        # A shorter name must not leave the end of an older one
         os.ftruncate(self._file, 0)
         os.pwrite(self._file, format_holders(self._robots).encode(), 0)
         return self

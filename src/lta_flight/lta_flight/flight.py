@@ -156,6 +156,7 @@ def supervise_flight(
                 why = f' ({end.lines[-1]})' if is_refusal(end) else ''
                 watcher.show_message(f'{end.sentence}{why}; the flight goes on.')
         show_status(facts, watcher)
+        # A viewer never delays or ends a flight
         running = [name for name in launcher.running if name not in optional]
         lookout.update(facts, listener.find_silent(running), listener.find_pending(running))
         if lookout.stall_time > PATIENCE:

@@ -104,6 +104,7 @@ class FlightSpec:
         for path, name in names.items():
             if not isinstance(name, str):
                 raise BadInput(f'{path} is {format_value(name)}, but must be a name or a file.')
+        # An empty name selects the gains of the new vehicle
         own = {} if 'vehicle' not in names else {'gains': ''}  # another vehicle, its own gains
         named = {'strategy': self.strategy, **self.names, **own, **names}
         return load_spec(named['vehicle'], named['scenario'], named['strategy'], named['gains'])

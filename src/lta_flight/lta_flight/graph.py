@@ -55,6 +55,7 @@ def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> 
             running = [name for name in launcher.running if name not in spare]
             unheard = listener.find_pending(running)
             heard = [name for name in running if name not in unheard]
+            # While nodes load, a busy machine may delay the reports of others
             silent = listener.find_silent(heard) if listener.is_settled(running) else []
             lookout.update(facts, silent, unheard)
             for end in launcher.poll():

@@ -25,6 +25,7 @@ def check_lamp_frequency(scenario: Scenario, demodulation: DemodulationSettings)
         return
     light = load_topic_table().light
     rate, samples = light.sample_rate.si, light.samples
+    # The first beacon is the demodulator's own frequency
     low, high = plan_beacon_bins(demodulation.beacons, demodulation, rate, samples)[
         0
     ].frequency_limits

@@ -108,6 +108,7 @@ class LoopView:
     @cached_property
     def truth(self) -> MotionCurve:
         """The true motion, with the speed relative to the air."""
+        # Columns: time, then the values
         table, wind = np.array(self._truth), np.array(self._winds)
         time, state = table[:, 0], table[:, 1:]
         motion = build_motion(

@@ -55,6 +55,7 @@ class LoopRecorder:
         self._axes = build_diode_array(loop.world.vehicle.file.sensors.diodes).axes
         self._aboard = PowerSystem.from_entry(loop.world.vehicle.file.energy)
         for name, topic in table.topics.items():
+            # The same topics as the graph's recorder, so that the bags are equal
             if topic.recorded and topic.repeatable:
                 offered = select_profile(topic, lockstep=True)
                 words = offered.reliability.name.lower(), offered.durability.name.lower()
@@ -118,6 +119,7 @@ class LoopRecorder:
 
     def _write_energy(self, readings: VehicleReadings, energy: EnergyObservation) -> None:
         """Write the readings of the meters and the output of the energy monitor."""
+        # Meters are read less often than the loop steps
         if readings.illuminance is None or readings.battery is None or readings.panel is None:
             return
         loop, stamp = self._loop, to_stamp(readings.stamp_ns)

@@ -85,6 +85,7 @@ def check_plan_listening(plan: LaunchPlan) -> None:
     for (namespace, executable), arguments in ours.items():
         listener = ours.get((namespace, DEMODULATOR))
         scenario = parse_parameters(arguments).get('scenario')
+        # Only a navigator with its own demodulator can be checked
         if executable != NAVIGATOR or listener is None or not isinstance(scenario, str):
             continue
         if FILE_OPTION in listener:  # its settings are in a parameter file, which is not read here

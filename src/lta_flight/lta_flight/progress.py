@@ -53,6 +53,7 @@ class FlightProgress(ProgressBar):
         self.update_bar(
             description='flying',
             total=self._begin,
+            # A drone that flies away must not give a negative value
             completed=max(0.0, self._begin - distance),
             detail=f'{distance:.2f} m to the lamp, {time:.1f} s, {pace:.1f} x real time',
         )

@@ -72,6 +72,7 @@ def simulate_once(
                 writer = closing.enter_context(BagWriter(folder / 'bag', origin))
                 recorder = LoopRecorder(writer, loop, load_topic_table(), ROBOT)
             view, pace = fly_loop(loop, recorder, watcher)
+    # For example a full disk
     except StorageFault as fault:
         raise BadInput(str(fault)) from None
     world = loop.world
@@ -90,6 +91,7 @@ def fly_loop(
         view.record_step()
         if recorder is not None:
             recorder.record_step()
+        # Updating a terminal in every step would slow the simulation down
         now = time.monotonic()
         if now - looked >= LOOK:
             looked = now

@@ -39,6 +39,7 @@ class StallDetector:
 
     def __init__(self) -> None:
         self._suspects: list[str] = []
+        # Both clocks start now
         self._changed = self._well = time.monotonic()
         self.standing = 0.0
 
@@ -135,6 +136,7 @@ class StallMonitor:
         loading = {find_role(node) for node in unheard} - {find_role(node) for node in silent}
         waited = find_stalled_roles(facts.values())
         # Before lockstep begins no node reports to wait, but all wait for the vehicle
+        # The last part of the name, since a role may have a robot before it
         first = {role for role in loading if role.rpartition('/')[2] == 'vehicle'}
         self._report_loading(sorted(first | (loading & set(waited))))
         suspects = [role for role in waited if role not in loading]

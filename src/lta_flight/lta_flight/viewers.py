@@ -23,6 +23,7 @@ def _list_live_views(plan: LaunchPlan) -> list[tuple[LaunchProcess, object, obje
     found = []
     for process in filter(_is_viewer, plan.processes):
         given = parse_parameters(process.arguments)
+        # A parameter file may set another port, which is not known here
         if 'port' in given or FILE_OPTION not in process.arguments:
             found.append((process, given.get('host', LOCAL), given.get('port', PORT)))
     return found

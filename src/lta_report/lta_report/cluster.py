@@ -25,6 +25,7 @@ def connect_cluster(address: str) -> tuple[Any, Any]:
 
     """
     try:
+        # Optional, so most installations do not have it
         dask: Any = import_module(DASK)
     except ImportError:
         raise BadInput(

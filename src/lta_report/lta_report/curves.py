@@ -68,6 +68,7 @@ def interpolate(time: Array, track_time: Array, values: Array) -> Array:
 
 def hold_last(time: Array, track: TimeCurve) -> Array:
     """Return the last value at each time [s], as a set-point is held; NaN before the first."""
+    # -1 before the first value
     index = np.searchsorted(track.time, time, side='right') - 1
     # The extra NaN is what times before the first value select
     values = np.append(track.value, np.nan)

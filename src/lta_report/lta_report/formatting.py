@@ -22,6 +22,7 @@ def format_number(value: float | None, digits: int = 2, factor: float = 1.0) -> 
     # Do not print -0.00
     if float(text) == 0.0:
         text = text.removeprefix('-')
+    # The true minus sign is as wide as a plus
     return text.replace('-', '\N{MINUS SIGN}')
 
 

@@ -11,4 +11,5 @@ def replace_nonfinite(value: Any) -> Any:  # noqa: ANN401 - what JSON holds
         return {key: replace_nonfinite(part) for key, part in value.items()}
     if isinstance(value, list | tuple):
         return [replace_nonfinite(part) for part in value]
+    # null is the usual replacement of NaN in JSON
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -79,6 +79,7 @@ class LineLog(Generic[Piece]):
 
     def _lock(self) -> None:
         try:
+            # The kernel releases the lock when the process ends
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise BadInput(

@@ -75,6 +75,7 @@ def assemble_page(
         noscript=NOSCRIPT if has_plots else '',
         main=main.rstrip(),
         css=read_asset('page.css'),
+        # Colours of the dark theme, for page.js
         dark=embed_data('dark', DARK),
         track=embed_data('track', track or {}),
         plotly=f'<script>{get_plotlyjs()}</script>' if has_plots else '',

@@ -131,6 +131,7 @@ def render_footer(
         f'<pre tabindex="0">{escape(text)}</pre></details>'
         for name, text in files.items()
     ]
+    # The heading names only what the footer has
     words = [
         *(['origin'] if facts else []),
         *(['next steps'] if commands else []),

@@ -28,6 +28,7 @@ STRENGTH: Final = ('#d9a3b0', '#c9667f', '#a5304f', '#6d0d2c')
 HEAT: Final = ('#f6f7fa', '#d5e0ef', '#8fb4da', '#3b7fbf', '#0d4c8c', '#062a55')
 
 DARK: Final[dict[str, str]] = {
+    # Keys are the light colours
     PAPER: '#151b24',
     INK: '#e8ecf2',
     SOFT: '#9aa5b5',

@@ -77,6 +77,7 @@ class ProgressBar:
         Standard output stays free for results that other programs read.
         """
         self.update_bar(description=what)
+        # Otherwise nothing would show that the program is busy
         if not self._console.is_terminal:
             sys.stderr.write(f'{what} ...\n')
             sys.stderr.flush()

@@ -19,6 +19,7 @@ PART: Final = '.part'  # staging folder, inside because the parent may not be wr
 
 def resolve_folder(out: Path | None, name: str) -> Path:
     """Return the absolute path of the given folder, or of runs/<time>-<name>."""
+    # Local time, as the user sees it; names sort by time
     stamp = datetime.now().astimezone().strftime('%Y%m%d-%H%M%S')
     return (out or Path('runs') / f'{stamp}-{name}').absolute()
 
@@ -49,6 +50,7 @@ def stage_results(folder: Path, last: str) -> Iterator[Path]:
         File to move last; if it exists, so do the others.
 
     """
+    # An existing empty folder belongs to the user and stays
     new, part = not folder.exists(), folder / PART
     try:
         part.mkdir(parents=True)

@@ -144,6 +144,7 @@ def open_page(browser: Browser, page: Path, theme: Theme, width: int) -> None:
     """Open a page and wait until it is drawn."""
     if not page.is_file():
         raise BadInput(f"There is no page '{page}'; check the path.")
+    # The page follows the reader's theme
     preference = [{'name': 'prefers-color-scheme', 'value': theme}]
     browser.call('Emulation.setEmulatedMedia', features=preference)
     resize_window(browser, width, 900)

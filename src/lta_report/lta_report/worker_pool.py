@@ -32,6 +32,7 @@ def initialize_worker() -> None:
 
 
 def _exit_with_parent(sentinel: int) -> None:
+    # Ready when the parent has exited
     wait([sentinel])
     os._exit(1)
 

@@ -48,7 +48,7 @@ TRIM = GTMAB['trim']
         ),
         (
             {'trim': {'ballast': 'none', 'heaviness': TRIM['heaviness']}},
-            'the file has trim.ballast none and a trim.heaviness, which only ballast could',
+            'the file has trim.ballast none and a trim.heaviness, which needs ballast',
         ),
         (
             {'trim.ballast': 'none'},

@@ -306,7 +306,7 @@ def test_errors_in_includes_name_both_ends(write, tmp_path):
         ('launch: [node: {pkg: p, exec: e, on_exit: restart}]', "on_exit is 'restart'"),
         ('launch: [node: {pkg: p, exec: e, name: a-b}]', "'a-b' cannot be a node name"),
         ('launch: [node: {pkg: p, exec: e, namespace: 1a}]', "'/1a' cannot be a namespace"),
-        ('launch: [node: {pkg: p, exec: e, param: []}]', 'param must have at least 1 entries'),
+        ('launch: [node: {pkg: p, exec: e, param: []}]', 'param must have 1 or more entries'),
         ('launch: [node: {pkg: p, exec: e, param: [{name: x}]}]', 'needs either "from", or "nam'),
         ('launch: [node: {pkg: p, exec: e, param: [{value: 1}]}]', 'needs either "from"'),
         ('launch: [node: {pkg: p, exec: e, param: [{name: x, value: {}}]}]', 'the value {}, but'),

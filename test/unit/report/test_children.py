@@ -13,7 +13,7 @@ from lta_studies.tune import workers
 import pytest
 from waiting import PATIENCE
 
-DIED = r'^A process .* died; check whether memory ran out, or use --workers 1\.'
+DIED = r'^A worker process died; check whether memory ran out, or use --workers 1\.'
 GOES_ON = r' Finished work is kept: run the same command again to continue\.$'
 
 

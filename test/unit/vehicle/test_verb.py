@@ -32,7 +32,7 @@ def test_a_new_vehicle_is_a_copy_with_comments_that_loads(call, tmp_path):
     assert text.startswith('# my_blimp: copied from gtmab.\n')
     assert text.endswith(SHIPPED.replace('\nname: gtmab\n', '\nname: my_blimp\n'))
     assert call('check', 'my_blimp.yaml')[0] == 0
-    assert 'say the same' in call('diff', 'gtmab', 'my_blimp.yaml')[1].out
+    assert 'have the same content' in call('diff', 'gtmab', 'my_blimp.yaml')[1].out
 
 
 @pytest.mark.parametrize('model', list_shipped('vehicles'))

@@ -80,6 +80,7 @@ class SnapshotBuffer:
         record = self._topics[topic]
         record.written += 1
         self._builder.add(record.channel, record.written, log_time_ns, data)
+        # Latched messages are sent once, so keep the last one beyond the span
         if is_latched(record.qos):
             self._latched[topic] = data, log_time_ns
         self._newest = max(self._newest, log_time_ns)

@@ -159,8 +159,11 @@ def unreachable_pose() -> tuple[float, float, float, float, float, float, float]
 def has_moved(pose: State, gathered: State) -> bool:
     """Return whether reflections must be computed again (direct light always is)."""
     x, y, z = pose[0] - gathered[0], pose[1] - gathered[1], pose[2] - gathered[2]
+    # Negated, so that an infinite or NaN distance counts as motion.
     if not x * x + y * y + z * z < MOVED * MOVED:
         return True
+    # The dot product of two quaternions is the cosine of half the angle between them;
+    # squared, because q and -q are the same attitude.
     same = 0.0
     for k in range(3, 7):
         same += pose[k] * gathered[k]
@@ -173,6 +176,7 @@ def lamp_strength(cosines: Amplitudes, sines: Amplitudes, amplitudes: Amplitudes
     for k in range(len(amplitudes)):
         forward += amplitudes[k] * cosines[k]
         left += amplitudes[k] * sines[k]
+    # A max(cos, 0) cos, summed over an even ring of n cosine diodes, is A n / 4.
     return 4.0 * math.hypot(forward, left) / len(amplitudes)
 
 
@@ -207,6 +211,7 @@ def guide_leg(
     """Return setpoint, phase and memory: `mission.mission_step` for homing to one lamp."""
     if not ready:
         return (0.0, sight.heading, 0.0), phase, homing
+    # The calibration at rest has ended; hold the heading of that moment in the climb.
     if phase == REST:
         phase, homing = CLIMB, start(sight.heading)
     if phase == CLIMB and altitude > settings.altitude - settings.reached:
@@ -216,6 +221,7 @@ def guide_leg(
     if phase == SEEK:
         course, homing = steer(settings, homing, sight)
         return (settings.altitude, course.heading, course.speed), phase, homing
+    # While climbing, only follow the sightings, so that the wind estimate starts early.
     homing = watch(settings, homing, sight)
     return (settings.altitude, homing.heading, 0.0), phase, homing
 
@@ -229,10 +235,10 @@ def step_leg_supply(
     dt: float,
 ) -> SupplyState:
     """Advance the supply by a control period; light in W/m2, thrusts in N, time in s."""
-    asked = (
+    demand = (
         power_demand(constants.power.loads, thrusts, True) + constants.power.looking + leg.payload
     )
-    meantime = SupplyInputs(irradiance, asked, dt, False, False)
+    meantime = SupplyInputs(irradiance, demand, dt, False, False)
     return advance_supply(constants.power.parts, supply, meantime, 0.0)
 
 
@@ -257,13 +263,16 @@ def assess_leg(
     spent: float,
 ) -> int:
     """Return the outcome of a leg after a time. [s]"""
+    # The order matters: the first condition that holds names the outcome.
     if not fed:
         return EMPTY
+    # The origin is the centre of the floor.
     inside = abs(state[0]) <= leg.half_length and abs(state[1]) <= leg.half_width
     if not (inside and state[2] <= leg.height):
         return ESCAPED
     if onboard.stopped or not is_plausible(state):
         return STOPPED
+    # A landing goes on below the reserve, so it is assessed before the charge.
     if leg.kind == LAND:
         down = state[2] <= constants.place[2] + ON_FOOT and onboard.duties == NONE
         return DONE if down else LATE if spent >= leg.limit else FLYING
@@ -273,6 +282,7 @@ def assess_leg(
         return RESERVE
     if spent < leg.limit:
         return FLYING
+    # A dwell ends by its time; every other leg that reaches its limit is late.
     return DONE if leg.kind == DWELL else LATE
 
 

@@ -62,7 +62,7 @@ def derive_helium_figures(vehicle: Vehicle, held: float | None = None) -> Iterat
             'gains hold up to a loss of',
             GRAMS * held,
             'g',
-            'flown in the loop, heavier and heavier',
+            'closed-loop flights with increasing weight',
             (),
             1,
             format_leak_days(held, low, high),

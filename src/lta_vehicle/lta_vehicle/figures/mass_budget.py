@@ -85,15 +85,15 @@ def derive_weight_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
             GRAMS * vehicle.gross_lift,
         )
         yield DerivedFigure('lift', WEIGHT, 'gross lift of the gas', lift, 'g', rule, HULL)
-    rule, heavy = 'mass less displaced air', GRAMS * vehicle.heaviness
+    rule, heavy = 'mass minus displaced air', GRAMS * vehicle.heaviness
     if file.trim.heaviness:
         rule = 'trim.heaviness'
-    note = 'what the rotors carry'
+    note = 'carried by the rotors'
     yield DerivedFigure(
         'heaviness', WEIGHT, 'heavier than air by', heavy, 'g', rule, ('trim',), 2, note
     )
     if file.trim.ballast_position:
-        rule, ballast = 'lift and heaviness less parts', GRAMS * vehicle.ballast_mass
+        rule, ballast = 'lift and heaviness minus parts', GRAMS * vehicle.ballast_mass
         note = 'weigh the finished vehicle: see lta vehicle trim'
         yield DerivedFigure(
             'ballast', WEIGHT, 'ballast to add', ballast, 'g', rule, ALL, note=note
@@ -106,7 +106,7 @@ def _derive_displaced_air(vehicle: Vehicle) -> DerivedFigure:
     rests = ALL if weighed else HULL
     rule = f'volume times {vehicle.air_density:.4g} kg/m³ of air'
     if weighed:
-        rule = 'mass less heaviness: filled until it is right'
+        rule = 'mass minus heaviness'
     note, mass = f'hull of {1e3 * vehicle.volume:.0f} l', GRAMS * vehicle.displaced_mass
     return DerivedFigure('displaced', WEIGHT, 'air displaced', mass, 'g', rule, rests, note=note)
 
@@ -114,10 +114,10 @@ def _derive_displaced_air(vehicle: Vehicle) -> DerivedFigure:
 def derive_balance_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
     """Yield the figures of the group 'Balance': centres, inertia and added mass."""
     x, y, z = (CENTIMETRES * float(number) for number in vehicle.cg)
-    rule = 'swung as a whole' if vehicle.file.measured else 'parts, ballast and gas, summed'
+    rule = 'measured as a whole' if vehicle.file.measured else 'parts, ballast and gas, summed'
     words, note = 'CG below CB', 'CB is the hull centre'
     if vehicle.file.hull.shape == 'none':
-        words, note = 'CG below the origin', 'no hull, so nothing rights it'
+        words, note = 'CG below the origin', 'no hull, so no righting moment'
     yield DerivedFigure('cg_depth', BALANCE, words, -z, 'cm', rule, ALL, 2, note)
     yield DerivedFigure('cg_x', BALANCE, 'CG ahead of the centre', x, 'cm', rule, ALL, 2)
     yield DerivedFigure('cg_y', BALANCE, 'CG left of the centre', y, 'cm', rule, ALL, 2)
@@ -126,7 +126,7 @@ def derive_balance_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
         if z < 0.0:
             # At rest, the line from CB to CG is vertical
             lean = math.atan2(math.hypot(x, y), -z) * DEGREES
-            rule_of = 'CG and CB above each other'
+            rule_of = 'CG vertically below CB at rest'
             yield DerivedFigure(
                 'lean', BALANCE, 'hangs off the vertical by', lean, '°', rule_of, ALL
             )

@@ -24,13 +24,13 @@ def derive_stability_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
     yield DerivedFigure(
         'righting',
         STABILITY,
-        'righting moment, a degree',
+        'righting moment per degree',
         per_degree,
         'mN m',
         'weight times CG below CB',
         ALL,
         2,
-        '' if rights else 'nothing rights it: a controller must',
+        '' if rights else 'no righting moment; a controller must stabilise it',
     )
     # Periods and lean exist only with a positive righting moment
     if not rights:
@@ -51,8 +51,7 @@ def _derive_swing_figures(
     damping, note = mode.damping_ratio, 'no drag is given'
     if mode.half_amplitude_time is not None:
         note = (
-            'by steady drag alone a swing of 5° loses half in about '
-            f'{mode.half_amplitude_time:.0f} s'
+            f'by steady drag alone, a swing of 5° halves in about {mode.half_amplitude_time:.0f} s'
         )
     share = None if damping is None else 100.0 * damping
     rule, words = 'rotational drag, linearised at 5°', f'damping in {about}, of critical'
@@ -87,7 +86,7 @@ def _derive_tumble_figure(vehicle: Vehicle) -> Iterator[DerivedFigure]:
     level, _ = compute_or_explain(lambda: limits.level_speed(vehicle))
     # The Munk moment destabilises only hulls whose added mass is larger across than along
     if math.isinf(tumble):
-        note = 'never: it is no wider than long'
+        note = 'never: the added mass across is not larger than along'
     elif level is None:
         note = 'the hull turns across its way above this (Munk)'
     elif level < tumble:

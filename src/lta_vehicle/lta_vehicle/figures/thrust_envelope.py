@@ -19,8 +19,8 @@ CARRIED = (*THRUST, 'trim')
 DRAG = ('aero.linear_drag', 'aero.quadratic_drag')
 RULE = 'largest push, the other axes held (linear programme)'
 AXES = {
-    'up': 'up, beyond what it carries',
-    'down': 'down, beyond its weight',
+    'up': 'up, beyond hover',
+    'down': 'down',
     'forward': 'forward',
     'backward': 'backward',
     'left': 'to the left',
@@ -133,7 +133,7 @@ def _push_margin(vehicle: Vehicle, direction: str) -> tuple[float | None, str]:
         short = f'{-more:.1f} g short of carrying itself'
         return beyond, f'could carry {more:.1f} g more' if more >= 0.0 else short
     if direction == 'down':
-        return limit.most + weight, 'its weight adds to this' if weight > 0.0 else note
+        return limit.most + weight, 'includes its weight' if weight > 0.0 else note
     return limit.most, note
 
 
@@ -148,7 +148,7 @@ def find_turn_limit(vehicle: Vehicle, direction: str) -> tuple[WrenchLimit | Non
         return limit, note
     # Horizontal force that remains, in mN
     push = 1e3 * math.hypot(*away.wrench[:2])
-    return away, f'not on the spot: it is pushed with {push:.0f} mN meanwhile'
+    return away, f'not on the spot: a horizontal force of {push:.0f} mN remains'
 
 
 def _turn_margin(vehicle: Vehicle, direction: str) -> tuple[float | None, str]:
@@ -170,7 +170,7 @@ def derive_speed_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
     level, why = compute_or_explain(lambda: limits.level_speed(vehicle))
     # Multirotors have no forward thrust while level
     if level == 0.0:
-        why = 'its rotors push nowhere while it is level: it tilts to fly'
+        why = 'no horizontal thrust while it is level; it tilts to fly'
     yield DerivedFigure(
         'level_speed',
         SPEED,

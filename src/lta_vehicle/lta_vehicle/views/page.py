@@ -22,12 +22,12 @@ COLOURS: Final = {'cg': ESTIMATE, 'lift': TRUTH, 'push': GOOD, 'film': FILL}
 TILES: Final = (
     ('heaviness', 'Heavier than air'), ('ballast', 'Ballast to add'),
     ('hover_duty', 'Hover duty'),
-    ('push_up', 'Push to spare'), ('level_speed', 'Top speed, level'),
+    ('push_up', 'Spare thrust up'), ('level_speed', 'Top speed, level'),
     ('climb_time', 'Climb of 1 m'),
-    ('swing_pitch', 'Swings in'), ('hover_loss', 'Helium to lose'),
+    ('swing_pitch', 'Swing period'), ('hover_loss', 'Lift to lose'),
 )  # fmt: skip
 NOTES: Final = {
-    'heaviness': 'what the rotors carry', 'ballast': 'in the place that the file gives',
+    'heaviness': 'carried by the rotors', 'ballast': 'at the position given in the file',
     'level_speed': 'altitude and heading held', 'climb_time': 'from rest, at full push',
     'swing_pitch': 'pitch, small angles',
 }  # fmt: skip

@@ -17,7 +17,7 @@ def format_headline(sheet: VehicleSheet) -> str:
     heavy = f['heaviness']
     weight = f['mass'].text
     if sheet.vehicle.file.hull.shape == 'none':
-        first = f'{name} weighs {weight}, all of which its rotors carry'
+        first = f'{name} weighs {weight}, all carried by its rotors'
     # Exactly zero: trimmed to neutral buoyancy by the file
     elif heavy.value == 0.0:
         first = f'{name} weighs {weight}, gas included, and floats'
@@ -87,7 +87,7 @@ def _format_note(note: str) -> str:
 def _describe_stability(sheet: VehicleSheet) -> Iterator[str]:
     f = sheet.by_key
     if 'swing_pitch' not in f:
-        yield 'Nothing rights it when it is tilted: a controller must.'
+        yield 'It has no righting moment when tilted; a controller must stabilise it.'
         return
     half = f['damping_pitch'].note
     yield f'Tilted, it swings with a period of {f["swing_pitch"].text}; {half}.'
@@ -96,7 +96,7 @@ def _describe_stability(sheet: VehicleSheet) -> Iterator[str]:
         yield f'The hull can tumble above {tumble.text} ({tumble.note}).'
     lean = f.get('push_lean')
     if lean is not None and (lean.value or 0.0) >= 0.5 and level.value:
-        yield f'At full push forward it leans {lean.text}.'
+        yield f'At full forward thrust it leans {lean.text}.'
 
 
 def _describe_helium(sheet: VehicleSheet) -> Iterator[str]:
@@ -104,12 +104,12 @@ def _describe_helium(sheet: VehicleSheet) -> Iterator[str]:
     if 'leak_low' not in f:
         return
     yield (
-        f'A film like those of airships would lose {f["leak_low"].text} to '
+        f'A film like that of airships would lose {f["leak_low"].text} to '
         f'{f["leak_high"].text} of lift (assumed: no figure for this film was found).'
     )
     loss = f['hover_loss']
     if loss.value is not None:
-        yield f'It can hover until {loss.text} are lost: {loss.note}.'
+        yield f'It can hover until {loss.text} of lift are lost: {loss.note}.'
     if 'gains_loss' in f:
         held = f['gains_loss']
-        yield f'Its gains hold until {held.text} are lost: {held.note}.'
+        yield f'Its gains hold until {held.text} of lift are lost: {held.note}.'

@@ -98,7 +98,7 @@ def build_figures_table(
 
 def build_numbers_table(numbers: Sequence[VehicleFileEntry], wide: bool) -> Table:
     """Return a table of all numbers of the file with their sources."""
-    table = _create_table('Every number of its file')
+    table = _create_table('All numbers of the file')
     table.add_column('place', overflow='fold', no_wrap=wide)
     table.add_column('value', justify='right', style=HEAD)
     table.add_column('source')
@@ -114,13 +114,13 @@ def show_difference(
 ) -> None:
     """Print the differing entries of two vehicles and the changed figures."""
     if not difference.changes:
-        console.print(f'{names[0]} and {names[1]} say the same.', highlight=False)
+        console.print(f'{names[0]} and {names[1]} have the same content.', highlight=False)
         return
     changed = _create_table(f'What differs: {names[0]} → {names[1]}')
     changed.add_column('place', overflow='fold')
     changed.add_column('before', justify='right')
     changed.add_column('after', justify='right', style=HEAD)
-    changed.add_column('source of the newer')
+    changed.add_column('source of the later value')
     for change in difference.changes:
         newer = change.after or change.before
         source = newer.source if newer else ''

@@ -203,7 +203,7 @@ def test_what_a_batch_does_not_know_it_refuses():
     with pytest.raises(BadInput, match=r'A batch has no effect gyro_scale'):
         made('vehicle.effects.gyro_scale.z={value: 1.1, unit: "1", source: assumed}')
     sblimp = build_parts(load_spec('sblimp', 'lamp_room', 'bag', ''))
-    with pytest.raises(BadInput, match=r'knows the control law cascade only, not velocity'):
+    with pytest.raises(BadInput, match=r'supports only the control law cascade, not velocity'):
         build_flight(*sblimp, TABLE)
     vehicle, scenario, policy = build_parts(ingredients())
     with pytest.raises(BadInput, match=r'not along a course; leave --device out'):
