@@ -126,6 +126,7 @@ class SnapshotBuffer:
         if self._builder.size:
             self._pack_chunk()
         path = self.path / f'{WHY}_{self.saved}'
+        # Before writing: a failed snapshot leaves its folder, so the next needs another name
         self.saved += 1
         counts: Counter[int] = Counter()
         for chunk in self._chunks:
@@ -149,5 +150,6 @@ class SnapshotBuffer:
         self._chunks.append(chunk)
         self.size += chunk.memory_size
         oldest = self._newest - self._span_ns
+        # Whole chunks only: their messages are compressed together
         while self._chunks and (self._chunks[0].end < oldest or self.size > self._room):
             self.size -= self._chunks.popleft().memory_size

@@ -210,7 +210,7 @@ def test_what_a_batch_does_not_know_it_refuses():
         build_flight(vehicle, scenario, replace(policy, course=lambda _: Setpoint(1, 0, 0)), TABLE)
     air = scenario.air.model_copy(update={'recorded': 'wind.csv'})
     windy = scenario.model_copy(update={'air': air})
-    with pytest.raises(BadInput, match=r'recorded wind, which the scenario lamp_room has; leave'):
+    with pytest.raises(BadInput, match=r'recorded wind of the scenario lamp_room; leave'):
         build_flight(vehicle, windy, policy, TABLE)
 
 

@@ -151,6 +151,7 @@ def build_converter(theirs: Typestore, types: Typestore, kind: str, ours: str) -
     """Return a function that converts the bytes of a ROS 1 message to ROS 2."""
     if is_same_wireformat(theirs, types, kind, ours):
         return lambda data: bytes(types.ros1_to_cdr(data, ours))
+    # rosbags stores its generated migration functions in it
     cache: dict[str, Any] = {}
     return lambda data: bytes(
         migrate_bytes(theirs, types, kind, ours, cache, data, src_is2=False, dst_is2=True)
