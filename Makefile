@@ -12,29 +12,29 @@ sources := config src test examples tools
 
 .PHONY: help demo build test test-fast test-long bench bench-compare flights trust same sensitivity classes plan rgblimp crazyflie faults real-firmware mutation chaos soak docs reference pictures lock check format clean
 
-help:  ## this list
+help:  ## show this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
 
-demo: build  ## fly to the lamp; the last line says where the bag and the page are
+demo: build  ## fly to the lamp; the last line gives the paths of bag and page
 	@./lta fly $(ARGS)
 
-build:  ## the environment in .venv and the workspace in install/, where they changed
+build:  ## build the environment in .venv and the workspace in install/, if they changed
 	@tools/environment.sh run
 	@tools/build.sh
 
-test: checked  ## style, types and the whole suite but the long tests
+test: checked  ## check style and types, run all tests except the long ones
 	@$(enter) && tools/suite.sh 'not long and not benchmark' $(ARGS)
 
-test-fast: test-environment  ## the unit tests nearest to what changed against main: a minute at most
+test-fast: test-environment  ## run the unit tests nearest to the changes against main (a minute at most)
 	@$(enter) && tools/fast.sh $(ARGS)
 
-test-long: checked  ## the long tests as well
+test-long: checked  ## run all tests, including the long ones
 	@$(enter) && tools/suite.sh 'not benchmark' $(ARGS)
 
-bench: test-environment  ## the measurements, beside those of others (ARGS='kernel mujoco': some)
+bench: test-environment  ## run the benchmarks, next to other projects (ARGS='kernel mujoco': only some)
 	@$(enter) && .venv/bin/python test/benchmark/bench.py $(ARGS)
 
-bench-compare: test-environment  ## hold the last `make bench` against the kept ratios (ARGS=--keep: keep it)
+bench-compare: test-environment  ## compare the last `make bench` with the stored ratios (ARGS=--keep: store it)
 	@$(enter) && .venv/bin/python test/benchmark/compare.py $(ARGS)
 
 flights: test-environment  ## fly many seeds (ARGS=SEEDS, 20 by default: minutes)
@@ -49,40 +49,40 @@ sensitivity: test-environment  ## double and halve each threshold of discovery, 
 same: test-environment  ## compare simulations, commands and studies with their stored results (minutes; ARGS=--freeze: store them)
 	@$(enter) && .venv/bin/python test/same/same.py $(ARGS)
 
-classes: test-environment  ## derive which effects no data can tell apart (a minute)
+classes: test-environment  ## compute which effects are indistinguishable (a minute)
 	@$(enter) && .venv/bin/python test/score/classes.py $(ARGS)
 
-plan: test-environment  ## score the flights that are to decide between two names (minutes)
+plan: test-environment  ## score planned flights that should decide between two names (minutes)
 	@$(enter) && .venv/bin/python test/score/plan.py $(ARGS)
 
 rgblimp: test-environment  ## score forecasts of RGBlimp's real flights; writes docs/discovery_flights.md (minutes)
 	@$(enter) && nice .venv/bin/python test/score/rgblimp.py $(ARGS)
 
-faults: test-environment  ## faults in flights of emulated hardware, 20 of each kind; writes docs/hardware_faults.md (hours)
+faults: test-environment  ## inject faults into flights of emulated hardware, 20 of each kind; writes docs/hardware_faults.md (hours)
 	@$(enter) && .venv/bin/python test/score/faults.py $(ARGS)
 
-real-firmware: test-environment  ## the bridge against Crazyflie sources of yours (FIRMWARE=/path; ARGS='--steps record suite': minutes)
+real-firmware: test-environment  ## run the bridge against the real Crazyflie firmware (FIRMWARE=/path; ARGS='--steps record suite': minutes)
 	@$(enter) && .venv/bin/python test/score/real_firmware.py '$(FIRMWARE)' $(ARGS)
 
-mutation: test-environment  ## break the code in many small ways and see whether tests notice; writes docs/testing_mutation.md (a quarter of an hour; ARGS='--areas control': minutes)
+mutation: test-environment  ## mutation testing: do tests detect small changes of the code? writes docs/testing_mutation.md (a quarter of an hour; ARGS='--areas control': minutes)
 	@$(enter) && nice .venv/bin/python test/score/mutation.py $(ARGS)
 
-chaos: test-environment  ## whole graphs in trouble, 12 of each kind; writes docs/reliability.md (an hour)
+chaos: test-environment  ## inject faults into whole graphs, 12 of each kind; writes docs/reliability.md (an hour)
 	@$(enter) && .venv/bin/python test/score/chaos.py $(ARGS)
 
-soak: test-environment  ## two hours at the graph's full speed; writes docs/reliability.md (ARGS='--minutes 5': less)
+soak: test-environment  ## fly two hours at the graph's full speed; writes docs/reliability.md (ARGS='--minutes 5': less)
 	@$(enter) && .venv/bin/python test/score/soak.py $(ARGS)
 
-crazyflie: test-environment  ## what real Crazyflie flights say of battery sag; writes docs/discovery_flights.md
+crazyflie: test-environment  ## estimate battery sag from real Crazyflie flights; writes docs/discovery_flights.md
 	@$(enter) && .venv/bin/python test/score/crazyflie.py $(ARGS)
 
-docs: build  ## these pages as a site that needs no network: site/index.html
+docs: build  ## build the docs as a site without network access: site/index.html
 	@tools/site.sh
 
-reference: build  ## write the pages of docs/ that are made of declarations
+reference: build  ## generate the reference pages of docs/
 	@$(enter) && tools/reference.sh
 
-pictures: test-environment  ## draw the pictures of docs/images again, with a Chromium (minutes; ARGS='flight compare': some)
+pictures: test-environment  ## draw the pictures of docs/images again, with Chromium (minutes; ARGS='flight compare': only some)
 	@$(enter) && tools/pictures.sh $(ARGS)
 
 lock: test-environment docs  ## write locked/ and docs/licences.md after a change of requirements*.txt or constraints.txt
@@ -103,27 +103,27 @@ collected: check
 	@ls test/contract/__pycache__/*-pytest-*.pyc >/dev/null 2>&1 || { $(enter) && \
 		.venv/bin/python -m pytest -q --collect-only >/dev/null 2>&1 || :; }
 
-check: test-environment  ## style and types only
+check: test-environment  ## check style and types only
 	@.venv/bin/ruff check --quiet $(sources)
 	@.venv/bin/ruff format --check --quiet $(sources)
 	@.venv/bin/mypy config/lta_config src/*/lta_*
 
-format: test-environment  ## put the sources into the house format
+format: test-environment  ## format the sources
 	@.venv/bin/ruff check --quiet --fix $(sources)
 	@.venv/bin/ruff format --quiet $(sources)
 
 .PHONY: wheel release-check test-environment
-test-environment:  ## what the tests need, to run some of them by hand
+test-environment:  ## install the packages for the tests, to run some of them by hand
 	@tools/environment.sh test
 	@tools/build.sh
 
-wheel: build  ## all that needs no ROS as one wheel in dist/
+wheel: build  ## build one wheel in dist/ with everything that needs no ROS
 	@tools/wheel.sh
 
-release-check: test-environment  ## what must hold before a release, the long tests among it
+release-check: test-environment  ## run all checks before a release, including the long tests
 	@tools/release.sh
 
-clean:  ## remove all that make made; runs/ stays
+clean:  ## remove everything that make created, except runs/
 	@rm -rf .venv .venv-docs site build install log dist .mypy_cache .ruff_cache .pytest_cache .hypothesis
 	@find config src test -name __pycache__ -prune -exec rm -rf {} +
 

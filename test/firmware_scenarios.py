@@ -1,10 +1,10 @@
 """
-What a Crazyflie does with its motors in each situation that matters, as scripts.
+Scripts that show what a Crazyflie does with its motors in each relevant situation.
 
-`test/score/real_firmware.py` plays them against the firmware and keeps the outcomes in
+`test/score/real_firmware.py` plays them against the firmware and stores the outcomes in
 `test/golden/crazyflie_firmware.json`; `test_firmware_contract.py` plays them against the emulator.
-A script is packets at times. An outcome is when the supervisor's word changed and when the motors
-began and ceased to turn.
+A script is a list of packets with times. An outcome lists when the supervisor's status word
+changed and when the motors started and stopped.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -74,19 +74,19 @@ class Scenario(NamedTuple):
     Attributes
     ----------
     about : str
-        What happens, in the words of the page.
+        Label on the page.
     builds : tuple of str
-        On which it is played.
+        Builds that play it.
     seconds : float
-        How long. [s]
+        Duration. [s]
     packets : tuple
         Times [s] and packets.
     streams : tuple of Stream
         Packets that repeat.
     bench : tuple
-        Times [s], and what is then changed at the body: its name and value.
+        Times [s] with changes of the body: name and value.
     since : float
-        From when the outcome counts: motors that hover may stand for a moment. [s]
+        Start of the outcome: in hover, motors may stop for a moment before. [s]
 
     """
 
@@ -144,37 +144,38 @@ SCENARIOS: Final[dict[str, Scenario]] = {
     ),
     'unarmed': Scenario('setpoints, not armed', (ARMING, APP), 1.5, (PID,),
                         (hover(0.2, 1.5),)),
-    'setpoints end': _in_hover('setpoints end in flight'),
+    'setpoints end': _in_hover('setpoints stop in flight'),
     'disarmed': _in_hover('disarmed in flight', (STRUCK, DISARM), until=2.5),
     'emergency': _in_hover('emergency stop', (STRUCK, EMERGENCY), until=3.0, seconds=3.0),
     'old emergency': _in_hover('emergency stop on port 6', (STRUCK, OLD_EMERGENCY), until=3.0,
                                seconds=3.0),
-    'watchdog': _in_hover('one word to the watchdog', (STRUCK, WATCHDOG), until=4.0,
+    'watchdog': _in_hover('one watchdog packet', (STRUCK, WATCHDOG), until=4.0,
                           seconds=4.0),
     'stop parameter': _in_hover('stabilizer.stop = 1',
                                 (STRUCK, set_by_name('stabilizer.stop', U8, 1)), until=3.0,
                                 seconds=3.0),
-    'stop setpoint': _in_hover('a stop setpoint, then silence', (STRUCK, STOP_SETPOINT)),
-    'handed over': _in_hover('handed over, no landing asked for', (STRUCK, NOTIFY), seconds=9.0),
-    'emergency, landed': _in_hover('handed over, emergency stop 3 s later', (STRUCK, NOTIFY),
-                                   (STRUCK + 3.0, EMERGENCY), seconds=9.0),
-    'disarmed, level': _in_hover('setpoints end, disarmed 1 s later', (STRUCK + 1.0, DISARM)),
-    'upside down': _in_hover('turned over in flight', until=4.0, seconds=4.0,
+    'stop setpoint': _in_hover('stop setpoint, then no packets', (STRUCK, STOP_SETPOINT)),
+    'handed over': _in_hover('notify setpoint stop, no landing requested', (STRUCK, NOTIFY),
+                             seconds=9.0),
+    'emergency, landed': _in_hover('notify setpoint stop, emergency stop 3 s later',
+                                   (STRUCK, NOTIFY), (STRUCK + 3.0, EMERGENCY), seconds=9.0),
+    'disarmed, level': _in_hover('setpoints stop, disarmed 1 s later', (STRUCK + 1.0, DISARM)),
+    'upside down': _in_hover('turned upside down in flight', until=4.0, seconds=4.0,
                              bench=((STRUCK, 'upside_down', 1.0),)),
-    'duties end': Scenario('packets of duties end', (APP,), 4.0, (ARMED,),
+    'duties end': Scenario('duty packets stop', (APP,), 4.0, (ARMED,),
                            (Stream(0.4, STRUCK, duties(0.3)),), since=0.4),
     'duties end, idle thrust': Scenario(
-        'packets of duties end, idle thrust 7000', (APP,), 4.0,
+        'duty packets stop, idle thrust 7000', (APP,), 4.0,
         ((0.05, set_by_name('powerDist.idleThrust', U32, IDLE_THRUST)), ARMED),
         (Stream(0.4, STRUCK, duties(0.3)),), since=0.4,
     ),
-    'coasting': Scenario('duties of zero for 8 s', (APP,), 12.0, (ARMED,),
+    'coasting': Scenario('zero duties for 8 s', (APP,), 12.0, (ARMED,),
                          (Stream(0.4, 1.0, duties(0.3)), Stream(1.0, 9.0, duties(0.0))),
                          since=0.4),
-    'waiting': Scenario('duties of zero before any other', (APP,), 4.0,
+    'waiting': Scenario('only zero duties', (APP,), 4.0,
                         ((0.05, set_by_name('supervisor.prefltTimeout', U16, 1000)), ARMED),
                         (Stream(0.4, 4.0, duties(0.0)),)),
-    'duties, hover controller': Scenario('duties under the PID controller', (APP,), 2.0,
+    'duties, hover controller': Scenario('duties with the PID controller', (APP,), 2.0,
                                          (PID, ARMED), (Stream(0.4, 2.0, duties(0.3)),)),
     'idle thrust 0': Scenario('idle thrust set to 0, then armed', (ARMING,), 2.0,
                               ((0.05, set_by_name('powerDist.idleThrust', U32, 0)), ARMED)),

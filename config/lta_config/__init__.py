@@ -1,1 +1,1 @@
-"""Every fact in one place: topics, vehicles, scenarios, gains, and their strict readers."""
+"""Topics, vehicles, scenarios and gains: the data files and their strict readers."""

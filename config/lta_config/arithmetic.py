@@ -1,4 +1,4 @@
-"""Sums written as text, `7.3 / 8.4`, worked out: numbers, pi, + - * / ** and brackets."""
+"""Evaluate arithmetic in text, `7.3 / 8.4`: numbers, pi, + - * / ** and brackets."""
 
 import ast
 from collections.abc import Callable
@@ -16,11 +16,12 @@ BINARY: Final[dict[type[ast.operator], Callable[[float, float], float]]] = {
 
 
 def evaluate_sum(text: str) -> float:
-    """Return the value of a sum; `ValueError` where the text is none."""
+    """Return the value of an arithmetic expression; raise `ValueError` if the text is not one."""
     try:
+        # Only the node types below are evaluated, so a file cannot run code as with `eval`
         return _evaluate_node(ast.parse(text, mode='eval').body)
     except (SyntaxError, ZeroDivisionError, OverflowError):
-        raise ValueError(f'"{text}" is no sum') from None
+        raise ValueError(f'"{text}" is not an arithmetic expression') from None
 
 
 def _evaluate_node(node: ast.expr) -> float:
@@ -33,4 +34,4 @@ def _evaluate_node(node: ast.expr) -> float:
             return -_evaluate_node(inner)
         case ast.BinOp(left=left, op=op, right=right) if type(op) in BINARY:
             return BINARY[type(op)](_evaluate_node(left), _evaluate_node(right))
-    raise ValueError(f'"{ast.unparse(node)}" is no sum')
+    raise ValueError(f'"{ast.unparse(node)}" is not an arithmetic expression')

@@ -1,4 +1,4 @@
-"""Files that are whole or not there: what a kill or a full disk cuts short replaces nothing."""
+"""Write files atomically, so that a kill or a full disk never leaves a partial one."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -8,25 +8,27 @@ from pathlib import Path
 @contextmanager
 def replace_atomically(path: Path) -> Iterator[Path]:
     """
-    Yield where to write a file; it takes its place, and that of an earlier one, when all is there.
+    Yield a temporary path to write to; it replaces `path` once the block has succeeded.
 
-    What is no file, as /dev/stdout, is written to as it is. Two writers of one file at a time are
-    for the caller to keep apart.
+    A path that is not a regular file, such as /dev/stdout, is yielded itself. Callers must prevent
+    two concurrent writers of one file.
 
     Raises
     ------
     OSError
-        If it cannot be written; an earlier one stays.
+        If it cannot be written; an earlier file remains.
 
     """
     if path.exists() and not path.is_file():
         yield path
         return
-    target = path.resolve()  # a link stays one
+    target = path.resolve()  # replace the file that a link points to, not the link
+    # In the same folder, because a rename is atomic only within one file system
     part = target.with_name(f'.{target.name}.part')
     try:
         yield part
         part.replace(target)
     finally:
+        # After a success there is nothing left to remove
         with suppress(OSError):
             part.unlink(missing_ok=True)

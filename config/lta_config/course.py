@@ -1,9 +1,9 @@
 """
-A course: what is asked for over time, row by row, and how the motors are shaken meanwhile.
+A course: setpoints over time, and an optional excitation of the motors for identification.
 
-Shaking adds to every duty a number that holds for a while and then changes: what a vehicle answers
-to it tells its rotors apart. The numbers are drawn from the time alone, so that whoever flies a
-course shakes the same.
+The excitation adds a piecewise constant number to each duty. The vehicle's response separates the
+effects of its rotors. The numbers depend on the time alone, so every vehicle that flies a course
+gets the same excitation.
 """
 
 from bisect import bisect_right
@@ -17,15 +17,16 @@ from pydantic import Field, model_validator
 
 Time = Annotated[Quantity, si_quantity('s', low=0.0, high=3600.0)]
 Between = Literal['step', 'ramp']
-APART: Final = 0.618034  # of a hold, from rotor to rotor: they change one after the other
-WORD: Final = (1 << 64) - 1
-# Of splitmix64, Steele, Lea and Flood (2014), doi:10.1145/2714064.2660195.
+# Shift of the changes from rotor to rotor, in holds. The golden ratio keeps them apart
+APART: Final = 0.618034
+WORD: Final = (1 << 64) - 1  # mask of 64 bits
+# Constants of splitmix64, Steele, Lea and Flood (2014), doi:10.1145/2714064.2660195
 GAMMA, MIX, MIX_AGAIN = 0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB
 
 
 @final
 class CourseRow(StrictModel):
-    """What is asked for from one time on; the heading counts from that of the start."""
+    """Setpoints from one time on; the heading is relative to that at the start."""
 
     at: Time
     altitude: Annotated[Quantity, si_quantity('m', low=0.0, high=1000.0)]
@@ -35,7 +36,7 @@ class CourseRow(StrictModel):
 
 @final
 class MotorExcitation(StrictModel):
-    """Numbers within +-`duty`, one a rotor, each for as long as `hold`."""
+    """Excitation of each rotor by numbers within +-`duty`, each held for `hold`."""
 
     duty: Annotated[Quantity, si_quantity('1', above=0.0, high=0.5)]
     hold: Annotated[Quantity, si_quantity('s', low=0.05, high=60.0)]
@@ -53,10 +54,10 @@ class CourseSetpoint(NamedTuple):
 @final
 class Course(StrictModel):
     """
-    A whole course.
+    Setpoints over time.
 
-    The first row is where the vehicle climbs to, the last where it ends: one with altitude 0 is a
-    landing. Between the two the motors are shaken, if they are.
+    The vehicle climbs to the first row and ends with the last one; altitude 0 there is a landing.
+    The motors are excited between the two if `shake` is given.
     """
 
     between: Between
@@ -69,7 +70,7 @@ class Course(StrictModel):
         return self
 
     def setpoint_at(self, time: float) -> CourseSetpoint:
-        """Return what is asked for at a time; to stay on the floor before the first row. [s]"""
+        """Return the setpoint at a time [s]; before the first row, to stay on the floor."""
         rows = [(row.altitude.si, row.heading.si, row.speed.si) for row in self.rows]
         before = (0.0, rows[0][1], 0.0)
         return CourseSetpoint(
@@ -80,31 +81,33 @@ class Course(StrictModel):
         self, time: float, duties: tuple[float, ...], reversible: Sequence[bool]
     ) -> tuple[float, ...]:
         """
-        Return duties with what they are shaken by, within what rotors can.
+        Return duties with the excitation added, limited to the range of each rotor.
 
         Parameters
         ----------
         time : float
             Since the start. [s]
         duties : tuple of float
-            As asked for; where all are 0 the motors are off, and stay so.
+            Commanded duties. If all are 0 the motors are off, and stay off.
         reversible : sequence of bool
-            By rotor; more duties than these are left as they are.
+            By rotor; further duties are returned unchanged.
 
         """
+        # No excitation during the climb to the first row and after the last
         begin, end = self.rows[0].at.si, self.rows[-1].at.si
         if self.shake is None or not begin <= time < end or not any(duties):
             return duties
         size, hold = self.shake.duty.si, self.shake.hold.si
         out = list(duties)
         for k, back in enumerate(reversible):
+            # The index of the hold is the only random state, so no seed is needed
             more = size * hashed_uniform(int(time / hold + APART * k), k)
             out[k] = min(max(out[k] + more, -1.0 if back else 0.0), 1.0)
         return tuple(out)
 
 
 def check_rising_times(times: Sequence[float]) -> None:
-    """Refuse rows that are not in rising order of time; `ValueError`. [s]"""
+    """Raise `ValueError` unless the times [s] of the rows increase."""
     if any(later <= earlier for earlier, later in pairwise(times)):
         raise ValueError(f'has rows at {list(times)} s; give them in rising order of time')
 
@@ -117,20 +120,20 @@ def interpolate_rows(
     before: tuple[float, float, float],
 ) -> tuple[float, float, float]:
     """
-    Return the row at a time.
+    Return the values at a time.
 
     Parameters
     ----------
     times : sequence of float
-        Of the rows, rising. [s]
+        Times of the rows, increasing. [s]
     rows : sequence of tuple
-        What is asked for from then on.
+        Values from each time on.
     between : str
-        Whether the next row is stepped to, or gone to in a straight line.
+        'step' holds each row until the next, 'ramp' interpolates linearly.
     time : float
-        When. [s]
+        The time to evaluate at. [s]
     before : tuple
-        What is asked for before the first row.
+        Values before the first row.
 
     """
     index = bisect_right(times, time) - 1
@@ -145,8 +148,10 @@ def interpolate_rows(
 
 
 def hashed_uniform(index: int, rotor: int) -> float:
-    """Return a number drawn evenly from [-1, 1) for one hold of one rotor: splitmix64."""
+    """Return a uniform number from [-1, 1) for one hold of one rotor, by splitmix64."""
+    # 64 rotors per hold; + 1 because 0 would map to itself
     word = (GAMMA * (index * 64 + rotor + 1)) & WORD
     word = ((word ^ (word >> 30)) * MIX) & WORD
     word = ((word ^ (word >> 27)) * MIX_AGAIN) & WORD
+    # The upper 53 bits fill the mantissa of a double: [0, 2^53) to [-1, 1)
     return float((word ^ (word >> 31)) >> 11) * 2.0**-52 - 1.0

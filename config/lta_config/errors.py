@@ -1,15 +1,15 @@
-"""What the user can mend: one sentence with the fact, the value and the remedy."""
+"""Errors that the user can correct: one sentence with the fact, the value and the remedy."""
 
 from difflib import get_close_matches
 
 
 class BadInput(ValueError):
     """
-    Input from outside cannot be used.
+    External input cannot be used.
 
-    The text is the whole message a person sees: one sentence that names the fact, the value
-    and what to do about it. Commands print it and exit with status 2. It stays on one line where
-    a name or a cell that it quotes does not.
+    The text is the whole message that the user sees: one sentence with the fact, the value and
+    what to do about it. Commands print it and exit with status 2. Line breaks in quoted names are
+    replaced.
     """
 
     def __init__(self, text: str) -> None:
@@ -17,7 +17,7 @@ class BadInput(ValueError):
 
 
 def to_one_line(text: str) -> str:
-    """Return a text with a blank for each line break and whatever else cannot be printed."""
+    """Return a text with a space for each line break or other unprintable character."""
     if text.isprintable():
         return text
     return ''.join(part if part.isprintable() else ' ' for part in text)
@@ -25,10 +25,10 @@ def to_one_line(text: str) -> str:
 
 def strip_control_codes(text: str) -> str:
     """
-    Return a text without what commands a terminal; its lines stay.
+    Return a text without control characters; line breaks and tabs remain.
 
-    Names and notes in the files of others are printed, and an escape sequence among them could
-    set a window's title or write over what was said before.
+    Names and notes from other people's files are printed. An escape sequence in them could set the
+    window's title or overwrite earlier output.
     """
     if text.isprintable():
         return text
@@ -42,10 +42,10 @@ def unknown_name(kind: str, name: str, names: list[str]) -> BadInput:
     Parameters
     ----------
     kind : str
-        What the name should have been, for example 'vehicle'.
+        What the name should be, for example 'vehicle'.
     name : str
-        The name that was given.
-    known : list of str
+        The given name.
+    names : list of str
         The names that exist.
 
     """

@@ -1,8 +1,8 @@
 """
 Find the project's files by name and read them strictly.
 
-A name (`gtmab`) means a file that LTA ships; anything with a suffix or a slash is a path. Every
-file is checked whole against its pydantic model before anything starts.
+A name (`gtmab`) refers to a file that LTA ships; anything with a suffix or a slash is a path.
+Every file is validated as a whole against its pydantic model before anything starts.
 """
 
 from collections.abc import Hashable, Iterable
@@ -20,12 +20,12 @@ from lta_config.validation_errors import format_error
 from pydantic import BaseModel, ConfigDict, ValidationError
 import yaml
 
-# What the YAML reader raises beside its own errors: no such date, a tag that does not fit.
+# The YAML reader also raises these, for example for an invalid date or tag
 MISFITS = (ValueError, ArithmeticError, LookupError, TypeError, AttributeError)
 YAML_KEPT = 50_000  # characters; larger texts are not cached
-NUMERAL = re.compile('[-+.:_0-9A-Fa-fxXoO]+')  # what YAML may read a number from
+NUMERAL = re.compile('[-+.:_0-9A-Fa-fxXoO]+')  # text that YAML may read as a number
 
-# Where the files of each kind are shipped.
+# Folders of the shipped files, by kind as error messages name it
 FOLDERS = {
     'aero': 'aero',
     'tunnel': 'tunnels',
@@ -49,7 +49,7 @@ FOLDERS = {
 
 
 class StrictModel(BaseModel):
-    """Base of everything read from a file: immutable, nothing unknown, nothing coerced."""
+    """Base of everything read from a file: immutable, without unknown keys and type coercion."""
 
     model_config = ConfigDict(frozen=True, extra='forbid', strict=True)
 
@@ -58,18 +58,19 @@ Model = TypeVar('Model', bound=BaseModel)
 
 
 class _UniqueKeys(yaml.CSafeLoader):
-    """A safe YAML loader to which a repeated key is an error instead of a silent override."""
+    """A safe YAML loader that rejects repeated keys, which YAML silently overrides."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         seen: dict[Hashable, int] = {}
         for key_node, _ in node.value:
             key = self.construct_object(key_node, deep=True)
+            # YAML allows lists and mappings as keys, which Python does not
             if not isinstance(key, Hashable):
                 raise BadInput(f'{key_node.start_mark.name}: the key {key} must be one word.')
             line = key_node.start_mark.line + 1
             if key in seen:
                 raise BadInput(
-                    f"{key_node.start_mark.name}: the key '{key}' stands twice "
+                    f"{key_node.start_mark.name}: the key '{key}' appears twice "
                     f'({_format_lines(seen[key], line)}); merge them.'
                 )
             seen[key] = line
@@ -77,7 +78,7 @@ class _UniqueKeys(yaml.CSafeLoader):
 
 
 def _format_lines(first: int, second: int) -> str:
-    """Return the places of two keys, as one finds them in an editor."""
+    """Return the line numbers of two keys."""
     return f'lines {first} and {second}' if first != second else f'line {first}'
 
 
@@ -86,14 +87,15 @@ def share_folder() -> Path:
     """Return the folder with LTA's own data: topics.yaml, vehicles/, scenarios/, launch/ ..."""
     here = Path(__file__).resolve()
     for parent in here.parents:
+        # The source tree has topics.yaml next to the package, an installation in share/
         for folder in (parent, parent / 'share' / 'lta_config'):
             if (folder / 'topics.yaml').is_file():
                 return folder
-    raise BadInput(f'LTA cannot find its data beside {here}; build the workspace again (make).')
+    raise BadInput(f'LTA cannot find its data near {here}; build the workspace again (make).')
 
 
 def list_shipped(folder: str, suffix: str = '.yaml') -> list[str]:
-    """Return the names of the files that LTA ships in one folder of `share_folder()`."""
+    """Return the names of the files in one folder of `share_folder()`."""
     return sorted(
         path.name.removesuffix(suffix) for path in (share_folder() / folder).glob(f'*{suffix}')
     )
@@ -101,7 +103,7 @@ def list_shipped(folder: str, suffix: str = '.yaml') -> list[str]:
 
 def find_file(kind: str, name: str, suffix: str = '.yaml') -> Path:
     """
-    Return the file that a name or a path means.
+    Return the path of a file given by name or path.
 
     Parameters
     ----------
@@ -113,7 +115,7 @@ def find_file(kind: str, name: str, suffix: str = '.yaml') -> Path:
     Raises
     ------
     BadInput
-        If there is no such file; shipped names are listed.
+        If there is no such file; the message lists the shipped names.
 
     """
     if '/' in name or name.endswith(('.yaml', '.yml')):
@@ -132,19 +134,19 @@ def find_file(kind: str, name: str, suffix: str = '.yaml') -> Path:
 
 def load_yaml(path: Path) -> Any:  # noqa: ANN401 - YAML holds anything
     """
-    Return what a YAML file holds; errors as `parse_yaml`, or if it cannot be read at all.
+    Return the content of a YAML file; see `parse_yaml`.
 
     Raises
     ------
     BadInput
-        If the file cannot be read as YAML.
+        If the file cannot be read, or not as YAML.
 
     """
-    if path.exists() and not path.is_file():  # a pipe would be waited for, a device has no end
-        raise BadInput(f'{path} cannot be read: it is no plain file; give one.')
+    if path.exists() and not path.is_file():  # reading a pipe could block, a device never ends
+        raise BadInput(f'{path} cannot be read: it is not a regular file; give one.')
     try:
         with path.open('rb') as stream:
-            # One byte more tells a larger file, and no more of it is read.
+            # Reading one byte more than allowed shows that a file is too large
             data = stream.read(YAML_BYTES + 1)
         return parse_yaml(data.decode('utf-8') if len(data) <= YAML_BYTES else data, str(path))
     except (OSError, UnicodeDecodeError) as error:
@@ -153,57 +155,59 @@ def load_yaml(path: Path) -> Any:  # noqa: ANN401 - YAML holds anything
 
 def parse_yaml(text: str | bytes, where: str) -> Any:  # noqa: ANN401 - YAML holds anything
     """
-    Return what a YAML text holds; strict about repeated keys, size, nesting, aliases and syntax.
+    Return the content of a YAML text, with limits on size, nesting, aliases and repeated keys.
 
     Parameters
     ----------
     text : str or bytes
-        Whoever wrote it.
+        Untrusted text.
     where : str
-        What the text is, as the subject of the sentence.
+        What the text is, as the subject of an error message.
 
     Raises
     ------
     BadInput
-        If it cannot be read as YAML, or would take more memory than its size.
+        If it is not valid YAML, or would take more memory than its size suggests.
 
     """
     if len(text) > YAML_BYTES:
-        raise BadInput(f'{where} is larger than {YAML_BYTES} bytes; that is no file of ours.')
+        raise BadInput(f'{where} is larger than {YAML_BYTES} bytes, the limit for YAML files.')
     if len(text) > YAML_KEPT:
         return _parse_strict(text, where)
-    return copy.deepcopy(_parse_cached(text, where))  # callers may change it
+    return copy.deepcopy(_parse_cached(text, where))  # callers may modify the result
 
 
 def _parse_strict(text: str | bytes, where: str) -> Any:  # noqa: ANN401 - YAML holds anything
     try:
+        # Check the events first: loading an alias bomb would exhaust the memory
         _check_shape(where, yaml.parse(_open_named(text, where), Loader=_UniqueKeys))
         return yaml.load(_open_named(text, where), Loader=_UniqueKeys)
     except BadInput:
         raise
     except (yaml.YAMLError, *MISFITS) as error:
+        # PyYAML's messages have several lines
         reason = ' '.join(str(error).split())
         raise BadInput(f'{where} is not valid YAML: {reason}.') from None
 
 
 @lru_cache(maxsize=64)
 def _parse_cached(text: str | bytes, where: str) -> Any:  # noqa: ANN401 - YAML holds anything
-    """Parse a short text once: copying the result takes a twentieth of the time."""
+    """Parse a short text once; copying the result takes a twentieth of the time."""
     return _parse_strict(text, where)
 
 
 def _open_named(text: str | bytes, where: str) -> io.StringIO | io.BytesIO:
-    """Return a text as a stream whose name the reader puts into its complaints."""
+    """Return a text as a stream with the name that the YAML reader puts into its errors."""
     stream = io.StringIO(text) if isinstance(text, str) else io.BytesIO(text)
     stream.name = where
     return stream
 
 
 def _check_shape(where: str, events: Iterable[yaml.Event]) -> None:
-    """Refuse what is nested too deeply, or grows too large where aliases are written out."""
-    open_: list[tuple[str | None, int]] = []  # anchor, and how much there was before it
-    sizes: dict[str, int] = {}
-    total = 0
+    """Reject YAML that is nested too deeply, or grows too large when aliases are expanded."""
+    open_: list[tuple[str | None, int]] = []  # anchor of each open collection, and total before it
+    sizes: dict[str, int] = {}  # number of values below each anchor
+    total = 0  # number of values with all aliases expanded
     for event in events:
         if isinstance(event, yaml.CollectionEndEvent):
             anchor, before = open_.pop()
@@ -212,7 +216,7 @@ def _check_shape(where: str, events: Iterable[yaml.Event]) -> None:
             continue
         alias = event.anchor if isinstance(event, yaml.AliasEvent) else None
         if alias is not None and any(anchor == alias for anchor, _ in open_):
-            raise BadInput(f"{where} has the alias '{alias}' in itself; write it out.")
+            raise BadInput(f"{where} has the alias '{alias}' within its own anchor; write it out.")
         total += 1 if alias is None else sizes.get(alias, 1)
         if isinstance(event, yaml.CollectionStartEvent):
             open_.append((event.anchor, total))
@@ -227,7 +231,8 @@ def _check_shape(where: str, events: Iterable[yaml.Event]) -> None:
 
 
 def _check_number(where: str, event: yaml.ScalarEvent) -> None:
-    """Refuse a number whose reading would take minutes: YAML 1.1 counts to the base of 60, too."""
+    """Reject very long numbers, which take minutes to read: YAML 1.1 has base 60, too."""
+    # PyYAML's flags are for a plain and for a quoted scalar
     quoted = event.implicit[1]
     if not quoted and len(event.value) > YAML_DIGITS and NUMERAL.fullmatch(event.value):
         raise BadInput(f'{where} holds a number of more than {YAML_DIGITS} digits; shorten it.')
@@ -235,12 +240,12 @@ def _check_number(where: str, event: yaml.ScalarEvent) -> None:
 
 def load_file(model: type[Model], path: Path) -> Model:
     """
-    Return a file's content, checked against its model.
+    Return a file's content, validated by its model.
 
     Raises
     ------
     BadInput
-        One sentence on the first thing that is wrong: where, what, and how to write it.
+        One sentence on the first problem: where it is, what it is, and how to correct it.
 
     """
     return validate_content(model, load_yaml(path), str(path))
@@ -248,20 +253,20 @@ def load_file(model: type[Model], path: Path) -> Model:
 
 def validate_content(model: type[Model], content: Any, where: str) -> Model:  # noqa: ANN401 - YAML holds anything
     """
-    Return what a file held, checked against its model; errors as `load_file`.
+    Return a file's content, validated by its model; errors as `load_file`.
 
     Parameters
     ----------
     model : type
         The file's schema.
     content : Any
-        What the file held.
+        The content as YAML has it.
     where : str
-        The file, as the subject of a sentence.
+        The file, as the subject of an error message.
 
     """
     if not isinstance(content, dict):
-        raise BadInput(f'{where} holds no mapping of keys; compare it with a shipped file.')
+        raise BadInput(f'{where} is not a mapping of keys; compare it with a shipped file.')
     try:
         return model.model_validate(content)
     except ValidationError as error:

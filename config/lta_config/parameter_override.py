@@ -1,8 +1,8 @@
 """
 Replace single parameters of files by dotted path: `vehicle.trim.heaviness`, `scenario.air.wind.0`.
 
-Works on what a file holds before it is checked against its model, so that the model's own rules
-apply to whatever comes out. The new value is written as in a file: `4 g`, `[1, 0, 0] m/s`, `0.5`.
+The replacement happens before validation, so the model's rules apply to the result. The new value
+is written as in a file: `4 g`, `[1, 0, 0] m/s`, `0.5`.
 """
 
 from collections.abc import Mapping
@@ -15,9 +15,10 @@ from lta_config.quantity import Quantity, UNITS
 from pydantic import ValidationError
 import yaml
 
-OPEN = 'effects'  # below it a file may name what it had left out: effects and their parameters
-NAMED = 'vehicle.aero'  # a group for which a file may name another one
-SOURCE = 'set for this flight'
+OPEN = 'effects'  # the only block below which a path may add keys that the file omits
+NAMED = 'vehicle.aero'  # a group that may be replaced by the name of an aero file
+SOURCE = 'set for this flight'  # recorded as the source of a replaced quantity
+# A bracketed list, then its unit
 _VECTOR = re.compile(r'^\s*(\[[^\]]*\])\s*(\S.*?)\s*$')
 
 
@@ -28,27 +29,27 @@ def parse_assignment(text: str) -> tuple[str, Any]:
     Raises
     ------
     BadInput
-        If the text is none, or its value cannot be read.
+        If the text has another form, or the value cannot be read.
 
     """
     path, mark, value = text.partition('=')
     if not mark or not path.strip() or not value.strip():
         raise BadInput(
-            f"'{text}' sets nothing; write PATH=VALUE, as in 'vehicle.trim.heaviness=4 g'."
+            f"'{text}' is not an assignment; write PATH=VALUE, as in 'vehicle.trim.heaviness=4 g'."
         )
     return path.strip(), parse_value(value, path.strip())
 
 
 def parse_value(value: Any, where: str) -> Any:  # noqa: ANN401 - what YAML holds
     """
-    Return a value as a file would hold it: a quantity as a mapping, anything else as it is.
+    Return a value as YAML would hold it: a quantity as a mapping, anything else unchanged.
 
     Parameters
     ----------
-    given : Any
+    value : Any
         Text such as '4 g', '[1, 0, 0] m/s' or 'true', a number, or a mapping with a unit.
     where : str
-        What the value is for, as the subject of a sentence.
+        What the value is for, as the subject of an error message.
 
     Raises
     ------
@@ -72,7 +73,7 @@ def parse_value(value: Any, where: str) -> Any:  # noqa: ANN401 - what YAML hold
 
 
 def _parse_number(text: str) -> Any:  # noqa: ANN401 - what YAML holds
-    """Return what a word means in YAML, and numbers such as 1e-05, which YAML takes for text."""
+    """Return a word as YAML reads it, and numbers such as 1e-05, which YAML takes for text."""
     read = yaml.safe_load(text)
     if isinstance(read, str):
         with suppress(ValueError):
@@ -81,7 +82,7 @@ def _parse_number(text: str) -> Any:  # noqa: ANN401 - what YAML holds
 
 
 def parse_quantity(held: Any) -> dict[str, Any] | None:  # noqa: ANN401 - what YAML holds
-    """Return what a file holds as the mapping of a quantity, None where it is no quantity."""
+    """Return a value as the mapping of a quantity; None if it is not a quantity."""
     if isinstance(held, Mapping) and 'value' in held and 'unit' in held:
         return dict(held)
     if not isinstance(held, str):
@@ -95,30 +96,30 @@ def parse_quantity(held: Any) -> dict[str, Any] | None:  # noqa: ANN401 - what Y
 
 def replace_parameter(content: Any, path: str, value: Any, root: str) -> Any:  # noqa: ANN401 - what YAML holds
     """
-    Return what a file holds with one parameter replaced.
+    Return the content of a file with one parameter replaced.
 
     Parameters
     ----------
     content : Any
-        The whole file, as YAML holds it; not changed.
+        The whole file as YAML holds it; not modified.
     path : str
-        Where, within the file: 'trim.heaviness'; a number at the end is one of a list, from 0.
+        Path within the file: 'trim.heaviness'. A number at the end is an index from 0.
     value : Any
         From `parse_value`.
     root : str
-        What the file is called in a path: 'vehicle'.
+        Name of the file in paths: 'vehicle'.
 
     Raises
     ------
     BadInput
-        If there is no such parameter, or the value is of another kind or unit.
+        If the parameter does not exist, or the value has another type or dimension.
 
     """
     return _replace_at(content, path.split('.'), value, root)
 
 
 def get_parameter(content: Any, path: str, root: str) -> Any:  # noqa: ANN401 - what YAML holds
-    """Return what stands at a path; errors as `replace_parameter`."""
+    """Return the value at a path; errors as `replace_parameter`."""
     for key in path.split('.'):
         content = _get_child(content, key, root)
         root = f'{root}.{key}'
@@ -126,11 +127,11 @@ def get_parameter(content: Any, path: str, root: str) -> Any:  # noqa: ANN401 - 
 
 
 def _get_child(content: Any, key: str, where: str) -> Any:  # noqa: ANN401 - what YAML holds
-    """Return what stands under one key, None where a file may have left it out."""
+    """Return the value below one key; None if the key is optional and missing."""
     found = parse_quantity(content)
     if found is not None:
         return _select_element(found, key, where)
-    if content is None and OPEN in where.split('.'):  # of an effect that the file leaves out
+    if content is None and OPEN in where.split('.'):  # a parameter of an omitted effect
         return None
     if not isinstance(content, Mapping):
         raise BadInput(f"{where} is a single value; leave '.{key}' out.")
@@ -140,7 +141,7 @@ def _get_child(content: Any, key: str, where: str) -> Any:  # noqa: ANN401 - wha
 
 
 def _select_element(quantity: Mapping[str, Any], key: str, where: str) -> dict[str, Any]:
-    """Return one number of a quantity that has several, as a quantity."""
+    """Return one element of a vector quantity as a quantity."""
     numbers = quantity['value']
     if not isinstance(numbers, list | tuple):
         raise BadInput(f"{where} is a single value; leave '.{key}' out.")
@@ -156,7 +157,7 @@ def _replace_at(content: Any, keys: list[str], value: Any, where: str) -> Any:  
         return _match_replacement(content, value, where)
     key, *rest = keys
     below = _get_child(content, key, where)
-    if below is None and not rest:  # an effect's parameter that the file left out
+    if below is None and not rest:  # an omitted parameter of an effect
         return {**content, key: _mark_source(value)}
     new = _replace_at({} if below is None else below, rest, value, f'{where}.{key}')
     found = parse_quantity(content)
@@ -166,18 +167,20 @@ def _replace_at(content: Any, keys: list[str], value: Any, where: str) -> Any:  
 def _replace_element(
     quantity: dict[str, Any], index: int, new: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Return a quantity with one of its numbers replaced, in its own unit."""
+    """Return a quantity with one element replaced, in its original unit."""
     factor = UNITS[new['unit']][1] / UNITS[quantity['unit']][1]
     numbers = list(quantity['value'])
+    # Not multiplied for an equal unit, to avoid a rounding error
     numbers[index] = new['value'] if new['unit'] == quantity['unit'] else new['value'] * factor
     return {'value': numbers, 'unit': quantity['unit'], 'source': SOURCE}
 
 
 def _match_replacement(old: Any, value: Any, where: str) -> Any:  # noqa: ANN401 - what YAML holds
-    """Return the new value if it is of the kind of the old one."""
+    """Return the new value if it has the type of the old one."""
     before, now = parse_quantity(old), parse_quantity(value)
     if before is not None:
         return _mark_source(_check_same_unit(before, now, value, where))
+    # An aero block may be replaced by the name of a file
     if where == NAMED and isinstance(value, str):
         return value
     if isinstance(old, Mapping):
@@ -185,6 +188,7 @@ def _match_replacement(old: Any, value: Any, where: str) -> Any:  # noqa: ANN401
         raise BadInput(f'{where} is a group; set one of its keys: {names}.')
     if now is not None:
         raise BadInput(f'{where} takes a plain value such as {old}, not {format_value(value)}.')
+    # bool is a subclass of int
     number = isinstance(old, int | float) and not isinstance(old, bool)
     if number and (isinstance(value, bool) or not isinstance(value, int | float)):
         raise BadInput(f'{where} is {format_value(value)}, but must be a number, such as {old}.')
@@ -205,7 +209,7 @@ def _check_same_unit(
     if now['unit'] not in UNITS:
         raise BadInput(f'{where} has the unknown unit "{now["unit"]}"; known: {", ".join(UNITS)}.')
     if UNITS[now['unit']][0] != UNITS.get(unit, (unit,))[0]:
-        raise BadInput(f'{where} is in {now["unit"]}, but must be in {unit} or its like.')
+        raise BadInput(f'{where} is in {now["unit"]}, but must be in {unit} or a compatible unit.')
     return now
 
 
@@ -215,6 +219,6 @@ def _mark_source(value: Any) -> Any:  # noqa: ANN401 - what YAML holds
 
 
 def format_value(value: Any) -> str:  # noqa: ANN401 - what YAML holds
-    """Return a value as people write it."""
+    """Return a value as it is written in a file."""
     found = parse_quantity(value)
     return str(value) if found is None else f'{found["value"]} {found["unit"]}'

@@ -1,8 +1,8 @@
 """
-Quantities in files: a number, its unit and, where a vehicle is described, its source.
+Quantities in files: a number, its unit and, in vehicle files, its source.
 
-Written either as text, `7 m`, or as a mapping, `{value: [0, 0, -8], unit: cm, source: scale}`.
-Read into SI. The table of units below is the only one in the project.
+They are written as text, `7 m`, or as a mapping, `{value: [0, 0, -8], unit: cm, source: scale}`,
+and converted to SI. The table below is the only list of units in the project.
 """
 
 import math
@@ -57,6 +57,7 @@ UNITS: dict[str, tuple[str, float]] = {
     'N s2/m2': ('N s2/m2', 1.0),
     'N m s': ('N m s', 1.0),
     'N m s2': ('N m s2', 1.0),
+    # Force per force, as of a thrust column
     'N/N': ('1', 1.0),
     'kg/m2': ('kg/m2', 1.0),
     'g/cm2': ('kg/m2', 10.0),
@@ -67,6 +68,7 @@ UNITS: dict[str, tuple[str, float]] = {
     'K': ('K', 1.0),
     'K m2/W': ('K m2/W', 1.0),
     'N/s': ('N/s', 1.0),
+    # Not converted to K, which would need an offset
     'degC': ('degC', 1.0),
     'Pa': ('Pa', 1.0),
     'hPa': ('Pa', 100.0),
@@ -84,6 +86,7 @@ UNITS: dict[str, tuple[str, float]] = {
     'W': ('W', 1.0),
     'mW': ('W', 1e-3),
     'W/N': ('W/N', 1.0),
+    # Battery capacities are charges in coulomb
     'A h': ('C', 3600.0),
     'mA h': ('C', 3.6),
     'lx': ('lx', 1.0),
@@ -95,11 +98,12 @@ UNITS: dict[str, tuple[str, float]] = {
 }
 
 UNSOURCED = 'has no source; add "source: ..." (measured, datasheet, assumed...)'
+# A decimal number, then optionally a unit; (?a) keeps \d to ASCII digits
 _TEXT = re.compile(r'(?a)^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*$')
 
 
 def _is_plain_number(number: object) -> bool:
-    """Tell whether a text is that of a plain number."""
+    """Return whether a text is a number without a unit."""
     found = _TEXT.match(number) if isinstance(number, str) else None
     return found is not None and found[2] is None
 
@@ -108,7 +112,7 @@ def _parse_numbers(value: Any) -> float | tuple[float, ...]:  # noqa: ANN401 - a
     numbers = value if isinstance(value, list | tuple) else [value]
     for number in numbers:
         if isinstance(number, bool) or not isinstance(number, int | float):
-            # YAML 1.1, which ROS reads as well, takes an exponent without a point for text.
+            # YAML 1.1, which ROS uses too, reads a number such as 1e-3 as text
             hint = ' with a decimal point, as 1.0e-3' if _is_plain_number(number) else ''
             raise ValueError(
                 f'has the value {value!r}, but needs a number or a list of numbers{hint}'
@@ -122,7 +126,7 @@ def _parse_numbers(value: Any) -> float | tuple[float, ...]:  # noqa: ANN401 - a
 
 @final
 class Quantity(BaseModel):
-    """A number or a list of numbers with the unit it was written in and where it comes from."""
+    """A number or a list of numbers with the unit as written and an optional source."""
 
     model_config = ConfigDict(frozen=True, extra='forbid', strict=True)
 
@@ -134,7 +138,7 @@ class Quantity(BaseModel):
     @classmethod
     def _from_text(cls, value: Any) -> Any:  # noqa: ANN401 - whatever the file held
         if isinstance(value, bool | int | float):
-            raise ValueError(f'{value} has no unit; write it behind the number, as in "7 m"')
+            raise ValueError(f'{value} has no unit; write it after the number, as in "7 m"')
         if isinstance(value, str):
             match = _TEXT.match(value)
             if match is None or match.group(2) is None:
@@ -160,18 +164,18 @@ class Quantity(BaseModel):
 
     @property
     def dimension(self) -> str:
-        """The SI unit that `si_quantity` is in."""
+        """The SI unit of `si`."""
         return UNITS[self.unit][0]
 
     @property
     def si(self) -> float:
-        """The number in SI; an error if this quantity is a list."""
-        (number,) = self._as_tuple()
+        """The number in SI; raises an error if the quantity is a list."""
+        (number,) = self._as_tuple()  # a list of several numbers fails here
         return number * UNITS[self.unit][1]
 
     @property
     def vector(self) -> tuple[float, ...]:
-        """All numbers in SI, also of a quantity that has just one."""
+        """All numbers in SI; of length 1 for a single number."""
         factor = UNITS[self.unit][1]
         return tuple(number * factor for number in self._as_tuple())
 
@@ -186,20 +190,20 @@ def si_quantity(
     sourced: bool = False,
 ) -> WrapValidator:
     """
-    Return the check of a field that holds a quantity: `Annotated[Quantity, si('kg', above=0)]`.
+    Return a validator of a quantity: `Annotated[Quantity, si_quantity('kg', above=0.0)]`.
 
     Parameters
     ----------
     dimension : str
-        The SI unit the value must convert to; one of the right-hand sides of `UNITS`.
+        The SI unit that the unit must convert to; one of the right-hand sides of `UNITS`.
     low, high : float
         Closed bounds of every number. [SI]
     above : float or None
-        Open lower bound, for what must be positive. [SI]
+        Open lower bound, for positive quantities. [SI]
     length : int
         How many numbers the quantity has.
     sourced : bool
-        Whether a source must be given.
+        Whether a source is required.
 
     """
 
@@ -224,20 +228,22 @@ def describe_misfit(
     above: float | None = None,
     length: int = 1,
 ) -> str | None:
-    """Return what is wrong with a quantity, put behind its name; parameters as `si_quantity`."""
+    """Return what is wrong with a quantity, or None; parameters as `si_quantity`."""
     if quantity.dimension != dimension:
-        return f'is in {quantity.unit}, but must be in {dimension} or its like'
+        return f'is in {quantity.unit}, but must be in {dimension} or a compatible unit'
     if len(quantity.vector) != length:
         return f'has {len(quantity.vector)} numbers, but needs {length}'
     floor = -math.inf if above is None else above
+    # Also false for NaN
     if all(low <= number <= high and number > floor for number in quantity.vector):
         return None
     allowed = format_bounds(low if above is None else None, above, high, quantity.unit)
+    # State the bounds in the unit that the user wrote
     return f'is {format_quantity(quantity)}, but must be {allowed}'
 
 
 def format_quantity(quantity: Quantity) -> str:
-    """Return a quantity as people write it: `[0, 0, -8] cm`."""
+    """Return a quantity as it is written in a file: `[0, 0, -8] cm`."""
     numbers = quantity.value if isinstance(quantity.value, tuple) else [quantity.value]
     texts = [f'{number:.12g}' for number in numbers]
     text = f'[{", ".join(texts)}]' if isinstance(quantity.value, tuple) else texts[0]
@@ -245,12 +251,12 @@ def format_quantity(quantity: Quantity) -> str:
 
 
 def add_unit(text: str, unit: str) -> str:
-    """Return a number with its unit; a bare number has none."""
+    """Return a number with its unit; a dimensionless number has none."""
     return text if unit == '1' else f'{text} {unit}'
 
 
 def format_bounds(low: float | None, above: float | None, high: float, unit: str) -> str:
-    """Return the bounds of a quantity in words and in a unit; the bounds themselves are in SI."""
+    """Return bounds, which are in SI, in words and in a unit."""
     factor = UNITS[unit][1]
     least, floor, most = (
         None if number is None or math.isinf(number) else f'{number / factor:.6g}'

@@ -1,4 +1,4 @@
-"""A setting of a core or node: declared once, with meaning, unit and bounds."""
+"""Declare the settings of a core or node: default, description, unit and bounds."""
 
 from collections import namedtuple
 from functools import cache
@@ -11,7 +11,7 @@ Model = TypeVar('Model', bound=BaseModel)
 
 
 class Settings(StrictModel):
-    """Base of the settings that become ROS parameters; every field has a default."""
+    """Base of settings that become ROS parameters; every field needs a default."""
 
 
 def setting(
@@ -29,15 +29,15 @@ def setting(
     Parameters
     ----------
     default : Any
-        Value where nothing else is said.
+        Default value.
     about : str
-        What it means.
+        Description.
     unit : str
         SI unit, shown with the description.
     low, high : float or None
         Closed bounds.
     fixed : bool
-        Whether it can be set only at the start.
+        Whether it can only be set at start-up.
 
     """
     return Field(
@@ -52,14 +52,15 @@ def setting(
 
 @cache
 def _named_tuple_type(model: type[BaseModel]) -> Any:  # noqa: ANN401 - a type made here
+    # Cached, because compiled code is specialised by type
     return namedtuple(model.__name__, model.model_fields)
 
 
 def to_named_tuple(settings: Model) -> Model:
     """
-    Return settings as named tuples of numbers, nested as they are.
+    Return settings as nested named tuples of numbers.
 
-    Cores only read attributes, so they take either; compiled, they take this.
+    Plain cores accept both, since they only read attributes; compiled ones need named tuples.
     """
     values = (getattr(settings, name) for name in type(settings).model_fields)
     numbers = (

@@ -1,4 +1,4 @@
-"""What is recorded: what the topic table marks, topics by name, or everything on the graph."""
+"""Select the topics to record: those marked in the topic table, topics by name, or all."""
 
 from collections.abc import Mapping, Sequence
 
@@ -13,20 +13,20 @@ ROS_OWN: Mapping[str, str] = {  # topics that every ROS node has, and their type
 
 
 def absolute_topic(robot: str, name: str) -> str:
-    """Return the absolute name of a topic; a robot may have no namespace."""
+    """Return the absolute name of a topic; the robot may have no namespace."""
     return robot_topic(robot, name) if robot else f'/{name.lstrip("/")}'
 
 
 def is_selected(words: str, robot: str, name: str, topic: Topic) -> bool:
     """
-    Tell whether a topic of the table is to be recorded.
+    Return whether to record a topic of the table.
 
     Parameters
     ----------
     words : str
-        Names, relative or absolute, with spaces between; 'all'; or '' for what the table marks.
+        Relative or absolute names separated by spaces; 'all'; or '' for those the table marks.
     robot : str
-        Namespace of the robot whose topic it is.
+        Namespace of the robot.
     name : str
         Name in the table.
     topic : Topic
@@ -41,7 +41,7 @@ def is_selected(words: str, robot: str, name: str, topic: Topic) -> bool:
 
 def select_topics(words: str, robots: Sequence[str], table: TopicTable) -> dict[str, str]:
     """
-    Return the types of the topics to record that are known beforehand, by absolute name.
+    Return the types of the topics to record that are known in advance, by absolute name.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def select_topics(words: str, robots: Sequence[str], table: TopicTable) -> dict[
     Raises
     ------
     BadInput
-        If a name is none of the robots' topics and none that every ROS node has.
+        If a name is neither a topic of the table nor one that every ROS node has.
 
     """
     rows = [(robot, *row) for robot in robots for row in table.topics.items()]
@@ -66,5 +66,6 @@ def select_topics(words: str, robots: Sequence[str], table: TopicTable) -> dict[
         if word not in named and word not in table.topics:
             raise unknown_name('topic', word, [*table.topics, *ROS_OWN, EVERYTHING])
     found = [absolute_topic(row[0], row[1]) for row in rows if is_selected(words, *row)]
+    # With 'all' these are discovered on the graph, like any other topic
     found += [name for name in ROS_OWN if name in words.split()]
     return {name: named[name] for name in found}

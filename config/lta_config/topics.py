@@ -1,4 +1,4 @@
-"""The topic table of `topics.yaml`, and the one rule for which message is due when."""
+"""The topic table of `topics.yaml`, and the rule for which messages are due when."""
 
 from collections.abc import Mapping
 from functools import cache, cached_property
@@ -19,7 +19,7 @@ def to_nanoseconds(time: Quantity) -> int:
 
 
 class Topic(StrictModel):
-    """One row of the table; see the head of `topics.yaml` for the meaning of the columns."""
+    """One row of the table; the head of `topics.yaml` explains the columns."""
 
     type: Annotated[str, Field(pattern=r'^\w+/msg/\w+$')]
     unit: str
@@ -37,17 +37,17 @@ class Topic(StrictModel):
 
     @property
     def package(self) -> str:
-        """The message's package, `sensor_msgs`."""
+        """The package of the message type, `sensor_msgs`."""
         return self.type.split('/')[0]
 
     @property
     def message(self) -> str:
-        """The message's own name, `Imu`."""
+        """The name of the message type, `Imu`."""
         return self.type.split('/')[2]
 
     @cached_property
     def period_ns(self) -> int:
-        """Time between two stamps; 0 where the topic has no rhythm. [ns]"""
+        """Time between two stamps; 0 for an aperiodic topic. [ns]"""
         return 0 if self.period is None else to_nanoseconds(self.period)
 
     @cached_property
@@ -64,7 +64,7 @@ class AdcBlockShape(StrictModel):
 
 
 class TopicTable(StrictModel):
-    """Every topic of the graph, with the times they share."""
+    """All topics of the graph, and the times that they share."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
     start: Annotated[Quantity, si_quantity('s', above=0.0)]
@@ -97,12 +97,12 @@ class TopicTable(StrictModel):
         return [name for name, topic in self.topics.items() if role in topic.subscribers]
 
     def trigger_topic(self, role: str) -> str:
-        """Return the topic that a role answers message by message; empty where it answers none."""
+        """Return the topic whose messages trigger a role's outputs; empty if there is none."""
         return next((self[name].answers for name in self.published_by(role)), '')
 
     def count_due(self, name: str, now_ns: int, lag: int = 0) -> int:
         """
-        Return how many messages of a topic are out at a control step.
+        Return how many messages of a topic have been published by a control step.
 
         Parameters
         ----------
@@ -116,21 +116,24 @@ class TopicTable(StrictModel):
         """
         topic = self[name]
         newest = now_ns - topic.latency_ns - lag * self.control_ns - self.start_ns
+        # The first message is stamped start_ns, so 1 is due as soon as `newest` is 0
         return max(0, newest // topic.period_ns + 1)
 
     def is_settled(self, now_ns: int) -> bool:
-        """Tell whether a control step is the one after a light block: all is answered then."""
+        """Return whether a control step follows a light block, when all answers are complete."""
+        # One control step is the time in which the block is processed
         since = now_ns - self.start_ns - self.control_ns
         return since % self['photodiodes'].period_ns == 0
 
 
 def robot_topic(robot: str, name: str) -> str:
-    """Return the absolute name of a topic of one robot: `/lta1/odom`, but `/clock`."""
+    """Return the absolute name of a robot's topic: `/lta1/odom`; `/clock` stays as it is."""
     return name if name.startswith('/') else f'/{robot}/{name}'
 
 
 def is_name(text: str) -> bool:
-    """Tell whether a text can be a robot's namespace or a node's name in ROS."""
+    """Return whether a text is a valid namespace or node name in ROS."""
+    # ROS also allows a leading underscore, but such names are hidden
     return re.fullmatch(r'[A-Za-z][A-Za-z0-9_]*', text) is not None
 
 

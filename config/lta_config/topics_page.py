@@ -1,7 +1,7 @@
 """
-The topic table as a page: `python -m lta_config.topics_page > docs/topics.md`.
+Write the topic table as a page: `python -m lta_config.topics_page > docs/topics.md`.
 
-A test holds the page in docs/ against this.
+A test checks that the page in docs/ is up to date.
 """
 
 import sys
@@ -23,14 +23,15 @@ its publication. A reader with *+1* uses a message one control period later. Lig
 
 
 def format_milliseconds(nanoseconds: int) -> str:
-    """Return a time for a table cell, empty for none."""
+    """Return a time as a table cell, empty for 0."""
     return f'{nanoseconds / 1e6:g} ms' if nanoseconds else ''
 
 
 def render_page(table: TopicTable) -> str:
-    """Return the page, one row a topic."""
+    """Return the page, with one row per topic."""
     rows = []
     for name, topic in table.topics.items():
+        # A lag of control periods is appended to the role, as in 'controller *+1*'
         readers = ', '.join(
             f'{role} *+{lag}*' if lag else role for role, lag in topic.subscribers.items()
         )
@@ -46,6 +47,7 @@ def render_page(table: TopicTable) -> str:
             topic.about,
         )
         rows.append('| ' + ' | '.join(cells) + ' |\n')
+    # kS/s
     rate = table.light.sample_rate.si / 1e3
     return HEAD.format(samples=table.light.samples, rate=rate) + ''.join(rows)
 

@@ -1,11 +1,11 @@
-"""From pydantic's errors to one sentence that a person who writes files can act on."""
+"""Convert pydantic errors to one sentence for people who write the files."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from pydantic import ValidationError
 
-# By pydantic's type of error; the braces are filled from its context.
+# Messages by pydantic's type of error; braces are filled from the error's context
 PLAIN = {
     'int_type': 'must be a whole number',
     'int_parsing': 'must be a whole number',
@@ -23,8 +23,8 @@ PLAIN = {
     'less_than': 'must be below {lt}',
     'less_than_equal': 'must be at most {le}',
     'string_pattern_mismatch': 'must match {pattern}',
-    'too_short': 'must have at least {min_length} of its kind',
-    'too_long': 'must have at most {max_length} of its kind',
+    'too_short': 'must have {min_length} or more entries',
+    'too_long': 'must have {max_length} or fewer entries',
     'model_type': 'must be a mapping of keys',
     'mapping_type': 'must be a mapping of keys',
     'dict_type': 'must be a mapping of keys',
@@ -40,7 +40,7 @@ def format_error(error: ValidationError) -> str:
 
 
 def format_errors(error: ValidationError) -> list[str]:
-    """Return every problem of a pydantic error as a sentence; a misspelt key makes just one."""
+    """Return every problem as a sentence; a misspelt key gives only one."""
     problems = error.errors()
     missing = [problem for problem in problems if problem['type'] == 'missing']
     found = []
@@ -54,12 +54,12 @@ def format_errors(error: ValidationError) -> list[str]:
 
 
 def _format_problem(first: Mapping[str, Any], problems: Sequence[Mapping[str, Any]]) -> str:
-    """Return one problem, in the light of the others, as one sentence."""
+    """Return one problem as a sentence, taking the others into account."""
     where = locate_problem(first) or 'the file'
     if first['type'] == 'extra_forbidden':
         return f"the key '{where}' is not known; remove it or correct its spelling."
     if first['type'] == 'missing':
-        # A misspelt key is both: one that is missing and one that is not known.
+        # A misspelt key causes two errors at the same place: a missing and an unknown key
         for other in problems:
             if other['type'] == 'extra_forbidden' and other['loc'][:-1] == first['loc'][:-1]:
                 return (
@@ -69,23 +69,25 @@ def _format_problem(first: Mapping[str, Any], problems: Sequence[Mapping[str, An
                 )
         return f"the key '{where}' is missing; add it."
     if first['type'] == 'value_error':
+        # Our validators write the predicate; pydantic adds the prefix
         return f'{where} {first["msg"].removeprefix("Value error, ")}.'
     given: Any = first.get('input')
+    # Do not print a whole block as the value
     if isinstance(given, Mapping | list | tuple):
         return f'{where} {describe_problem(first)}.'
     return f'{where} is {given!r}, but {describe_problem(first)}.'
 
 
 def locate_problem(problem: Mapping[str, Any]) -> str:
-    """Return where a problem is, as a dotted name."""
+    """Return the place of a problem as a dotted name."""
     return '.'.join(str(part) for part in problem['loc'])
 
 
 def describe_problem(problem: Mapping[str, Any]) -> str:
-    """Return what is wrong, to be put behind the name of what it is wrong with."""
+    """Return what is wrong as a predicate."""
     plain = PLAIN.get(problem['type'])
     if plain is None:
-        return f'is refused: {problem["msg"]}'
+        return f'is not valid: {problem["msg"]}'
     numbers = {
         key: f'{value:g}' if isinstance(value, float) else value
         for key, value in problem.get('ctx', {}).items()

@@ -1,4 +1,4 @@
-"""The version of LTA: here; setup.py, package.xml and CITATION.cff repeat it, held by a test."""
+"""The version of LTA; a test compares setup.py, package.xml and CITATION.cff with it."""
 
 from typing import Final
 

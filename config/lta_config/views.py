@@ -1,10 +1,10 @@
 """
-What people look at: `views.yaml`, and how a series in it names a field of a message.
+The views for Foxglove and PlotJuggler: `views.yaml`, and series that name a message field.
 
     python -m lta_config.views foxglove > config/foxglove/lta.json
     python -m lta_config.views plotjuggler > config/plotjuggler/lta.xml
 
-Tests hold the layouts in config/ against this.
+Tests check that the layouts in config/ are up to date.
 """
 
 from collections.abc import Iterator, Mapping
@@ -25,7 +25,7 @@ ANGLES = ('roll', 'pitch', 'yaw')
 
 
 class ViewPanel(StrictModel):
-    """One panel: exactly one of the kinds, and its title."""
+    """One panel: its title and exactly one of the kinds."""
 
     title: str
     share: Annotated[float, Field(gt=0.0)] = 1.0
@@ -47,12 +47,12 @@ class ViewPanel(StrictModel):
 
     @property
     def kind(self) -> str:
-        """Which of the kinds it is."""
+        """The kind of the panel."""
         return next(kind for kind in KINDS if getattr(self, kind) is not None)
 
     @property
     def series(self) -> Mapping[str, str]:
-        """What is drawn over time, by its label; nothing in other panels."""
+        """The series of a plot by label; empty for other panels."""
         return self.plot or self.states or {}
 
 
@@ -67,7 +67,7 @@ class Views(StrictModel):
     @model_validator(mode='after')
     def _check_robot_name(self) -> Self:
         if not is_name(self.robot):
-            raise ValueError(f"has the robot '{self.robot}', which is no name")
+            raise ValueError(f"has the robot '{self.robot}', which is not a valid name")
         return self
 
     @cached_property
@@ -88,12 +88,13 @@ class Views(StrictModel):
 
     def absolute_topic(self, name: str) -> str:
         """Return the absolute name of a topic; an unknown one is a `BadInput`."""
+        # Raises BadInput for an unknown topic
         _ = load_topic_table()[name]
         return robot_topic(self.robot, name)
 
 
 class SeriesPath(NamedTuple):
-    """A series taken apart: its topic's name, row and absolute name, and the fields' names."""
+    """A parsed series: the topic's name, row and absolute name, and the names of the fields."""
 
     name: str
     topic: Topic
@@ -102,24 +103,25 @@ class SeriesPath(NamedTuple):
 
     @property
     def angle(self) -> str:
-        """Which angle of a quaternion is meant, empty for none."""
+        """The Euler angle that is selected from a quaternion; empty for none."""
+        # The empty string is the owner of a path with a single field
         *_, owner, last = ('', *self.steps)
         return last if owner == 'orientation' and last in ANGLES else ''
 
 
 def parse_series(views: Views, series: str) -> SeriesPath:
     """
-    Return a series taken apart.
+    Parse a series 'TOPIC.FIELD...'.
 
     Raises
     ------
     BadInput
-        If its topic is unknown, or it names no field.
+        If the topic is unknown or the field is missing.
 
     """
     name, *steps = series.split('.')
     if not steps or not all(steps):
-        raise BadInput(f"The series '{series}' names no field; write TOPIC.FIELD.")
+        raise BadInput(f"The series '{series}' does not name a field; write TOPIC.FIELD.")
     return SeriesPath(name, load_topic_table()[name], views.absolute_topic(name), tuple(steps))
 
 
@@ -132,6 +134,7 @@ def main(words: list[str]) -> None:
     """Write one layout to standard output."""
     if len(words) != 1 or words[0] not in LAYOUTS:
         raise unknown_name('layout', ' '.join(words), list(LAYOUTS))
+    # Imported late, because both modules import this one
     maker = import_module(f'lta_config.views_{words[0]}')
     sys.stdout.write(maker.build_layout(load_views()))
 

@@ -1,4 +1,4 @@
-"""The views as a layout of Foxglove's, in the format that its app exports and imports."""
+"""Write the views as a Foxglove layout, in the format that its app exports and imports."""
 
 from collections.abc import Callable, Sequence
 import json
@@ -6,9 +6,11 @@ from typing import Any
 
 from lta_config.views import parse_series, SeriesPath, ViewPanel, Views
 
+# Truth, estimate and setpoint have the same colours as on our own pages
 COLOURS = {'truth': '#7f7f7f', 'estimate': '#1f77b4', 'setpoint': '#d62728'}
 OTHERS = ('#1f77b4', '#ff7f0e', '#2ca02c', '#d62728', '#9467bd', '#8c564b')
-WINDOW = 60.0  # s of a plot while a flight lasts
+WINDOW = 60.0  # s shown by a plot during a live flight
+# Distances in m, angles in degrees, as Foxglove has them
 CAMERA = {
     'perspective': True,
     'distance': 11.0,
@@ -26,12 +28,12 @@ Config = dict[str, Any]
 
 def message_path(views: Views, series: str) -> str:
     """
-    Return a series as Foxglove's message path.
+    Return a series as a Foxglove message path.
 
     Parameters
     ----------
     views : Views
-        Give robot and vehicle.
+        Robot and vehicle.
     series : str
         As in `views.yaml`.
 
@@ -39,18 +41,21 @@ def message_path(views: Views, series: str) -> str:
     place = parse_series(views, series)
     if place.topic.message == 'DiagnosticArray':
         return _diagnostic_path(views, place)
+    # A joint's value is addressed by its index, in the order of the rotors
     if place.topic.message == 'JointState' and place.steps[-1] in views.actuators:
         *fields, name = place.steps
         return f'{place.absolute}.{".".join(fields)}[{views.actuators.index(name)}]'
     if place.angle:
         quaternion = '.'.join(place.steps[:-1])
+        # @rpy and @degrees are Foxglove's conversion functions
         return f'{place.absolute}.{quaternion}.@rpy.{place.angle}.@degrees'
     return '.'.join((place.absolute, *place.steps))
 
 
 def _diagnostic_path(views: Views, place: SeriesPath) -> str:
-    """Return the path of one figure of a diagnostic array."""
+    """Return the path of one value of a diagnostic array."""
     status, key = place.steps
+    # /diagnostics carries all robots, so select by hardware_id
     own = f'{{hardware_id=="{views.robot}"}}' if place.name.startswith('/') else ''
     return f'{place.absolute}.status[:]{own}{{name=="{status}"}}.values[:]{{key=="{key}"}}.value'
 
@@ -103,7 +108,7 @@ def _build_scene(views: Views, panel: ViewPanel) -> Config:
 
 
 def _build_lamp_view(views: Views, panel: ViewPanel) -> Config:
-    """Return a look from above at the ring of photodiodes, each a dot of its SNR."""
+    """Return a top view of the ring of photodiodes, with a dot per diode coloured by SNR."""
     dots = {
         'visible': True,
         'pointSize': 24.0,
@@ -116,7 +121,7 @@ def _build_lamp_view(views: Views, panel: ViewPanel) -> Config:
     }
     return {
         'cameraState': {**CAMERA, 'distance': 4.0, 'phi': 25.0, 'targetOffset': [0.0, 0.0, 0.0]},
-        'followMode': 'follow-pose',
+        'followMode': 'follow-pose',  # the drone stays at the centre and its heading up
         'followTf': 'base_link',
         'scene': {'transforms': {'showLabel': False, 'axisSize': 0.3}},
         'topics': {
@@ -137,7 +142,7 @@ def _build_grid(frame: str, size: float) -> Config:
         'size': size,
         'divisions': size,
         'lineWidth': 1.0,
-        'color': '#7f7f7f55',
+        'color': '#7f7f7f55',  # the last two digits are the opacity
         'position': [0.0, 0.0, 0.0],
         'rotation': [0.0, 0.0, 0.0],
     }
@@ -173,7 +178,7 @@ def _build_status(views: Views, panel: ViewPanel) -> Config:
     }
 
 
-PANELS: dict[str, tuple[str, Callable[[Views, ViewPanel], Config]]] = {  # by kind: Foxglove's name
+PANELS: dict[str, tuple[str, Callable[[Views, ViewPanel], Config]]] = {  # by kind: Foxglove's type
     'plot': ('Plot', _build_plot),
     'states': ('StateTransitions', _build_states),
     'scene': ('3D', _build_scene),
@@ -185,7 +190,7 @@ PANELS: dict[str, tuple[str, Callable[[Views, ViewPanel], Config]]] = {  # by ki
 
 
 def split_layout(direction: str, items: Sequence[tuple[Any, float]]) -> Any:  # noqa: ANN401 - JSON
-    """Return things side by side or one above the other, each with its share of the room."""
+    """Return a nested split of items, each with its share of the space."""
     (first, share), *rest = items
     if not rest:
         return first
@@ -193,12 +198,13 @@ def split_layout(direction: str, items: Sequence[tuple[Any, float]]) -> Any:  # 
         'direction': direction,
         'first': first,
         'second': split_layout(direction, rest),
+        # Foxglove splits in two only, so the rest is nested in the second part
         'splitPercentage': round(100.0 * share / sum(part for _, part in items), 3),
     }
 
 
 def build_layout(views: Views) -> str:
-    """Return the layout as the text of a JSON file."""
+    """Return the layout as JSON text."""
     configs: dict[str, Config] = {}
     tabs = []
     for tab, columns in views.tabs.items():
@@ -207,6 +213,7 @@ def build_layout(views: Views) -> str:
             pile = []
             for k, panel in enumerate(column):
                 kind, configured = PANELS[panel.kind]
+                # Foxglove's ids have the form TYPE!ID
                 name = f'{kind}!{tab.lower()}{i}{k}'
                 title = {'foxglovePanelTitle': panel.title}
                 configs[name] = title | configured(views, panel)

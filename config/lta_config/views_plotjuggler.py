@@ -1,4 +1,4 @@
-"""The plots of the views as a layout of PlotJuggler's; curves as its ROS parsers name them."""
+"""Write the plots of the views as a PlotJuggler layout, named as its ROS parser names them."""
 
 from collections.abc import Sequence
 import xml.etree.ElementTree as ET
@@ -9,9 +9,9 @@ from lta_config.views_foxglove import COLOURS, OTHERS
 
 def curve_name(views: Views, series: str) -> str:
     """
-    Return a series as PlotJuggler names it.
+    Return the name of a series in PlotJuggler.
 
-    Its parsers put the name of a joint before the field, take a diagnostic array apart by robot,
+    Its ROS parsers put the name of a joint before the field, split a diagnostic array by robot,
     status and key, and add the angles of the first quaternion in degrees.
     """
     place = parse_series(views, series)
@@ -26,7 +26,7 @@ def curve_name(views: Views, series: str) -> str:
 
 
 def _add_splitter(parent: ET.Element, upright: bool, shares: Sequence[float]) -> ET.Element:
-    """Add a splitter; '-' piles up, '|' sets side by side."""
+    """Add a splitter: '-' stacks vertically, '|' places side by side."""
     total = sum(shares)
     return ET.SubElement(
         parent,
@@ -49,13 +49,14 @@ def _add_plot(parent: ET.Element, views: Views, panel: ViewPanel) -> None:
 
 
 def build_layout(views: Views) -> str:
-    """Return the layout as the text of an XML file."""
+    """Return the layout as XML text."""
     root = ET.Element('root')
     named = {'name': 'Main Window', 'parent': 'main_window'}
     widget = ET.SubElement(root, 'tabbed_widget', named)
     for tab, columns in views.tabs.items():
         page = ET.SubElement(widget, 'Tab', tab_name=tab, containers='1')
         container = ET.SubElement(page, 'Container')
+        # PlotJuggler shows only curves, so leave out all other panels
         piles = [[panel for panel in column if panel.plot] for column in columns]
         piles = [pile for pile in piles if pile]
         row = _add_splitter(container, upright=False, shares=[1.0] * len(piles))
@@ -65,6 +66,7 @@ def build_layout(views: Views) -> str:
                 _add_plot(column, views, panel)
     ET.SubElement(widget, 'currentTabIndex', index='0')
     ET.SubElement(root, 'use_relative_time_offset', enabled='1')
+    # Empty, as in the layouts that PlotJuggler itself saves
     ET.SubElement(root, 'Plugins')
     ET.SubElement(root, 'customMathEquations')
     ET.SubElement(root, 'snippets')

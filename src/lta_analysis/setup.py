@@ -15,7 +15,7 @@ setup(
     zip_safe=False,
     maintainer='LTA maintainers',
     maintainer_email='maintainers@users.noreply.github.com',
-    description='lta_analysis.open, for notebooks.',
+    description='Open recordings in notebooks (lta_analysis.open).',
     license='Apache-2.0',
     entry_points={'console_scripts': ['lta = lta_cli.command:main']},
 )

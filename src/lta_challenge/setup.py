@@ -15,7 +15,7 @@ setup(
     zip_safe=False,
     maintainer='LTA maintainers',
     maintainer_email='maintainers@users.noreply.github.com',
-    description='The score of discovery: hidden effects, put to it and counted.',
+    description='Generate flights with hidden effects and score discovery on them.',
     license='Apache-2.0',
     entry_points={'console_scripts': []},
 )

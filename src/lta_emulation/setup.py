@@ -15,7 +15,7 @@ setup(
     zip_safe=False,
     maintainer='LTA maintainers',
     maintainer_email='maintainers@users.noreply.github.com',
-    description='A Crazyflie and a light board in software, which fly in the simulated world.',
+    description='Emulate a Crazyflie and a light board in the simulated world.',
     license='Apache-2.0',
     entry_points={'console_scripts': ['emulated_hardware = lta_emulation.emulated_hardware:main']},
 )

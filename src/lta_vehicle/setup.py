@@ -15,7 +15,7 @@ setup(
     zip_safe=False,
     maintainer='LTA maintainers',
     maintainer_email='maintainers@users.noreply.github.com',
-    description='Vehicle files: what follows from one, what is wrong with it, how two differ.',
+    description='Describe, validate and compare vehicle files.',
     license='Apache-2.0',
     entry_points={'console_scripts': []},
 )

@@ -243,7 +243,7 @@ def test_motors_are_shown_by_the_names_of_the_vehicle():
 
 def test_bad_views_are_refused():
     views = load_views()
-    for series, words in (('odom', 'names no field'), ('nope.x', "Unknown topic 'nope'")):
+    for series, words in (('odom', 'does not name a field'), ('nope.x', "Unknown topic 'nope'")):
         with pytest.raises(BadInput, match=words):
             parse_series(views, series)
     with pytest.raises(BadInput, match='foxglove, plotjuggler'):
@@ -252,5 +252,5 @@ def test_bad_views_are_refused():
     for panel in ({'title': 'a'}, {'title': 'a', 'plot': {}, 'scene': 'map'}):
         with pytest.raises(ValidationError, match='must be one of plot'):
             Views.model_validate({**given, 'tabs': {'A': [[panel]]}})
-    with pytest.raises(ValidationError, match='no name'):
+    with pytest.raises(ValidationError, match='not a valid name'):
         Views.model_validate({**given, 'robot': '1', 'tabs': {}})

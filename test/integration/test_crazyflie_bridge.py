@@ -261,6 +261,6 @@ def test_the_shutdown_transition_comes_down_and_disarms(peer, drone, bridge):
     assert peer.ask(ChangeState, 'crazyflie_bridge/change_state', transition=wanted).success
     assert turning(drone) == (0.0,) * 4
     assert not drone.firmware.supervisor.armed
-    assert not drone.firmware.supervisor.locked
+    assert not drone.firmware.supervisor.is_locked
     bridge.send_signal(signal.SIGINT)  # after a shutdown no other test can use it
     bridge.communicate(timeout=PATIENCE)

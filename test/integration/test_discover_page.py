@@ -57,7 +57,7 @@ def pick(browser, number):
         f"(() => {{ const select = document.getElementById('flight'); select.value = '{number}';"
         "select.dispatchEvent(new Event('change')); })()"
     )
-    browser.wait(f"document.documentElement.dataset.flight === '{number}'")
+    browser.wait_until(f"document.documentElement.dataset.flight === '{number}'")
     return browser.evaluate(f'Array.from({DRAWN % "above"}[0].x).slice(0, 40)')
 
 

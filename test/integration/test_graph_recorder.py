@@ -216,8 +216,8 @@ def test_some_topics_in_files_of_half_a_second(recording, lta):
     assert (refused.returncode, refused.stderr) == (1, '')
     assert 'snapshot:=SECONDS' in refused.stdout
     for words, sentence in (
-        (('recorder/snapshot', 'true'), "'/lta1/recorder/snapshot' wants nothing behind its name"),
-        (('nobody/there',), 'there are /lta1/recorder/snapshot'),
+        (('recorder/snapshot', 'true'), "'/lta1/recorder/snapshot' takes no value after its name"),
+        (('nobody/there',), 'available: /lta1/recorder/snapshot'),
     ):
         wrong = lta.run('call', *words)
         assert wrong.returncode == 2

@@ -194,13 +194,13 @@ def test_another_dialect_is_told_and_its_light_is_not_published(domain_id, tmp_p
         process = start(BRIDGE, '-p', f'port:={tmp_path}/ttyACM0')
         bench.until(lambda: bench.node.count_publishers('/lta1/photodiodes'))
         bench.told('receiving light')  # its heartbeat is that of any board
-        bench.send(bench.board.status())
+        bench.send(bench.board.encode_status())
         bench.told('uses version 2 of the messages and this bridge version 1; build both')
         assert bench.facts[TASK][0] == HealthLevel.ERROR
         light = simulated_light()[0]
         for _ in range(2):
             bench.light(light)
-        bench.send(bench.board.status())
+        bench.send(bench.board.encode_status())
         bench.until(lambda: int(bench.facts[TASK][2]['blocks']) >= 1)
         ended(process)
         assert bench.blocks == []

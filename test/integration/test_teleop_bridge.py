@@ -26,11 +26,11 @@ class Watched:
     def duties(self):
         return self._bench.duties
 
-    def fly(self, now, wish):
+    def advance(self, now, wish):
         self.hover = wish.hover
         self._bench.advance(now, wish)
 
-    def read(self):
+    def read_values(self):
         return self._bench.read_values()
 
 

@@ -1,10 +1,10 @@
 """
-Whole graphs in trouble: `make chaos` (hours), or `make chaos ARGS='--each 3 --side 1'`.
+Inject faults into whole graphs: `make chaos` (hours), or `make chaos ARGS='--each 3 --side 1'`.
 
-Each kind of `chaos_kinds.py` so many times, in a random phase of a flight that was started as a
-user starts it (`chaos_trial.py`): by turns in lockstep, in real time, and in real time behind
-emulated hardware, where the kind allows it. A campaign that was stopped goes on where it was,
-while the code and the kinds stay the same. Writes its part of docs/reliability.md.
+Runs each kind of `chaos_kinds.py` several times, in a random phase of a flight that is started as
+a user starts it (`chaos_trial.py`): by turns in lockstep, in real time, and in real time with
+emulated hardware, if the kind allows it. A stopped campaign resumes if code and kinds are
+unchanged. Writes its part of docs/reliability.md.
 """
 
 from collections.abc import Callable, Iterator
@@ -40,34 +40,33 @@ WAYS: Final = {
     'hardware': 'emulated hardware',
 }
 HEAD: Final = """\
-## Whole graphs in trouble
+## Faults in whole graphs
 
 `make chaos` flies whole graphs as a user starts them: `lta fly` in lockstep, from lantern to
-lantern without an end; `lta launch fly` in real time; and the same behind an emulated Crazyflie
-and light board that was armed. In a phase of the flight that chance chooses, one thing goes wrong,
-in a node, topic or parameter that chance chooses. Then
+lantern without an end; `lta launch fly` in real time; and the same with an emulated Crazyflie and
+light board, armed. In a random phase of the flight, it injects one fault into a random node, topic
+or parameter. The requirements are:
 
-- the fault must be named within {named:.0f} s of wall time by /diagnostics and on the terminal (of
-  a parameter: refused with a reason, to whoever set it);
-- motors of the hardware must stand within what [hardware_faults.md](hardware_faults.md) states; a
-  flight that may go on must go on, and land when asked to; no command may be more than a motor
-  takes;
-- the bag must open, whole unless the recorder itself was struck, and hold the words;
-- no process, lock or port may be left.
+- /diagnostics and the terminal name the fault within {named:.0f} s of wall time (an invalid
+  parameter is refused with a reason, in the answer to the request);
+- motors of the hardware stop within the times in [hardware_faults.md](hardware_faults.md); a
+  flight that may continue does so and lands on request; no command exceeds the range of a motor;
+- the bag opens, completely unless the recorder itself had the fault, and contains the messages;
+- no process, lock or port remains.
 
-Which topics are spoilt or flooded comes from `config/topics.yaml`: all that nodes of the graph
-read. A time that was missed while the machine woke a sleeper {stalled:.2f} s or more too late says
-nothing of the graph: such a trial was done again, {tries} times at most, and the last one counts.
-Nothing else that is wrong is ever done again. {count} trials, of {wanted} that make {each} of each
-({codes}); {again} done again. Times are the longest.
+The topics for invalid messages and floods come from `config/topics.yaml`: all that nodes of the
+graph read. A late report or stop does not count against the graph if the machine paused for
+{stalled:.2f} s or more: the trial is repeated, at most {tries} times, and the last one counts. No
+other failure is repeated. {count} trials, of {wanted} for {each} of each kind ({codes}); {again}
+were repeated. Times are the longest of each kind.
 
-| fault | trials | then the flight | in /diagnostics after | on the terminal | motors turned \
-for | as stated |
+| fault | trials | the flight then | in /diagnostics after | on the terminal after | motors \
+turned for | as stated |
 |---|---|---|---|---|---|---|
 """
 PHASES: Final = """
 
-By the phase in which it struck, as stated of all:
+As stated, by the phase of the fault:
 
 """
 
@@ -97,7 +96,7 @@ def well(rows: list[Row]) -> str:
 
 def becomes(kind: Kind) -> str:
     """Return what becomes of a flight, in words."""
-    return 'ends in order' if kind.ends else 'goes on'
+    return 'shuts down in order' if kind.ends else 'continues'
 
 
 def lines(outcomes: dict[Case, Row]) -> Iterator[str]:
@@ -149,7 +148,7 @@ def paged(outcomes: dict[Case, Row], each: int) -> str:
         if row['wrong']
     ]
     told_ = '\n\nNot as stated:\n\n' + '\n'.join(wrong) if wrong else '\n\nAll were as stated.'
-    by_way = '\n\nBy how the graph was started, as stated of all:\n\n'
+    by_way = '\n\nAs stated, by the way to start the graph:\n\n'
     return (
         head + '\n'.join(lines(outcomes)) + by_way + '\n'.join(ways) + PHASES + '\n'.join(phases)
         + told_
@@ -158,7 +157,7 @@ def paged(outcomes: dict[Case, Row], each: int) -> str:
 
 def main() -> int:
     """Print the table and write the page; 1 where anything was not as stated."""
-    given = asked('Whole graphs in trouble.', list(KINDS), EACH, Path('runs') / 'chaos')
+    given = asked('Faults in whole graphs.', list(KINDS), EACH, Path('runs') / 'chaos')
     path = given.out / f'{code()}.jsonl'
     outcomes = campaign(turn_about(given.kinds, given.each), path, given.side, trial)
     status = told(list(lines(outcomes)), path, outcomes)

@@ -11,6 +11,7 @@ import time
 from typing import Any, Final
 from unittest.mock import patch
 
+import add_paths  # noqa: F401
 from command import Lta, processes
 from diagnostic_msgs.msg import DiagnosticArray
 from endless import endless
@@ -20,7 +21,6 @@ from lta_graph.ros.message_types import find_message_type
 from peer import Peer
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_srvs.srv import SetBool
-import tool_paths  # noqa: F401
 
 TABLE: Final = load_topic_table()
 ROBOT: Final = 'lta1'

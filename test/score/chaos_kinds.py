@@ -202,13 +202,13 @@ KINDS: Final = {
     'memory': Kind('out of memory', starved, ends=True),
     'exception': Kind('an exception', broken, ends=True),
     'full disk': Kind('a full disk', filled, ends=True),
-    'slow disk': Kind('a disk that stands still for 3 s', slowed, ways=PACED),
+    'slow disk': Kind('a disk that stalls for 3 s', slowed, ways=PACED),
     'light': Kind('the light board unplugged', unplugged, ways=('hardware',)),
     'radio': Kind('the radio lost', lost, ways=('hardware',)),
     'clock': Kind('a clock that jumps by an hour', jumped, ways=SIMULATED),
     'second': Kind('a second graph on the domain', doubled, ways=('realtime',), latest=5.0),
     'flood': Kind('a flood on an input', flooded),
-    'parameter': Kind('a parameter set to nonsense', nonsense, silent=True),
+    'parameter': Kind('an invalid parameter value', nonsense, silent=True),
     **{
         f'message {kind}': Kind(f'messages: {about}', malformed(kind))
         for kind, (about, _) in SPOILT.items()

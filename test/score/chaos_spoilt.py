@@ -72,7 +72,7 @@ SPOILT: Final[dict[str, tuple[str, Callable[[Any], Any]]]] = {
     'names': ('wrong names', lambda message: over_fields(message, named)),
     'stale': ('stamps 100 s old', lambda message: stamped(message, -AGE_NS)),
     'future': ('stamps 100 s ahead', lambda message: stamped(message, AGE_NS)),
-    'empty': ('nothing filled in', lambda message: type(message)()),
+    'empty': ('no content', lambda message: type(message)()),
 }
 
 

@@ -1,10 +1,11 @@
 """
-What the published Crazyflie flights say of battery sag: `make crazyflie`.
+Estimate battery sag from published Crazyflie flights: `make crazyflie`.
 
-A quadrotor has no righting moment, so a replay without its controller is lost within a second and
-the study's pieces of 6 s say nothing. The force along the body's axis, which the accelerometer
-feels, is held against the thrust curve instead: whether force per curve follows the voltage within
-a flight, with time beside it, and between flights. Seconds. Writes docs/discovery_flights.md.
+A quadrotor has no righting moment, so a replay without its controller diverges within a second,
+and pieces of 6 s give no result. Instead, the force along the body axis, which the accelerometer
+measures, is compared with the thrust curve: does the ratio follow the voltage within a flight,
+with a drift in time as a second regressor, and between flights? Takes seconds.
+Writes docs/discovery_flights.md.
 """
 
 import os
@@ -126,8 +127,8 @@ def main() -> None:
     paths = sorted(DATA.glob('*.csv.gz'))
     flights = [read(path, nominal.mass, a, b) for path in paths]
     text = [
-        '| flight | battery [V] | force by the curve | exponent of the voltage |'
-        ' with a drift in time beside it | correlation of voltage and duty |',
+        '| flight | battery [V] | force / thrust curve | exponent of the voltage |'
+        ' exponent with a drift in time | correlation of voltage and duty |',
         '|---|---|---|---|---|---|',
     ]
     for one in flights:

@@ -9,6 +9,7 @@ import os
 from pathlib import Path
 import time
 
+import add_paths  # noqa: F401
 from domain import free_domain
 from lta_emulation.crazyflie.body import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
@@ -16,7 +17,6 @@ from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_graph.ros.stamps import from_stamp
 import numpy as np
 from peer import Peer, start
-import tool_paths  # noqa: F401
 
 COUNT = 1000
 

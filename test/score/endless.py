@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Final
 
+import add_paths  # noqa: F401
 from command import ROOT
-import tool_paths  # noqa: F401
 
 ROUNDS: Final = 1000  # of three lanterns, half a minute each: more than a day takes
 ENDLESS: Final = '86400 s'  # the longest that a scenario takes

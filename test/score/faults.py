@@ -1,9 +1,9 @@
 """
 Faults in flight: `make faults ARGS='--side 4'`, about an hour on two idle cores.
 
-Each kind of `fault_kinds.py` and `light_kinds.py` so many times, at a random moment, side by side,
-each flight in a process of its own (`fault_trial.py`, `light_trial.py`). A campaign that was
-stopped goes on where it was, while bridge and kinds stay the same. Writes docs/hardware_faults.md.
+Flies each kind of `fault_kinds.py` and `light_kinds.py` several times, at random moments, in
+parallel, each flight in its own process (`fault_trial.py`, `light_trial.py`). A stopped campaign
+resumes if bridge and kinds are unchanged. Writes docs/hardware_faults.md.
 """
 
 from collections.abc import Iterator
@@ -22,33 +22,38 @@ HERE: Final = Path(__file__).resolve().parent
 PAGE: Final = HERE.parents[1] / 'docs/hardware_faults.md'
 HUNG: Final = 240.0  # s after which a flight hangs
 EACH: Final = 20
-HEAD: Final = (
-    '# Faults in flight\n\n'
-    '`make faults` wrote this page: each fault at random moments of flights, by '
-    'turns by duties (GT-MAB) and by setpoints (the multirotor), on an emulated Crazyflie under '
-    'the real bridge and recorder, over UDP and DDS in real time.\nA pilot climbs, cruises and '
-    'descends by turns and knows of nothing. The time is from the fault, or from the request to '
-    'disarm where the flight is to go on, to motors that stand.\nStated first, then the longest '
-    'that was seen; {slack:.0f} s more counts as stated, for a machine with other work. In every '
-    "flight the bag must open whole and hold the\nbridge's own word of the fault, and every "
-    'process must end.\n\nA time that was missed, or another word that was said, while the '
-    'machine woke a sleeper {stalled:.2f} s or more too late says nothing of the bridge: that '
-    'flight was flown again,\n{tries} times at most, and the last one counts, whatever became of '
-    'it. Nothing else that is wrong is ever flown again. {codes}, of the '
-    '{wanted} that make {each} of each;\n{again} flown again; in {stalls} of those that count the '
-    'machine stood still for so long.\n\n'
-    '| fault | what becomes of the flight | by duties | by setpoints | as stated |\n'
-    '|---|---|---|---|---|\n'
-)
-LIGHT_HEAD: Final = (
-    '\n## On the link of the light board\n\n'
-    'Nothing there turns a motor; a drone without light is brought down by whoever commands it. '
-    'No wrong light may be published, the loss must be told within {told:.1f} s and light must '
-    'come {again:.0f} s\nafter the cure ({slack:.0f} s more counts as stated), stamps must be '
-    "true, and the bridge's own counts of wrong and unknown frames must be those that were sent."
-    '\n\n'
-    '| fault | what becomes of the light | longest until told | as stated |\n|---|---|---|---|'
-)
+HEAD: Final = """\
+# Faults in flight
+
+`make faults` writes this page. It injects each fault at a random moment of a flight: by turns by
+duties (GT-MAB) and by setpoints (the multirotor), on an emulated Crazyflie with the real bridge
+and recorder, over UDP and DDS in real time. A pilot climbs, cruises and descends by turns and does
+not react to the fault.
+
+The table shows the time until the motors stop, counted from the fault, or from the request to
+disarm if the flight should continue. The first time is the stated limit, the second the longest
+that was measured. {slack:.0f} s above the limit still counts as stated, as the machine has other
+work. In every flight the bag must open completely and contain the bridge's message about the
+fault, and every process must end.
+
+A late stop or a different message does not count against the bridge if the machine paused for
+{stalled:.2f} s or more: the flight is repeated, at most {tries} times, and the last one counts. No
+other failure is repeated. {codes}, of the {wanted} for {each} of each kind; {again} were repeated;
+in {stalls} of the counted flights the machine paused for so long.
+
+| fault | outcome of the flight | by duties | by setpoints | as stated |
+|---|---|---|---|---|
+"""
+LIGHT_HEAD: Final = """
+## Link of the light board
+
+These faults turn no motor: without light, the pilot or navigator lands the drone. The bridge must
+not publish wrong light. It must report the loss within {told:.1f} s, and publish light again
+{again:.0f} s after the repair ({slack:.0f} s more counts as stated). Stamps must be correct, and
+the bridge's counts of wrong and unknown frames must equal the number that was sent.
+
+| fault | outcome of the light | longest time to the report | as stated |
+|---|---|---|---|"""
 ALL: Final = (*KINDS, *LIGHT_KINDS)
 NO_TIME: Final = {False: 'no motor turns', True: 'not flown'}
 
@@ -100,7 +105,7 @@ def light_rows(outcomes: dict[Case, Row]) -> Iterator[str]:
             continue
         times = [row['took'] for row in found if row['took'] is not None]
         longest = f'{max(times):.1f} s' if times and kind.word else ''
-        becomes = 'told, and back once cured' if kind.word else 'goes on'
+        becomes = 'reported, and back after the repair' if kind.word else 'continues'
         well = sum(not row['wrong'] for row in found)
         yield f'| {kind.about} | {becomes} | {longest} | {well} of {len(found)} |'
 
@@ -136,8 +141,8 @@ def paged(outcomes: dict[Case, Row]) -> str:
 def fate(kind: Kind) -> str:
     """Return what becomes of a flight, in words."""
     if not any(kind.stated):
-        return 'it is never armed'
-    return 'flies on, and lands when asked to' if kind.flies_on else kind.ends
+        return 'cannot be armed'
+    return 'flies on, and lands on request' if kind.flies_on else kind.ends
 
 
 def main() -> int:

@@ -8,7 +8,7 @@ from firmware_scenarios import BUILDS, SCENARIOS
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 
 COLOURS: Final = {'still': '#c9d1d9', 'idle': '#e69f00', 'turn': '#0072b2'}
-LEGEND: Final = {'turn': 'motors turn', 'idle': 'motors run idle', 'still': 'motors stand'}
+LEGEND: Final = {'turn': 'motors turn', 'idle': 'motors run idle', 'still': 'motors stopped'}
 LOCKED: Final = '#d55e00'
 LEFT, RIGHT, TOP = 330, 20, 46  # px
 SECOND, BAR, GAP = 62, 9, 9  # px

@@ -1,9 +1,9 @@
 """
-What goes wrong on the link of the light board, and how soon the bridge must say so.
+Faults on the link of the light board, and the time within which the bridge must report them.
 
-Nothing here turns a motor: a drone without light is brought down by whoever commands it
-(`test/integration/test_hardware_flight.py` pulls the cable in flight). What must be true is that
-no wrong light is published, that the loss is told, and that light comes again.
+No motor turns here: without light, the pilot or navigator lands the drone
+(`test/integration/test_hardware_flight.py` unplugs the cable in flight). The bridge must not
+publish wrong light, must report the loss, and must publish light again after the repair.
 """
 
 from collections.abc import Callable
@@ -12,11 +12,11 @@ from typing import Any, Final
 
 from lta_emulation.teensy.emulated_board import EmulatedBoard, FrameFaults
 
-EVERY: Final = 10  # frames of light, of which one is spoilt
-TOLD: Final = 1.5  # s: half a second of silence, and health is told each second
-AGAIN: Final = 3.0  # s: a second between two looks for a port, and its clock is learnt anew
+EVERY: Final = 10  # one of so many light frames is disturbed
+TOLD: Final = 1.5  # s: half a second of silence, and health is reported each second
+AGAIN: Final = 3.0  # s: a second between two port scans, and the clock is synchronised again
 SOUND: Final = FrameFaults()
-DRIFT: Final = 200e-6  # part by which its clock is too fast
+DRIFT: Final = 200e-6  # relative error of its clock, fast
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,17 +27,17 @@ class LightKind:
     Attributes
     ----------
     about : str
-        In the words of the table.
+        Label in the table.
     word : str
-        What the bridge says of it; empty where light goes on.
+        Part of the bridge's message; empty if the light continues.
     strike, cure : callable
-        Does it, and takes it away, to a `LightTrial`.
+        Inject the fault into a `LightTrial`, and remove it.
     spoilt : FrameFaults
-        What happens to frames meanwhile.
+        Disturbance of the frames meanwhile.
     figure : str
-        Which figure of the bridge counts just the frames that were spoilt; empty for none.
+        The bridge's counter of exactly the disturbed frames; empty for none.
     drift : float
-        Part by which the board's clock is too fast.
+        Relative error of the board's clock, fast.
 
     """
 
@@ -51,12 +51,12 @@ class LightKind:
 
 
 def hushed(silent: bool) -> Callable[[Any], None]:
-    """Return what lets the board say nothing, or speak again."""
+    """Return a function that silences the board, or ends the silence."""
     return lambda trial: setattr(trial.server, 'silent', silent)
 
 
 def another(**board: int) -> Callable[[Any], None]:
-    """Return what puts another board, or the same after a restart, on the cable."""
+    """Return a function that connects another board, or the same after a restart."""
 
     def strike(trial: Any) -> None:
         trial.server.board = EmulatedBoard(trial.server.now_ns, **board)
@@ -66,20 +66,20 @@ def another(**board: int) -> Callable[[Any], None]:
 
 LIGHT_KINDS: Final = {
     'light unplugged': LightKind(
-        'the cable is pulled, and put back', 'plug the light board in',
+        'cable unplugged and plugged in again', 'plug the light board in',
         lambda trial: trial.server.toggle_cable(), lambda trial: trial.server.toggle_cable(),
     ),
-    'light silent': LightKind('the board says nothing', 'silent for', hushed(True),
+    'light silent': LightKind('board sends nothing', 'silent for', hushed(True),
                               hushed(False)),
-    'light dialect': LightKind('a board of another dialect', 'uses version 2',
+    'light dialect': LightKind('board with another protocol dialect', 'uses version 2',
                                another(dialect=2), another()),
-    'light restart': LightKind('the board starts anew, its clock at 0', strike=another()),
-    'light drift': LightKind('its clock is 200 ppm fast', drift=DRIFT),
-    'light lost': LightKind('every tenth frame is lost', spoilt=FrameFaults(drop=EVERY)),
-    'light partial': LightKind('every tenth frame ends after a third',
+    'light restart': LightKind('board restarts, its clock at 0', strike=another()),
+    'light drift': LightKind('clock of the board 200 ppm fast', drift=DRIFT),
+    'light lost': LightKind('every tenth frame lost', spoilt=FrameFaults(drop=EVERY)),
+    'light partial': LightKind('every tenth frame truncated to a third',
                                spoilt=FrameFaults(cut=EVERY)),
-    'light CRC': LightKind('one bit of every tenth frame is wrong',
+    'light CRC': LightKind('one bit of every tenth frame flipped',
                            spoilt=FrameFaults(corrupt=EVERY), figure='crc_errors'),
-    'light foreign': LightKind('every tenth frame is followed by an unknown message',
+    'light foreign': LightKind('every tenth frame followed by an unknown message',
                                spoilt=FrameFaults(foreign=EVERY), figure='unknown'),
 }  # fmt: skip

@@ -6,11 +6,11 @@ from pathlib import Path
 import tempfile
 from typing import TypeVar
 
+import add_paths  # noqa: F401
 from domain import free_domain
 from machine import Lateness
 import peer as peers
 from peer import Peer, put_away
-import tool_paths  # noqa: F401
 
 peers.PATIENCE = 90.0  # s: a flight's nodes start beside those of others
 Found = TypeVar('Found', bound='Outcome')

@@ -2,10 +2,10 @@
 The real Crazyflie firmware under the bridge: `make real-firmware FIRMWARE=/path/to/sources`.
 
 Builds the firmware for Linux (firmware/crazyflie/linux) as it is sold, with arming required and
-with our app; plays every script of `firmware_scenarios.py` and keeps the outcomes, which hold the
-emulator, in test/golden/crazyflie_firmware.json; runs the suite for any Crazyflie against each
-build; flies each fault 20 times on each; writes docs/hardware_firmware.md. The faults take hours,
-and go on where they were stopped: `--steps record suite` leaves them out.
+with our app. Plays every script of `firmware_scenarios.py` and stores the outcomes in
+test/golden/crazyflie_firmware.json, with which a test compares the emulator. Runs the suite for
+any Crazyflie against each build, flies each fault 20 times on each, and writes
+docs/hardware_firmware.md. The faults take hours and resume; `--steps record suite` skips them.
 """
 
 import argparse
@@ -19,6 +19,7 @@ import subprocess
 import sys
 from typing import Any, Final
 
+import add_paths  # noqa: F401
 from campaign import campaign, Case, codes, Row, tried, turn_about
 from campaign import kept as flown
 from campaign import told as printed
@@ -30,7 +31,6 @@ from firmware_scenarios import APP, app_files, ARMING, BUILDS, SCENARIOS, SOLD
 from firmware_trial import IMPOSSIBLE
 from linux_crazyflie import build, commit_of, Process
 import lta_bridge
-import tool_paths  # noqa: F401
 
 HERE: Final = Path(__file__).resolve().parent
 ROOT: Final = HERE.parents[1]
@@ -97,7 +97,7 @@ def fault_rows(outcomes: dict[Case, Row]) -> Iterator[str]:
 
 def fate(kind: Kind) -> str:
     """Return what becomes of a flight, in words."""
-    return 'flies on, and lands when asked to' if kind.flies_on else kind.ends
+    return 'flies on, and lands on request' if kind.flies_on else kind.ends
 
 
 def ratio_rows(kept: dict[str, Any]) -> Iterator[str]:
@@ -141,15 +141,15 @@ def page(kept: dict[str, Any], suites: dict[str, Any], outcomes: dict[Case, Row]
     lines = [
         '# The real Crazyflie firmware',
         '',
-        '`make real-firmware FIRMWARE=/path/to/crazyflie-firmware` wrote this page. It compiles '
+        '`make real-firmware FIRMWARE=/path/to/crazyflie-firmware` writes this page. It compiles '
         "the firmware's own files for Linux",
         f'(commit `{kept["builds"][APP]["commit"]}`) in three builds: as sold, which arms itself; '
         'with `CONFIG_MOTORS_REQUIRE_ARMING=y` and nothing else; and with our app and',
         '`firmware/crazyflie/app-config`. Sensors, radio and processor are stubs: a body that '
         'rises and sinks, UDP, and POSIX threads of which one runs at a time.',
-        'Nothing here ran on a drone.',
+        'Nothing here ran on a real drone.',
         '',
-        '## The suite for any Crazyflie',
+        '## Test suite for any Crazyflie',
         '',
         f'`{SUITE}`, through cflib and the bridge:',
         '',
@@ -157,45 +157,47 @@ def page(kept: dict[str, Any], suites: dict[str, Any], outcomes: dict[Case, Row]
         '|---|---|---|',
         f'| {suite_cells} |',
         '',
-        'What is skipped: a build as sold arms itself, so that it is never unarmed and disarming '
-        'does not keep it disarmed; builds without the app take no duties.',
+        'Skipped: a build as sold arms itself, so it is never unarmed and does not stay disarmed; '
+        'builds without the app do not accept duties.',
         '',
         '## Duties',
         '',
-        'The PWM ratio that the compiled `motors.c` sets for a commanded duty. Our build passes '
-        'it on; a build as sold corrects it for the voltage, with the curve of its propellers.',
+        'The table shows the PWM ratio that the compiled `motors.c` sets for a commanded duty. '
+        'Our build passes the duty on. A build as sold corrects it for the voltage, with the '
+        'curve of its propellers.',
         '',
         f'| duty | our app: {volts} | as sold: {volts} |',
         '|---' * (1 + 2 * len(VOLTAGES)) + '|',
         *ratio_rows(kept),
         '',
-        '## What the supervisor does',
+        '## Behaviour of the supervisor',
         '',
-        '![When motors turn, run idle and stand in each script, by build]'
-        '(images/firmware_motors.svg)',
+        '![Motors turning, idle and stopped in each script, by build](images/firmware_motors.svg)',
         '',
-        'When the motors changed and what the word of the supervisor then was. A script arms at '
-        '0.2 s, flies from 0.4 s on, and mostly strikes at 1.5 s. *still*: the pins are low; '
-        '*idle*: all at the idle thrust.',
+        'The table shows when the motors changed, and the status word of the supervisor at that '
+        'time. A script arms at 0.2 s, flies from 0.4 s on, and in most cases injects its event '
+        'at 1.5 s. *turn*: motors turn; *still*: the pins are low; *idle*: all motors at the idle '
+        'thrust.',
         '',
         f'| script | {heads} |',
         '|---' * (1 + len(BUILDS)) + '|',
         *scenario_rows(kept),
         '',
-        'The emulator is held to this table (`test_firmware_contract.py`).',
+        'A test compares the emulator with this table (`test_firmware_contract.py`).',
         '',
         '## Faults in flight',
         '',
-        'As [on the emulated drone](hardware_faults.md): by duties with our app, by setpoints '
-        f'on the others. Stated time to motors that stand ({SLACK:.0f} s more counts as stated, '
-        'for a machine with other work), the longest that was seen, and how many went as stated.',
-        f'{wanted} of each are wanted; flown were {codes(outcomes)}, each a hash of bridge, app '
-        'and trial.',
-        'The 0.3 s after a bridge is killed hold for our app alone: other builds fly their last '
+        'These are the faults [of the emulated drone](hardware_faults.md), by duties with our app '
+        'and by setpoints on the other builds. Each cell has the stated time until the motors '
+        f'stop ({SLACK:.0f} s more counts as stated, as the machine has other work), the longest '
+        'measured time, and how many flights were as stated.',
+        f'The campaign plans {wanted} of each kind; flown were {codes(outcomes)}, each a hash of '
+        'bridge, app and trial.',
+        'The 0.3 s after a bridge is killed apply only to our app: other builds fly their last '
         'setpoint for 2 s and then lock.',
-        f'Left out, because this firmware cannot be made to do it: {left_out}.',
+        f'Left out, because this firmware cannot be forced into it: {left_out}.',
         '',
-        f'| fault | what becomes of the flight | {heads} |',
+        f'| fault | outcome of the flight | {heads} |',
         '|---' * (2 + len(BUILDS)) + '|',
         *fault_rows(outcomes),
         *(['', 'Not as stated:', '', *wrong] if wrong else []),

@@ -27,10 +27,10 @@ Array = NDArray[np.float64]
 FOLDS: Final = 5
 PAGE: Final = Path(__file__).resolve().parents[2] / 'docs' / 'discovery_flights.md'
 TUNE, NAMED, FREELY, ALL = (
-    'its tolerances tuned',
-    'named, carrying over',
-    'and all coefficients refitted',
-    'and everything else',
+    'tolerances tuned',
+    'named effects that transfer',
+    'plus all coefficients refitted',
+    'plus everything else',
 )
 EVEN: Final = 1.7  # how much more a place counts than an attitude, where all is fitted
 ROUNDS: Final = 20  # of the fit of everything
@@ -98,10 +98,10 @@ def scored(known: list[Flight], sight: ForecastFitter, fits: dict[str, Fit]) -> 
         said('a fold')
     times = [begun(flight) for flight in known]
     sets = {
-        'coast: body velocity and rates kept': (0, [by_coasting(f) for f in known]),
+        'coast: constant body velocity and rates': (0, [by_coasting(f) for f in known]),
         "authors' first-principles model": (0, _listed(errors['authors'])),
         **{name: (len(fit.which), _listed(errors[name])) for name, fit in fits.items()},
-        'floor: the other repeats': ('-', [by_repeats(known, f) for f in range(count)]),
+        'other repeats (noise floor)': ('-', [by_repeats(known, f) for f in range(count)]),
     }
     return [row(name, str(n), lefts, times) for name, (n, lefts) in sets.items()]
 
@@ -114,7 +114,7 @@ def _listed(errors: dict[int, Array]) -> list[Array]:
 def table(rows: Sequence[Row], which: str) -> list[str]:
     """Return a table of some pieces as Markdown."""
     out = [
-        '| model | parameters | place 3 / 5 s [m] | ratio | attitude 3 / 5 s [deg] | ratio |'
+        '| model | parameters | position 3 / 5 s [m] | ratio | attitude 3 / 5 s [deg] | ratio |'
         ' medians [m], [deg] |',
         '|---|---|---|---|---|---|---|',
     ]
@@ -156,7 +156,11 @@ def carried(
         if name in (NAMED, ALL)
     }
     ratios = {one.name: one.ratio for one in told[ALL]}
-    out += ['', '| regime left out | flights | named | everything |', '|---|---|---|---|']
+    out += [
+        '',
+        '| regime left out | flights | error ratio: named | everything |',
+        '|---|---|---|---|',
+    ]
     out += [
         f'| {o.name} | {o.flights} | {o.ratio:.2f} | {ratios[o.name]:.2f} |' for o in told[NAMED]
     ]
@@ -168,7 +172,10 @@ def _values(
     taught: ForecastFitter, which: Sequence[int], values: Array, covariance: Array
 ) -> list[str]:
     """Return the values of what was named."""
-    out = ['| knob | unit | change from the vehicle file | deviation |', '|---|---|---|---|']
+    out = [
+        '| parameter | unit | change from the vehicle file | standard deviation |',
+        '|---|---|---|---|',
+    ]
     for k, deviation in zip(which, np.sqrt(np.diag(covariance)), strict=True):
         knob = taught.knobs[k]
         out.append(f'| {knob.name} | {knob.unit} | {values[k]:.4g} | {deviation:.1g} |')
@@ -224,7 +231,7 @@ def main() -> None:
     for title, which in (
         ('All pieces', 'whole'),
         ('Transient: pieces that begin in the first 10 s', 'transient'),
-        ('Steady: later ones', 'steady'),
+        ('Steady: later pieces', 'steady'),
     ):
         text += [f'**{title}**', '', *table(rows, which), '']
     sys.stdout.write('\n'.join(text) + '\n')

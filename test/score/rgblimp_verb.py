@@ -1,7 +1,7 @@
 """
-Put what `lta discover` says of RGBlimp's flights into docs/discovery_flights.md.
+Write the results of `lta discover` on RGBlimp's flights into docs/discovery_flights.md.
 
-`python test/score/rgblimp_verb.py FOLDER`, which has the discovery.json of the command there.
+`python test/score/rgblimp_verb.py FOLDER`; the folder has the discovery.json of that command.
 """
 
 from collections.abc import Sequence
@@ -20,8 +20,8 @@ HORIZONS: Final = (2.0, 3.0, 5.0)  # s
 def gaps(told: dict[str, Any]) -> list[str]:
     """Return errors of forecasts as Markdown."""
     out = [
-        '| held out | ahead | before | tuned | named | everything refitted | coast |'
-        ' named by before | refitted by before |',
+        '| held out | horizon | before | tuned | named | everything refitted | coast |'
+        ' named / before | refitted / before |',
         f'|{"---|" * 9}',
     ]
     for channel, unit, factor, digits in (
@@ -55,7 +55,7 @@ def names(told: dict[str, Any]) -> list[str]:
 def regimes(told: dict[str, Any]) -> list[str]:
     """Return regimes left out as Markdown."""
     known = (told['carried'] or {'regimes': []})['regimes']
-    out = ['| regime left out | flights | error by that of the vehicle file |', '|---|---|---|']
+    out = ['| regime left out | flights | error ratio to the vehicle file |', '|---|---|---|']
     return out + [f'| {one["name"]} | {one["flights"]} | {one["ratio"]:.2f} |' for one in known]
 
 

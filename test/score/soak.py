@@ -1,10 +1,9 @@
 """
-A long flight at the graph's full speed: `make soak` (two hours; ARGS='--minutes 5' for less).
+Fly for a long time at the graph's full speed: `make soak` (2 hours; less: ARGS='--minutes 5').
 
-One flight in lockstep that does not end, from lantern to lantern and round again, started as a
-user starts it. Memory of every process all the while, the way of a step through the graph at the
-beginning and at the end, and in the bag every message of each topic that has a period. Writes its
-part of docs/reliability.md.
+Starts one endless flight in lockstep from lantern to lantern, as a user starts it. Checks the
+memory of every process, the latency of a step at the beginning and at the end, and every message
+in the bag of each topic with a period. Writes its part of docs/reliability.md.
 """
 
 import argparse
@@ -16,6 +15,7 @@ import tempfile
 import time
 from typing import Final, NamedTuple
 
+import add_paths  # noqa: F401
 from command import Lta, Started
 from domain import free_domain
 from endless import endless
@@ -30,7 +30,6 @@ from reliability import put
 from rich.progress import Progress
 from soak_latency import latency
 from soak_memory import LEAK, resident, Slope, slope_of
-import tool_paths  # noqa: F401
 
 TABLE: Final = load_topic_table()
 ROBOT: Final = 'lta1'
@@ -57,27 +56,29 @@ HEAD: Final = """\
 
 `make soak` flew {minutes:.0f} minutes of wall time in lockstep, as fast as the graph answers:
 {flown:.0f} s of flight, {pace:.1f} times real time, {steps} control steps, from lantern to lantern
-of `warehouse_patrol` with a battery that does not run out; {legs} hand-overs were seen. {short}
+of `warehouse_patrol`, with a battery that does not run out and {legs} hand-overs. {short}
 
-| process | memory of its own | slope, 95 % | flat: may be below {leak:.0f} MB/h |
+| process | private memory | slope, 95 % | flat: slope may be below {leak:.0f} MB/h |
 |---|---|---|---|
 {memory}
 
-The way of a step through the graph, from `imu` to the `motors` that answer it, by the times at
-which they were written; {begin} steps at the beginning and {end} at the end. The same piece of
-work, of a process beside the graph, took the machine {slowness:.2f} times as long at the end.
+The latency of a step is the time from `imu` to the `motors` that answer it, by their log times:
+{begin} steps at the beginning and {end} at the end. The same work in a process outside the graph
+took {slowness:.2f} times as long at the end.
 
-| of the steps | took at the beginning | at the end | ratio | below {slower} |
+| steps | latency at the beginning | at the end | ratio | below {slower} |
 |---|---|---|---|---|
 {ways}
 
 {drift}
 """
-SHORT: Final = 'A whole soak is {minutes:.0f} minutes: this one says little of slow leaks.'
+SHORT: Final = (
+    'A complete soak takes {minutes:.0f} minutes: this one is too short to detect slow leaks.'
+)
 WELL: Final = (
-    'The bag ({size:.1f} GB) holds all {topics} topics that have a period: those with a stamp one '
-    'period after the last\nfrom start to end, those without as often as what they answer; and no '
-    'node misses anything: no time\ndrifted and no message was lost.'
+    'The bag ({size:.1f} GB) has every message of all {topics} topics with a period: stamped\n'
+    'messages one period apart from start to end, others as often as the messages that they\n'
+    'answer. No time drifted, and no node reports a lost message.'
 )
 
 
@@ -160,7 +161,7 @@ def faults(listener: DiagnosticsListener) -> list[str]:
 
 
 def table(begin: NDArray[np.float64], end: NDArray[np.float64]) -> list[str]:
-    """Return the lines of the table of the way of a step."""
+    """Return the lines of the table of step latencies."""
     rows = []
     for part in PERCENTILES:
         first, last = (1e3 * float(np.percentile(each, part)) for each in (begin, end))
@@ -246,7 +247,7 @@ def paged(seen: Soaked, minutes: float) -> str:
         legs=seen.legs,
         slowness=seen.slowness,
         ways='\n'.join(table(seen.begin, seen.end)),
-        drift=f'Not as it should be: {"; ".join(seen.wrong)}.'
+        drift=f'Not as required: {"; ".join(seen.wrong)}.'
         if seen.wrong
         else WELL.format(topics=len(PERIODIC), size=seen.size),
     )

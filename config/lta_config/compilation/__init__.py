@@ -1,1 +1,1 @@
-"""Plain functions compiled by numba and kept on disk."""
+"""Compile plain Python functions with numba, and cache them by their source."""

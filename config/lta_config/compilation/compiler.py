@@ -1,9 +1,9 @@
 """
-Compile plain functions of numbers, tuples and arrays, kept on disk by the content of their source.
+Compile plain functions of numbers, tuples and arrays, cached on disk by their source.
 
-As with the kernel (`kernel_cache`), the text of a function and of all that it uses names the
-folder, so that no edit can leave old code behind. Nothing is reordered or fused: compiled, a
-function gives what it gives as plain Python, on every processor.
+The text of a function and of everything it uses gives the name of the cache folder (see
+`kernel_cache`), so an edit never runs stale code. Operations are not reordered or fused: compiled
+and plain functions return the same bits on every processor.
 """
 
 from collections.abc import Callable
@@ -24,8 +24,9 @@ from numba import njit
 '''
 
 
-# What only compiled code calls needs no way in from Python, which takes long to compile.
-# Nothing is reordered and a division by zero gives inf: all forms agree to the bit.
+# Functions called only from compiled code need no Python wrapper, which is slow to compile.
+# Without fastmath nothing is reordered, and error_model='numpy' makes 1/0 inf instead of an
+# exception: all forms agree to the bit
 OWN = "error_model='numpy', fastmath=False, no_cpython_wrapper=True, no_cfunc_wrapper=True"
 INLINE = f'@njit({OWN})'
 ENTRY = "@njit(error_model='numpy', fastmath=False, cache=True)"
@@ -34,12 +35,12 @@ ENTRY = "@njit(error_model='numpy', fastmath=False, cache=True)"
 @cache
 def compile_functions(*functions: Callable[..., Any]) -> tuple[Callable[..., Any], ...]:
     """
-    Return the functions compiled; each compiles at its first call, unless it is kept on disk.
+    Return compiled versions; each compiles on its first call unless it is cached on disk.
 
     Parameters
     ----------
     *functions : callable
-        Plain functions at the top of their modules, which use `math`, numbers and such functions.
+        Top-level functions that use only `math`, numbers and other such functions.
 
     Raises
     ------
@@ -48,6 +49,7 @@ def compile_functions(*functions: Callable[..., Any]) -> tuple[Callable[..., Any
 
     """
     extract = SourceExtract()
+    # The module's name as a prefix keeps equal names of different modules apart
     names = [
         extract.add_function(function, function.__module__.rsplit('.', 1)[-1])
         for function in functions

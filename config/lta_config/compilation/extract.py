@@ -1,5 +1,5 @@
 """
-Take the source of plain functions, with all that they use, out of their modules.
+Extract the source of plain functions, with everything they use, from their modules.
 
 The text is what gets compiled and what the cache is keyed by, so that neither an edit of a
 function nor of anything that it calls, in whichever file, can leave old physics behind.
@@ -32,7 +32,8 @@ REPLACE = '_replace'
 
 @cache
 def _parse_definitions(path: Path, changed_ns: int, size: int) -> dict[str, ast.FunctionDef]:
-    """Return the functions at the top of a file as it stood at that time, bare."""
+    """Return the top-level functions of a file, without annotations."""
+    # Time and size are only keys of the cache: an edited file is parsed again
     tree = ast.parse(path.read_text(encoding='utf-8'))
     return {
         node.name: _strip_annotations(node)
@@ -42,7 +43,7 @@ def _parse_definitions(path: Path, changed_ns: int, size: int) -> dict[str, ast.
 
 
 def _strip_annotations(node: ast.FunctionDef) -> ast.FunctionDef:
-    """Return the function without annotations and decorators, which mean nothing compiled."""
+    """Return the function without annotations and decorators, which compiling ignores."""
     node.decorator_list, node.returns = [], None
     kinds = {}
     for argument in [*node.args.args, *node.args.posonlyargs, *node.args.kwonlyargs]:
@@ -79,7 +80,7 @@ def _is_named_tuple(value: object) -> TypeGuard[type[Any]]:
 
 
 def _is_literal(value: object) -> bool:
-    """Return whether a value is a number or a tuple of such."""
+    """Return whether a value is a number or a nested tuple of numbers."""
     if isinstance(value, tuple):
         return all(_is_literal(item) for item in value)
     return isinstance(value, bool | int | float)
@@ -143,7 +144,7 @@ def _is_marked(call: ast.Call) -> bool:
 
 
 class _FunctionSource(NamedTuple):
-    """Where a function is defined: its file as it stood at that time, and its name."""
+    """Where a function is defined: its name, its file and the file's state."""
 
     path: Path
     changed_ns: int
@@ -152,7 +153,7 @@ class _FunctionSource(NamedTuple):
 
     @property
     def node(self) -> ast.FunctionDef:
-        """Return its syntax tree, which is shared."""
+        """The function's syntax tree, which is shared."""
         return _parse_definitions(self.path, self.changed_ns, self.size)[self.name]
 
 
@@ -163,16 +164,14 @@ def _locate_source(function: FunctionType) -> _FunctionSource:
     source = _FunctionSource(path, file.st_mtime_ns, file.st_size, function.__qualname__)
     if source.name in _parse_definitions(path, file.st_mtime_ns, file.st_size):
         return source
-    raise BadInput(
-        f'No function {function.__name__} stands at the top of {path}; define it there.'
-    )
+    raise BadInput(f'{function.__name__} is not at the top level of {path}; define it there.')
 
 
 @cache
 def _list_globals(source: _FunctionSource, variables: tuple[str, ...]) -> list[str]:
-    """Return the names that a function with these variables takes from elsewhere, in order."""
+    """Return the sorted names that a function with these variables takes from its module."""
     names = [item for item in ast.walk(source.node) if isinstance(item, ast.Name)]
-    # What a comprehension binds is in no list of the function's own variables.
+    # Variables of a comprehension are not in co_varnames
     bound = {item.id for item in names if isinstance(item.ctx, ast.Store)}
     return sorted({item.id for item in names} - bound - {*variables, REPLACE})
 
@@ -225,16 +224,16 @@ class SourceExtract:
 
     def add_function(self, function: Callable[..., Any], prefix: str) -> str:
         """
-        Take a function and all that it uses; return its name in the text.
+        Add a function and everything it uses; return its name in the text.
 
         Raises
         ------
         BadInput
-            If it uses something other than `math`, numbers and plain functions.
+            If it uses anything but `math`, numbers and plain functions.
 
         """
         if not isinstance(function, FunctionType):
-            raise BadInput(f'{function!r} of {prefix} is no plain function; write it with def.')
+            raise BadInput(f'{function!r} of {prefix} is not a plain function; write it with def.')
         own = f'{prefix}_{function.__name__}'
         source = _locate_source(function)
         names, attributes, fields = {}, {}, {}
@@ -266,13 +265,15 @@ class SourceExtract:
         raise BadInput(f'{name}.{attribute} is {value!r}, which cannot be compiled.')
 
     def _add_global(self, function: FunctionType, name: str, prefix: str) -> str:
-        """Return what a global is called in the text, having taken it along."""
+        """Add a global and return its name in the text."""
         value = function.__globals__.get(name, getattr(builtins, name, None))
         own = f'{prefix}_{name}'
+        # `math` and builtins such as min exist in compiled code under their own names
         if value is math or value is getattr(builtins, name, math):
             return name
         if isinstance(value, FunctionType):
             return self.add_function(value, prefix)
+        # A function imported by `from math import ...`
         if getattr(math, getattr(value, '__name__', ''), None) is value:
             return f'math.{value.__name__}'  # type: ignore[union-attr]
         if _is_named_tuple(value):
@@ -290,19 +291,19 @@ class SourceExtract:
         )
 
     def _add_piece(self, own: str, piece: str) -> str:
-        """Keep a piece under its name; two different ones cannot share it."""
+        """Store a piece under its name; two different pieces cannot share a name."""
         if self._pieces.setdefault(own, piece) != piece:
             raise BadInput(f'Two different things are called {own} in the kernel; rename one.')
         return own
 
     def has_text(self, prefix: str, text: str) -> bool:
-        """Tell whether a text stands in the pieces of one prefix."""
+        """Return whether a text occurs in the pieces of one prefix."""
         return any(
             text in piece for own, piece in self._pieces.items() if own.startswith(f'{prefix}_')
         )
 
     def render(self, decorator: str, entry: str = '', entries: Collection[str] = ()) -> str:
-        """Return all pieces, the functions under `decorator`, some under `entry` instead."""
+        """Return all pieces, the functions with `decorator`, those in `entries` with `entry`."""
         return '\n\n\n'.join(
             f'{entry if own in entries else decorator}\n{piece}'
             if piece.startswith('def ')

@@ -1,10 +1,9 @@
 """
-Compile a core that takes and gives nested named tuples, and call it with flat arrays.
+Compile a core that uses nested named tuples, and call it with flat arrays.
 
-Handing a named tuple to compiled code or back costs some 0.1 us a number, more than the arithmetic
-on it. So the text that is compiled gets an entry that reads the tuples out of float64 arrays and
-writes the new memory back. As with the kernel, the text is taken from the sources with all that
-they use, and its hash is what it is kept under: an edit never runs stale.
+Passing named tuples to and from compiled code costs about 0.1 us per number, more than the
+arithmetic on it. So the compiled text gets an entry that reads the tuples from float64 arrays and
+writes the new memory back. The text is extracted from the sources, and its hash is the cache key.
 """
 
 from collections.abc import Callable, Iterator
@@ -33,7 +32,7 @@ from numba import njit
 
 
 def settings_to_tuples(value: Any) -> Any:  # noqa: ANN401 - any nest of numbers
-    """Return nested tuples with settings in them made named tuples as well."""
+    """Return nested tuples with all settings converted to named tuples."""
     if isinstance(value, BaseModel):
         return to_named_tuple(value)
     if hasattr(value, '_fields'):
@@ -44,12 +43,12 @@ def settings_to_tuples(value: Any) -> Any:  # noqa: ANN401 - any nest of numbers
 @final
 class TupleLayout(Generic[Nested]):
     """
-    Where each number of a nest of tuples stands in an array.
+    The position of each number of nested tuples in an array.
 
     Parameters
     ----------
     example : tuple
-        Any value: bools, ints, floats and tuples of such, named or not.
+        Any value: bools, ints, floats and tuples of these, named or not.
 
     """
 
@@ -58,16 +57,17 @@ class TupleLayout(Generic[Nested]):
         self.paths = tuple(_iterate_paths(self._example))
         self.size = len(self.paths)
         text = self.render_expression('n')
+        # Names and types decide equality, since compiled code depends on both
         self._form = f'{text} {self.tuple_fields()}'
-        # Written out, as a named tuple's own constructor is: three times as fast as a walk.
+        # Generated code, as in a named tuple's own constructor: three times as fast as recursion
         self._made = eval(f'lambda n: {text}', dict(_iterate_types(self._example)))
 
     def __eq__(self, other: object) -> bool:
-        """Return whether another stands for the same names and kinds of numbers."""
+        """Return whether another layout has the same names and types."""
         return isinstance(other, TupleLayout) and self._form == other._form
 
     def __hash__(self) -> int:
-        """Return what goes with equality."""
+        """Return a hash consistent with equality."""
         return hash(self._form)
 
     def write(self, value: Nested) -> Array:
@@ -75,11 +75,12 @@ class TupleLayout(Generic[Nested]):
         return np.array(list(_iterate_numbers(settings_to_tuples(value))), dtype=np.float64)
 
     def read(self, array: Array) -> Nested:
-        """Return the value that an array, shape (n,), holds."""
+        """Return the value that an array of shape (n,) holds."""
+        # Indexing a list is faster than indexing a numpy array
         return cast('Nested', self._made(array.tolist()))
 
     def slice_of(self, path: str) -> slice:
-        """Return where a part stands, `estimate.attitude` for example."""
+        """Return the slice of a part, such as `estimate.attitude`."""
         inside = [
             index
             for index, own in enumerate(self.paths)
@@ -90,11 +91,11 @@ class TupleLayout(Generic[Nested]):
         return slice(inside[0], inside[-1] + 1)
 
     def tuple_fields(self) -> dict[str, tuple[str, ...]]:
-        """Return the fields of each named tuple in it."""
+        """Return the fields of each named tuple by its name."""
         return dict(_iterate_fields(self._example))
 
     def render_expression(self, array: str) -> str:
-        """Return the source that makes the nest from an array."""
+        """Return the source of an expression that builds the nested tuples from an array."""
         return _render_expression(
             self._example, (f'{array}[{index}]' for index in range(self.size))
         )
@@ -140,6 +141,7 @@ def _render_expression(value: Any, numbers: Iterator[str]) -> str:  # noqa: ANN4
         kind = f'{PREFIX}_{type(value).__name__}' if hasattr(value, '_fields') else ''
         return f'{kind}({items})'
     number = next(numbers)
+    # Before int, because bool is a subclass of it
     if isinstance(value, bool):
         return f'({number} != 0.0)'
     return f'int({number})' if isinstance(value, int) else number
@@ -157,21 +159,21 @@ def render_core(
     Parameters
     ----------
     core : callable
-        `core(constants, memory, heard, scratch) -> memory`, plain functions all the way down.
-    constants, memory, heard : Layout
-        Of its arguments.
+        `core(constants, memory, inputs, scratch) -> memory`; uses plain functions only.
+    constants, memory, inputs : TupleLayout
+        Layouts of its arguments.
 
     Returns
     -------
     str
-        A module whose `step(constants, memory, heard, scratch)` writes the new memory over the
-        old.
+        A module whose `step(constants, memory, inputs, scratch)` overwrites the memory.
 
     """
     extract = SourceExtract()
     name = extract.add_function(core, PREFIX)
     text = extract.render(INLINE)
     kinds = constants.tuple_fields() | memory.tuple_fields() | inputs.tuple_fields()
+    # Tuples that the core only receives are not in its own text
     missing = [
         f'{PREFIX}_{kind} = namedtuple({kind!r}, {fields!r})'
         for kind, fields in kinds.items()
@@ -196,6 +198,6 @@ def compile_core(
     memory: TupleLayout[Any],
     inputs: TupleLayout[Any],
 ) -> Callable[[Array, Array, Array, Array], None]:
-    """Return the entry of `render_core`, compiled on its first call or found in the cache."""
+    """Return the entry of `render_core`, compiled on its first call or loaded from the cache."""
     module = load_kernel(render_core(core, constants, memory, inputs))
     return cast('Callable[[Array, Array, Array, Array], None]', module.step)

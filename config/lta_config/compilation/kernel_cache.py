@@ -1,9 +1,9 @@
 """
-Keep compiled kernels on disk, each in a folder named by the hash of its source.
+Cache compiled kernels on disk, each in a folder named by the hash of its source.
 
-numba's own cache looks at one file only: it does not see an edit in a file that the kernel
-imports. Here the kernel is one self-contained text and its hash is the name of its folder, so that
-a compiled kernel is found again exactly when every line of it is the same.
+numba's own cache checks one file only and misses an edit in a module that the kernel imports. Here
+a kernel is one self-contained text and its hash names the folder, so a compiled kernel is reused
+only if every line is the same.
 """
 
 import atexit
@@ -18,29 +18,31 @@ import sys
 import tempfile
 from types import ModuleType
 
-# One time for all writers, since numba takes another time for another source.
+# Modification time of all kernels [s]: numba takes a changed time for a changed source
 EPOCH = 1_000_000_000
 
 
 def cache_root() -> Path:
-    """Return the folder of all kernels, as the XDG base directory specification says."""
+    """Return the folder of all kernels, by the XDG base directory specification."""
     base = os.environ.get('XDG_CACHE_HOME') or str(Path.home() / '.cache')
     return Path(base) / 'lta' / 'kernels'
 
 
 def kernel_folder(source: str, root: Path) -> Path:
     """Return the folder of a kernel, named by its text."""
+    # 64 bits of the hash are enough to tell kernels apart
     return root / hashlib.sha256(source.encode()).hexdigest()[:16]
 
 
 def is_cached(source: str, root: Path | None = None) -> bool:
-    """Tell whether anything of a kernel is on disk compiled; to compile it takes long."""
+    """Return whether a compiled kernel is on disk; compiling it takes long."""
+    # numba writes an index .nbi for each compiled function
     return any(kernel_folder(source, root or cache_root()).glob('__pycache__/*.nbi'))
 
 
 def store_kernel(source: str, root: Path) -> Path:
     """
-    Put a kernel into its folder unless it is there, safely among concurrent processes.
+    Write a kernel to its folder unless it is there, safely with concurrent processes.
 
     Parameters
     ----------
@@ -57,7 +59,7 @@ def store_kernel(source: str, root: Path) -> Path:
     Raises
     ------
     OSError
-        If the folder cannot be written, which numba must do as well.
+        If the folder is not writable; numba writes there too.
 
     """
     folder = kernel_folder(source, root)
@@ -71,25 +73,26 @@ def store_kernel(source: str, root: Path) -> Path:
         file.write(source)
     temporary = Path(file.name)
     os.utime(temporary, (EPOCH, EPOCH))
+    # Atomic: another process sees the whole file or none
     temporary.replace(path)
     return path
 
 
 def load_kernel(source: str, root: Path | None = None) -> ModuleType:
     """
-    Return a kernel as a module; a temporary folder serves where the cache cannot be written.
+    Return a kernel as a module; use a temporary folder if the cache is not writable.
 
     Parameters
     ----------
     source : str
         Text of the kernel.
     root : Path, optional
-        Folder of all kernels; `cache_root()` if not given.
+        Folder of all kernels; `cache_root()` by default.
 
     Returns
     -------
     module
-        The kernel, compiled on the first call of each of its functions.
+        The kernel; its functions compile on their first calls.
 
     """
     try:
@@ -103,7 +106,7 @@ def load_kernel(source: str, root: Path | None = None) -> ModuleType:
     assert specification is not None
     assert specification.loader is not None
     module = importlib.util.module_from_spec(specification)
-    # numba finds the functions of a cached kernel by the name of their module.
+    # numba looks up the functions of a cached kernel by the name of their module
     sys.modules[name] = module
     specification.loader.exec_module(module)
     _compile_without_collecting()
@@ -113,16 +116,15 @@ def load_kernel(source: str, root: Path | None = None) -> ModuleType:
 @cache
 def _compile_without_collecting() -> None:
     """
-    Stop Python's garbage collector while numba compiles.
+    Disable Python's garbage collector while numba compiles.
 
-    It would look again and again through what numba builds, of which little is garbage: that took
-    an eighth of the time.
+    It would scan numba's many live objects again and again, which took an eighth of the time.
     """
     from numba.core import event
 
     class Compiling(event.Listener):
         def __init__(self) -> None:
-            self._depth = 0  # a function compiles those that it calls
+            self._depth = 0  # compiling a function compiles those that it calls
             self._collects = False
 
         def on_start(self, event: event.Event) -> None:
@@ -136,4 +138,5 @@ def _compile_without_collecting() -> None:
             if self._depth == 0 and self._collects:
                 gc.enable()
 
+    # numba emits this event at the start and end of each compilation
     event.register('numba:compile', Compiling())  # type: ignore[no-untyped-call]

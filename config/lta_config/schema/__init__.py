@@ -1,1 +1,1 @@
-"""What may stand in each kind of file, as pydantic models."""
+"""The contents of each kind of file, as pydantic models."""

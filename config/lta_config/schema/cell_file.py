@@ -1,8 +1,8 @@
 """
-The cell file: one solar panel as it is sold, with what its data sheet says at standard conditions.
+The cell file: a commercial solar panel with its data-sheet values at standard conditions.
 
-Standard conditions are 1000 W/m2 of sunlight (AM 1.5) and cells at 25 degC. `lta_energy` derives
-the single-diode model from these numbers.
+Standard conditions are 1000 W/m2 of sunlight (AM 1.5) and a cell temperature of 25 degC.
+`lta_energy` derives the single-diode model from these numbers.
 """
 
 from functools import cache
@@ -19,11 +19,11 @@ Drift = Annotated[Quantity, si_quantity('1/K', low=-0.1, high=0.1, sourced=True)
 
 class CellRatings(StrictModel):
     """
-    The data sheet at standard conditions.
+    Data-sheet values at standard conditions.
 
-    `ideality` is that of one junction, of which `junctions` are in series; `gap` is the width of
-    its band gap, from which follows what warmth costs; `warming` is how much warmer than the air
-    the cells are per irradiance.
+    `ideality` is that of one junction, of which `junctions` are in series. `gap` is its band gap,
+    which gives the temperature dependence. `warming` is the temperature of the cells above the air
+    per irradiance.
     """
 
     open_circuit: Volts
@@ -38,6 +38,7 @@ class CellRatings(StrictModel):
 
     @model_validator(mode='after')
     def _check_power_point(self) -> 'CellRatings':
+        # The maximum power point lies below both ends of the current-voltage curve
         if not self.voltage.si < self.open_circuit.si:
             raise ValueError('has its maximum power at or above the open-circuit voltage')
         if not self.current.si < self.short_circuit.si:
@@ -46,7 +47,7 @@ class CellRatings(StrictModel):
 
 
 class CellFile(StrictModel):
-    """A whole cell file."""
+    """A cell file."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
     name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
@@ -58,7 +59,7 @@ class CellFile(StrictModel):
 
     @property
     def area(self) -> float:
-        """Of its face, by the outer size. [m2]."""
+        """Area of the face, from the outer size. [m2]."""
         length, width, _ = self.size.vector
         return length * width
 
@@ -70,5 +71,5 @@ class CellFile(StrictModel):
 
 @cache
 def load_cell_file(name: str) -> CellFile:
-    """Return a cell file by shipped name or path; anything wrong is a `BadInput` sentence."""
+    """Return a cell file by shipped name or path; raise `BadInput` if it is invalid."""
     return load_file(CellFile, find_file('cell', name))

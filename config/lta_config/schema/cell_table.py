@@ -1,4 +1,4 @@
-"""The table of solar cells that somebody measured, as printed, and the arrays built of them."""
+"""A published table of measured solar cells, as printed, and the arrays built from them."""
 
 from collections.abc import Mapping
 from typing import Annotated, Literal
@@ -14,7 +14,7 @@ Sign = Literal['deficit', 'surplus']
 
 
 class CellTableRow(StrictModel):
-    """One row as printed; `cells` are the files that it can be read as, one reading each."""
+    """One row as printed; each entry of `cells` is a cell file that it may refer to."""
 
     maker: str
     model: str
@@ -22,6 +22,7 @@ class CellTableRow(StrictModel):
     dimensions: str
     mass: Mass
     areal_mass: Annotated[Quantity, si_quantity('kg/m2', above=0.0, sourced=True)]
+    # Time to charge the same depleted supercapacitor from 0 to 4 V; only ratios are meaningful
     charge: Annotated[Quantity, si_quantity('s', above=0.0, sourced=True)]
     areal_charge: Annotated[Quantity, si_quantity('s/m2', above=0.0, sourced=True)]
     defects: list[str]
@@ -41,14 +42,14 @@ class PrintedArray(StrictModel):
 
 
 class PrintedArrays(StrictModel):
-    """Arrays that were built, and in how much light they were tried."""
+    """The arrays that were built, and the illuminance of their test."""
 
     illuminance: Annotated[Quantity, si_quantity('lx', above=0.0, sourced=True)]
     built: Mapping[Name, PrintedArray]
 
 
 class CellTable(StrictModel):
-    """A whole table of cells; `lights` are kinds of light by their lux per W/m2."""
+    """A table of cells; `lights` are kinds of light by their luminous efficacy."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
     name: Name
@@ -62,5 +63,5 @@ class CellTable(StrictModel):
 
 
 def load_cell_table(name: str) -> CellTable:
-    """Return a table by shipped name or path; anything wrong is a `BadInput` sentence."""
+    """Return a table by shipped name or path; raise `BadInput` if it is invalid."""
     return load_file(CellTable, find_file('cell table', name))

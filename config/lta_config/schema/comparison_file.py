@@ -1,7 +1,7 @@
 """
-The comparison file: who flies which manoeuvres, and what is changed to see why.
+The comparison file: the platforms, their manoeuvres, and ablations that explain differences.
 
-Every entry names a vehicle or another entry, and what is different; nothing else differs.
+Each entry names a vehicle or another entry, and the only differences from it.
 """
 
 from typing import Annotated, Any, Literal, Self
@@ -11,18 +11,18 @@ from lta_config.quantity import Quantity, si_quantity
 from pydantic import AliasChoices, Field, model_validator
 
 Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
-SPEEDS = 40  # at most
+SPEEDS = 40  # limit for one ladder, each speed being a flight
 
 
 class BlockSubstitution(StrictModel):
-    """Blocks of another vehicle's file, taken instead of the vehicle's own."""
+    """Blocks that replace the vehicle's own, from another vehicle's file."""
 
     vehicle: str
     blocks: Annotated[list[Literal['rotors', 'aero', 'thrust_curve']], Field(min_length=1)]
 
 
 class EntryChange(StrictModel):
-    """What an entry does otherwise: parameters by path, law and gains, blocks; and why."""
+    """The differences of an entry: parameters by path, law, gains and blocks, with the reason."""
 
     changes: Annotated[
         dict[str, Any], Field(default_factory=dict, validation_alias=AliasChoices('set'))
@@ -34,7 +34,7 @@ class EntryChange(StrictModel):
 
 
 class Contestant(EntryChange):
-    """One that flies: a vehicle, where it is released if not from the floor, and what it flies."""
+    """A platform: its vehicle, its manoeuvres, and its release height if it does not take off."""
 
     vehicle: str
     title: str
@@ -43,14 +43,14 @@ class Contestant(EntryChange):
 
 
 class Ablation(EntryChange):
-    """A contestant with one thing changed."""
+    """A contestant with one change."""
 
     of: str
     manoeuvres: Annotated[list[str], Field(min_length=1)]
 
 
 class SpeedLadder(EntryChange):
-    """A contestant asked for one speed after the other."""
+    """A contestant at increasing speeds."""
 
     of: str
     manoeuvre: str
@@ -58,7 +58,7 @@ class SpeedLadder(EntryChange):
 
 
 class ComparisonFile(StrictModel):
-    """A whole comparison file."""
+    """A comparison file."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
     name: Name
@@ -77,11 +77,12 @@ class ComparisonFile(StrictModel):
                 if entry.of not in self.contestants:
                     known = ', '.join(self.contestants)
                     raise ValueError(
-                        f'has the {kind} {name} of {entry.of}, which is no contestant; known: '
+                        f'has the {kind} {name} of {entry.of}, which is not a contestant; known: '
                         f'{known}'
                     )
         for name, limit in self.limits.items():
             speeds = limit.speeds
+            # The set also rejects repeated speeds
             rising = list(speeds.vector) == sorted(set(speeds.vector))
             if speeds.dimension != 'm/s' or not rising or len(speeds.vector) > SPEEDS:
                 raise ValueError(
@@ -92,5 +93,5 @@ class ComparisonFile(StrictModel):
 
 
 def load_comparison(name: str) -> ComparisonFile:
-    """Return a comparison by shipped name or path; anything wrong is a `BadInput` sentence."""
+    """Return a comparison by shipped name or path; raise `BadInput` if it is invalid."""
     return load_file(ComparisonFile, find_file('comparison', name))

@@ -1,4 +1,4 @@
-"""The Crazyflie file: how the Crazyflie aboard a vehicle is commanded, wired, set and limited."""
+"""The Crazyflie file: command mode, wiring, parameters and limits of a vehicle's Crazyflie."""
 
 from collections.abc import Mapping
 from typing import Annotated, Final, Literal
@@ -16,18 +16,18 @@ from lta_config.quantity import Quantity, si_quantity
 from pydantic import AliasChoices, Field, model_validator
 
 MOTORS = ('m1', 'm2', 'm3', 'm4')
-BESIDE = '.crazyflie.yaml'  # in place of a vehicle file's own ending
+BESIDE = '.crazyflie.yaml'  # replaces the suffix of the vehicle file
 
 
 class ExpectedParameter(StrictModel):
-    """What a parameter must be, whether the bridge writes it, and why."""
+    """The required value of a firmware parameter, whether the bridge writes it, and why."""
 
     value: float
     write: bool
     why: str
 
 
-# What every drone must meet, whichever firmware it has; a Crazyflie file adds to it.
+# Required on every drone with any firmware; a Crazyflie file adds further parameters
 REQUIRED: Final[Mapping[str, ExpectedParameter]] = {
     'motorPowerSet.enable': ExpectedParameter(
         value=0,
@@ -41,9 +41,9 @@ REQUIRED: Final[Mapping[str, ExpectedParameter]] = {
         '(power_distribution_quadrotor.c)',
     ),
     'supervisor.landedTimeout': ExpectedParameter(
-        value=3000,
+        value=3000,  # ms
         write=True,
-        why='a longer one keeps a landed drone armed with nobody watching',
+        why='with a longer one a landed drone stays armed unattended',
     ),
     'supervisor.tmblChckEn': ExpectedParameter(
         value=1, write=True, why='a drone that has tipped over must stop its motors'
@@ -52,7 +52,7 @@ REQUIRED: Final[Mapping[str, ExpectedParameter]] = {
 
 
 class FlightLimits(StrictModel):
-    """What ends a flight."""
+    """Limits that end a flight."""
 
     voltage: Annotated[Quantity, si_quantity('V', above=0.0, sourced=True)]
     time: Annotated[Quantity, si_quantity('s', above=0.0, sourced=True)]
@@ -62,9 +62,9 @@ class FlightLimits(StrictModel):
 
 class CrazyflieFile(StrictModel):
     """
-    A whole file.
+    A Crazyflie file.
 
-    Its `parameters` are those beside `REQUIRED`; `expected` has both.
+    `parameters` excludes `REQUIRED`; `expected` includes it.
     """
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
@@ -97,7 +97,8 @@ class CrazyflieFile(StrictModel):
 
     @property
     def expected(self) -> Mapping[str, ExpectedParameter]:
-        """What each parameter must be: what every drone must meet first, then the file's own."""
+        """All expected parameters, those required on every drone first."""
+        # The first mapping sets the order, the last one the values
         return {**REQUIRED, **self.parameters, **REQUIRED}
 
 
@@ -108,15 +109,15 @@ def load_crazyflie(name: str, vehicle: str = '') -> CrazyflieFile:
     Parameters
     ----------
     name : str
-        Of a shipped one, which is its vehicle's, or a path.
+        Name of a shipped file, which is that of its vehicle, or a path.
     vehicle : str
-        What flies, by the name in its own file; the same name where empty.
+        The flown vehicle, by the name in its file; by default `name`.
 
     Raises
     ------
     BadInput
-        If it cannot be read, or is of another vehicle: rotors that are named alike are wired and
-        limited otherwise.
+        If it cannot be read, or is for another vehicle: rotors with the same names may have other
+        wiring and limits.
 
     """
     path = find_file('crazyflie', name)
@@ -124,40 +125,41 @@ def load_crazyflie(name: str, vehicle: str = '') -> CrazyflieFile:
     vehicle = vehicle or name
     if file.vehicle != vehicle:
         raise BadInput(
-            f"'{path}' is for {file.vehicle}, and {vehicle} flies; give the Crazyflie file of "
-            f'{vehicle}, or a copy with its wiring and limits that says vehicle: {vehicle}.'
+            f"'{path}' is for {file.vehicle}, but the vehicle is {vehicle}; give the Crazyflie "
+            f'file of {vehicle}, or a copy with its wiring and limits and "vehicle: {vehicle}".'
         )
     return file
 
 
 def find_crazyflie(vehicle: str, name: str, other: str = '') -> CrazyflieFile:
     """
-    Return the Crazyflie file that a vehicle flies with.
+    Return the Crazyflie file of a vehicle.
 
     Parameters
     ----------
     vehicle : str
         Name of a shipped vehicle, or the path of its file.
     name : str
-        Of the vehicle, in that file.
-    given : str
-        Name or path of another Crazyflie file. By default it is `VEHICLE.crazyflie.yaml` beside
-        the vehicle's own file, and else the shipped one of its name.
+        The vehicle's name in that file.
+    other : str
+        Name or path of another Crazyflie file. By default it is `VEHICLE.crazyflie.yaml` next to
+        the vehicle's own file, or the shipped one with its name.
 
     Raises
     ------
     BadInput
-        If there is none, or it cannot be read, or is of another vehicle.
+        If there is none, it cannot be read, or it is for another vehicle.
 
     """
     beside = find_file('vehicle', vehicle).with_suffix(BESIDE)
+    # An explicit file has priority over the one next to the vehicle
     if other:
         return load_crazyflie(other, name)
     if beside.is_file():
         return load_crazyflie(str(beside), name)
     if name not in (names := list_shipped(FOLDERS['crazyflie'])):
         raise BadInput(
-            f'{name} has no Crazyflie file, which says how its motors are wired and what ends a '
-            f'flight; write {beside.name} beside its own file, after one of {", ".join(names)}.'
+            f'{name} has no Crazyflie file (wiring of the motors and limits of a flight); '
+            f'write {beside.name} next to its own file, modelled on one of {", ".join(names)}.'
         )
     return load_crazyflie(name)

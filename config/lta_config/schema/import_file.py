@@ -1,8 +1,8 @@
 """
-The mapping file of an import: which column of somebody's log is which field of our topics.
+The mapping file of an import: how columns of a log map to fields of our topics.
 
-It says what the log's numbers are: unit, axes, attitude convention, time. It never says what to do
-with them: nothing is smoothed, resampled or invented.
+It describes the log's numbers: unit, axes, attitude convention and time. It never changes them:
+nothing is smoothed, resampled or invented.
 """
 
 from typing import Annotated, Literal, Self
@@ -16,34 +16,35 @@ Column = Annotated[str, Field(min_length=1)]
 Format = Literal['csv', 'usd', 'ulog', 'bag']
 Three = Annotated[list[Column], Field(min_length=3, max_length=3)]
 
-# Our x, y, z in terms of theirs: ENU and FLU are ours.
+# Our x, y, z in terms of the log's. We use ENU for the world and FLU for the body
 AXES: dict[str, tuple[str, str, str]] = {
     'ENU': ('x', 'y', 'z'),
     'FLU': ('x', 'y', 'z'),
     'NED': ('y', 'x', '-z'),
     'FRD': ('x', '-y', '-z'),
     'NWU': ('-y', 'x', 'z'),
-    'Y_UP': ('x', '-z', 'y'),  # OptiTrack's and Unity's habit, right-handed
-    'OPTICAL': ('z', '-x', '-y'),  # a camera's: x right, y down, z forward; to FLU
+    'Y_UP': ('x', '-z', 'y'),  # OptiTrack, right-handed
+    'OPTICAL': ('z', '-x', '-y'),  # a camera: x right, y down, z forward; to FLU
 }
 SIGNED = ('x', 'y', 'z', '-x', '-y', '-z')
 
 
 def _parse_axes(value: object) -> tuple[str, ...]:
-    """Return axes as our x, y, z in terms of theirs."""
+    """Return axes as our x, y, z in terms of the log's."""
     if isinstance(value, str):
         if value not in AXES:
             raise ValueError(f'is "{value}", but known axes are {", ".join(AXES)}, or a list')
         return AXES[value]
     listed = tuple(value) if isinstance(value, list | tuple) else ()
     fits = len(listed) == 3 and all(axis in SIGNED for axis in listed)
+    # The last character is the axis without its sign
     if not fits or len({str(axis)[-1] for axis in listed}) != 3:
         raise ValueError('must be three of x, y, z with signs, each once, such as [x, -y, -z]')
     return tuple(str(axis) for axis in listed)
 
 
 class _WithAxes(StrictModel):
-    """Whose axes are named, or written as our x, y, z in terms of theirs: `[x, -y, -z]`."""
+    """Axes by name, or written as our x, y, z in terms of the log's: `[x, -y, -z]`."""
 
     world: tuple[str, ...] | None = None
     body: tuple[str, ...] | None = None
@@ -55,20 +56,20 @@ class _WithAxes(StrictModel):
 
 
 class _InUnit(StrictModel):
-    """A number as the log has it: SI = (number + offset) * scale / over, in `unit`."""
+    """A number as logged: SI = (number + offset) * scale / over, in `unit`."""
 
     unit: str = '1'
     scale: float = 1.0
     over: Annotated[float, Field(gt=0.0)] = 1.0
     offset: float = 0.0
-    missing: float | None = None  # the number that stands for no value
-    within: tuple[float, float] | None = None  # what the log's numbers must lie in
+    missing: float | None = None  # the number that means "no value"
+    within: tuple[float, float] | None = None  # bounds of the logged numbers
 
     @field_validator('unit')
     @classmethod
     def _check_unit(cls, unit: str) -> str:
         if unit not in UNITS:
-            raise ValueError(f'is "{unit}", which is no known unit; known: {", ".join(UNITS)}')
+            raise ValueError(f'is "{unit}", which is not a known unit; known:  {", ".join(UNITS)}')
         return unit
 
     @field_validator('within', mode='before')
@@ -78,7 +79,7 @@ class _InUnit(StrictModel):
 
 
 class ScalarField(_InUnit):
-    """One number: of a column, or the same in every message."""
+    """One number: from a column, or constant."""
 
     column: Column | None = None
     value: Quantity | None = None
@@ -91,7 +92,7 @@ class ScalarField(_InUnit):
 
 
 class VectorField(_InUnit):
-    """Three numbers, in the topic's axes of `frame`; the frame that the message wants if unset."""
+    """Three numbers in the axes of `frame`; by default the frame of the message type."""
 
     columns: Three | None = None
     value: Quantity | None = None
@@ -110,8 +111,8 @@ class OrientationField(StrictModel):
     """
     Attitude from body to world, in one of four forms.
 
-    `euler` has one angle for each letter of `sequence`, in that order; upper-case letters turn
-    about the body's own axes (intrinsic), lower-case ones about the world's (extrinsic).
+    `euler` has one angle per letter of `sequence`, in that order. Upper-case letters are rotations
+    about the body's axes (intrinsic), lower-case ones about the world's (extrinsic).
     """
 
     quaternion: Annotated[list[Column], Field(min_length=4, max_length=4)] | None = None
@@ -132,6 +133,7 @@ class OrientationField(StrictModel):
             return self
         if len(self.euler) != len(self.sequence):
             raise ValueError(f'has {len(self.euler)} angles for the sequence {self.sequence}')
+        # Two rotations in a row about one axis are a single rotation
         if any(a == b for a, b in zip(self.sequence, self.sequence[1:], strict=False)):
             raise ValueError(f'has the sequence {self.sequence}, which turns twice about one axis')
         if self.signs is not None and len(self.signs) != len(self.euler):
@@ -140,17 +142,17 @@ class OrientationField(StrictModel):
 
     @property
     def forms(self) -> tuple[list[str] | None, ...]:
-        """The four forms, of which one is given."""
+        """The four forms, exactly one of which is set."""
         return self.quaternion, self.euler, self.rotation_vector, self.matrix
 
     @property
     def columns(self) -> list[str]:
-        """The columns of the form that is given."""
+        """The columns of the form that is set."""
         return next(form for form in self.forms if form is not None)
 
 
 class ActuatorFields(StrictModel):
-    """What one actuator is told: duty or force as effort, a moving mass's place as position."""
+    """Commands of one actuator: duty or force as effort, place of a moving mass as position."""
 
     effort: ScalarField | None = None
     position: ScalarField | None = None
@@ -158,10 +160,10 @@ class ActuatorFields(StrictModel):
 
 
 class TopicMapping(_WithAxes):
-    """One topic of ours, from one table of the log; see docs/import.md."""
+    """One of our topics, from one table of the log; see docs/import.md."""
 
     topic: str
-    table: str | None = None  # an event, a logged message, a topic of a bag; all of a CSV
+    table: str | None = None  # an event, a logged message or a topic of a bag; unset for CSV
     join: list[str] = Field(default_factory=list)
     where: dict[str, float] = Field(default_factory=dict)
     optional: bool = False
@@ -190,33 +192,35 @@ class TopicMapping(_WithAxes):
 
     @property
     def parts(self) -> dict[str, ScalarField | VectorField | OrientationField]:
-        """The parts of the message that are given, by name."""
+        """The fields of the message that are set, by name."""
         found = ((name, getattr(self, name)) for name in type(self).model_fields)
         kinds = ScalarField | VectorField | OrientationField
         return {name: part for name, part in found if isinstance(part, kinds)}
 
     @property
     def columns(self) -> list[str]:
-        """Every column that must be there."""
-        told = self.actuators or {}
-        scalars = [s for a in told.values() for s in (a.effort, a.position, a.velocity) if s]
+        """Every required column."""
+        actuators = self.actuators or {}
+        # Effort, position and velocity of each actuator
+        scalars = [s for a in actuators.values() for s in (a.effort, a.position, a.velocity) if s]
         needed = list(self.where)
         for part in (*self.parts.values(), *scalars):
             if isinstance(part, ScalarField):
                 needed += [part.column] if part.column else []
             else:
                 needed += part.columns or []
+        # Without duplicates, in order
         return list(dict.fromkeys(needed))
 
 
 class TimeColumn(StrictModel):
-    """When a row of a text was measured: a column, or evenly from the first row on."""
+    """The time of each row of a text: a column, or uniform from the first row on."""
 
     column: Column | None = None
     unit: str = 's'
     rate: Quantity | None = None
     step: Quantity | None = None
-    start: Quantity | None = None  # added to every time; 1 s where times begin at zero
+    start: Quantity | None = None  # added to every time; ROS takes a stamp of 0 as unset
 
     @model_validator(mode='after')
     def _check_source(self) -> Self:
@@ -233,12 +237,12 @@ class TimeColumn(StrictModel):
 
 
 class TextFormat(StrictModel):
-    """How the lines of a text are written."""
+    """The format of the lines of a text."""
 
     delimiter: Annotated[str, Field(min_length=1)] = ','  # one character, 'tab' or 'whitespace'
     comment: Annotated[str, Field(min_length=1, max_length=1)] | None = None
     skip: Annotated[int, Field(ge=0)] = 0  # lines before the one with the names
-    header: list[Column] | None = None  # the names, where the text has none
+    header: list[Column] | None = None  # column names, if the text has none
 
     @field_validator('delimiter')
     @classmethod
@@ -249,7 +253,7 @@ class TextFormat(StrictModel):
 
 
 class ImportMapping(_WithAxes):
-    """A whole mapping file."""
+    """A mapping file."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
     name: Name
@@ -274,12 +278,12 @@ class ImportMapping(_WithAxes):
 
 def load_mapping(name: str) -> tuple[ImportMapping, str]:
     """
-    Return a mapping by shipped name or path, and its whole text.
+    Return a mapping by shipped name or path, and its text.
 
     Raises
     ------
     BadInput
-        One sentence on the first thing that is wrong.
+        One sentence on the first problem.
 
     """
     path = find_file('import mapping', name)

@@ -1,8 +1,8 @@
 """
-The file of a day's light on a perch: sun through glass with clouds, lamps on timers.
+The light on a perch over a day: sun through glass with clouds, and lamps with timers.
 
-Times are solar time of the place, from midnight. What a lamp gives is its illuminance on the panel
-as the drone stands; a beacon's is that while it is on.
+Times are local solar time from midnight. The illuminance of a lamp is that on the panel of the
+perched drone; for a beacon it is that during an on phase.
 """
 
 from collections.abc import Mapping
@@ -23,11 +23,11 @@ STEADY = Quantity(value=1.0, unit='1', source='not flickering')
 
 class CloudPattern(StrictModel):
     """
-    Clouds as they pass one after the other.
+    A sequence of passing clouds.
 
-    `cover` is the part of a day that is clouded, drawn evenly between two bounds for each day;
-    `through` is what a cloud lets through, drawn for each cloud; `length` is how long it shades,
-    on average, of an exponential distribution.
+    `cover` bounds the clouded share of a day, uniform per day. `through` bounds the transmission
+    of a cloud, uniform per cloud. `length` is the mean duration of a shadow, exponentially
+    distributed.
     """
 
     cover: Shares
@@ -44,7 +44,7 @@ class CloudPattern(StrictModel):
 
 
 class SunModel(StrictModel):
-    """Sun and sky on the level panel: a clear day by latitude and date, glass, clouds."""
+    """Sun and sky on the horizontal panel: a clear day by latitude and date, glass, clouds."""
 
     latitude: Annotated[
         Quantity, si_quantity('rad', low=-math.pi / 2, high=math.pi / 2, sourced=True)
@@ -56,7 +56,7 @@ class SunModel(StrictModel):
 
 
 class TimedLamp(StrictModel):
-    """A lamp over the perch, on between two times of the day; from the later over midnight."""
+    """A lamp over the perch, on between two times of day; past midnight if the first is later."""
 
     light: Lux
     efficacy: Efficacy
@@ -65,7 +65,7 @@ class TimedLamp(StrictModel):
 
 
 class LightDay(StrictModel):
-    """A whole file of a day's light."""
+    """A file with the light of a day."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
     name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
@@ -86,5 +86,5 @@ class LightDay(StrictModel):
 
 
 def load_light_day(name: str) -> LightDay:
-    """Return a light of the day by shipped name or path; anything wrong is a `BadInput`."""
+    """Return the light of a day by shipped name or path; raise `BadInput` if it is invalid."""
     return load_file(LightDay, find_file('light of the day', name))

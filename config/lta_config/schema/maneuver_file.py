@@ -1,8 +1,8 @@
 """
-The manoeuvre file: what a platform is asked to do over time, and by what it is judged.
+The manoeuvre file: setpoints over time, and the criterion for the score.
 
-Setpoints are rows over time. Altitude is a rise over where the vehicle stands or was released, so
-that one manoeuvre fits a micro-drone and a sphere of 2.7 m.
+Altitude is a rise above the start or release height, so that one manoeuvre fits a micro-drone and
+a sphere of 2.7 m.
 """
 
 from typing import Annotated, final, Literal, NamedTuple, Self
@@ -12,11 +12,12 @@ from lta_config.files import find_file, load_file, StrictModel
 from lta_config.quantity import format_quantity, Quantity, si_quantity
 from pydantic import AliasChoices, Field, model_validator
 
+# Unit of the tolerance band, by what is judged
 BAND = {'altitude': 'm', 'heading': 'rad', 'speed': 'm/s'}
 
 
 class ManeuverRow(StrictModel):
-    """What is asked for from one time on."""
+    """Setpoints from one time on."""
 
     at: Time
     rise: Annotated[Quantity, si_quantity('m', low=0.0, high=1000.0)]
@@ -26,7 +27,7 @@ class ManeuverRow(StrictModel):
 
 @final
 class ManeuverSetpoint(NamedTuple):
-    """What is asked for at one time: rise [m], heading [rad] and speed along it [m/s]."""
+    """Setpoints at one time: rise [m], heading [rad] and speed along it [m/s]."""
 
     rise: float
     heading: float
@@ -34,7 +35,7 @@ class ManeuverSetpoint(NamedTuple):
 
 
 class ManeuverFile(StrictModel):
-    """A whole manoeuvre file; `from` and `until` bound what is judged."""
+    """A manoeuvre file; `from` and `until` bound the judged time."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
     name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
@@ -62,8 +63,9 @@ class ManeuverFile(StrictModel):
         return self
 
     def setpoint_at(self, time: float) -> ManeuverSetpoint:
-        """Return what is asked for at a time; to stay where it is before the first row. [s]"""
+        """Return the setpoint at a time [s]; before the first row, to stay in place."""
         rows = [(row.rise.si, row.heading.si, row.speed.si) for row in self.course]
+        # On the ground, with the first heading
         before = (0.0, rows[0][1], 0.0)
         return ManeuverSetpoint(
             *interpolate_rows([row.at.si for row in self.course], rows, self.between, time, before)
@@ -71,5 +73,5 @@ class ManeuverFile(StrictModel):
 
 
 def load_maneuver(name: str) -> ManeuverFile:
-    """Return a manoeuvre by shipped name or path; anything wrong is a `BadInput` sentence."""
+    """Return a manoeuvre by shipped name or path; raise `BadInput` if it is invalid."""
     return load_file(ManeuverFile, find_file('manoeuvre', name))

@@ -1,4 +1,4 @@
-"""The mission file: who patrols which beacons where, in which light, and what it must keep."""
+"""The mission file: vehicle, route of beacons, light, payload and reserve of a patrol."""
 
 from typing import Annotated, Literal, Self
 
@@ -13,7 +13,7 @@ Beacon = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
 
 
 class InspectionPayload(StrictModel):
-    """A sensor for inspection below the hull, on while it dwells at a beacon."""
+    """An inspection sensor below the hull, switched on while the drone dwells at a beacon."""
 
     mass: Annotated[Quantity, si_quantity('kg', low=0.0, high=1.0, sourced=True)]
     sensing: Power
@@ -21,14 +21,14 @@ class InspectionPayload(StrictModel):
 
 
 class DutyCycle(StrictModel):
-    """The naive schedule: rest so many times as long as the flight before lasted."""
+    """The naive schedule: rest for a multiple of the duration of the last flight."""
 
     rest: Annotated[float, Field(gt=0.0, le=1000.0)]
     source: str
 
 
 class MissionFile(StrictModel):
-    """A whole mission file."""
+    """A mission file."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
     name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
@@ -41,21 +41,23 @@ class MissionFile(StrictModel):
     round: Annotated[tuple[Beacon, ...], Field(strict=False, min_length=1, max_length=50)]
     dwell: Annotated[Quantity, si_quantity('s', low=0.0, high=3600.0)]
     payload: InspectionPayload | None = None
+    # Start and end of the working hours, as time of day
     work: Annotated[Quantity, si_quantity('s', low=0.0, high=DAY, length=2, sourced=True)]
     asleep: Power
-    reserve: Share
+    reserve: Share  # state of charge to keep for the way back
     dock: Annotated[Quantity, si_quantity('m', above=0.0, high=10.0, sourced=True)]
-    fetched: Time
-    charge: Share
+    fetched: Time  # after which people bring a stranded drone back
+    charge: Share  # state of charge at the start, at midnight
     duty: DutyCycle
 
     @model_validator(mode='after')
     def _check_round(self) -> Self:
+        # The drone returns to the perch after every round anyway
         if self.perch in self.round:
             raise ValueError(f'visits its own perch {self.perch}; leave it out of the round')
         return self
 
 
 def load_mission(name: str) -> MissionFile:
-    """Return a mission file by shipped name or path; anything wrong is a `BadInput`."""
+    """Return a mission file by shipped name or path; raise `BadInput` if it is invalid."""
     return load_file(MissionFile, find_file('mission', name))

@@ -1,8 +1,8 @@
 """
-The mount file: where the solar panels of a vehicle sit, which way they face, and on what.
+The mount file: position and orientation of a vehicle's solar panels, and their carrier.
 
-A mount takes the place of one layer of a vehicle file. Mass, balance, inertia, drag and shade then
-follow from its parts as they do from any other.
+A mount replaces one layer of a vehicle file. Mass, balance, inertia, drag and shade follow from
+its parts as from any others.
 """
 
 from collections.abc import Mapping
@@ -19,20 +19,21 @@ Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
 
 
 class PanelFacing(StrictModel):
-    """Which way the lit face of a panel looks."""
+    """The direction that the lit face of a panel faces."""
 
     normal: Annotated[Quantity, si_quantity('1', low=-1.0, high=1.0, length=3, sourced=True)]
 
     @model_validator(mode='after')
     def _check_normal(self) -> 'PanelFacing':
         length = math.hypot(*self.normal.vector)
+        # Tolerates components rounded to two digits
         if not 0.99 <= length <= 1.01:
             raise ValueError(f'has a normal of length {length:.3g}; divide it by that')
         return self
 
 
 class MountFile(StrictModel):
-    """A whole mount file: the layer whose place it takes, its parts, and which of them are lit."""
+    """A mount file: the layer that it replaces, its parts, and which of them are panels."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
     name: Name
@@ -50,12 +51,12 @@ class MountFile(StrictModel):
                     f'{", ".join(self.parts)}'
                 )
             if self.parts[name].shape != 'box':
-                raise ValueError(f'has the panel {name}, which is no box; make it one')
+                raise ValueError(f'has the panel {name}, which is not a box; make it one')
         return self
 
 
 def load_mount(name: str) -> MountFile:
-    """Return a mount file by shipped name or path; anything wrong is a `BadInput` sentence."""
+    """Return a mount file by shipped name or path; raise `BadInput` if it is invalid."""
     path = find_file('mount', name)
     return validate_content(MountFile, load_yaml(path), str(path))
 
@@ -64,23 +65,23 @@ def mount_panels(
     content: Mapping[str, Any], name: str, ahead: float = 0.0, where: str = 'the vehicle'
 ) -> dict[str, Any]:
     """
-    Return what a vehicle file holds with its panels mounted otherwise.
+    Return the content of a vehicle file with its panels mounted differently.
 
     Parameters
     ----------
     content : mapping
-        The vehicle file as YAML holds it; not changed.
+        The vehicle file as YAML holds it; not modified.
     name : str
         Mount: shipped name or path.
     ahead : float
-        How far ahead of their places the panels sit, by mistake. [m]
+        Forward mounting error of the panels. [m]
     where : str
-        What to call the vehicle file in a complaint.
+        Name of the vehicle file in error messages.
 
     Raises
     ------
     BadInput
-        If the mount cannot be read, or the vehicle lacks the layer whose place it takes.
+        If the mount cannot be read, or the vehicle has no such layer.
 
     """
     mount = load_mount(name)
@@ -88,6 +89,7 @@ def mount_panels(
     if not isinstance(layers, Mapping) or mount.layer not in layers:
         known = [str(key) for key in layers] if isinstance(layers, Mapping) else []
         raise unknown_name(f'layer of {where}', mount.layer, known)
+    # The raw content, because the result is validated again as a vehicle file
     parts = dict(load_yaml(find_file('mount', name))['parts'])
     if ahead != 0.0:
         parts |= {
@@ -102,7 +104,7 @@ def mount_panels(
 
 
 def _replace_array(energy: Any, mount: MountFile) -> Any:  # noqa: ANN401 - what YAML holds
-    """Return the energy block with its array on the first panel; it knows one plane alone."""
+    """Return the energy block with its array on the first panel; it supports a single plane."""
     if not isinstance(energy, Mapping) or not isinstance(energy.get('array'), Mapping):
         return energy
     part, facing = next(iter(mount.panels.items()))
@@ -111,7 +113,7 @@ def _replace_array(energy: Any, mount: MountFile) -> Any:  # noqa: ANN401 - what
 
 
 def _move_part(held: Mapping[str, Any], part: PartBlock, ahead: float) -> dict[str, Any]:
-    """Return a part as YAML holds it, sitting further ahead. [m]"""
+    """Return a part as YAML holds it, shifted forward. [m]"""
     x, y, z = part.position.vector
     place = {'value': [x + ahead, y, z], 'unit': 'm', 'source': 'out of place on purpose'}
     return {**held, 'position': place}

@@ -1,10 +1,9 @@
 """
-One row of the reproduction: what the seed paper claims, and how that is measured here.
+One row of the reproduction: the claims of the seed paper, and how they are measured here.
 
-A row declares its claims with the rule by which each agrees or not, fixed before anything is run;
-what is measured, in which unit and with how many digits; and what does not add up in the paper
-itself, with the arithmetic. Numbers of ours are never written in it: texts name a measure in
-braces, and a defect names its sums.
+Each claim has a rule for agreement, fixed before the first run. Each measure has a unit and a
+number of digits. Defects are contradictions within the paper, with the arithmetic. A row never
+contains our results: its texts name a measure in braces, and a defect names its expressions.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,12 +16,12 @@ from lta_config.quantity import Quantity, UNITS
 from pydantic import AliasChoices, Field, model_validator
 
 Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
-# A number; our reading of words; a LaTeX comment; what the paper leaves for later.
+# A printed number, our reading of words, a LaTeX comment, or planned future work
 Source = Literal['printed', 'read', 'comment', 'future']
 
 
 class PaperMeasure(StrictModel):
-    """What is measured; text where there is no unit, else rounded to some digits of the unit."""
+    """A measured quantity: text if there is no unit, else a number rounded to some digits."""
 
     what: str
     unit: str | None = None
@@ -36,17 +35,17 @@ class PaperMeasure(StrictModel):
 
     @property
     def factor(self) -> float:
-        """SI of one unit."""
+        """The unit in SI."""
         return 1.0 if self.unit is None else UNITS[self.unit][1]
 
     @property
     def rounding(self) -> float:
-        """Half of the last digit that is told. [SI]."""
+        """Half of the last printed digit. [SI]."""
         return float(0.5 * 10.0**-self.digits * self.factor)
 
 
 class AgreementRule(StrictModel):
-    """When a measure agrees with a claim: a share of its value, bounds, or a word."""
+    """When a measure agrees with a claim: relative tolerance, bounds, or a word."""
 
     within: Quantity | None = None
     least: Quantity | None = None
@@ -68,15 +67,15 @@ class PaperClaim(StrictModel):
     Attributes
     ----------
     says, where, source : str
-        What it states, in which section or figure, and whether as a number or in words.
+        The statement, its section or figure, and whether it is a number or words.
     value : Quantity or None
         As printed.
-    measure, rule : str, Rule
-        What is held against it; None where it cannot be tested here.
+    measure, rule : str, AgreementRule
+        The measure to compare with, and the rule; None if it cannot be tested here.
     untested : str
-        Why it cannot.
+        Why it cannot be tested.
     finding : str
-        What came out.
+        The result.
     gap : str
         What would close a difference.
 
@@ -94,6 +93,7 @@ class PaperClaim(StrictModel):
 
     @model_validator(mode='after')
     def _check_tested(self) -> Self:
+        # The paper claims nothing yet, so there is nothing to agree with
         if self.source == 'future':
             if self.measure is None or self.rule is not None:
                 raise ValueError('is of the future: it needs a measure, and no rule')
@@ -108,7 +108,7 @@ class PaperClaim(StrictModel):
 
 
 class PaperDefect(StrictModel):
-    """Where the paper contradicts itself or physics; `{0:.2f}` in `follows` is the first sum."""
+    """A contradiction in the paper; `{0:.2f}` in `follows` is the first expression of `sums`."""
 
     says: str
     sums: Sequence[str] = ()
@@ -117,20 +117,20 @@ class PaperDefect(StrictModel):
 
     @property
     def arithmetic(self) -> str:
-        """What follows, its sums worked out."""
+        """The consequence, with its expressions evaluated."""
         return self.follows.format(*map(evaluate_sum, self.sums))
 
 
 class PaperSeries(StrictModel):
     """
-    A figure of the paper as discovery could use it.
+    A figure of the paper as an input for discovery.
 
     Attributes
     ----------
     figure, printed : str
-        Which, and what of it stands in numbers.
+        The figure, and which of its data are printed as numbers.
     said : str
-        What follows from those numbers, or why nothing does.
+        What follows from these numbers, or why nothing does.
 
     """
 
@@ -140,14 +140,14 @@ class PaperSeries(StrictModel):
 
 
 class SeedCounts(StrictModel):
-    """How many seeds."""
+    """Numbers of seeds of a quick and of a full run."""
 
     quick: Annotated[int, Field(ge=1)] = 1
     full: Annotated[int, Field(ge=1)] = 1
 
 
 class PaperRow(StrictModel):
-    """A whole row."""
+    """A row of the reproduction."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
     name: Name
@@ -167,6 +167,7 @@ class PaperRow(StrictModel):
             for text in (claim.finding, claim.gap, claim.untested):
                 self._check_names(name, text)
             if claim.measure is not None:
+                # Check the measure as if a text named it in braces
                 self._check_names(name, f'{{{claim.measure}}}')
             if claim.measure is None or claim.rule is None:
                 continue
@@ -192,9 +193,7 @@ class PaperRow(StrictModel):
         rule = statement.rule
         assert rule is not None
         if (rule.word is not None) != (measure.unit is None):
-            raise ValueError(
-                f'holds a word against a number, or the reverse, in the claim {claim}'
-            )
+            raise ValueError(f'compares a word with a number in the claim {claim}')
         dimension = None if measure.unit is None else UNITS[measure.unit][0]
         for bound in (rule.least, rule.most, statement.value):
             if bound is not None and dimension is not None and bound.dimension != dimension:
@@ -204,12 +203,13 @@ class PaperRow(StrictModel):
 
 
 def find_measure_names(text: str) -> set[str]:
-    """Return the measures that a text names in braces."""
+    """Return the measures named in braces in a text."""
+    # Formatter.parse yields (text, field name, format, conversion)
     return {name for _, name, _, _ in Formatter().parse(text) if name is not None}
 
 
 def load_paper_row(name: str) -> PaperRow:
-    """Return a row by name; anything wrong is a `BadInput` sentence."""
+    """Return a row by name; raise `BadInput` if it is invalid."""
     return load_file(PaperRow, find_file('row of the paper', name))
 
 

@@ -1,12 +1,12 @@
 """
-The sweep file: which flights to fly, with what varied how.
+The sweep file: a set of flights and how their parameters vary.
 
-`vary` names any parameter of any file by its path. A list is a grid: every value with every value
-of the other lists. A distribution is drawn once a sample: the same draws, and the same seeds, at
-every point of the grid, so that its points differ by nothing else.
+`vary` names parameters of any file by path. Lists form a grid of all combinations. A distribution
+is drawn once per sample, with the same draws and seeds at every point of the grid, so that the
+points differ in nothing else.
 
-`cases` are values that belong together, under a name: the grid has every case with every value.
-A path of one word is a whole file, or the strategy: `scenario: [lamp_room, windy_field]`.
+`cases` are named groups of values that belong together; the grid combines each case with all
+values. A path of one word is a whole file or the strategy: `scenario: [lamp_room, windy_field]`.
 """
 
 from collections.abc import Mapping
@@ -17,11 +17,11 @@ from pydantic import AliasChoices, Discriminator, Field, model_validator, Tag
 
 Value = Any  # '4 g', '[0, 0, 1] m/s', {value: 4, unit: g}, 0.5, true, a name
 Values = Annotated[list[Value], Field(min_length=1, max_length=10_000)]
-CASE = 'case'  # what the names of cases are called where flights are told
+CASE = 'case'  # column of the cases' names in results
 
 
 class NormalDistribution(StrictModel):
-    """Gauss's; drawn again until it lies between `low` and `high` where they are given."""
+    """Normal distribution, redrawn until it lies between `low` and `high` if they are given."""
 
     mean: Value
     deviation: Value
@@ -30,14 +30,14 @@ class NormalDistribution(StrictModel):
 
 
 class UniformDistribution(StrictModel):
-    """From `low` to `high`."""
+    """Uniform distribution from `low` to `high`."""
 
     low: Value
     high: Value
 
 
 class Distribution(StrictModel):
-    """Exactly one of its keys."""
+    """One distribution: exactly one of its keys."""
 
     normal: NormalDistribution | None = None
     uniform: UniformDistribution | None = None
@@ -54,7 +54,7 @@ class Distribution(StrictModel):
 
 
 def _classify_variation(how: object) -> str:
-    """Return which of the two ways to vary is meant, so that a mistake is told of that one."""
+    """Return the kind of variation, so that pydantic reports the errors of that kind only."""
     return 'values' if isinstance(how, list) else 'distribution'
 
 
@@ -62,14 +62,14 @@ Case = Mapping[str, Value]
 
 
 class SweepSeeds(StrictModel):
-    """Seeds of the flights: so many, counted from the first."""
+    """Seeds of the flights: `count` consecutive numbers."""
 
     first: Annotated[int, Field(ge=0, le=2**30)] = 1
     count: Annotated[int, Field(ge=1, le=10_000_000)] | None = None
 
 
 class SweepFile(StrictModel):
-    """A whole sweep file."""
+    """A sweep file."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
     name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
@@ -100,12 +100,13 @@ class SweepFile(StrictModel):
                 'has both samples and seeds.count; each sample has its own seed, so leave count '
                 'out'
             )
+        # A parameter with two values would be ambiguous
         both = sorted(self.vary.keys() & self.settings.keys())
         if both:
-            raise ValueError(f'both sets and varies {", ".join(both)}; do one of it')
+            raise ValueError(f'both sets and varies {", ".join(both)}; keep one')
         cases = {path for case in self.cases.values() for path in case}
         if both := sorted(self.vary.keys() & cases):
-            raise ValueError(f'varies {", ".join(both)}, which its cases set; do one of it')
+            raise ValueError(f'varies {", ".join(both)}, which its cases set; keep one')
         return self
 
     @property
@@ -115,5 +116,5 @@ class SweepFile(StrictModel):
 
 
 def load_sweep(name: str) -> SweepFile:
-    """Return a sweep file by shipped name or path; anything wrong is a `BadInput` sentence."""
+    """Return a sweep file by shipped name or path; raise `BadInput` if it is invalid."""
     return load_file(SweepFile, find_file('sweep', name))

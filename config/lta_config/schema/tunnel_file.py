@@ -1,8 +1,8 @@
 """
-The tunnel file: what of a vehicle stands in the wind tunnel, and which rotors blow together.
+The tunnel file: the bodies of a vehicle in the wind tunnel, and rotors that run together.
 
-Hull and rotors are those of the vehicle file. What hangs below is given here as few plain bodies:
-a mesh has no use for a battery inside a box.
+Hull and rotors are taken from the vehicle file. What hangs below is given here as a few simple
+bodies, because a mesh does not need a battery inside a box.
 """
 
 from collections.abc import Mapping
@@ -24,35 +24,36 @@ class TunnelBody(StrictModel):
 
     position: Place | None = None
     size: Annotated[Quantity, si_quantity('m', above=0.0, length=3, sourced=True)] | None = None
-    stl: str | None = None  # beside the tunnel file
-    unit: Literal['m', 'cm', 'mm'] | None = None  # that the STL file is in
+    stl: str | None = None  # path relative to the tunnel file
+    unit: Literal['m', 'cm', 'mm'] | None = None  # of the STL file, which has none itself
 
     @model_validator(mode='after')
     def _check_shape(self) -> 'TunnelBody':
         box = self.position is not None and self.size is not None
         given = self.stl is not None and self.unit is not None
+        # Both or neither
         if box == given:
             raise ValueError('needs either position and size of a box, or stl and its unit')
         return self
 
 
 class TunnelRotorDisk(StrictModel):
-    """The disk of each rotor: the air in it is pushed."""
+    """The actuator disk of each rotor, where a force acts on the air."""
 
     diameter: Length
     thickness: Length
 
 
 class TunnelFile(StrictModel):
-    """A whole tunnel file; bodies by name, `envelope` replaces the hull's own surface."""
+    """A tunnel file; bodies by name, of which `envelope` replaces the hull's surface."""
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
     name: Name
     about: str
     vehicle: str
-    disk: TunnelRotorDisk | None = None  # without it no rotor blows
+    disk: TunnelRotorDisk | None = None  # without it the rotors are off
     bodies: Mapping[Name, TunnelBody] = Field(default_factory=dict)
-    # Share of full thrust of rotors that blow together, by name of the pattern.
+    # Share of full thrust of rotors that run together, by name of the pattern
     patterns: Mapping[Name, Mapping[str, Duty]] = Field(default_factory=dict)
 
     @model_validator(mode='after')
@@ -63,14 +64,14 @@ class TunnelFile(StrictModel):
 
 
 def load_tunnel_file(name: str) -> tuple[TunnelFile, Path]:
-    """Return a tunnel file by shipped name or path, and where it is."""
+    """Return a tunnel file by shipped name or path, and its path."""
     path = find_file('tunnel', name)
     _refuse_vehicle(path)
     return load_file(TunnelFile, path), path
 
 
 def _refuse_vehicle(path: Path) -> None:
-    """Refuse a vehicle file by what it is: its faults as a tunnel file would help nobody."""
+    """Raise `BadInput` for a vehicle file: its errors as a tunnel file would be misleading."""
     content = load_yaml(path)
     if isinstance(content, dict) and {'hull', 'rotors'} <= content.keys():
         raise BadInput(

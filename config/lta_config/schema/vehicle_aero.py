@@ -1,7 +1,7 @@
 """
-What a wind tunnel says of a vehicle: drag along and about its axes, and the columns of its rotors.
+The aero block of a vehicle file: drag along and about the axes, and the rotor columns.
 
-The aero block of a vehicle file; `aero_file` is a file of its own that such a block may name.
+The block may also name a separate file (`aero_file`).
 """
 
 from collections.abc import Mapping
@@ -23,14 +23,14 @@ class DragCoefficients(StrictModel):
 
 
 class LinearDrag(DragCoefficients):
-    """Proportional to the speed."""
+    """Drag proportional to the speed."""
 
     force: Annotated[Quantity, si_quantity('N s/m', low=0.0, length=3, sourced=True)]
     moment: Annotated[Quantity, si_quantity('N m s', low=0.0, length=3, sourced=True)]
 
 
 class QuadraticDrag(DragCoefficients):
-    """Proportional to the square of the speed."""
+    """Drag proportional to the square of the speed."""
 
     force: Annotated[Quantity, si_quantity('N s2/m2', low=0.0, length=3, sourced=True)]
     moment: Annotated[Quantity, si_quantity('N m s2', low=0.0, length=3, sourced=True)]
@@ -44,24 +44,24 @@ class WrenchPerNewton(StrictModel):
 
 
 class RotorColumn(WrenchPerNewton):
-    """One column of B; `reverse` is the column of reversed thrust where it is another."""
+    """One column of B; `reverse` is that of reversed thrust, if it differs."""
 
     reverse: WrenchPerNewton | None = None
 
 
 class RotorCoupling(WrenchPerNewton):
-    """What the jets of some rotors make together, per newton of the weakest of them."""
+    """The joint effect of the jets of some rotors, per newton of the weakest of them."""
 
     rotors: Annotated[list[str], Field(min_length=2)]
-    reversed: bool = False  # whether it is their reversed jets that meet
+    reversed: bool = False  # whether it applies to reversed thrust
 
 
 class AeroBlock(StrictModel):
     """
-    What a wind tunnel says, about the hull centre.
+    Aerodynamic coefficients about the hull centre.
 
-    A rotor without a column in `thrust_allocation` gets it from its place and axis. The torque of
-    its motor comes on top of either: a column is of jets without swirl.
+    A rotor without a column in `thrust_allocation` gets it from its position and axis. The motor's
+    torque is added in both cases, because a column describes jets without swirl.
     """
 
     linear_drag: LinearDrag

@@ -1,7 +1,7 @@
 """
-What a vehicle is made of: hull, parts in layers, trim, and what was weighed instead of computed.
+The body of a vehicle: hull, parts in layers, trim, and measured mass properties.
 
-Half of the schema of a vehicle file; the other half, and the file itself, is `vehicle_file`.
+The other half of the schema, and the whole file, is in `vehicle_file`.
 """
 
 from collections.abc import Mapping
@@ -16,7 +16,7 @@ Place = Annotated[Quantity, si_quantity('m', low=-20.0, high=20.0, length=3, sou
 Mass = Annotated[Quantity, si_quantity('kg', above=0.0, high=100.0, sourced=True)]
 Fraction = Annotated[Quantity, si_quantity('1', low=0.0, high=1.0, sourced=True)]
 
-# What each shape of hull needs, and what more it may have.
+# Required keys of each shape of hull
 SHAPES: dict[str, tuple[str, ...]] = {
     'balloon': ('diameter', 'height', 'volume_factor', 'purity'),
     'spheroid': ('diameter', 'length', 'axis', 'purity'),
@@ -26,7 +26,7 @@ SHAPES: dict[str, tuple[str, ...]] = {
 
 
 class AddedMassBlock(StrictModel):
-    """Mass and inertia of the air that moves with the hull, where somebody published them."""
+    """Added mass and inertia of the air that moves with the hull, where they are published."""
 
     mass: Annotated[Quantity, si_quantity('kg', low=0.0, high=1000.0, length=3, sourced=True)]
     inertia: Annotated[
@@ -36,11 +36,11 @@ class AddedMassBlock(StrictModel):
 
 class HullBlock(StrictModel):
     """
-    The envelope, filled with helium of some purity, and centred at the origin.
+    The envelope, filled with helium of some purity, with its centre at the origin.
 
-    A `balloon` is of revolution about body z: `diameter`, `height`, volume = `volume_factor` r3. A
-    `spheroid` is of revolution about `axis`: `diameter` across and `length` along it. A `sphere`
-    has a `diameter`. A vehicle that nothing carries has the shape `none`.
+    A `balloon` has rotational symmetry about body z: `diameter`, `height`, volume =
+    `volume_factor` r3. A `spheroid` has it about `axis`: `diameter` across and `length` along it.
+    A `sphere` has a `diameter`. A vehicle without buoyancy has the shape `none`.
     """
 
     shape: Literal['balloon', 'spheroid', 'sphere', 'none']
@@ -64,6 +64,7 @@ class HullBlock(StrictModel):
             raise ValueError(
                 f'has the shape {self.shape}, which needs {", ".join(missing)}; add it'
             )
+        # A key that has no effect is probably a mistake
         if idle := [key for key in given if key not in needed]:
             raise ValueError(
                 f'has the shape {self.shape}, which has no {" and no ".join(idle)}; remove it'
@@ -73,11 +74,11 @@ class HullBlock(StrictModel):
 
 class TrimBlock(StrictModel):
     """
-    How much heavier than air the vehicle is flown, and where the ballast for it goes.
+    The net weight of the vehicle, and the place of its ballast.
 
-    With `heaviness`, ballast at `ballast_position` makes up the difference; where the whole
-    vehicle was weighed (`measured`), the hull is filled until it is that heavy. With `ballast:
-    none` the vehicle flies as heavy as its parts are.
+    With `heaviness`, ballast at `ballast_position` makes up the difference. If the whole vehicle
+    was weighed (`measured`), the hull is filled until the net weight is reached. With `ballast:
+    none` the weight is that of the parts.
     """
 
     heaviness: Annotated[Quantity, si_quantity('kg', low=-0.1, high=1.0, sourced=True)] | None = (
@@ -90,9 +91,9 @@ class TrimBlock(StrictModel):
 
 class PartDrag(StrictModel):
     """
-    Drag of a part by its faces, 0.5 rho Cd A along each axis, and its damping of turns.
+    Drag of a part by its faces, 0.5 rho Cd A along each axis, and its damping of rotations.
 
-    With `in_aero` the drag of the aero block has the part in it already, and only turns see it.
+    With `in_aero` the aero block already includes the part's drag, and only the damping is added.
     """
 
     coefficient: Annotated[Quantity, si_quantity('1', low=0.0, high=3.0, sourced=True)]
@@ -100,7 +101,7 @@ class PartDrag(StrictModel):
 
 
 class PartBlock(StrictModel):
-    """A body with mass, centre and outer size; `shell` is a thin ellipsoid, `box` a solid box."""
+    """A body with mass, centre and outer size: `shell` is a thin ellipsoid, `box` a solid box."""
 
     shape: Literal['shell', 'box']
     mass: Mass
@@ -114,23 +115,23 @@ Layer = Mapping[str, PartBlock]
 
 class MeasuredBlock(StrictModel):
     """
-    The vehicle as weighed and swung, gas included, where its parts are not published.
+    Measured mass properties of the whole vehicle with its gas, if the parts are unknown.
 
-    Parts in layers then have no weight of their own, and a moving mass comes on top.
+    Parts in layers then have no weight, and a moving mass is added.
     """
 
     mass: Mass
     position: Place  # centre of gravity
     inertia: Annotated[Quantity, si_quantity('kg m2', above=0.0, length=3, sourced=True)]
-    # xy xz yz of the tensor, about the centre of gravity as the moments are.
+    # xy, xz and yz of the inertia tensor, about the centre of gravity like the moments
     products: Annotated[Quantity, si_quantity('kg m2', length=3, sourced=True)] | None = None
 
 
 class MovingMassBlock(StrictModel):
-    """A mass that is moved to balance or steer; not among the parts."""
+    """A mass that moves for balance or steering; not one of the parts."""
 
     mass: Mass
-    position: Place  # where it is when nothing is commanded
+    position: Place  # without a command
     low: Place
     high: Place
     time_constant: Annotated[Quantity, si_quantity('s', above=0.0, high=100.0, sourced=True)]

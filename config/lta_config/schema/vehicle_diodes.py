@@ -1,7 +1,7 @@
 """
-The photodiodes of a vehicle file: where they sit and look, and how they and their converter read.
+The photodiodes of a vehicle file: geometry, amplifier and converter.
 
-What is left out is that of an OPT101 and of the Teensy 4.1's converter, or nothing.
+The defaults are those of an OPT101 and of the Teensy 4.1's converter, or no effect.
 """
 
 import math
@@ -11,8 +11,8 @@ from lta_config.files import StrictModel
 from lta_config.quantity import describe_misfit, Quantity, si_quantity, UNSOURCED
 from pydantic import AfterValidator, Field, model_validator
 
-MOST = 64
-UNIT = 1e-3  # by how much the length of an axis may be off 1
+MOST = 64  # diodes
+UNIT = 1e-3  # tolerance of the length of an axis
 Axis = Annotated[list[float], Field(min_length=3, max_length=3)]
 DATA_SHEET = 'OPT101 data sheet, SBBS002'
 
@@ -22,19 +22,19 @@ def _default_quantity(value: float, unit: str, source: str) -> Any:  # noqa: ANN
 
 
 def _check_resistors(quantity: Quantity) -> Quantity:
-    """Return resistors of which one is selected before a flight, the largest first."""
+    """Check the feedback resistors, one of which is selected before a flight."""
     count = len(quantity.vector)
     if complaint := describe_misfit(quantity, 'ohm', above=0.0, length=max(count, 1)):
         raise ValueError(complaint)
     if not quantity.source:
         raise ValueError(UNSOURCED)
     if list(quantity.vector) != sorted(quantity.vector, reverse=True):
-        raise ValueError('lists its resistors in no order; begin with the largest')
+        raise ValueError('lists its resistors in another order; begin with the largest')
     return quantity
 
 
 class DiodeAxes(StrictModel):
-    """Unit axes of the diodes in the body frame, one a diode."""
+    """Unit axes of the diodes in the body frame, one per diode."""
 
     value: Annotated[list[Axis], Field(max_length=MOST)]
     source: str
@@ -43,7 +43,7 @@ class DiodeAxes(StrictModel):
     def _check_axes(self) -> Self:
         for index, axis in enumerate(self.value):
             length = math.hypot(*axis)
-            if not abs(length - 1.0) <= UNIT:  # also NaN
+            if not abs(length - 1.0) <= UNIT:  # also true for NaN
                 raise ValueError(
                     f'has an axis of length {length:.3g} for the diode {index}; divide it by that'
                 )
@@ -52,10 +52,11 @@ class DiodeAxes(StrictModel):
 
 class DiodesBlock(StrictModel):
     """
-    The photodiodes, `radius` out along their axes from a point `height` over the hull centre.
+    The photodiodes, `radius` out along their axes from a point `height` above the hull centre.
 
-    With several resistors under `feedback` the one is selected that suits the light of the scene.
-    Without `axes` they look evenly around the horizon, the first forward, counter-clockwise.
+    Of several `feedback` resistors the one that suits the scene's light is selected. Without
+    `axes` the diodes are spaced evenly around the horizon, the first forward, then
+    counter-clockwise.
     """
 
     count: Annotated[int, Field(ge=1, le=MOST)]

@@ -1,7 +1,7 @@
 """
-The `energy` block of a vehicle file: cell, solar array, charger and consumers.
+The `energy` block of a vehicle file: battery, solar array, charger and loads.
 
-Where the array sits is said once: it is a part of the vehicle, in its layers.
+The position of the array is that of its part in the vehicle's layers.
 """
 
 from collections.abc import Mapping
@@ -23,9 +23,9 @@ Count = Annotated[int, Field(ge=1, le=1000)]
 
 class BatteryBlock(StrictModel):
     """
-    One lithium cell, as new at 25 degC, and how warm and how aged it is.
+    One lithium cell: values of a new cell at 25 degC, its temperature and its age.
 
-    `age` is the share of its capacity that it has lost; cells count as worn out at 20 %.
+    `age` is the lost share of the capacity; cells count as worn out at 20 %.
     """
 
     capacity: Annotated[Quantity, si_quantity('C', above=0.0, sourced=True)]
@@ -35,7 +35,7 @@ class BatteryBlock(StrictModel):
     temperature: Annotated[Quantity, si_quantity('degC', low=-20.0, high=60.0, sourced=True)]
     age: Annotated[Quantity, si_quantity('1', low=0.0, high=0.8, sourced=True)]
     discharge_cutoff: Voltage  # the supply fails below it
-    charge_cutoff: Voltage  # charged at this constant voltage in the end
+    charge_cutoff: Voltage  # of the constant-voltage phase of charging
     charge_current: Annotated[Quantity, si_quantity('A', above=0.0, sourced=True)]
 
     @model_validator(mode='after')
@@ -50,12 +50,12 @@ class BatteryBlock(StrictModel):
 
 
 class ArrayBlock(StrictModel):
-    """Solar cells of one kind in one plane: strings of `series`, of which `parallel` in all."""
+    """Solar cells of one kind in one plane: `parallel` strings of `series` cells each."""
 
     cell: str
     series: Count
     parallel: Count
-    part: str | None = None  # where it sits; by sensors.panel_position if left out
+    part: str | None = None  # that carries it; without one, sensors.panel_position applies
     normal: Annotated[Quantity, si_quantity('1', low=-1.0, high=1.0, length=3, sourced=True)]
 
     @model_validator(mode='after')
@@ -63,6 +63,7 @@ class ArrayBlock(StrictModel):
         length = math.hypot(*self.normal.vector)
         if not 0.99 <= length <= 1.01:
             raise ValueError(f'has a normal of length {length:.3g}; divide it by that')
+        # Read now, so that an invalid cell is an error of the vehicle file
         try:
             load_cell_file(self.cell)
         except BadInput as error:
@@ -71,7 +72,7 @@ class ArrayBlock(StrictModel):
 
 
 class ChargerBlock(StrictModel):
-    """What lies between array and cell: share tracked, share converted, and its own draw."""
+    """The electronics between array and battery: tracked share, converted share, own draw."""
 
     tracking: Fraction
     conversion: Fraction
@@ -80,10 +81,10 @@ class ChargerBlock(StrictModel):
 
 class LoadsBlock(StrictModel):
     """
-    Consumers; what follows comes on top of `idle`.
+    Power consumers; all others are added to `idle`.
 
-    `transmitting` is the radio, `sensing` what looks at the light and finds lamps in it, and
-    `computing` what a navigation strategy, by its name, takes beyond that.
+    `transmitting` is the radio and `sensing` the light measurement with its lamp detection.
+    `computing` is the additional power of a navigation strategy, by its name.
     """
 
     idle: Power
@@ -95,7 +96,7 @@ class LoadsBlock(StrictModel):
 
 
 class EnergyBlock(StrictModel):
-    """Battery, array with its charger, and consumers."""
+    """Battery, array with charger, and loads."""
 
     battery: BatteryBlock
     array: ArrayBlock | None = None

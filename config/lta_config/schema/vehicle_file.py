@@ -1,8 +1,8 @@
 """
-The vehicle file: parts in layers, rotors, an aero block and effects; each number with its source.
+The vehicle file: parts in layers, rotors, an aero block and effects; all numbers with sources.
 
-The models here and in `vehicle_body` are the schema; `lta_model.vehicle` derives from it what the
-cores need.
+The models here and in `vehicle_body` are the schema; `lta_model.vehicle` derives the inputs of the
+cores from it.
 """
 
 from collections.abc import Mapping
@@ -30,11 +30,11 @@ from pydantic import AliasChoices, Field, field_validator, model_validator
 
 Vector = tuple[float, float, float]
 UP = (0.0, 0.0, 1.0)
-ROTORS = 8  # places for rotors in the model
+ROTORS = 8  # the model's arrays have this size
 
 
 class ControlBlock(StrictModel):
-    """The control law that flies the vehicle, and its file of gains in `config/control`."""
+    """The control law of the vehicle, and its gains file in `config/control`."""
 
     law: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
     gains: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')] | None = None
@@ -42,7 +42,7 @@ class ControlBlock(StrictModel):
 
 
 class ThrustCurve(StrictModel):
-    """T = a u^2 + b u; `reverse` is the thrust at full reverse duty where it is not the same."""
+    """T = a u^2 + b u for the duty u; `reverse` is the thrust at duty -1, if it differs."""
 
     a: Annotated[Quantity, si_quantity('N', low=0.0, sourced=True)]
     b: Annotated[Quantity, si_quantity('N', above=0.0, sourced=True)]
@@ -50,14 +50,14 @@ class ThrustCurve(StrictModel):
 
 
 class RotorTorque(StrictModel):
-    """Torque of the air per thrust, and how the rotor spins, its thrust towards the eye."""
+    """Aerodynamic torque per thrust, and the spin as seen with the thrust towards the observer."""
 
     per_thrust: Annotated[Quantity, si_quantity('m', low=0.0, high=1.0, sourced=True)]
     spin: Literal['clockwise', 'anticlockwise']
 
 
 class RotorBlock(StrictModel):
-    """One rotor; its thrust points along `axis`, and only a reversible one accepts duty < 0."""
+    """One rotor; its thrust is along `axis`, and only a reversible one accepts negative duty."""
 
     reversible: bool
     position: Place
@@ -68,6 +68,7 @@ class RotorBlock(StrictModel):
     @model_validator(mode='after')
     def _check_axis(self) -> 'RotorBlock':
         length = math.hypot(*self.axis.vector)
+        # Tolerates components rounded to two digits
         if not 0.99 <= length <= 1.01:
             raise ValueError(f'has an axis of length {length:.3g}; divide it by that')
         if self.thrust_curve and self.thrust_curve.reverse and not self.reversible:
@@ -76,16 +77,16 @@ class RotorBlock(StrictModel):
 
 
 class SensorsBlock(StrictModel):
-    """Where the sensors sit."""
+    """The positions of the sensors."""
 
     imu_position: Place
     range_position: Place
-    panel_position: Place | None = None  # where no part of the array says it
+    panel_position: Place | None = None  # only if the array has no part
     diodes: DiodesBlock
 
 
 class VehicleFile(StrictModel):
-    """A whole vehicle file."""
+    """A vehicle file."""
 
     schema_version: Annotated[Literal[3], Field(validation_alias=AliasChoices('schema'))]
     name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
@@ -110,17 +111,17 @@ class VehicleFile(StrictModel):
 
     @property
     def panel_place(self) -> Vector:
-        """Where light is harvested and measured, from the hull centre. [m]."""
+        """Where light is harvested and measured, relative to the hull centre. [m]."""
         array, position = self.energy.array, self.sensors.panel_position
         part = array.part if array else None
         place = self.parts[part].position if part else position
-        assert place is not None  # or the file was refused
+        assert place is not None  # ensured by `_check_panel`
         x, y, z = place.vector
         return x, y, z
 
     @property
     def panel_normal(self) -> Vector:
-        """Where the panel looks, unit length, body frame."""
+        """The direction that the panel faces, unit length, body frame."""
         if self.energy.array is None:
             return UP
         x, y, z = self.energy.array.normal.vector
@@ -130,7 +131,7 @@ class VehicleFile(StrictModel):
     @field_validator('aero', mode='before')
     @classmethod
     def _load_named_aero(cls, value: Any) -> Any:  # noqa: ANN401 - whatever the file held
-        """Return the aero block of the aero file that is named, if it is one."""
+        """Return the aero block of the named aero file, or the value if it is not a name."""
         if not isinstance(value, str):
             return value
         try:
@@ -140,6 +141,7 @@ class VehicleFile(StrictModel):
 
     @model_validator(mode='before')
     @classmethod
+    # Runs before the other checks, so they only know the newest version
     def _upgrade_version(cls, content: Any) -> Any:  # noqa: ANN401 - whatever the file held
         return upgrade_content(content)
 
@@ -158,6 +160,7 @@ class VehicleFile(StrictModel):
 
     @model_validator(mode='after')
     def _check_rotor_columns(self) -> 'VehicleFile':
+        # A misspelt rotor in a column would otherwise have no effect
         coupled = self.aero.coupling.rotors if self.aero.coupling else []
         for place, names in (
             ('thrust_allocation', self.aero.thrust_allocation),
@@ -190,12 +193,11 @@ class VehicleFile(StrictModel):
         elif trim.ballast != 'none' and not (trim.heaviness and trim.ballast_position):
             raise ValueError(
                 'has a trim without heaviness and ballast_position; add both, or '
-                '"ballast: none" to fly it as heavy as its parts are'
+                '"ballast: none" to use the weight of its parts'
             )
         elif trim.ballast == 'none' and trim.heaviness:
             raise ValueError(
-                'has trim.ballast none and a trim.heaviness, which only ballast could bring '
-                'about; remove one'
+                'has trim.ballast none and a trim.heaviness, which needs ballast; remove one'
             )
         return self
 
@@ -209,12 +211,12 @@ class VehicleFile(StrictModel):
             )
         if (part is None) == (self.sensors.panel_position is None):
             raise ValueError(
-                'needs the place of its panel once: either energy.array.part or '
+                'needs exactly one position of its panel: energy.array.part or '
                 'sensors.panel_position'
             )
         return self
 
 
 def load_vehicle_file(name: str) -> VehicleFile:
-    """Return a vehicle file by shipped name or path; anything wrong is a `BadInput` sentence."""
+    """Return a vehicle file by shipped name or path; raise `BadInput` if it is invalid."""
     return load_file(VehicleFile, find_file('vehicle', name))

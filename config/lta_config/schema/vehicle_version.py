@@ -1,9 +1,9 @@
 """
-Vehicle files of older versions, read as the present one.
+Upgrade vehicle files of older versions to the current one.
 
-Version 1 had its parts in one list, balloons only, and a column of B for every rotor instead of an
-axis. Its parts become one layer, `parts`, and each rotor points where its column is largest.
-Version 2 had a flat energy block (`vehicle_version_energy`).
+Version 1 had a single list of parts, only balloons, and a column of B for every rotor instead of
+an axis. Its parts become one layer, `parts`, and each rotor points along the largest entry of its
+column. Version 2 had a flat energy block (`vehicle_version_energy`).
 """
 
 from typing import Any
@@ -14,9 +14,10 @@ AXES = 'xyz'
 
 
 def upgrade_content(content: Any) -> Any:  # noqa: ANN401 - whatever the file held
-    """Return what a file of version 1 or 2 says as version 3, and anything else as it is."""
+    """Return content of version 1 or 2 as version 3, and anything else unchanged."""
     if not isinstance(content, dict):
         return content
+    # Versions are upgraded one after the other
     if content.get('schema') == 1:
         content = _convert_version_1(content)
     if content.get('schema') == 2:
@@ -25,11 +26,12 @@ def upgrade_content(content: Any) -> Any:  # noqa: ANN401 - whatever the file he
 
 
 def _convert_version_1(content: dict[str, Any]) -> dict[str, Any]:
-    """Return what a version 1 file says as version 2."""
+    """Return content of version 1 as version 2."""
     content = {**content, 'schema': 2}
     if 'parts' in content:
         content['layers'] = {'parts': content.pop('parts')}
     if isinstance(content.get('hull'), dict):
+        # A shape in the file wins, so that validation can report it
         content['hull'] = {'shape': 'balloon', **content['hull']}
     rotors = content.get('rotors')
     if isinstance(rotors, dict):
@@ -40,7 +42,7 @@ def _convert_version_1(content: dict[str, Any]) -> dict[str, Any]:
 
 
 def _find_columns(content: dict[str, Any]) -> dict[str, Any] | None:
-    """Return the columns of B by rotor, if the file has them where it should."""
+    """Return the columns of B by rotor; None if the file has none."""
     place: Any = content
     for key in ('aero', 'thrust_allocation'):
         place = place.get(key) if isinstance(place, dict) else None
@@ -48,7 +50,7 @@ def _find_columns(content: dict[str, Any]) -> dict[str, Any] | None:
 
 
 def _add_axis(name: str, rotor: Any, columns: dict[str, Any] | None) -> Any:  # noqa: ANN401
-    """Return a rotor with the axis along which its column is largest."""
+    """Return a rotor with an axis along the largest force in its column."""
     if columns is not None and name not in columns:
         raise ValueError(f'has no column of aero.thrust_allocation for {name}; add one')
     force: Any = (columns or {}).get(name)
@@ -56,7 +58,7 @@ def _add_axis(name: str, rotor: Any, columns: dict[str, Any] | None) -> Any:  # 
         force = force.get(key) if isinstance(force, dict) else None
     numbers = isinstance(force, list) and all(isinstance(x, int | float) for x in force)
     if not numbers or len(force) != len(AXES):
-        force = [0.0, 0.0, 1.0]  # whatever is wrong with the column, its own check will say
+        force = [0.0, 0.0, 1.0]  # a placeholder: validation reports the invalid column
     if not isinstance(rotor, dict):
         return rotor
     most = max(range(3), key=lambda i: abs(force[i]))

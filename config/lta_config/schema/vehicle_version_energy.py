@@ -1,9 +1,9 @@
 """
-The flat energy block of vehicle files of version 2, read as the present one.
+Convert the flat energy block of vehicle files of version 2.
 
-It had a cell without relaxation, age or cut-offs, and a panel of one efficiency in any light,
-charged without loss. The panel becomes as many generic cells of 1 cm2 as give the same power at
-standard conditions; what it did not have becomes what does nothing.
+That block had a battery without relaxation, age or cut-offs, and a panel with constant efficiency
+and lossless charging. The panel becomes as many generic cells of 1 cm2 as give the same power at
+standard conditions. Everything else gets neutral values.
 """
 
 from typing import Any
@@ -12,13 +12,13 @@ from lta_config.quantity import UNITS
 
 GENERIC = 'monocrystalline'  # in config/cells: 20 % of 1 cm2
 GENERIC_POWER = 0.020  # W at standard conditions
-STANDARD = 1000.0  # W/m2
+STANDARD = 1000.0  # W/m2, irradiance of standard conditions
 SECONDS_PER_HOUR = 3600.0
 SOURCE = 'assumed: version 2 of the file had none'
 
 
 def nest_energy(energy: Any) -> Any:  # noqa: ANN401 - whatever the file held
-    """Return a flat energy block with its battery, array, charger and loads."""
+    """Return a flat energy block as nested battery, array, charger and loads."""
     if not isinstance(energy, dict) or 'battery' in energy or 'loads' in energy:
         return energy
     rest = dict(energy)
@@ -38,7 +38,7 @@ def nest_energy(energy: Any) -> Any:  # noqa: ANN401 - whatever the file held
 
 
 def _ideal_cell(battery: dict[str, Any]) -> dict[str, Any]:
-    """Return what makes a cell of capacity and resistance alone: new, unwatched, at once."""
+    """Return the further values of an ideal battery: new, without relaxation, usual cut-offs."""
     capacity = _to_si(battery.get('capacity')) or 1.0
     return {
         'relaxation_resistance': _assume_quantity(0.0, 'ohm'),
@@ -47,12 +47,13 @@ def _ideal_cell(battery: dict[str, Any]) -> dict[str, Any]:
         'age': _assume_quantity(0.0, '1'),
         'discharge_cutoff': _assume_quantity(3.0, 'V'),
         'charge_cutoff': _assume_quantity(4.2, 'V'),
+        # A charge rate of 1C
         'charge_current': _assume_quantity(capacity / SECONDS_PER_HOUR, 'A'),
     }
 
 
 def _build_array(area: float | None, efficiency: float | None, _: float | None) -> dict[str, Any]:
-    """Return array and charger that give the power of a panel; nothing where there was none."""
+    """Return array and charger with the power of a panel; empty if there was none."""
     count = round((area or 0.0) * (efficiency or 0.0) * STANDARD / GENERIC_POWER)
     if count == 0:
         return {}
@@ -73,7 +74,7 @@ def _assume_quantity(value: float | list[float], unit: str) -> dict[str, Any]:
 
 
 def _to_si(quantity: Any) -> float | None:  # noqa: ANN401 - whatever the file held
-    """Return a quantity in SI if it is one; the checks of the block say what is wrong with it."""
+    """Return a quantity in SI; None if it is invalid, which validation reports."""
     if not isinstance(quantity, dict):
         return None
     value, unit = quantity.get('value'), quantity.get('unit')

@@ -44,6 +44,7 @@ def encode_cdr(message: Any) -> bytes:  # noqa: ANN401 - a generated class
     """Return a message as CDR with its encapsulation header."""
     out = bytearray(ENCAPSULATION)
     _write_message(out, message)
+    # As rmw does, but always with zeros
     _pad_to_multiple(out, 4)
     return bytes(out)
 
@@ -53,6 +54,7 @@ def _write_message(out: bytearray, message: Any) -> None:  # noqa: ANN401 - a ge
         write(out, getattr(message, name))
 
 
+# Types are inspected once: this is called for every message
 @cache
 def _list_fields(kind: Hashable) -> tuple[tuple[str, Writer], ...]:
     """Return the fields of a message type in order, each with its write function."""
@@ -82,6 +84,7 @@ def _build_number_writer(code: str) -> Writer:
 
     def write(out: bytearray, value: Any) -> None:  # noqa: ANN401 - a number, or one byte
         _pad_to_multiple(out, pack.size)
+        # rclpy represents an octet as bytes of length one
         out.extend(pack.pack(value[0] if isinstance(value, bytes) else value))
 
     return write

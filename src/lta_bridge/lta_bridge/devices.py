@@ -56,6 +56,7 @@ def find_devices(usb: Path = USB, dev: Path = DEV) -> Iterator[UsbDevice]:
         for kind in KINDS:
             if (ids['idVendor'], ids['idProduct']) == (kind.vendor, kind.product):
                 numbers = (_read_text(place / 'busnum'), _read_text(place / 'devnum'))
+                # Such as /dev/bus/usb/001/004
                 path = dev / 'bus/usb' / '/'.join(number.zfill(3) for number in numbers)
                 yield UsbDevice(kind, path, os.access(path, os.R_OK | os.W_OK))
 

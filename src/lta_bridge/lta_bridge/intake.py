@@ -62,6 +62,7 @@ class MessageIntake:
     def covers_topic(self, name: str) -> bool:
         """Return whether an absolute topic belongs to a robot or has no namespace."""
         robot, relative = self.find_owner(name)
+        # Any other namespace belongs to another graph
         return robot is not None or '/' not in relative.lstrip('/')
 
     def build_receiver(self, name: str, type_name: str, clean: Clean) -> Callable[[bytes], None]:
@@ -89,6 +90,7 @@ class MessageIntake:
     def _assign_common_time(self, name: str, data: bytes) -> int:
         """Return the log time of a shared topic's message: the newest of all robots. [ns]"""
         self._common.assign_log_time(name, data)
+        # Never before a message that a robot has sent already
         return max(books.now for books in self._books.values())
 
     def set_due_times(self, robot: str, due: Mapping[str, Sequence[int]]) -> None:
@@ -104,6 +106,7 @@ class MessageIntake:
         wrong = {
             'lost': self._count_by_topic('lost'),
             'lost by the middleware': self._rename_topics(
+                # A queue of depth 1 drops messages by design
                 {name: count for name, count in lost.items() if not self._keeps_only_newest(name)}
             ),
             'dropped': self._rename_topics(self._writer.dropped),

@@ -22,6 +22,7 @@ def read_stamp(data: bytes) -> int | None:
     """Return the header stamp of a serialised message; None if it is truncated. [ns]"""
     if len(data) < _SHORTEST:
         return None
+    # The header comes first in a stamped message, and its stamp first in the header
     seconds, nanoseconds = _STAMP[data[1] & 1].unpack_from(data, _ENCAPSULATION)
     return int(seconds) * 1_000_000_000 + int(nanoseconds)
 
@@ -113,6 +114,7 @@ class MessageAccounting:
             return due[turn]
         if not self._lockstep:
             return self._now
+        # In lockstep message k of a periodic topic is due after k periods and its latency
         return self._table.start_ns + turn * topic.period_ns + topic.latency_ns
 
     def _accept_time(self, published: int) -> bool:
@@ -132,9 +134,11 @@ class MessageAccounting:
     def _count_gap(self, name: str, stamp: int) -> None:
         """Count the messages missing between a topic's last stamp and this one."""
         period = self._table[name].period_ns
+        # In real time the recorder may have joined late, so nothing counts before the first stamp
         first = self._table.start_ns if self._lockstep else stamp
         before = self._last.get(name, first - period)
         missing = (stamp - before) // period - 1
         if missing > 0:
             self.lost[name] = self.lost.get(name, 0) + missing
+        # A late message must not make the next one look like a gap
         self._last[name] = max(before, stamp)

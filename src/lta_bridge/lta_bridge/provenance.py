@@ -28,11 +28,12 @@ def read_commit() -> str:
 def _run_git(*words: str) -> str:
     """Return the output of a git command; raise as `subprocess.run` does."""
     done = subprocess.run(
+        # No lock on the index: several flights may start at once
         ['git', '--no-optional-locks', *words],
         cwd=share_folder(),
         capture_output=True,
         text=True,
-        timeout=5.0,
+        timeout=5.0,  # s
         check=True,
     )
     return done.stdout.strip()
@@ -42,6 +43,7 @@ def hash_config(folder: Path) -> str:
     """Return one SHA-256 over the names and contents of all configuration files in a folder."""
     digest = hashlib.sha256()
     for path in sorted(folder.rglob('*.yaml')):
+        # Names too, so that a renamed file changes the hash
         digest.update(str(path.relative_to(folder)).encode())
         digest.update(path.read_bytes())
     return digest.hexdigest()
@@ -108,11 +110,13 @@ def merge_origins(origins: Mapping[str, Mapping[str, str]]) -> dict[str, str]:
 
     """
     first = next(iter(origins.values()))
+    # The times of creation differ by seconds only; keep one
     every = [{**origin, 'created': first['created']} for origin in origins.values()]
     keys = dict.fromkeys(key for origin in every for key in origin)
     told = {'robots': ' '.join(origins)}
     for key in keys:
         values = {origin.get(key) for origin in every}
+        # Equal for all robots: store it once, without a prefix
         if len(values) == 1:
             told[key] = first[key]
             continue

@@ -64,9 +64,11 @@ class SnapshotScheduler:
             except (StorageFault, ValueError) as fault:
                 saving.fault = str(fault)
             finally:
+                # In any case, or the service that waits for it would block
                 saving.done.set()
 
         self._savings.append(saving)
+        # In the queue behind all messages so far, so that the snapshot contains them
         self._writer.submit(save)
         self._writer.wake_thread()
         return saving
@@ -93,6 +95,7 @@ class SnapshotScheduler:
             Namespaces of the robots whose flight should be over.
 
         """
+        # Infinite time: do not wait for further symptoms of a fault
         found = self._faults.take_new_faults(math.inf)
         if not found and not self._faults.over.issuperset(robots):
             found = [STOPPED]

@@ -84,9 +84,11 @@ def slice_into_discs(hull: EllipsoidShape) -> Iterator[CylinderShape]:
     axis = min(range(3), key=lambda k: abs(half[k - 1] - half[k - 2]))
     across = 0.5 * (half[axis - 1] + half[axis - 2])
     direction: Three = (float(axis == 0), float(axis == 1), float(axis == 2))
+    # URDF cylinders lie along z
     turn = rotation_between(Z, direction)
     for k in range(DISCS):
         low, high = (2.0 * edge / DISCS - 1.0 for edge in (k, k + 1))
+        # Mean of the squared radius over the slice, so that each disc has the slice's volume
         radius = across * math.sqrt(1.0 - (low * low + low * high + high * high) / 3.0)
         middle = half[axis] * 0.5 * (low + high)
         place: Three = (
@@ -100,6 +102,7 @@ def slice_into_discs(hull: EllipsoidShape) -> Iterator[CylinderShape]:
 
 def convert_to_rods(line: LineShape) -> Iterator[CylinderShape]:
     """Yield the strokes of a line as round rods, because URDF has no lines."""
+    # Points are pairs: start and end of each stroke
     for start, end in zip(line.points[::2], line.points[1::2], strict=True):
         length = math.dist(start, end)
         middle = _to_triple([0.5 * (p + q) for p, q in zip(start, end, strict=True)])
@@ -166,6 +169,7 @@ def _build_origin(place: Three, turn: Turn) -> Element:
 
 
 def _format_numbers(values: Sequence[float]) -> str:
+    # Adding 0.0 turns -0.0 into 0
     return ' '.join(f'{value + 0.0:.6g}' for value in values)
 
 

@@ -1,8 +1,8 @@
 """
-Answers in a file that nobody reads by accident.
+Store the answers of a challenge in encoded form, so that nobody reads them by accident.
 
-A line that says what it is, the SHA-256 of the answers, and the answers as JSON, compressed and in
-base64: not secret, only out of sight. Discovery opens no such file; the score does, afterwards.
+The file has three lines: a note, the SHA-256 of the answers, and the answers as compressed JSON
+in base64. It is not encrypted. Only the score reads it, after discovery has run.
 """
 
 import base64
@@ -21,6 +21,7 @@ NAME: Final = 'answers.sealed'
 
 def write_answers(answers: Mapping[str, Any], path: Path) -> str:
     """Write answers and return their SHA-256."""
+    # Sorted keys, so that equal answers have equal digests
     text = json.dumps(answers, sort_keys=True)
     digest = hashlib.sha256(text.encode()).hexdigest()
     data = base64.b64encode(zlib.compress(text.encode(), 9)).decode()
@@ -29,22 +30,23 @@ def write_answers(answers: Mapping[str, Any], path: Path) -> str:
 
 
 def read_digest(path: Path) -> str:
-    """Return the SHA-256 of sealed answers; errors as `read_answers`."""
-    read_answers(path)  # which holds the answers against it
+    """Return the SHA-256 of the answers; raises the errors of `read_answers`."""
+    read_answers(path)  # verifies the digest
     return path.read_text(encoding='utf-8').splitlines()[1]
 
 
 def read_answers(path: Path) -> dict[str, Any]:
     """
-    Return sealed answers.
+    Read the answers.
 
     Raises
     ------
     BadInput
-        If there are none, or they are not what was sealed.
+        If the file cannot be read or was changed.
 
     """
     try:
+        # A wrong number of lines raises ValueError, handled below
         note, digest, data = path.read_text(encoding='utf-8').splitlines()
         text = zlib.decompress(base64.b64decode(data, validate=True)).decode()
     except OSError as error:

@@ -1,4 +1,4 @@
-"""Draw one case of a challenge from its seed and number alone."""
+"""Generate a case of a challenge; it depends on seed, number, row and kind only."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -34,25 +34,25 @@ Array = NDArray[np.float64]
 Draw = np.random.Generator
 
 ROLES: Final[tuple[Role, ...]] = ('train', 'confirm', 'holdout')
-SECONDS: Final = (60.0, 180.0)  # of a flight
-TRIALS: Final = 4  # flights that size what is outside the library, and times that it is drawn
-TILT: Final = 0.05  # rad; a flight begins askew by
+SECONDS: Final = (60.0, 180.0)  # s; range of flight lengths
+TRIALS: Final = 4  # draws of an effect outside the library, and flights that scale each of them
+TILT: Final = 0.05  # rad; standard deviation of the initial tilt
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class ChallengeVehicle:
     """
-    What everybody knows.
+    The vehicle of a challenge, without hidden effects.
 
     Attributes
     ----------
     vehicle : Vehicle
-        As its file has it.
-    nominal : Nominal
-        Its numbers.
-    knobs : list of Knob
-        What can be turned about it.
+        Vehicle of the file.
+    nominal : NominalVehicle
+        Its parameters.
+    knobs : list of FreeParameter
+        Parameters that can be hidden.
 
     """
 
@@ -65,14 +65,14 @@ class ChallengeVehicle:
 @dataclass(frozen=True, slots=True)
 class CaseFlight:
     """
-    One flight.
+    A recorded flight of a case.
 
     Attributes
     ----------
     name, role, course : str
-        Of its bag; what it is for; what is flown.
+        Name of its bag; 'train', 'confirm' or 'holdout'; kind of course.
     streams : mapping of topic to (times, values)
-        What is recorded.
+        Recorded data.
 
     """
 
@@ -85,19 +85,7 @@ class CaseFlight:
 @final
 @dataclass(frozen=True, slots=True)
 class ChallengeCase:
-    """
-    One case.
-
-    Attributes
-    ----------
-    number : int
-        Of it.
-    flights : tuple of Flight
-        What is given.
-    answer : dict
-        What is sealed.
-
-    """
+    """A case: its flights, and the answer that stays hidden until scoring."""
 
     number: int
     flights: tuple[CaseFlight, ...]
@@ -107,20 +95,20 @@ class ChallengeCase:
 @final
 class CaseGenerator:
     """
-    Draws one case.
+    Generator of one case.
 
     Parameters
     ----------
     vehicle : ChallengeVehicle
         The vehicle.
     seed, number : int
-        Of the challenge and the case; nothing else is drawn from.
+        Seed of the challenge and number of the case.
     row_name : str
-        What its flights are like.
+        Kind of flights, see `rows.ROWS`.
     kind : str, optional
-        What is hidden; drawn where nobody asks for one.
+        Kind of hidden effects; random by default.
     seconds : pair of float
-        Between which the lengths of the flights are. [s]
+        Range of flight lengths. [s]
 
     """
 
@@ -135,36 +123,39 @@ class CaseGenerator:
     ) -> None:
         self._vehicle, self._row_name, self._row = vehicle, row_name, find_row(row_name)
         self._number, self._seconds = number, seconds
+        # All random numbers of the case derive from these three numbers
         self._root = [seed, number, self._row.code]
         draw = self._make_generator(0)
         kinds, weights = list(KINDS), list(KINDS.values())
         self.kind: Kind = kind or kinds[int(draw.choice(len(kinds), p=weights))]
 
     def _make_generator(self, part: int) -> Draw:
-        """Return where the chance of one part of the case comes from."""
+        """Return the random generator of one part of the case."""
         return np.random.default_rng([*self._root, part])
 
     def _draw_hidden(self) -> tuple[InjectedEffect, ...]:
-        """Return what is hidden of the library."""
+        """Draw the hidden effects of the library."""
+        # Number of hidden effects of the library
         count = {'clean': 0, 'single': 1, 'pair': 2, 'outside': 0, 'mixed': 1}[self.kind]
         candidates = list_candidates(self._vehicle.knobs, self._row)
         return choose_effects(candidates, count, self._row, self._make_generator(1))
 
     def _build_nominal(self, hidden: tuple[InjectedEffect, ...]) -> NominalVehicle:
-        """Return the vehicle with what is hidden, and off as vehicles are."""
+        """Return the vehicle with the hidden effects and within-tolerance errors."""
         nominal, by_name = self._vehicle.nominal, {knob.name: knob for knob in self._vehicle.knobs}
         for one in hidden:
             nominal = by_name[one.knob].apply_to(nominal, one.value)
         return perturb_vehicle(nominal, self._row.worse, self._make_generator(2))
 
     def generate_case(self, roles: Sequence[str] = ROLES) -> ChallengeCase:
-        """Draw it, and fly all its flights: one for each role, the same whatever follows it."""
+        """Generate the case; the flight of a role does not depend on the roles that follow."""
         hidden = self._draw_hidden()
         nominal, outside, name = self._build_nominal(hidden), dict[str, Any](), ''
         if self._row.structured:
             outside |= draw_structured(self._make_generator(3))
         floors = 0.0
         if self.kind in ('outside', 'mixed'):
+            # Scale the effect in the flights in which it will act
             name, given, floors = self._draw_clear_outside(nominal, outside)
             outside[name] = given
         flights = tuple(
@@ -185,9 +176,10 @@ class CaseGenerator:
     def _draw_clear_outside(
         self, nominal: NominalVehicle, outside: dict[str, Any]
     ) -> tuple[str, dict[str, float], float]:
-        """Return what is outside the library, drawn until the flights show anything of it."""
+        """Draw a detectable effect outside the library: name, parameters, strength."""
         draw = self._make_generator(4)
         for _ in range(TRIALS):
+            # Cases with odd numbers use the late kinds
             name = choose_outside(draw, late=self._number % 2 == 1)
             given, floors = self._size_outside(nominal, outside, name, draw)
             if floors >= FAINT:
@@ -197,23 +189,27 @@ class CaseGenerator:
     def _size_outside(
         self, nominal: NominalVehicle, outside: dict[str, Any], name: str, draw: Draw
     ) -> tuple[dict[str, float], float]:
-        """Return what is outside the library at a drawn strength, and what that came to."""
+        """Scale an effect outside the library to a random strength; return it and its strength."""
         given = draw_outside(name, draw)
         aim = CLEAR[0] * (CLEAR[1] / CLEAR[0]) ** draw.random()
         reached = 0.0
         for trial in range(TRIALS + 1):
             happened = self._simulate_flight(nominal, {**outside, name: given}, 0)[0]
+            # Subtract the model errors of the row 'structured', which are also in `strange`
             other = self._simulate_flight(nominal, outside, 0)[0].strange if outside else 0.0
             reached = wrench_strength(happened.strange - other)
+            # Stop within 25 % of the intended strength; the response to the size may be nonlinear
             if trial == TRIALS or reached == 0.0 or 0.8 < reached / aim < 1.25:
                 break
+            # Limit the step: far from the solution, strength and size are not proportional
             given = scale_outside(name, given, min(max(aim / reached, 0.05), 20.0))
         return given, reached
 
     def _simulate_flight(
         self, nominal: NominalVehicle, outside: dict[str, Any], index: int
     ) -> tuple[TruthTrajectory, TruthVehicle, str, Draw]:
-        """Fly one flight."""
+        """Simulate one flight; its generator goes on into the sensors."""
+        # Parts 0 to 5 belong to the case; each flight has its own generator from 10 on
         draw = self._make_generator(10 + index)
         courses = self._row.courses
         # Flights of a case differ where they can.
@@ -223,6 +219,7 @@ class CaseGenerator:
         seconds = float(draw.uniform(*self._seconds))
         hull = build_truth_vehicle(perturb_flight(nominal, self._row.worse, draw), outside)
         pilot = plan_pilot_inputs(course, round(seconds), self._row.pushed, draw)
+        # Voltage at the start [V]; drop per duty and second [V/s]; drop per duty [V]
         cell = (draw.uniform(3.85, 4.15), 0.0008, 0.06)
         happened = simulate_flight(
             hull,
@@ -237,7 +234,7 @@ class CaseGenerator:
     def _record_flight(
         self, nominal: NominalVehicle, outside: dict[str, Any], index: int, role: str
     ) -> CaseFlight:
-        """Fly and watch one flight."""
+        """Simulate one flight and its sensors."""
         happened, hull, course, draw = self._simulate_flight(nominal, outside, index)
         kinds = Instruments().scale_noise(self._row.worse)
         seen = TruthSensors(
@@ -250,17 +247,19 @@ class CaseGenerator:
             streams['wrench_command'] = (time, happened.commands[:, :6])
         else:
             streams['motors'] = (time, happened.commands[:, :rotors])
+        # Additional flights of a role get a number, so that bag names stay unique
         name = role if index < len(ROLES) else f'{role}_{index + 1}'
         return CaseFlight(name, role, course, streams)
 
 
 def wrench_strength(forces: Array) -> float:
-    """Return how many floors an unexplained wrench comes to on its strongest axis, mean apart."""
+    """Return the largest standard deviation of a wrench over its axes, in noise floors."""
+    # The standard deviation ignores the mean, which trim and lift errors absorb
     return float(np.max(np.std(forces, axis=0) / FLOOR))
 
 
 def nominal_to_dict(nominal: NominalVehicle) -> dict[str, Any]:
-    """Return a vehicle as plain data."""
+    """Return a vehicle as JSON data."""
     return {
         'given': {name: dict(values) for name, values in nominal.given.items()},
         'mass': nominal.mass,

@@ -10,23 +10,23 @@ from lta_challenge.outside import OUTSIDE
 from lta_challenge.rows import find_row, Kind, parse_kind
 from lta_discovery.selection.equivalence_classes import load_class_map
 
-FAR: Final = 3.0  # s; the horizon at which a model is held against the oracle
+FAR: Final = 3.0  # s; forecast horizon at which a model is compared with the oracle
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class ParameterInterval:
     """
-    One parameter that was learned.
+    An estimated parameter with its true value.
 
     Attributes
     ----------
     name : str
-        Of it, with its effect.
+        EFFECT.PARAMETER.
     true, nominal, value : float
-        As it was, as the vehicle file has it, as it was found.
+        True value, value of the vehicle file, and estimate.
     ci95 : pair of float
-        The interval that was given.
+        Reported 95 % interval.
 
     """
 
@@ -43,7 +43,7 @@ class ParameterInterval:
 
     @property
     def error(self) -> float:
-        """How far the value is off, by how far the truth is from the vehicle file."""
+        """Error of the estimate, relative to the change from the vehicle file to the truth."""
         apart = abs(self.true - self.nominal)
         return abs(self.value - self.true) / apart if apart > 0.0 else float('inf')
 
@@ -52,36 +52,36 @@ class ParameterInterval:
 @dataclass(frozen=True, slots=True)
 class ScoredCase:
     """
-    One case.
+    The score of one case.
 
     Attributes
     ----------
     number, kind, row : int, str, str
-        Which.
+        Identification of the case.
     hidden, named : tuple of str
-        Knobs that were hidden, and those that were named.
+        Hidden and named parameters.
     missed, wrong : tuple of str
-        Of the hidden those not named, of the named those that were not hidden; by class.
+        Hidden but not named, and named but not hidden; indistinguishable ones count as one.
     outside : str
-        What was hidden that is in no library, or ''.
+        Hidden kind outside the library, or ''.
     floors : float
-        What that came to, in floors.
+        Its strength in noise floors.
     verdict : str
-        As found.
+        Verdict of the study.
     refused : str
-        Why there was no answer, or ''.
+        Reason why there is no result, or ''.
     sigma : mapping of str to float
-        Strength of each hidden knob.
-    intervals : tuple of Interval
-        Of what was named rightly.
+        Strength of each hidden parameter in standard deviations.
+    intervals : tuple of ParameterInterval
+        Parameters of the correctly named effects.
     errors : mapping of str to float
-        At the horizon: before, tuned, after, oracle, coast, noise. [m]
+        Position errors at the horizon: before, tuned, after, oracle, coast, noise. [m]
     seconds : float
         Processor time of the study. [s]
     promised : tuple of str
-        Of what was missed, that which is larger than what was said to be seen.
+        Missed parameters that exceed the reported detection limit.
     contradictions : tuple of str
-        What the study asserts and retracts.
+        Contradictions between the outputs of the study.
 
     """
 
@@ -105,22 +105,22 @@ class ScoredCase:
 
     @property
     def flagged(self) -> bool:
-        """Whether something was called unexplained."""
+        """Whether the verdict reports an unexplained force."""
         return 'unexplained' in self.verdict
 
     @property
     def late(self) -> bool:
-        """Whether what is outside the library was kept from discovery until it was finished."""
+        """Whether the kind outside the library was written independently of discovery."""
         return self.outside in UNLISTED or (self.outside in OUTSIDE and OUTSIDE[self.outside].late)
 
     @property
     def exact(self) -> bool:
-        """Whether all that was hidden was named, and nothing else."""
+        """Whether all hidden effects were named, and nothing else."""
         return not self.missed and not self.wrong and bool(self.hidden)
 
     @property
     def weakest(self) -> float:
-        """Strength of the weakest hidden effect; 0 where that is not known."""
+        """Strength of the weakest hidden effect; 0 if unknown."""
         return min((self.sigma.get(name, 0.0) for name in self.hidden), default=0.0)
 
     @property
@@ -128,6 +128,7 @@ class ScoredCase:
         """One word: 'exact', 'part', 'wrong', 'silent' or 'refused'."""
         if self.refused:
             return 'refused'
+        # A wrong name outweighs correct ones
         if self.wrong:
             return 'wrong'
         if self.hidden and not self.missed:
@@ -137,27 +138,26 @@ class ScoredCase:
 
 def score_case(number: int, answer: Mapping[str, Any], result: Mapping[str, Any]) -> ScoredCase:
     """
-    Judge one case.
+    Score one case.
 
     Parameters
     ----------
-    number : int
-        Of it.
-    answer, found : mapping
-        As sealed, and as `trial.put` has it.
+    answer, result : mapping
+        Answer of the case, and result of `trial.run_trial`.
 
     """
     one = load_class_map(find_row(answer['row']).data)
 
     def name_of(knob: str) -> str:
+        # Parameters that the data cannot distinguish share the name of their class
         return one.get(knob, knob)
 
     hidden = tuple(each['knob'] for each in answer['hidden'])
     named = tuple(knob for effect in result['effects'] for knob in effect['knobs'])
     true = {name_of(knob) for knob in hidden}
-    told = {name_of(knob) for knob in named}
+    named_classes = {name_of(knob) for knob in named}
     oracle = result.get('oracle', {})
-    missed = tuple(knob for knob in hidden if name_of(knob) not in told)
+    missed = tuple(knob for knob in hidden if name_of(knob) not in named_classes)
     return ScoredCase(
         number,
         parse_kind(answer['kind']),
@@ -182,19 +182,22 @@ def score_case(number: int, answer: Mapping[str, Any], result: Mapping[str, Any]
 def _find_detectable_misses(
     answer: Mapping[str, Any], result: Mapping[str, Any], missed: tuple[str, ...]
 ) -> tuple[str, ...]:
-    """Return what is hidden, larger than the size from which it would be seen, and not named."""
+    """Return the missed parameters that exceed the reported detection limit."""
     size = {each['knob']: abs(float(each['value'])) for each in answer['hidden']}
     least = result.get('detectable', {})
+    # Parameters without a reported limit are not counted as detectable
     return tuple(knob for knob in missed if size[knob] >= least.get(knob, float('inf')))
 
 
 def _collect_intervals(
     answer: Mapping[str, Any], result: Mapping[str, Any], hidden: tuple[str, ...]
 ) -> tuple[ParameterInterval, ...]:
-    """Return the parameters of what was named as it was hidden."""
+    """Return the parameters of the correctly named effects."""
     out, given = [], answer['nominal']['given']
     for effect in result['effects']:
+        # Parameters of this effect that were hidden and named
         moved = {knob.partition('.')[2] for knob in effect['knobs'] if knob in hidden}
+        # A name without a dot, such as motor_lag, stands for all parameters of the effect
         whole = any(knob in hidden and '.' not in knob for knob in effect['knobs'])
         for each in effect['parameters']:
             if each['name'] in moved or whole:
@@ -211,7 +214,7 @@ def _collect_intervals(
 def _collect_errors(
     gaps: list[Mapping[str, Any]], oracle: list[Mapping[str, Any]]
 ) -> dict[str, float]:
-    """Return the errors of position at the horizon, by model."""
+    """Return the position errors at the horizon, by model."""
 
     def select_horizon(some: list[Mapping[str, Any]]) -> Mapping[str, Any]:
         fits = [g for g in some if g['channel'] == 'position' and g['horizon_s'] == FAR]
@@ -227,7 +230,7 @@ def _collect_errors(
 
 
 def confusion_cell(one: ScoredCase) -> tuple[str, str]:
-    """Return the cell of the confusion matrix of a case: what was hidden, what was said."""
+    """Return the cell of a case in the confusion matrix: hidden and named effect."""
     hidden = effect_of(one.hidden[0]) if one.hidden else one.outside or 'nothing'
     if one.refused:
         return hidden, 'no answer'

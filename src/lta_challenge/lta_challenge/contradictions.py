@@ -27,6 +27,7 @@ from rich.console import Console
 
 COLUMNS: Final = 80
 TAG: Final = re.compile('<[^>]+>')
+# Headlines that assert a missing effect; the lookahead excludes guesses and negations
 CLAIMS: Final = re.compile(
     '(?!It may be|Something|Nothing|No effect|These flights).* (is|are) missing'
 )
@@ -56,6 +57,7 @@ class RenderedStudy(NamedTuple):
     @property
     def whole_text(self) -> str:
         """Everything but the JSON."""
+        # The last field is the JSON
         return '\n'.join(self[:-1])
 
 
@@ -117,6 +119,7 @@ def _check_names(finding: DiscoveryFinding, rendered: RenderedStudy) -> Iterator
                 and format_parameter(rival) not in rendered.headline
             ):
                 yield f'the headline does not mention {rival}'
+        # Remove line breaks: a narrow terminal may wrap a long name
         folded = ''.join(rendered.terminal.split())
         if one.name not in folded:
             yield f'{one.name} is truncated on a terminal of {COLUMNS} columns'
@@ -129,6 +132,7 @@ def _check_names(finding: DiscoveryFinding, rendered: RenderedStudy) -> Iterator
     named = {name.partition('.')[0] for one in finding.effects for name in one.knobs}
     for knob in (rung.knob for step in finding.ladder for rung in step):
         heading = f'{format_parameter(knob)} is named'
+        # A parameter may be named in one round and dropped in a later one
         stays = rendered.ladder.count(heading) > rendered.ladder.count(f'{heading}, but dropped')
         if stays and knob.partition('.')[0] not in named:
             yield f'{knob} is named in a round but not in the result'
@@ -161,6 +165,7 @@ def _check_json(finding: DiscoveryFinding, rendered: RenderedStudy) -> Iterator[
     gain = any(words in rendered.headline for words in BETTER)
     if gain != (drawn['gain'] is not None):
         yield 'only one of headline and JSON reports a gain'
+    # The first two phrases are those of an undecided result
     undecided = any(words in rendered.headline for words in DOUBT[:2])
     if drawn['asserted'] != (bool(finding.effects) and not undecided):
         yield 'only one of headline and JSON asserts an effect'

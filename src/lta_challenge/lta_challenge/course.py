@@ -12,30 +12,32 @@ Array = NDArray[np.float64]
 Draw = np.random.Generator
 Course = Callable[[Array, Draw], Array]
 
-SEEN: Final = (0.01, 0.01, 0.02)  # m, rad, m/s: noise of what the pilot sees
-SHAKEN: Final = (0.08, 0.2)  # of a duty; a flight's amplitude
-HOVERED: Final = (0.02, 0.05)  # the same where nothing but hovering is wanted
-EACH: Final = (0.4, 1.2)  # s; a shake lasts
-QUIET: Final = 3.0  # s; at the beginning
+SEEN: Final = (0.01, 0.01, 0.02)  # m, rad, m/s; noise of height, heading and speed for the pilot
+SHAKEN: Final = (0.08, 0.2)  # duty; range of the excitation's amplitude
+HOVERED: Final = (0.02, 0.05)  # duty; the same for hover flights
+EACH: Final = (0.4, 1.2)  # s; duration of each excitation value
+QUIET: Final = 3.0  # s; no excitation at the start
 
 
 def _hold_values(
     time: Array, draw: Draw, each: tuple[float, float], *values: Array
 ) -> list[Array]:
-    """Return values that hold for a while each; `values` have one number a while."""
+    """Return piecewise constant series, with one value per random hold time."""
     edges = np.cumsum(draw.uniform(*each, size=len(values[0])))
     index = np.minimum(np.searchsorted(edges, time, side='right'), len(values[0]) - 1)
     return [value[index] for value in values]
 
 
 def _count_holds(time: Array, least: float) -> int:
-    """Return how many whiles of a least length a flight can have."""
+    """Return the largest number of hold times of a minimum length in a flight."""
+    # One for the rest of the division and one as a margin
     return int(time[-1] / least) + 2
 
 
 def plan_laps(time: Array, draw: Draw) -> Array:
-    """Round and round, now and then the other way."""
+    """Fly circles whose direction changes at random."""
     count = _count_holds(time, 15.0)
+    # rad/s; at 0.3 to 0.7 m/s the radius is between 1 and 6 m
     rate = draw.uniform(0.12, 0.3, count) * draw.choice([-1.0, 1.0], count)
     height, speed = draw.uniform(1.2, 2.0, count), draw.uniform(0.3, 0.7, count)
     high, turning, fast = _hold_values(time, draw, (15.0, 30.0), height, rate, speed)
@@ -43,15 +45,16 @@ def plan_laps(time: Array, draw: Draw) -> Array:
 
 
 def plan_climbs(time: Array, draw: Draw) -> Array:
-    """Up and down, hardly ahead."""
+    """Climb and descend with little forward speed."""
     count = _count_holds(time, 6.0)
     heights, speeds = draw.uniform(1.1, 2.7, count), draw.uniform(0.0, 0.2, count)
     high, fast = _hold_values(time, draw, (6.0, 12.0), heights, speeds)
+    # rad/s; about one full turn in two minutes
     return np.column_stack([high, 0.05 * time, fast])
 
 
 def plan_steps(time: Array, draw: Draw) -> Array:
-    """All at once, every 8 s or so."""
+    """Step height, heading and speed together, about every 8 s."""
     count = _count_holds(time, 6.0)
     heights, turns = draw.uniform(1.2, 2.2, count), np.cumsum(draw.uniform(-2.0, 2.0, count))
     speeds = draw.choice([0.0, 0.3, 0.6], count)
@@ -60,15 +63,16 @@ def plan_steps(time: Array, draw: Draw) -> Array:
 
 
 def plan_hover(time: Array, draw: Draw) -> Array:
-    """Stay."""
+    """Hover at one height and heading."""
     height, heading = draw.uniform(1.2, 1.8), draw.uniform(-3.0, 3.0)
     return np.column_stack([np.full_like(time, height), np.full_like(time, heading), 0.0 * time])
 
 
 def plan_wandering(time: Array, draw: Draw) -> Array:
-    """Now here, now there, smoothly."""
+    """Vary height, heading and speed as smooth random walks."""
 
     def random_walk(size: float, forgets: float) -> Array:
+        # First-order autoregressive process with unit variance and this correlation time
         keep = np.exp(-TICK / forgets)
         noise, out = draw.standard_normal(len(time)), np.empty(len(time))
         now = draw.standard_normal()
@@ -93,24 +97,23 @@ COURSES: Final[dict[str, Course]] = {
 
 def plan_pilot_inputs(course: str, seconds: float, pushed: bool, draw: Draw) -> PilotInputs:
     """
-    Return what the pilot of one flight is told.
+    Plan setpoints, noise and excitation of one flight.
 
     Parameters
     ----------
     course : str
-        Of COURSES.
+        A key of `COURSES`.
     seconds : float
-        Its length. [s]
+        Length of the flight. [s]
     pushed : bool
         Whether the vehicle is commanded by a wrench.
-    draw : Generator
-        Where chance comes from.
 
     """
     time = TICK * np.arange(round(seconds / TICK), dtype=np.float64)
     wanted = COURSES[course](time, draw)
     size = draw.uniform(*(HOVERED if course == 'hover' else SHAKEN))
     count = _count_holds(time, EACH[0])
+    # Draw all six axes in any case, so that the random numbers do not depend on `pushed`
     axes = size * draw.uniform(-1.0, 1.0, (6, count))
     heave, roll, surge, yaw, sway, pitch = _hold_values(time, draw, EACH, *axes)
     shaken = np.zeros((len(time), 8))
@@ -118,6 +121,8 @@ def plan_pilot_inputs(course: str, seconds: float, pushed: bool, draw: Draw) -> 
         # In parts of the limits of surge, sway, heave, roll, pitch, yaw.
         shaken[:, :6] = 2.0 * np.column_stack([surge, sway, heave, roll, pitch, yaw])
     else:
+        # Rotors: up left, up right, forward left, forward right
         shaken[:, :4] = np.column_stack([heave + roll, heave - roll, surge + yaw, surge - yaw])
+    # The flight starts with a tilt, which must settle before the excitation
     shaken[time < QUIET] = 0.0
     return PilotInputs(wanted, draw.standard_normal((len(time), 3)) * SEEN, shaken, pushed)

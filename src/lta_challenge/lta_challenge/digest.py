@@ -23,12 +23,12 @@ LENGTH: Final = 12
 
 
 def _hash_text(text: str) -> str:
-    """Return the beginning of a SHA-256."""
+    """Return the first 12 digits of the SHA-256."""
     return hashlib.sha256(text.encode()).hexdigest()[:LENGTH]
 
 
 def _list_equations(effect: Effect) -> list[Callable[..., Any]]:
-    """Return the functions of an effect."""
+    """Return the functions that define an effect."""
     if isinstance(effect, MeasurementEffect):
         return [effect.reading]
     if isinstance(effect, BodyEffect):
@@ -42,30 +42,33 @@ def _list_equations(effect: Effect) -> list[Callable[..., Any]]:
 
 def _strip_docstrings(text: str) -> str:
     """Return source without its docstrings and layout."""
+    # Parsing and unparsing also removes comments and formatting
     tree = ast.parse(text)
     for node in ast.walk(tree):
         if isinstance(node, ast.FunctionDef) and isinstance(node.body[0], ast.Expr):
+            # A function must have at least one statement
             node.body = node.body[1:] or [ast.Pass()]
     return ast.unparse(tree)
 
 
 def registry_digest(effects: Mapping[str, Effect] = EFFECTS) -> str:
-    """Return what changes with a parameter or an equation of an effect, and with nothing else."""
-    told = []
+    """Return a digest of the parameters and equations of all effects."""
+    described = []
     for name, effect in effects.items():
         extract = SourceExtract()
         for function in _list_equations(effect):
             extract.add_function(function, name)
+        # The source text of a parameter is documentation and does not count
         numbers = [[p.name, p.unit, p.null, p.low, p.high, p.spread] for p in effect.parameters]
-        told.append([name, numbers, _strip_docstrings(extract.render(''))])
-    return _hash_text(json.dumps(told))
+        described.append([name, numbers, _strip_docstrings(extract.render(''))])
+    return _hash_text(json.dumps(described))
 
 
 def vehicle_digest(name: str) -> str:
     """
-    Return what changes with a fact of a vehicle file, and not with its comments.
+    Return a digest of the values in a vehicle file; comments do not change it.
 
-    How the vehicle is flown and how it sees light bear on no study: these stay out.
+    Controller and photodiodes are left out, since discovery does not use them.
     """
     content = yaml.safe_load(find_file('vehicle', name).read_text(encoding='utf-8'))
     content.pop('control', None)

@@ -11,9 +11,9 @@ import numpy as np
 
 Draw = np.random.Generator
 
-STRENGTH: Final = (2.0, 120.0)  # deviations that an effect is to come to
-SIZE: Final = (0.05, 8.0)  # typical sizes, whatever that comes to
-# Beyond these a vehicle no longer flies, or no longer as itself.
+STRENGTH: Final = (2.0, 120.0)  # sigma; range of the intended strength of an effect
+SIZE: Final = (0.05, 8.0)  # typical sizes; limits that have priority over the strength
+# Limits beyond which a vehicle cannot fly, or is no longer the same kind of vehicle
 CAPS: Final[dict[str, tuple[float, float]]] = {
     'steady_wind': (-0.35, 0.35),
     'wind_gradient': (-0.05, 0.05),
@@ -36,40 +36,43 @@ CAPS: Final[dict[str, tuple[float, float]]] = {
     'tracker_misalignment': (-0.4, 0.4),
     'motor_deadband': (0.0, 0.2),
 }
-CLEAR: Final = (4.0, 40.0)  # floors of unexplained force that something outside comes to
-FAINT: Final = 2.0  # floors; what comes to less is drawn again
+CLEAR: Final = (4.0, 40.0)  # noise floors; intended strength of an effect outside the library
+FAINT: Final = 2.0  # noise floors; weaker effects are drawn again
 
 
 @final
 class InjectedEffect(NamedTuple):
-    """A knob of the library, turned."""
+    """A hidden effect: a parameter of the library and its value."""
 
     knob: str
     value: float
 
 
 def effect_of(knob: str) -> str:
-    """Return the effect that a knob is of."""
+    """Return the effect of a parameter 'EFFECT.NAME'."""
     return knob.partition('.')[0]
 
 
 def list_candidates(knobs: Sequence[FreeParameter], row: ChallengeRow) -> list[FreeParameter]:
-    """Return what can be hidden in flights of a row: all that such data say anything of."""
-    told = find_kind_classes(row.data)
+    """Return the parameters that can be hidden: those that the data of a row can show."""
+    classes = find_kind_classes(row.data)
     return [
         knob
         for knob in knobs
-        if knob.typical > 0.0 and knob.name in told.reach and knob.name not in told.unseen
+        if knob.typical > 0.0 and knob.name in classes.reach and knob.name not in classes.unseen
     ]
 
 
 def _draw_size(knob: FreeParameter, row: ChallengeRow, draw: Draw) -> float:
-    """Return how far a knob is turned: for a drawn strength, by what such data showed once."""
+    """Draw the size of a parameter, from a random strength and its known detectability."""
+    # Strength that a change of the typical size had in an earlier study of such data
     reach = find_kind_classes(row.data).reach[knob.name][0]
+    # Log-uniform: as many weak effects as strong ones
     strength = STRENGTH[0] * (STRENGTH[1] / STRENGTH[0]) ** draw.random()
     factor = min(max(strength / max(reach, 1e-3), SIZE[0]), SIZE[1])
     low, high = CAPS.get(effect_of(knob.name), (knob.low, knob.high))
     low, high = max(low, knob.low), min(high, knob.high)
+    # Only signs that the bounds allow
     signs = [sign for sign in (-1.0, 1.0) if (high if sign > 0.0 else -low) > 0.0]
     value = float(draw.choice(signs)) * factor * knob.typical
     return float(min(max(value, low), high))
@@ -78,14 +81,16 @@ def _draw_size(knob: FreeParameter, row: ChallengeRow, draw: Draw) -> float:
 def choose_effects(
     knobs: Sequence[FreeParameter], count: int, row: ChallengeRow, draw: Draw
 ) -> tuple[InjectedEffect, ...]:
-    """Return some hidden effects: each effect as likely as any, no two that are one name."""
+    """Draw distinguishable hidden effects; all effects are equally likely."""
     out: list[InjectedEffect] = []
     while len(out) < count:
+        # Sorted, because the order of a set differs between runs and the draw must be reproducible
         effects = sorted({effect_of(knob.name) for knob in knobs})
         effect = effects[int(draw.integers(len(effects)))]
         own = [knob for knob in knobs if effect_of(knob.name) == effect]
         knob = own[int(draw.integers(len(own)))]
         if any(
+            # Two effects that the data cannot distinguish would count as one
             effect_of(one.knob) == effect or is_same_class(one.knob, knob.name, row.data)
             for one in out
         ):
@@ -95,24 +100,25 @@ def choose_effects(
 
 
 def draw_outside(kind: str, draw: Draw) -> dict[str, float]:
-    """Return parameters of something outside the library, drawn."""
+    """Draw the parameters of an effect outside the library."""
     one = STRANGE[kind]
     given = {name: float(draw.uniform(*between)) for name, between in one.usual.items()}
     return {known.name: given.get(known.name, known.null) for known in one.effect.parameters}
 
 
 def scale_outside(kind: str, parameters: Mapping[str, float], factor: float) -> dict[str, float]:
-    """Return something outside the library at another strength, as far as it can be had."""
+    """Scale an effect outside the library, up to its upper bound."""
+    # The first parameter of every kind is its size
     size = min(parameters['size'] * factor, STRANGE[kind].effect.parameters[0].high)
     return {**parameters, 'size': size}
 
 
 def choose_outside(draw: Draw, *, late: bool) -> str:
-    """Return a kind that is in no library, of those written early or of those written late."""
+    """Draw a kind outside the library, from the early or the late ones."""
     names = sorted(name for name, one in OUTSIDE.items() if one.late == late)
     return names[int(draw.integers(len(names)))]
 
 
 def draw_structured(draw: Draw) -> dict[str, Mapping[str, float]]:
-    """Return what is wrong with the model in all flights of the row 'structured'."""
+    """Draw the model errors that all flights of the row 'structured' have."""
     return {kind: draw_outside(kind, draw) for kind in STRUCTURED}

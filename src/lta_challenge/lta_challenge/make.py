@@ -32,18 +32,18 @@ SCHEMA: Final = 1
 @dataclass(frozen=True, slots=True)
 class ChallengeRequest:
     """
-    What to make.
+    A challenge to generate.
 
     Attributes
     ----------
     seed, count : int
-        Of the challenge; how many cases.
+        Random seed, and number of cases.
     row : str
-        What the flights are like.
+        Kind of flights, see `rows.ROWS`.
     kind : str or None
-        What is hidden; drawn where nothing is asked for.
+        Kind of hidden effects; None draws it for each case.
     seconds : pair of float
-        Between which the lengths of the flights are. [s]
+        Range of flight lengths. [s]
 
     """
 
@@ -56,7 +56,7 @@ class ChallengeRequest:
 
 @cache
 def load_challenge_vehicle() -> ChallengeVehicle:
-    """Return the vehicle of all challenges."""
+    """Load the vehicle that all challenges use."""
     vehicle = load_vehicle(VEHICLE)
     nominal = NominalVehicle.from_vehicle(vehicle)
     return ChallengeVehicle(vehicle, nominal, list_free_parameters(nominal))
@@ -68,7 +68,7 @@ def case_folder(number: int) -> str:
 
 
 def draw_case(order: ChallengeRequest, number: int) -> ChallengeCase:
-    """Draw one case and fly it, with the simulator of its row."""
+    """Generate one case with the simulator of its row."""
     about = load_challenge_vehicle()
     if find_row(order.row).independent:
         return OtherCaseGenerator(
@@ -80,15 +80,16 @@ def draw_case(order: ChallengeRequest, number: int) -> ChallengeCase:
 
 
 def _make_case(order: ChallengeRequest, number: int, folder: Path) -> tuple[int, dict[str, Any]]:
-    """Draw, fly and record one case; return its answer."""
+    """Generate and record one case; return its number and answer."""
     about, case = load_challenge_vehicle(), draw_case(order, number)
     place = folder / case_folder(number)
     place.mkdir(parents=True)
     vehicle = find_file('vehicle', VEHICLE).read_text(encoding='utf-8')
+    # Discovery gets the unchanged vehicle file
     (place / 'vehicle.yaml').write_text(vehicle, encoding='utf-8')
-    told = {'challenge': str(order.seed), 'case': str(number), 'row': order.row}
+    metadata = {'challenge': str(order.seed), 'case': str(number), 'row': order.row}
     for flight in case.flights:
-        write_bag(place / flight.name, flight.streams, about.vehicle.rotor_names, told)
+        write_bag(place / flight.name, flight.streams, about.vehicle.rotor_names, metadata)
     return number, case.answer
 
 
@@ -99,27 +100,28 @@ def make_challenge(
     tell: Callable[[int], None] = lambda _: None,
 ) -> Path:
     """
-    Make a challenge; return the file that says what it is.
+    Generate a challenge; return the path of its description.
 
     Parameters
     ----------
-    order : Order
-        What to make. A case depends on seed, number, row and kind only.
+    order : ChallengeRequest
+        What to generate. A case depends on seed, number, row, kind and flight lengths only.
     folder : Path
-        Where to; empty or not there.
+        New or empty folder.
     jobs : int
-        Processes.
+        Number of processes.
     tell : callable
-        Told how many cases there are, each time there is one more.
+        Called with the number of finished cases after each case.
 
     Raises
     ------
     BadInput
-        If the folder holds anything, or there is no such row.
+        If the folder is not empty, or the row is unknown.
 
     """
     find_row(order.row)
     check_creatable(folder)
+    # The folder appears only when complete: an interrupted run leaves no partial challenge
     with stage_results(folder, NAME) as part:
         _make_cases(order, part, jobs, tell)
     return folder / NAME
@@ -128,7 +130,7 @@ def make_challenge(
 def _make_cases(
     order: ChallengeRequest, part: Path, jobs: int, tell: Callable[[int], None]
 ) -> None:
-    """Make all of a challenge, in whatever order the cases are done."""
+    """Generate all cases in parallel, then write the answers and the description."""
     answers: dict[str, Any] = {}
     cases = [(order, number, part) for number in range(order.count)]
     for number, answer in run_in_workers(_make_case, cases, jobs, '--jobs'):
@@ -152,9 +154,10 @@ def _make_cases(
 
 
 def read_challenge(folder: Path) -> dict[str, Any]:
-    """Return what a challenge says of itself; `BadInput` where there is none."""
+    """Read the description of a challenge; raise `BadInput` if there is none."""
     try:
         found: dict[str, Any] = json.loads((folder / NAME).read_text(encoding='utf-8'))
+        # Check that it is a challenge and not another JSON file of this name
         int(found['cases'])
     except (OSError, ValueError, TypeError, KeyError):
         raise BadInput(

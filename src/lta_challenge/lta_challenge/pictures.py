@@ -15,10 +15,11 @@ LAST: Final = ('nothing', 'unexplained', 'no answer')
 
 
 def plot_confusion(cases: Sequence[ScoredCase]) -> Figure:
-    """Return what was said by what was hidden, of cases with one thing hidden at most."""
+    """Plot named effect against hidden effect, for cases with at most one."""
     cells = Counter(
         confusion_cell(one) for one in cases if one.kind in ('clean', 'single', 'outside')
     )
+    # Effects in alphabetical order, then the special outcomes
     rows = sorted({hidden for hidden, _ in cells} - {'nothing'})
     rows += [name for name in ('nothing',) if any(hidden == name for hidden, _ in cells)]
     columns = sorted({said for _, said in cells} - set(LAST))
@@ -29,6 +30,7 @@ def plot_confusion(cases: Sequence[ScoredCase]) -> Figure:
         Heatmap(
             x=columns,
             y=rows,
+            # None leaves a cell empty; 0 would be coloured
             z=[[count or None for count in line] for line in counts],
             text=[[str(count) if count else '' for count in line] for line in counts],
             texttemplate='%{text}',
@@ -45,7 +47,7 @@ def plot_confusion(cases: Sequence[ScoredCase]) -> Figure:
 
 
 def plot_strength(cases: Sequence[ScoredCase]) -> Figure:
-    """Return how often a single effect is named exactly, wrongly or not, by its strength."""
+    """Plot the share of exact, wrong and missing names against the strength of the effect."""
     figure = create_figure()
     bands = [each for each in count_by_strength(cases) if each.exact.of]
     middles = [
@@ -81,7 +83,7 @@ def plot_strength(cases: Sequence[ScoredCase]) -> Figure:
 
 
 def plot_coverage(cases: Sequence[ScoredCase]) -> Figure:
-    """Return the truth within each interval that was given, in halves of its width."""
+    """Plot the truth minus the estimate, in half widths of the interval."""
     found = [(one.number, each) for one in cases for each in one.intervals]
     figure = create_figure()
     places = []
@@ -91,7 +93,9 @@ def plot_coverage(cases: Sequence[ScoredCase]) -> Figure:
     order = sorted(range(len(found)), key=lambda k: places[k])
     figure.add_trace(
         Scatter(
+            # Empirical distribution: sorted errors against their rank
             x=[100 * (rank + 0.5) / len(found) for rank in range(len(found))],
+            # Clip outliers at four half widths
             y=[max(min(places[k], 4.0), -4.0) for k in order],
             text=[f'{found[k][1].name}, case {found[k][0]}' for k in order],
             mode='markers',

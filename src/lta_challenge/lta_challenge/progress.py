@@ -1,4 +1,4 @@
-"""Share progress bar and process option between the long-running commands."""
+"""Define the progress bar and the option --jobs of the challenge commands."""
 
 from typing import Annotated
 
@@ -13,7 +13,7 @@ Jobs = Annotated[
 
 
 def challenge_bar(console: Console, words: str, total: int) -> ProgressBar:
-    """Return a bar of cases; without a terminal it is told every ten minutes."""
+    """Return a progress bar; without a terminal it prints a line every ten minutes."""
     columns = (TextColumn('{task.description}'), BarColumn(), MofNCompleteColumn())
     return ProgressBar(
         console, *columns, TimeRemainingColumn(), begin=words, total=total, period=600.0

@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-BEGUN: Final = 1_000_000_000  # ns
+BEGUN: Final = 1_000_000_000  # ns; stamp of the start, since a stamp of 0 means "not set"
 QOS: Final = [build_offered_qos('reliable', 'volatile', 10)]
 PUSHED: Final = 'wrench_command'
 POSE: Final = tuple(f'pose.pose.position.{axis}' for axis in 'xyz') + tuple(
     f'pose.pose.orientation.{axis}' for axis in 'xyzw'
 )
-# Where the columns of each topic go.
+# Message fields of the columns of each topic
 COLUMNS: Final[dict[str, tuple[str, ...]]] = {
     'ground_truth/odom': POSE,
     'imu': tuple(
@@ -33,7 +33,7 @@ COLUMNS: Final[dict[str, tuple[str, ...]]] = {
     'battery': ('voltage',),
     PUSHED: tuple(f'wrench.{kind}.{axis}' for kind in ('force', 'torque') for axis in 'xyz'),
 }
-# What a message says besides: a twist and an orientation that nobody knows.
+# Constant fields; a first covariance of -1 marks the twist and the orientation as unknown
 SAID: Final[dict[str, dict[str, Any]]] = {
     'ground_truth/odom': {'child_frame_id': 'base_link', 'twist.covariance[0]': -1.0},
     'imu': {'orientation_covariance[0]': -1.0},
@@ -45,7 +45,8 @@ SAID: Final[dict[str, dict[str, Any]]] = {
 def _encode_messages(
     topic: str, rotors: Sequence[str], time: Array, values: Array
 ) -> tuple[str, Any]:
-    """Return the type of a topic and its messages: time in ns, name, bytes."""
+    """Return the type of a topic and an iterator of its messages (time in ns, name, bytes)."""
+    # The wrench command is not a topic of a flight's graph
     entry = load_topic_table()[topic] if topic != PUSHED else None
     kind, frame = (entry.type, entry.frame) if entry else (WRENCH.type_name, WRENCH.frame)
     given: dict[str, Any] = {'header.frame_id': frame, **SAID.get(topic, {})}
@@ -54,6 +55,7 @@ def _encode_messages(
     if topic == 'motors':
         given['name'], lengths['effort'] = list(rotors), len(rotors)
         columns = tuple(f'effort[{k}]' for k in range(len(rotors)))
+    # All messages of a topic have the same size; fill them in one array operation
     layout = CdrTemplate(kind, given, lengths)
     stamps = BEGUN + np.round(time * 1e9).astype(np.int64)
     numbers: dict[str, Any] = {
@@ -81,13 +83,13 @@ def write_bag(
     Parameters
     ----------
     bag : Path
-        Its folder.
+        Folder of the bag.
     streams : mapping of topic to (times, values)
         Times since the start [s], values as columns.
     rotors : sequence of str
         Names of the actuators.
-    told : mapping of str to str
-        Of its origin.
+    metadata : mapping of str to str
+        Provenance to store in the bag.
 
     """
     with BagWriter(bag, metadata) as writer:
@@ -96,5 +98,6 @@ def write_bag(
             kind, made = _encode_messages(topic, rotors, time, values)
             writer.add_topic(robot_topic(ROBOT, topic), kind, QOS)
             all_made.append(made)
+        # A bag is written in the order of time; each stream is sorted already
         for stamp, name, data in merge(*all_made, key=lambda one: one[0]):
             writer.write(name, data, stamp)

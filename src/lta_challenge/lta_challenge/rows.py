@@ -7,7 +7,7 @@ from lta_config.errors import unknown_name
 from lta_discovery.selection.equivalence_classes import Kind as Data
 
 Kind = Literal['clean', 'single', 'pair', 'outside', 'mixed']
-# How often each is drawn where nobody asks for one.
+# Probabilities of the kinds if none is requested
 KINDS: Final[dict[Kind, float]] = {
     'clean': 0.3,
     'single': 0.25,
@@ -22,28 +22,29 @@ ALL: Final = ('ground_truth/odom', 'imu', 'range', 'pressure', 'battery')
 @dataclass(frozen=True, slots=True)
 class ChallengeRow:
     """
-    What the flights of a row are like.
+    The kind of flights in a row.
 
     Attributes
     ----------
     about : str
-        In words.
+        Description.
     code : int
-        What its chances are drawn from; never changed.
+        Part of the random seed; must never change.
     worse : float
         Factor on tolerances and noise.
     topics : tuple of str
-        What is recorded beside the commands.
+        Recorded topics besides the commands.
     courses : tuple of str
-        What is flown.
+        Keys of `course.COURSES`.
     structured : bool
-        Whether the model is wrong in all flights, clean ones as well.
+        Whether all flights, clean ones included, have a model error.
     pushed : bool
         Whether the vehicle is commanded by a wrench.
     data : str
-        Kind of data by which names are one (`lta_discovery.selection.equivalence_classes`).
+        Kind of data that defines which effects count as one
+        (`lta_discovery.selection.equivalence_classes`).
     independent : bool
-        Whether another simulator flies (`lta_challenge.other`), with a pilot of its own.
+        Whether the flights come from the independent simulator (`lta_challenge.other`).
 
     """
 

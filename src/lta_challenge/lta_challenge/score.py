@@ -33,14 +33,14 @@ NAME: Final = 'score.json'
 @dataclass(frozen=True, slots=True)
 class ChallengeScore:
     """
-    A challenge that has been scored.
+    The score of a challenge.
 
     Attributes
     ----------
     about : dict
-        Of the challenge, with what scored it; its commit is that or those that studied the cases.
-    cases : tuple of Judged
-        In the order of their numbers.
+        Description of the challenge and the versions that analysed its cases.
+    cases : tuple of ScoredCase
+        Cases in the order of their numbers.
 
     """
 
@@ -49,31 +49,34 @@ class ChallengeScore:
 
 
 def build_stamp() -> dict[str, str]:
-    """Return what a result depends on beside its case."""
+    """Return the versions that a stored result depends on."""
     return {'registry': registry_digest(), 'vehicle_digest': vehicle_digest('gtmab')}
 
 
 def _load_result(path: Path, now: dict[str, str]) -> dict[str, Any] | None:
-    """Return a whole result of the present effects and vehicle; None where there is none."""
+    """Return a complete, up-to-date stored result; None if there is none."""
     try:
         found: dict[str, Any] = json.loads(path.read_text(encoding='utf-8'))
     except (OSError, ValueError):
         return None
+    # A result without its oracle was interrupted
     whole = 'oracle' in found or found.get('refused')
     return found if whole and found.get('stamp') == now else None
 
 
 def _run_case(folder: Path, number: int, now: dict[str, str]) -> int:
-    """Put one case to discovery and keep its result."""
+    """Run discovery on one case and store the result."""
     answer = read_answers(folder / SEALED)[str(number)]
     place = folder / RESULTS / f'{number:04d}.json'
+    # `run_trial` writes the finding before it uses the answer
     found = run_trial(folder / case_folder(number), answer, place)
     write_json({**found, 'stamp': now, 'commit': read_commit()}, place)
     return number
 
 
 def _check_complete(folder: Path, todo: Sequence[int], about: dict[str, Any]) -> None:
-    """Refuse a challenge of which a case to study is gone, or whose answers are others."""
+    """Raise `BadInput` if a case is missing or the answers were changed."""
+    # The digest in challenge.json was written when the challenge was made
     if read_digest(folder / SEALED) != about['answers_sha256']:
         raise BadInput(
             f"'{folder / SEALED}' was changed after it was made; make the challenge again."
@@ -90,28 +93,29 @@ def score_challenge(
     tell: Callable[[int, int], None] = lambda _done, _all: None,
 ) -> ChallengeScore:
     """
-    Score a challenge; go on where an earlier run ended.
+    Score a challenge; resume an interrupted run.
 
     Parameters
     ----------
     folder : Path
-        Of the challenge.
+        Folder of the challenge.
     jobs : int
-        Processes.
+        Number of processes.
     most : int, optional
-        Cases to look at, the first of it; all by default.
+        Score only the first cases; all by default.
     tell : callable
-        Told how many cases are done, and how many there are.
+        Called with the numbers of finished and of all cases.
 
     Raises
     ------
     BadInput
-        If there is no challenge, a case of it is gone, or its answers were changed.
+        If there is no challenge, a case is missing, or the answers were changed.
 
     """
     about, now = read_challenge(folder), build_stamp()
     count = min(int(about['cases']), most or int(about['cases']))
     results = folder / RESULTS
+    # Results of other effects or another vehicle file are computed again
     todo = [n for n in range(count) if _load_result(results / f'{n:04d}.json', now) is None]
     _check_complete(folder, todo, about)
     results.mkdir(exist_ok=True)
@@ -127,6 +131,7 @@ def score_challenge(
         found = _load_result(results / f'{number:04d}.json', now)
         assert found is not None
         cases.append(score_case(number, answers[str(number)], found))
+        # A dictionary keeps the order of the commits and removes duplicates
         commits[found['commit']] = None
     return ChallengeScore(
         {**about, **now, 'scored': count, 'commit': ', '.join(commits)}, tuple(cases)
@@ -134,7 +139,7 @@ def score_challenge(
 
 
 def score_to_dict(scored: ChallengeScore) -> dict[str, Any]:
-    """Return a score as plain data."""
+    """Return a score as JSON data."""
     cases = scored.cases
     intervals = [each for one in cases for each in one.intervals]
     return {
@@ -162,12 +167,13 @@ def score_to_dict(scored: ChallengeScore) -> dict[str, Any]:
 
 
 def share_to_dict(share: ShareEstimate) -> dict[str, float | None]:
-    """Return a share as JSON has it."""
+    """Return a share as JSON data."""
     return {name: null_unless_finite(value) for name, value in share._asdict().items()}
 
 
 def null_unless_finite(value: float) -> float | None:
-    """Return a number as JSON has it: None for what is none."""
+    """Return a number, or None if it is not finite."""
+    # Only NaN differs from itself
     return value if value == value and abs(value) != float('inf') else None
 
 

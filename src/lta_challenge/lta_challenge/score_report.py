@@ -103,6 +103,7 @@ def format_outside(cases: Sequence[ScoredCase]) -> list[list[str]]:
     """Return a line for each kind outside the library."""
     out = []
     kinds = {name: (kind.about, kind.late) for name, kind in OUTSIDE.items()}
+    # The kinds of the independent simulator count as late
     kinds |= {name: (kind.about, True) for name, kind in UNLISTED.items()}
     for name, (about, late) in kinds.items():
         own = [one for one in cases if one.outside == name and one.kind == 'outside']
@@ -117,6 +118,7 @@ def format_outside(cases: Sequence[ScoredCase]) -> list[list[str]]:
 
 def format_errors(cases: Sequence[ScoredCase]) -> str:
     """Return the median position errors, from the vehicle file to the oracle."""
+    # A median without cases is NaN
     known = {name: value for name, value in median_errors(cases).items() if math.isfinite(value)}
     steps = ', '.join(f'{name} {1e3 * value:.1f}' for name, value in known.items())
     return f'Position after 3 s on held-out flights, median of cases [mm]: {steps or DASH}.'
@@ -181,6 +183,7 @@ def render_markdown(scores: Sequence[tuple[dict[str, Any], Sequence[ScoredCase]]
             f'(seed {about["seed"]}, flights of {length} s)'
         )
         seeds.setdefault(about['row'], []).append(name)
+    # In the order of `ROWS`, whatever the order of the folders
     rows = {name: by_row[name] for name in ROWS if name in by_row}
     if len(rows) > 1:
         parts += ['## All rows', _format_overview(rows)]
@@ -191,6 +194,7 @@ def render_markdown(scores: Sequence[tuple[dict[str, Any], Sequence[ScoredCase]]
 
 def _format_commits(abouts: Iterable[dict[str, Any]]) -> str:
     """Return the commits at which the cases were analysed."""
+    # A resumed score may have several commits, joined by commas
     known = {one: None for about in abouts for one in about['commit'].split(', ')}
     return ', '.join(f'`{one}`' for one in known)
 

@@ -9,10 +9,10 @@ from lta_challenge.case_score import ScoredCase
 from lta_flight.sweep.statistics import wilson_interval
 import numpy as np
 
-CLEAR: Final = 6.0  # deviations
-WEAK: Final = 3.0
-ORACLE: Final = 1.05
-# Kinds outside the library: those known while discovery was made, and those kept from it.
+CLEAR: Final = 6.0  # sigma; effects from this strength on should be named
+WEAK: Final = 3.0  # sigma
+ORACLE: Final = 1.05  # held-out error relative to the oracle's
+# Kinds outside the library: known during the development of discovery, or written independently
 EARLY: Final = ', early kinds'
 LATE: Final = ', late kinds'
 BANDS: Final = (0.0, 3.0, 6.0, 10.0, 20.0, 50.0, math.inf)
@@ -20,7 +20,7 @@ BANDS: Final = (0.0, 3.0, 6.0, 10.0, 20.0, 50.0, math.inf)
 
 @final
 class ShareEstimate(NamedTuple):
-    """How many of how many, and the share with its 95 % interval; NaN of none."""
+    """A share: counts, value and 95 % interval; NaN if there are no cases."""
 
     hits: int
     of: int
@@ -37,16 +37,16 @@ def estimate_share(hits: int, count: int) -> ShareEstimate:
 @final
 class ScoreFigure(NamedTuple):
     """
-    One figure.
+    A figure of the score.
 
     Attributes
     ----------
     name : str
-        What it counts.
-    share : Counted
-        How many of how many, with Wilson's interval of 95 %.
+        Label.
+    share : ShareEstimate
+        Share with Wilson's 95 % interval.
     least, most : float
-        Between which it is to be; NaN where nothing is asked for.
+        Target range; NaN for no bound.
 
     """
 
@@ -57,17 +57,18 @@ class ScoreFigure(NamedTuple):
 
     @property
     def target_met(self) -> str:
-        """'yes', 'no', or '' where nothing is asked for or there is no case."""
+        """'yes', 'no', or '' without a target or without cases."""
         if self.share.of == 0 or (math.isnan(self.least) and math.isnan(self.most)):
             return ''
         value = self.share.value
+        # The tolerance absorbs rounding, such as 0.97 as 97 / 100
         enough = math.isnan(self.least) or value >= self.least - 1e-12
         few = math.isnan(self.most) or value <= self.most + 1e-12
         return 'yes' if enough and few else 'no'
 
 
 def _count_share(cases: Iterable[ScoredCase], test: Callable[[ScoredCase], bool]) -> ShareEstimate:
-    """Return how many of some cases pass."""
+    """Return the share of cases that pass a test."""
     hits = [test(one) for one in cases]
     return estimate_share(sum(hits), len(hits))
 
@@ -78,32 +79,32 @@ def _select_kind(cases: Sequence[ScoredCase], kind: str) -> list[ScoredCase]:
 
 
 def _select_strength(cases: Sequence[ScoredCase], low: float, high: float) -> list[ScoredCase]:
-    """Return cases of which the weakest hidden effect is that strong."""
+    """Return the cases whose weakest hidden effect is in a range of strengths."""
     return [one for one in cases if low <= one.weakest < high]
 
 
 def _is_exact(one: ScoredCase) -> bool:
-    """Tell whether all that was hidden was named, and nothing else."""
+    """Return whether all hidden effects were named, and nothing else."""
     return one.exact
 
 
 def _has_wrong_name(one: ScoredCase) -> bool:
-    """Tell whether anything was named that was not hidden."""
+    """Return whether an effect was named that was not hidden."""
     return bool(one.wrong)
 
 
 def _has_detectable_miss(one: ScoredCase) -> bool:
-    """Tell whether something was missed that is larger than what was said to be seen."""
+    """Return whether an effect was missed that is larger than the reported detection limit."""
     return bool(one.promised)
 
 
 def _is_flagged(one: ScoredCase) -> bool:
-    """Tell whether something was called unexplained."""
+    """Return whether an unexplained force was reported."""
     return one.flagged
 
 
 def _naming_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
-    """Return the figures of cases in which effects of the library are hidden, or nothing."""
+    """Return the figures of cases with hidden effects of the library, or with none."""
     single, pair, clean = (_select_kind(cases, kind) for kind in ('single', 'pair', 'clean'))
     clear, weak = _select_strength(single, CLEAR, math.inf), _select_strength(single, WEAK, CLEAR)
     both = _select_strength(pair, CLEAR, math.inf)
@@ -137,7 +138,7 @@ def _naming_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
 
 
 def _outside_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
-    """Return the figures of cases in which something is hidden that is in no library."""
+    """Return the figures of cases with an effect outside the library."""
     early = [one for one in cases if one.outside and not one.late]
     late = [one for one in cases if one.late]
     return [
@@ -148,7 +149,7 @@ def _outside_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
 
 
 def _unexplained_figures(cases: Sequence[ScoredCase], when: str = '') -> list[ScoreFigure]:
-    """Return the figures of what is outside alone, and beside an effect that is strong."""
+    """Return the figures of effects outside the library, alone and with a strong effect."""
     outside, strong = (
         _select_kind(cases, 'outside'),
         _select_strength(_select_kind(cases, 'mixed'), CLEAR, math.inf),
@@ -170,9 +171,10 @@ def _unexplained_figures(cases: Sequence[ScoredCase], when: str = '') -> list[Sc
 
 
 def _value_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
-    """Return the figures of intervals and of held-out errors."""
+    """Return the figures of parameter intervals and held-out errors."""
     intervals = [each for one in cases for each in one.intervals]
     covered = estimate_share(sum(each.covers for each in intervals), len(intervals))
+    # Only cases that have both errors can be compared
     near = [one for one in cases if {'after', 'oracle'} <= set(one.errors)]
     near = [one for one in near if one.kind in ('clean', 'single', 'pair')]
     good = _count_share(near, lambda one: one.errors['after'] <= ORACLE * one.errors['oracle'])
@@ -183,7 +185,7 @@ def _value_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
 
 
 def compute_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
-    """Return all figures of some cases of one row."""
+    """Return all figures of the cases of one row."""
     silent = ScoreFigure('no answer', _count_share(cases, lambda one: bool(one.refused)))
     torn = _count_share(cases, lambda one: bool(one.contradictions))
     rest = [silent, ScoreFigure('the study contradicts itself', torn, most=0.0)]
@@ -192,7 +194,7 @@ def compute_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
 
 @final
 class StrengthBand(NamedTuple):
-    """Single effects of some strength: how often exact, wrong, silent."""
+    """Shares of exact, wrong and silent results for single effects in a range of strengths."""
 
     low: float
     high: float
@@ -202,7 +204,7 @@ class StrengthBand(NamedTuple):
 
 
 def count_by_strength(cases: Sequence[ScoredCase]) -> list[StrengthBand]:
-    """Return how often single effects are exact, wrong and silent, by band of strength."""
+    """Return the shares of results for single effects, by band of strength."""
     single = _select_kind(cases, 'single')
     out = []
     for low, high in pairwise(BANDS):
@@ -217,22 +219,24 @@ def count_by_strength(cases: Sequence[ScoredCase]) -> list[StrengthBand]:
 
 
 def finite_median(values: Iterable[float]) -> float:
-    """Return the median; NaN of none."""
+    """Return the median of the finite values; NaN if there are none."""
     known = [value for value in values if math.isfinite(value)]
     return float(np.median(known)) if known else math.nan
 
 
 def median_errors(cases: Sequence[ScoredCase]) -> dict[str, float]:
-    """Return the medians of the errors of cases in which something of the library is hidden."""
+    """Return the median errors of the cases with hidden effects of the library, by model."""
     some = [one.errors for one in cases if one.kind in ('single', 'pair') and one.errors]
+    # From the worst model to the best possible: constant velocity to measurement noise
     names = ('coast', 'before', 'tuned', 'after', 'oracle', 'noise')
     return {name: finite_median(each[name] for each in some if name in each) for name in names}
 
 
 def count_outcomes(cases: Sequence[ScoredCase]) -> dict[str, dict[str, int]]:
-    """Return how often each kind of case came to each outcome."""
+    """Count the outcomes by kind of case."""
     out: dict[str, dict[str, int]] = {}
     for one in cases:
+        # A case may name an effect and report an unexplained force as well
         column = one.outcome + (' + unexplained' if one.flagged else '')
         cells = out.setdefault(one.kind, {})
         cells[column] = cells.get(column, 0) + 1

@@ -1,7 +1,7 @@
 """
-How far a vehicle is off from its file without anything being wrong with it.
+Draw the manufacturing tolerances of a vehicle and the sensor errors of a flight.
 
-Written down here and not taken from the model under test, whose own list says what it believes.
+The standard deviations are defined here independently of the tolerances that discovery assumes.
 """
 
 from dataclasses import replace
@@ -13,39 +13,41 @@ import numpy as np
 
 Draw = np.random.Generator
 
-# Standard deviations: parts of 1, else SI.
+# Standard deviations of a vehicle; relative unless a unit is given
 MASS: Final = 0.01
 INERTIA: Final = 0.04
 DRAG: Final = 0.05
-AIR: Final = 0.05  # that moves with the hull
-THRUST: Final = 0.03
-ROTOR: Final = 0.02
-LAG: Final = 0.006
-DELAY: Final = 0.005
-TOE: Final = math.radians(0.5)
-DEPTH: Final = 0.003
-BESIDE: Final = 0.0005
-# Of each flight anew.
-LIFT: Final = 0.0006
-GYRO: Final = math.radians(0.5)
-SCALE: Final = 0.006
-FORCE: Final = 0.05
-RANGE: Final = 0.008
-DRIFT: Final = 0.002
+AIR: Final = 0.05  # added mass and inertia
+THRUST: Final = 0.03  # common to all rotors
+ROTOR: Final = 0.02  # each rotor
+LAG: Final = 0.006  # s
+DELAY: Final = 0.005  # s
+TOE: Final = math.radians(0.5)  # rad; misalignment of a rotor axis
+DEPTH: Final = 0.003  # m; height of the centre of gravity
+BESIDE: Final = 0.0005  # m; horizontal position of the centre of gravity
+# Standard deviations of a flight
+LIFT: Final = 0.0006  # N
+GYRO: Final = math.radians(0.5)  # rad/s; bias
+SCALE: Final = 0.006  # scale error of the gyroscope
+FORCE: Final = 0.05  # m/s2; bias of the accelerometer
+RANGE: Final = 0.008  # m
+DRIFT: Final = 0.002  # Pa/s; drift of the pressure sensor
 
 
 def _scale_effect(nominal: NominalVehicle, effect: str, part: float, draw: Draw) -> NominalVehicle:
-    """Return a vehicle with each number of an effect off by a part of itself."""
+    """Return a vehicle with a relative error in each parameter of an effect."""
     for name, value in nominal.given.get(effect, {}).items():
         factor = 1.0 + part * float(draw.standard_normal())
+        # Coefficients such as drag must not change their sign
         nominal = nominal.with_value(effect, name, value * max(factor, 0.0))
     return nominal
 
 
 def _perturb_drag(nominal: NominalVehicle, wide: float, draw: Draw) -> NominalVehicle:
-    """Return a vehicle with its drag off; the coefficients that two effects share stay one."""
+    """Return a vehicle with drag errors."""
     for axis in ('surge', 'sway', 'heave'):
         factor = 1.0 + DRAG * wide * float(draw.standard_normal())
+        # One factor per axis: effects that share a coefficient must stay consistent
         for effect in ('linear_drag', 'quadratic_drag', 'cross_flow'):
             if axis in nominal.given.get(effect, {}):
                 now = nominal.parameter_value(effect, axis)
@@ -54,19 +56,21 @@ def _perturb_drag(nominal: NominalVehicle, wide: float, draw: Draw) -> NominalVe
 
 
 def _perturb_mass(nominal: NominalVehicle, wide: float, draw: Draw) -> NominalVehicle:
-    """Return a vehicle with mass (trimmed all the same) and inertia off."""
+    """Return a vehicle with errors of mass and inertia; it is trimmed, so its lift follows."""
     more = nominal.mass * MASS * wide * float(draw.standard_normal())
     factors = np.sqrt(np.maximum(1.0 + INERTIA * wide * draw.standard_normal(3), 0.5))
     return replace(
         nominal,
         mass=nominal.mass + more,
+        # The vehicle is trimmed: more mass is compensated by more lift
         displaced=nominal.displaced + more,
+        # Scaling with an outer product keeps the matrix symmetric and positive definite
         inertia=nominal.inertia * np.outer(factors, factors),
     )
 
 
 def _perturb_rotors(nominal: NominalVehicle, wide: float, draw: Draw) -> NominalVehicle:
-    """Return a vehicle with thrust, toe, lag and delay of its rotors off."""
+    """Return a vehicle with errors of thrust, rotor axes, lag and delay."""
     for i in range(1, len(nominal.rotors) + 1):
         factor = 1.0 + ROTOR * wide * float(draw.standard_normal())
         for c in ('a', 'b'):
@@ -80,8 +84,10 @@ def _perturb_rotors(nominal: NominalVehicle, wide: float, draw: Draw) -> Nominal
     )
     lag = LAG * wide * float(draw.standard_normal())
     for way in ('up', 'down'):
+        # A vehicle without a motor lag gets none, since the lag could become negative
         if nominal.parameter_value('motor_lag', way) > 0.0:
             nominal = _add_to_parameter(nominal, 'motor_lag', way, lag)
+    # A delay cannot be negative
     return _add_to_parameter(
         nominal, 'command_delay', 'delay', abs(DELAY * wide * draw.standard_normal())
     )
@@ -90,22 +96,20 @@ def _perturb_rotors(nominal: NominalVehicle, wide: float, draw: Draw) -> Nominal
 def _add_to_parameter(
     nominal: NominalVehicle, effect: str, name: str, more: float
 ) -> NominalVehicle:
-    """Return a vehicle with something added to a parameter."""
+    """Return a vehicle with an offset of a parameter."""
     return nominal.with_value(effect, name, nominal.parameter_value(effect, name) + float(more))
 
 
 def perturb_vehicle(nominal: NominalVehicle, wide: float, draw: Draw) -> NominalVehicle:
     """
-    Return a vehicle that is off from its file as vehicles are.
+    Return a vehicle with random errors within its tolerances.
 
     Parameters
     ----------
-    nominal : Nominal
-        As its file has it, or with something hidden.
+    nominal : NominalVehicle
+        Vehicle of the file, possibly with hidden effects.
     wide : float
-        Factor on all deviations.
-    draw : Generator
-        Where chance comes from.
+        Factor on all standard deviations.
 
     """
     nominal = _perturb_rotors(
@@ -122,7 +126,7 @@ def perturb_vehicle(nominal: NominalVehicle, wide: float, draw: Draw) -> Nominal
 
 
 def perturb_flight(nominal: NominalVehicle, wide: float, draw: Draw) -> NominalVehicle:
-    """Return a vehicle on one day: its lift and the biases of its sensors."""
+    """Return a vehicle with the errors of one flight: lift and sensor biases."""
     nominal = _add_to_parameter(nominal, 'net_lift', 'force', LIFT * wide * draw.standard_normal())
     for axis in 'xyz':
         nominal = _add_to_parameter(

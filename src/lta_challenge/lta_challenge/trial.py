@@ -25,31 +25,32 @@ from lta_model.vehicle import load_vehicle
 from lta_report.results_folder import write_json
 import numpy as np
 
-BEGIN: Final = 1.3  # floors; of the unexplained force to begin with
-# One case that cannot be answered, or is answered by a defect, must not end hundreds.
+BEGIN: Final = 1.3  # noise floors; initial estimate of the unexplained force
+# A case that cannot be analysed, or hits a defect, must not end a run of hundreds
 FAULTS: Final = (BadInput, ArithmeticError, ValueError, LookupError)
 
 
 def run_trial(folder: Path, answer: Mapping[str, Any], out: Path) -> dict[str, Any]:
     """
-    Study one case, write what was found, and only then look at its answer.
+    Study one case, write the result, and only then use its answer for the oracle.
 
     Parameters
     ----------
     folder : Path
-        Of the case.
+        Folder of the case.
     answer : mapping
-        Of it.
+        Answer of the case.
     out : Path
         File of the result.
 
     Returns
     -------
     dict
-        Plain data: what was found, what it took, and what the oracle says.
+        JSON data: finding, computing time and oracle.
 
     """
     found, made = study_case(folder)
+    # Store the finding before the answer is used, so that it cannot influence the study
     write_json(found, out)
     if made is not None:
         try:
@@ -61,7 +62,8 @@ def run_trial(folder: Path, answer: Mapping[str, Any], out: Path) -> dict[str, A
 
 
 def study_case(folder: Path) -> tuple[dict[str, Any], DiscoveryStudy | None]:
-    """Return what is found in a case as plain data, and the study; None where it was refused."""
+    """Return the finding of a case as JSON data, and the study; None if it was refused."""
+    # Processor time is comparable between runs with different numbers of workers
     wall, cpu = time.monotonic(), time.process_time()
     found: dict[str, Any] = {'refused': ''}
     made = None
@@ -76,7 +78,7 @@ def study_case(folder: Path) -> tuple[dict[str, Any], DiscoveryStudy | None]:
 
 
 def _study_bags(folder: Path) -> DiscoveryStudy:
-    """Return the study of a case: what `lta discover` does with its bags."""
+    """Study a case as `lta discover` does."""
     name = str(folder / 'vehicle.yaml')
     bags: dict[Role, list[Path]] = {role: [folder / role] for role in ROLES}
     vehicle = load_vehicle(name)
@@ -89,7 +91,7 @@ def _study_bags(folder: Path) -> DiscoveryStudy:
 
 
 def _finding_to_dict(study: DiscoveryStudy) -> dict[str, Any]:
-    """Return a finding as plain data."""
+    """Return a finding as JSON data."""
     finding = study.finding
     return {
         'verdict': finding.verdict,
@@ -113,20 +115,13 @@ def _select_gaps(differences: Sequence[PredictionGap]) -> list[dict[str, Any]]:
 
 def compute_oracle(study: DiscoveryStudy, answer: Mapping[str, Any]) -> dict[str, Any]:
     """
-    Return what one would find who knew what was hidden, and not how large.
-
-    Parameters
-    ----------
-    made : Study
-        Of the case.
-    answer : mapping
-        Of the case.
+    Fit the true structure: the oracle knows which effects are hidden, but not their size.
 
     Returns
     -------
     dict
-        'sigma': size of each hidden knob by the deviation with which these flights and the
-        vehicle's own tolerance leave it; 'gaps': errors on the held-out flights.
+        'sigma': size of each hidden parameter, divided by its standard deviation from these
+        flights and the vehicle's tolerance; 'gaps': errors on the held-out flights.
 
     """
     hidden = {one['knob']: float(one['value']) for one in answer['hidden']}
@@ -142,11 +137,12 @@ def compute_oracle(study: DiscoveryStudy, answer: Mapping[str, Any]) -> dict[str
 
 
 def _fit_true_structure(study: DiscoveryStudy, hidden: Mapping[str, float]) -> JointFit:
-    """Fit the flights that teach and confirm with the true structure, from the truth."""
+    """Fit the true structure to the train and confirm flights, starting at the true values."""
     flights = [one.flight for one in study.flights if one.role != 'holdout']
     known, nominal = flights[0].knobs, study.nominal
     fitter = JointFitter(nominal, flights, per_flight_variance(known), wrench_floor(nominal))
     variance = per_flight_variance(known)
+    # Start the fit at the true values; the other parameters start at zero
     at = np.zeros(len(variance))
     for k, knob in enumerate(known):
         at[k] = hidden.get(knob.name, 0.0)
@@ -160,14 +156,16 @@ def _fit_true_structure(study: DiscoveryStudy, hidden: Mapping[str, float]) -> J
 def _compute_sigmas(
     study: DiscoveryStudy, hidden: Mapping[str, float], fits: JointFit
 ) -> dict[str, float]:
-    """Return the strength of each hidden effect in deviations."""
+    """Return the strength of each hidden effect in standard deviations."""
     out = {}
     for k, knob in enumerate(study.flights[0].flight.knobs):
         if knob.name not in hidden:
             continue
         variance = float(fits.fitted.covariance[k, k])
         before = float(fits.prior.covariance[k, k])
+        # Information of the flights alone: subtract that of the prior
         information = max(1.0 / variance - 1.0 / before, 1e-12)
+        # Parameters of a single flight have no vehicle tolerance
         own = 0.0 if knob.per_flight else knob.tolerance
         out[knob.name] = abs(hidden[knob.name]) / float(np.sqrt(1.0 / information + own**2))
     return out

@@ -1,18 +1,18 @@
 """
-The source of the truth: a vehicle in air, composed apart from the model that is put to the test.
+Source of the truth simulator's equations of motion, independent of the model under test.
 
-Of the project it takes the effects' own equations only (`lta_model.effects`): the rest is written
-anew and in another form, so that an error of the model's integrator, rigid body, rotors or command
-path is not in both. The state has the rotation matrix instead of a quaternion, and momentum in the
-axes of the map instead of body velocity. With P the momentum of the body and of the air that moves
-with it, L the same about the hull centre, W the wind there (Kirchhoff; Auton et al. 1988):
+It shares only the equations of the effects (`lta_model.effects`). Rigid body, rotors and command
+path are implemented separately and in another form, so that both do not have the same errors. The
+state has the rotation matrix instead of a quaternion, and momenta in map axes instead of body
+velocities. With P and L the linear and angular momentum of body and added mass about the hull
+centre, and W the wind there (Kirchhoff; Auton et al. 1988):
 
     P = R (m v + w x m r + A (v - R' W)),   L = R (I w + m r x v + A_2 w)
     d/dt P = R F + R (m_d + A) R' DU/Dt - R A R' dW/dt
     d/dt L = R (N - v x p_rb - v_r x A v_r)
 
-DU/Dt and dW/dt are differences of the wind along the way of the air and of the hull. Weight,
-buoyancy and the wrench of the rotors, toed by an exact rotation, are written here as well.
+DU/Dt and dW/dt are finite differences of the wind along the path of the air and of the hull.
+Misaligned rotor axes are rotated exactly.
 """
 
 from typing import Final

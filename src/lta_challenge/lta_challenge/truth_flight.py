@@ -1,19 +1,21 @@
 """
-The flight of the truth: integrator, command path, pilot and battery, as source.
+Source of the truth simulator's integrator, command path, pilot and battery.
 
-Dormand and Prince's fifth-order step, never longer than 5 ms and cut where a command arrives, so
-that a delay acts to the microsecond. Every tick the rotation is drawn back to a rotation.
+The integrator is the fifth-order step of Dormand and Prince, at most 5 ms long. Steps end where a
+command arrives, so that delays are exact. The rotation matrix is orthonormalised every tick.
 
-The pilot is a plain one and not the project's: height, heading and forward speed by proportional,
-integral and rate terms on what a noisy tracker shows, mixed to the rotors by the pseudo-inverse of
-the nominal allocation; what he is asked to shake is added to it.
+The pilot is independent of LTA's controllers. It controls height, heading and forward speed with
+proportional, integral and rate terms on noisy measurements, and allocates by the pseudo-inverse of
+the nominal allocation matrix. The excitation is added to its commands.
 """
 
 from typing import Final
 
-TICK: Final = 0.01  # s; of the pilot, and of what is kept
-LONGEST: Final = 0.005  # s; of a step
-KEPT: Final = 38  # place 3, rotation 9, velocity 3, rates 3, thrust 8, strange 6, voltage, 5 free
+TICK: Final = 0.01  # s; period of the pilot and of the stored samples
+LONGEST: Final = 0.005  # s; largest integrator step
+# Columns of a stored sample: position 3, rotation 9, velocity 3, rates 3, thrust 8, wrench of
+# effects outside the library 6, voltage 1; 5 are unused
+KEPT: Final = 38
 
 ENTRIES: Final = '''
 

@@ -1,9 +1,9 @@
 """
-What tracker and sensors make of a flight: written apart from the project's own sensors.
+Simulate tracker and sensors of a flight, independently of `lta_sim`.
 
-The inertial unit integrates: a rate is the turn within 10 ms, a force the change of its velocity,
-stamped in the middle. The tracker has its own clock, loses the vehicle now and then and mistakes
-it for something else. Noise is a little coloured and everything is rounded as instruments do.
+The IMU integrates over 10 ms: a rate is the rotation, a force the change of velocity, both
+stamped in the middle. The tracker has its own clock, dropouts and outliers. Noise is partly
+coloured, and readings are quantised.
 """
 
 from collections.abc import Mapping
@@ -25,27 +25,27 @@ Streams = Mapping[str, tuple[Array, Array]]
 
 GRAVITY: Final = 9.80665
 GAS: Final = 287.05  # J/(kg K)
-COLOURED: Final = 0.3  # of the noise, remembered for 0.2 s
-REMEMBERED: Final = 0.2  # s
-WALK: Final = 0.02  # Pa by root of a second
-LOST: Final = 2.0  # times a minute
-LONG: Final = 0.3  # s; a loss lasts on average
+COLOURED: Final = 0.3  # amplitude of the coloured part of the noise, relative
+REMEMBERED: Final = 0.2  # s; correlation time of the coloured part
+WALK: Final = 0.02  # Pa/sqrt(s); random walk of the pressure
+LOST: Final = 2.0  # dropouts of the tracker per minute
+LONG: Final = 0.3  # s; mean length of a dropout
 LONGEST: Final = 1.5  # s
-MISTAKEN: Final = 0.0007  # of the poses
-AHEAD: Final = 1.0e-3  # s; standard deviation of what the clocks disagree by after all
-FARTHEST: Final = 4.0  # m, of the range finder
+MISTAKEN: Final = 0.0007  # share of outliers among the poses
+AHEAD: Final = 1.0e-3  # s; standard deviation of the tracker's clock offset
+FARTHEST: Final = 4.0  # m; limit of the range finder
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Instruments:
     """
-    Standard deviations of noise, and steps to which readings are rounded.
+    Noise and resolution of the sensors.
 
     Attributes
     ----------
     place, turn, rates, force, range, pressure, voltage : (float, float)
-        Noise and step. [m, rad, rad/s, m/s2, m, Pa, V]
+        Standard deviation of the noise, and step of rounding. [m, rad, rad/s, m/s2, m, Pa, V]
 
     """
 
@@ -58,7 +58,7 @@ class Instruments:
     voltage: tuple[float, float] = (5e-3, 1e-3)
 
     def scale_noise(self, factor: float) -> 'Instruments':
-        """Return worse ones."""
+        """Return instruments with scaled noise."""
         worse = {
             name: (getattr(self, name)[0] * factor, getattr(self, name)[1])
             for name in self.__slots__
@@ -67,14 +67,17 @@ class Instruments:
 
 
 def add_noise(values: Array, kind: tuple[float, float], apart: float, draw: Draw) -> Array:
-    """Return values with noise, part of it coloured, rounded."""
+    """Add partly coloured noise to values sampled at an interval [s], and round them."""
     size, step = kind
     white = draw.standard_normal(values.shape)
+    # Coefficient of a first-order low-pass filter with unit output variance
     keep = np.exp(-apart / REMEMBERED)
+    # Start in the stationary state, not at zero
     start = draw.standard_normal((1, *values.shape[1:])) * keep
     slow, _ = lfilter(
         [np.sqrt(1.0 - keep**2)], [1.0, -keep], draw.standard_normal(values.shape), 0, start
     )
+    # The weights keep the total variance at size^2
     out = values + size * (np.sqrt(1.0 - COLOURED**2) * white + COLOURED * slow)
     rounded: Array = np.round(out / step) * step if step else out
     return rounded
@@ -83,20 +86,20 @@ def add_noise(values: Array, kind: tuple[float, float], apart: float, draw: Draw
 @final
 class TruthSensors:
     """
-    One flight, looked at.
+    The sensors on one flight.
 
     Parameters
     ----------
-    happened : Happened
+    happened : TruthTrajectory
         The flight.
-    hull : Vessel
-        The vehicle with what its instruments do.
+    hull : TruthVehicle
+        The vehicle, with its measurement effects.
     file : VehicleFile
-        Where they are.
+        Positions of the sensors.
     instruments : Instruments
-        How good they are.
+        Noise and resolution.
     draw : Generator
-        Where chance comes from.
+        Random generator of the flight.
 
     """
 
@@ -112,12 +115,14 @@ class TruthSensors:
         self._kinds, self._draw = instruments, draw
         self._time: Array = TICK * np.arange(len(happened.position), dtype=np.float64)
         self._turns = Rotation.from_matrix(happened.rotation)
+        # Rotation vector of each tick, in body axes
         self._steps = (self._turns[:-1].inv() * self._turns[1:]).as_rotvec()
 
     def measure_pose(self) -> tuple[Array, Array]:
-        """Return place and quaternion x y z w as the tracker has them, where it has them."""
+        """Return positions and quaternions x y z w of the tracker, without dropouts."""
         time = self._time[1:-1]
         ahead = AHEAD * self._draw.standard_normal()
+        # First the error of the tracker's clock, then its delay
         clock = self._hull.apply_measurement('clock', (time + ahead,), time)
         (then,) = self._hull.apply_measurement('pose_time', clock, time)
         place, turn = self._interpolate_pose(np.clip(then, 0.0, self._time[-1] - 1e-6))
@@ -127,6 +132,7 @@ class TruthSensors:
         turn = Rotation.from_quat(np.column_stack(seen[3:])) * Rotation.from_rotvec(wobble)
         mistaken = self._draw.random(len(time)) < MISTAKEN
         count = int(mistaken.sum())
+        # Outliers: 0.3 m and 0.3 rad
         place[mistaken] += 0.3 * self._draw.standard_normal((count, 3))
         quaternion = turn.as_quat()
         if count:
@@ -136,8 +142,9 @@ class TruthSensors:
         return time[kept], np.column_stack([place, quaternion])[kept]
 
     def _draw_dropouts(self, time: Array) -> NDArray[np.bool_]:
-        """Tell when the tracker has lost the vehicle."""
+        """Draw the dropouts of the tracker."""
         lost = np.zeros(len(time), dtype=np.bool_)
+        # Dropouts are a Poisson process
         for _ in range(self._draw.poisson(LOST * time[-1] / 60.0)):
             begin = self._draw.uniform(time[0], time[-1])
             long = min(self._draw.exponential(LONG), LONGEST)
@@ -145,21 +152,25 @@ class TruthSensors:
         return lost
 
     def _interpolate_pose(self, time: Array) -> tuple[Array, Rotation]:
-        """Return place and attitude between ticks: a cubic, and a steady turn."""
+        """Interpolate position (cubic) and attitude (constant rate) between ticks."""
         k = np.minimum((time / TICK).astype(int), len(self._time) - 2)
         f = ((time - self._time[k]) / TICK)[:, None]
         speed = self._turns.apply(self._seen.velocity)
         a, b = self._seen.position[k], self._seen.position[k + 1]
         u, v = TICK * speed[k], TICK * speed[k + 1]
+        # Cubic Hermite polynomial in the fraction f of a tick
         place = a + f * (u + f * (3.0 * (b - a) - 2.0 * u - v + f * (2.0 * (a - b) + u + v)))
         return place, self._turns[k] * Rotation.from_rotvec(f * self._steps[k])
 
     def measure_imu(self) -> tuple[Array, Array]:
-        """Return rates and specific force."""
+        """Return body rates and specific force of the IMU."""
         middle = self._time[:-1] + 0.5 * TICK
         place = np.array(self._file.sensors.imu_position.vector)
+        # Velocity of the IMU itself, away from the hull centre, in the map
         speed = self._turns.apply(self._seen.velocity + np.cross(self._seen.rates, place[None, :]))
+        # Specific force: acceleration minus gravity, which points down
         felt = np.diff(speed, axis=0) / TICK + [0.0, 0.0, GRAVITY]
+        # Attitude in the middle of the tick, at the stamp
         half = self._turns[:-1] * Rotation.from_rotvec(0.5 * self._steps)
         force = self._hull.apply_measurement('force', tuple(half.inv().apply(felt).T), middle)
         rates = self._hull.apply_measurement('rates', tuple((self._steps / TICK).T), middle)
@@ -172,25 +183,28 @@ class TruthSensors:
         return middle, values
 
     def _select_ticks(self, period: float) -> NDArray[np.int64]:
-        """Return ticks a while apart."""
+        """Return the ticks of a sensor with a given period [s]."""
+        # Sensors do not start at the same tick
         first = int(self._draw.integers(0, 5))
         return np.round(np.arange(first, len(self._time), period / TICK)).astype(int)[:-1]
 
     def measure_range(self) -> tuple[Array, Array]:
-        """Return the distance to the floor along the body's axis down; infinite is no return."""
+        """Return the distance to the floor along the body's downward axis; inf for no echo."""
         k = self._select_ticks(0.025)
         place = np.array(self._file.sensors.range_position.vector)
         up = self._seen.rotation[k, 2]
+        # Height of the sensor, divided by the cosine of the tilt
         far = (self._seen.position[k, 2] + up @ place) / up[:, 2]
         (far,) = self._hull.apply_measurement('range', (far,), self._time[k])
         far = add_noise(far, self._kinds.range, 0.025, self._draw)
         return self._time[k], np.where(far < FARTHEST, far, np.inf)[:, None]
 
     def measure_pressure(self) -> tuple[Array, Array]:
-        """Return the pressure where the inertial unit is: isothermal air, weather and noise."""
+        """Return the pressure at the IMU: isothermal air, weather and noise."""
         k = self._select_ticks(0.02)
         place = np.array(self._file.sensors.imu_position.vector)
         height = self._seen.position[k, 2] + self._seen.rotation[k, 2] @ place
+        # Temperature [K] and sea-level pressure [Pa] of the day
         warm, floor = self._draw.normal(291.0, 3.0), self._draw.normal(101325.0, 600.0)
         value = floor * np.exp(-GRAVITY * height / (GAS * warm))
         value += WALK * np.sqrt(0.02) * np.cumsum(self._draw.standard_normal(len(k)))
@@ -198,13 +212,13 @@ class TruthSensors:
         return self._time[k], add_noise(value, self._kinds.pressure, 0.02, self._draw)[:, None]
 
     def measure_voltage(self) -> tuple[Array, Array]:
-        """Return the voltage."""
+        """Return the battery voltage."""
         k = self._select_ticks(0.1)
         volts = add_noise(self._seen.voltage[k], self._kinds.voltage, 0.1, self._draw)
         return self._time[k], volts[:, None]
 
     def record_streams(self) -> Streams:
-        """Return all that is recorded, by topic: times [s] and values."""
+        """Return times [s] and values of all sensors, by topic."""
         return {
             'ground_truth/odom': self.measure_pose(),
             'imu': self.measure_imu(),

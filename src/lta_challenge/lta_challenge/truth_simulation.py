@@ -31,18 +31,18 @@ LIMITS: Final = (0.2, 0.05, 0.2, 0.012, 0.012, 0.012)  # of a commanded wrench [
 @dataclass(frozen=True, slots=True)
 class PilotInputs:
     """
-    What one flight is asked to be.
+    Inputs of the pilot for one flight.
 
     Attributes
     ----------
     wanted : ndarray, shape (n, 3)
-        Height [m], heading [rad] and forward speed [m/s] at each tick.
+        Setpoints of height [m], heading [rad] and forward speed [m/s] at each tick.
     noise : ndarray, shape (n, 3)
-        Of height, heading and speeds as the pilot sees them.
+        Measurement noise of height, heading and speed.
     shaken : ndarray, shape (n, 8)
-        Added to duties [1], or to a wrench in parts of its limits.
+        Excitation added to duties [1], or to a wrench, relative to its limits.
     pushed : bool
-        Whether the vehicle is told a wrench instead of duties.
+        Whether the commands are wrenches instead of duties.
 
     """
 
@@ -56,20 +56,20 @@ class PilotInputs:
 @dataclass(frozen=True, slots=True)
 class TruthTrajectory:
     """
-    A flight as it was, every 10 ms.
+    The true trajectory of a flight, every 10 ms.
 
     Attributes
     ----------
     position, rotation, velocity, rates : ndarray, shape (n, 3), (n, 3, 3), (n, 3), (n, 3)
-        In the map; body to map; body axes.
+        Position in the map; body to map; velocity and rates in body axes.
     thrust : ndarray, shape (n, 8)
-        Of each rotor [N], or the wrench that was obeyed.
+        Thrust of each rotor [N], or the applied wrench.
     strange : ndarray, shape (n, 6)
-        What is in no library pushed with, body axes. [N, N m]
+        Wrench of effects outside the library in body axes. [N, N m]
     voltage : ndarray, shape (n,)
-        Of the battery. [V]
+        Battery voltage. [V]
     commands : ndarray, shape (n, 8)
-        As given.
+        Commands of the pilot.
 
     """
 
@@ -84,7 +84,7 @@ class TruthTrajectory:
 
 
 def wind_at(hull: TruthVehicle, place: Array) -> Array:
-    """Return the wind at a place, in the map. [m/s]"""
+    """Return the wind at a position in the map. [m/s]"""
     parts, out = compose_truth(), np.zeros(3)
     for name, effect in parts.all_effects.items():
         if isinstance(effect, AirEffect) and hull.on[parts.flag_index(name)]:
@@ -93,15 +93,17 @@ def wind_at(hull: TruthVehicle, place: Array) -> Array:
             x, y, z = place.tolist()
             u, v, w = out.tolist()
             seen = AirEffectInput((x, y, z), (0.0, 0.0, 0.0), (u, v, w), ())
+            # Effects act in sequence: each sees the wind of the previous ones
             out += effect.air(p, (), seen)[:3]
     return out
 
 
 def initial_state(hull: TruthVehicle, height: float, tilt: Sequence[float]) -> Array:
-    """Return the state of a vehicle that hangs still over the origin, a little askew."""
+    """Return the state of a vehicle at rest above the origin, with a small tilt."""
     y = np.concatenate([np.zeros(RIGID), compose_truth().initial_memory])
     y[2] = height
     axis = np.array(tilt)
+    # The columns of a rotation matrix are the rotated unit vectors
     rotation = np.column_stack([rotate_vector(axis, e) for e in np.eye(3)])
     y[3:12] = rotation.ravel()
     # Still over the ground is moving through the air, which shares in the momentum.
@@ -120,30 +122,33 @@ def simulate_flight(
     longest: float = LONGEST,
 ) -> TruthTrajectory:
     """
-    Fly.
+    Simulate a flight.
 
     Parameters
     ----------
-    hull : Vessel
-        The vehicle as it is.
-    pilot : Pilot
-        What it is asked to do.
-    known : Nominal
-        The vehicle as its pilot knows it.
+    hull : TruthVehicle
+        The true vehicle.
+    pilot : PilotInputs
+        Setpoints and excitation.
+    nominal : NominalVehicle
+        The vehicle that the pilot assumes.
     height : float
-        To begin at. [m]
+        Initial height. [m]
     tilt : 3 floats
-        Axis and angle that the attitude begins with. [rad]
+        Initial attitude as a rotation vector. [rad]
     cell : 3 floats
-        Voltage when full [V], its loss by a duty second [V/s] and by a duty [V].
+        Full voltage [V], and its loss per duty and second [V/s] and per duty [V].
     longest : float
-        Step of the integrator. [s]
+        Largest integrator step. [s]
 
     """
     count, rotors = len(pilot.wanted), len(nominal.rotors)
     commands, kept = np.zeros((count, ACTUATORS)), np.zeros((count, KEPT))
+    # Columns: surge, heave, yaw and roll
     wanted = allocation_matrix(nominal)[:, [0, 2, 5, 3]]  # a mix for these must leave roll alone
+    # The pilot commands surge, heave and yaw; roll is zero, so its column is dropped
     mixing = np.linalg.pinv(wanted.T)[:, :3]
+    # All rotors of the nominal vehicle have the thrust curve of the first
     curve = np.array([nominal.parameter_value('thrust_curve', f'{c}_1') for c in 'ab'])
     around = np.zeros(SURROUNDINGS)
     compile_truth(rotors).fly(
@@ -152,6 +157,7 @@ def simulate_flight(
         pilot.shaken, np.array(GAINS), np.ascontiguousarray(mixing), curve, np.array(LIMITS),
         hull.command_delay, np.array(cell), longest, commands, kept,
     )  # fmt: skip
+    # A hidden effect may be strong enough to destabilise the flight
     if not np.isfinite(kept).all():
         raise BadInput('A generated flight diverged; choose smaller effects.')
     return TruthTrajectory(

@@ -21,7 +21,7 @@ from lta_model.effects.protocol import (
 )
 from lta_model.state import ACTUATORS
 
-# Written here, or not in a free flight of a vehicle with a plain hull.
+# Effects that the truth implements itself, or that do not occur in free flight of a bare hull
 APART: Final = frozenset(
     {
         'weight_and_buoyancy', 'rotor_thrust', 'rotor_misalignment', 'floor_contact', 'walls',
@@ -34,7 +34,7 @@ RIGID: Final = 18  # position, rotation matrix, momentum, angular momentum
 
 
 def _tuple_source(name: str, first: int, count: int) -> str:
-    """Return the source of a tuple of neighbours in an array."""
+    """Return the source text of a tuple of adjacent array elements."""
     return '(' + ''.join(f'{name}[{first + k}], ' for k in range(count)).rstrip() + ')'
 
 
@@ -42,14 +42,14 @@ def _tuple_source(name: str, first: int, count: int) -> str:
 @dataclass(frozen=True, slots=False)
 class TruthModel:
     """
-    What the truth consists of, and where its numbers are.
+    The effects of the truth simulator and the layout of its arrays.
 
     Attributes
     ----------
     effects : mapping of str to effect
-        Of the library.
+        Effects of the library.
     strange : mapping of str to WrenchEffect
-        Those that are in no library.
+        Effects outside the library.
 
     """
 
@@ -58,12 +58,12 @@ class TruthModel:
 
     @cached_property
     def all_effects(self) -> dict[str, KernelEffect]:
-        """All of them, those of the library first."""
+        """All effects, those of the library first."""
         return {**self.effects, **self.strange}
 
     @cached_property
     def parameter_offsets(self) -> dict[str, int]:
-        """Where the parameters of each begin."""
+        """Index of the first parameter of each effect."""
         out, count = {}, 0
         for name, effect in self.all_effects.items():
             out[name] = count
@@ -72,22 +72,23 @@ class TruthModel:
 
     @cached_property
     def parameter_count(self) -> int:
-        """How many parameters there are."""
+        """Number of all parameters."""
         return sum(len(effect.parameters) for effect in self.all_effects.values())
 
     @cached_property
     def memory_offsets(self) -> dict[str, int]:
-        """Where the memory of each begins."""
+        """Index of the first memory element of each effect in the state."""
         out, count = {}, RIGID
         for name, effect in self.all_effects.items():
             out[name] = count
+            # Actuator effects have a memory for each rotor
             each = ACTUATORS if isinstance(effect, ActuatorEffect) else 1
             count += each * len(effect.memory)
         return out
 
     @cached_property
     def initial_memory(self) -> tuple[float, ...]:
-        """What all memories begin with."""
+        """Initial values of all memories."""
         return tuple(
             value
             for effect in self.all_effects.values()
@@ -97,15 +98,15 @@ class TruthModel:
 
     @property
     def state_size(self) -> int:
-        """How many numbers a state has."""
+        """Number of elements in the state."""
         return RIGID + len(self.initial_memory)
 
     def flag_index(self, name: str) -> int:
-        """Return the place of an effect's flag."""
+        """Return the index of an effect's flag."""
         return list(self.all_effects).index(name)
 
     def _air_lines(self, extract: SourceExtract) -> list[str]:
-        """Return the lines that add up the wind."""
+        """Return the source lines that sum the wind."""
         lines = []
         for name, effect in self.all_effects.items():
             if isinstance(effect, AirEffect):
@@ -119,12 +120,13 @@ class TruthModel:
         return lines
 
     def _actuator_lines(self, extract: SourceExtract) -> list[str]:
-        """Return the lines that take a command through one rotor."""
+        """Return the source lines that convert a command to the thrust of one rotor."""
         lines = []
         for name, effect in self.all_effects.items():
             if not isinstance(effect, ActuatorEffect):
                 continue
             first, shared = self.parameter_offsets[name], len(effect.shared)
+            # First the parameters shared by all rotors, then a block for each per-rotor parameter
             parts = [f'p[{first + k}]' for k in range(shared)]
             parts += [f'p[{first + shared + ACTUATORS * k} + j]' for k in range(len(effect.each))]
             size, place = len(effect.memory), self.memory_offsets[name]
@@ -144,7 +146,7 @@ class TruthModel:
         return lines
 
     def _wrench_lines(self, extract: SourceExtract) -> list[str]:
-        """Return the lines that add up forces and moments."""
+        """Return the source lines that sum forces and moments."""
         lines = []
         for name, effect in self.all_effects.items():
             if not isinstance(effect, WrenchEffect):
@@ -156,6 +158,7 @@ class TruthModel:
                 f'    q, m = {p}, {m}',
                 f'    e = {extract.add_function(effect.wrench, name)}(q, m, motion, u)',
             ]
+            # Record the wrench of effects outside the library separately, to measure its strength
             if name in self.strange:
                 lines.append('    for k in range(6): extra[k] += e[k]')
             else:
@@ -169,16 +172,16 @@ class TruthModel:
 
     def render_source(self, own: str, rotors: int, entries: str) -> str:
         """
-        Return the text of the truth.
+        Generate the source of the simulator.
 
         Parameters
         ----------
         own : str
-            Decorator of its functions.
+            Decorator of internal functions.
         rotors : int
-            How many the vehicle has.
+            Number of rotors.
         entries : str
-            What is called from outside.
+            Source of the functions that Python calls.
 
         """
         extract = SourceExtract()
@@ -188,6 +191,7 @@ class TruthModel:
             'wrenches': (self._wrench_lines(extract), 1),
         }
         texts = {
+            # Indent the lines to their depth in the template
             name: '\n'.join('    ' * depth + line for line in lines)
             for name, (lines, depth) in parts.items()
         }
@@ -202,6 +206,7 @@ class TruthModel:
             size=self.state_size,
             motion=repr(VehicleMotion._fields),
             place=repr(AirEffectInput._fields),
+            # Without wind, the differences of the wind are skipped
             windy=' or '.join(winds) or 'False',
             functions=extract.render(own),
             **texts,
@@ -209,7 +214,7 @@ class TruthModel:
 
 
 def library_effects() -> dict[str, KernelEffect]:
-    """Return the effects of the library that the truth takes the equations of."""
+    """Return the library effects whose equations the truth uses."""
     return {
         name: effect
         for name, effect in EFFECTS.items()

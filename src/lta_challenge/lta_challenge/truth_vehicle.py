@@ -1,4 +1,4 @@
-"""Convert a vehicle to the numbers that the truth simulator uses."""
+"""Convert a vehicle to the arrays that the truth simulator uses."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -35,13 +35,13 @@ ENTRY = "@njit(error_model='numpy', cache=True)"
 
 @cache
 def compose_truth() -> TruthModel:
-    """Return what the truth consists of."""
+    """Return the effects of the truth simulator."""
     return TruthModel(library_effects(), {name: one.effect for name, one in STRANGE.items()})
 
 
 @cache
 def compile_truth(rotors: int) -> ModuleType:
-    """Return the truth of a vehicle with some rotors, compiled at its first flight."""
+    """Return the simulator for a number of rotors; it is compiled at its first flight."""
     return load_kernel(
         compose_truth().render_source(OWN, rotors, ENTRIES.replace('$entry', ENTRY))
     )
@@ -51,20 +51,20 @@ def compile_truth(rotors: int) -> ModuleType:
 @dataclass(frozen=True, slots=True)
 class TruthVehicle:
     """
-    What the compiled truth takes of one vehicle.
+    The arrays of one vehicle for the compiled simulator.
 
     Attributes
     ----------
     parameters, on : ndarray
-        Of the effects.
+        Parameters of all effects, and flags of the active effects.
     body, inverse : ndarray, shape (BODY,) and (6, 6)
-        As `lta_model.state` lays it out; inverse of the mass matrix.
+        Body in the layout of `lta_model.state`, and the inverse of the mass matrix.
     lift : ndarray, shape (1,)
         Gravity. [m/s2]
     allocation : ndarray, shape (rotors, 6)
-        Wrench by newton of each rotor, toed as it is.
+        Wrench per newton of each rotor, misalignment included.
     readings : mapping of str to tuple
-        The measurement effects that act on each channel, with their parameters.
+        Measurement effects of each channel, with their parameters.
 
     """
 
@@ -78,11 +78,12 @@ class TruthVehicle:
 
     @property
     def command_delay(self) -> float:
-        """How late a command is obeyed. [s]"""
+        """Delay from a command to its effect. [s]"""
+        # The effect shifts a time backwards, so the delay is its negative value at zero
         return -float(self.apply_measurement('command_time', (0.0,), 0.0)[0])
 
     def apply_measurement(self, channel: str, values: tuple, time: object) -> tuple:  # type: ignore[type-arg]
-        """Return what becomes of a reading, numbers or arrays."""
+        """Apply the measurement effects of a channel to readings (numbers or arrays)."""
         for effect, p in self.readings.get(channel, ()):
             values = effect.reading(p, values, time)  # type: ignore[arg-type]
         return values
@@ -94,7 +95,7 @@ def skew_matrix(a: Array) -> Array:
 
 
 def rotate_vector(axis: Array, vector: Array) -> Array:
-    """Return a vector turned by the length of an axis about it (Rodrigues)."""
+    """Rotate a vector by a rotation vector (Rodrigues)."""
     angle = float(np.linalg.norm(axis))
     if angle == 0.0:
         return vector
@@ -106,7 +107,9 @@ def rotate_vector(axis: Array, vector: Array) -> Array:
 def _build_rigid_body(nominal: NominalVehicle) -> RigidBody:
     """Return the rigid body about the hull centre, with the effects that change it."""
     r, mass = np.asarray(nominal.cg), nominal.mass
+    # Steiner: from the centre of gravity to the hull centre
     about = nominal.inertia + mass * (r @ r * np.eye(3) - np.outer(r, r))
+    # xx, yy, zz, xy, xz, yz
     six = tuple(float(about[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
     x, y, z = (mass * r).tolist()
     rigid = RigidBody(mass, (x, y, z), six, nominal.displaced)  # type: ignore[arg-type]
@@ -141,7 +144,7 @@ def _mass_matrix(rigid: RigidBody, added: Array) -> Array:
 
 
 def allocation_matrix(nominal: NominalVehicle) -> Array:
-    """Return the wrench of each rotor by newton; its axis turned as far as it is off."""
+    """Return the wrench per newton of each rotor, with its axis misaligned."""
     rows = []
     for i, (place, axis) in enumerate(nominal.rotors, start=1):
         row = np.array([nominal.parameter_value('rotor_thrust', f'{name}_{i}') for name in AXES])
@@ -149,9 +152,11 @@ def allocation_matrix(nominal: NominalVehicle) -> Array:
             nominal.parameter_value('rotor_misalignment', f'{turn}_{i}')
             for turn in ('first', 'second')
         )
+        # First perpendicular axis: from body y for upright rotors and from body z for the others
         upright = axis[2] ** 2 > 0.5
         e_1 = np.cross([0.0, 1.0, 0.0] if upright else [0.0, 0.0, 1.0], axis)
         e_1 /= np.linalg.norm(e_1)
+        # Change of the thrust direction, which is added to the column
         more = rotate_vector(first * e_1 + second * np.cross(axis, e_1), axis) - axis
         rows.append(row + np.concatenate([more, np.cross(place, more)]))
     return np.array(rows)
@@ -160,7 +165,7 @@ def allocation_matrix(nominal: NominalVehicle) -> Array:
 def _collect_readings(
     nominal: NominalVehicle,
 ) -> dict[str, tuple[tuple[MeasurementEffect, Values], ...]]:
-    """Return the measurement effects that are on, by channel."""
+    """Return the active measurement effects by channel."""
     out: dict[str, tuple[tuple[MeasurementEffect, Values], ...]] = {}
     for name, effect in EFFECTS.items():
         if isinstance(effect, MeasurementEffect) and name in nominal.given:
@@ -172,7 +177,7 @@ def _collect_readings(
 def _collect_parameters(
     nominal: NominalVehicle, strange: Strange
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Return parameters and flags of all effects of the truth."""
+    """Return parameters and flags of all effects."""
     parts, values, on = compose_truth(), list[float](), list[bool]()
     for name, effect in parts.all_effects.items():
         if name in parts.strange:
@@ -180,6 +185,7 @@ def _collect_parameters(
             own = [given.get(known.name, known.null) for known in effect.parameters]
         else:
             own = [nominal.parameter_value(name, known.name) for known in effect.parameters]
+        # An effect with null values is skipped, so it costs no time
         differs = any(x != p.null for x, p in zip(own, effect.parameters, strict=True))
         values += own
         on.append(differs)
@@ -187,7 +193,8 @@ def _collect_parameters(
 
 
 def _check_effects(nominal: NominalVehicle) -> None:
-    """Refuse a vehicle with an effect that the truth does not have."""
+    """Raise `BadInput` if the vehicle has an effect that the simulator lacks."""
+    # Implemented by the truth itself, or (floor contact) without effect in flight
     own = {'weight_and_buoyancy', 'rotor_thrust', 'rotor_misalignment', 'floor_contact'}
     for name in APART - own:
         effect = EFFECTS[name]
@@ -201,19 +208,17 @@ def _check_effects(nominal: NominalVehicle) -> None:
 
 def build_truth_vehicle(nominal: NominalVehicle, strange: Strange | None = None) -> TruthVehicle:
     """
-    Return a vehicle as the truth flies it.
+    Build the arrays of a vehicle for the truth simulator.
 
     Parameters
     ----------
-    nominal : Nominal
-        Its numbers.
     strange : mapping
-        Parameters of effects that are in no library, by name.
+        Parameters of effects outside the library, by name.
 
     Raises
     ------
     BadInput
-        If it has an effect that the truth does not know.
+        If the vehicle has an effect that the simulator lacks.
 
     """
     _check_effects(nominal)
@@ -223,6 +228,7 @@ def build_truth_vehicle(nominal: NominalVehicle, strange: Strange | None = None)
     own = (rigid.mass, *rigid.moment, *rigid.inertia, *added, rigid.displaced)
     body[: len(own)] = own
     for k, (place, axis) in enumerate(nominal.rotors):
+        # After 17 numbers of the body: position and axis of each rotor
         body[17 + 6 * k : 23 + 6 * k] = np.concatenate([place, axis])
     return TruthVehicle(
         parameters,

@@ -53,6 +53,7 @@ class Verb:
     def read_docstring(self) -> str:
         """Return the verb's docstring without importing it."""
         path = FOLDER / f'{self.file.replace(".", "/")}.py'
+        # Parsing takes a millisecond; importing the verb may take a second
         for node in ast.parse(path.read_text(encoding='utf-8')).body:
             if isinstance(node, ast.FunctionDef) and node.name == self.name:
                 return ast.get_docstring(node) or ''
@@ -182,10 +183,13 @@ def build_app(words: Sequence[str] | None = None) -> typer.Typer:
         cls=OrderedGroup,
         epilog=EPILOG,
         no_args_is_help=True,
+        # No option --install-completion in the help
         add_completion=False,
         rich_markup_mode='rich',
+        # Plain tracebacks can be copied into a report
         pretty_exceptions_enable=False,
     )
+    # A callback makes Typer keep the verb as a subcommand, even if it is the only one
     app.callback()(root_options)
     add_verbs(app, VERBS, words)
     return app
@@ -198,11 +202,13 @@ def add_verbs(
     if words is None:
         for name, verb in verbs.items():
             add_verb(app, name, verb, None)
+    # The usual case: only this verb is imported
     elif words and words[0] in verbs:
         add_verb(app, words[0], verbs[words[0]], words[1:])
     else:
         for name, verb in verbs.items():
             text = verb.about if isinstance(verb, VerbGroup) else join_lines(verb.read_docstring())
+            # A placeholder that shows the help text but cannot run
             app.command(name, context_settings=ANYTHING, help=text)(require_verb)
 
 
@@ -219,6 +225,7 @@ def add_verb(
     try:
         function = verb.load()
     except ModuleNotFoundError as missing:
+        # A missing module of ours is a defect and must stay visible
         if not is_ros_module(missing.name):
             raise
         app.command(name, context_settings=ANYTHING, help=format_help(refuse_without_ros))(
@@ -237,11 +244,14 @@ def repeat_options(words: Sequence[str]) -> list[str]:
     """Expand `--train A B` to `--train A --train B`, the form that Click accepts."""
     verb = VERBS.get(words[0]) if words else None
     if isinstance(verb, VerbGroup):
+        # In a group, the second word names the verb
         verb = verb.verbs.get(words[1]) if len(words) > 1 else None
     several = verb.several if isinstance(verb, Verb) else ()
     out: list[str] = []
     for k, word in enumerate(words):
+        # The option that precedes this word
         option = next((w for w in reversed(words[:k]) if w.startswith('-')), '')
+        # The first value follows its option directly; repeat the option before each further value
         if option in several and not word.startswith('-') and words[k - 1] != option:
             out.append(option)
         out.append(word)
@@ -255,6 +265,7 @@ def format_help(does: object) -> str:
 
 def join_lines(text: str) -> str:
     """Remove the line breaks within paragraphs, so that the terminal can wrap the text."""
+    # Empty lines separate paragraphs
     return '\n\n'.join(' '.join(paragraph.split()) for paragraph in text.split('\n\n'))
 
 
@@ -262,6 +273,7 @@ def print_version(requested: bool) -> None:
     """Print the version and exit, if `--version` was given."""
     if requested:
         sys.stdout.write(f'lta {VERSION}\n')
+        # Is handled in `run_command_line`; nothing else runs
         raise typer.Exit
 
 
@@ -285,6 +297,7 @@ def run_command_line(loaded: Callable[[], None] = lambda: None) -> int:
         words = repeat_options(sys.argv[1:])
         app = build_app(words)
         loaded()
+        # Without standalone mode, Click returns or raises instead of calling sys.exit
         return app(words, prog_name='lta', standalone_mode=False) or 0
     except BadInput as error:
         sys.stderr.write(f'{error}\n')
@@ -292,6 +305,7 @@ def run_command_line(loaded: Callable[[], None] = lambda: None) -> int:
     except KeyboardInterrupt:
         return STOPPED
     except typer.Exit as leave:
+        # Verbs set statuses other than 0 and 2 this way
         return leave.exit_code
     except ModuleNotFoundError as missing:
         if not is_ros_module(missing.name):
@@ -299,6 +313,7 @@ def run_command_line(loaded: Callable[[], None] = lambda: None) -> int:
         sys.stderr.write(f'{missing_ros_error(missing)}\n')
         return 2
     except OSError as error:
+        # Other errors are defects and keep their traceback
         if error.filename is None or error.errno not in UNUSABLE:
             raise
         sys.stderr.write(f"'{error.filename}' cannot be used ({error.strerror}).\n")

@@ -21,12 +21,14 @@ MIDDLEWARE = 'RMW_IMPLEMENTATION'
 
 def main() -> NoReturn:
     """Run the command line and exit with its status."""
+    # Read the dispositions once: the handlers below replace them
     heeded = [number for number in SIGNALS if signal.getsignal(number) != signal.SIG_IGN]
     for number in heeded:  # signals that the parent ignores (nohup: SIGHUP) stay ignored
         signal.signal(number, _exit_at_once)
     # The lta script blocks SIGINT while Python starts; a pending one is delivered here.
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     ignore_broken_pipes()
+    # Check before the imports load rclpy
     if (message := describe_wrong_middleware()) is not None:
         sys.stderr.write(f'{message}\n')
         sys.exit(2)
@@ -36,6 +38,7 @@ def main() -> NoReturn:
 
     def stop(number: int, _: object) -> NoReturn:
         caught.append(number)
+        # All three signals end a flight in the same, clean way
         raise KeyboardInterrupt
 
     def heed() -> None:
@@ -53,12 +56,15 @@ def main() -> NoReturn:
         signal.signal(number, signal.SIG_IGN)  # the run is over; only the exit remains
     if result == STOPPED:
         sys.stderr.write('Stopped.\n')
+        # The convention of shells for a process that ended by a signal
         result = 128 + (caught[0] if caught else signal.SIGINT)
+    # Skips the interpreter teardown, which takes up to a second
     exit_process(result)
 
 
 def describe_wrong_middleware() -> str | None:
     """Return a message if the requested RMW is not installed: rcl would abort the process."""
+    # An empty list means that ROS 2 is not installed; its own message is better
     name, installed = os.environ.get(MIDDLEWARE), list_middlewares()
     if not name or not installed or name in installed:
         return None
@@ -67,5 +73,6 @@ def describe_wrong_middleware() -> str | None:
 
 def _exit_at_once(number: int, _: object) -> None:
     """Exit immediately: nothing has been started yet."""
+    # Unbuffered: `os._exit` does not flush streams
     os.write(sys.stderr.fileno(), b'Stopped.\n')
     os._exit(128 + number)

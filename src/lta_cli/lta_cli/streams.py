@@ -22,6 +22,7 @@ class BrokenPipeFile(io.FileIO):
         except OSError as error:
             if error.errno not in GONE:
                 raise
+            # Report all bytes as written, so that the buffer is emptied
             return len(memoryview(data))
 
 
@@ -34,8 +35,10 @@ def ignore_broken_pipes() -> None:
 def wrap_stream(stream: TextIO) -> TextIO:
     """Return a stream on the same descriptor that a closed pipe does not break."""
     return io.TextIOWrapper(
+        # Do not close the descriptor: the original stream still owns it
         io.BufferedWriter(BrokenPipeFile(stream.fileno(), 'w', closefd=False)),
         encoding=stream.encoding,
         errors=stream.errors,
+        # Progress and results appear immediately, also in a pipe
         line_buffering=True,
     )

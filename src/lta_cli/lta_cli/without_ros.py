@@ -14,6 +14,7 @@ ANYTHING: Final = {'allow_extra_args': True, 'ignore_unknown_options': True}
 def is_ros_module(module: str | None) -> bool:
     """Return whether a missing module belongs to ROS 2."""
     top = (module or '').split('.')[0]
+    # Message packages end in _msgs by convention
     return top in ROS or top.endswith('_msgs')
 
 

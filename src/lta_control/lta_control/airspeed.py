@@ -62,6 +62,7 @@ def airspeed_step(
     # Coriolis terms: the body frame turns under the velocity.
     model_x = (force[0] - _axis_drag(hull, 0, model_surge) + my * yaw_rate * model_sway) / mx
     model_y = (force[1] - _axis_drag(hull, 1, model_sway) - mx * yaw_rate * model_surge) / my
+    # Measured acceleration plus a pull towards the model
     rate_x = acceleration[0] + yaw_rate * sway + (model_surge - surge) / trust
     rate_y = acceleration[1] - yaw_rate * surge + (model_sway - sway) / trust
     return AirspeedEstimate(

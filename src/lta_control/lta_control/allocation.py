@@ -100,6 +100,7 @@ def allocate(
     numbers and is overwritten.
     """
     s, count, low, high = scratch, rotors.number, rotors.low, rotors.high
+    # One round: step to the minimum over the free rotors, stop at the first limit on the way
     _write_problem(rotors, wrench, start, s)
     for _ in range(ROUNDS):
         _write_gradient(count, s)
@@ -109,10 +110,12 @@ def allocate(
             moved = s[THRUSTS + j] + share * s[STEP + j]
             s[THRUSTS + j] = min(max(moved, low[j]), high[j])
         if stop >= 0:
+            # Exactly at the limit, free of rounding, and no longer free to move
             s[THRUSTS + stop] = high[stop] if s[STEP + stop] > 0.0 else low[stop]
             s[FREE + stop] = 0.0
             continue
         _write_gradient(count, s)
+        # At the constrained minimum: release a rotor whose multiplier points inward, or finish
         stop = _find_rotor_to_free(rotors, s)
         if stop < 0:
             break
@@ -126,11 +129,13 @@ def _write_problem(rotors: Rotors, wrench: Wrench, start: PerRotor, s: Scratch) 
     weights, ridge = rotors.weights, 0.0
     for j in range(count):
         for k in range(count):
+            # Normal equations: B^T W B t = B^T W wrench
             s[STIFFNESS + SLOTS * j + k] = _weighted_product(weights, columns[j], columns[k])
         ridge += RIDGE * s[STIFFNESS + SLOTS * j + j] / count
     for j in range(count):
         thrust = min(max(start[j], low[j]), high[j])
         s[THRUSTS + j] = thrust
+        # The ridge pulls towards the start, so undetermined thrusts do not drift
         s[TARGET + j] = _weighted_product(weights, columns[j], wrench) + ridge * thrust
         s[STIFFNESS + SLOTS * j + j] += ridge
         s[FREE + j] = 1.0 if low[j] < thrust < high[j] else 0.0
@@ -160,6 +165,7 @@ def _solve_step(count: int, s: Scratch) -> None:
                 s[RIGHT + k] -= factor * s[RIGHT + j]
                 for i in range(j, count):
                     s[ROWS + SLOTS * k + i] -= factor * s[ROWS + SLOTS * j + i]
+    # Back substitution
     for j in range(count - 1, -1, -1):
         pivot = s[ROWS + SLOTS * j + j]
         if s[FREE + j] > 0.0 and pivot > 0.0:
@@ -240,5 +246,6 @@ def thrusts_to_duties(rotors: Rotors, thrusts: PerRotor) -> PerRotor:
 
 
 def _slot_duty(rotors: Rotors, thrust: float, slot: int) -> float:
+    # The curve is that of forward thrust: convert a reverse thrust to it first
     forward = thrust if thrust >= 0.0 else thrust / rotors.reverse[slot]
     return thrust_to_duty(forward, rotors.a[slot], rotors.b[slot])

@@ -51,6 +51,7 @@ def predict_altitude(
     """
     p00, p01, p02, p11, p12, p22 = state.p
     q = noise * noise
+    # Constant acceleration over the step: its noise enters height and climb rate together
     half = 0.5 * dt * dt
     return AltitudeEstimate(
         state.height + dt * state.climb + half * acceleration,
@@ -77,6 +78,7 @@ def correct_altitude(
     [m] `with_offset` is True where the sensor measures height plus the pressure offset.
     """
     p00, p01, p02, p11, p12, p22 = state.p
+    # Measurement row H = (1, 0, c)
     c = 1.0 if with_offset else 0.0
     h0, h1, h2 = p00 + c * p02, p01 + c * p12, p02 + c * p22  # P H^T
     size = h0 + c * h2 + noise * noise

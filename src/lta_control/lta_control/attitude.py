@@ -40,11 +40,13 @@ def attitude_step(
     wx, wy, wz = rates
     if size > 0.0:
         # Correction: cross product of measured and estimated up direction.
+        # Normalised: only the direction of the specific force counts
         k = gain / size
         wx += k * (fy * uz - fz * uy)
         wy += k * (fz * ux - fx * uz)
         wz += k * (fx * uy - fy * ux)
     x, y, z, w = q
+    # Quaternion kinematics q' = q * (w, 0) / 2, one Euler step
     h = 0.5 * dt
     nx = x + h * (w * wx + y * wz - z * wy)
     ny = y + h * (w * wy + z * wx - x * wz)

@@ -70,6 +70,7 @@ class Autopilot:
         self._scratch = np.zeros(SCRATCH)
         self._count = drone.rotors.number
         self._step = compile_core(onboard_step, layout, MEMORY, HEARD)
+        # Packing into the buffer is faster than assigning array elements
         self._pack = struct.Struct(f'{HEARD.size}d').pack_into
 
     def step(
@@ -88,6 +89,7 @@ class Autopilot:
     def set_setpoint(self, setpoint: Setpoint) -> None:
         """Set the setpoint for the next step."""
         self._memory[SETPOINT] = setpoint
+        # The memory is one float array: 1.0 is True
         self._memory[GUIDED] = 1.0
 
     def override_duties(self, duties: tuple[float, ...]) -> None:

@@ -120,6 +120,7 @@ def compute_biases(rest: RestSums, height: float, air_density: float) -> SensorB
     n = 1.0 * rest.samples
     return SensorBiases(
         (rest.rates[0] / n, rest.rates[1] / n, rest.rates[2] / n),
+        # At rest on level ground the true specific force is +g along body z
         (rest.force[0] / n, rest.force[1] / n, rest.force[2] / n - STANDARD_GRAVITY),
         # Reduced to the floor with the hydrostatic equation.
         rest.pressure / rest.pressures + air_density * STANDARD_GRAVITY * height,

@@ -120,6 +120,7 @@ def slope_step(slope: SlopeEstimate, value: float, dt: float) -> SlopeEstimate:
     """Return the slope after one more measurement: a first-order filtered difference."""
     if math.isnan(slope.value):
         return SlopeEstimate(value, 0.0)
+    # First-order low-pass (backward Euler)
     share = dt / (SLOPE_TIME + dt)
     return SlopeEstimate(value, slope.rate + share * ((value - slope.value) / dt - slope.rate))
 
@@ -158,14 +159,17 @@ def steer_to_course(
 
     """
     moving = 1.0 if setpoint.speed > 0.0 else 0.0
+    # Angle from the course to the nose
     off = moving * wrap_angle(measured.heading - setpoint.heading)
     cos, sin = math.cos(off), math.sin(off)
+    # Airspeed in the axes of the course
     along = cos * measured.speed - sin * measured.sway
     across = sin * measured.speed + cos * measured.sway
     lean = min(max(gains.drift_gain * across, -gains.drift_limit), gains.drift_limit)
     heading = setpoint.heading - moving * lean
     error = abs(wrap_angle(heading - measured.heading))
     wanted = min(setpoint.speed, gains.speed_limit)
+    # Turn first: no forward speed until the heading error is below `turn_first`
     speed = wanted * max(0.0, 1.0 - error / gains.turn_first)
     return heading, speed, along, cos
 
@@ -222,6 +226,7 @@ def cascade_step(
     )
     # The feed-forward comes after the PID, so that its limit bounds the correction only.
     surge += drag_force(surge_drag[0], surge_drag[1], speed)
+    # Above the setpoint less surge; the damping term afterwards is always kept
     surge *= _surge_share(gains, measured, setpoint)
     surge += gains.swing_gain * measured.pitch_rate
     climb = gains.altitude_kp * (setpoint.altitude - measured.altitude)

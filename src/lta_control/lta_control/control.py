@@ -61,6 +61,7 @@ def control_step(
     # Surge, heave and yaw only: sway, roll and pitch are not controlled.
     wrench = (demand.surge, 0.0, demand.heave, 0.0, 0.0, demand.yaw)
     thrusts, given = allocate(rotors, wrench, memory.thrusts, scratch)
+    # Delivered minus demanded, for the anti-windup of the next step
     shortfall = WrenchDemand(
         given[0] - demand.surge, given[2] - demand.heave, given[5] - demand.yaw
     )
@@ -87,4 +88,5 @@ def step_duration(last_ns: int | None, now_ns: int, period_ns: int) -> float:
     """
     if last_ns is None:
         return period_ns * 1e-9
+    # The upper bound limits the jump of integrals and filters after a long gap
     return min(max(now_ns - last_ns, period_ns // 10), 10 * period_ns) * 1e-9

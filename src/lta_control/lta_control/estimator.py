@@ -139,6 +139,7 @@ def estimator_step(
     """Return the estimate after one IMU sample and the other measurements of the step."""
     if not state.ready:
         return _calibrate_at_rest(settings, body, state, inputs, dt)
+    # Order: attitude first, because removing gravity from the force needs it
     rates = _subtract_vectors(inputs.rates, state.biases.rates)
     force = _subtract_vectors(inputs.force, state.biases.force)
     attitude = attitude_step(state.attitude, rates, force, settings.gravity_gain, dt)
@@ -150,6 +151,7 @@ def estimator_step(
         ),
         swing,
     )
+    # The drag model needs the thrust now, not the commanded one
     duties = _lag_duties(body, state.duties, inputs.duties, dt)
     airspeed = airspeed_step(
         body.hull,
@@ -189,6 +191,7 @@ def _calibrate_at_rest(
     altitude = correct_altitude(state.altitude, height, settings.altitude.range_noise, False)
     ready, biases = False, state.biases
     if rested >= settings.rest_time and rest.pressures > 0:
+        # Checked before it is accepted: a moving or tilted drone must not define the biases
         candidate = compute_biases(rest, height, settings.air_density)
         turns, long = (
             is_turning(candidate, body.rate_bias),
@@ -258,11 +261,13 @@ def _update_altitude(
     )
     if math.isfinite(inputs.pressure):
         drop = state.biases.pressure - inputs.pressure
+        # Hydrostatic equation; the density is constant over the height of a room
         height = drop / (settings.air_density * STANDARD_GRAVITY)
         altitude = correct_altitude(altitude, height, weights.pressure_noise, True)
     # Beyond 60 degrees of tilt the beam no longer points at the floor.
     if math.isfinite(inputs.range) and up[2] > 0.5:
         px, py, pz = body.range_position
+        # Height of the sensor above the hull centre; the slant range times cos(tilt) is its height
         below = px * up[0] + py * up[1] + pz * up[2]
         altitude = correct_altitude(
             altitude, inputs.range * up[2] - below, weights.range_noise, False
@@ -293,6 +298,7 @@ def _lag_share(lag: float, dt: float) -> float:
 
 
 def _follow_command(before: float, commanded: float, up: float, down: float) -> float:
+    # Spinning up and coasting down may have different time constants
     share = up if abs(commanded) > abs(before) else down
     return before + share * (commanded - before)
 
@@ -301,6 +307,7 @@ def _rotor_force(body: EstimatorModel, duties: PerRotor) -> tuple[float, float]:
     """Return the rotors' force along body x and y. [N]."""
     fx = fy = 0.0
     for j in range(body.number):
+        # T = a u^2 + b u, odd in u
         thrust = (body.a[j] * abs(duties[j]) + body.b[j]) * duties[j]
         fx += body.allocation[j][0] * thrust
         fy += body.allocation[j][1] * thrust

@@ -37,6 +37,7 @@ def load_law_gains(kind: type[Gains], name: str) -> Gains:
     path = find_file('gains', name)
     content = load_yaml(path)
     try:
+        # The file has the layout of a ROS parameter file for the controller node
         return kind.model_validate(content['/**/controller']['ros__parameters']['gains'])
     except ValidationError as error:
         raise BadInput(f'{path}: {format_error(error)}') from None

@@ -57,6 +57,7 @@ def step_estimator(
     """Return the estimate one step later, or the old one if an input is not finite."""
     p, q, r = inputs.rates
     x, y, z = inputs.force
+    # A sum is finite only if every term is
     if math.isfinite(p + q + r) and math.isfinite(x + y + z):
         return estimator_step(constants.estimator, constants.body, memory, inputs, constants.dt)
     return memory
@@ -88,6 +89,7 @@ def motion_from_tracker(
 
     """
     yaw = yaw_from_quaternion(_motion_quaternion(start))
+    # Relative to the start, in axes along its heading, like the estimator's odom frame
     x, y = rotate_level(-yaw, truth[0] - start[0], truth[1] - start[1])
     a, b, c, d = truth[3:7]
     # Remove the start's yaw: multiply the attitude by a rotation of -yaw about z.
@@ -161,6 +163,7 @@ class LawAutopilot:
     def receive_tracking(self, truth: tuple[float, ...]) -> None:
         """Take the tracker's measurement, position to rates, for the next step."""
         self._truth = truth[:TRUTH]
+        # The first tracked motion defines the frame
         self._start = self._start or self._truth
 
     def set_setpoint(self, setpoint: Setpoint) -> None:
@@ -187,6 +190,7 @@ class LawAutopilot:
         if motion is None or self._setpoint is None:
             return self._rest
         setpoint = self._setpoint
+        # In the order of `LawInputs`
         numbers = (*motion.position, *motion.attitude, *motion.velocity, *motion.rates, *setpoint)
         upright = up_in_body(motion.attitude)[2]
         if not math.isfinite(sum(numbers)) or upright < self._upright:

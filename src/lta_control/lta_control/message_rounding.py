@@ -36,6 +36,7 @@ def air_relative_velocity(estimate: MotionEstimate) -> Vector:
     ux, uy, uz = up_in_body(estimate.attitude)
     surge, sway = estimate.airspeed.surge, estimate.airspeed.sway
     climb = estimate.altitude.climb
+    # Solve climb = up . velocity for the heave
     return surge, sway, (climb - (ux * surge + uy * sway)) / uz if uz > LEVEL else climb
 
 

@@ -99,8 +99,10 @@ def from_estimate(stamp: Time, estimate: MotionEstimate) -> Odometry:
     if not estimate.ready:
         pose_covariance[0] = twist_covariance[0] = UNKNOWN
     else:
+        # Row-major 6 x 6, order x y z roll pitch yaw: diagonal at 0, 7, 14, 21, 28, 35
         pose_covariance[0] = pose_covariance[7] = START_SIGMA**2 + (DRIFT * estimate.flown) ** 2
         pose_covariance[14] = estimate.altitude.p[0]
+        # [rad2] Roll and pitch are bounded by gravity; yaw drifts with the gyroscope
         pose_covariance[21] = pose_covariance[28] = 0.02**2
         pose_covariance[35] = (YAW_DRIFT * estimate.flown) ** 2
         twist_covariance[0] = twist_covariance[7] = SPEED_SIGMA**2
@@ -207,6 +209,7 @@ def to_lamp(message: PoseWithCovarianceStamped) -> LampPosition | None:
     place, covariance = message.pose.pose.position, message.pose.covariance
     if covariance[0] == UNKNOWN or find_fault(message):
         return None
+    # xx, xy, yy of the row-major 6 x 6 matrix
     spread = float(covariance[0]), float(covariance[1]), float(covariance[7])
     return LampPosition(place.x, place.y, place.z, spread)
 
@@ -222,6 +225,7 @@ def to_diodes(
     """
     if message is None or message.width == 0 or message.height == 0 or find_fault(message):
         return (), ()
+    # All fields are float32: index of each field in a point
     places = {field.name: field.offset // 4 for field in message.fields}
     known = all(4 * places.get(name, math.inf) < message.point_step for name in ROW)
     if not known or message.point_step % 4:

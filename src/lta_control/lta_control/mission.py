@@ -98,7 +98,7 @@ def mission_step(
             phase=Phase.CLIMB,
             memory=strategy.start(sight.heading),
             heading=sight.heading,
-            start=sight.position,
+            start=sight.position,  # for a later return
         )
     if mission.phase == Phase.CLIMB and altitude > settings.altitude - settings.reached:
         mission = mission._replace(phase=Phase.SEEK)
@@ -150,12 +150,14 @@ def _listen_for_next(
 ) -> Mission:
     """Return the mission after one more block of listening on a route of several lamps."""
     turns = mission.turns + 1
+    # Consecutive blocks only: one block without the lamp starts the count again
     received = mission.heard + 1 if sight.seen and turns > SWITCHING else 0
     mission = mission._replace(turns=turns, heard=received)
     if mission.phase != Phase.ARRIVED or mission.leg + 1 == lamps:
         return mission
     time = turns * sight.interval
     if mission.asked == mission.leg:
+        # After an unsuccessful attempt, stay with the current lamp for a while
         wait = settings.again if mission.refused else 0.0
         if time < wait:
             return mission

@@ -136,6 +136,7 @@ def _must_stop(
     if known:
         upright = up_in_body(estimate.attitude)[2] >= drone.uprightness
         return not upright or (memory.guided and not _is_finite(memory.setpoint))
+    # Unknown values stop the motors only once the drone flies by setpoints
     return memory.guided
 
 

@@ -54,5 +54,6 @@ def pid_step(
     kp, ki, kd, low, high = gains
     wanted = kp * error + integral - kd * rate
     output = min(max(wanted, low), high)
+    # Tracking time kp / ki
     unwind = ki / kp if kp > 0.0 else 0.0
     return output, integral + dt * (ki * error + unwind * (output - wanted + shortfall))

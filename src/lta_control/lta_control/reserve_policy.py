@@ -46,10 +46,12 @@ def apply_reserve(
         return mission
     # During the climb the drone is still near its start, so it lands at once.
     if order == FlightPermission.RESERVE and mission.phase != Phase.CLIMB:
+        # Continue to the lamp; the landing follows on arrival
         if rule.action == ReserveAction.PERCH and mission.phase == Phase.SEEK:
             return mission
         if rule.action == ReserveAction.RETURN and speed > 0.0:
             way = distance_to_start(mission.start, sight.position)
+            # A time limit, because a head wind may make the start unreachable
             left = rule.turning + rule.patience * way / speed
             return mission._replace(phase=Phase.HOME, left=left)
     return mission._replace(phase=Phase.LAND)

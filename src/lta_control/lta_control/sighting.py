@@ -123,6 +123,7 @@ def bearing_deviation(lamp: LampPosition) -> float:
         return math.pi
     xx, xy, yy = lamp.spread
     x, y = lamp.x, lamp.y
+    # Variance along and across the ray: quadratic forms with its unit vectors
     along = (x * x * xx + 2.0 * x * y * xy + y * y * yy) / squared
     across = (y * y * xx - 2.0 * x * y * xy + x * x * yy) / squared
     return math.sqrt(max(across, 0.0) / (squared + max(along, 0.0)))
@@ -131,7 +132,8 @@ def bearing_deviation(lamp: LampPosition) -> float:
 def facing_strength(axes: tuple[tuple[float, float], ...], amplitudes: tuple[float, ...]) -> float:
     """Return the amplitude of a diode that would face the lamp. [ADC counts]"""
     forward = left = 0.0
-    for k in range(len(axes)):  # numba compiles no strict zip
+    for k in range(len(axes)):  # numba does not compile a strict zip
         forward += amplitudes[k] * axes[k][0]
         left += amplitudes[k] * axes[k][1]
+    # Inverse of |sum M_i n_i| = N M / 4
     return 4.0 * math.hypot(forward, left) / max(len(axes), 1)

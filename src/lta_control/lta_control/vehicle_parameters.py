@@ -1,4 +1,4 @@
-"""What the control cores need to know of a vehicle, taken from its file's nominal numbers."""
+"""Collect the vehicle data for estimator and controller, from the nominal values of its file."""
 
 from collections.abc import Mapping
 import math
@@ -14,19 +14,10 @@ from lta_model.vehicle import Vehicle
 
 
 def build_rotors(vehicle: Vehicle, weights: Wrench = WEIGHTS) -> Rotors:
-    """
-    Return the rotors for the allocation.
-
-    Parameters
-    ----------
-    vehicle : Vehicle
-        The vehicle, each rotor by its own thrust curve.
-    weights : tuple of float
-        What gives way first where the rotors cannot do everything, see `allocate`.
-
-    """
+    """Return the rotors for the allocation, each with its thrust curve; `weights` by axis."""
     a, b = thrust_curves(vehicle)
     reverse = tuple(_reverse_share(rotor) for rotor in vehicle.rotors)
+    # Full duty u = 1 in T = a u^2 + b u
     high = tuple(p + q for p, q in zip(a, b, strict=True))
     low = tuple(
         -full * share if rotor.reversible else 0.0
@@ -38,6 +29,7 @@ def build_rotors(vehicle: Vehicle, weights: Wrench = WEIGHTS) -> Rotors:
         allocation=allocation_columns(vehicle),
         low=pad_to_slots(low),
         high=pad_to_slots(high),
+        # Rotors within 60 degrees of the vertical count as upward
         lowest_heave=sum(column[2] * least for column, least in lows if column[2] > 0.5),
         a=a,
         b=b,
@@ -48,7 +40,8 @@ def build_rotors(vehicle: Vehicle, weights: Wrench = WEIGHTS) -> Rotors:
 
 
 def _heave_per_surge(vehicle: Vehicle) -> float:
-    """Return the heave that comes with a newton of surge from the rotors that push on. [N/N]"""
+    """Return the heave per newton of surge, caused by the forward-pushing rotors. [N/N]"""
+    # Rotors within 60 degrees of the forward axis
     pushing = [column for column in vehicle.allocation if column[0] > 0.5]
     surge = sum(column[0] for column in pushing)
     return sum(column[2] for column in pushing) / surge if pushing else 0.0
@@ -56,12 +49,13 @@ def _heave_per_surge(vehicle: Vehicle) -> float:
 
 def _reverse_share(rotor: RotorUnit) -> float:
     """
-    Return how much a rotor pushes reversed, as a share of forward; 1 where its jet tells.
+    Return the reverse thrust of a rotor as a share of its forward thrust.
 
-    A thrust that is not the same in reverse stands in the column: the same direction, less of it.
-    A jet that meets the hull turns the column, which no share can say.
+    1 where the reversed jet hits the hull: it then changes the direction of the column, which no
+    share can express.
     """
     forward, backward = rotor.column, rotor.reverse
+    # Projection of the reverse column onto the forward one
     share = sum(p * q for p, q in zip(forward, backward, strict=True))
     share /= sum(p * p for p in forward)
     along = all(
@@ -72,14 +66,14 @@ def _reverse_share(rotor: RotorUnit) -> float:
 
 
 def allocation_columns(vehicle: Vehicle) -> Columns:
-    """Return B, a column a slot; an empty slot's is zero."""
+    """Return B, one column per slot; zeros for empty slots."""
     empty: Column = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     columns = tuple(vehicle.allocation)
     return cast('Columns', columns + (empty,) * (SLOTS - len(columns)))
 
 
 def thrust_curves(vehicle: Vehicle) -> tuple[PerRotor, PerRotor]:
-    """Return the thrust curve of each slot: a and b of T = a u^2 + b u. [N]"""
+    """Return a and b of the thrust curve T = a u^2 + b u by slot. [N]"""
     return pad_to_slots(rotor.a for rotor in vehicle.rotors), pad_to_slots(
         rotor.b for rotor in vehicle.rotors
     )
@@ -92,7 +86,7 @@ def surge_drag_coefficients(vehicle: Vehicle) -> tuple[float, float]:
 
 
 def build_estimator_model(vehicle: Vehicle) -> EstimatorModel:
-    """Return the hull, motors and sensor places for the estimator."""
+    """Return hull, motors and sensor positions for the estimator."""
     aero = vehicle.file.aero
     a, b = thrust_curves(vehicle)
     effects = vehicle.collect_effects()
@@ -102,6 +96,7 @@ def build_estimator_model(vehicle: Vehicle) -> EstimatorModel:
     x, y, z = sensors.range_position.vector
     return EstimatorModel(
         hull=HullDragModel(
+            # The hull accelerates the surrounding air with it
             mass=(vehicle.mass + vehicle.added_mass[0], vehicle.mass + vehicle.added_mass[1]),
             linear=(aero.linear_drag.force.vector[0], aero.linear_drag.force.vector[1]),
             quadratic=(aero.quadratic_drag.force.vector[0], aero.quadratic_drag.force.vector[1]),
@@ -121,5 +116,5 @@ def build_estimator_model(vehicle: Vehicle) -> EstimatorModel:
 
 
 def _axis_values(values: Mapping[str, float]) -> Vector:
-    """Return what a file tells of each axis, 0 where it tells nothing."""
+    """Return the x, y and z values of an effect; 0 where missing."""
     return values.get('x', 0.0), values.get('y', 0.0), values.get('z', 0.0)

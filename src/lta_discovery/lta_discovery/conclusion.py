@@ -50,8 +50,7 @@ class Conclusion:
         What to do with the vehicle file, a key of `ADVICE`.
     gain : PredictionGap, optional
         The improvement to report: the position at the longest horizon. None unless the advice is
-        to
-        act on it.
+        to act on it.
     by_tolerances : bool
         Whether tuning the tolerances of the file alone makes most of that improvement.
     fits : bool
@@ -78,6 +77,7 @@ def draw_conclusion(finding: DiscoveryFinding) -> Conclusion:
     gap = select_main_gap(finding.gaps)
     advice, loose = _choose_advice(finding), _tolerances_suffice(finding)
     rivals = dict.fromkeys(rival for one in finding.effects for rival in one.confusable_with)
+    # A gain is only reported together with the advice to use it
     better = advice == 'use' and gap is not None and gap.shrink > 0.0
     return Conclusion(
         asserted=bool(finding.effects) and finding.verdict != 'not_identifiable',
@@ -118,6 +118,7 @@ def _tolerances_suffice(finding: DiscoveryFinding) -> bool:
 def select_main_gap(gaps: Sequence[PredictionGap]) -> PredictionGap | None:
     """Return the position error at the longest horizon, or another channel's if there is none."""
     finite = [gap for gap in gaps if math.isfinite(gap.before) and math.isfinite(gap.after)]
+    # Fall back to other channels if no position is finite
     place = [gap for gap in finite if gap.channel == 'position'] or finite
     return max(place, key=lambda gap: gap.horizon_s, default=None)
 

@@ -29,8 +29,6 @@ class ParameterEstimate(NamedTuple):
         Value in the vehicle file; the null value where the effect was off.
     value : float
         Maximum a posteriori estimate from all training and confirming flights.
-    ci95 : pair of float
-        95 % interval.
     in_file : bool
         Whether the vehicle file has the effect at all.
 
@@ -85,8 +83,6 @@ class AssumedValue(NamedTuple):
     ----------
     name, unit : str, str
         Within the effect; SI.
-    value : float
-        The assumed value.
 
     """
 
@@ -107,16 +103,13 @@ class NamedEffect:
         In the registry of effects.
     knobs : tuple of str
         Its named parameters, in the order in which they were accepted.
-    parameters : tuple of ParameterEstimate
-        Their estimates.
     log_evidence : float
         Evidence lost on all training and confirming flights without the effect. [nats]
     confusable_with : tuple of str
         Parameters that these flights cannot distinguish from it.
     assumed : tuple of AssumedValue
         Parameters that are neither in the vehicle file nor fitted. `parameters` depend on them;
-        the
-        intervals do not include their uncertainty.
+        the intervals do not include their uncertainty.
 
     """
 
@@ -166,8 +159,6 @@ class PredictionGap:
     ----------
     channel : str
         'position' or 'attitude', or one of CHANNELS.
-    unit : str
-        Of the errors.
     horizon_s : float
         Time since the model was last set to a measured state. [s]
     before, tuned, after, coast, noise_floor : float
@@ -178,8 +169,6 @@ class PredictionGap:
         1 - after / before.
     shrink_ci95 : pair of float
         By bootstrap over pieces.
-    pieces : int
-        Number of predictions.
     refitted : float
         Root mean square error with all parameters fitted to forecasts; NaN where that was not
         done.
@@ -228,8 +217,6 @@ class LeftOutRegime(NamedTuple):
     ----------
     name : str
         'moving mass at 0.085 m'.
-    flights : int
-        Number of flights.
     ratio : float
         Forecast error with the values learned from the other regimes, by that of the vehicle file.
 

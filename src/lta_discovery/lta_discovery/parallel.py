@@ -21,6 +21,7 @@ def map_parallel(work: Callable[[Given], Result], items: Sequence[Given]) -> lis
     Child processes use a single thread, to leave the other processors to their siblings. NumPy's
     error state is per thread: `work` has to set its own, and must not change shared data.
     """
+    # `sched_getaffinity` respects the cores that a container grants
     threads = 1 if parent_process() is not None else len(os.sched_getaffinity(0))
     threads = min(threads, len(items))
     if threads < 2:

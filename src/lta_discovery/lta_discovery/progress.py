@@ -27,8 +27,6 @@ class DiscoverProgress(ProgressBar):
 
         Parameters
         ----------
-        words : str
-            Description of the stage.
         share : float, optional
             Completed part of the whole, 0 to 1; the bar only pulses without it.
 

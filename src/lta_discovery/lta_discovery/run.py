@@ -50,8 +50,6 @@ class DiscoveryRequest:
         Name or file.
     bags : mapping of role to paths
         'train', 'confirm', 'holdout'.
-    seed : int
-        Random seed.
     robot : str, optional
         Robot to read, where a bag holds several.
     plan : bool
@@ -74,12 +72,8 @@ class DiscoveryResult:
 
     Attributes
     ----------
-    study : DiscoveryStudy
-        Finding and flights.
     told : mapping
         Content of discovery.json.
-    page : Path
-        The HTML page.
 
     """
 
@@ -96,8 +90,6 @@ def discover_effects(request: DiscoveryRequest, folder: Path, tell: Tell) -> Dis
     ----------
     folder : Path
         Empty, or not there yet.
-    tell : callable
-        Receives the current stage and its share.
 
     Raises
     ------

@@ -41,19 +41,7 @@ FAR: Final = 3.0  # s; the horizon at which the model has to be better than coas
 @final
 @dataclass(frozen=True, slots=True)
 class StudyFlight:
-    """
-    One flight of a study.
-
-    Attributes
-    ----------
-    name : str
-        Of its bag.
-    role : str
-        'train', 'confirm' or 'holdout'.
-    flight : FlightLinearizer
-        Ready to be replayed.
-
-    """
+    """One flight of a study."""
 
     name: str
     role: str
@@ -68,8 +56,6 @@ class StudyComparison:
 
     Attributes
     ----------
-    flown : StudyFlight
-        The flight.
     before, tuned, after : LinearizationPoint
         The vehicle file; the file with fitted tolerances and no new effect; with the named
         effects.
@@ -94,8 +80,6 @@ class DiscoveryStudy:
         Texts and numbers.
     nominal, learned : NominalVehicle
         The vehicle of the file, and the same with the named effects.
-    flights : sequence of StudyFlight
-        All of them.
     shown : sequence of StudyComparison
         The held-out flights, or the confirming ones where there are none.
     bare : sequence of FlightFit
@@ -125,15 +109,9 @@ def study_flights(
 
     Parameters
     ----------
-    vehicle : Vehicle
-        Of the vehicle file.
     flights : sequence of (name, role, MeasuredFlight)
         Role 'train', 'confirm' or 'holdout'. Without a confirming flight the training flights are
         split; a single flight is split into three parts.
-    seed : int
-        Of the bootstrap.
-    progress : callable, optional
-        Receives the stage and the completed share of the whole.
 
     Raises
     ------
@@ -234,6 +212,7 @@ def _search_effects(
         needed = max(
             count_needed_knots(side, each) for side, each in zip(pair, fitted, strict=True)
         )
+        # Repeating the search is slow: accept slightly too few knots
         if needed <= FASTER * knots:
             return flights, found
         knots = needed

@@ -97,6 +97,7 @@ def serve_hardware(
 
     """
     table, entry = load_topic_table(), load_vehicle(vehicle).file.sensors.diodes
+    # Booted at time 0 of the board server's clock
     board = EmulatedBoard(0, table.light.sample_rate.si, entry.count, bits=entry.bits)
     light = BoardServer(board, light_port, beacon)
     body = build_simulated_body(vehicle, scenario, seed, light.sample_light)
@@ -119,14 +120,15 @@ def report_flight(
 
     Parameters
     ----------
-    body : Flown
+    body : SimulatedBody
         The drone.
-    told : callable
-        Gets a sentence.
+    report : callable
+        Called with each sentence.
     wait : callable
-        Waits so long [s]; true to end.
+        Waits for a time [s]; returns true to end.
 
     """
+    # Read the world from this thread without a lock: a value of the previous step does not matter
     world, radius = body.world, body.world.scenario.goal.radius.si
     floor, began, reached = world.vehicle.height_on_floor, 0.0, False
     while not wait(LOOK):
@@ -158,6 +160,7 @@ def main(words: list[str] | None = None) -> None:
     parser.add_argument('--seed', type=int, default=1)
     told, _ = parser.parse_known_args(words)  # `lta run` adds ROS arguments
     over = threading.Event()
+    # End the waiting loop, so that ports and cable are closed
     signal.signal(signal.SIGTERM, lambda *_: over.set())
     try:
         with serve_hardware(
@@ -168,7 +171,7 @@ def main(words: list[str] | None = None) -> None:
                 f'{hardware.board.port}; Ctrl-C ends both.'
             )
             signal.signal(signal.SIGUSR1, lambda *_: hardware.board.toggle_cable())
-            # `lta run` holds Ctrl-C back while Python starts; one that came meanwhile comes now.
+            # `lta run` blocks SIGINT while Python starts; a pending one is delivered here.
             signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
             report_flight(hardware.body, _print_line, over.wait)
     except BadInput as error:

@@ -15,6 +15,7 @@ from lta_energy.irradiance import DARK, PanelIrradiance
 from lta_model.electrical.charger import charger_output, ChargerModel
 
 LEAST, MOST = 300.0, 100e3  # lx: from a warehouse to the sun
+# 60 halvings of 100 klx leave an interval below the resolution of a double
 STEPS = 60  # of bisection
 
 
@@ -26,6 +27,7 @@ class LightSource(NamedTuple):
 
 
 LAMPS: Final[Mapping[str, LightSource]] = {
+    # [lm per radiant watt], duty cycle
     'white LED': LightSource(300.0, 1.0),
     'flickering LED': LightSource(300.0, 0.5),
     'sun': LightSource(110.0, 1.0),
@@ -34,6 +36,7 @@ LAMPS: Final[Mapping[str, LightSource]] = {
 
 def irradiance_from_lux(lamp: LightSource, lux: float) -> PanelIrradiance:
     """Return the irradiance of a lamp whose illuminance [lx] is given for its on phase."""
+    # Flickering light goes into the beacon term, because harvest is averaged over its phases
     if lamp.duty < 1.0:
         return DARK._replace(beacon=lux / lamp.efficacy, duty=lamp.duty)
     return DARK._replace(lamps=lux / lamp.efficacy)
@@ -49,15 +52,7 @@ def charging_power(
 def break_even_illuminance(
     harvest: HarvestCurve, charger: ChargerModel, lamp: LightSource, load: float
 ) -> float:
-    """
-    Return the illuminance at which the charger gives a load [W]. [lx]
-
-    Returns
-    -------
-    float
-        Infinite where 100 klx are not enough.
-
-    """
+    """Return the illuminance at which the charger supplies a load [W]; inf above 100 klx. [lx]"""
     low, high = 0.0, MOST
     if charging_power(harvest, charger, lamp, high) < load:
         return math.inf
@@ -67,4 +62,5 @@ def break_even_illuminance(
             low = middle
         else:
             high = middle
+    # The upper end, so that the load is certainly covered
     return high

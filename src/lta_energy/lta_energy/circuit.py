@@ -70,6 +70,7 @@ def step_circuit(
 
     """
     store = advance_power_path(cell, charger, store, available, load, dt)
+    # While the charger is off, nothing counts as curtailed: the light is too dim for its own draw
     working = charger_output(charger, available) > 0.0
     tracked = available * charger.tracking if working else store.harvested
     return store, EnergyTotals(

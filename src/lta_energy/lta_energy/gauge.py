@@ -17,9 +17,9 @@ from lta_model.electrical.battery import (
 
 SCALE = 0.002  # of the current: INA219 data sheet, as `lta_sim.sensors.power`
 OFFSET = 4e-4  # A: the same
-VOLTAGE = 0.01  # V, of a resting voltage: meter, chart and what relaxes yet (assumed)
-QUIET = 0.1  # A: a cell with less than that rests
-NARROW = 0.02  # of the charge, to either side: over which the slope is taken
+VOLTAGE = 0.01  # V, error of a resting voltage: meter, chart and relaxation (assumed)
+QUIET = 0.1  # A; below this current the cell counts as resting
+NARROW = 0.02  # state of charge to either side over which the slope is taken
 
 
 class ChargeGauge(NamedTuple):
@@ -36,14 +36,17 @@ def update_gauge(
     gauge = propagate_gauge(cell, gauge, current, dt)
     if abs(current) > QUIET:
         return gauge
+    # Remove the steady-state drop: on the perch the RC pair has settled
     resting = voltage - (cell.resistance + cell.relaxation_resistance) * current
-    told = state_of_charge(resting)
-    span = open_circuit_voltage(told + NARROW) - open_circuit_voltage(told - NARROW)
+    indicated = state_of_charge(resting)
+    span = open_circuit_voltage(indicated + NARROW) - open_circuit_voltage(indicated - NARROW)
+    # Voltage noise divided by the slope dV/dcharge; the chart's flat parts give little information
     noise = VOLTAGE * 2.0 * NARROW / max(span, 1e-3)
-    # One voltage a minute is no news every second: its error stays the same for long.
+    # Kalman gain. The voltage error stays the same for about an hour, so each of the many
+    # updates within an hour gets only its share of the information.
     weight = gauge.deviation**2 / (gauge.deviation**2 + noise**2 * max(3600.0 / dt, 1.0))
     return ChargeGauge(
-        gauge.charge + weight * (told - gauge.charge), gauge.deviation * (1.0 - weight) ** 0.5
+        gauge.charge + weight * (indicated - gauge.charge), gauge.deviation * (1.0 - weight) ** 0.5
     )
 
 
@@ -51,6 +54,7 @@ def propagate_gauge(
     cell: BatteryModel, gauge: ChargeGauge, current: float, dt: float
 ) -> ChargeGauge:
     """Count a current [A] over a time step [s], and grow the deviation by the meter's errors."""
+    # Systematic meter errors add up linearly, not as the root of the sum of squares
     error = (SCALE * abs(current) + OFFSET) * dt / cell.capacity
     return ChargeGauge(
         count_charge(gauge.charge, current, cell.capacity, dt), gauge.deviation + error

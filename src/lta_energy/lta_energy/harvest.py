@@ -12,7 +12,7 @@ from lta_energy.irradiance import PanelIrradiance
 from lta_model.electrical.panel import find_max_power, SolarArrayModel
 import numpy as np
 
-LEAST, MOST, POINTS = 1e-2, 2000.0, 256  # W/m2; between points the power is a straight line
+LEAST, MOST, POINTS = 1e-2, 2000.0, 256  # W/m2; linear interpolation between the points
 
 
 @final
@@ -20,6 +20,7 @@ class HarvestCurve:
     """Maximum power of a horizontal array, interpolated from a table over irradiance."""
 
     def __init__(self, panel: SolarArrayModel) -> None:
+        # Geometric spacing resolves the five decades from twilight to noon evenly
         self._light = np.concatenate([[0.0], np.geomspace(LEAST, MOST, POINTS)])
         points = [find_max_power(panel, float(light)) for light in self._light]
         self._power = np.array([voltage * current for voltage, current in points])
@@ -29,7 +30,7 @@ class HarvestCurve:
         return float(np.interp(irradiance, self._light, self._power))
 
     def __call__(self, light: PanelIrradiance) -> float:
-        """Return the power in the light of a mission. [W]"""
+        """Return the maximum power in a mission's light, averaged over the flicker. [W]"""
         always = light.sun + light.lamps
         if light.beacon <= 0.0:
             return self.steady_power(always)

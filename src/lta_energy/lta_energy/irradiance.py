@@ -84,7 +84,7 @@ class IrradianceSeries:
         )
 
     def forecast(self, time: float) -> PanelIrradiance:
-        """Return the light that is to be expected at a time, of these days or later. [s]"""
+        """Return the expected irradiance at a time [s], also after the last day."""
         k = int(time / MINUTE) % MINUTES  # all days are of one date
         sun = self.mean * float(self.clear[k])
         return PanelIrradiance(sun, float(self.lamps[k]), float(self.beacon[k]), self.duty)
@@ -92,6 +92,7 @@ class IrradianceSeries:
     def illuminance(self) -> Array:
         """Return the illuminance of the panel, with the beacon averaged over its flicker. [lx]"""
         sun, lamps, beacon = self.efficacies
+        # [W/m2] times [lm/W]
         return sun * self.sun + lamps * self.lamps + beacon * self.duty * self.beacon
 
     @property
@@ -100,21 +101,25 @@ class IrradianceSeries:
         return len(self.sun) * MINUTE
 
     def _minute_index(self, time: float) -> int:
+        # Clamp, so that rounding at the last step does not index past the end
         return min(max(int(time / MINUTE), 0), len(self.sun) - 1)
 
 
 def simulate_irradiance(day: LightDay, days: int, seed: int) -> IrradianceSeries:
     """Simulate the light of some days, all of one date; the seed sets the clouds."""
+    # Midpoints of the minutes
     times: Array = np.arange(0.5, days * MINUTES) * MINUTE
     nothing = np.zeros(len(times))
     clear = nothing if day.sun is None else clear_sky_irradiance(day.sun, times)
     sun, mean = clear, 1.0
     if day.sun is not None:
+        # The tag separates this random stream from others that use the same seed
         chance = np.random.default_rng(np.random.SeedSequence([seed, 0xC10D]))
         sun = clear * np.concatenate(
             [simulate_cloud_transmittance(day.sun.clouds, chance) for _ in range(days)]
         )
         mean = mean_cloud_transmittance(day.sun.clouds)
+    # A duty cycle below 1 marks the flickering beacon
     steady = [lamp for lamp in day.lamps.values() if lamp.duty.si == 1.0]
     beacon = [lamp for lamp in day.lamps.values() if lamp.duty.si < 1.0]
     return IrradianceSeries(
@@ -134,7 +139,9 @@ def simulate_irradiance(day: LightDay, days: int, seed: int) -> IrradianceSeries
 
 def solar_elevation_sine(latitude: float, day: int, times: Array) -> Array:
     """Return the sine of the solar elevation at solar times since midnight. [s]"""
+    # Cooper's equation; `day` counts from 1 January
     declination = math.radians(23.45) * math.sin(2.0 * math.pi * (284 + day) / 365.0)
+    # Hour angle, zero at solar noon
     hour = 2.0 * math.pi * (times / DAY - 0.5)
     up = math.sin(latitude) * math.sin(declination)
     return up + math.cos(latitude) * math.cos(declination) * np.cos(hour)
@@ -142,6 +149,7 @@ def solar_elevation_sine(latitude: float, day: int, times: Array) -> Array:
 
 def clear_sky_irradiance(sun: SunModel, times: Array) -> Array:
     """Return the clear-sky irradiance of a horizontal surface behind the glass. [W/m2]"""
+    # The lower bound keeps the exponent finite below the horizon, where the result is set to 0
     sine = np.maximum(solar_elevation_sine(sun.latitude.si, sun.day, times), 1e-3)
     outside = 1098.0 * sine * np.exp(-0.057 / sine)
     return sun.through.si * np.where(sine > 1e-3, outside, 0.0)
@@ -154,9 +162,11 @@ def simulate_cloud_transmittance(clouds: CloudPattern, chance: Generator) -> Arr
     share = np.ones(MINUTES)
     if cover <= 0.0:
         return share
+    # Mean lengths in minutes; the mean gap follows from the cover = length / (length + gap)
     length = clouds.length.si / MINUTE
     gap = length * (1.0 - cover) / cover
     low, high = clouds.through.vector
+    # The day begins under a cloud with the probability of the cover
     at = 0.0 if chance.random() < cover else chance.exponential(gap)
     while at < MINUTES:
         end = at + chance.exponential(length)
@@ -167,6 +177,7 @@ def simulate_cloud_transmittance(clouds: CloudPattern, chance: Generator) -> Arr
 
 def mean_cloud_transmittance(clouds: CloudPattern) -> float:
     """Return the mean transmittance of the clouds. [1]"""
+    # Cover and transmittance are drawn uniformly and independently: use the means of their ranges
     cover = sum(clouds.cover.vector) / 2.0
     return 1.0 - cover * (1.0 - sum(clouds.through.vector) / 2.0)
 
@@ -175,5 +186,6 @@ def lamp_irradiance(lamp: TimedLamp, times: Array) -> Array:
     """Return the irradiance of a lamp that is switched by a timer. [W/m2]"""
     begin, end = lamp.hours.vector
     clock = times % DAY
+    # A timer with begin > end burns over midnight
     on = (begin <= clock) & (clock < end) if begin <= end else (clock >= begin) | (clock < end)
     return np.where(on, lamp.light.si / lamp.efficacy.si, 0.0)

@@ -40,7 +40,8 @@ def to_reading(
 
 
 def to_travel_state(odom: Odometry) -> TravelState | None:
-    """Return distance from the start and speed; None while the estimator is learning or fails."""
+    """Return distance from the start and speed; None while the estimator is not ready."""
+    # `find_fault` reports NaN and other invalid numbers
     if odom.pose.covariance[0] == UNKNOWN or find_fault(odom):
         return None
     place, speed = odom.pose.pose.position, odom.twist.twist.linear
@@ -51,6 +52,7 @@ def from_charge(
     cell: BatteryModel, estimate: EnergyEstimate, measured: BatteryState
 ) -> BatteryState:
     """Return the measured battery with the estimated charge; REP-147 signs, NaN if unknown."""
+    # sensor_msgs/BatteryState uses ampere-hours
     capacity = cell.capacity / SECONDS_PER_HOUR
     return BatteryState(
         header=measured.header,
@@ -58,7 +60,7 @@ def from_charge(
         current=measured.current,
         temperature=math.nan,
         charge=estimate.charge * capacity,
-        capacity=math.nan,  # of this very cell nobody measured it
+        capacity=math.nan,  # the actual capacity is not measured
         design_capacity=capacity,
         percentage=estimate.charge,
         power_supply_status=_supply_status(measured.current),
@@ -78,6 +80,7 @@ def _supply_status(current: float) -> int:
         return int(BatteryState.POWER_SUPPLY_STATUS_DISCHARGING)
     if current == 0.0:
         return int(BatteryState.POWER_SUPPLY_STATUS_NOT_CHARGING)
+    # Only NaN passes all three comparisons
     return int(BatteryState.POWER_SUPPLY_STATUS_UNKNOWN)
 
 
@@ -99,6 +102,7 @@ def collect_energy_values(
     full = time_to_full(settings, cell, estimate)
     return {
         'power_in_W': reading.panel_power,
+        # Load = charger output minus what charges the cell
         'power_out_W': aboard.charger_output(reading.panel_power) - reading.cell_power,
         'power_net_W': reading.cell_power,
         'harvested_J': books.harvested,
@@ -124,6 +128,7 @@ def _collect_cell_values(cell: BatteryModel, estimate: EnergyEstimate) -> dict[s
         resistance = capacity = math.nan
     else:
         resistance = cell.resistance * estimate.belief.mean[RESISTANCE]
+        # The filter estimates a factor on the inverse of the capacity
         capacity = cell.capacity / estimate.belief.mean[INVERSE]
     surprise = estimate.surprise
     return {
@@ -164,6 +169,7 @@ def from_energy_balance(
             level=bytes([level]),
             name='energy',
             message=sentence,
+            # Nine digits round-trip single precision, in which the meters' messages arrive
             values=[KeyValue(key=key, value=f'{value:.9g}') for key, value in numbers.items()],
         ),
         DiagnosticStatus(level=bytes([trust]), name='meters', message=faults),

@@ -27,7 +27,7 @@ from lta_model.electrical.charger import ChargerModel, PowerFlow
 
 STEP = 30.0  # s on the perch
 HOUR = 3600.0
-BLIND = 0.05  # standard deviation of the charge that a drone knows at first
+BLIND = 0.05  # initial standard deviation of the estimated charge
 
 
 class Departure(NamedTuple):
@@ -113,6 +113,7 @@ class MissionSimulation:
         self._upkeep, self._light, self._schedule, self._fly = upkeep, light, schedule, fly
         self._guess = guess
         self.now = 0.0
+        # The true state of the cell; the schedule only ever receives the gauge
         self._store = resting_flow(upkeep.charge)
         self._gauge = ChargeGauge(upkeep.charge, BLIND)
         self._seen = 1.0
@@ -121,7 +122,7 @@ class MissionSimulation:
         self.diary.ended = self.diary.begun
 
     def run(self, on_progress: Callable[[float], None] = lambda _: None) -> MissionLog:
-        """Return the diary of all days; `told` hears of each stretch's end. [s]"""
+        """Simulate all days and return the log; `on_progress` receives the simulated time. [s]"""
         while self.now < self._light.end:
             wish = self._schedule(self._collect_schedule_inputs())
             if self._out:
@@ -136,11 +137,14 @@ class MissionSimulation:
 
     def _collect_schedule_inputs(self) -> ScheduleInputs:
         """Collect what a schedule may use, with the flight statistics so far."""
+        # Flights that failed say nothing about the need of a complete one
         flown = [f for f in self.diary.flights if f.ending == 'home'][-20:]
         needs = [f.spent.consumed + f.spent.lost - f.spent.harvested for f in flown]
+        # Before the first flight: assume a standard deviation of 10 %
         need, spread, lasts = self._guess[0], 0.1 * self._guess[0], self._guess[1]
         if needs:
             need = sum(needs) / len(needs)
+            # The lower bound of 5 % covers one or two flights, whose scatter is zero or accidental
             spread = max(math.sqrt(sum((n - need) ** 2 for n in needs) / len(needs)), 0.05 * need)
             lasts = max(f.duration for f in flown)
         last = self.diary.flights[-1] if self.diary.flights else None
@@ -159,11 +163,13 @@ class MissionSimulation:
         landing = self._fly(Departure(begin, self._store, self._gauge.charge, light, number))
         flight = landing.flight
         self._store = landing.store
+        # The deviation grows by 0.3 % of the charge that was counted in flight
         deviation = self._gauge.deviation + abs(flight.before - flight.after) * 0.003
         self._gauge = ChargeGauge(flight.told, deviation)
         diary.flights.append(flight)
         diary.spent = add_totals(diary.spent, flight.spent)
         self.now = begin + flight.duration
+        # A straight line in the trace between take-off and landing
         self._record_state(ALOFT, begin)
         self._record_state(ALOFT, self.now)
         if not sum(self._light.forecast(self.now)[:3]) > 0.0:
@@ -180,6 +186,7 @@ class MissionSimulation:
     def _rest_on_perch(self, wish: ScheduleDecision) -> None:
         """Stay on the perch as long as the schedule asks, but at least one minute."""
         up = self._upkeep
+        # A schedule that asks for no rest must not stop the time
         until = max(wish.until, self.now + 2 * STEP)
         load = up.asleep if wish.asleep else up.awake
         self._charge_until(min(until, self._light.end), load, ASLEEP if wish.asleep else PERCHED)
@@ -187,6 +194,7 @@ class MissionSimulation:
     def _charge_until(self, until: float, load: float, state: int) -> None:
         """Charge until a time, or until the cell runs empty."""
         up = self._upkeep
+        # The tolerance absorbs the rounding of a sum of steps [s]
         while self.now < until - 1e-6:
             dt = min(STEP, until - self.now)
             light = self._light.at(self.now)
@@ -194,11 +202,13 @@ class MissionSimulation:
                 up.cell, up.charger, self._store, self.diary.spent, up.harvest(light), load, dt
             )
             store = self._store
+            # The gauge counts what the imperfect meter reads
             metered = up.gain * store.current + up.offset
             self._gauge = update_gauge(up.cell, self._gauge, store.voltage, metered, dt)
             self._track_clearness(light, dt)
             self._record_state(state, self.now)
             self.now += dt
+            # Count an outage once, when the supply fails
             if not (self._out or store.fed):
                 self._out, self.diary.outages = True, self.diary.outages + 1
                 return
@@ -211,11 +221,13 @@ class MissionSimulation:
     def _track_clearness(self, light: PanelIrradiance, dt: float) -> None:
         """Update the mean ratio of sunlight to its forecast."""
         due = self._light.forecast(self.now).sun
+        # By night, and at dawn below 1 W/m2, the ratio is meaningless
         if due > 1.0:
+            # First-order filter with a time constant of one hour
             self._seen += (light.sun / due - self._seen) * min(dt / HOUR, 1.0)
 
     def _record_state(self, state: int, time: float) -> None:
-        """Write the trace, once a minute and at every change."""
+        """Record the trace once a minute, at every change and at both ends of a flight."""
         diary = self.diary
         same = bool(diary.state) and diary.state[-1] == state
         if same and state != ALOFT and time - diary.time[-1] < 60.0:

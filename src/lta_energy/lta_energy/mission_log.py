@@ -5,6 +5,7 @@ from typing import final, NamedTuple
 
 from lta_energy.circuit import EnergyTotals, NOTHING
 
+# AWAY: landed elsewhere and waiting for pickup; OUT: on the perch with an empty cell
 PERCHED, ASLEEP, ALOFT, AWAY, OUT = range(5)
 
 
@@ -88,9 +89,10 @@ class MissionLog:
         """Residual of the energy balance, relative to the harvested or consumed energy. [1]"""
         spent = self.spent
         rest = spent.harvested - spent.consumed - spent.lost - (self.ended - self.begun)
+        # The bound [J] avoids 0 / 0 in a mission without light and loads
         return rest / max(spent.harvested, spent.consumed, 1e-9)
 
     @property
     def failure_count(self) -> int:
-        """Flights that did not come home or came home in the dark, and outages on the perch."""
+        """Number of flights that failed or came home in the dark, plus outages on the perch."""
         return sum(each.ending != 'home' for each in self.flights) + self.dark + self.outages

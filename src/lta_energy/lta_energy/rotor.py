@@ -23,7 +23,7 @@ B = 1.665601e-2  # N/V
 
 @final
 class RotorBenchPoint(NamedTuple):
-    """One row of the bench: current of all [A], lift of four rotors [g], voltage [V], duty."""
+    """One row of the bench: total current [A], lift of four rotors [g], voltage [V], duty."""
 
     current: float
     lift: float
@@ -33,6 +33,7 @@ class RotorBenchPoint(NamedTuple):
     @property
     def thrust(self) -> float:
         """Thrust of one rotor. [N]"""
+        # Gram-force of four rotors to newtons of one
         return self.lift * 1e-3 * STANDARD_GRAVITY / 4.0
 
     @property
@@ -58,6 +59,7 @@ BENCH = tuple(
 def thrust_at_duty(duty: float, voltage: float) -> float:
     """Return the thrust of one rotor at a duty cycle and a battery voltage [V]. [N]"""
     mean = duty * voltage
+    # The absolute value keeps the sign of the duty in the quadratic term
     return (A * abs(mean) + B) * mean
 
 

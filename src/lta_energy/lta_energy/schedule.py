@@ -14,10 +14,10 @@ from lta_energy.gauge import ChargeGauge
 from lta_energy.irradiance import IrradianceSeries, PanelIrradiance
 from lta_model.electrical.battery import BatteryModel, stored_energy
 
-SURE = 2.0  # standard deviations of charge and of a flight's need that a take-off allows for
-LOOK = 300.0  # s between two looks of the energy-aware schedule while it waits
-STEP = 600.0  # s of the forecast
-NIGHT = 1.3  # of the energy that the night is reckoned to take, so much is kept for it
+SURE = 2.0  # margin at take-off, in standard deviations of charge and of a flight's energy
+LOOK = 300.0  # s between two decisions while waiting
+STEP = 600.0  # s; time step of the forecast
+NIGHT = 1.3  # safety factor on the predicted energy for the night
 
 
 class ScheduleInputs(NamedTuple):
@@ -86,7 +86,9 @@ def is_within_hours(inputs: ScheduleInputs) -> bool:
     clock = inputs.time % DAY
     begin, end = inputs.work
     if begin <= end:
+        # Half a flight's duration is added as a margin
         return begin <= clock and clock + 1.5 * inputs.flight <= end
+    # Working hours over midnight
     return clock >= begin or clock + 1.5 * inputs.flight <= end
 
 
@@ -121,7 +123,7 @@ def is_flight_safe(inputs: ScheduleInputs) -> bool:
 
 
 def build_fixed_schedule(rest: float, *, asleep: bool = False) -> Schedule:
-    """Return the naive schedule: rest so many times the flight [1], awake in the hours of work."""
+    """Return a schedule that rests `rest` times as long as the last flight, in working hours."""
 
     def decide(inputs: ScheduleInputs) -> ScheduleDecision:
         if not is_within_hours(inputs):
@@ -163,6 +165,7 @@ def forecast_charge(inputs: ScheduleInputs) -> tuple[bool, float]:
     # never ends.
     last = next_work_end(inputs) - 1.5 * inputs.flight
     while time <= last:
+        # Assume that the drone sleeps until then
         energy += (forecast_harvest(inputs, time) - inputs.asleep) * STEP
         if energy >= most:
             full, energy = True, most
@@ -173,18 +176,20 @@ def forecast_charge(inputs: ScheduleInputs) -> tuple[bool, float]:
 def night_energy(inputs: ScheduleInputs) -> float:
     """Return the energy needed at the end of work to last until the next morning. [J]"""
     time = next_work_end(inputs)
-    end, needed, taken = time + DAY, 0.0, 0.0
+    end, needed, used = time + DAY, 0.0, 0.0
+    # Until the morning light covers the load of the sleeping drone; a day at most
     while time < end and forecast_harvest(inputs, time) < inputs.asleep:
-        taken += (inputs.asleep - forecast_harvest(inputs, time)) * STEP
-        needed = max(needed, taken)
+        used += (inputs.asleep - forecast_harvest(inputs, time)) * STEP
+        needed = max(needed, used)
         time += STEP
+    # The factor covers a forecast that is too optimistic about the next morning
     return reserve_energy(inputs) + NIGHT * needed
 
 
 def forecast_harvest(inputs: ScheduleInputs, time: float) -> float:
     """Forecast the harvest at a time, starting from the present cloudiness. [W]"""
     light = inputs.light.forecast(time)
-    # The sky as it is now says little about the sky in some hours.
+    # Decay from the present cloudiness to the mean, with a time constant of two hours [s]
     weight = math.exp(-(time - inputs.time) / 7200.0)
     seen = 1.0 + weight * (inputs.seen - 1.0)
     return inputs.income(light._replace(sun=seen * light.sun))

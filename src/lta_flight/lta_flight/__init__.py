@@ -1,1 +1,1 @@
-"""Flights: one in one process, the whole graph, many in a sweep, a recorded one again."""
+"""Flights: in one process, as a graph of nodes, in sweeps, and replays of recordings."""

@@ -1,10 +1,10 @@
 """
-The closed loop in one process, without ROS: the same cores in the same order as the graph.
+Simulate a flight in one process without ROS, with the same cores in the same order as the graph.
 
-As in lockstep, the estimator sees the duties of the step before, the controller a setpoint one
-control period after its light block ended, and the navigator the energy of the turn before. What
-the graph sends as a message goes through what the message makes of it
-(`lta_control.message_rounding`), so that both fly the same flight to the last bit.
+As in lockstep, the estimator gets the duties of the last step, the controller a setpoint one
+control period after its light block has ended, and the navigator the previous energy estimate.
+Values that the graph sends as messages are rounded as the messages would
+(`lta_control.message_rounding`), so that both give the same flight to the last bit.
 """
 
 from collections import deque
@@ -48,18 +48,18 @@ from numpy.typing import NDArray
 @dataclass(frozen=True, slots=True)
 class LightObservation:
     """
-    What one light block says.
+    The results of one light block.
 
     Parameters
     ----------
-    hearing : Hearing
-        What each diode sees of each beacon.
+    hearing : DemodulatedBlock
+        Amplitude and SNR of each beacon at each diode.
     bearing : Bearing or None
-        The paper's, None where no diode is believed or the ring is evenly lit.
+        The paper's estimate; None if no diode exceeds the threshold or the ring is evenly lit.
     direction : Direction or None
-        The fit's, None where there is none.
+        The fitted direction, if there is one.
     lamp : LampEstimate or None
-        What the drone steers by: the lamp in the body frame, by the fit.
+        The lamp's position in the body frame by the fit, which the drone steers by.
 
     """
 
@@ -70,14 +70,14 @@ class LightObservation:
 
     @property
     def peaks(self) -> Peaks:
-        """What the diodes see of the lamp that is wanted."""
+        """The peaks of the wanted lamp."""
         return self.hearing.peaks[0]
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class EnergyObservation:
-    """What the meters have said, and what is known since."""
+    """The newest readings of the meters, and the estimate after them."""
 
     reading: MeterReading
     estimate: Known
@@ -94,24 +94,24 @@ class ClosedLoop:
         The drone and its scene.
     table : TopicTable
         Periods and block shape.
-    policy : Policy
-        What the drone decides by.
-    known : Vehicle or None
-        The vehicle as the drone knows it; by default the true one in standard air, as the nodes
-        read it from its file.
+    policy : FlightStack
+        Settings and algorithms of the drone.
+    nominal_vehicle : Vehicle or None
+        The vehicle as the drone knows it; by default from the true vehicle's file in standard air,
+        as in the nodes.
 
     Attributes
     ----------
-    readings, estimate, duties : Readings, Estimate, tuple of float
-        What was sensed, believed and done at the newest step.
-    light, asked : Light, Setpoint
-        What the newest light block said, and what the navigator made of it; None before it.
+    readings, estimate, duties : VehicleReadings, MotionEstimate, tuple of float
+        Sensor readings, estimate and duties of the newest step.
+    light, asked : LightObservation, Setpoint
+        The newest light block, and the navigator's setpoint after it; None before the first one.
     setpoint : Setpoint or None
-        What the controller acts on.
+        The setpoint of the controller.
     beacon : float
-        Frequency that the navigator wants heard next; 0 for the demodulator's own. [Hz]
-    energy : Energy or None
-        The newest turn of the meters.
+        Frequency that the navigator requests next; 0 for the demodulator's own. [Hz]
+    energy : EnergyObservation or None
+        The newest energy update.
 
     """
 
@@ -128,7 +128,9 @@ class ClosedLoop:
         self._plan = world.scenario.course
         self._reversible = world.vehicle.reversible
         self._block = table['photodiodes'].period_ns * 1e-9
+        # Control steps in half a light block: bearings belong to the middle of their block
         self._half_block = table['photodiodes'].period_ns // table.control_ns // 2
+        # Without the scene's air density, which the drone does not know
         vehicle = nominal_vehicle or Vehicle(world.vehicle.file)
         dt = table.control_ns * 1e-9
         self.autopilot = build_autopilot(policy, vehicle, dt)
@@ -144,6 +146,7 @@ class ClosedLoop:
             vehicle.file.sensors.diodes.largest_reading,
         )
         ranger = world.range_settings
+        # A Range message holds its limits in single precision
         self._reach = (
             message_rounding.round_to_float32(ranger.minimum),
             message_rounding.round_to_float32(ranger.maximum),
@@ -156,44 +159,48 @@ class ClosedLoop:
         self.beacon = NO_WISH
         self.energy: EnergyObservation | None = None
         self.mission = Mission()
+        # [0] is the dead-reckoned motion half a block ago, [-1] the newest
         self._reckoned: deque[DeadReckonedMotion] = deque(maxlen=self._half_block + 1)
 
     @property
     def estimate(self) -> MotionEstimate:
-        """What the drone believes at the newest step."""
+        """The motion estimate of the newest step."""
         return self.autopilot.estimate
 
     def step(self) -> FlightOutcome:
-        """Sense, decide and fly one control period; return how the flight stands."""
+        """Sense, decide and fly one control period; return the state of the flight."""
         self.decide()
         self.apply_command()
         return self.world.outcome
 
     def iterate_steps(self) -> Iterator[FlightOutcome]:
-        """Fly to where the graph would end; each step is yielded decided, before it is flown."""
+        """Fly to where the graph would end; yield after each decision, before it is flown."""
         while True:
             self.decide()
             yield self.world.outcome
             over = self.world.outcome is not FlightOutcome.FLYING
+            # The graph also completes the last light block before it stops
             if over and self._table.is_settled(self.world.stamp_ns):
                 return
             self.apply_command()
 
     def apply_command(self) -> None:
-        """Fly one control period by the newest command."""
+        """Simulate one control period with the newest command."""
         pilot = self.autopilot
         place = pilot.command.mass_place if isinstance(pilot, LawAutopilot) else None
         self.world.advance(self.duties, place)
 
     def decide(self) -> None:
-        """Sense and decide, without flying on."""
+        """Sense and decide, without advancing the simulation."""
         readings = self.readings = self.world.sense()
         course = self.policy.course
         if course is not None:
             self.asked = self.setpoint = asked = course(self.world.elapsed)
             self.autopilot.set_setpoint(asked)
+        # A new setpoint takes effect one step later, as its message would
         elif self.asked is not self.setpoint and self.asked is not None:
             self.setpoint = asked = self.asked
+            # The heading travels as a quaternion, whose rounding is reproduced here
             level = message_rounding.level_quaternion(asked.heading)
             self.autopilot.set_setpoint(
                 message_rounding.build_setpoint(asked.altitude, level, asked.speed)
@@ -205,7 +212,7 @@ class ClosedLoop:
             self._update_energy(readings)
 
     def _estimate_and_control(self, readings: VehicleReadings) -> None:
-        """Estimate and control."""
+        """Run the estimator and the controller, and add the excitation of a course."""
         if isinstance(self.autopilot, LawAutopilot) and readings.truth is not None:
             self.autopilot.receive_tracking(readings.truth)
         self.duties = self.autopilot.step(
@@ -218,11 +225,12 @@ class ClosedLoop:
             self.duties = self._plan.excite_duties(
                 self.world.elapsed, self.duties, self._reversible
             )
+            # The estimator must know the duties that act, not those commanded
             self.autopilot.override_duties(self.duties)
         self._reckoned.append(self.autopilot.dead_reckoning)
 
     def _newest_range(self, readings: VehicleReadings) -> float:
-        """Return the newest range as its message carries it, NaN where there is none. [m]"""
+        """Return the newest range as in its message, NaN if there is none. [m]"""
         if not readings.ranges:
             return math.nan
         return message_rounding.mask_out_of_range(
@@ -230,11 +238,11 @@ class ClosedLoop:
         )
 
     def measured_state(self) -> CascadeMeasurement | None:
-        """Return what the controller acts on; None while the estimator is learning."""
+        """Return the state that the controller uses; None until the estimator is ready."""
         return self.autopilot.measurement
 
     def _navigate(self, stamp_ns: int, block: NDArray[np.uint16]) -> None:
-        """Look at the light, and steer by it or by the scenario's course."""
+        """Process a light block, and update the setpoint by strategy or course."""
         self._listener.prioritize_beacon(self.beacon)
         hearing = self._listener.demodulate(block)
         peaks = hearing.peaks[0]
@@ -244,11 +252,13 @@ class ClosedLoop:
         self.light = LightObservation(
             hearing, estimate_bearing(peaks, self._ring, threshold), found, where
         )
+        # Message fields of type float32
         amplitudes = tuple(peaks.amplitude.astype(np.float32).tolist())
         lamp = None if where is None else convert_lamp(where)
         scale = self.world.diode_scale
         sight = build_sight(lamp, self._axes, amplitudes, self._reckoned[0], self._block, scale)
         measured, energy = self.measured_state(), self.energy
+        # Without an energy estimate the navigator does not take off
         altitude = math.nan if measured is None or energy is None else measured.altitude
         order = self._reserve_order(stamp_ns)
         if self._plan is not None:
@@ -263,7 +273,7 @@ class ClosedLoop:
         self.beacon = route[self.mission.asked][1] if route else NO_WISH
 
     def _reserve_order(self, stamp_ns: int) -> FlightPermission:
-        """Return what the energy of the turn before allows, as the navigator takes it."""
+        """Return the permission that the last energy estimate gives."""
         if self.energy is None:
             return FlightPermission.DOWN
         estimate = self.energy.estimate
@@ -271,7 +281,7 @@ class ClosedLoop:
         return decide_permission(self.policy.reserve, word, stamp_ns)
 
     def _whereabouts(self) -> TravelState | None:
-        """Return distance from the start and speed as odom carries them; None while learning."""
+        """Return distance from the start and speed as in odom; None without an estimate."""
         if self.measured_state() is None:
             return None
         reckoned = self._reckoned[-1]
@@ -280,7 +290,8 @@ class ClosedLoop:
         )
 
     def _update_energy(self, readings: VehicleReadings) -> None:
-        """Keep the energy books of one turn of the meters."""
+        """Update the energy estimate with one set of meter readings."""
+        # Missing readings are NaN, as in the messages
         nothing = math.nan, math.nan
         voltage, current = map(message_rounding.round_to_float32, readings.battery or nothing)
         panel_voltage, panel_current = map(
@@ -303,11 +314,11 @@ class ClosedLoop:
 
 
 def convert_lamp(lamp: LampEstimate) -> LampPosition:
-    """Return a lamp as its message carries it."""
+    """Return a lamp estimate with the fields of its message."""
     return LampPosition(lamp.x, lamp.y, lamp.z, (lamp.xx, lamp.xy, lamp.yy))
 
 
 def round_axes(ring: DiodeRing) -> tuple[tuple[float, float], ...]:
-    """Return the axes of diodes as their message carries them."""
+    """Return diode axes rounded to single precision as in their message."""
     rows = np.array([ring.cosines, ring.sines], dtype=np.float32).T
     return tuple((x, y) for x, y in rows.tolist())

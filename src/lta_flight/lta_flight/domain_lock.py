@@ -1,4 +1,4 @@
-"""One launch of simulated flights on a ROS domain at a time: two would mix their /clock."""
+"""Lock a ROS domain for one launch of simulated flights: two would mix their /clock."""
 
 from collections.abc import Sequence
 import fcntl
@@ -10,14 +10,14 @@ from typing import final, Self
 
 from lta_config.errors import BadInput
 
-HIGHEST_DOMAIN = 232  # whose ports still fit into 16 bits
-LONGEST = 4096  # bytes of the robots' names
+HIGHEST_DOMAIN = 232  # the ports of a higher one would exceed 16 bits
+LONGEST = 4096  # bytes read of the robots' names
 
 
 @final
 class DomainLock:
     """
-    Hold the present ROS domain for the flight of robots; the kernel lets go even after SIGKILL.
+    Hold the current ROS domain during a flight; the kernel releases it even after SIGKILL.
 
     Parameters
     ----------
@@ -27,8 +27,7 @@ class DomainLock:
     Raises
     ------
     BadInput
-        On entering, if another flight of this user holds it, of whatever robot, or there is no
-        such domain.
+        On entering, if another flight of this user holds the domain, or it does not exist.
 
     """
 
@@ -39,14 +38,14 @@ class DomainLock:
         self._robots = robots
 
     def __enter__(self) -> Self:
-        """Take the domain."""
+        """Acquire the lock."""
         if not (self._domain.isdecimal() and int(self._domain) <= HIGHEST_DOMAIN):
             raise BadInput(
                 f"ROS_DOMAIN_ID is '{self._domain}', but must be a number from 0 to "
-                f'{HIGHEST_DOMAIN}; set it anew or unset it.'
+                f'{HIGHEST_DOMAIN}; correct or unset it.'
             )
         try:
-            # Through no link that somebody may have laid here: the file is written to.
+            # No symbolic links: in a shared /tmp one could make us overwrite another file
             flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC
             self._file = os.open(self._path, flags, 0o600)
         except OSError as error:
@@ -59,10 +58,11 @@ class DomainLock:
             holder = os.pread(self._file, LONGEST, 0).decode(errors='replace')
             os.close(self._file)
             raise BadInput(
-                f'{holder or "A robot is"} flying on ROS domain {self._domain} already, and its '
-                '/clock is for all; wait for it, or choose another domain: '
+                f'{holder or "A robot is"} flying on ROS domain {self._domain} already, and all '
+                'share its /clock; wait until it ends, or choose another domain: '
                 f'export ROS_DOMAIN_ID={(int(self._domain) + 1) % (HIGHEST_DOMAIN + 1)}.'
             ) from None
+        # A shorter name must not leave the end of an older one
         os.ftruncate(self._file, 0)
         os.pwrite(self._file, format_holders(self._robots).encode(), 0)
         return self
@@ -73,12 +73,12 @@ class DomainLock:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Give the domain back."""
-        # The file stays: whoever opened it before a removal would lock what nobody else sees.
+        """Release the lock."""
+        # Do not remove the file: a process that has opened it would then lock an invisible file
         os.close(self._file)
 
 
 def format_holders(robots: Sequence[str]) -> str:
-    """Return the beginning of a sentence: 'lta1 is', 'lta1 and lta2 are'."""
+    """Return the start of a sentence: 'lta1 is', 'lta1 and lta2 are'."""
     *others, last = robots
     return f'{", ".join(others)} and {last} are' if others else f'{last} is'

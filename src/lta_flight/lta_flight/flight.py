@@ -1,8 +1,8 @@
 """
-One flight of the whole graph: checked, started, watched and put away.
+Fly the whole graph of nodes once: check, start, supervise and stop it.
 
-Everything that can be wrong with the order is found before a process starts. While it flies, who
-holds the graph up is named within a second; whatever ends the flight, no process stays.
+All errors of the request are found before a process starts. During the flight, nodes that stall
+the graph are named within a second. However the flight ends, no process remains.
 """
 
 from collections.abc import Collection, Iterable, Mapping
@@ -32,26 +32,26 @@ if TYPE_CHECKING:
     from lta_graph.ros.listener import DiagnosticsListener
 
 ROBOT = 'lta1'
-PATIENCE = 10.0  # wall seconds that the graph may stand still
-LOOK = 0.05  # wall seconds between looks at the processes and the diagnostics
+PATIENCE = 10.0  # wall seconds of a stall after which the graph is stopped
+LOOK = 0.05  # wall seconds between polls of the processes and the diagnostics
 
 
 class FlightObserver(Protocol):
-    """Whoever shows the flight to a person."""
+    """Shows a flight to the user."""
 
     def show_position(self, time: float, distance: float, pace: float) -> None:
-        """Show where the drone is: flight time [s], distance to the lamp [m], pace."""
+        """Show flight time [s], distance to the lamp [m] and flight seconds per wall second."""
         ...
 
     def show_message(self, sentence: str) -> None:
-        """Tell something that happened."""
+        """Show a message."""
         ...
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class FlightRequest:
-    """What to fly; names or files, checked by `fly_once`."""
+    """What to fly: names or files, checked by `fly_once`."""
 
     vehicle: str
     scenario: str
@@ -59,25 +59,25 @@ class FlightRequest:
     seed: int
     time: Literal['lockstep', 'realtime']
     out: Path | None = None
-    live_port: int | None = None  # where Foxglove can look on
+    live_port: int | None = None  # for Foxglove
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class FlightRun:
     """
-    How a flight went.
+    The result of a flight.
 
     Attributes
     ----------
     folder, bag : Path
-        Where the results and the recording are.
+        Results folder and recording.
     outcome : str
-        'reached', 'timeout', 'escaped', or 'failed' when the graph broke.
+        'reached', 'timeout', 'escaped', or 'failed' if the graph broke.
     sentence : str
-        The same for people, to be put behind 'The drone'.
+        The outcome in words, to be put after 'The drone'.
     pace : float
-        Flight seconds a wall second.
+        Flight seconds per wall second.
 
     """
 
@@ -90,12 +90,12 @@ class FlightRun:
 
 def fly_once(order: FlightRequest, watcher: FlightObserver) -> FlightRun:
     """
-    Fly one flight and return how it went.
+    Fly one flight and return its result.
 
     Raises
     ------
     BadInput
-        If the order cannot be flown; nothing has been started then.
+        If the request is invalid; nothing has been started then.
 
     """
     scenario = load_scenario(order.scenario)
@@ -107,11 +107,12 @@ def fly_once(order: FlightRequest, watcher: FlightObserver) -> FlightRun:
     )
     check_plan(plan)
     spare = find_viewers(plan)
-    # Here, and not above: who flies without a graph needs no ROS.
+    # Imported late: flights in one process do not need ROS
     from lta_graph.ros.listener import DiagnosticsListener
 
     with DomainLock(ROBOT), DiagnosticsListener(ROBOT) as listener:
         check_live_ports(plan)
+        # After all checks, so that a refused flight leaves no folder
         prepare_empty_folder(folder)
         report_live_views(plan, watcher.show_message)
         with Launcher(plan, on_line=lambda _name, _line: None, optional=spare) as launcher:
@@ -120,7 +121,7 @@ def fly_once(order: FlightRequest, watcher: FlightObserver) -> FlightRun:
 
 
 def build_launch_arguments(order: FlightRequest, bag: Path) -> dict[str, str]:
-    """Return an order as launch arguments."""
+    """Return a request as launch arguments."""
     control = load_vehicle(order.vehicle).file.control
     named = control.gains if control else None
     return {
@@ -143,9 +144,9 @@ def supervise_flight(
     optional: Collection[str] = (),
 ) -> None:
     """
-    Follow a flight until a process ends it, or the graph has stood still for too long.
+    Follow a flight until a process ends it, or it has stalled for too long.
 
-    A `spare` process is neither missed nor waited for; that it has ended is told.
+    The exit of an `optional` process is reported, but does not end the flight.
     """
     lookout = StallMonitor(watcher.show_message, listener.publish_error)
     while launcher.outcome is None:
@@ -155,6 +156,7 @@ def supervise_flight(
                 why = f' ({end.lines[-1]})' if is_refusal(end) else ''
                 watcher.show_message(f'{end.sentence}{why}; the flight goes on.')
         show_status(facts, watcher)
+        # A viewer never delays or ends a flight
         running = [name for name in launcher.running if name not in optional]
         lookout.update(facts, listener.find_silent(running), listener.find_pending(running))
         if lookout.stall_time > PATIENCE:
@@ -165,30 +167,33 @@ def supervise_flight(
     end = launcher.outcome
     if not end.success:
         listener.publish_error(f'{end.sentence}.')
+        # A refusal is raised as BadInput by `collect_result`
         if not is_refusal(end):
             watcher.show_message(f'{end.sentence}.')
 
 
 def show_status(facts: Mapping[str, HealthFact], watcher: FlightObserver) -> None:
-    """Show the simulator's newest word on the flight."""
+    """Show the newest status of the flight from the simulator."""
     fact = facts.get(FLIGHT)
     if (
         fact is not None
         and fact.level == HealthLevel.OK
-        and (told := fact.parse_numbers('time_s', 'distance_m', 'pace'))
+        and (numbers := fact.parse_numbers('time_s', 'distance_m', 'pace'))
     ):
-        watcher.show_position(*told)
+        watcher.show_position(*numbers)
 
 
 def is_refusal(end: ProcessExit) -> bool:
-    """Tell whether a node ended with a sentence on what it cannot work with."""
+    """Return whether a node exited with a sentence about bad input."""
+    # Status 2 is that of `run_node` for BadInput
     return end.status == 2 and bool(end.lines)
 
 
 def parse_final_status(ended: Iterable[ProcessExit]) -> dict[str, str] | None:
-    """Return the simulator's last word on the flight, None where it died without one."""
+    """Return the simulator's final status; None if it died without one."""
     for item in ended:
         if item.name == 'simulator' and item.stdout:
+            # The last line may be cut, or not the status at all
             with suppress(ValueError):
                 said = json.loads(item.stdout[-1])
                 return said if isinstance(said, dict) else None
@@ -199,17 +204,17 @@ def collect_result(
     folder: Path, launcher: Launcher, watcher: FlightObserver, optional: Collection[str] = ()
 ) -> FlightRun:
     """
-    Return how the flight went, from how its processes ended.
+    Return the result of the flight from the exits of its processes.
 
     Raises
     ------
     BadInput
-        If a node refused its input: the node's own sentence.
+        If a node refused its input; with the node's sentence.
 
     """
     bag, end = folder / 'bag', launcher.outcome
     broken = end is None or not end.success
-    # Whoever is stopped in an orderly way ends with 0; in a broken graph, not all come so far.
+    # A stopped process exits with 0, but in a broken graph some had to be killed
     ended = [item for item in launcher.ended if item.name not in optional]
     faulty = [item for item in ended if item.status and not (broken and item.stopped)]
     for item in faulty:

@@ -1,9 +1,9 @@
 """
-What a flight is made of: its files as they are read, with single parameters replaced.
+Define a flight: its files as read, with single parameters replaced.
 
-The first word of a parameter's path says which file or settings it belongs to: `vehicle`,
-`scenario` and `gains` are files, the rest are what each node's own parameters are called. One of
-the files' words alone, or `find_strategy`, is the name of another file or strategy.
+The first word of a parameter's path is its file or settings. `vehicle`, `scenario` and `gains` are
+files; the others are the parameters of a node. A path that is only the name of a file, or
+`strategy`, replaces the whole file or the strategy.
 """
 
 from collections.abc import Iterable, Mapping
@@ -54,8 +54,8 @@ SETTINGS: dict[str, type[Settings]] = {
     'prior': LampPrior,
     'energy_monitor': MonitorSettings,
 }
-GAINS = 'gtmab'  # of a vehicle that names none
-NAMED = ('strategy', *FILES)  # paths of one word: what they name is replaced as a whole
+GAINS = 'gtmab'  # for a vehicle that does not name its own
+NAMED = ('strategy', *FILES)  # paths of one word, which replace a whole file
 ROOTS = (*FILES, *(name for name in SETTINGS if name not in FILES))
 
 
@@ -63,18 +63,18 @@ ROOTS = (*FILES, *(name for name in SETTINGS if name not in FILES))
 @dataclass(frozen=True, slots=True)
 class FlightSpec:
     """
-    Everything that decides a flight but its seed.
+    Everything that determines a flight except its seed.
 
     Attributes
     ----------
     names : mapping
-        The files as they were named, by root.
+        Names or paths of the files, by root.
     strategy : str
         Navigation strategy.
     contents : mapping
-        What each file or node's settings hold, by root, as YAML has it.
+        Contents of the files and settings as YAML has them, by root.
     replaced : mapping
-        Parameters that have been replaced, by path.
+        Replaced parameters, by path.
 
     """
 
@@ -85,9 +85,9 @@ class FlightSpec:
 
     def with_values(self, values: Mapping[str, Any]) -> 'FlightSpec':
         """
-        Return these with parameters replaced, by path; `BadInput` where that cannot be.
+        Return a copy with parameters replaced, by path; raise `BadInput` for an invalid one.
 
-        Where a file is replaced, what had been replaced in the one before is replaced in it.
+        If a file is replaced, earlier replacements are applied to the new file.
         """
         other = {path: value for path, value in values.items() if path in NAMED}
         if other:
@@ -100,25 +100,27 @@ class FlightSpec:
         return replace(self, contents=contents, replaced={**self.replaced, **values})
 
     def _with_files(self, names: Mapping[str, Any]) -> 'FlightSpec':
-        """Return these as they are read, made of other files or another strategy."""
+        """Return the flight with other files or another strategy, without replaced parameters."""
         for path, name in names.items():
             if not isinstance(name, str):
                 raise BadInput(f'{path} is {format_value(name)}, but must be a name or a file.')
+        # An empty name selects the gains of the new vehicle
         own = {} if 'vehicle' not in names else {'gains': ''}  # another vehicle, its own gains
         named = {'strategy': self.strategy, **self.names, **own, **names}
         return load_spec(named['vehicle'], named['scenario'], named['strategy'], named['gains'])
 
     def read_value(self, path: str) -> Any:  # noqa: ANN401 - what YAML holds
-        """Return what stands at a path; None for an effect's parameter that no file names."""
+        """Return the value at a path; None for an omitted parameter of an effect."""
         if path in NAMED:
             return {'strategy': self.strategy, **self.names}[path]
         root, below = split_path(path)
         return get_parameter(self.contents[root], below, root)
 
     def find_unit(self, path: str) -> str:
-        """Return the SI unit of a parameter; '' where it has none."""
+        """Return the SI unit of a parameter; '' if it has none."""
         found = parse_quantity(self.read_value(path))
         if found is not None:
+            # An unknown unit is reported later, by validation
             return UNITS.get(found['unit'], (found['unit'],))[0]
         if path in NAMED:
             return ''
@@ -136,7 +138,7 @@ def split_path(path: str) -> tuple[str, str]:
 
 
 def declared_unit(model: type[BaseModel], keys: list[str]) -> str:
-    """Return the unit that a setting is declared with."""
+    """Return the declared unit of a setting; '' if it has none."""
     found = model.model_fields.get(keys[0])
     if found is None:
         return ''
@@ -150,7 +152,7 @@ def declared_unit(model: type[BaseModel], keys: list[str]) -> str:
 
 def load_spec(vehicle: str, scenario: str, strategy_name: str, gains: str) -> FlightSpec:
     """
-    Read what a flight is made of.
+    Read the files of a flight.
 
     Parameters
     ----------
@@ -162,7 +164,7 @@ def load_spec(vehicle: str, scenario: str, strategy_name: str, gains: str) -> Fl
     Raises
     ------
     BadInput
-        If a file cannot be read or a name is not known.
+        If a file cannot be read or a name is unknown.
 
     """
     find_strategy(strategy_name)
@@ -174,42 +176,42 @@ def load_spec(vehicle: str, scenario: str, strategy_name: str, gains: str) -> Fl
     )
     contents['gains'] = read_gains(contents['gains'], names['gains'])
     for root, model in SETTINGS.items():
+        # Nodes have no files here, so their settings start at the defaults
         contents.setdefault(root, model().model_dump() if root != 'gains' else None)
     return FlightSpec(names, strategy_name, contents)
 
 
 def read_control(content: Any) -> dict[str, str]:  # noqa: ANN401 - what YAML holds
-    """Return law and gains as a vehicle's file names them, as far as they are words."""
+    """Return law and gains that a vehicle's file names, as far as they are text."""
     control = content.get('control') if isinstance(content, dict) else None
     given = control if isinstance(control, dict) else {}
     return {key: word for key, word in given.items() if isinstance(word, str)}
 
 
 def select_settings_models(vehicle: Any) -> dict[str, type[Settings]]:  # noqa: ANN401 - what YAML holds
-    """Return the kinds of settings, the gains those of the law that flies the vehicle."""
+    """Return the models of all settings; the gains are those of the vehicle's control law."""
     return SETTINGS | {'gains': find_law(read_control(vehicle).get('law', CASCADE)).gains}
 
 
 def read_gains(content: Any, name: str) -> Any:  # noqa: ANN401 - what YAML holds
-    """Return the gains in a ROS parameter file."""
+    """Return the gains from a ROS parameter file."""
     try:
         return content['/**/controller']['ros__parameters']['gains']
     except (KeyError, TypeError):
         raise BadInput(
             f'{find_file("gains", name)} has no gains under /**/controller, ros__parameters; '
-            f'compare '
-            'it with a shipped file.'
+            'compare it with a shipped file.'
         ) from None
 
 
 def build_parts(spec: FlightSpec) -> tuple[Vehicle, Scenario, FlightStack]:
     """
-    Return vehicle, scene and what the drone decides by.
+    Return vehicle, scenario and flight stack.
 
     Raises
     ------
     BadInput
-        If something of it cannot be: one sentence.
+        If a part is invalid, or the parts do not fit together.
 
     """
     scenario = _validate_part(Scenario, spec, 'scenario')
@@ -233,13 +235,14 @@ def build_parts(spec: FlightSpec) -> tuple[Vehicle, Scenario, FlightStack]:
     check_lamp_frequency(scenario, policy.demodulation)
     check_reserve(policy.reserve, policy.strategy)
     vehicle = Vehicle(vehicle_file, scenario.air.density)
+    # Evaluated for its check: raises BadInput if the rotors cannot lift the vehicle
     _ = vehicle.hover_duty
     scene_model.check_scene(vehicle, scenario)
     return vehicle, scenario, policy
 
 
 def build_loop(spec: FlightSpec, seed: int) -> ClosedLoop:
-    """Return a flight that is about to begin; `BadInput` if something of it cannot be."""
+    """Return a flight that is ready to start; raise `BadInput` if it is invalid."""
     vehicle, scenario, policy = build_parts(spec)
     table = load_topic_table()
     world = World(vehicle, scenario, table, seed, spec.strategy)
@@ -247,7 +250,7 @@ def build_loop(spec: FlightSpec, seed: int) -> ClosedLoop:
 
 
 def _validate_part(model: type[Any], spec: FlightSpec, root: str) -> Any:  # noqa: ANN401 - a model
-    """Return one part, checked; the sentence names the file, and what was replaced in it."""
+    """Return one validated part; errors name its file and the replaced parameters."""
     where = str(find_file(root, spec.names[root])) if root in FILES else f'the settings of {root}'
     replaced = [path for path in spec.replaced if path.startswith(f'{root}.')]
     if replaced:
@@ -256,12 +259,13 @@ def _validate_part(model: type[Any], spec: FlightSpec, root: str) -> Any:  # noq
 
 
 def write_files(spec: FlightSpec, folder: Path) -> dict[str, str]:
-    """Write the files in which something was replaced; return all files' names by root."""
+    """Write files with replaced parameters; return the paths or names of all files by root."""
     names = dict(spec.names)
     for root in FILES:
         if any(path.startswith(f'{root}.') for path in spec.replaced):
             content = spec.contents[root]
             if root == 'gains':
+                # Back to the ROS parameter file that `read_gains` reads
                 content = {'/**/controller': {'ros__parameters': {'gains': content}}}
             path = folder / f'{root}.yaml'
             path.write_text(yaml.safe_dump(content, sort_keys=False), encoding='utf-8')
@@ -270,15 +274,16 @@ def write_files(spec: FlightSpec, folder: Path) -> dict[str, str]:
 
 
 def to_cli_args(values: Mapping[str, Any]) -> Iterable[str]:
-    """Return replaced parameters as `lta simulate --set` takes them."""
+    """Return replaced parameters as arguments of `lta simulate --set`."""
     for path, value in values.items():
         found = parse_quantity(value)
         yield f'{path}={value}' if found is None else f'{path}={format_quantity(found)}'
 
 
 def format_quantity(quantity: Mapping[str, Any]) -> str:
-    """Return a quantity as text that is read back to the last bit."""
+    """Return a quantity as text that can be read back exactly."""
     number = quantity['value']
     if isinstance(number, list | tuple):
         return f'{list(number)} {quantity["unit"]}'
+    # repr of a float keeps all its bits
     return f'{number!r} {quantity["unit"]}'

@@ -1,4 +1,4 @@
-"""Everything that can be chosen about what the drone decides, and what flies it then."""
+"""The algorithms and settings of the drone, and the autopilot built from them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -25,10 +25,10 @@ from lta_vlc.settings import DemodulationSettings
 @dataclass(frozen=True, slots=True)
 class FlightStack:
     """
-    Everything that can be chosen about what the drone decides.
+    All algorithms and settings of the drone.
 
-    `law` flies it, by gains of its own kind. `course` gives the setpoint by the time since the
-    start instead of the navigator, who then does not look at the light.
+    `law` is the control law, with `gains` of its own class. `course` gives the setpoint as a
+    function of time and replaces the navigator, which then ignores the light.
     """
 
     strategy: NavigationStrategy
@@ -39,25 +39,26 @@ class FlightStack:
     prior: LampPrior = field(default_factory=LampPrior)
     energy: MonitorSettings = field(default_factory=MonitorSettings)
     reserve: ReserveActionSettings = field(default_factory=ReserveActionSettings)
-    tilt_limit: float = TILT_LIMIT  # beyond it the motors stop [rad]
+    tilt_limit: float = TILT_LIMIT  # the motors stop beyond it [rad]
     law: ControlLaw = LAWS['cascade']
     course: Callable[[float], Setpoint] | None = None
 
 
 def build_autopilot(policy: FlightStack, vehicle: Vehicle, dt: float) -> Autopilot | LawAutopilot:
     """
-    Return what flies a vehicle: for the cascade one compiled function with the estimator.
+    Return the autopilot; for the cascade, one compiled function with the estimator.
 
     Parameters
     ----------
-    policy : Policy
+    policy : FlightStack
         Law, gains, filters and limits.
     vehicle : Vehicle
-        As the drone knows it.
+        The vehicle as the drone knows it.
     dt : float
         Control period. [s]
 
     """
+    # Laws that use external tracking instead of the estimator are not compiled
     if isinstance(policy.gains, CascadeGains) and policy.law.feedback is Feedback.ESTIMATOR:
         drone = build_drone_constants(
             vehicle, policy.estimator, policy.gains, dt, policy.tilt_limit

@@ -1,4 +1,4 @@
-"""Any graph from a launch file: started, watched, and ended with its first process that ends."""
+"""Run any launch file: start it, supervise it, and stop it when its first process ends."""
 
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -13,32 +13,33 @@ from lta_graph.launcher import GRACE, Launcher
 from lta_graph.process_watch import OnLine
 from lta_graph.ros.listener import DiagnosticsListener
 
-LOOK = 0.1  # wall seconds between looks at the processes and the diagnostics
-TELLERS = (('lta_sim', 'simulator'), ('lta_bridge', 'player'))  # who may tell /clock
-LANDS = ('lta_bridge', 'crazyflie_bridge')  # who may be in the air when it is asked to end
+LOOK = 0.1  # wall seconds between polls of the processes and the diagnostics
+TELLERS = (('lta_sim', 'simulator'), ('lta_bridge', 'player'))  # executables with a /clock
+LANDS = ('lta_bridge', 'crazyflie_bridge')  # may have to land before it can exit
 
 
 def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> ProcessExit:
     """
-    Run a launch plan to its end and return how the process that ended it did.
+    Run a launch plan to its end and return the exit that ended it.
 
     Parameters
     ----------
     plan : LaunchPlan
         What to start.
     on_line : callable
-        Called with what the plan calls a node and each line that it writes.
+        Called with the label of a process and each line of its output.
     say : callable
-        Called with a sentence for each process that ends or hangs.
+        Called with a sentence for each process that ends or stalls.
 
     Raises
     ------
     BadInput
-        If it cannot be started, or would tell /clock and another flight is on the ROS domain.
+        If it cannot be started, or would publish /clock and another flight is on the ROS domain.
 
     """
     with ExitStack() as stack:
         if robots := list_simulated_robots(plan):
+            # Only simulated time is exclusive; real drones may share a domain
             stack.enter_context(DomainLock(*robots))
         listener = stack.enter_context(DiagnosticsListener(*plan.namespaces))
         lookout = StallMonitor(say, listener.publish_error)
@@ -50,10 +51,11 @@ def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> 
         )
         while (outcome := launcher.outcome) is None:
             facts = listener.poll(LOOK)
-            # Of a node that is not ours nothing is ever heard: that is no fault of it.
+            # Other packages' nodes do not report on /diagnostics, which is not a fault
             running = [name for name in launcher.running if name not in spare]
             unheard = listener.find_pending(running)
             heard = [name for name in running if name not in unheard]
+            # While nodes load, a busy machine may delay the reports of others
             silent = listener.find_silent(heard) if listener.is_settled(running) else []
             lookout.update(facts, silent, unheard)
             for end in launcher.poll():
@@ -64,7 +66,7 @@ def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> 
 
 
 def shutdown_grace(plan: LaunchPlan) -> float:
-    """Return how long the processes of a plan have to end: a drone comes down meanwhile. [s]"""
+    """Return how long the processes may take to exit, including a landing. [s]"""
     lands = any((each.package, each.executable) == LANDS for each in plan.processes)
     return GRACE + (LEAVE if lands else 0.0)
 

@@ -1,4 +1,4 @@
-"""Whether the drone of a flight listens for the lamp that it is to find."""
+"""Check that the demodulator searches for the frequency of the target lamp."""
 
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
@@ -9,23 +9,23 @@ from lta_vlc.spectral.bins import plan_beacon_bins
 
 def check_lamp_frequency(scenario: Scenario, demodulation: DemodulationSettings) -> None:
     """
-    Refuse a scene whose lamp flickers where the demodulator does not look.
+    Reject a scene whose lamp is outside the demodulator's search window.
 
-    On a route the navigator asks for the frequency of each lamp, and on a course nobody seeks
-    one. Otherwise the demodulator listens where it is set to, and such a flight could only time
+    On a route the navigator requests the frequency of each lamp, and on a course no lamp is
+    searched. Otherwise the demodulator uses its own setting, and such a flight would only time
     out.
 
     Raises
     ------
     BadInput
-        If the lamp's nominal frequency is outside the window of bins that is searched for the
-        first beacon.
+        If the lamp's nominal frequency is outside the window of bins of the first beacon.
 
     """
     if scenario.route or scenario.course is not None:
         return
     light = load_topic_table().light
     rate, samples = light.sample_rate.si, light.samples
+    # The first beacon is the demodulator's own frequency
     low, high = plan_beacon_bins(demodulation.beacons, demodulation, rate, samples)[
         0
     ].frequency_limits
@@ -35,6 +35,6 @@ def check_lamp_frequency(scenario: Scenario, demodulation: DemodulationSettings)
         raise BadInput(
             f'The lamp of {scenario.name} flickers at {lamp:g} Hz, but the demodulator listens '
             f'at {demodulation.frequency:g} Hz, from {low:.0f} to {high:.0f} Hz; give the '
-            f"scenario a 'route: [{name}]', on which each lamp is listened for at its own "
-            'frequency, or set demodulator.frequency.'
+            f"scenario a 'route: [{name}]', which uses the frequency of each lamp, "
+            'or set demodulator.frequency.'
         )

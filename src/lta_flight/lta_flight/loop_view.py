@@ -1,4 +1,4 @@
-"""What a flight in this process came through, as the results look at it: no bag in between."""
+"""Data of a simulated flight in the form that results and pages use, without a bag."""
 
 from functools import cached_property
 from typing import final, NamedTuple
@@ -24,16 +24,17 @@ from lta_report.curves import (
 import numpy as np
 from numpy.typing import NDArray
 
+# Topics that the data stand for: always, and once there is a light block
 KEPT = {'ground_truth/odom', 'odom', 'battery'}
 LIT = {'light/bearing', 'light/estimate', 'light/peaks', 'setpoint/pose', 'setpoint/velocity'}
 
 
 class LoopLightBlock(NamedTuple):
-    """What one block of light says, and what is asked for by it."""
+    """Results of one light block, and the setpoint after it."""
 
     began: float  # [s]
-    bearing: tuple[float, float]  # the paper's vector; (0, 0) is none
-    lamp: tuple[float, float]  # where it is taken to be [m, body]; (0, 0) is nowhere
+    bearing: tuple[float, float]  # the paper's vector; (0, 0) for none
+    lamp: tuple[float, float]  # estimated position [m, body]; (0, 0) for none
     snr: NDArray[np.float64]  # of each diode
     frequency: NDArray[np.float64]  # of each diode's peak [Hz]
     altitude: float  # [m]
@@ -43,12 +44,12 @@ class LoopLightBlock(NamedTuple):
 @final
 class LoopView:
     """
-    Keep of each step what the results need; see `lta_flight.report.evidence.FlightEvidence`.
+    Record each step for the results; see `lta_flight.report.evidence.FlightEvidence`.
 
     Parameters
     ----------
-    loop : Loop
-        The flight; `record_step` looks at its newest step.
+    loop : ClosedLoop
+        The flight; `record_step` reads its newest step.
 
     """
 
@@ -65,7 +66,7 @@ class LoopView:
         self._power: list[tuple[float, float, float]] = []
 
     def record_step(self) -> None:
-        """Keep the newest step; call it before the world goes on."""
+        """Record the newest step; call it before the simulation advances."""
         loop, readings = self._loop, self._loop.readings
         time = (readings.stamp_ns - self._start) * 1e-9
         self._times.append(time)
@@ -78,6 +79,7 @@ class LoopView:
                 began=(readings.block[0] - self._start) * 1e-9,
                 bearing=(0.0, 0.0) if found is None else (found.x, found.y),
                 lamp=(0.0, 0.0) if lamp is None else (lamp.x, lamp.y),
+                # As in the message, so that results equal those of a bag
                 snr=loop.light.peaks.snr.astype(np.float32).astype(np.float64),
                 frequency=loop.light.peaks.frequency,
                 altitude=asked.altitude,
@@ -90,22 +92,23 @@ class LoopView:
             self._winds.append((time, *loop.world.wind))
 
     def has_topics(self, *topics: str) -> bool:
-        """Tell whether there is something of all these topics."""
+        """Return whether all these topics have data."""
         return set(topics) <= (KEPT | LIT if self._light else KEPT)
 
     @property
     def span(self) -> tuple[float, float]:
-        """First and last instant. [s]"""
+        """First and last time. [s]"""
         return self._times[0], self._times[-1]
 
     @cached_property
     def goal(self) -> FlightGoal:
-        """The lamps to be reached, and when each was."""
+        """The target lamps, and when each was reached."""
         return FlightGoal(self.scene.scenario, self.truth)
 
     @cached_property
     def truth(self) -> MotionCurve:
-        """The true motion; the wind is taken off the speed."""
+        """The true motion, with the speed relative to the air."""
+        # Columns: time, then the values
         table, wind = np.array(self._truth), np.array(self._winds)
         time, state = table[:, 0], table[:, 1:]
         motion = build_motion(
@@ -115,12 +118,13 @@ class LoopView:
 
     @cached_property
     def estimate(self) -> MotionCurve:
-        """The drone's own idea of its motion, laid on the truth at the start."""
+        """The estimated motion, aligned with the truth at the start."""
         table, time = np.array(self._estimates), np.array(self._times)
         position, attitude, height, surge = (
             table[:, ESTIMATE.slice_of(part)]
             for part in ('position', 'attitude', 'altitude.height', 'airspeed.surge')
         )
+        # The estimator keeps x, y and the altitude separately
         place = np.hstack([position, height])
         return align_start(build_motion(time, place, attitude, surge[:, 0]), self.truth)
 
@@ -136,7 +140,7 @@ class LoopView:
 
     @cached_property
     def peaks(self) -> PointSeries:
-        """SNR and frequency of each diode's peak, at the middle of its block."""
+        """SNR and frequency of each diode's peak, at the middle of each block."""
         names = ('snr', 'frequency')
         fields = {
             name: np.array([getattr(block, name) for block in self._light]) for name in names
@@ -145,14 +149,14 @@ class LoopView:
 
     @cached_property
     def sighting(self) -> DirectionCurve:
-        """Direction to the lamp that the drone steers by, at the middle of its block."""
+        """Direction to the lamp by the fit, at the middle of each block."""
         return DirectionCurve(
             self._block_middles, vector_directions(np.array([block.lamp for block in self._light]))
         )
 
     @cached_property
     def bearing(self) -> DirectionCurve:
-        """The paper's direction to the lamp, at the middle of its block."""
+        """The paper's bearing of the lamp, at the middle of each block."""
         return DirectionCurve(
             self._block_middles,
             vector_directions(np.array([block.bearing for block in self._light])),
@@ -168,6 +172,6 @@ class LoopView:
 
     @cached_property
     def battery(self) -> ElectricalCurve:
-        """The cell as measured."""
+        """The battery as measured."""
         time, voltage, current = np.array(self._power).T
         return ElectricalCurve(time, voltage, current)

@@ -1,4 +1,4 @@
-"""A flight in one process as the messages that the graph's nodes would have sent."""
+"""Convert a flight in one process to the messages of the graph."""
 
 from collections.abc import Callable
 from typing import Any
@@ -27,15 +27,15 @@ Write = Callable[[str, Any], None]
 
 class LoopRecorder:
     """
-    Turn a loop's steps into messages and write them, each under its own publication's time.
+    Write the steps of a loop as messages, with the log times of their publications.
 
-    Topics that are not repeatable follow the wall clock of a graph and have no place here.
+    Topics that are not repeatable depend on the wall clock and are left out.
 
     Parameters
     ----------
     writer : BagWriter
-        Where to.
-    loop : Loop
+        Writes the bag.
+    loop : ClosedLoop
         The flight.
     table : TopicTable
         The topics.
@@ -48,12 +48,14 @@ class LoopRecorder:
         self._writer = writer
         self._loop = loop
         self._table = table
+        # Assigns log times in the order in which the graph would publish
         self._books = MessageAccounting(table, lockstep=True)
         self._names = {}
         self._rotors = loop.world.vehicle.rotor_names
         self._axes = build_diode_array(loop.world.vehicle.file.sensors.diodes).axes
         self._aboard = PowerSystem.from_entry(loop.world.vehicle.file.energy)
         for name, topic in table.topics.items():
+            # The same topics as the graph's recorder, so that the bags are equal
             if topic.recorded and topic.repeatable:
                 offered = select_profile(topic, lockstep=True)
                 words = offered.reliability.name.lower(), offered.durability.name.lower()
@@ -63,7 +65,7 @@ class LoopRecorder:
                 )
 
     def record_step(self) -> None:
-        """Write what the loop's newest step would have sent; call it before the world goes on."""
+        """Write the messages of the newest step; call it before the simulation advances."""
         loop, readings = self._loop, self._loop.readings
         stamp = to_stamp(readings.stamp_ns)
         self._write_motion(readings)
@@ -84,7 +86,7 @@ class LoopRecorder:
             self._writer.write(self._names[name], data, self._books.assign_log_time(name, data))
 
     def _write_motion(self, readings: VehicleReadings) -> None:
-        """Write what the simulator sends for the estimator."""
+        """Write the messages of the simulator for the estimator."""
         world, stamp = self._loop.world, to_stamp(readings.stamp_ns)
         for taken_ns, distance in readings.ranges:
             message = messages.build_range(to_stamp(taken_ns), distance, world.range_settings)
@@ -102,7 +104,8 @@ class LoopRecorder:
     def _write_light(
         self, block: tuple[int, Any], light: LightObservation, setpoint: Setpoint
     ) -> None:
-        """Write a light block and what demodulator and navigator make of it."""
+        """Write a light block and the outputs of demodulator and navigator."""
+        # All answers to a block carry its stamp
         stamp = to_stamp(block[0])
         self._write_message('photodiodes', messages.build_light_block(stamp, block[1]))
         header = Header(stamp=stamp, frame_id=self._table['photodiodes'].frame)
@@ -115,7 +118,8 @@ class LoopRecorder:
         self._write_message('light/beacon', Float64(data=self._loop.beacon))
 
     def _write_energy(self, readings: VehicleReadings, energy: EnergyObservation) -> None:
-        """Write what the meters say and what the energy monitor makes of it."""
+        """Write the readings of the meters and the output of the energy monitor."""
+        # Meters are read less often than the loop steps
         if readings.illuminance is None or readings.battery is None or readings.panel is None:
             return
         loop, stamp = self._loop, to_stamp(readings.stamp_ns)
@@ -125,7 +129,7 @@ class LoopRecorder:
         self._write_message('panel', messages.build_battery_state(stamp, *readings.panel, 'panel'))
         self._write_message('battery', measured)
         reading, estimate = energy.reading, energy.estimate
-        # The monitor answers the message, which carries 32 bits.
+        # The monitor uses the message, whose fields have 32 bits
         measured.voltage, measured.current = reading.voltage, reading.current
         self._write_message('energy/battery', from_charge(self._aboard.cell, estimate, measured))
         status = from_energy_balance(loop.policy.energy, self._aboard, estimate, reading, measured)

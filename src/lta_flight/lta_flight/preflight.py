@@ -1,4 +1,4 @@
-"""What can be wrong with the nodes of a launch plan, found before any of them starts."""
+"""Check the nodes of a launch plan before any of them starts."""
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
@@ -19,19 +19,19 @@ from lta_vlc.settings import DemodulationSettings
 OURS = 'lta_'
 CONTROLLER, DEMODULATOR, NAVIGATOR = 'controller', 'demodulator', 'navigator'
 FILE_OPTION = '--params-file'
-SEEDS = range(2**31)
+SEEDS = range(2**31)  # non-negative int32
 
 
 def check_plan(plan: LaunchPlan) -> None:
     """
-    Refuse a vehicle, scenario, strategy or seed that LTA's own nodes would refuse.
+    Reject a vehicle, scenario, strategy or seed that our nodes would reject.
 
-    And a lamp that nobody listens for, of which no node knows by itself.
+    Also reject a lamp outside the demodulator's search window, which no node can detect alone.
 
     Raises
     ------
     BadInput
-        The sentence that the node would have ended with.
+        The sentence with which the node would exit.
 
     """
     for process in plan.processes:
@@ -43,19 +43,20 @@ def check_plan(plan: LaunchPlan) -> None:
 
 def check_parameters(values: Mapping[str, object], controls: bool) -> None:
     """
-    Refuse what one node would refuse.
+    Reject parameters that one node would reject.
 
     Parameters
     ----------
-    given : mapping
+    values : mapping
         Its parameters by name.
     controls : bool
-        Whether it is the controller, which needs a law of the vehicle's.
+        Whether it is the controller, which supports only some control laws.
 
     """
     density, scenario = AIR_DENSITY, None
     if isinstance(name := values.get('scenario'), str):
         scenario = offset_start(load_scenario(name), *start_offset(values))
+        # Evaluated for its check: raises BadInput for invalid lights
         _ = scenario.light_field
         density = scenario.air.density
     if isinstance(name := values.get('vehicle'), str):
@@ -67,6 +68,7 @@ def check_parameters(values: Mapping[str, object], controls: bool) -> None:
             scene_model.check_scene(vehicle, scenario)
     if isinstance(name := values.get('strategy'), str):
         check_route(find_strategy(name), 1 if scenario is None else len(scenario.route))
+    # Not isinstance: true is an int in Python, but not for ROS
     if 'seed' in values and not (type(values['seed']) is int and values['seed'] in SEEDS):
         raise BadInput(
             f'The seed is {values["seed"]}, but must be a whole number from 0 to {SEEDS[-1]}.'
@@ -74,7 +76,7 @@ def check_parameters(values: Mapping[str, object], controls: bool) -> None:
 
 
 def check_plan_listening(plan: LaunchPlan) -> None:
-    """Refuse a scene whose lamp the demodulator beside its navigator does not listen for."""
+    """Reject a scene whose lamp the demodulator of the same robot does not search for."""
     ours = {
         (process.namespace, process.executable): process.arguments
         for process in plan.processes
@@ -83,9 +85,10 @@ def check_plan_listening(plan: LaunchPlan) -> None:
     for (namespace, executable), arguments in ours.items():
         listener = ours.get((namespace, DEMODULATOR))
         scenario = parse_parameters(arguments).get('scenario')
+        # Only a navigator with its own demodulator can be checked
         if executable != NAVIGATOR or listener is None or not isinstance(scenario, str):
             continue
-        if FILE_OPTION in listener:  # what it is set to stands in a file of whoever wrote it
+        if FILE_OPTION in listener:  # its settings are in a parameter file, which is not read here
             continue
         own = parse_parameters(listener)
         given = {name: own[name] for name in DemodulationSettings.model_fields if name in own}
@@ -96,21 +99,22 @@ def check_plan_listening(plan: LaunchPlan) -> None:
 
 
 def parse_parameters(arguments: Sequence[str]) -> dict[str, object]:
-    """Return the parameters that a node's command line gives one by one."""
+    """Return the parameters that a command line sets one by one."""
     rules = (rule.partition(':=') for word, rule in pairwise(arguments) if word == '-p')
     return {name: parse_yaml(value, name) for name, _, value in rules}
 
 
 def split_by_robot(values: Mapping[str, object]) -> list[dict[str, object]]:
-    """Return parameters of the node itself, and those of each robot in a recorder's care."""
+    """Return the parameters of the node itself, and those of each robot of a recorder."""
     found: dict[str, dict[str, object]] = {}
     for name, value in values.items():
+        # A recorder's parameters for one robot are named `lta1.scenario`
         robot, _, own = name.rpartition('.')
         found.setdefault(robot, {})[own] = value
     return list(found.values())
 
 
 def start_offset(values: Mapping[str, object]) -> tuple[float, float]:
-    """Return by how much a node's parameters move the start; what is no number moves nothing."""
+    """Return the offset of the start from a node's parameters; 0 if it is not a number."""
     x, y = (values.get(name) for name in ('offset_x', 'offset_y'))
     return x if isinstance(x, float) else 0.0, y if isinstance(y, float) else 0.0

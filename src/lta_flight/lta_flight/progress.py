@@ -1,4 +1,4 @@
-"""The progress bar of a flight: how near the lamp, at what pace, and who is in trouble."""
+"""The progress bar of a flight: distance to the lamp and pace."""
 
 from typing import final
 
@@ -10,14 +10,14 @@ from rich.progress import BarColumn, TextColumn
 @final
 class FlightProgress(ProgressBar):
     """
-    Show a flight while it lasts: `with FlightProgress(console) as progress: ...`.
+    Show the progress of a flight: `with FlightProgress(console) as progress: ...`.
 
     Parameters
     ----------
     console : Console
-        Where to; nothing moves where it is no terminal.
+        Output; nothing is shown if it is not a terminal.
     begin : str
-        What happens before the flight.
+        Description before the flight begins.
 
     """
 
@@ -35,7 +35,7 @@ class FlightProgress(ProgressBar):
 
     def show_position(self, time: float, distance: float, pace: float) -> None:
         """
-        Show where the drone is.
+        Show the position of the drone.
 
         Parameters
         ----------
@@ -44,14 +44,16 @@ class FlightProgress(ProgressBar):
         distance : float
             To the lamp. [m]
         pace : float
-            Flight seconds a wall second.
+            Flight seconds per wall second.
 
         """
         if self._begin is None:
+            # The bar runs from the initial distance to zero
             self._begin = distance
         self.update_bar(
             description='flying',
             total=self._begin,
+            # A drone that flies away must not give a negative value
             completed=max(0.0, self._begin - distance),
             detail=f'{distance:.2f} m to the lamp, {time:.1f} s, {pace:.1f} x real time',
         )

@@ -1,7 +1,7 @@
 """
-One flight in one process, without DDS: recorded as the graph records it, to the same bytes.
+Simulate one flight in one process, and record the same bytes as the graph would.
 
-The recorder is beside the loop, not in it: without a bag nothing is turned into a message.
+The recorder is separate from the loop: without a bag no message is built.
 """
 
 from contextlib import ExitStack
@@ -26,13 +26,13 @@ from lta_report.results_folder import resolve_folder
 if TYPE_CHECKING:
     from lta_flight.messages import LoopRecorder
 
-LOOK = 0.1  # wall seconds between two looks of the watcher
+LOOK = 0.1  # wall seconds between two updates of the progress bar
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class SimulationRequest:
-    """What to simulate; names, files and settings, checked by `simulate_once`."""
+    """What to simulate: names, files and settings, checked by `simulate_once`."""
 
     vehicle: str
     scenario: str
@@ -48,30 +48,31 @@ def simulate_once(
     order: SimulationRequest, watcher: FlightObserver
 ) -> tuple[FlightRun, FlightResults]:
     """
-    Fly one flight in this process and return how it went and what it came to.
+    Simulate one flight and return the run and its results.
 
     Raises
     ------
     BadInput
-        If the order cannot be flown, or the disk cannot take its bag.
+        If the request is invalid, or the bag cannot be written.
 
     """
-    made_of = load_spec(order.vehicle, order.scenario, order.strategy, order.gains)
-    made_of = made_of.with_values(dict(map(parse_assignment, order.changes)))
-    loop = build_loop(made_of, order.seed)
+    spec = load_spec(order.vehicle, order.scenario, order.strategy, order.gains)
+    spec = spec.with_values(dict(map(parse_assignment, order.changes)))
+    loop = build_loop(spec, order.seed)
     folder = resolve_folder(order.out, f'{loop.world.scenario.name}-{order.seed}')
     try:
         with ExitStack() as closing:
             recorder = None
             if order.record:
-                # Here, and not above: who wants no bag needs no ROS.
+                # Imported late: without a bag, ROS is not needed
                 from lta_flight.messages import LoopRecorder
 
                 prepare_empty_folder(folder)
-                origin = build_provenance(order, made_of, folder)
+                origin = build_provenance(order, spec, folder)
                 writer = closing.enter_context(BagWriter(folder / 'bag', origin))
                 recorder = LoopRecorder(writer, loop, load_topic_table(), ROBOT)
             view, pace = fly_loop(loop, recorder, watcher)
+    # For example a full disk
     except StorageFault as fault:
         raise BadInput(str(fault)) from None
     world = loop.world
@@ -82,7 +83,7 @@ def simulate_once(
 def fly_loop(
     loop: ClosedLoop, recorder: 'LoopRecorder | None', watcher: FlightObserver
 ) -> tuple[LoopView, float]:
-    """Fly a loop to its end; return what it came through and its pace."""
+    """Fly a loop to its end; return its data and its pace."""
     view = LoopView(loop)
     world = loop.world
     begun = looked = time.monotonic()
@@ -90,6 +91,7 @@ def fly_loop(
         view.record_step()
         if recorder is not None:
             recorder.record_step()
+        # Updating a terminal in every step would slow the simulation down
         now = time.monotonic()
         if now - looked >= LOOK:
             looked = now
@@ -100,7 +102,7 @@ def fly_loop(
 
 
 def build_provenance(order: SimulationRequest, spec: FlightSpec, folder: Path) -> dict[str, str]:
-    """Return what the bag says of its origin; files that were changed are kept beside it."""
+    """Return the provenance for the bag; changed files are written next to it."""
     names = write_files(spec, folder)
     changes = {'set': '; '.join(order.changes)} if order.changes else {}
     return collect_provenance(

@@ -1,4 +1,4 @@
-"""What is wrong with a running graph: who holds it up, told once it is sure, and what ails."""
+"""Report problems of a running graph: nodes that stall it, and errors that nodes report."""
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
@@ -10,35 +10,36 @@ from typing import final
 from lta_graph.health import HealthFact, HealthLevel
 from lta_graph.stall_attribution import find_role, find_stalled_roles, INPUTS
 
-FLIGHT = 'simulator: flight'  # the fact on how a simulated flight stands
-PLAYBACK = 'player: playback'  # and on how a replay does
+FLIGHT = 'simulator: flight'  # task with the state of a simulated flight
+PLAYBACK = 'player: playback'  # task with the state of a replay
 GOING = {FLIGHT: 'flying', PLAYBACK: 'playing'}  # their outcomes until they end
-SETTLE = 0.5  # wall seconds; nodes look at their inputs at different moments
-DISCOVERY = 4.0  # wall seconds; while some nodes have not been found yet, the others mislead
-FIGURE = re.compile(r'[0-9.]+')
-REPEATED = 10.0  # wall seconds in which an error that comes and goes is told twice, then counted
-AWAY = 1.0  # wall seconds without an error after which it is another one
-ELSEWHERE = (INPUTS, 'processes')  # tasks whose errors have sentences of their own
-START = 8.0  # wall seconds that nodes take to load on a busy machine; longer is worth a word
+SETTLE = 0.5  # wall seconds; nodes check their inputs at different times
+DISCOVERY = 4.0  # wall seconds to wait instead while some nodes are not discovered yet
+FIGURE = re.compile(r'[0-9.]+')  # numbers, which may differ between reports of one error
+REPEATED = 10.0  # wall seconds in which a recurring error is reported twice, then counted
+AWAY = 1.0  # wall seconds without an error after which it counts as new
+ELSEWHERE = (INPUTS, 'processes')  # tasks whose errors are reported elsewhere
+START = 8.0  # wall seconds that nodes take to load on a busy machine; report if it takes longer
 
 
 @final
 class StallDetector:
     """
-    Turn what is heard of the nodes into names.
+    Identify the nodes that stall a graph.
 
-    A node that hangs falls silent, and is named at once. One that goes on to report and yet does
-    not answer is found by what the others wait for, which takes a moment to settle.
+    A node that hangs falls silent, and is named at once. A node that reports but does not answer
+    is identified by what the others wait for, which takes a moment to settle.
 
     Attributes
     ----------
     standing : float
-        For how long somebody has held the graph up. [wall s]
+        Duration of the current stall. [wall s]
 
     """
 
     def __init__(self) -> None:
         self._suspects: list[str] = []
+        # Both clocks start now
         self._changed = self._well = time.monotonic()
         self.standing = 0.0
 
@@ -46,16 +47,16 @@ class StallDetector:
         self, suspects: list[str], silent: list[str], all_reporting: bool
     ) -> list[str]:
         """
-        Return whom to name.
+        Return the nodes to name.
 
         Parameters
         ----------
         suspects : list of str
-            For whom others say that they wait.
+            Nodes for which others report to wait.
         silent : list of str
-            Nodes that run and are no longer heard.
-        all_heard : bool
-            Whether every node that runs has been heard.
+            Running nodes that no longer report.
+        all_reporting : bool
+            Whether every running node has reported.
 
         """
         now = time.monotonic()
@@ -65,6 +66,7 @@ class StallDetector:
             self._well = now
         self.standing = now - self._well
         settled = now - self._changed > (SETTLE if all_reporting else DISCOVERY)
+        # Silence is certain, suspects may still change
         return silent or (suspects if settled else [])
 
 
@@ -72,30 +74,30 @@ class StallDetector:
 @dataclass(slots=True)
 class NodeError:
     """
-    One error of a node: when it was said and last seen [wall s], and how often it came back.
+    One error of a node: times of its last message and report [wall s], and its repetitions.
 
-    The first time it comes back is said at once: a hiccup before a fault must not hide the fault.
+    The first recurrence is reported at once, so that a brief error does not hide a later fault.
     """
 
     said: float
     seen: float
     text: str
-    back: bool = False  # whether that has been said of it
-    again: int = 0
-    here: bool = True
+    back: bool = False  # whether the first recurrence has been reported
+    again: int = 0  # recurrences since the last message
+    here: bool = True  # whether it was present at the last update
 
 
 @final
 class StallMonitor:
     """
-    Name who holds a running graph up, each time that somebody else does, and tell what ails.
+    Name the nodes that stall a graph, whenever they change, and report errors of nodes.
 
     Parameters
     ----------
     say : callable
-        Gets the sentence.
+        Gets each sentence.
     tell : callable
-        Gets those sentences as well that nobody in the graph can know: who is silent.
+        Also gets the sentences on stalls, which no node of the graph can report.
 
     """
 
@@ -112,33 +114,34 @@ class StallMonitor:
 
     @property
     def stall_time(self) -> float:
-        """For how long somebody has held the graph up. [wall s]"""
+        """Duration of the current stall. [wall s]"""
         return self._blame.standing
 
     def update(
         self, facts: Mapping[str, HealthFact], silent: list[str], unheard: Collection[str] = ()
     ) -> None:
         """
-        Look at what the nodes say, and name the culprits when they are others than before.
+        Check the reports of the nodes, and name the stalled ones if they have changed.
 
         Parameters
         ----------
-        facts : mapping of str to Fact
-            The newest facts, as `DiagnosticsListener` has them.
+        facts : mapping of str to HealthFact
+            The newest facts, from `DiagnosticsListener`.
         silent : list of str
-            Nodes that run and are no longer heard, or have not been for too long.
+            Running nodes that no longer report, or have not for too long.
         unheard : collection of str
-            Nodes that run and have not been heard yet: they load, and hold nobody up.
+            Running nodes that have not reported yet: they load, and do not count as stalled.
 
         """
         loading = {find_role(node) for node in unheard} - {find_role(node) for node in silent}
         waited = find_stalled_roles(facts.values())
-        # Before a lockstep begins nobody says that it waits, and all do: for the vehicle.
+        # Before lockstep begins no node reports to wait, but all wait for the vehicle
+        # The last part of the name, since a role may have a robot before it
         first = {role for role in loading if role.rpartition('/')[2] == 'vehicle'}
         self._report_loading(sorted(first | (loading & set(waited))))
         suspects = [role for role in waited if role not in loading]
         blamed = self._blame.identify_stalled(suspects, silent, not unheard)
-        # Once a flight is over its simulator stops, and all its nodes wait for that in vain.
+        # After a flight its simulator has stopped, and its nodes wait for it in vain
         blamed = [name for name in blamed if is_flying(facts, name)]
         if blamed and blamed != self._named:
             sentence = f'Nothing comes from {", ".join(blamed)}.'
@@ -148,12 +151,13 @@ class StallMonitor:
         self._report_errors(facts.values())
 
     def _report_errors(self, facts: Iterable[HealthFact]) -> None:
-        """Say what nodes call an error, each once in a while; what came back since is counted."""
+        """Report the errors of nodes, each once in a while, and count recurrences in between."""
         now = time.monotonic()
         found: dict[str, str] = {}
         for fact in facts:
             node, _, task = fact.task.partition(': ')
             if fact.level == HealthLevel.ERROR and task not in ELSEWHERE:
+                # The same error with other numbers is not a new one
                 error = f'{node}: {FIGURE.sub("#", fact.message)}'
                 found[error] = f'{node}: {fact.message.rstrip(".")}'
         for error, text in found.items():
@@ -173,14 +177,14 @@ class StallMonitor:
                 known.said, known.again = now, 0
 
     def _report_repeats(self, error: str) -> None:
-        """Say how often an error came back since it was said, if it did."""
+        """Report how often an error has recurred since its last message."""
         known = self._ailing.get(error)
         if known is not None and known.again:
             times = 'once' if known.again == 1 else f'{known.again} times'
             self._say(f'{known.text} (again {times} in {time.monotonic() - known.said:.0f} s).')
 
     def _report_loading(self, loading: list[str]) -> None:
-        """Say once for whom the others wait while they load, when that takes long."""
+        """Report once which nodes the others wait for, if loading takes long."""
         if loading and not self._excused and time.monotonic() - self._begun > START:
             self._excused = True
             self._say(
@@ -190,10 +194,10 @@ class StallMonitor:
 
 
 def is_flying(facts: Mapping[str, HealthFact], node: str) -> bool:
-    """Tell whether what plays a node's robot, if anything, has not said how it ended."""
+    """Return whether the robot of a node, if it is simulated or replayed, has not ended."""
     robot, slash, _ = node.rpartition('/')
-    told = {task: facts.get(robot + slash + task) for task in GOING}
+    states = {task: facts.get(robot + slash + task) for task in GOING}
     return all(
         fact is None or fact.values.get('outcome', GOING[task]) == GOING[task]
-        for task, fact in told.items()
+        for task, fact in states.items()
     )

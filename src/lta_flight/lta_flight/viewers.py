@@ -1,4 +1,4 @@
-"""The processes of a graph that only look: whoever they are, a flight goes on without them."""
+"""The viewer processes of a graph, without which a flight continues."""
 
 from collections.abc import Callable
 
@@ -11,7 +11,7 @@ from lta_graph.launch_file import LaunchPlan
 from lta_graph.launch_node import LaunchProcess
 
 LIVE = ('lta_bridge', 'live')
-LAYOUT = 'foxglove/lta.json'  # below the folder of LTA's own data
+LAYOUT = 'foxglove/lta.json'  # in the folder of LTA's own data
 
 
 def _is_viewer(process: LaunchProcess) -> bool:
@@ -19,29 +19,29 @@ def _is_viewer(process: LaunchProcess) -> bool:
 
 
 def _list_live_views(plan: LaunchPlan) -> list[tuple[LaunchProcess, object, object]]:
-    """Return the live views with host and port, but those that have theirs in a file."""
+    """Return the live views with host and port, except those configured by a file."""
     found = []
     for process in filter(_is_viewer, plan.processes):
         given = parse_parameters(process.arguments)
+        # A parameter file may set another port, which is not known here
         if 'port' in given or FILE_OPTION not in process.arguments:
             found.append((process, given.get('host', LOCAL), given.get('port', PORT)))
     return found
 
 
 def find_viewers(plan: LaunchPlan) -> frozenset[str]:
-    """Return what a plan calls the processes that only look."""
+    """Return the labels of the viewer processes."""
     return frozenset(plan.label(process) for process in plan.processes if _is_viewer(process))
 
 
 def check_live_ports(plan: LaunchPlan) -> None:
     """
-    Refuse a live view where nothing could listen.
+    Reject a live view that cannot listen.
 
     Raises
     ------
     BadInput
-        If its port is in use, another view's or no port, or its address is none of this
-        machine's.
+        If its port is invalid, in use or that of another view, or the address is not local.
 
     """
     seen: set[object] = set()
@@ -57,9 +57,10 @@ def check_live_ports(plan: LaunchPlan) -> None:
 
 
 def report_live_views(plan: LaunchPlan, say: Callable[[str], None]) -> None:
-    """Tell where people can look on; nothing where a plan has no live view."""
+    """Print the addresses of live views, if the plan has any."""
     views = _list_live_views(plan)
     for process, _, port in views:
+        # The port was checked by `check_live_ports`
         url = build_app_url(int(str(port)))
         whose = f'{process.namespace.strip("/")}; ' if len(views) > 1 else ''
         say(f'Live   {url}  ({whose}or, in the Foxglove app, Open connection)')

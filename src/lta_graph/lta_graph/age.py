@@ -15,5 +15,6 @@ def stamp_age(stamp_ns: int | None, now_ns: int) -> float:
     """
     if stamp_ns is None:
         return math.inf
+    # Small negative ages come from the delay between clocks
     passed = 1e-9 * (now_ns - stamp_ns)
     return passed if passed >= -AHEAD else math.inf

@@ -28,10 +28,12 @@ def find_package_prefix(package: str) -> Path:
 
     Raises `BadInput` if no prefix has the package.
     """
+    # The first prefix wins, so an overlay hides its underlay
     for prefix in list_prefixes():
         if (prefix / MARKERS / package).is_file():
             return prefix
     ours = list_resources(MARKERS, OURS)
+    # Offer only our packages: a ROS installation has hundreds
     if ours:
         raise unknown_name('package', package, ours)
     raise BadInput(
@@ -48,6 +50,7 @@ def list_resources(folder: Path, prefix: str) -> list[str]:
 
 def list_middlewares() -> list[str]:
     """Return the installed RMW implementations."""
+    # rmw_implementation selects one of the others at run time
     return [name for name in list_resources(MIDDLEWARES, 'rmw_') if name != 'rmw_implementation']
 
 

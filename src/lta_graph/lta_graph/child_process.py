@@ -17,6 +17,7 @@ from lta_graph.launch_node import LaunchProcess
 
 KEPT_LINES = 20  # last lines of each stream, for error messages
 PR_SET_PDEATHSIG = 1  # linux/prctl.h
+# Several nodes with one thread per core each would slow each other down
 THREADS = ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS')
 _LIBC = ctypes.CDLL(None)  # loaded here, because loading is unsafe between fork and exec
 
@@ -59,7 +60,7 @@ class ProcessExit:
     @property
     def lines(self) -> tuple[str, ...]:
         """Last lines of stderr, or of stdout if stderr was empty."""
-        return self.stderr or self.stdout
+        return self.stderr or self.stdout  # errors first
 
 
 def signal_name(number: int) -> str:
@@ -109,6 +110,7 @@ class ChildProcess:
 
     def reap(self) -> None:
         """Kill the remaining group members of an ended process and collect its status."""
+        # Before `wait` frees the process id, which is also that of the group
         self.send_signal(signal.SIGKILL)
         with self._lock:
             self.popen.wait()
@@ -116,6 +118,7 @@ class ChildProcess:
     def has_group_members(self) -> bool:
         """Return whether the group of a reaped process still has members."""
         try:
+            # Signal 0 only checks for existence
             os.killpg(self.pid, 0)
         except (ProcessLookupError, PermissionError):
             return False
@@ -152,11 +155,14 @@ def spawn_process(
     try:
         popen = subprocess.Popen(
             words,
+            # A node must not read from the user's terminal
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             env=variables,
+            # Unbuffered, because `ProcessWatch` reads the file descriptors directly
             bufsize=0,
+            # Keeps the terminal's Ctrl-C from reaching the node directly
             start_new_session=True,
             preexec_fn=_bind_to_parent(os.getpid()),
         )

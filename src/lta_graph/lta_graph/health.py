@@ -52,6 +52,7 @@ class Health:
     def set_fact(self, fact: HealthFact) -> None:
         """Set the status of the fact's task."""
         before = self._facts.get(fact.task)
+        # A changed message alone waits for the next periodic report
         self.changed |= before is None or before.level != fact.level
         self._facts[fact.task] = fact
 

@@ -82,16 +82,20 @@ class Inbox:
         self._table = table
         self._trigger = trigger
         self._lockstep = lockstep
+        # How many steps each input lags behind the trigger by design, from the table
         self._others = {
             name: table[name].subscribers.get(role, 0) for name in topics if name != trigger
         }
+        # Only periodic topics have a known number of due messages
         self._rhythmic = {name for name in topics if table[name].period_ns}
         self._queues: dict[str, deque[Any]] = {
+            # A dropped trigger would be a skipped step, so its queue is unbounded in real time too
             name: deque(maxlen=None if lockstep or name == trigger else self._backlog_limit(name))
             for name in topics
         }
         self._taken = dict.fromkeys(topics, 0)
         self.gaps = dict.fromkeys(topics, 0)
+        # Sequence number of the next message of each topic, from its stamps
         self._turn = dict.fromkeys(topics, 0)
         self._trigger_stamps: deque[int] = deque()
 

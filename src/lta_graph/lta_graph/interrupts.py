@@ -34,5 +34,6 @@ def hold_interrupts() -> Iterator[list[int]]:
     finally:
         for number, handler in handlers.items():
             signal.signal(number, handler)
+    # Delivered after the handlers are restored; further presses are the same request
     if presses:
         handlers[signal.Signals(presses[0])](presses[0], None)

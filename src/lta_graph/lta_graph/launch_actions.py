@@ -12,6 +12,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 
 def _check_quoted(value: Any) -> Any:  # noqa: ANN401 - whatever the file held
+    # YAML turns an unquoted 0.5 into a number, which ROS rejects
     if isinstance(value, bool | int | float):
         raise ValueError(f"is {value} without quotes, but ROS wants text here; write '{value}'")
     return value
@@ -96,6 +97,7 @@ class Param(StrictModel):
     @model_validator(mode='after')
     def _check_one_meaning(self) -> 'Param':
         given = [item is not None for item in (self.value, self.param, self.from_)]
+        # A file (`from`) has no name; a value or a nested parameter needs one
         if sum(given) != 1 or (self.name is None) != (self.from_ is not None):
             raise ValueError('needs either "from", or "name" and one of "value" and "param"')
         if self.type is not None and self.value is None:
@@ -127,8 +129,10 @@ class NodeAction(ConditionalAction):
     remap: Annotated[list[Remap], Field(min_length=1)] | None = None
     args: Text = ''
     ros_args: Text = ''
+    # Accepted for `ros2 launch`; our launcher prints the output of all nodes
     output: Literal['screen', 'log', 'both', 'own_log', 'full'] = 'log'
     on_exit: Literal['shutdown'] | None = None
+    # Not supported: the exit of a process ends the run
     respawn: Literal[False] = False
 
 
@@ -140,6 +144,7 @@ ACTIONS: dict[str, type[Action]] = {
     'include': Include,
     'group': GroupAction,
     'push_ros_namespace': PushRosNamespace,
+    # ROS accepts both spellings
     'push-ros-namespace': PushRosNamespace,
     'node': NodeAction,
 }

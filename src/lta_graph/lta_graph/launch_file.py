@@ -152,6 +152,7 @@ class _PlanBuilder:
 
     def include_file(self, path: Path, arguments: Mapping[str, str]) -> None:
         """Run a file's actions; as in ROS, its variables persist unless the include is grouped."""
+        # Without this check an include cycle would recurse without end
         if path.resolve() in self._open:
             raise BadInput(f'{path} includes itself; remove the include.')
         actions = _read_actions(path)
@@ -159,6 +160,7 @@ class _PlanBuilder:
         for name in arguments:
             if name not in declared:
                 raise BadInput(f'{path}: {unknown_name("launch argument", name, declared)}')
+        # Before the actions run, so that an `arg` finds its value and does not take the default
         self._variables.update(arguments)
         self._open.append(path.resolve())
         self._run_actions(actions)
@@ -169,6 +171,7 @@ class _PlanBuilder:
         for action in actions:
             try:
                 self._run_action(action)
+            # An included file has already added its path
             except _LocatedError:
                 raise
             except BadInput as error:
@@ -194,6 +197,7 @@ class _PlanBuilder:
                 )
                 self._variables[NAMESPACE] = pushed
             case GroupAction():
+                # A scope ends by restoring all variables, the pushed namespace among them
                 before = dict(self._variables)
                 self._run_actions(action.children)
                 if action.scoped:
@@ -209,6 +213,7 @@ class _PlanBuilder:
         text = action.if_ if action.if_ is not None else action.unless
         if text is None:
             return True
+        # The same four words as ROS 2 accepts
         value = self._substitute(text).strip().lower()
         if value not in ('true', '1', 'false', '0'):
             raise BadInput(f"The condition '{text}' is '{value}', but must be true or false.")
@@ -225,6 +230,7 @@ class _PlanBuilder:
                 )
             self._variables[arg.name] = self._substitute(arg.default)
         value = self._variables[arg.name]
+        # Also for a default, which a substitution may have set
         if choices and value not in choices:
             raise BadInput(
                 f"The launch argument '{arg.name}' is '{value}'; choose {', '.join(choices)}."

@@ -61,6 +61,7 @@ def build_process(node: NodeAction, context: LaunchContext, pushed: str) -> Laun
     if name is not None:
         if not is_name(name):
             raise BadInput(f"'{name}' cannot be a node name; use letters, digits and _.")
+        # `__node` and `__ns` are the special remapping rules of rcl
         ros += ['-r', f'__node:={name}']
     own = '' if node.namespace is None else substitute_text(node.namespace, context)
     namespace = join_namespaces(pushed, own)
@@ -90,6 +91,7 @@ def join_namespaces(base: str, name: str) -> str:
     Raises `BadInput` if the result is not a valid namespace.
     """
     joined = name if name.startswith('/') else f'{base}/{name}'
+    # The root namespace is written as an empty string here
     joined = '/' + joined.strip('/') if joined.strip('/') else ''
     if not all(is_name(token) for token in joined.split('/')[1:]):
         raise BadInput(f"'{joined}' cannot be a namespace; use letters, digits, _ and /.")
@@ -123,6 +125,7 @@ def iterate_parameters(
         yield name, convert_value(name, param.value, param.type, context)
         return
     items = [convert_value(name, item, param.type, context) for item in param.value]
+    # An empty list fails as well: rcl cannot infer its element type
     if len({type(item) for item in items}) != 1:
         raise BadInput(
             f'Parameter {name} is the list {items}, but a ROS list has one or more values of one '
@@ -143,6 +146,7 @@ def convert_value(name: str, scalar: Scalar, kind: str | None, context: LaunchCo
     else:
         value = _parse_yaml_value(substitute_text(scalar, context), kind)
     expected = (bool, int, float, str) if kind is None else (PARAMETER_TYPES[kind],)
+    # An exact type, because isinstance would accept a bool as an int
     if type(value) not in expected:
         wanted = kind or 'a number, true, false or text'
         raise BadInput(f'Parameter {name} is {value!r}, but must be {wanted}; check its value.')
@@ -159,6 +163,7 @@ def _parse_yaml_value(text: str, kind: str | None) -> object:
             return text
     try:
         return parse_yaml(text, 'The value')
+    # Text that is not valid YAML, such as 'a: b: c', stays text as in ROS
     except BadInput:
         return text
 
@@ -171,6 +176,7 @@ def format_ros_yaml(value: Scalar | list[Scalar]) -> str:
     """
     if isinstance(value, list):
         return f'[{", ".join(format_ros_yaml(item) for item in value)}]'
+    # Before the numbers, since repr(True) would be 'True'
     if isinstance(value, bool):
         return 'true' if value else 'false'
     if isinstance(value, float) and not math.isfinite(value):

@@ -62,6 +62,7 @@ def substitute_text(text: str, context: LaunchContext) -> str:
     Raises `BadInput` if a substitution is unknown, ill-formed or fails.
     """
     result, end = _read_text(text, 0, context, stop='')
+    # Without stop characters the reader consumes everything
     assert end == len(text)
     return result
 
@@ -74,6 +75,7 @@ def split_command_line(text: str, context: LaunchContext) -> list[str]:
 
 def has_substitution(text: str) -> bool:
     """Return whether a text contains a substitution."""
+    # An escaped dollar sign starts no substitution
     return '$(' in text.replace('\\$', '')
 
 
@@ -81,6 +83,7 @@ def _read_text(text: str, at: int, context: LaunchContext, stop: str) -> tuple[s
     """Return the text up to one of the `stop` characters, and its position."""
     parts = []
     while at < len(text) and text[at] not in stop:
+        # Escapes of ROS: a backslash before $, a quote or a backslash
         if text.startswith('\\', at) and at + 1 < len(text) and text[at + 1] in '$"\'\\':
             parts.append(text[at + 1])
             at += 2
@@ -108,6 +111,7 @@ def _read_words(text: str, at: int, context: LaunchContext, stop: str) -> tuple[
             at = end + 1
         else:
             piece, at = _read_text(text, at, context, stop=' \t\n\'"' + stop)
+        # As in a shell, a"b c" is one word
         words = [*words[:-1], words[-1] + piece] if joined else [*words, piece]
         joined = True
     return words, at
@@ -115,6 +119,7 @@ def _read_words(text: str, at: int, context: LaunchContext, stop: str) -> tuple[
 
 def _read_substitution(text: str, start: int, context: LaunchContext) -> tuple[str, int]:
     """Return the value of the substitution at `start`, and the position after it."""
+    # Skip the two characters '$('; words inside may contain substitutions themselves
     words, at = _read_words(text, start + 2, context, stop=')')
     if at == len(text):
         raise BadInput(f"'{text}' has an unclosed substitution; close it with ')'.")

@@ -122,12 +122,15 @@ class Launcher:
             After Ctrl-C during the start; nothing is left running.
 
         """
+        # Before the first start, so that a missing executable starts nothing
         commands = [build_command(process) for process in self._plan.processes]
         variables = build_environment()
         try:
             with hold_interrupts() as presses:
+                # The guard waits as long as an orderly stop may take
                 self._guard = ProcessGuard(self._grace + TERM_GRACE)
                 for process, words in zip(self._plan.processes, commands, strict=True):
+                    # Ctrl-C during the start: start no more, `stop` ends the others
                     if presses:
                         break
                     child = spawn_process(process, self._plan.label(process), words, variables)
@@ -135,6 +138,7 @@ class Launcher:
                     self._guard.add_group(child.pid)
                 # Start the thread after the forks: forking a process with threads is unsafe.
                 self._start_watch()
+        # Includes KeyboardInterrupt, which must not leave processes behind
         except BaseException:
             self.stop()
             raise
@@ -163,6 +167,7 @@ class Launcher:
                     while True:
                         found.append(self._watch.events.get_nowait())
                 self.ended += found
+            # While stopping, a fault of `on_line` must not prevent the rest of the stop
             if self._watch.fault is not None and not self._stopping.is_set():
                 raise self._watch.fault
         return found
@@ -196,6 +201,7 @@ class Launcher:
         while self.running and (passed := time.monotonic() - began) < grace:
             if len(presses) > before and grace < float('inf'):
                 return
+            # A viewer that ignores SIGINT must not delay the stop
             if passed > SPARE_GRACE:
                 self._kill_optional()
             time.sleep(PERIOD)
@@ -206,6 +212,8 @@ class Launcher:
                 child.send_signal(signal.SIGKILL)
 
     def _clean_up(self) -> None:
+        # The start was interrupted before the thread existed, but its processes have pipes to
+        # drain
         if self._watch is None and self._children:
             self._start_watch()
         if self._watch is not None:

@@ -41,6 +41,7 @@ class GridTurns:
         row = self._table[name]
         if not (row.stamped and row.period_ns):
             return expected
+        # Message 0 is stamped start_ns, and each later one a period more
         return (stamp_ns - self._table.start_ns) // row.period_ns
 
 
@@ -64,6 +65,7 @@ class RecordedTurns:
 
     def count_due(self, name: str, now_ns: int, lag: int) -> int:
         """Return how many messages of a topic must have come at a control step."""
+        # Sorted due times, so this counts the messages due by then
         return bisect_right(self._due.get(name, ()), now_ns - lag * self._control_ns)
 
     def find_turn(self, _name: str, expected: int, _stamp_ns: int) -> int:

@@ -38,6 +38,7 @@ class Peers:
 
     def record_pulse(self, name: str, stamp_ns: int) -> None:
         """Record a pulse. [ns]"""
+        # A late or repeated pulse must not move time back
         self._newest[name] = max(stamp_ns, self._newest.get(name, self._start_ns))
 
     def mark_ended(self, name: str) -> None:
@@ -47,6 +48,7 @@ class Peers:
 
     def find_lagging(self, stamp_ns: int) -> list[str]:
         """Return the robots to wait for before advancing to a time. [ns]"""
+        # A robot without a pulse counts as being at the start
         limit = stamp_ns - self._lead_ns
         return [name for name in self._flying if self._newest.get(name, self._start_ns) < limit]
 

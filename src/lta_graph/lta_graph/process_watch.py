@@ -46,6 +46,7 @@ class ProcessWatch(threading.Thread):
         for child in children:
             for stream in ('stdout', 'stderr'):
                 pipe = getattr(child.popen, stream)
+                # A grandchild may hold the pipe open, so a read must never block the thread
                 os.set_blocking(pipe.fileno(), False)
                 self._partial[pipe.fileno()] = b''
                 self._selector.register(pipe, selectors.EVENT_READ, (child, stream))
@@ -68,7 +69,9 @@ class ProcessWatch(threading.Thread):
         if not chunk:
             self._close_pipe(key)
             return False
+        # The last piece has no newline yet and waits for the next chunk
         *lines, rest = (self._partial[key.fd] + chunk).split(b'\n')
+        # Bounds the memory if a process never prints a newline
         if len(rest) > CHUNK:
             lines, rest = [*lines, rest], b''
         self._partial[key.fd] = rest
@@ -80,6 +83,7 @@ class ProcessWatch(threading.Thread):
         child, stream = key.data
         text = line.decode(errors='replace').rstrip('\r')
         child.kept[stream].append(text)
+        # After a fault keep draining the pipes, so that processes do not block on a full one
         if self.fault is None:
             try:
                 self._on_line(child.name, text)
@@ -94,10 +98,12 @@ class ProcessWatch(threading.Thread):
 
     def _finish_process(self, child: ChildProcess) -> None:
         """Reap an ended process, read its remaining output and queue its exit."""
+        # Read before reaping: a stop that begins meanwhile is not the cause of this exit
         stopped = self._stopping.is_set()
         child.reap()
         keys = [key for key in self._selector.get_map().values() if key.data[0] is child]
         for key in keys:
+            # Bounded, because a surviving grandchild could print without end
             for _ in range(LAST_WORDS):
                 if not self._read_chunk(key):
                     break

@@ -1,4 +1,4 @@
-"""What came from outside and cannot be meant: how often, and why the last time."""
+"""Count the invalid inputs of a node and keep the last reason."""
 
 from typing import Final, final
 
@@ -10,14 +10,14 @@ LONGEST: Final = 200  # characters of a reason, whose length the faulty sender c
 @final
 class RejectionCount:
     """
-    A count of what cannot be meant.
+    A count of invalid inputs.
 
     Attributes
     ----------
     count : int
-        How often it came.
+        Number of invalid inputs.
     why : str
-        What was wrong, the last time; empty where nothing was.
+        The last reason; empty if there was none.
 
     """
 
@@ -26,12 +26,12 @@ class RejectionCount:
         self.why = ''
 
     def add(self, why: str) -> None:
-        """Count one."""
+        """Count one invalid input."""
         self.count += 1
         self.why = why if len(why) <= LONGEST else f'{why[:LONGEST]} ...'
 
-    def build_fact(self, task: str, fine: str = 'all can be meant') -> HealthFact:
-        """Return how this stands, under the name of a task; in a word where nothing was wrong."""
+    def build_fact(self, task: str, fine: str = 'all valid') -> HealthFact:
+        """Return the count as the fact of a task, with the message `fine` if it is 0."""
         level = HealthLevel.WARN if self.count else HealthLevel.OK
-        words = f'{self.count} cannot be meant, at last: {self.why}' if self.count else fine
+        words = f'{self.count} invalid; the last: {self.why}' if self.count else fine
         return HealthFact(task, level, words, {'count': str(self.count)})

@@ -1,8 +1,8 @@
 """
-Who holds the graph up: from what each node says it is waiting for.
+Name the node that stalls a graph, from what each node reports to be waiting for.
 
-When one node dies in lockstep, all downstream of it wait, each for the one before. The culprit is
-whom somebody waits for and who does not say that it is itself waiting.
+When one node dies in lockstep, every node downstream waits for the one before it. The culprit is
+the node that others wait for and that does not itself report waiting.
 """
 
 from collections.abc import Iterable
@@ -19,11 +19,12 @@ def find_stalled_roles(facts: Iterable[HealthFact]) -> list[str]:
 
     Parameters
     ----------
-    facts : iterable of Fact
-        The newest facts of all nodes, tasks named 'NODE: TASK' as on /diagnostics, with the
-        robot's name before it (`lta2/estimator: inputs`) where they are of several.
+    facts : iterable of HealthFact
+        The newest facts of all nodes, with tasks named 'NODE: TASK' as on /diagnostics. With
+        several robots the robot's name comes first (`lta2/estimator: inputs`).
 
     """
+    # `waiting` are roles that report missing inputs, `suspects` the roles they wait for
     waiting, suspects = set(), set()
     for fact in facts:
         node, _, task = fact.task.partition(': ')
@@ -31,11 +32,14 @@ def find_stalled_roles(facts: Iterable[HealthFact]) -> list[str]:
             robot, slash, _ = node.rpartition('/')
             waiting.add(find_role(node))
             roles = set(fact.values.get('suspects', '').split(',')) - {''}
+            # An absolute suspect (`/lta2/vehicle`) names its robot; a relative one belongs to the
+            # same robot
             suspects |= {item[1:] if item[0] == '/' else robot + slash + item for item in roles}
+    # A suspect that waits as well is only a link of the chain
     return sorted(suspects - waiting)
 
 
 def find_role(node: str) -> str:
-    """Return the role that a node plays, with its robot's name before it as the node has it."""
+    """Return the role of a node, with the same robot prefix as the node's name."""
     robot, slash, name = node.rpartition('/')
     return robot + slash + VEHICLE.get(name, name)

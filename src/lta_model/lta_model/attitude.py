@@ -17,23 +17,17 @@ class EulerAngles(NamedTuple):
 
 def to_euler_angles(quaternions: ArrayLike) -> EulerAngles:
     """
-    Return yaw, pitch and roll: turn by yaw about z, then pitch about y, then roll about x.
+    Return yaw, pitch and roll: intrinsic rotations about z, then y, then x.
 
-    Parameters
-    ----------
-    quaternions : array_like, shape (n, 4)
-        Body to world as x, y, z, w; any length but zero. Zero, which ROS leaves in a message
-        that nobody filled in, gives NaN.
-
-    Notes
-    -----
-    REP-103: with z up and x forward, positive pitch is nose down.
-
+    `quaternions` are body to world as x, y, z, w, shape (n, 4), of any length. A zero quaternion,
+    which ROS leaves in an unset message, gives NaN. REP-103: with z up and x forward, positive
+    pitch is nose down.
     """
     given = np.asarray(quaternions, dtype=np.float64).reshape(-1, 4)
     result = np.full((len(given), 3), np.nan)
     length = np.linalg.norm(given, axis=1)
     usable = np.isfinite(length) & (length > 0.0)
     if usable.any():
+        # Upper case: intrinsic rotations, each about the axis already turned
         result[usable] = Rotation.from_quat(given[usable]).as_euler('ZYX')
     return EulerAngles(*result.T)

@@ -8,15 +8,7 @@ from typing import final
 @final
 @dataclass(frozen=True, slots=True)
 class DiodeRing:
-    """
-    The horizontal axes of the diodes in the body frame.
-
-    Parameters
-    ----------
-    cosines, sines : tuple of float, one a diode
-        Components of the axes along body x (forward) and y (left).
-
-    """
+    """Horizontal diode axes in the body frame: components along x (forward) and y (left)."""
 
     cosines: tuple[float, ...]
     sines: tuple[float, ...]

@@ -22,7 +22,7 @@ TIME_CONSTANTS = (
     ('motors', 'motor_lag', 'down'),
     ('a moving mass', 'moving_mass', 'lag'),
 )
-# Hulls that are round seen from above, or from anywhere: drag axis by axis is not (`cross_flow`).
+# Hulls round seen from above or from anywhere: drag per axis needs the correction `cross_flow`.
 ROUND = {'balloon': {'horizontal': 1.0}, 'sphere': {'horizontal': 1.0, 'total': 1.0}}
 # Parameters of such an effect that a file may still set: the measured roundness.
 SHARES = {'cross_flow': ('horizontal', 'total')}
@@ -37,33 +37,26 @@ def collect_effects(
     air_density: float,
 ) -> Effects:
     """
-    Return the parameters of every effect that is on, in SI.
+    Return the parameters of every effect that is on, in SI units.
 
-    Parameters
-    ----------
-    file : VehicleFile
-        The vehicle.
-    rotors : tuple of Unit
-        Its rotors.
-    added_mass : 6-tuple
-        Of its hull. [kg, kg m2]
-    air_density : float
-        For the drag of parts. [kg/m3]
+    `added_mass` is that of the hull [kg, kg m2]; `air_density` is for the drag of parts [kg/m3].
 
     Raises
     ------
     BadInput
-        If the file switches on what follows from other blocks, or sets a parameter wrongly.
+        If the file switches on an effect derived from other blocks, or sets a parameter wrongly.
 
     """
     derived = _derive_effects(file, rotors, added_mass, air_density)
     for name, given in file.effects.items():
+        # A second value for a derived parameter would contradict the blocks that it follows from
         if name in derived and set(given) - set(SHARES.get(name, ())):
             raise BadInput(
                 f'The effect {name} of {file.name} follows from hull, parts, rotors or aero; '
                 'change it there.'
             )
     own = {name: _check_parameters(name, given) for name, given in file.effects.items()}
+    # Own values win only where `SHARES` allows them
     return derived | {name: derived.get(name, {}) | given for name, given in own.items()}
 
 
@@ -86,6 +79,7 @@ def _derive_effects(
 ) -> Effects:
     linear, quadratic = file.aero.linear_drag, file.aero.quadratic_drag
     faces = parts_drag(file, air_density)
+    # Measured drag plus that of the parts it excludes
     forces = tuple(map(sum, zip(quadratic.force.vector, faces, strict=True)))
     derived = {
         'weight_and_buoyancy': {'gravity': STANDARD_GRAVITY},
@@ -101,8 +95,10 @@ def _derive_effects(
             for axis, number in zip(AXES, rotor.column, strict=True)
         },
     }
+    # Without drag there is nothing to correct for oblique flow
     if any(forces) and (round_ := ROUND.get(file.hull.shape)):
         derived['cross_flow'] = round_ | _map_names(AXES[:3], forces)
+    # A second curve would take newtons for duties
     if not any(name in file.effects for name in OTHER_CURVES):
         derived['thrust_curve'] = {
             f'{letter}_{i}': number
@@ -111,6 +107,7 @@ def _derive_effects(
         }
     if jets := propulsion.interaction_parameters(rotors, file.aero.coupling):
         derived['rotor_envelope_interaction'] = jets
+    # Parts already in the aero block still damp rotation
     if turning := [part for part in file.parts.values() if part.drag]:
         derived['strip_damping'] = build_strips(
             [_build_drag_box(part) for part in turning], air_density
@@ -130,21 +127,23 @@ def parts_drag(file: VehicleFile, air_density: float) -> Vector:
     for part in file.parts.values():
         if part.drag and not part.drag.in_aero:
             x, y, z = part.size.vector
+            # Area of an ellipse relative to its bounding rectangle
             round_ = math.pi / 4.0 if part.shape == 'shell' else 1.0
+            # Faces seen along x, y and z
             for axis, face in enumerate((y * z, x * z, x * y)):
                 total[axis] += 0.5 * air_density * part.drag.coefficient.si * round_ * face
     return tuple(total)
 
 
 def _build_drag_box(part: PartBlock) -> DragBox:
-    """Return a part as a source of rotational damping, which the steady wind tunnel leaves out."""
+    """Return a part as a source of rotational damping, which steady wind-tunnel data exclude."""
     x, y, z = part.position.vector
     a, b, c = part.size.vector
     return DragBox((x, y, z), (a, b, c), part.drag.coefficient.si if part.drag else 0.0)
 
 
 def _moving_mass_parameters(moving: MovingMassBlock) -> dict[str, float]:
-    """Return the parameters of the effect `moving_mass`; its sender enforces the limits."""
+    """Return the parameters of `moving_mass`; the sender of commands enforces the limits."""
     given = dict(zip('xyz', moving.position.vector, strict=True))
     return given | {'mass': moving.mass.si, 'lag': moving.time_constant.si}
 
@@ -161,6 +160,7 @@ def _check_parameters(name: str, quantities: Mapping[str, Quantity]) -> dict[str
         if (
             known := declared.get(key)
         ) is not None:  # an unknown parameter is refused by the model
+            # The null value is allowed even outside of the bounds
             ends = () if quantity.vector == (known.null,) else (known.low, known.high)
             wrong = describe_misfit(quantity, known.unit, *ends) or wrong
         if wrong:

@@ -1,4 +1,4 @@
-"""How hard the rotors work to carry what the gas does not."""
+"""Compute the duty at which the rotors carry the weight that the gas does not."""
 
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_aero import RotorCoupling
@@ -12,14 +12,15 @@ def select_lifting_rotors(
     rotors: tuple[RotorUnit, ...], coupling: RotorCoupling | None
 ) -> tuple[list[RotorUnit], float]:
     """
-    Return the rotors that lift, run alike, and their lift per newton of each.
+    Return the lifting rotors, run alike, and their lift per newton of each.
 
-    Those whose own column points up (or, reversed, does); where there are none, those that lift
-    together.
+    Rotors whose own column points up (or, reversed, does); if there are none, those that lift
+    together by colliding jets.
     """
     own = []
     total = 0.0
     for rotor in rotors:
+        # A reversible rotor may lift with either direction
         up = max(rotor.column[HEAVE], -rotor.reverse[HEAVE] if rotor.reversible else 0.0)
         if up > LIFTS:
             own.append(rotor)
@@ -28,6 +29,7 @@ def select_lifting_rotors(
         return own, total
     together = [rotor for rotor in rotors if rotor.name in coupling.rotors]
     for rotor in together:
+        # The column for reversed thrust is per newton of negative thrust
         total += -rotor.reverse[HEAVE] if coupling.reversed else rotor.column[HEAVE]
     return together, total + coupling.force.vector[HEAVE]
 
@@ -40,18 +42,10 @@ def hover_duty(
     gravity: float,
 ) -> float:
     """
-    Return the largest duty among the rotors that carry a weight, all with the same thrust. [1].
+    Return the largest duty among the rotors that carry a weight, all with the same thrust. [1]
 
-    Parameters
-    ----------
-    name : str
-        Of the vehicle.
-    rotors, coupling
-        What lifts.
-    weight : float
-        Weight less buoyancy; nothing to carry if not positive. [N]
-    gravity : float
-        Of the sentence on how much to take off. [m/s2]
+    `weight` is less buoyancy [N], nothing to carry if not positive; `gravity` [m/s2] is for the
+    message.
 
     Raises
     ------
@@ -64,6 +58,7 @@ def hover_duty(
     own, per_newton = select_lifting_rotors(rotors, coupling)
     if not own or per_newton <= 0.0:
         raise BadInput(f'{name} has no rotor that lifts; it cannot hover.')
+    # The weakest rotor limits, since all run alike
     thrust, full = weight / per_newton, min(rotor.full_thrust for rotor in own)
     if thrust > full:
         raise BadInput(

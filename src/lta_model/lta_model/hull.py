@@ -9,13 +9,14 @@ from lta_model.mass_matrix import Six, spheroid_added_mass
 
 
 def _to_si(quantity: Quantity | None) -> float:
-    """Return a length that the file's reader has made sure of; 0 where the shape has none."""
+    """Return a length validated by the reader; 0 where the shape has none."""
     return 0.0 if quantity is None else quantity.si
 
 
 def hull_volume(hull: HullBlock) -> float:
     """Return the volume of the hull. [m3]."""
     if hull.shape == 'balloon':
+        # Mylar balloon: its volume is a factor times the cube of the flat radius
         return _to_si(hull.volume_factor) * (0.5 * _to_si(hull.diameter)) ** 3
     a, b, c = half_axes(hull)
     return 4.0 / 3.0 * math.pi * a * b * c
@@ -26,6 +27,7 @@ def half_axes(hull: HullBlock) -> tuple[float, float, float]:
     radius = 0.5 * _to_si(hull.diameter)
     axes = [radius, radius, radius]
     if hull.shape == 'balloon':
+        # A balloon is flat along body z
         axes[2] = 0.5 * _to_si(hull.height)
     elif hull.shape == 'spheroid':
         axes['xyz'.index(hull.axis or 'z')] = 0.5 * _to_si(hull.length)
@@ -36,18 +38,8 @@ def added_mass(hull: HullBlock, air_density: float) -> Six:
     """
     Return the added mass and inertia: as published, or that of a spheroid (Lamb 1932).
 
-    Parameters
-    ----------
-    hull : Hull
-        Its shape; a balloon counts as the spheroid of its diameter and height.
-    air_density : float
-        Density of the air; published values are taken as they are. [kg/m3]
-
-    Returns
-    -------
-    tuple of 6 floats
-        Along x y z [kg] and about x y z [kg m2].
-
+    Along x y z [kg] and about x y z [kg m2], for an air density [kg/m3]; published values are
+    taken as they are. A balloon counts as the spheroid of its diameter and height.
     """
     if hull.added_mass:
         x, y, z = hull.added_mass.mass.vector
@@ -57,7 +49,9 @@ def added_mass(hull: HullBlock, air_density: float) -> Six:
         return (0.0,) * 6
     axis = hull.axis or 'z'
     axes = half_axes(hull)
+    # Index - 1 is another axis, and the two others are equal
     along, across = axes['xyz'.index(axis)], axes['xyz'.index(axis) - 1]
+    # Beyond these ratios a size is certainly wrong, for example in its unit
     if not 0.01 < along / across < 100.0:
         raise BadInput(
             f'The hull is {2 * along:g} m long and {2 * across:g} m across, which is no hull; '

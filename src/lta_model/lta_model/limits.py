@@ -1,22 +1,22 @@
 """
-Compute a vehicle's limits of force, speed and stability from its parameters alone.
+Compute a vehicle's limits of force, speed and stability from its parameters.
 
-Level flight is what the rotors can do at once (a linear programme over their thrusts, forward and
-reversed, with the collision of jets as a further unknown below each of them):
+Level flight is a linear programme over the rotor thrusts, forward and reversed, with the collision
+of jets as a further unknown below each of them:
 
     max F_d   subject to   F_across = 0,   F_z = weight less buoyancy,   M_z = 0
 
-with the vehicle upright; roll and pitch are left to the righting moment. The speed is where the
-drag is that force. A multirotor tilts to fly, and level it has none of this.
+with the vehicle upright; the righting moment takes roll and pitch. The speed is where the drag
+equals that force. It does not apply to a multirotor, which tilts to fly.
 
-A hull that is wider than long turns across its way (Munk 1924): at the speeds u and w along body
+A hull that is wider than long turns across its path (Munk 1924): at the speeds u and w along body
 x and z the moment is (A_z - A_x) u w, A the added mass, and the weight rights the pitch p by m g d
 p; d is the depth of the centre of gravity. Free to heave, it keeps its vertical momentum, so that
-(m + A_z) w = (m + A_x) u p, and it tumbles, unless something holds it, above
+(m + A_z) w = (m + A_x) u p, and without control it tumbles above
 
     u^2 = m g d (m + A_z) / ((A_z - A_x) (m + A_x))
 
-Drag is left out: that of heave and pitch is small at small angles, being quadratic.
+Drag is neglected: that of heave and pitch is quadratic, hence small at small angles.
 """
 
 import math
@@ -32,38 +32,31 @@ AXES = (0, 1, 2, 5)  # surge, sway, heave and yaw of a column
 
 def level_force(vehicle: Vehicle, heading: float = 0.0) -> float:
     """
-    Return the largest horizontal force that the rotors can hold in level flight.
+    Return the largest horizontal force [N] that the rotors can hold in level flight.
 
-    Parameters
-    ----------
-    vehicle : Vehicle
-        The vehicle.
-    heading : float
-        Direction of the force, anticlockwise from body x. [rad]
-
-    Returns
-    -------
-    float
-        Force. [N]
+    `heading` is the direction of the force, anticlockwise from body x. [rad]
 
     Raises
     ------
     BadInput
-        If no thrusts hold altitude and heading at all.
+        If no thrusts hold altitude and heading.
 
     """
     columns, tops = [], []
     for rotor in vehicle.rotors:
         columns.append([rotor.column[axis] for axis in AXES])
         tops.append(rotor.full_thrust)
+    # Reversed thrust as further non-negative unknowns
     for rotor in vehicle.rotors:
         columns.append([-rotor.reverse[axis] for axis in AXES])
         tops.append(rotor.full_thrust if rotor.reversible else 0.0)
     together, below = _jet_constraints(vehicle)
     wrench = np.array([*columns, together]).T
+    # Force along the heading is maximised, force across it must vanish
     along = np.array([math.cos(heading), math.sin(heading)]) @ wrench[:2]
     across = np.array([-math.sin(heading), math.cos(heading)]) @ wrench[:2]
     weight = vehicle.heaviness * STANDARD_GRAVITY
+    # linprog minimises, hence the minus
     found = linprog(
         -along,
         A_ub=below if len(below) else None,
@@ -81,7 +74,7 @@ def level_force(vehicle: Vehicle, heading: float = 0.0) -> float:
 
 
 def _jet_constraints(vehicle: Vehicle) -> tuple[list[float], np.ndarray]:
-    """Return the column of colliding jets, and the rows that keep it below each rotor's thrust."""
+    """Return the column of colliding jets, and the rows that limit it by each rotor's thrust."""
     coupling = vehicle.file.aero.coupling
     count = len(vehicle.rotors)
     if coupling is None:
@@ -90,6 +83,7 @@ def _jet_constraints(vehicle: Vehicle) -> tuple[list[float], np.ndarray]:
     for i, rotor in enumerate(vehicle.rotors):
         if rotor.name in coupling.rotors:
             row = np.zeros(2 * count + 1)
+            # together - thrust_i <= 0: the collision is limited by the weakest rotor
             row[i + (count if coupling.reversed else 0)], row[-1] = -1.0, 1.0
             rows.append(row)
     numbers = coupling.force.vector + coupling.moment.vector
@@ -98,21 +92,11 @@ def _jet_constraints(vehicle: Vehicle) -> tuple[list[float], np.ndarray]:
 
 def steady_speed(force: float, linear: float, quadratic: float) -> float:
     """
-    Return the speed at which linear v + quadratic v^2 is a force.
+    Return the speed at which linear v + quadratic v^2 equals a force. [m/s]
 
-    Parameters
-    ----------
-    force : float
-        Not negative. [N]
-    linear, quadratic : float
-        Drag coefficients, one of them positive. [N s/m, N s2/m2]
-
-    Returns
-    -------
-    float
-        Speed. [m/s]
-
+    The force is not negative [N]; one of the coefficients is positive [N s/m, N s2/m2].
     """
+    # Rationalised quadratic formula: also valid without quadratic drag
     return 2.0 * force / (linear + math.sqrt(linear * linear + 4.0 * quadratic * force))
 
 
@@ -134,6 +118,7 @@ def tumble_speed(vehicle: Vehicle) -> float:
     righting = -m * STANDARD_GRAVITY * float(vehicle.cg[2])
     if righting <= 0.0:
         return 0.0
+    # Unless the added mass upwards is larger, the Munk moment does not pitch the hull up
     if upright <= along:
         return math.inf
     return math.sqrt(righting * (m + upright) / ((upright - along) * (m + along)))

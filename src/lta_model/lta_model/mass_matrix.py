@@ -34,23 +34,11 @@ def skew_matrix(vector: Matrix) -> Matrix:
 
 def rigid_mass_matrix(mass: float, cg: Matrix, inertia: Matrix) -> Matrix:
     """
-    Return the mass matrix of a rigid body about the body origin.
+    Return the mass matrix of a rigid body about the body origin, shape (6, 6).
 
-    Parameters
-    ----------
-    mass : float
-        Mass of everything solid and of the gas inside. [kg]
-    cg : ndarray, shape (3,)
-        Centre of gravity in the body frame. [m]
-    inertia : ndarray, shape (3, 3)
-        Inertia about the centre of gravity. [kg m^2]
-
-    Returns
-    -------
-    ndarray, shape (6, 6)
-        Mass matrix: kg, kg m and kg m^2 in its blocks.
-
+    From mass [kg], centre of gravity in the body frame [m], and inertia about it [kg m^2].
     """
+    # m S(r), the coupling of translation and rotation
     lever = mass * skew_matrix(cg)
     return np.block(
         [
@@ -61,7 +49,8 @@ def rigid_mass_matrix(mass: float, cg: Matrix, inertia: Matrix) -> Matrix:
 
 
 def _lamb_series(t: float) -> float:
-    """Return sum t^n / (2 n + 3), the part of Lamb's integral that is hard near a sphere."""
+    """Return sum t^n / (2 n + 3), the ill-conditioned part of Lamb's integral near a sphere."""
+    # The closed form cancels near a sphere; 20 terms reach double precision
     if abs(t) < 0.1:
         return sum(t**n / (2 * n + 3) for n in range(20))
     root = math.sqrt(abs(t))
@@ -72,7 +61,9 @@ def spheroid_added_mass(
     radius: float, half_axis: float, density: float, axis: Literal['x', 'y', 'z'] = 'z'
 ) -> Six:
     """
-    Return the added mass and added inertia of a spheroid in unbounded air.
+    Return added mass along x y z [kg] and added inertia about x y z [kg m^2] of a spheroid.
+
+    In unbounded potential flow: no walls, no separation (Lamb 1932, articles 114 and 115).
 
     Parameters
     ----------
@@ -85,23 +76,17 @@ def spheroid_added_mass(
     axis : {'x', 'y', 'z'}
         Body axis of symmetry: z for a flat balloon, x for a cigar.
 
-    Returns
-    -------
-    tuple of 6 floats
-        Added mass along x y z [kg], added inertia about x y z [kg m^2], about the centre.
-
-    Notes
-    -----
-    Potential flow: no walls, no separation. Lamb 1932, articles 114 and 115.
-
     """
     displaced = density * 4.0 / 3.0 * math.pi * radius**2 * half_axis
+    # Negative for an oblate spheroid
     t = 1.0 - (radius / half_axis) ** 2
     along = 2.0 * (1.0 - t) * _lamb_series(t)
+    # From a + b + g = 2 with a = b
     across = 1.0 - 0.5 * along
     mass_along = displaced * along / (2.0 - along)
     mass_across = displaced * across / (2.0 - across)
     inertia = 0.0
+    # A sphere has no added inertia (0 / 0 in Lamb's formula)
     if radius != half_axis:
         difference, total = radius**2 - half_axis**2, radius**2 + half_axis**2
         below = 2.0 * difference + total * (across - along)

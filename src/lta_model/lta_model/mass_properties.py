@@ -28,7 +28,7 @@ class MassElement:
 
 
 def build_part_element(part: PartBlock) -> MassElement:
-    """Return a part's mass properties: a box is solid, a shell thin and similar to itself."""
+    """Return a part's mass properties: a solid box, or a thin shell between similar ellipsoids."""
     mass = part.mass.si
     squares = np.square(part.size.vector)
     others = np.array([squares[1] + squares[2], squares[0] + squares[2], squares[0] + squares[1]])
@@ -38,6 +38,7 @@ def build_part_element(part: PartBlock) -> MassElement:
 
 def build_gas_element(mass: float, half_axes: Three) -> MassElement:
     """Return the gas as a solid ellipsoid in the hull: mass [kg], half axes [m]."""
+    # Solid ellipsoid: m (b^2 + c^2) / 5
     squares = np.array(half_axes) ** 2
     gas = mass * np.array(
         [squares[1] + squares[2], squares[0] + squares[2], squares[0] + squares[1]]
@@ -56,19 +57,21 @@ class MassProperties:
 
     @classmethod
     def from_elements(cls, elements: Sequence[MassElement]) -> Self:
-        """Return the balance of many lumps (Huygens-Steiner)."""
+        """Return the properties of several elements together (parallel axis theorem)."""
         mass = sum(lump.mass for lump in elements)
         cg = np.asarray(np.sum([lump.mass * lump.position for lump in elements], axis=0) / mass)
         total = np.zeros((3, 3))
         for lump in elements:
             r = lump.position - cg
             total += np.diag(lump.inertia)
+            # Parallel axis theorem
             total += lump.mass * (float(r @ r) * np.eye(3) - np.outer(r, r))
         return cls(mass, cg, total)
 
     @classmethod
     def from_measurement(cls, measurement: MeasuredBlock) -> Self:
-        """Return the balance of a vehicle that was weighed and swung as a whole."""
+        """Return the properties of a vehicle that was weighed and swung as a whole."""
+        # Diagonal of the tensor, then its products
         inertia = np.diag(measurement.inertia.vector)
         if measurement.products:
             xy, xz, yz = measurement.products.vector
@@ -76,7 +79,7 @@ class MassProperties:
         return cls(measurement.mass.si, np.array(measurement.position.vector), inertia)
 
     def with_element(self, element: MassElement) -> 'MassProperties':
-        """Return the balance with one more mass."""
+        """Return the properties with one more element."""
         mass = self.mass + element.mass
         cg = (self.mass * self.cg + element.mass * element.position) / mass
         total = self.inertia + np.diag(element.inertia)

@@ -25,25 +25,14 @@ def build_chains(
             continue
         own = parameters.get(name, {})
         p = tuple(float(own.get(known.name, known.null)) for known in effect.parameters)
+        # Effects at null are left out, so that the truth passes bit for bit
         if any(x != known.null for x, known in zip(p, effect.parameters, strict=True)):
             out[effect.channel] += ((effect.reading, p),)
     return out
 
 
 def apply_chain(chain: Chain, values: Values, time: float) -> Values:
-    """
-    Return a reading after all effects of its channel.
-
-    Parameters
-    ----------
-    chain : Chain
-        What acts on the channel, of `build_chains`.
-    values : tuple of float
-        The truth, of as many numbers as `CHANNELS` says, in its units.
-    time : float
-        Time since the start of the flight. [s]
-
-    """
+    """Return a reading after all effects of its channel, at a flight time [s]."""
     for reading, p in chain:
         values = reading(p, values, time)
     return values

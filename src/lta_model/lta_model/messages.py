@@ -24,22 +24,17 @@ def build_imu(
     noise: tuple[float, ...],
 ) -> Imu:
     """
-    Return specific force and angular rate; there is no orientation (REP-145).
+    Return specific force [m/s2] and angular rate [rad/s] in body axes; no orientation (REP-145).
 
-    Parameters
-    ----------
-    stamp : Time
-        Of the sample.
-    force, rates : tuple of float
-        Measured, body axes. [m/s2, rad/s]
-    noise : tuple of float
-        Standard deviations of a sample: three of force, three of rate; biases are not in it.
-
+    `noise` holds the standard deviations of a sample without biases: three of force, three of
+    rate.
     """
     message = Imu()
     message.header = _build_header(stamp, 'imu')
+    # REP-145: -1 marks an orientation that is not provided
     message.orientation_covariance[0] = -1.0
     for axis in range(3):
+        # Diagonal of a row-major 3 x 3 matrix
         message.linear_acceleration_covariance[4 * axis] = noise[axis] ** 2
         message.angular_velocity_covariance[4 * axis] = noise[3 + axis] ** 2
     a, w = message.linear_acceleration, message.angular_velocity
@@ -75,6 +70,7 @@ def build_light_block(stamp: Time, block: NDArray[np.uint16]) -> Image:
     image = Image()
     image.header = _build_header(stamp, 'photodiodes')
     image.height, image.width = rows, columns
+    # One row a sample, one column a diode, 16 bit unsigned
     image.encoding = '16UC1'
     image.step = 2 * columns
     # A byte array is accepted as it is; rclpy checks any other sequence item by item.

@@ -12,30 +12,21 @@ than the wind itself: below 10 ft it is refused.
 
 from lta_config.errors import BadInput
 
+# m
 FOOT = 0.3048
 LOWEST, HIGHEST = 10.0 * FOOT, 1000.0 * FOOT
 
 
 def low_altitude_turbulence(height: float, wind: float) -> dict[str, float]:
     """
-    Return the parameters of the effect `turbulence`.
+    Return the parameters of the effect `turbulence`: intensities [m/s] and lengths [m].
 
-    Parameters
-    ----------
-    height : float
-        Above the ground, 3.05 to 305 m. [m]
-    wind : float
-        Mean wind at 20 ft (6.1 m). [m/s]
-
-    Returns
-    -------
-    dict of str to float
-        Intensities `along`, `across` and `up` [m/s] and their lengths [m].
+    From the height above the ground, 3.05 to 305 m, and the mean wind at 20 ft (6.1 m) [m/s].
 
     Raises
     ------
     BadInput
-        If the specification does not reach to this height, or if the wind is negative.
+        If the height is out of range, or the wind is negative.
 
     """
     if not LOWEST <= height <= HIGHEST:
@@ -45,6 +36,7 @@ def low_altitude_turbulence(height: float, wind: float) -> dict[str, float]:
         )
     if not wind >= 0.0:
         raise BadInput(f'The mean wind at 20 ft is {wind:g} m/s; give its speed, 0 or more.')
+    # The specification has the height in feet
     factor = 0.177 + 0.000823 * height / FOOT
     up, level = 0.1 * wind, 0.1 * wind / factor**0.4
     length = height / factor**1.2

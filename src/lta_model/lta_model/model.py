@@ -1,4 +1,4 @@
-"""Build the numbers of a vehicle for the kernel."""
+"""Build the numerical model of a vehicle for the kernel."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -35,6 +35,7 @@ def fill_parameters(effect: Effect, parameters: Mapping[str, float]) -> dict[str
         values[name] = float(value)
     for known in effect.parameters:
         value = values[known.name]
+        # The null value is always allowed, even outside of the bounds
         if value != known.null and not known.low <= value <= known.high:
             raise BadInput(
                 f'{effect.name}.{known.name} is {value:g} {known.unit}; '
@@ -49,6 +50,7 @@ def _parse_inertia(inertia: ArrayLike) -> Vector:
     """Return a 3 x 3 inertia from itself or from ixx ixy ixz iyy iyz izz."""
     tensor = np.asarray(inertia, dtype=np.float64)
     if tensor.shape == (6,):
+        # Order of geometry_msgs/Inertia
         xx, xy, xz, yy, yz, zz = tensor
         tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     if tensor.shape != (3, 3) or not np.array_equal(tensor, tensor.T):
@@ -56,6 +58,7 @@ def _parse_inertia(inertia: ArrayLike) -> Vector:
             f'The inertia has shape {tensor.shape}; give a symmetric 3 x 3 tensor or its six '
             'elements ixx ixy ixz iyy iyz izz.'
         )
+    # A physical inertia has positive eigenvalues
     if not (np.isfinite(tensor).all() and np.linalg.eigvalsh(tensor)[0] > 0.0):
         raise BadInput(f'The inertia {tensor.tolist()} is not positive definite; correct it.')
     return tensor
@@ -72,6 +75,7 @@ def _build_rigid_body(
         raise BadInput(f'The centre of gravity is {r.tolist()}; give three finite numbers.')
     if not (math.isfinite(displaced) and displaced >= 0.0):
         raise BadInput(f'The displaced air is {displaced:g} kg; give a number of 0 or more.')
+    # Lower right block: inertia about the hull centre
     i = rigid_mass_matrix(mass, r, _parse_inertia(inertia))[3:, 3:]
     x, y, z = (mass * r).tolist()
     moments = (i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2])
@@ -85,6 +89,7 @@ def _build_mass_matrix(rigid: RigidBody) -> Vector:
     xx, yy, zz, xy, xz, yz = rigid.inertia
     about = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     matrix = np.block([[rigid.mass * np.eye(3), -lever], [lever, about]])
+    # Body effects, such as negative ballast, may make it impossible
     if not (rigid.mass > 0.0 and np.linalg.eigvalsh(matrix)[0] > 0.0):
         raise BadInput(
             f'The effects lead to a mass of {rigid.mass:g} kg and an impossible inertia; '
@@ -94,11 +99,12 @@ def _build_mass_matrix(rigid: RigidBody) -> Vector:
 
 
 def _pack_rotor_geometry(rotors: Sequence[tuple[ArrayLike, ArrayLike]]) -> Vector:
-    """Return places and axes of the rotors, those that do not exist at 0."""
+    """Return places and axes of the rotors, zeros for those that do not exist."""
     if len(rotors) > ACTUATORS:
         raise BadInput(
             f'The vehicle has {len(rotors)} rotors; the model has room for {ACTUATORS}.'
         )
+    # Zero axis: a missing rotor exerts no force
     numbers = np.zeros((ACTUATORS, ROTOR))
     for row, (place, axis) in zip(numbers, rotors, strict=False):
         row[:3], row[3:] = place, axis
@@ -109,16 +115,16 @@ def _pack_rotor_geometry(rotors: Sequence[tuple[ArrayLike, ArrayLike]]) -> Vecto
 @dataclass(frozen=True, slots=True, eq=False)
 class VehicleModel:
     """
-    A vehicle as the numbers that the kernel takes; build it with `VehicleModel.build`.
+    A vehicle as the arrays that the kernel takes; build it with `VehicleModel.build`.
 
     Parameters
     ----------
     parameters : ndarray, shape (P,)
-        Parameters of the effects of the kernel in registry order.
+        Parameters of the kernel's effects in registry order.
     on : ndarray of uint8, shape (K,)
         Whether each of these effects has a parameter that is not at its null value.
     body : ndarray, shape (BODY,)
-        What the vehicle is, as `lta_model.state` lays it out.
+        Mass properties and rotors, in the layout of `lta_model.state`.
     inverse : ndarray, shape (36,)
         Inverse of the mass matrix, rigid and added, row by row.
     given : mapping
@@ -149,27 +155,26 @@ class VehicleModel:
         Parameters
         ----------
         effect_parameters : mapping
-            Parameters by effect and name; whatever is left out is at its null value.
-        mass : float
-            Mass of the solid parts and of the gas. [kg]
+            Parameters by effect and name; the others are at their null value.
+        mass, displaced : float
+            Mass of the solid parts and of the gas, and mass of the displaced air. [kg]
         cg : array_like, shape (3,)
             Centre of gravity from the hull centre, body frame. [m]
         inertia : array_like, shape (3, 3) or (6,)
-            About the centre of gravity; six elements are ixx ixy ixz iyy iyz izz, those of the
-            tensor, as in geometry_msgs/Inertia. [kg m^2]
-        displaced : float
-            Mass of the displaced air. [kg]
+            About the centre of gravity; six elements are ixx ixy ixz iyy iyz izz of the tensor, as
+            in geometry_msgs/Inertia. [kg m^2]
         rotors : sequence of (place, axis)
             Place from the hull centre [m] and unit direction of the thrust, body frame.
 
         Raises
         ------
         BadInput
-            For an unknown effect or parameter, a value out of bounds, or a mass or inertia that no
-            body has.
+            For an unknown effect or parameter, a value out of bounds, or an impossible mass or
+            inertia.
 
         """
         rigid = _build_rigid_body(mass, cg, inertia, displaced)
+        # Unknown names raise here, before anything is computed
         for name in effect_parameters:
             effects.get_effect(name)
         parameters: list[float] = []
@@ -182,6 +187,7 @@ class VehicleModel:
             active = any(values[p.name] != p.null for p in effect.parameters)
             if active:
                 known[name] = values
+            # Evaluated at each step; inertia and body effects act on the mass matrix here
             if isinstance(effect, KernelEffect):
                 parameters.extend(numbers)
                 on.append(active)
@@ -195,6 +201,7 @@ class VehicleModel:
             np.array(parameters),
             np.array(on, dtype=np.uint8),
             np.array([*own, *_pack_rotor_geometry(rotors)]),
+            # The mass matrix is constant in flight, so it is inverted once
             np.linalg.inv(matrix).ravel().astype(np.float64),
             known,
         )

@@ -62,6 +62,7 @@ class RotorUnit:
 
     def duty_for_thrust(self, thrust: float) -> float:
         """Return the duty for a forward thrust of 0 or more. [1]."""
+        # Inverse of T = a u^2 + b u in the form that also holds for a = 0
         return 2.0 * thrust / (self.b + math.sqrt(self.b * self.b + 4.0 * self.a * thrust))
 
     @classmethod
@@ -70,6 +71,7 @@ class RotorUnit:
     ) -> Self:
         """Return a rotor from what the file says of it."""
         x, y, z, *_ = forward = backward = geometric_column(rotor)
+        # The force part of a geometric column is the unit axis
         axis, (p, q, r) = (x, y, z), rotor.position.vector
         if column:
             forward = backward = _to_six((*column.force.vector, *column.moment.vector))
@@ -87,6 +89,7 @@ def geometric_column(rotor: RotorBlock) -> Six:
     length = math.hypot(*rotor.axis.vector)
     x, y, z = (number / length for number in rotor.axis.vector)
     p, q, r = rotor.position.vector
+    # Force a, moment r x a
     return (x, y, z, q * z - r * y, r * x - p * z, p * y - q * x)
 
 
@@ -109,6 +112,7 @@ def interaction_parameters(
     for i, rotor in enumerate(rotors, start=1):
         for axis, forward, backward in zip(axes, rotor.column, rotor.reverse, strict=True):
             if rotor.reversible and backward != forward:
+                # What reversed thrust adds to B T
                 given[f'{axis}_{i}'] = backward - forward
     if coupling:
         for axis, number in zip(axes, coupling.force.vector + coupling.moment.vector, strict=True):
@@ -132,6 +136,7 @@ def _add_motor_torque(jet: Six, rotor: RotorBlock, axis: Three) -> Six:
     x, y, z = axis
     turn = 0.0
     if rotor.torque:
+        # s k: positive for a clockwise rotor
         turn = rotor.torque.per_thrust.si * (1.0 if rotor.torque.spin == 'clockwise' else -1.0)
     return (a, b, c, d + turn * x, e + turn * y, f + turn * z)
 

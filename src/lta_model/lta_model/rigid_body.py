@@ -44,6 +44,7 @@ def cross_product(a: Vector, b: Vector) -> Vector:
 def rotation_matrix(q: Quaternion) -> Matrix3:
     """Return the rotation body -> map of a quaternion x y z w of any length, row by row."""
     x, y, z, w = q
+    # Normalises the quaternion, which drifts during integration
     s = 2.0 / (x * x + y * y + z * z + w * w)
     return (
         1.0 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w),
@@ -96,7 +97,7 @@ def build_motion(
     command: Values,
     surroundings: Values,
 ) -> VehicleMotion:
-    """Return what the wrench effects see."""
+    """Return the input of the wrench effects."""
     return VehicleMotion(position, r, velocity, rates, airspeed, body, command, surroundings)
 
 
@@ -115,30 +116,36 @@ def add_wrenches(total: Wrench, wrench: Wrench) -> Wrench:
 def build_air_input(
     position: Vector, velocity: Vector, wind: Vector, surroundings: Values
 ) -> AirEffectInput:
-    """Return what the air effects see."""
+    """Return the input of the air effects."""
     return AirEffectInput(position, velocity, wind, surroundings)
 
 
 def momentum_rate(wrench: Wrench, m: VehicleMotion, flow: Vector) -> Wrench:
-    """Return M d/dt (v, w): the wrench less what the turning and moving frame takes."""
+    """Return M d/dt (v, w): the wrench less the terms of the rotating and moving frame."""
     v, w, v_r, body = m.velocity, m.rates, m.airspeed, m.body
+    # Wind in the body frame, from velocity and airspeed
     air = (v[0] - v_r[0], v[1] - v_r[1], v[2] - v_r[2])
     mass, surge, sway, heave = body[MASS], body[ADDED], body[ADDED + 1], body[ADDED + 2]
     moment = (body[MASS_MOMENT], body[MASS_MOMENT + 1], body[MASS_MOMENT + 2])
     xx, yy, zz = body[INERTIA], body[INERTIA + 1], body[INERTIA + 2]
     xy, xz, yz = body[INERTIA + 3], body[INERTIA + 4], body[INERTIA + 5]
+    # m w x r: momentum of the CG due to rotation
     lift = cross_product(w, moment)
+    # m r x v
     swing = cross_product(moment, v)
     p_rb = (mass * v[0] + lift[0], mass * v[1] + lift[1], mass * v[2] + lift[2])
     p_a = (surge * v_r[0], sway * v_r[1], heave * v_r[2])
+    # Angular momentum, rigid and added
     h = (
         (xx + body[ADDED + 3]) * w[0] + xy * w[1] + xz * w[2] + swing[0],
         xy * w[0] + (yy + body[ADDED + 4]) * w[1] + yz * w[2] + swing[1],
         xz * w[0] + yz * w[1] + (zz + body[ADDED + 5]) * w[2] + swing[2],
     )
+    # Transport terms of the rotating frame
     turn = cross_product(w, (p_rb[0] + p_a[0], p_rb[1] + p_a[1], p_rb[2] + p_a[2]))
     wind = cross_product(w, air)
     spin, carry, munk = cross_product(w, h), cross_product(v, p_rb), cross_product(v_r, p_a)
+    # Froude-Krylov force of accelerating air, with the added mass
     push = to_body(m.rotation, flow)
     displaced = body[DISPLACED]
     return (
@@ -164,24 +171,11 @@ def body_acceleration(
     wrench: Wrench, m: VehicleMotion, flow: Vector, inverse: Sequence[float]
 ) -> Wrench:
     """
-    Return d/dt of the body velocity and of the body rates.
+    Return d/dt of the body velocity [m/s^2] and of the body rates [rad/s^2].
 
-    Parameters
-    ----------
-    wrench : 6-tuple
-        Sum of all effects about the hull centre, body frame. [N, N m]
-    m : Motion
-        What the effects saw.
-    flow : 3-tuple
-        Acceleration of the air, following the air, in `map`. [m/s^2]
-    inverse : 36 floats
-        Inverse of the mass matrix, row by row.
-
-    Returns
-    -------
-    6-tuple
-        Acceleration of the body components. [m/s^2, rad/s^2]
-
+    `wrench` is the sum of all effects about the hull centre, body frame [N, N m]; `flow` the
+    material acceleration of the air in `map` [m/s^2]; `inverse` the inverse mass matrix, row by
+    row.
     """
     rate = momentum_rate(wrench, m, flow)
     return (
@@ -191,7 +185,7 @@ def body_acceleration(
     )  # fmt: skip
 
 
-# What the kernel is made of beside the effects.
+# Functions that the kernel consists of, besides the effects.
 TAKEN: tuple[Callable[..., Any], ...] = (
     rotation_matrix,
     to_map,

@@ -26,6 +26,7 @@ def add_rotor_force(total: Wrench, rotor: Values, force: float) -> Wrench:
     """Return the sum with a force along the axis of a rotor added."""
     if force == 0.0:
         return total
+    # rotor[3:6] is the unit axis, rotor[0:3] the place
     x, y, z = force * rotor[3], force * rotor[4], force * rotor[5]
     return (
         total[0] + x,

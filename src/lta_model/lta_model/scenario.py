@@ -32,7 +32,7 @@ NOT_HELD = Quantity(value=0.0, unit='s')
 
 
 class ScenarioStart(StrictModel):
-    """Where and how the drone stands before take-off; a hand may hold it there for a while."""
+    """Pose and charge of the drone before take-off; it may be held for a while."""
 
     position: Annotated[Quantity, si_quantity('m', low=-1000.0, high=1000.0, length=2)]
     heading: Annotated[Quantity, si_quantity('rad')]
@@ -42,7 +42,7 @@ class ScenarioStart(StrictModel):
 
 
 class ScenarioGoal(StrictModel):
-    """What ends the flight."""
+    """Radius and time limit that end the flight."""
 
     radius: Annotated[Quantity, si_quantity('m', above=0.0)]
     time_limit: Annotated[Quantity, si_quantity('s', above=0.0, high=86400.0)]
@@ -52,8 +52,8 @@ class Scenario(StrictModel):
     """
     A scenario file.
 
-    With a course, the drone flies it instead of searching the lamp. With a route, it seeks its
-    lamps one after the other, by name.
+    With a course, the drone flies it instead of searching for the lamp. With a route, it visits
+    its lamps in turn, by name.
     """
 
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
@@ -87,6 +87,7 @@ class Scenario(StrictModel):
         length, width, height = self.room.size.vector
         for name, lamp in self.lamps.items():
             x, y, z = lamp.position.vector
+            # The origin of the map is the middle of the floor
             indoors = abs(x) <= length / 2 and abs(y) <= width / 2 and 0 <= z <= height
             if not (indoors or self._is_beyond_door(x, y, z)):
                 raise ValueError(f'has its {name} at {x, y, z} m, outside the room')
@@ -152,6 +153,7 @@ class Scenario(StrictModel):
     def goal_places(self) -> tuple[tuple[float, float], ...]:
         """Where the lamps to reach stand on the floor plan, each once. [m, map]"""
         places = (stop.position.vector for stop in self.target_lamps)
+        # dict.fromkeys removes duplicates and keeps the order
         return tuple(dict.fromkeys((x, y) for x, y, _ in places))
 
     @property
@@ -186,7 +188,7 @@ def load_scenario(name: str) -> Scenario:
 
 
 def load_course(name: str) -> Course | None:
-    """Load the course of a scenario by name or path; None without one, or without a name."""
+    """Return the course of a scenario by name or path; None without a course or name."""
     return load_scenario(name).course if name else None
 
 

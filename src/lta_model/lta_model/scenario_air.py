@@ -2,7 +2,7 @@
 The air section of a scenario file, and the effects that follow from it.
 
 Uniform wind (`wind`) and recorded wind (`recorded`) are surroundings of the kernel; the rest are
-air effects. All winds add up, and say where the air goes to, in `map`.
+air effects. All winds add up, as the direction of the flow in `map`.
 """
 
 import math
@@ -77,7 +77,7 @@ class Turbulence(StrictModel):
     """
     Dryden turbulence: rms and length along the mean wind, across it and up, or one for all three.
 
-    Or `by` a standard, which knows both from the mean wind at 6.1 m (20 ft) and the height.
+    Or `by` a standard, which derives both from the mean wind at 6.1 m (20 ft) and the height.
     """
 
     intensity: Annotated[Quantity, _axes_validator('m/s', 0.0, 30.0)] | None = None
@@ -92,6 +92,7 @@ class Turbulence(StrictModel):
         if None not in own and standard == (None,) * 3:
             return self
         if None not in standard and own == (None,) * 2:
+            # Raises for a height that the standard does not cover
             self.effect_parameters()
             return self
         raise ValueError(
@@ -104,6 +105,7 @@ class Turbulence(StrictModel):
         if self.wind is not None and self.height is not None:
             return military_turbulence.low_altitude_turbulence(self.height.si, self.wind.si)
         strong, long = (
+            # One value stands for all three axes
             quantity.vector * 3 if len(quantity.vector) == 1 else quantity.vector
             for quantity in (self.intensity, self.length)
             if quantity is not None
@@ -170,18 +172,11 @@ class ScenarioAir(StrictModel):
     @property
     def density(self) -> float:
         """Density of dry air. [kg/m3]."""
+        # Ideal gas law, absolute temperature
         return self.pressure.si / (GAS_CONSTANT_OF_AIR * (self.temperature.si + 273.15))
 
     def collect_effects(self, half_height: float) -> dict[str, Parameters]:
-        """
-        Return the air effects that are on, by name, in SI.
-
-        Parameters
-        ----------
-        half_height : float
-            Half the height of the hull, over which a profile is averaged. [m]
-
-        """
+        """Return the air effects that are on, by name, in SI; `half_height` of the hull in m."""
         given = {}
         if self.profile:
             given['wind_profile'] = self.profile.effect_parameters(half_height)

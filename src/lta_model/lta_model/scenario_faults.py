@@ -13,7 +13,7 @@ class SupplyFaults(StrictModel):
     Faults of the supply, each from a time after the start on.
 
     `panel_short`: the array is shorted and gives current without voltage. `brown_out`: the supply
-    fails once; it comes back as after any brown-out, when light has charged the cell a little.
+    fails once, and recovers when light has charged the cell a little.
     """
 
     panel_short: When | None = None

@@ -37,6 +37,7 @@ class Surfaces(StrictModel):
 
 def _expand_albedo(value: Any) -> Any:  # noqa: ANN401 - as the file has it
     """Return one albedo for all surfaces as that of each."""
+    # bool is an int in Python
     if isinstance(value, bool) or not isinstance(value, int | float):
         return value
     if not 0.0 <= value < 1.0:
@@ -59,7 +60,7 @@ class RoomShape(StrictModel):
 
     @property
     def room(self) -> Room:
-        """The room as light meets it."""
+        """The room as reflecting surfaces."""
         floor, walls, ceiling = self.albedo.floor, self.albedo.walls, self.albedo.ceiling
         return Room(to_triple(self.size), Albedo(floor, walls, ceiling))
 
@@ -85,7 +86,7 @@ class LampScene(StrictModel):
 
     @property
     def lamp(self) -> BeaconLamp:
-        """The lamp; `BadInput` where it cannot shine."""
+        """The lamp; `BadInput` if it is impossible."""
         return BeaconLamp(
             position=to_triple(self.position),
             axis=to_triple(self.facing),
@@ -100,7 +101,7 @@ class LampScene(StrictModel):
 
 
 def _check_parts(quantity: Quantity) -> Quantity:
-    """Return the check of parts of something, as many as there are."""
+    """Return a quantity of any number of shares from 0 to 1, or refuse it."""
     if complaint := describe_misfit(quantity, '1', 0.0, 1.0, length=len(quantity.vector)):
         raise ValueError(complaint)
     return quantity
@@ -119,7 +120,7 @@ class AmbientScene(StrictModel):
 
     @property
     def ambient(self) -> Ambient:
-        """The light; `BadInput` where it cannot be."""
+        """The light; `BadInput` if it is impossible."""
         return Ambient(
             efficacy=self.efficacy.si,
             steady=self.steady.si,
@@ -168,7 +169,7 @@ class OutsideScene(StrictModel):
 
     @property
     def outside(self) -> OutdoorArea:
-        """The light out there; `BadInput` where it cannot be."""
+        """The light outdoors; `BadInput` if it is impossible."""
         door = self.door
         daylight = self.daylight.build_daylight(self.ground)
         return OutdoorArea(daylight, door.middle.si, door.width.si, door.height.si)

@@ -25,6 +25,7 @@ def offset_start(scenario: Scenario, x: float, y: float) -> Scenario:
     start = scenario.start.model_copy(
         update={'position': Quantity(value=place, unit='m', source=scenario.start.position.source)}
     )
+    # Validate anew: model_copy alone does not run the validators
     fields = {name: getattr(scenario, name) for name in Scenario.model_fields}
     for name, key in (('schema_version', 'schema'), ('alone', 'lamp'), ('several', 'lamps')):
         fields[key] = fields.pop(name)  # as the file has it

@@ -25,12 +25,14 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+# Rotors that the kernel has room for
 ACTUATORS = 8
 
 POSITION = slice(0, 3)
 QUATERNION = slice(3, 7)
 VELOCITY = slice(7, 10)
 RATES = slice(10, 13)
+# Numbers of the rigid-body state
 RIGID = 13
 MEMORY = slice(RIGID, None)
 
@@ -63,7 +65,7 @@ def pack_state(
     memory: ArrayLike = (),
 ) -> NDArray[np.float64]:
     """
-    Return the state of a level vehicle.
+    Return the state of a level vehicle, shape (13 + len(memory),).
 
     Parameters
     ----------
@@ -71,19 +73,13 @@ def pack_state(
         Hull centre in `map`. [m]
     heading : float
         Direction of the body x axis, anticlockwise from map x. [rad]
-    velocity : array_like, shape (3,)
-        Velocity over the ground, in the body frame. [m/s]
-    rates : array_like, shape (3,)
-        Body rates. [rad/s]
+    velocity, rates : array_like, shape (3,)
+        Velocity over the ground and body rates, body frame. [m/s, rad/s]
     memory : array_like
         Initial memory of the effects, `effects.initial_memory()`.
 
-    Returns
-    -------
-    ndarray, shape (13 + len(memory),)
-        The state.
-
     """
+    # Rotation about the vertical alone
     quaternion = (0.0, 0.0, math.sin(0.5 * heading), math.cos(0.5 * heading))
     return np.concatenate(
         [

@@ -38,10 +38,12 @@ def compute_dampings(model: VehicleModel) -> dict[str, Array]:
     for name, axes in (('linear_drag', slice(0, 3)), ('rotational_drag', slice(3, 6))):
         if name in given:
             damping = np.zeros(6)
+            # Only the linear coefficients: quadratic damping depends on the speed
             damping[axes] = [given[name][axis] for axis in AXES[axes]]
             found[name] = np.diag(damping)
     if 'floor_contact' in given:
         foot = given['floor_contact']
+        # Jacobian of the foot's vertical velocity for an upright vehicle
         down = np.array([0.0, 0.0, 1.0, foot['y'], -foot['x'], 0.0])  # upright
         found['floor_contact'] = foot['stiffness'] * foot['relaxation'] * np.outer(down, down)
     if 'walls' in given:
@@ -52,15 +54,7 @@ def compute_dampings(model: VehicleModel) -> dict[str, Array]:
 
 
 def check_time_step(name: str, model: VehicleModel, step: float) -> None:
-    """
-    Refuse a time step [s] at which what damps the body linearly would blow up.
-
-    Raises
-    ------
-    BadInput
-        If the step is longer than 2.7 times the time in which an effect stops the body.
-
-    """
+    """Raise `BadInput` for a time step [s] above 2.7 times the fastest damping time constant."""
     effect, rate = find_fastest_damping(model)
     if rate * step > RK4_LIMIT:
         raise BadInput(
@@ -70,15 +64,7 @@ def check_time_step(name: str, model: VehicleModel, step: float) -> None:
 
 
 def check_divergence(name: str, speeds: Sequence[float], elapsed: float) -> None:
-    """
-    Raise `BadInput` if velocity or rates have diverged. [m/s, rad/s; s after the start]
-
-    Raises
-    ------
-    BadInput
-        If one of them is not finite or beyond any plausible value.
-
-    """
+    """Raise `BadInput` if a velocity [m/s] or rate [rad/s] is not finite or implausible."""
     if not all(-SPEED_LIMIT < speed < SPEED_LIMIT for speed in speeds):
         raise divergence_error(name, elapsed)
 

@@ -1,16 +1,15 @@
 """
 Compute the strips of `strip_damping` from the boxes of a vehicle's frame and panels.
 
-A slim box is one strip along its longest side. A box of which the second side is more than half
-of the longest is two strips, at the two Gauss points across it (b / sqrt(12) either side of the
-middle), each with half of the drag: so a panel is damped about its long axis too. The third side
-only makes area.
+A slim box is one strip along its longest side. A box whose second side is more than half of the
+longest is two strips, at the two Gauss points across it (b / sqrt(12) either side of the middle),
+each with half of the drag, so a panel is also damped about its long axis. The third side only adds
+area.
 
     D_x = rho C_D (size_y size_z) / 2,   and so on
 
-C_D is 1.17 for a square plate across the flow, 1.98 for a long one (Aeronautical
-Engineer's Data Book, figure 5.13(b)). A box that is drawn around an open frame has a C_D
-smaller in the share that is solid.
+C_D is 1.17 for a square plate across the flow, 1.98 for a long one (Aeronautical Engineer's Data
+Book, figure 5.13(b)). For a box drawn around an open frame, reduce C_D by the solid share.
 """
 
 from collections.abc import Sequence
@@ -22,6 +21,7 @@ from lta_config.errors import BadInput
 from lta_model.effects.aerodynamics.strip_damping import PARAMETERS, STRIPS
 from lta_model.effects.protocol import Vector
 
+# Drag coefficient; same source as in the module docstring
 SQUARE_PLATE = 1.17
 
 
@@ -29,14 +29,12 @@ SQUARE_PLATE = 1.17
 @dataclass(frozen=True, slots=True)
 class DragBox:
     """
-    A part in the air, its sides along the body axes.
+    A part in the flow, its sides along the body axes.
 
     Parameters
     ----------
-    place : 3-tuple
-        Its centre from the hull centre, body frame. [m]
-    size : 3-tuple
-        Full lengths of its sides. [m]
+    place, size : 3-tuple
+        Centre from the hull centre, and full lengths of the sides, body frame. [m]
     coefficient : float
         Drag coefficient on the area of each side. [1]
 
@@ -53,6 +51,7 @@ def _split_box(box: DragBox, density: float) -> list[tuple[float, ...]]:
     short, across, along = sorted(range(3), key=lambda axis: box.size[axis])
     del short
     wide = box.size[across] > 0.5 * box.size[along]
+    # Gauss points of a uniform width: the same second moment of area
     offset = box.size[across] / math.sqrt(12.0)
     half = [0.0, 0.0, 0.0]
     half[along] = 0.5 * box.size[along]
@@ -68,19 +67,7 @@ def _split_box(box: DragBox, density: float) -> list[tuple[float, ...]]:
 
 def build_strips(boxes: Sequence[DragBox], density: float) -> dict[str, float]:
     """
-    Return the parameters of `strip_damping` for some boxes.
-
-    Parameters
-    ----------
-    boxes : sequence of Box
-        Frame, panels and gondola; not the hull.
-    density : float
-        Density of the air. [kg/m3]
-
-    Returns
-    -------
-    dict
-        All parameters, those of strips that are not needed at zero.
+    Return all parameters of `strip_damping` for boxes (not the hull), unused strips at zero.
 
     Raises
     ------
@@ -94,7 +81,9 @@ def build_strips(boxes: Sequence[DragBox], density: float) -> dict[str, float]:
             f'The {len(boxes)} damping parts need {len(found)} strips (a wide one needs two); '
             f'the model has {STRIPS}: name fewer, or one box for several.'
         )
+    # The first parameter is `translation`, 0
     numbers = [0.0, *(number for strip in found for number in strip)]
+    # Unused strips
     numbers += [0.0] * (len(PARAMETERS) - len(numbers))
     names = (parameter.name for parameter in PARAMETERS)
     return dict(zip(names, numbers, strict=True))

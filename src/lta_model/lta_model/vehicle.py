@@ -1,11 +1,10 @@
 """
 Derive a vehicle's physical properties from its file.
 
-Mass, centre of gravity and inertia follow from the parts, the gas and the ballast that trims the
-vehicle to its declared heaviness (`mass_properties`), or from its weighing; added mass from the
-hull's
-shape (`hull`), the wrench of the rotors from wind tunnel or geometry (`propulsion`). Everything
-about the hull centre, body frame.
+Mass, centre of gravity and inertia follow from the parts, the gas and the trim ballast
+(`mass_properties`), or from its weighing; added mass from the hull's shape (`hull`), the wrench of
+the rotors from wind tunnel or geometry (`propulsion`). Everything is about the hull centre, body
+frame.
 """
 
 from collections.abc import Sequence
@@ -41,21 +40,13 @@ Vector = tuple[float, ...]
 @final
 class Vehicle:
     """
-    One vehicle in air of a given density.
-
-    Parameters
-    ----------
-    file : VehicleFile
-        What the vehicle is.
-    air_density : float
-        Density of the air around it. [kg/m3]
+    One vehicle in air of a given density [kg/m3].
 
     Raises
     ------
     BadInput
         If the parts are too heavy for the lift, the centre of gravity is above the hull centre
-        (and the file does not allow it), or an effect is not known, has a parameter that it does
-        not know, or one in the wrong unit or out of bounds.
+        (and the file does not allow it), or an effect or one of its parameters is invalid.
 
     """
 
@@ -89,6 +80,7 @@ class Vehicle:
     def gas_mass(self) -> float:
         """Mass of the gas, helium with the rest of the purity being air. [kg]."""
         purity = self.file.hull.purity.si if self.file.hull.purity else 0.0
+        # Mixture of helium and air at the same temperature and pressure
         return self.volume * self.air_density * (1.0 - purity * (1.0 - HELIUM_TO_AIR))
 
     @property
@@ -105,6 +97,7 @@ class Vehicle:
     @property
     def displaced_mass(self) -> float:
         """Mass of the displaced air; a weighed vehicle is filled until it is right. [kg]."""
+        # The gas fill is adjusted until mass less displaced air is the declared heaviness
         if self.file.measured and self.file.trim.heaviness:
             return self.mass - self.file.trim.heaviness.si
         return self.volume * self.air_density
@@ -182,6 +175,7 @@ class Vehicle:
     def thrust_curve(self) -> tuple[float, float]:
         """Coefficients a and b of T = a u^2 + b u, the same for all rotors. [N]."""
         curves = {(rotor.a, rotor.b) for rotor in self.rotors}
+        # Control laws invert a single curve
         if len(curves) != 1:
             raise BadInput(
                 f'{self.file.name} has rotors with {len(curves)} thrust curves, where one for all '
@@ -192,10 +186,9 @@ class Vehicle:
     @property
     def battery_compensated(self) -> bool:
         """
-        Whether the firmware corrects duties for the voltage of the battery.
+        Whether the firmware corrects duties for the battery voltage.
 
-        A duty is then a share of a thrust, and not of the present voltage: the file switches on
-        the effect `battery_compensation`.
+        A duty is then a share of a thrust: the file switches on the effect `battery_compensation`.
         """
         return self.collect_effects().get('battery_compensation', {}).get('voltage', 0.0) > 0.0
 
@@ -215,6 +208,7 @@ class Vehicle:
         ring = self.file.sensors.diodes
         return PhotodiodeArray(
             count=ring.count,
+            # The file has the height over the hull centre
             depth=-ring.height.si,
             radius=ring.radius.si,
             axes=tuple((x, y, z) for x, y, z in ring.axes.value) if ring.axes else (),
@@ -222,6 +216,7 @@ class Vehicle:
             field_of_view=ring.field_of_view.si,
             gain_spread=ring.gain_spread.si,
             dead=tuple(ring.dead),
+            # The first resistor until one is selected for the scene
             feedback_resistance=ring.feedback.vector[0],
             resistors=ring.feedback.vector,
             bandwidth=ring.bandwidth.si,
@@ -271,20 +266,7 @@ class Vehicle:
         )
 
     def pack_command(self, duties: Sequence[float]) -> Array:
-        """
-        Return a command as the kernel takes it, with a moving mass where it rests.
-
-        Parameters
-        ----------
-        duties : sequence of float
-            Of each rotor. [1]
-
-        Returns
-        -------
-        ndarray, shape (COMMAND,)
-            Duties, then the place of the moving mass; zeros for what the vehicle does not have.
-
-        """
+        """Return a command, shape (COMMAND,): duties, then the moving mass at its rest place."""
         command = np.zeros(COMMAND)
         command[: len(duties)] = duties
         if self.file.moving_mass:
@@ -292,7 +274,7 @@ class Vehicle:
         return command
 
     def check_step(self, step: float, model: VehicleModel | None = None) -> None:
-        """Raise `BadInput` for a time step that is too long for the model's fastest reaction."""
+        """Raise `BadInput` for a time step [s] too long for the model's fastest dynamics."""
         effect_parameters.check_step(self.file.name, self.collect_effects(), step)
         stiffness.check_time_step(self.file.name, model or self.build_model(), step)
 
@@ -302,6 +284,7 @@ class Vehicle:
         foot = self.collect_effects().get('floor_contact')
         if foot is None:
             return hull.half_axes(self.file.hull)[2]
+        # The soft foot sinks in by weight over stiffness
         sink = self.heaviness * STANDARD_GRAVITY / foot['stiffness']
         return -foot['z'] - max(sink, 0.0)
 

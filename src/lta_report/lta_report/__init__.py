@@ -1,1 +1,1 @@
-"""What all results share: pages, pictures, folders, progress bars and worker processes."""
+"""Shared parts of all results: pages, figures, folders, progress bars and worker processes."""

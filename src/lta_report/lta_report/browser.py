@@ -1,8 +1,8 @@
 """
-A Chromium without a screen: looks at a page and takes its picture.
+Run a headless Chromium to inspect and photograph pages.
 
-Speaks the Chrome DevTools Protocol over two pipes (--remote-debugging-pipe): JSON messages that
-end with a zero byte. Nothing listens on a port, and the browser ends with us.
+The module uses the Chrome DevTools Protocol over two pipes (--remote-debugging-pipe): JSON
+messages that end with a zero byte. No port is opened, and the browser ends with this process.
 """
 
 from collections.abc import Mapping
@@ -21,7 +21,7 @@ from typing import Any, Final, final, Self
 from lta_config.errors import BadInput
 
 NAMES: Final = ('chromium', 'chromium-browser', 'google-chrome', 'google-chrome-stable', 'chrome')
-OVERRIDE: Final = 'LTA_CHROMIUM'
+OVERRIDE: Final = 'LTA_CHROMIUM'  # environment variable
 MISSING: Final = (
     'No Chromium was found; install it (Debian or Ubuntu: sudo apt install chromium) or set '
     f'{OVERRIDE} to the program.'
@@ -32,32 +32,35 @@ FLAGS: Final = (
     '--disable-background-networking',
     '--disable-component-update',
     '--disable-default-apps',
+    # Containers have a /dev/shm of 64 MB, which is too small for large pages
     '--disable-dev-shm-usage',
     '--disable-domain-reliability',
     '--disable-extensions',
     '--disable-gpu',
     '--disable-sync',
+    # A scroll bar would be in the picture
     '--hide-scrollbars',
     '--metrics-recording-only',
     '--mute-audio',
     '--no-default-browser-check',
     '--no-first-run',
     '--no-pings',
+    # Do not ask the desktop's key ring
     '--password-store=basic',
 )
-READ, WRITE = 3, 4  # where Chromium expects its ends of the pipes
+READ, WRITE = 3, 4  # file descriptors on which Chromium expects its ends of the pipes
 PATIENCE = 300.0  # s; a cold start or one page on a busy machine took more than 30
-FAILED = 30.0  # s for a page of which a script failed: what it still draws, it draws soon
+FAILED = 30.0  # s to wait after a script error: the page may still finish, but soon
 
 
 def find_chromium() -> str:
     """
-    Return the browser to use.
+    Return the path of the browser.
 
     Raises
     ------
     BadInput
-        If there is none; the sentence says how to install one.
+        If there is none; the message explains how to install one.
 
     """
     named = os.environ.get(OVERRIDE)
@@ -78,12 +81,12 @@ def find_chromium() -> str:
 @final
 class Browser:
     """
-    One headless browser with one tab; use it as a context manager.
+    A headless browser with one tab; use it as a context manager.
 
     Attributes
     ----------
     events : list of tuple of str and dict
-        Everything the tab has reported so far: method and parameters.
+        All events of the tab so far: method and parameters.
 
     """
 
@@ -93,6 +96,7 @@ class Browser:
         self._buffer = b''
         self._count = 0
         self._session: str | None = None
+        # An own profile, since a running browser locks the user's
         self._profile = tempfile.TemporaryDirectory(
             prefix='lta-browser-', ignore_cleanup_errors=True
         )
@@ -104,6 +108,7 @@ class Browser:
             target = self.call('Target.createTarget', url='about:blank')['targetId']
             attached = self.call('Target.attachToTarget', targetId=target, flatten=True)
             self._session = attached['sessionId']
+            # A domain sends events only once it is enabled
             for domain in ('Page', 'Runtime', 'Log', 'Network'):
                 self.call(f'{domain}.enable')
         except BaseException:
@@ -121,8 +126,9 @@ class Browser:
         self.close()
 
     def close(self) -> None:
-        """End the browser, whatever it is doing."""
+        """Stop the browser in any state."""
         with suppress(OSError, BadInput):
+            # Browser.close is a command to the browser, not to the tab
             self._session = None
             self.call('Browser.close')
             self._process.wait(5.0)
@@ -135,12 +141,12 @@ class Browser:
 
     def call(self, method: str, **parameters: object) -> Mapping[str, Any]:
         """
-        Return the answer to one command of the protocol.
+        Send a command of the protocol and return its result.
 
         Raises
         ------
         BadInput
-            If the browser refuses it, does not answer or has died.
+            If the browser rejects it, does not answer, or has exited.
 
         """
         self._count += 1
@@ -153,43 +159,46 @@ class Browser:
             raise self._build_exit_error(method) from error
         while True:
             message = self._read_message(method)
+            # Messages without this id are events, stored by `_read_message`
             if message.get('id') == self._count:
                 if 'error' in message:
-                    raise BadInput(f'Chromium refuses {method}: {message["error"]["message"]}.')
+                    raise BadInput(f'Chromium rejected {method}: {message["error"]["message"]}.')
                 answer: Mapping[str, Any] = message['result']
                 return answer
 
     def evaluate(self, expression: str) -> Any:  # noqa: ANN401 - any JSON value
-        """Return the value of an expression in the page, awaited if it is a promise."""
+        """Return the value of an expression in the page; a promise is awaited."""
         answer = self.call(
             'Runtime.evaluate', expression=expression, awaitPromise=True, returnByValue=True
         )
         return answer['result'].get('value')
 
     def wait_until(self, expression: str) -> None:
-        """Wait until an expression holds in the page; `BadInput` if it never does."""
+        """Wait until an expression is true in the page; raise `BadInput` if it never is."""
         begun, before = time.monotonic(), len(self.events)
         while not self.evaluate(f'Boolean({expression})'):
             took = time.monotonic() - begun
             failed = any(name == 'Runtime.exceptionThrown' for name, _ in self.events[before:])
             if took > (FAILED if failed else PATIENCE):
-                why = 'a script of it failed' if failed else 'perhaps the machine is too busy'
+                why = (
+                    'because a script failed' if failed else 'perhaps because the machine is busy'
+                )
                 raise BadInput(
-                    f'The page is not drawn within {took:.0f} s, {why}; open it by hand.'
+                    f'The page was not drawn within {took:.0f} s, {why}; open it in a browser.'
                 )
             time.sleep(0.02)
 
     def _read_message(self, method: str) -> dict[str, Any]:
-        """Return the next message; events are kept as well."""
+        """Return the next message; events are also stored."""
         end = time.monotonic() + PATIENCE
         while b'\0' not in self._buffer:
             ready, _, _ = select.select([self._in], [], [], max(0.0, end - time.monotonic()))
             if not ready:
                 raise BadInput(
-                    f'Chromium runs and does not answer {method} within {PATIENCE:g} s; try again '
-                    'when the machine is less busy.'
+                    f'Chromium did not answer {method} within {PATIENCE:g} s; try again when the '
+                    'machine is less busy.'
                 )
-            data = os.read(self._in, 1 << 20)
+            data = os.read(self._in, 1 << 20)  # at most 1 MiB at once
             if not data:
                 raise self._build_exit_error(method)
             self._buffer += data
@@ -200,20 +209,20 @@ class Browser:
         return message
 
     def _build_exit_error(self, method: str) -> BadInput:
-        """Return the error for a browser that has gone."""
+        """Return the error for a browser that has exited."""
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(1.0)
         return BadInput(
-            f'{self._program} ended at {method} with status {self._process.returncode}; start it '
-            'by hand to see why.'
+            f'{self._program} exited during {method} with status {self._process.returncode}; '
+            'start it in a terminal to see why.'
         )
 
 
 def launch_browser(program: str, profile: str) -> tuple[subprocess.Popen[bytes], int, int]:
-    """Return a running browser, the end to write to and the end to read from."""
+    """Return a running browser, the file descriptor to write to and the one to read from."""
     theirs_in, ours_out = os.pipe()
     ours_in, theirs_out = os.pipe()
-    # Copies above READ and WRITE, so that putting one in place cannot overwrite the other.
+    # Copies above READ and WRITE, so that dup2 to one cannot overwrite the other
     copies = [fcntl.fcntl(end, fcntl.F_DUPFD_CLOEXEC, 10) for end in (theirs_in, theirs_out)]
 
     def place_pipes() -> None:
@@ -222,15 +231,17 @@ def launch_browser(program: str, profile: str) -> tuple[subprocess.Popen[bytes],
 
     flags = [*FLAGS, f'--user-data-dir={profile}']
     if os.geteuid() == 0:
-        flags.append('--no-sandbox')  # Chromium's sandbox refuses to run as root.
+        flags.append('--no-sandbox')  # the sandbox does not start as root
     process = subprocess.Popen(
         [program, *flags],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
+        # The pipe ends at 3 and 4 must survive; all other descriptors are close-on-exec by default
         close_fds=False,
         preexec_fn=place_pipes,
     )
+    # The browser's ends must be closed here, or its exit would not end our read
     for end in (theirs_in, theirs_out, *copies):
         os.close(end)
     return process, ours_out, ours_in

@@ -1,4 +1,4 @@
-"""A Dask cluster, reached: the one place that imports dask.distributed, an optional extra."""
+"""Connect to a Dask cluster; the only importer of the optional package dask.distributed."""
 
 from importlib import import_module
 from typing import Any, Final
@@ -21,18 +21,21 @@ def connect_cluster(address: str) -> tuple[Any, Any]:
     Raises
     ------
     BadInput
-        If dask.distributed is not installed, or nobody answers there.
+        If dask.distributed is not installed, or no scheduler answers.
 
     """
     try:
+        # Optional, so most installations do not have it
         dask: Any = import_module(DASK)
     except ImportError:
         raise BadInput(
             'A cluster needs dask.distributed, which is not installed; '
-            '"pip install -r requirements-dask.txt" brings it.'
+            'run "pip install -r requirements-dask.txt".'
         ) from None
     try:
+        # Not the default client, which would capture Dask calls of the user's own code
         client: Any = dask.Client(address, timeout=PATIENCE, set_as_default=False)
+        # A scheduler without workers would accept jobs and never run them
         client.wait_for_workers(1, timeout=PATIENCE)
     except (OSError, ValueError) as error:
         raise BadInput(

@@ -1,7 +1,7 @@
 """
-What the page draws of a flight: curves over time, and how one follows from another.
+Curves of a flight for figures, and their conversions.
 
-Time in seconds from the first message, positions in the map frame.
+Time is in seconds from the first message, positions are in the map frame.
 """
 
 from typing import NamedTuple
@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 
 class MotionCurve(NamedTuple):
-    """Hull centre in map [m], yaw without jumps [rad], air-relative speed along body x [m/s]."""
+    """Hull centre in map [m], unwrapped yaw [rad], air-relative speed along body x [m/s]."""
 
     time: Array
     x: Array
@@ -25,14 +25,14 @@ class MotionCurve(NamedTuple):
 
 
 class TimeCurve(NamedTuple):
-    """One number over time. [s, unit of the number]"""
+    """One quantity over time. [s, its unit]"""
 
     time: Array
     value: Array
 
 
 class DirectionCurve(NamedTuple):
-    """A direction in the body frame over time, NaN where there is none. [s, rad]"""
+    """A direction in the body frame over time; NaN if undefined. [s, rad]"""
 
     time: Array
     angle: Array
@@ -46,7 +46,7 @@ class FloorPoint(NamedTuple):
 
 
 class ElectricalCurve(NamedTuple):
-    """Voltage [V] and current [A] over time; a current that leaves the cell is negative."""
+    """Voltage [V] and current [A] over time; negative current discharges the battery."""
 
     time: Array
     voltage: Array
@@ -62,32 +62,36 @@ class DutyCurves(NamedTuple):
 
 
 def interpolate(time: Array, track_time: Array, values: Array) -> Array:
-    """Return values at other times [s], linear in between and constant beyond the ends."""
+    """Return linearly interpolated values at other times [s], constant beyond the ends."""
     return np.asarray(np.interp(time, track_time, values))
 
 
 def hold_last(time: Array, track: TimeCurve) -> Array:
-    """Return the newest value at each time [s], NaN before the first: how a set-point acts."""
+    """Return the last value at each time [s], as a set-point is held; NaN before the first."""
+    # -1 before the first value
     index = np.searchsorted(track.time, time, side='right') - 1
+    # The extra NaN is what times before the first value select
     values = np.append(track.value, np.nan)
     return np.asarray(values[np.where(index < 0, len(track.value), index)])
 
 
 def build_motion(time: Array, place: Array, attitude: Array, speed: Array) -> MotionCurve:
-    """Return a motion from places, shape (n, 3), quaternions, shape (n, 4), and speeds."""
+    """Return a motion from positions, shape (n, 3), quaternions, shape (n, 4), and speeds."""
     x, y, z = place.T
     return MotionCurve(time, x, y, z, np.unwrap(to_euler_angles(attitude).yaw), speed)
 
 
 def subtract_wind(motion: MotionCurve, time: Array, wind: Array) -> MotionCurve:
-    """Return a motion with the wind, shape (n, 3) in map, taken off its speed. [m/s]"""
+    """Return a motion with the wind, shape (n, 3) in map [m/s], subtracted from its speed."""
+    # Component of the horizontal wind along the heading; pitch is neglected
     along = interpolate(motion.time, time, wind[:, 0]) * np.cos(motion.yaw)
     along += interpolate(motion.time, time, wind[:, 1]) * np.sin(motion.yaw)
     return motion._replace(speed=motion.speed - along)
 
 
 def align_start(motion: MotionCurve, truth: MotionCurve) -> MotionCurve:
-    """Return a motion turned and shifted so that it begins where the truth begins."""
+    """Return a motion rotated and shifted to start like the true one."""
+    # Odometry has an arbitrary origin and heading, so compare shapes only
     turn = float(truth.yaw[0] - motion.yaw[0])
     x, y = motion.x - motion.x[0], motion.y - motion.y[0]
     return motion._replace(
@@ -98,7 +102,8 @@ def align_start(motion: MotionCurve, truth: MotionCurve) -> MotionCurve:
 
 
 def vector_directions(vectors: Array) -> Array:
-    """Return the directions of bearing vectors, NaN of the zero vector. [rad]"""
+    """Return the directions of bearing vectors; NaN for a zero vector. [rad]"""
     angle = np.arctan2(vectors[:, 1], vectors[:, 0])
+    # The estimator publishes a zero vector if it has no bearing
     angle[np.hypot(vectors[:, 0], vectors[:, 1]) == 0.0] = np.nan
     return angle

@@ -1,4 +1,4 @@
-"""What all pictures share: type, axes, thin lines, and labels at the ends of lines."""
+"""Shared style and elements of figures: fonts, axes, lines and labels at line ends."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -11,8 +11,8 @@ from plotly.graph_objs.layout import Template
 from plotly.subplots import make_subplots
 
 FONT = '-apple-system, "Segoe UI", Roboto, "Helvetica Neue", Arial, sans-serif'
-LEFT, RIGHT, TOP, BOTTOM = 56, 88, 22, 40  # px; the same in all panels over time
-MOST_POINTS = 2000
+LEFT, RIGHT, TOP, BOTTOM = 56, 88, 22, 40  # px; equal, so that time axes line up
+MOST_POINTS = 2000  # per line: more than the pixels of a panel, few enough to redraw at once
 AXIS = {
     'gridcolor': GRID,
     'linecolor': GRID,
@@ -39,7 +39,7 @@ TEMPLATE = Template(
 
 
 class EndLabel(NamedTuple):
-    """A word at the right end of a line: text, height in the axis' unit, colour."""
+    """A label at the right end of a line: text, height in units of the y axis, colour."""
 
     text: str
     height: float
@@ -47,7 +47,7 @@ class EndLabel(NamedTuple):
 
 
 def create_figure(rows: int = 1, heights: Sequence[float] | None = None) -> Figure:
-    """Return an empty picture of some rows that share their x axis."""
+    """Return an empty figure with rows that share the x axis."""
     figure = make_subplots(
         rows=rows,
         cols=1,
@@ -60,7 +60,7 @@ def create_figure(rows: int = 1, heights: Sequence[float] | None = None) -> Figu
 
 def decimate_line(time: Array, values: Array) -> tuple[Array, Array]:
     """
-    Return a line in few enough points, the least and greatest of each stretch among them.
+    Reduce a line to few points, keeping the minimum and maximum of each interval.
 
     Parameters
     ----------
@@ -70,18 +70,22 @@ def decimate_line(time: Array, values: Array) -> tuple[Array, Array]:
     Returns
     -------
     time, values : ndarray of float32, shape (at most MOST_POINTS,)
-        The same line as far as anyone can see.
+        A line that looks the same.
 
     """
     if len(time) > MOST_POINTS:
+        # Two points per interval
         count = MOST_POINTS // 2
         length = len(time) // count + 1
+        # Repeat the last value, so that the line divides into equal intervals
         padded = np.pad(values, (0, length * count - len(values)), mode='edge')
         table = padded.reshape(count, length)
         starts = np.arange(count) * length
         found = np.stack([table.argmin(axis=1) + starts, table.argmax(axis=1) + starts])
+        # In order of time and without duplicates; index 0 keeps the start of the line
         keep = np.unique(np.clip(np.append(found.ravel(), 0), 0, len(time) - 1))
         time, values = time[keep], values[keep]
+    # Half the size of the page's data
     return time.astype(np.float32), values.astype(np.float32)
 
 
@@ -96,7 +100,7 @@ def build_line(
     dash: str = 'solid',
     steps: bool = False,
 ) -> Scatter:
-    """Return a thin line; `steps` for what is held between messages."""
+    """Return a thin line; with `steps`, values are held between messages."""
     x, y = decimate_line(time, values)
     return Scatter(
         x=x,
@@ -122,11 +126,12 @@ def build_dots(name: str, time: Array, values: Array, colour: str, *, unit: str)
 
 
 def padded_range(*lines: Array, pad: float = 0.08) -> tuple[float, float]:
-    """Return the range that shows all that is finite, with a little air."""
+    """Return the range of all finite values with a margin."""
     values = np.concatenate([part[np.isfinite(part)] for part in lines])
     if not len(values):
         return 0.0, 1.0
     low, high = float(values.min()), float(values.max())
+    # A constant line gets a tenth of its value, and zero gets 1
     air = pad * (high - low) or 0.1 * abs(high) or 1.0
     return low - air, high + air
 
@@ -135,27 +140,29 @@ def label_ends(
     figure: Figure, labels: Sequence[EndLabel], bounds: tuple[float, float], row: int = 1
 ) -> None:
     """
-    Write words beside the ends of lines, moved apart where they would touch.
+    Add labels at the ends of lines, moved apart where they would overlap.
 
     Parameters
     ----------
     figure : Figure
-        Where the lines are.
-    labels : sequence of Label
-        The words.
+        The figure.
+    labels : sequence of EndLabel
+        The labels.
     bounds : tuple of float
-        Lower and upper end of the y axis; set as its range.
+        Lower and upper end of the y axis, which are set as its range.
     row : int
         Row of the lines, from 1.
 
     """
     low, high = bounds
-    gap = 0.085 * (high - low)
+    gap = 0.085 * (high - low)  # least distance of two labels: a line of text
     heights: list[float] = []
     ordered = sorted(labels, key=lambda label: label.height)
+    # Upwards: push each label above the one below it
     for label in ordered:
         height = min(max(label.height, low), high)
         heights.append(max(height, heights[-1] + gap) if heights else height)
+    # Downwards: push labels back that left the axis at the top
     for k in range(len(heights) - 1, -1, -1):
         ceiling = high if k == len(heights) - 1 else heights[k + 1] - gap
         heights[k] = min(heights[k], ceiling)

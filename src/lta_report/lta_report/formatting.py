@@ -1,4 +1,4 @@
-"""Figures as people read them: numbers with units, and the tiles at the head of a page."""
+"""Format numbers with units, and define the tiles at the head of a page."""
 
 from typing import Final, NamedTuple
 
@@ -6,7 +6,7 @@ MISSING: Final = '\N{EN DASH}'
 
 
 class Tile(NamedTuple):
-    """One figure large: what, how much, in which unit, and what belongs to it."""
+    """One large number: name, value, unit and note."""
 
     name: str
     value: str
@@ -15,25 +15,28 @@ class Tile(NamedTuple):
 
 
 def format_number(value: float | None, digits: int = 2, factor: float = 1.0) -> str:
-    """Return a figure as people read it."""
+    """Return a number with fixed digits and a typographic minus sign."""
     if value is None:
         return MISSING
     text = f'{value * factor:.{digits}f}'
+    # Do not print -0.00
     if float(text) == 0.0:
         text = text.removeprefix('-')
+    # The true minus sign is as wide as a plus
     return text.replace('-', '\N{MINUS SIGN}')
 
 
 def format_spread(value: float | None, deviation: float | None, unit: str) -> str:
-    """Return a figure with its spread and unit."""
+    """Return a number with its spread and unit."""
     if value is None:
         return MISSING
     return f'{format_number(value)} \N{PLUS-MINUS SIGN} {format_number(deviation)} {unit}'
 
 
 def format_amount(value: float | None, unit: str, digits: int = 2, factor: float = 1.0) -> str:
-    """Return a figure with its unit."""
+    """Return a number with its unit."""
     if value is None:
         return MISSING
+    # No space before a degree sign
     gap = '' if unit.startswith('°') else ' '
     return f'{format_number(value, digits, factor)}{gap}{unit}'

@@ -1,8 +1,8 @@
 """
-A log of long work: a line of JSON for each piece of it, written as it ends.
+A resumable log of long work: one line of JSON per finished item.
 
-What was killed goes on where it was: the first line says of what work the log is, and a line that
-was cut short by the end of its writer is cut off, so that its piece is done again.
+The first line identifies the work, so that a killed command can continue. A line that the end of
+its writer cut short is removed, and its item is done again.
 """
 
 from collections.abc import Callable, Mapping
@@ -18,7 +18,7 @@ Piece = TypeVar('Piece')
 
 
 class LogKind(NamedTuple):
-    """A kind of log: its file, the key of its first line, its word, the option of its folder."""
+    """A kind of log: file name, key of the first line, name in messages, option of its folder."""
 
     file: str
     key: str
@@ -29,28 +29,30 @@ class LogKind(NamedTuple):
 @final
 class LineLog(Generic[Piece]):
     """
-    Open the log in a folder, or begin it; nobody else writes to it until it is closed.
+    Open or create the log in a folder, locked against other processes until closed.
 
     Parameters
     ----------
     folder : Path
-        Made if missing.
-    kind : Kind
-        Of the log.
+        Created if missing.
+    kind : LogKind
+        Kind of the log.
     identity : str
         Hash of the work.
     read : callable
-        Returns a piece from what its line holds; `KeyError` or `TypeError` where it is none.
+        Converts the content of a line to an item; raises `KeyError` or `TypeError` if it is
+        invalid.
 
     Attributes
     ----------
     pieces : list
-        What has been kept, in its order.
+        The logged items in order.
 
     Raises
     ------
     BadInput
-        If the file is of other work or no log, another process writes to it, or it cannot be used.
+        If the file belongs to other work or is not a log, another process writes to it, or it
+        cannot be used.
 
     """
 
@@ -61,6 +63,7 @@ class LineLog(Generic[Piece]):
         self._kind, self._path, self._identity = kind, folder / kind.file, identity
         try:
             folder.mkdir(parents=True, exist_ok=True)
+            # Append mode: every write goes to the end, wherever the file was read
             self._file = self._path.open('a+b')
         except OSError as error:
             raise self._build_access_error(error) from None
@@ -76,17 +79,18 @@ class LineLog(Generic[Piece]):
 
     def _lock(self) -> None:
         try:
+            # The kernel releases the lock when the process ends
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise BadInput(
-                f"Another {self._kind.word} writes to '{self._path.parent}'; wait for its end."
+                f"Another {self._kind.word} writes to '{self._path.parent}'; wait until it ends."
             ) from None
 
     def _resume(self, read: Callable[[Any], Piece]) -> None:
-        """Take up what is there, cut a torn line off, and name the work if nobody has."""
+        """Read existing items, cut off an incomplete line, and write a missing first line."""
         self._file.seek(0)
         first, begin = self._file.readline(), _encode_line({self._kind.key: self._identity})
-        if first != begin and begin.startswith(first):  # nothing, or torn off at once
+        if first != begin and begin.startswith(first):  # empty, or cut within the first line
             self._file.truncate(0)
             self._write_line(begin)
             return
@@ -94,6 +98,7 @@ class LineLog(Generic[Piece]):
         whole = len(first)
         for line in self._file:
             try:
+                # Only the last line can lack its newline
                 content = json.loads(line) if line.endswith(b'\n') else None
             except ValueError:
                 break
@@ -101,13 +106,14 @@ class LineLog(Generic[Piece]):
                 break
             try:
                 self.pieces.append(read(content))
+            # Valid JSON of another shape: not our log, so do not cut anything
             except (KeyError, TypeError):
                 raise self._build_format_error() from None
             whole += len(line)
         self._file.truncate(whole)
 
     def _check_owner(self, first: bytes) -> None:
-        """Refuse a log of something else, of which not a byte is changed."""
+        """Reject a log of other work without changing it."""
         content = None
         with suppress(ValueError):
             content = json.loads(first)
@@ -121,7 +127,8 @@ class LineLog(Generic[Piece]):
 
     def _build_format_error(self) -> BadInput:
         return BadInput(
-            f"'{self._path}' is no log of a {self._kind.word}; choose another {self._kind.option}."
+            f"'{self._path}' is not a log of a {self._kind.word}; choose another "
+            f'{self._kind.option}.'
         )
 
     def _build_access_error(self, error: OSError) -> BadInput:
@@ -131,7 +138,7 @@ class LineLog(Generic[Piece]):
         )
 
     def append(self, content: Mapping[str, Any]) -> None:
-        """Keep a piece; it outlives this process from now on."""
+        """Write an item, which then survives the end of this process."""
         self._write_line(_encode_line(content))
 
     def _write_line(self, line: bytes) -> None:
@@ -141,14 +148,15 @@ class LineLog(Generic[Piece]):
         except OSError as error:
             raise BadInput(
                 f'The results cannot be written ({error.strerror}); make room and start the '
-                f'{self._kind.word} again, it goes on where it stopped.'
+                f'{self._kind.word} again; it continues where it stopped.'
             ) from None
 
     def close(self) -> None:
-        """Leave the log to others."""
+        """Close the file and release its lock."""
         with suppress(OSError):
             self._file.close()
 
 
 def _encode_line(content: Mapping[str, Any]) -> bytes:
+    # NaN would not be valid JSON for other programs
     return json.dumps(content, allow_nan=False).encode() + b'\n'

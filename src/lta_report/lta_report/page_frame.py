@@ -1,8 +1,8 @@
 """
-The frame that every page shares: head, header, tiles, scripts.
+Assemble pages from a shared frame: head, header, tiles and scripts.
 
-A page of its own is a file in `assets`: its style between `<style>` and `</style>`, then what
-stands in `main` below the tiles, both with the names of its parts.
+Each kind of page has a file in `assets`: its style between `<style>` and `</style>`, then the
+content below the tiles. Both have placeholders for the page's parts.
 """
 
 from collections.abc import Mapping
@@ -21,7 +21,7 @@ BEGIN: Final = '<style>\n'
 END: Final = '</style>\n'
 NOTHING: Final[Mapping[str, str]] = {}
 NOSCRIPT: Final = (
-    '<noscript><p class="absent">The pictures need JavaScript; the tables do not.</p></noscript>\n'
+    '<noscript><p class="absent">The figures need JavaScript; the tables do not.</p></noscript>\n'
 )
 
 
@@ -50,20 +50,21 @@ def assemble_page(
     Parameters
     ----------
     name : str
-        Of its file in `assets`.
+        Name of its file in `assets`.
     title, kicker, about, tiles : str
-        Of the header, as HTML.
+        Header as HTML.
     track : object
-        What the page's one instant moves along; nothing by default.
-    drawn : bool
-        Whether anything is drawn by plotly, which is most of a page's size.
+        Curves that the time cursor follows; none by default.
+    has_plots : bool
+        Whether to include plotly, which is most of a page's size.
     facts, commands, files : mapping of str to str
-        What the page ends with; see `render_footer`, which its file names.
+        Content of the footer; see `render_footer`.
     **parts : str
-        What its file names besides, as HTML.
+        Values of the placeholders in its file, as HTML.
 
     """
     parts['ending'] = render_footer(facts, commands, files)
+    # Two steps: values are not searched for placeholders of the frame
     style, main = (Template(text).substitute(parts) for text in split_template(read_asset(name)))
     return Template(read_asset('frame.html')).substitute(
         title=title,
@@ -74,6 +75,7 @@ def assemble_page(
         noscript=NOSCRIPT if has_plots else '',
         main=main.rstrip(),
         css=read_asset('page.css'),
+        # Colours of the dark theme, for page.js
         dark=embed_data('dark', DARK),
         track=embed_data('track', track or {}),
         plotly=f'<script>{get_plotlyjs()}</script>' if has_plots else '',
@@ -82,12 +84,12 @@ def assemble_page(
 
 
 def split_template(text: str) -> list[str]:
-    """Return style and content of a page's own file."""
+    """Return style and content of a page's file."""
     return text.removeprefix(BEGIN).split(END, 1)
 
 
 def write_file(content: str | bytes, out: Path) -> Path:
-    """Write a page or picture and return where it is; `BadInput` where it cannot be written."""
+    """Write a page or picture and return its path; raise `BadInput` if that fails."""
     try:
         with replace_atomically(out) as part:
             part.write_bytes(content.encode() if isinstance(content, str) else content)

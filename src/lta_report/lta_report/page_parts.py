@@ -1,4 +1,4 @@
-"""The pieces that every page is put together from, as HTML: tiles, pictures, terms, data."""
+"""HTML elements of pages: tiles, tables, figures, definition lists and embedded data."""
 
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -8,23 +8,24 @@ from typing import Final
 
 from plotly.graph_objects import Figure
 
-OWN: Final = 'br|/?(b|i|sub|sup|extra)|span style="color:#[0-9a-f]{6}"|/span'  # in our own texts
-MARKUP: Final = re.compile(f'<(?!({OWN})>)')
+OWN: Final = 'br|/?(b|i|sub|sup|extra)|span style="color:#[0-9a-f]{6}"|/span'  # tags we use
+MARKUP: Final = re.compile(f'<(?!({OWN})>)')  # the start of any other tag
 
 
 def embed_data(name: str, content: object) -> str:
-    """Return data for the page's script."""
+    """Return data for the page's script as an HTML element."""
     return embed_json(name, json.dumps(content, separators=(',', ':'), allow_nan=False))
 
 
 def embed_json(name: str, text: str) -> str:
-    """Return JSON for the page's script; no text in it can end the element."""
+    """Return JSON for the page's script; no text in it can close the element."""
+    # The same character to a JSON parser, but "</script>" no longer occurs
     safe = text.replace('<', '\\u003c')
     return f'<script type="application/json" id="{name}">{safe}</script>'
 
 
 def render_tile(name: str, value: str, unit: str, note: str) -> str:
-    """Return one large figure."""
+    """Return one large number as HTML."""
     return (
         f'<div class="tile"><dt>{escape(name)}</dt><dd><b>{escape(value)}</b> '
         f'<span>{escape(unit)}</span><small>{escape(note)}</small></dd></div>'
@@ -32,7 +33,7 @@ def render_tile(name: str, value: str, unit: str, note: str) -> str:
 
 
 def render_html_table(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
-    """Return a table of results: heads, and lines of as many cells, all of it plain text."""
+    """Return a table of results from plain text: column heads and rows."""
     head = ''.join(f'<th scope="col">{escape(each)}</th>' for each in heads)
     body = ''.join(
         f'<tr>{"".join(f"<td>{escape(each)}</td>" for each in cells)}</tr>' for cells in lines
@@ -44,18 +45,18 @@ def render_section(
     name: str, heading: str, caption: str, picture: Figure | str, *, timed: bool = False
 ) -> str:
     """
-    Return one picture with heading and caption.
+    Return one figure with heading and caption.
 
     Parameters
     ----------
     name : str
-        Of the picture on its page.
+        Id of the figure on its page.
     heading, caption : str
         Plain text.
     picture : Figure or str
-        What to draw, or as HTML why there is nothing to draw.
+        The figure, or as HTML the reason why there is none.
     timed : bool
-        Whether x is time: such pictures share one cursor and zoom together.
+        Whether x is time: such figures share a cursor and zoom together.
 
     """
     words, about = escape(heading), escape(caption)
@@ -70,9 +71,9 @@ def render_section(
 
 def sanitize_figure(picture: Figure) -> object:
     """
-    Return a figure for the page's script, in which no text is more than a word in bold.
+    Return a figure as JSON content with all markup escaped except the tags we use.
 
-    Plotly takes some HTML in texts, links and styles among it, and a name may be a stranger's.
+    Plotly renders some HTML in texts, including links, and names may come from untrusted files.
     """
     return _sanitize_part(json.loads(picture.to_json()))
 
@@ -88,7 +89,7 @@ def _sanitize_part(part: object) -> object:
 
 
 def embed_picture(name: str, words: str, about: str, picture: Figure, timed: bool) -> str:
-    """Return the place of a picture, its caption and its data; words are HTML already."""
+    """Return the place of a figure, its caption and its data; the texts are already HTML."""
     return (
         f'<div class="plot" data-panel="{name}" data-timed="{str(timed).lower()}" '
         f'role="img" aria-label="{words}. {about}"></div>'
@@ -97,7 +98,7 @@ def embed_picture(name: str, words: str, about: str, picture: Figure, timed: boo
 
 
 def render_terms(content: Mapping[str, str], code: bool = False) -> str:
-    """Return a list of terms; what is code is what a person types."""
+    """Return a definition list; with `code`, the values are commands to type."""
     mark = ('<code>', '</code>') if code else ('', '')
     return '\n'.join(
         f'<div><dt>{escape(name.replace("_", " "))}</dt>'
@@ -110,16 +111,16 @@ def render_footer(
     facts: Mapping[str, str], commands: Mapping[str, str], files: Mapping[str, str]
 ) -> str:
     """
-    Return what every page ends with.
+    Return the footer of a page.
 
     Parameters
     ----------
     facts : mapping of str to str
-        Where the page comes from.
+        Origin of the results.
     commands : mapping of str to str
-        How to go on: what to do, and what to type for it.
+        Next steps: what to do, and the command for it.
     files : mapping of str to str
-        Whole files by name, folded.
+        Whole files by name, collapsed.
 
     """
     lists = [f'<dl class="facts">\n{render_terms(facts)}\n</dl>'] if facts else []
@@ -130,13 +131,14 @@ def render_footer(
         f'<pre tabindex="0">{escape(text)}</pre></details>'
         for name, text in files.items()
     ]
+    # The heading names only what the footer has
     words = [
-        *(['where this comes from'] if facts else []),
-        *(['how to go on'] if commands else []),
+        *(['origin'] if facts else []),
+        *(['next steps'] if commands else []),
     ]
     inside = '\n'.join(lists) if len(lists) < 2 else f'<div class="halves">{"".join(lists)}</div>'
     return (
         '<section class="panel ending" aria-labelledby="title-ending">'
-        f'<h2 id="title-ending">{", and ".join(words).capitalize()}</h2>\n'
+        f'<h2 id="title-ending">{" and ".join(words).capitalize()}</h2>\n'
         f'{inside}{"".join(folded)}</section>'
     )

@@ -1,8 +1,8 @@
 """
-The colours of the pages, each with its partner on dark paper.
+The colours of pages, each with its counterpart in the dark theme.
 
-Pictures are drawn in the light colours; the page swaps each for its partner, so every light
-colour means one thing. Hues after Okabe and Ito's colour-blind-safe set.
+Figures are drawn in light colours, and the page replaces each by its dark counterpart. So no light
+colour may have two meanings. The hues follow Okabe and Ito's colour-blind-safe set.
 """
 
 from typing import Final
@@ -18,14 +18,17 @@ SETPOINT: Final = '#3d4757'
 RAW: Final = '#a9b3c1'
 LAMP: Final = '#8a6100'
 GOOD: Final = '#0f7b5f'
+# Translucent: a cover for inactive parts, an area under a curve, the light of a lamp
 VEIL: Final = 'rgba(255,255,255,0.62)'
 FILL: Final = 'rgba(11,98,168,0.16)'
 GLOW: Final = ('rgba(255,190,20,0.00)', 'rgba(255,190,20,0.38)')
+# Scales: time along a path, signal strength, heat maps
 TIME: Final = ('#41217a', '#2b5f9e', '#1f8f8a', '#58a846', '#c79a00')
 STRENGTH: Final = ('#d9a3b0', '#c9667f', '#a5304f', '#6d0d2c')
 HEAT: Final = ('#f6f7fa', '#d5e0ef', '#8fb4da', '#3b7fbf', '#0d4c8c', '#062a55')
 
 DARK: Final[dict[str, str]] = {
+    # Keys are the light colours
     PAPER: '#151b24',
     INK: '#e8ecf2',
     SOFT: '#9aa5b5',
@@ -54,5 +57,5 @@ DARK: Final[dict[str, str]] = {
 
 
 def build_color_scale(colours: tuple[str, ...]) -> list[tuple[float, str]]:
-    """Return a colour scale of evenly spaced colours, as plotly writes one."""
+    """Return a plotly colour scale of evenly spaced colours."""
     return [(k / (len(colours) - 1), colour) for k, colour in enumerate(colours)]

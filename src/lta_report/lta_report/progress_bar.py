@@ -1,4 +1,4 @@
-"""What all progress bars share: they show while something lasts, and only to a person."""
+"""The base of progress bars, which are shown only on a terminal and only while work lasts."""
 
 import sys
 from types import TracebackType
@@ -10,20 +10,20 @@ from rich.progress import Progress, ProgressColumn, SpinnerColumn, TextColumn
 
 class ProgressBar:
     """
-    A progress bar: `with Bar(console, BarColumn(), total=3) as bar: bar.move(advance=1)`.
+    A progress bar: `with ProgressBar(console, BarColumn(), total=3) as bar: ...`.
 
     Parameters
     ----------
     console : Console
-        Where to; nothing moves where it is no terminal.
+        Output; nothing is shown if it is not a terminal.
     columns : ProgressColumn
-        What stands behind the spinner.
+        Columns after the spinner.
     begin : str
-        Description at the beginning.
+        Initial description.
     total : float, optional
-        What there is to do; unknown by default.
+        Amount of work; unknown by default.
     period : float
-        Over which the speed is estimated. [s]
+        Averaging time of the speed. [s]
     fields : Any
         Further fields of the columns.
 
@@ -41,12 +41,12 @@ class ProgressBar:
         self._console = console
         for column in columns:
             if isinstance(column, TextColumn):
-                column.markup = False  # what it shows may be the name of a stranger's file
+                column.markup = False  # may show the name of an untrusted file
         self._bar = Progress(
             SpinnerColumn(),
             *columns,
             console=console,
-            transient=True,
+            transient=True,  # removed at the end
             disable=not console.is_terminal,
             speed_estimate_period=period,
         )
@@ -63,27 +63,28 @@ class ProgressBar:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Take the bar away."""
+        """Remove the bar."""
         self._bar.stop()
 
     def update_bar(self, **change: Any) -> None:  # noqa: ANN401 - as rich takes them
-        """Change description, total, completed, or fields; `advance` adds to what is done."""
+        """Change description, total, completed, or fields; `advance` adds to completed."""
         self._bar.update(self._task, **change)
 
     def wait_for(self, what: str) -> None:
         """
-        Show what lasts before anything moves: on the bar, or as a line where there is none.
+        Show a long first step: on the bar, or as a line on stderr without a terminal.
 
-        The line goes to stderr: what a program prints for others stays as they expect it.
+        Standard output stays free for results that other programs read.
         """
         self.update_bar(description=what)
+        # Otherwise nothing would show that the program is busy
         if not self._console.is_terminal:
             sys.stderr.write(f'{what} ...\n')
             sys.stderr.flush()
 
     @property
     def speed(self) -> float | None:
-        """How much is done a second; None before that is known."""
+        """Completed amount per second; None while unknown."""
         return self._bar.tasks[0].speed
 
     def show_message(self, sentence: str) -> None:

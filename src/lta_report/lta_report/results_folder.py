@@ -1,4 +1,4 @@
-"""Where the results of a verb go: their folder, what is written into it, how a page is named."""
+"""The results folder of a command: its name, atomic writing, and the line that names the page."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -14,46 +14,49 @@ from lta_bridge.bag.writer import prepare_empty_folder
 from lta_config.atomic_file import replace_atomically
 from lta_config.errors import BadInput
 
-PART: Final = '.part'  # within the folder: the one beside it may be somebody else's
+PART: Final = '.part'  # staging folder, inside because the parent may not be writable
 
 
 def resolve_folder(out: Path | None, name: str) -> Path:
-    """Return the whole path of the folder that was asked for, else of runs/<time>-<name>."""
+    """Return the absolute path of the given folder, or of runs/<time>-<name>."""
+    # Local time, as the user sees it; names sort by time
     stamp = datetime.now().astimezone().strftime('%Y%m%d-%H%M%S')
     return (out or Path('runs') / f'{stamp}-{name}').absolute()
 
 
 def check_creatable(folder: Path) -> None:
-    """Refuse, before any work, a folder that holds something or could not be made."""
+    """Raise `BadInput`, before any work, for a folder that is not empty or cannot be created."""
     if folder.exists():
         prepare_empty_folder(folder)
+    # The nearest existing parent decides whether the folder can be created
     above = next(one for one in (folder, *folder.parents) if one.exists())
     if not above.is_dir() or not os.access(above, os.W_OK | os.X_OK):
         raise BadInput(
-            f"'{folder}' cannot be made: '{above}' takes no files; choose another folder with "
-            '--out.'
+            f"'{folder}' cannot be created: '{above}' is not a writable folder; choose another "
+            'folder with --out.'
         )
 
 
 @contextmanager
 def stage_results(folder: Path, last: str) -> Iterator[Path]:
     """
-    Yield where to write results; they appear in their folder when all are there, or none does.
+    Yield a staging folder; its files move to the results folder when all are written.
 
     Parameters
     ----------
     folder : Path
-        Of the results; a new one is gone again where the writing fails.
+        The results folder; if it is new it is removed after a failure.
     last : str
-        File that appears last: where it is, the others are.
+        File to move last; if it exists, so do the others.
 
     """
+    # An existing empty folder belongs to the user and stays
     new, part = not folder.exists(), folder / PART
     try:
         part.mkdir(parents=True)
     except OSError as error:
         raise BadInput(
-            f"'{folder}' cannot be made ({error.strerror}); choose another folder with --out."
+            f"'{folder}' cannot be created ({error.strerror}); choose another folder with --out."
         ) from error
     try:
         yield part
@@ -62,12 +65,12 @@ def stage_results(folder: Path, last: str) -> Iterator[Path]:
     finally:
         shutil.rmtree(part, ignore_errors=True)
         if new:
-            with suppress(OSError):  # holds the results
+            with suppress(OSError):  # fails if the folder has results, as it should
                 folder.rmdir()
 
 
 def write_json(content: Mapping[str, Any] | list[Any], place: Path) -> str:
-    """Write results as JSON and return the text; `BadInput` where the disk does not take it."""
+    """Write results as JSON and return the text; raise `BadInput` if writing fails."""
     text = json.dumps(content, indent=1) + '\n'
     try:
         with replace_atomically(place) as part:
@@ -81,5 +84,5 @@ def write_json(content: Mapping[str, Any] | list[Any], place: Path) -> str:
 
 
 def format_page_line(page: Path) -> str:
-    """Return the line that says where a page is and how to look at it."""
+    """Return the line with the path of a page and the command to open it."""
     return f'Page {page}  (open it in a browser: xdg-open {shlex.quote(str(page))})'

@@ -1,4 +1,4 @@
-"""Looking at a page as a person would: what it shows, what it complains of, and pictures of it."""
+"""Inspect a page in a browser: what it draws, its errors, and pictures of it."""
 
 import base64
 from collections.abc import Mapping
@@ -13,7 +13,8 @@ from lta_report.page_frame import write_file
 Theme = Literal['light', 'dark']
 WIDTH: Final = 1280  # px, a laptop
 SHARPNESS: Final = 2  # pixels of a picture per px of the page
-TOP: Final = 'top'
+TOP: Final = 'top'  # stands for header, tiles and what follows them
+# Traces and drawn marks of each figure; a figure without marks is blank
 COUNT_PANELS: Final = """
 [...document.querySelectorAll('.plot')].map((plot) => {
   const paper = plot.querySelector('svg.main-svg');
@@ -23,6 +24,7 @@ COUNT_PANELS: Final = """
   return { name: plot.dataset.panel, traces: plot.data ? plot.data.length : 0, marks,
            width: box.width, height: box.height };
 })"""
+# Position of a part from the top of the document, since the page may be scrolled
 BOX: Final = """
 (() => {
   const rise = window.scrollY;
@@ -37,7 +39,7 @@ BOX: Final = """
   return { x, y: y + rise, width, height };
 })()"""
 
-# Plotly draws again a tenth of a second after the window has changed, over several frames.
+# Plotly redraws 0.1 s after the window has changed, over several frames
 SETTLED: Final = """
 Promise.all([...(document.getElementById('panel-%(panel)s') ?? document).querySelectorAll('.plot')]
   .filter((plot) => plot.data && plot.offsetParent)
@@ -48,7 +50,7 @@ Promise.all([...(document.getElementById('panel-%(panel)s') ?? document).querySe
 
 @final
 class RenderedPicture(NamedTuple):
-    """One picture of an opened page: traces, marks on the paper, and its size. [px]"""
+    """One figure of an open page: traces, drawn marks and size. [px]"""
 
     name: str
     traces: int
@@ -59,7 +61,7 @@ class RenderedPicture(NamedTuple):
 
 @final
 class PageCheck(NamedTuple):
-    """What a browser makes of a page: its complaints, what it fetched, and what it drew."""
+    """The result of opening a page: console messages, requested addresses and figures."""
 
     messages: list[str]
     fetched: list[str]
@@ -68,14 +70,14 @@ class PageCheck(NamedTuple):
 
 def inspect_page(page: Path, theme: Theme = 'light', width: int = WIDTH) -> PageCheck:
     """
-    Open a page and tell what it shows.
+    Open a page in a browser and return what it shows.
 
     Parameters
     ----------
     page : Path
         HTML file.
     theme : str
-        What the reader prefers, 'light' or 'dark'.
+        Preferred theme of the reader, 'light' or 'dark'.
     width : int
         Width of the window. [px]
 
@@ -95,7 +97,7 @@ def write_picture(
     page: Path, out: Path, panel: str = TOP, theme: Theme = 'light', width: int = WIDTH
 ) -> None:
     """
-    Write one panel of a page, or its top with the outcome and the path, as PNG.
+    Write one panel of a page, or its top, as PNG.
 
     Parameters
     ----------
@@ -121,7 +123,7 @@ def write_picture(
 
 def write_pictures(page: Path, folder: Path, theme: Theme = 'light') -> list[Path]:
     """
-    Write the top of a page and each of its panels as PNG, named by panel, and return the files.
+    Write the top of a page and each of its panels as PNG, and return the files.
 
     Raises
     ------
@@ -139,18 +141,20 @@ def write_pictures(page: Path, folder: Path, theme: Theme = 'light') -> list[Pat
 
 
 def open_page(browser: Browser, page: Path, theme: Theme, width: int) -> None:
-    """Open a page and wait until everything on it is drawn."""
+    """Open a page and wait until it is drawn."""
     if not page.is_file():
         raise BadInput(f"There is no page '{page}'; check the path.")
+    # The page follows the reader's theme
     preference = [{'name': 'prefers-color-scheme', 'value': theme}]
     browser.call('Emulation.setEmulatedMedia', features=preference)
     resize_window(browser, width, 900)
     browser.call('Page.navigate', url=page.resolve().as_uri())
+    # Set by page.js once all figures are drawn
     browser.wait_until('document.documentElement.dataset.drawn')
 
 
 def resize_window(browser: Browser, width: int, height: int) -> None:
-    """Give the window a size. [px]"""
+    """Set the size of the window. [px]"""
     browser.call(
         'Emulation.setDeviceMetricsOverride',
         width=width,
@@ -161,12 +165,13 @@ def resize_window(browser: Browser, width: int, height: int) -> None:
 
 
 def capture_part(browser: Browser, panel: str, out: Path) -> None:
-    """Write one part of the opened page as PNG."""
+    """Write one part of the open page as PNG."""
     box = locate_part(browser, panel)
-    # Chromium would enlarge the window by itself for the shot, and not wait for what that changes.
+    # Chromium would enlarge the window itself for the picture, without waiting for the redraw
     resize_window(browser, browser.evaluate('innerWidth'), max(math.ceil(box['height']), 1))
     if browser.evaluate(SETTLED % {'panel': panel}) is not True:
-        raise BadInput(f'The {panel} of the page is not drawn; open the page by hand.')
+        raise BadInput(f'The {panel} of the page is not drawn; open the page in a browser.')
+    # The replay bar sticks to the bottom of the window and would cover the panel
     browser.evaluate("document.getElementById('bar')?.style.setProperty('visibility', 'hidden')")
     box = locate_part(browser, panel)
     browser.evaluate(f'scrollTo(0, {box["y"]})')
@@ -175,7 +180,7 @@ def capture_part(browser: Browser, panel: str, out: Path) -> None:
 
 
 def locate_part(browser: Browser, panel: str) -> Mapping[str, float]:
-    """Return where on the opened page a part of it is. [px]"""
+    """Return the position and size of a part of the open page. [px]"""
     box: Mapping[str, float] | None = browser.evaluate(BOX % {'panel': panel})
     if box is None:
         known = [found['name'] for found in browser.evaluate(COUNT_PANELS)]
@@ -184,7 +189,7 @@ def locate_part(browser: Browser, panel: str) -> Mapping[str, float]:
 
 
 def collect_errors(browser: Browser) -> list[str]:
-    """Return what the page wrote to the console, and errors nobody caught."""
+    """Return console messages and uncaught errors of the page."""
     found = []
     for method, event in browser.events:
         if method == 'Runtime.consoleAPICalled':
@@ -202,7 +207,7 @@ def format_exception(details: Mapping[str, Any]) -> str:
 
 
 def list_requests(browser: Browser, page: Path) -> list[str]:
-    """Return every address that was asked for, except the page itself and data in it."""
+    """Return every requested address except the page itself and embedded data."""
     asked = [
         event['request']['url']
         for method, event in browser.events

@@ -1,4 +1,4 @@
-"""Processes that work for this one: they leave Ctrl-C to it, and end when it does."""
+"""Worker processes that ignore Ctrl-C and end with their parent."""
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import as_completed, ProcessPoolExecutor
@@ -15,21 +15,24 @@ from lta_config.errors import BadInput
 
 Result = TypeVar('Result')
 
-KEPT = ' What was done is kept: give the same command again to go on.'
+KEPT = ' Finished work is kept: run the same command again to continue.'
+# One thread per worker, since the workers already use all processors
 ALONE = ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS')
 
 
 def initialize_worker() -> None:
-    """Leave Ctrl-C to whoever gives the work, and end when that process does."""
+    """Ignore Ctrl-C, and exit when the parent process does."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    for name in ALONE:  # before anything loads numpy: the others have the processors
+    for name in ALONE:  # before numpy is loaded, which reads them once
         os.environ.setdefault(name, '1')
     giver = parent_process()
     if giver is not None:
+        # A daemon thread, because the worker's main thread blocks in the pool's queue
         Thread(target=_exit_with_parent, args=(giver.sentinel,), daemon=True).start()
 
 
 def _exit_with_parent(sentinel: int) -> None:
+    # Ready when the parent has exited
     wait([sentinel])
     os._exit(1)
 
@@ -37,29 +40,30 @@ def _exit_with_parent(sentinel: int) -> None:
 @final
 class WorkerPool:
     """
-    Some processes, as a context manager; with one job, all is done in this one.
+    A pool of worker processes as a context manager; with one job, work runs in this process.
 
-    Whoever leaves early, by Ctrl-C for one, stops what is being worked on.
+    Leaving it by an exception, for example Ctrl-C, terminates running work.
 
     Parameters
     ----------
     jobs : int
-        Processes.
+        Number of processes.
     option : str
-        Of the command line, that says how many.
+        The command-line option for it, named in messages.
     goes_on : bool
-        Whether the command keeps what was done, and goes on there when it is given again.
+        Whether the command resumes when it is run again.
 
     """
 
     def __init__(self, jobs: int, option: str, goes_on: bool = False) -> None:
         self._pool = (
+            # Forking a process with threads, as numba and rclpy start, is unsafe
             ProcessPoolExecutor(jobs, get_context('spawn'), initialize_worker)
             if jobs > 1
             else None
         )
         self._died = (
-            'A process that worked for this one died; see whether memory is short, or use '
+            'A worker process died; check whether memory ran out, or use '
             f'{option} 1.{KEPT if goes_on else ""}'
         )
 
@@ -67,14 +71,14 @@ class WorkerPool:
         self, work: Callable[..., Result], each: Sequence[tuple[Any, ...]]
     ) -> Iterator[Result]:
         """
-        Yield what comes of some work in whatever order it is done.
+        Yield the results of calls in the order in which they finish.
 
         Parameters
         ----------
         work : callable
-            Of a module, so that another process finds it.
+            A function at the top of a module, which can be pickled.
         each : sequence of tuples
-            Its arguments.
+            The arguments of each call.
 
         Raises
         ------
@@ -95,10 +99,11 @@ class WorkerPool:
             raise BadInput(self._died) from None
         finally:
             for one in coming:
+                # After an error, drop calls that have not started
                 one.cancel()
 
     def __enter__(self) -> Self:
-        """Be ready."""
+        """Return this pool."""
         return self
 
     def __exit__(
@@ -107,11 +112,12 @@ class WorkerPool:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Leave nobody behind."""
+        """Stop all workers; terminate them after an exception."""
         if self._pool is None:
             return
         if kind is not None:
             for child in active_children():
+                # Otherwise shutdown would wait for running calls, which may take minutes
                 child.terminate()
         self._pool.shutdown(wait=True, cancel_futures=True)
 
@@ -123,6 +129,6 @@ def run_in_workers(
     option: str,
     goes_on: bool = False,
 ) -> Iterator[Result]:
-    """Yield what comes of some work in whatever order it is done, by `WorkerPool` of its own."""
+    """Yield the results of calls in the order in which they finish, from a temporary pool."""
     with WorkerPool(jobs, option, goes_on) as children:
         yield from children.map_unordered(work, each)

@@ -1,8 +1,8 @@
 """
-Delay the commands on their way to the rotors, as set by the vehicle's effects.
+Delay the commands on their way to the rotors, according to the vehicle's effects.
 
-A command takes effect when it arrives: with a delay of 13 ms it takes over 3 ms into the control
-period after its own. Before the first command the rotors stand still.
+A command takes effect when it arrives: with a delay of 13 ms and a control period of 10 ms it
+takes over 3 ms into the next period. Before the first command the rotors are off.
 """
 
 from collections import deque
@@ -23,21 +23,21 @@ NANOSECONDS = 1e9
 @final
 class CommandLink:
     """
-    Commands on their way.
+    Queue of delayed commands.
 
     Parameters
     ----------
     reversible : sequence of bool
         Whether each rotor accepts negative duty.
     effect_parameters : mapping
-        The effects that are on, `Model.given`: a moving mass starts where it was weighed.
+        Parameters of the active effects; a moving mass starts at its given place.
     chain : Chain
-        What acts on the channel `command_time`.
+        Effects on the channel `command_time`.
 
     Attributes
     ----------
     idle : ndarray of float64, shape (COMMAND,)
-        What is obeyed before the first command, in the layout of `lta_model.state`.
+        Command before the first one arrives, in the layout of `lta_model.state`.
 
     """
 
@@ -53,6 +53,7 @@ class CommandLink:
         place = effect_parameters.get('moving_mass', {})
         self.idle[MASS_PLACE:] = [place.get(axis, 0.0) for axis in 'xyz']
         self._latest = self._obeyed = self.idle
+        # Commands under way, with their send times [ns], oldest first
         self._coming: deque[tuple[int, Array]] = deque()
 
     def pack_command(self, duties: Sequence[float], mass_place: Vector | None = None) -> Array:
@@ -65,13 +66,14 @@ class CommandLink:
             If there is not one finite duty for each rotor, or a place is not finite.
 
         """
-        asked = list(map(float, duties))
-        if len(asked) != len(self._lowest) or not all(map(math.isfinite, asked)):
-            raise ValueError(f'The duties are {asked}; give {len(self._lowest)} finite numbers.')
+        numbers = list(map(float, duties))
+        if len(numbers) != len(self._lowest) or not all(map(math.isfinite, numbers)):
+            raise ValueError(f'The duties are {numbers}; give {len(self._lowest)} finite numbers.')
+        # A command without a mass position keeps the last one
         command = self._latest.copy()
-        command[: len(asked)] = [
+        command[: len(numbers)] = [
             low if duty < low else 1.0 if duty > 1.0 else duty
-            for low, duty in zip(self._lowest, asked, strict=True)
+            for low, duty in zip(self._lowest, numbers, strict=True)
         ]
         if mass_place is not None:
             if len(mass_place) != 3 or not all(map(math.isfinite, mass_place)):
@@ -90,11 +92,13 @@ class CommandLink:
             return [(end_ns, command)]
         # The delay is constant within a period.
         delay = elapsed - apply_chain(self._chain, (elapsed,), elapsed)[0]
+        # A command cannot arrive before it is sent
         age_ns = max(0, round(delay * NANOSECONDS))
         self._coming.append((now_ns, command))
         out: list[tuple[int, Array]] = []
         while self._coming and self._coming[0][0] + age_ns < end_ns:
             given_ns, later = self._coming.popleft()
+            # Arrives within this period: the previous command stays active until then
             if given_ns + age_ns > now_ns:
                 out.append((given_ns + age_ns, self._obeyed))
             self._obeyed = later

@@ -1,10 +1,9 @@
 """
-Compiled sensors of the estimator with counter-based random numbers.
+Compiled sensor models with counter-based random numbers, for batches of closed loops.
 
-Plain functions of numbers and tuples, for batches of closed loops. The error model of each
-reading is that of the sensor's own file in `lta_model.sensors`, constant errors and noise alike.
-Only the random numbers are drawn differently (`counter_rng`), so that a flight of a batch
-resembles the flight of that seed but is not identical.
+Each reading has the error model of the sensor's own file in `lta_model.sensors`, constant errors
+and noise alike. Only the random numbers differ (`counter_rng`), so a flight in a batch is similar
+but not identical to the single flight of the same seed.
 """
 
 import math
@@ -64,18 +63,19 @@ class SensorErrors(NamedTuple):
 
 
 def round_to_step(value: float, step: float) -> float:
-    """Return the nearest multiple of a step, halves to the even one."""
+    """Round to the nearest multiple of a step, halves to even."""
     return ((value / step + WHOLE) - WHOLE) * step
 
 
 def draw_spread(seed: int, lane: int) -> tuple[float, float]:
-    """Return two numbers uniform between -1 and 1, drawn once in a flight."""
+    """Return two numbers uniform between -1 and 1, constant during a flight."""
+    # From 0..1 to -1..1
     a, b = draw_uniforms(seed, ERRORS, 0, lane)
     return 2.0 * a - 1.0, 2.0 * b - 1.0
 
 
 def draw_six(bound: Six, seed: int, lane: int) -> Six:
-    """Return six numbers uniform within bounds."""
+    """Return six numbers uniform within plus or minus the given bounds."""
     a, b = draw_spread(seed, lane)
     c, d = draw_spread(seed, lane + 1)
     e, f = draw_spread(seed, lane + 2)
@@ -87,6 +87,7 @@ def draw_six(bound: Six, seed: int, lane: int) -> Six:
 def draw_errors(sensors: SensorDatasheets, seed: int) -> SensorErrors:
     """Return the errors of one flight."""
     imu = sensors.imu
+    # Each `draw_six` uses three lanes: gains 0 to 2, offsets 3 to 5, then one lane per scalar pair
     g = draw_six(imu.gain, seed, 0)
     gain = (1.0 + g[0], 1.0 + g[1], 1.0 + g[2], 1.0 + g[3], 1.0 + g[4], 1.0 + g[5])
     offset, drift = draw_spread(seed, 6)
@@ -116,6 +117,7 @@ def specific_force_at(
         (state[10], state[11], state[12]),
         (rate[7], rate[8], rate[9]),
         (rate[10], rate[11], rate[12]),
+        # Third row of the rotation matrix: the map's z axis in body axes
         (turn[6], turn[7], turn[8]),
         sensors.imu_place,
         STANDARD_GRAVITY,
@@ -126,17 +128,9 @@ def sample_imu(
     errors: SensorErrors, seed: int, step: int, force: Vector, rates: Vector
 ) -> tuple[Vector, Vector]:
     """
-    Return measured specific force [m/s2] and rates [rad/s] of a control step.
+    Return measured specific force [m/s2] and rates [rad/s] of one control step.
 
-    Parameters
-    ----------
-    errors : Errors
-        Of the flight.
-    seed, step : int
-        Of the flight, and which control step.
-    force, rates : tuple of float
-        The truth at the sensor, body frame.
-
+    `force` and `rates` are the true values at the sensor in the body frame.
     """
     imu = errors.imu
     a, b = draw_normals(seed, IMU, step, 0)
@@ -156,10 +150,12 @@ def sample_imu(
 def sample_range(
     sensors: SensorDatasheets, errors: SensorErrors, seed: int, tick: int, state: tuple[float, ...]
 ) -> float:
-    """Return a range in whole millimetres, NaN where there is none; `tick` counts readings. [m]"""
+    """Return range reading number `tick` in whole millimetres, NaN out of range. [m]"""
     height, up = height_and_tilt(state, sensors.range_place)
+    # Tilted over, or the slant range to the floor exceeds the sensor's reach
     if up <= 0.0 or height > sensors.farthest * up:
         return math.nan
+    # Slant range along the tilted beam
     distance = max(height, 0.0) / up
     noise = noise_deviation(sensors.range_noise, distance) * draw_normals(seed, RANGE, tick, 0)[0]
     told = distance + errors.range_offset + noise
@@ -176,7 +172,7 @@ def sample_pressure(
     height: float,
     elapsed: float,
 ) -> float:
-    """Return a pressure at a height of the hull centre [m] after a time of flight [s]. [Pa]"""
+    """Return the pressure reading at a height of the hull centre and a flight time. [Pa]"""
     truth = air_pressure(sensors.floor, height + sensors.imu_place[2])
     noise = sensors.pressure_noise * draw_normals(seed, PRESSURE, step, 0)[0]
     told = truth + errors.pressure_offset + errors.drift * elapsed + noise
@@ -184,9 +180,10 @@ def sample_pressure(
 
 
 def draw_white_noise(seed: int, step: int, period: float) -> Vector:
-    """Return noise of unit intensity for turbulence, held for a period [s]. [s^-1/2]"""
+    """Return turbulence noise of unit intensity, constant over a period [s]. [s^-1/2]"""
     a, b = draw_normals(seed, TURBULENCE, step, 0)
     c, _ = draw_normals(seed, TURBULENCE, step, 1)
+    # Noise held for a period has unit intensity if its variance is 1 / period
     scale = 1.0 / math.sqrt(period)
     return a * scale, b * scale, c * scale
 

@@ -2,31 +2,33 @@
 Counter-based random numbers: draw n of stream s of a flight is a function of (s, n).
 
 Threefry-2x32 with 20 rounds (Salmon, Moraes, Dror and Shaw 2011, Parallel random numbers: as easy
-as 1, 2, 3, doi:10.1145/2063384.2063405), which needs sums, turns and exclusive ors of 32 bits
-only. So each vehicle of a batch has its own numbers wherever it is flown, and the bits are the
-same in plain Python, compiled, and on a GPU. The normal deviates go through logarithm and cosine
-and may differ in the last bit between these.
+as 1, 2, 3, doi:10.1145/2063384.2063405) needs only additions, rotations and exclusive ors of 32
+bits. Each vehicle of a batch therefore has its own numbers, with the same bits in plain Python,
+compiled, and on a GPU. Normal deviates use logarithm and cosine, and may differ in the last bit
+between these.
 """
 
 import math
 
 WORD = 0xFFFFFFFF
+# Key parity and rotation constants of Threefry-2x32, from the paper
 PARITY = 0x1BD11BDA
 TURNS = (13, 15, 26, 6, 17, 29, 16, 24)
 GROUPS = 5  # of four turns each
+# 2^-32
 SCALE = 1.0 / 4294967296.0
 
 
 def threefry(key: int, stream: int, first: int, second: int) -> tuple[int, int]:
     """
-    Return 64 random bits as two words.
+    Return 64 random bits as two 32-bit words.
 
     Parameters
     ----------
     key, stream : int
-        What names the sequence; 32 bits each.
+        Identify the sequence; 32 bits each.
     first, second : int
-        Place in the sequence; 32 bits each.
+        Counter within the sequence; 32 bits each.
 
     """
     keys = (key, stream, PARITY ^ key ^ stream)
@@ -34,8 +36,10 @@ def threefry(key: int, stream: int, first: int, second: int) -> tuple[int, int]:
     for group in range(GROUPS):
         for k in range(4):
             turn = TURNS[4 * (group % 2) + k]
+            # The mask emulates 32-bit overflow, because Python's integers are unbounded
             x = (x + y) & WORD
             y = (((y << turn) & WORD) | (y >> (32 - turn))) ^ x
+        # Key injection after every four rounds
         x = (x + keys[(group + 1) % 3]) & WORD
         y = (y + keys[(group + 2) % 3] + group + 1) & WORD
     return x, y
@@ -48,12 +52,13 @@ def draw_uniforms(seed: int, stream: int, turn: int, lane: int) -> tuple[float, 
     Parameters
     ----------
     seed, stream : int
-        Of the flight, and which sensor or event draws.
+        Seed of the flight, and number of the sensor or event.
     turn, lane : int
-        Which draw: the step, and the place in it.
+        Control step, and index of the draw within it.
 
     """
     x, y = threefry(seed, stream, turn, lane)
+    # The half excludes 0, so that the logarithm of Box and Muller is finite
     return (x + 0.5) * SCALE, (y + 0.5) * SCALE
 
 

@@ -1,4 +1,4 @@
-"""Compute the surroundings of a vehicle for each control period, as the kernel's input."""
+"""Compute wind, noise, light and voltage around a vehicle for each control period."""
 
 from collections.abc import Mapping
 import math
@@ -24,6 +24,7 @@ def draw_initial_memory(
     """Return the initial memory of all effects, with turbulence in its stationary state."""
     memory = list(initial_memory())
     if 'turbulence' in parameters:
+        # The layout counts from the start of the state, the memory begins after the rigid body
         first = LAYOUT.remembers['turbulence'] - RIGID
         drawn = chance.standard_normal(len(turbulence.MEMORY))
         memory[first : first + len(drawn)] = turbulence.stationary_memory(tuple(drawn.tolist()))
@@ -54,6 +55,7 @@ def build_steady_wind(scenario: Scenario, radius: float) -> SteadyWind:
 
 def steady_wind_at(wind: SteadyWind, x: float) -> Vector:
     """Return the wind on a hull whose centre is at some map x: in the door a share of each."""
+    # Share of the hull that is beyond the wall
     share = min(max(0.5 + 0.5 * (x - wind.wall) / wind.radius, 0.0), 1.0)
     inside, step = wind.inside, wind.step
     return (
@@ -66,11 +68,11 @@ class FlightEnvironment:
     """
     The surroundings of one flight; only values that an active effect needs are updated.
 
-    Turbulence noise is drawn once per control period from its own stream, and only while the
-    effect is on, with variance 1 / period, so that it has unit intensity. Light and voltage are
-    those at the beginning of the period. Recorded wind is that of the middle with its mean rate
-    of change: a neutral hull without drag ends each period with the speed of the air, and drag
-    sees an airspeed that is wrong by at most the change in half a period.
+    Turbulence noise is drawn once per control period from its own stream while the effect is on.
+    Light and voltage are those at the beginning of the period. Recorded wind is that of the middle
+    of the period with its mean rate of change: a neutral hull without drag ends each period with
+    the speed of the air, and drag sees an airspeed that is wrong by at most the change in half a
+    period.
     """
 
     def __init__(
@@ -89,6 +91,7 @@ class FlightEnvironment:
         self._turbulent = 'turbulence' in effect_parameters
         self._warmed = 'superheat' in effect_parameters
         self._light, self._chance = light, chance
+        # Variance 1 / period gives the piecewise constant noise unit intensity
         self._deviation = 1.0 / math.sqrt(period)
 
     def refresh(self, pose: Pose, voltage: float, elapsed: float) -> None:

@@ -1,21 +1,21 @@
 """
 Model the lamp's signal at the photodiode ring without simulating the ADC samples.
 
-A block of N samples yields one magnitude per diode and its ratio to the noise.
-Both follow from the geometry at the middle of the block:
+A block of N samples yields one magnitude A per diode and its signal-to-noise ratio A / m. Both
+follow from the geometry at the middle of the block:
 
     A = |g (clip(r + c E) - clip(r)) + s sqrt(2 / N) (n1 + i n2)|,   m = s sqrt(pi / N) + l c E + h
 
-E is the light of the lamp as the diode reads it [lx], c counts a lux, r the counts of the dark
-and of steady light, both times the diode's own gain, g the magnitude of a unit wave behind
-amplifier, transform and search, l what a unit wave leaves in the quiet bins, h what the flicker
-of the mains leaves there, s2 the variance of a sample (amplifier, shot noise, and 1/12 for
-rounding) and n1, n2 normal. SNR = A / m. g, l and h are the demodulator's own
+E is the illuminance by the lamp as the diode reads it [lx], c the counts per lux, r the counts of
+dark signal and steady light (c and r include the diode's own gain), g the magnitude of a unit wave
+after amplifier, transform and peak search, l the leakage of a unit wave into the quiet bins, h
+that of the mains flicker, s2 the variance of a sample (amplifier, shot noise, and 1/12 for
+rounding), and n1, n2 standard normal. g, l and h come from the demodulator itself
 (`build_light_link`).
 
-Left out: other lamps, jitter, the drift of clocks, the turning of the drone within a block, the
-flicker of the mains where it is clipped or falls between bins, and the scatter of m itself (some
-3 % with 400 quiet bins).
+Neglected: other lamps, jitter, clock drift, rotation of the drone within a block, mains flicker
+where it is clipped or falls between bins, and the scatter of m itself (about 3 % with 400 quiet
+bins).
 """
 
 import math
@@ -44,29 +44,29 @@ Quaternion = tuple[float, float, float, float]
 
 
 class LightLink(NamedTuple):
-    """Constants of the light link of one ring."""
+    """Constants of the light link of one photodiode ring."""
 
     lamp: LampBeam
     eye: DiodeResponse
     planes: tuple[tuple[float, float, float, float, float, float], ...]
-    spread: float
-    alive: tuple[float, ...]
+    spread: float  # relative standard deviation of a diode's gain
+    alive: tuple[float, ...]  # gain of each diode, 0 if it is dead
     hull: Vector
     around: SceneGeometry
     door: bool  # ambient light in the room only
     axes: tuple[tuple[float, float], ...]  # of the diodes along body x and y
-    threshold: float
-    counts: float
-    dark: float
-    top: float
-    steady: float
-    day: float
+    threshold: float  # SNR above which a diode is trusted
+    counts: float  # per lux of the lamp, c
+    dark: float  # [counts]
+    top: float  # largest value of the ADC [counts]
+    steady: float  # steady ambient light [counts]
+    day: float  # counts per lux of daylight
     gain: float
-    leak: float
-    hum: float
+    leak: float  # l
+    hum: float  # h [counts]
     duty: float
-    variance: float
-    shot: float
+    variance: float  # of a sample without light [counts2]
+    shot: float  # variance of a sample per count of light [counts]
     samples: float
 
 
@@ -78,18 +78,22 @@ def build_light_link(
     rate: float,
     samples: int,
 ) -> LightLink:
-    """Return the light link of a ring in a scene."""
+    """Build the light link of a ring in a scene."""
     lamp, ambient = field.first_lamp, field.ambient
+    # The ADC samples at its own clock; the demodulator assumes the nominal rate
     sampling = BlockSampling(rate * (1.0 + array.clock_error), samples)
+    # Behind the amplifier's pole; the first value lies one sample before the block
     wave = sample_lamp_wave(lamp, 0, sampling, 1.0 / (2.0 * math.pi * array.bandwidth))[1:]
     bins = plan_bins(settings, rate, samples)
     spectrum = amplitude_spectrum(wave[:, None])
     gain = float(find_peaks(spectrum, bins).amplitude[0])
+    # Counts per volt
     scale = 2**array.adc_bits / array.adc_range
     volts = voltage_sensitivity(array)
     amplifier, shot = noise_variances(array)
     lux = volts / ambient.efficacy * scale
     mains = amplitude_spectrum(sample_mains_wave(ambient, 0, sampling)[:, None])
+    # Columns 0..2: position of a diode, 3..5: its axis, body frame
     axes = array.planes[:, 3:]
     daylight = field.daylight if field.outside is None else field.outside.daylight
     return LightLink(
@@ -112,6 +116,7 @@ def build_light_link(
         leak=float(spectrum[bins.quiet, 0].mean()),
         hum=ambient.mains * lux * float(mains[bins.quiet, 0].mean()),
         duty=lamp.wave.duty,
+        # 1/12: variance of rounding to whole counts
         variance=amplifier * scale * scale + 1.0 / 12.0,
         shot=shot * scale,
         samples=float(samples),
@@ -122,18 +127,16 @@ def write_ring_light(
     listening: LightLink, position: Vector, q: Quaternion, out: Array, scratch: Array
 ) -> None:
     """
-    Write what the diodes read at a pose, in the rows of `gather_indirect_light`.
+    Write the light on the diodes at a pose, in the row order of `gather_indirect_light`.
 
     Parameters
     ----------
-    listening : Listening
-        Lamp and ring.
     position, q : tuple of float
         Of the hull at the middle of the block. [m, map]
     out : ndarray, shape (LAMPS + 1, d)
-        Shares and lux.
-    scratch : sequence of float
-        `scratch_for(1)` numbers to write on.
+        Shares and illuminances [lx].
+    scratch : ndarray
+        Working memory of `scratch_for(1)` numbers.
 
     """
     write_reflections(listening, position, q, out, scratch)
@@ -143,7 +146,7 @@ def write_ring_light(
 def write_reflections(
     listening: LightLink, position: Vector, q: Quaternion, out: Array, scratch: Array
 ) -> None:
-    """Write the light without the lamp's direct part; arguments as in `write_ring_light`."""
+    """Write the light except the lamp's direct part; arguments as in `write_ring_light`."""
     lamps, eye, hull = (listening.lamp,), listening.eye, listening.hull
     gather_indirect_light(
         listening.around, lamps, eye, hull, position, q, listening.planes, out, scratch
@@ -165,10 +168,12 @@ def add_direct_light(listening: LightLink, position: Vector, q: Quaternion, out:
 def expected_magnitude(
     listening: LightLink, light: float, steady: float
 ) -> tuple[float, float, float]:
-    """Return a diode's magnitude of the lamp without noise, and the noise level."""
+    """Return a diode's noise-free magnitude, its noise level m, and the standard deviation."""
     top, rest = listening.top, listening.dark + steady
+    # Clipping at the top of the ADC's range reduces the swing
     swing = listening.gain * (min(rest + light, top) - min(rest, top))
     variance = listening.variance + listening.shot * (steady + listening.duty * light)
+    # Mean magnitude of a noise bin (Rayleigh), plus the lamp's spectral leakage
     quiet = math.sqrt(math.pi * variance / listening.samples) + listening.leak * light
     return swing, quiet, math.sqrt(2.0 * variance / listening.samples)
 
@@ -177,21 +182,12 @@ def sample_magnitude(
     listening: LightLink, diode: int, read: Array, seed: int, step: int
 ) -> tuple[float, float]:
     """
-    Return the magnitude that a diode reads in one block [counts], and its SNR.
+    Return the magnitude that a diode measures in one block [counts], and its SNR.
 
-    Parameters
-    ----------
-    listening : Listening
-        Lamp and ring.
-    diode : int
-        Which, from 0.
-    read : ndarray
-        From `write_ring_light`.
-    seed, step : int
-        Of the flight, and the control step at which the block ends.
-
+    `read` comes from `write_ring_light`; `step` is the control step at which the block ends.
     """
     own, _ = draw_normals(seed, GAINS, 0, diode)
+    # A dead diode has gain 0
     factor = listening.alive[diode] * max(1.0 + listening.spread * own, 0.0)
     if factor == 0.0:
         return 0.0, 0.0
@@ -200,5 +196,6 @@ def sample_magnitude(
     light = factor * listening.counts * read[LAMPS, diode]
     swing, quiet, noise = expected_magnitude(listening, light, steady)
     a, b = draw_normals(seed, LIGHT, step, diode)
+    # Magnitude of signal plus complex noise (Rice distribution)
     told = math.hypot(swing + noise * a, noise * b)
     return told, told / (quiet + listening.hum * share)

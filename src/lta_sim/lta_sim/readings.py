@@ -23,12 +23,10 @@ class FlightOutcome(StrEnum):
 @dataclass(slots=True)
 class VehicleReadings:
     """
-    What the vehicle publishes at one control step; None where nothing is due.
+    Sensor readings of one control step; None where nothing is due.
 
     Attributes
     ----------
-    stamp_ns : int
-        Stamp of the control step. [ns]
     force, rates : tuple of float
         Measured specific force [m/s2] and angular rates [rad/s], body frame.
     ranges : list of (int, float)
@@ -42,8 +40,9 @@ class VehicleReadings:
     battery, panel : (float, float) or None
         Voltage [V] and current [A]; negative discharges.
     truth : tuple of 13 floats or None
-        What a tracker tells: position [m] and quaternion x y z w, velocity [m/s] and rates [rad/s]
-        in the body frame; the truth itself unless an effect of the vehicle's is on.
+        Motion reported by the tracker: position [m] and quaternion x y z w, velocity [m/s] and
+        rates [rad/s] in the body frame; equal to the true motion unless an effect acts on the
+        tracker.
 
     """
 

@@ -29,9 +29,9 @@ FRICTION = 0.3
 
 def vehicle_reach(vehicle: Vehicle) -> tuple[float, float]:
     """
-    Return the extent of a vehicle from its hull centre: horizontal and up. [m]
+    Return the extent of a vehicle from its hull centre: horizontal and upward. [m]
 
-    A hull that is not round about the vertical counts as the enclosing round one.
+    A hull that is not rotationally symmetric counts as the enclosing symmetric one.
     """
     if vehicle.file.hull.shape != 'none':
         a, b, c = hull.half_axes(vehicle.file.hull)
@@ -60,6 +60,7 @@ def collect_scene_effects(vehicle: Vehicle, scenario: Scenario) -> Effects:
     tall = half_height if vehicle.file.hull.shape != 'none' else 0.0
     given = scenario.air.collect_effects(tall)
     if scenario.room.walls == 'solid':
+        # Other rooms have no walls; leaving the room ends the flight there
         given['walls'] = _wall_parameters(scenario, radius, half_height)
     for name in given:
         if name in vehicle.file.effects:
@@ -72,7 +73,7 @@ def collect_scene_effects(vehicle: Vehicle, scenario: Scenario) -> Effects:
 
 
 def _wall_parameters(scenario: Scenario, radius: float, half_height: float) -> dict[str, float]:
-    """Return the parameters of `walls` for a hull, which counts as round about the vertical."""
+    """Return the parameters of `walls` for a hull that counts as rotationally symmetric."""
     length, width, height = scenario.room.size.vector
     at = scenario.start.position.vector
     if any(abs(x) + radius > side / 2.0 for x, side in zip(at, (length, width), strict=True)):
@@ -95,12 +96,12 @@ def _wall_parameters(scenario: Scenario, radius: float, half_height: float) -> d
 
 
 def build_scene_model(vehicle: Vehicle, scenario: Scenario) -> VehicleModel:
-    """Return the kernel's numbers for a vehicle in a scene; errors as `collect_scene_effects`."""
+    """Build the model of a vehicle in a scene; errors as `collect_scene_effects`."""
     return vehicle.build_model(collect_scene_effects(vehicle, scenario))
 
 
 def load_wind_record(scenario: Scenario) -> WindRecord | None:
-    """Load the scenario's recorded wind, if any; raise `BadInput` if it cannot be flown."""
+    """Load the scenario's recorded wind, if any; raise `BadInput` if it is unusable."""
     path = scenario.wind_file
     return None if path is None else WindRecord.read(path, scenario.goal.time_limit.si)
 
@@ -112,13 +113,17 @@ def check_scene(vehicle: Vehicle, scenario: Scenario) -> None:
     Also for a vehicle that the time step cannot follow, or whose effects (a payload, a shifted
     centre of gravity, other gas or air) make it too heavy for its rotors or unstable.
     """
+    # Raises for effects that are given twice and for a start inside a wall
     model = build_scene_model(vehicle, scenario)
+    # Both raise `BadInput` for unusable files
     _ = load_wind_record(scenario), scenario.light_field
     vehicle.check_step(STEP_NS * 1e-9, model)
     file, body = vehicle.file, model.body
     lift = max(0.0, model.given.get('net_lift', {}).get('force', 0.0))
+    # Net weight that the rotors must carry: mass minus displaced air, less extra lift [N]
     weight = (body[MASS] - body[DISPLACED]) * STANDARD_GRAVITY - lift
     hover_duty(file.name, vehicle.rotors, file.aero.coupling, float(weight), STANDARD_GRAVITY)
+    # Height of the centre of gravity above the hull centre
     above = body[MASS_MOMENT + 2] / body[MASS]
     if above >= 0.0 and file.hull.shape != 'none' and file.trim.unstable == 'refused':
         raise BadInput(

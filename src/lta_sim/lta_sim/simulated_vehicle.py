@@ -1,4 +1,4 @@
-"""A simulated vehicle: one row of numbers that compiled code reads and changes in place."""
+"""Hold one simulated vehicle as a row of numbers that compiled code reads and changes in place."""
 
 from functools import cache
 from types import ModuleType
@@ -20,27 +20,27 @@ PLACES = row_places(LAYOUT)
 
 @cache
 def _build_source() -> str:
-    """Return the text of the kernel of all effects."""
+    """Return the source of the kernel with all effects."""
     return write_kernel_source(EFFECTS)
 
 
 @cache
 def _load_kernel() -> ModuleType:
-    """Return the kernel of all effects."""
+    """Load the kernel with all effects."""
     return load_kernel(_build_source())
 
 
 def is_compiled() -> bool:
-    """Return whether the model is compiled already; new or edited effects need a compilation."""
+    """Return whether the kernel is compiled; new or edited effects need a compilation."""
     return is_cached(_build_source())
 
 
 @final
 class SimulatedVehicle:
     """
-    One vehicle whose state, command and surroundings are written where the kernel reads them.
+    One vehicle whose state, command and surroundings are views of the kernel's row.
 
-    Nothing is checked: write numbers into the arrays, and do not replace the arrays.
+    Nothing is checked. Assign into the arrays and do not replace them.
     """
 
     def __init__(self, model: VehicleModel) -> None:
@@ -55,23 +55,17 @@ class SimulatedVehicle:
         self.wrenches = self._view_part('wrenches').reshape(-1, 6)
 
     def _view_part(self, name: str) -> Array:
-        """Return a part of the row, not a copy of it."""
+        """Return a view of a part of the row."""
         return self._row[PLACES[name]]
 
     def evaluate_state(self) -> None:
-        """Set `rate`, `wrenches`, `thrusts` and `wind` to those of the present state."""
+        """Update `rate`, `wrenches`, `thrusts` and `wind` for the present state."""
         self._derivative(self._row, self._on)
 
     def advance(self, dt: float, steps: int) -> None:
         """
         Take classical Runge-Kutta steps; the quaternion is normalised after each.
 
-        Parameters
-        ----------
-        dt : float
-            Length of a step; below about 2.7 times the shortest time constant. [s]
-        steps : int
-            Number of steps.
-
+        `dt` must be below about 2.7 times the shortest time constant. [s]
         """
         self._advance(self._row, self._on, dt, steps)

@@ -1,4 +1,4 @@
-"""The electric supply of one flight: power path, solar array, meters and energy totals."""
+"""Simulate the electric supply of a flight: power path, solar array, meters, energy totals."""
 
 from collections.abc import Mapping, Sequence
 from typing import final
@@ -21,7 +21,7 @@ NOTHING = np.zeros(1)
 
 @final
 class Supply:
-    """The supply of a vehicle."""
+    """The electric supply of a vehicle."""
 
     def __init__(
         self,
@@ -49,13 +49,14 @@ class Supply:
         self._step = compile_core(advance_supply, constants, self._layout, meantime)
 
     def prepare(self) -> None:
-        """Compile a step or load it from disk, without draining the cell."""
+        """Compile the step or load it from disk, without draining the cell."""
+        # A dark second without load, on a copy of the state
         second = np.array([0.0, 0.0, 1.0, False, False])
         self._step(self._constants, self._memory.copy(), second, NOTHING)
 
     @property
     def flow(self) -> PowerFlow:
-        """Cell and powers of the last control period."""
+        """State of the cell and mean powers of the last control period."""
         return self._account.flow
 
     @property
@@ -75,17 +76,18 @@ class Supply:
         self._irradiance = irradiance
 
     def feed_loads(self, thrusts: Sequence[float], seconds: float) -> None:
-        """Feed rotors of such thrusts [N] and the other loads from the cell and the array."""
-        asked = loads.power_demand(self._loads, thrusts, transmitting=True) + self._looking
+        """Supply rotors with these thrusts [N] and the other loads from cell and array."""
+        demand = loads.power_demand(self._loads, thrusts, transmitting=True) + self._looking
         before, self._elapsed = self._elapsed, self._elapsed + seconds
         shorted = self._faults.is_shorted(before)
         cut = self._faults.is_cut_off(before, self._elapsed)
-        meantime = np.array([self._irradiance, asked, seconds, shorted, cut])
+        meantime = np.array([self._irradiance, demand, seconds, shorted, cut])
         self._step(self._constants, self._memory, meantime, NOTHING)
         self._account = self._layout.read(self._memory)
 
     def measure_battery(self) -> Electrics:
-        """Return the reading of the cell's meter, which is behind the cut-off of the loads."""
+        """Return the reading of the cell's meter, which is behind the load cut-off."""
+        # After a cut-off the meter has no supply either and reads zero
         voltage, current = self.cell_electrics if self.flow.fed else (0.0, 0.0)
         return power.measure_power(
             self._meter, self.meters['battery'], voltage, current, self._chance['battery']
@@ -101,7 +103,9 @@ class Supply:
         """Return voltage and current of the array near its maximum power point."""
         now = self._account
         if self._faults.is_shorted(self._elapsed):
+            # A shorted array has no voltage and its short-circuit current
             return 0.0, current_at_voltage(self._parts.array, self._irradiance, 0.0)
         if now.voltage <= 0.0:
             return 0.0, 0.0
+        # Voltage of the maximum power point; the current is less where not all power is harvested
         return now.voltage, now.flow.harvested / now.voltage

@@ -45,11 +45,13 @@ def advance_supply(
 ) -> SupplyState:
     """Return the supply's state one control period later; `scratch` is not needed."""
     voltage, current = before.voltage, before.current
+    # The search for the maximum power point is slow; light is updated less often than loads
     if meantime.irradiance != before.irradiance:
         voltage, current = find_max_power(parts.array, meantime.irradiance)
     now, dt = before.flow, meantime.dt
     begin = PowerFlow(
         now.charge, now.relaxation, now.voltage, now.current, now.harvested, now.consumed,
+        # An injected fault cuts the supply as a brown-out does
         now.lost, now.fed and not meantime.cut,
     )  # fmt: skip
     available = 0.0 if meantime.shorted else voltage * current

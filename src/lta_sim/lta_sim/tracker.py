@@ -1,15 +1,15 @@
 """
 Simulate an external tracker with its own frame and clock.
 
-A pose stamped t is the truth of another time: the tracker's clock differs from the vehicle's
-(`clock_offset`, `clock_skew`), and the pose is already old when stamped (`tracker_delay`). The
-vehicle's clock is the graph's, since message stamps are the keys of the lockstep. Only the
-difference of the two clocks is observable, so all of it is applied to the tracker, whose stamps
-stay on the grid: the pose stamped t is that of the vehicle's time clock(t) minus the delay.
+The tracker's clock differs from the vehicle's (`clock_offset`, `clock_skew`), and a pose is
+already old when stamped (`tracker_delay`). The vehicle's clock is the graph's, because message
+stamps are the keys of the lockstep. Only the difference of the two clocks is observable, so all of
+it is applied to the tracker, whose stamps stay on the grid: the pose stamped t is the true pose at
+the vehicle's time clock(t) minus the delay.
 
-Between control steps position, velocity and rates are interpolated linearly and the quaternion
-linearly and normalised: within a h^2 / 8 of the truth, 13 um at 1 m/s2 and 10 ms. Where the
-tracker's clock is ahead, the future motion is predicted under the present command.
+Between control steps position, velocity and rates are interpolated linearly, and the quaternion
+linearly with normalisation: within a h^2 / 8 of the truth, 13 um at 1 m/s2 and 10 ms. Where the
+tracker's clock is ahead, the motion is predicted under the present command.
 """
 
 from collections import deque
@@ -28,7 +28,8 @@ NANOSECONDS = 1e9
 
 
 def interpolate_motion(before: Numbers, after: Numbers, part: float) -> Numbers:
-    """Return a motion a part of the way, 0 to 1, from one to another."""
+    """Interpolate between two motions; `part` is 0 to 1."""
+    # q and -q are the same attitude: interpolate along the shorter arc
     sign = math.copysign(1.0, sum(before[i] * after[i] for i in range(3, 7)))
     mixed = [
         x + part * ((sign * y if 3 <= i < 7 else y) - x)
@@ -65,17 +66,19 @@ class SimulatedTracker:
         if self._late:
             clock = apply_chain(self._clock, (now,), now)
             when_ns = round(apply_chain(self._time, clock, now)[0] * NANOSECONDS)
+            # Positive where the tracker's clock is ahead: predict, instead of looking back
             span_ns = when_ns - self._now_ns
             self._drop_before(when_ns)
             motion = (
                 tuple(ahead(span_ns)[:RIGID].tolist()) if span_ns > 0 else self._motion_at(when_ns)
             )
         if self._pose:
+            # Frame errors change position and quaternion only; body velocities stay
             motion = (*apply_chain(self._pose, motion[:7], now), *motion[7:])
         return motion
 
     def _drop_before(self, when_ns: int) -> None:
-        """Drop what lies before a time and its neighbour: no pose is older than the last one."""
+        """Drop records before a time, except the one needed for interpolation."""
         past = self._past
         while len(past) > 1 and past[1][0] <= when_ns:
             past.popleft()

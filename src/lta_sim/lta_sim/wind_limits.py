@@ -8,9 +8,9 @@ moving mass for pitch, uses the pitch at which it is fastest:
     find the largest v for which some pitch p and some thrusts (a linear programme) give
     F_x(thrust) + F_x(air, v, p) >= 0,   F_z(thrust) + F_z(air, v, p) = weight less buoyancy
 
-in the map, with no yaw moment, and no moment at all where nothing rights the vehicle. And it must
-not tumble (`limits.tumble_speed`) or rise (`rise_speed`). Control, turbulence and eddies behind
-obstacles reduce the limit further, which only a simulated flight shows.
+in the map, with no yaw moment, and no moment at all where nothing rights the vehicle. The vehicle
+must also not tumble (`limits.tumble_speed`) or rise (`rise_speed`). Control, turbulence and eddies
+behind obstacles reduce the limit further; only a simulated flight shows by how much.
 """
 
 from collections.abc import Callable
@@ -50,15 +50,17 @@ def air_wrench(
     """Return the aerodynamic wrench on a vehicle that flies level with its rotors at rest."""
     c, s = math.cos(pitch), math.sin(pitch)
     x, y = speed * math.cos(heading), speed * math.sin(heading)
+    # Level velocity expressed in the pitched body axes
     state = pack_state((0.0, 0.0, CLEAR), velocity=(x * c, y, x * s), memory=initial_memory())
     state[QUATERNION] = (0.0, math.sin(0.5 * pitch), 0.0, math.cos(0.5 * pitch))
     acting = kernel.effect_wrenches(state, model, (0.0,))
+    # Only aerodynamic effects count; weight and buoyancy are in the balance
     total = sum((w for name, w in acting.items() if name not in NOT_AIR), start=np.zeros(6))
     return _to_level_axes(total, pitch)
 
 
 def _to_level_axes(wrench: Array, pitch: float) -> Array:
-    """Return a wrench in body axes as one in level axes."""
+    """Rotate a wrench from body axes to level axes."""
     c, s = math.cos(pitch), math.sin(pitch)
     turn = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
     return np.concatenate([turn @ wrench[:3], turn @ wrench[3:]])
@@ -68,7 +70,7 @@ def thrust_speed(vehicle: Vehicle) -> float:
     """
     Return the largest airspeed that the rotors can hold at constant height and heading. [m/s]
 
-    Infinite where the drag that is known would let it fly faster than any wind.
+    Infinite if the known drag allows more than `FASTEST`.
 
     Raises
     ------
@@ -99,6 +101,7 @@ def _pitched_speed_limit(vehicle: Vehicle, model: VehicleModel) -> float:
     def holds(speed: float) -> bool:
         return any(_is_balanced(vehicle, model, speed, pitch) for pitch in PITCHES)
 
+    # What holds need not be monotonic: lift may carry a heavy vehicle only at speed
     grid = [0.0, *np.geomspace(0.1, FASTEST, 60).tolist()]
     # From the fastest down: only the highest held speed matters, and each test is costly.
     held = next((k for k in reversed(range(len(grid))) if holds(grid[k])), None)
@@ -118,7 +121,7 @@ def _bisect_speed(
     high: float,
     fine: float = FINE,
 ) -> float:
-    """Return the speed between two at which something ceases to hold."""
+    """Return the speed between two at which a condition ceases to hold."""
     if holds(high):
         return math.inf
     while high - low > fine:
@@ -131,10 +134,10 @@ def rise_speed(vehicle: Vehicle) -> float:
     """
     Return the airspeed along body x above which a freely hanging hull rises. [m/s]
 
-    Forward thrust below the hull lifts its nose until the weight balances it and the moment of an
-    inclined hull, (A_z - A_x) u w (Munk 1924), with A the added mass. The rotors then also push
-    upwards, and upward rotors cannot counter that: only the excess weight can. Infinite where
-    nothing rises, and where jets collide (`aero.coupling`), because then it is unknown.
+    Forward thrust below the hull pitches its nose up until the weight and the Munk moment of the
+    inclined hull balance it. The rotors then also push upwards, which only the excess weight can
+    counter. Infinite where nothing rises, and with colliding jets (`aero.coupling`), where it is
+    unknown.
     """
     if vehicle.file.hull.shape == 'none' or vehicle.file.moving_mass or vehicle.file.aero.coupling:
         return math.inf
@@ -147,10 +150,15 @@ def rise_speed(vehicle: Vehicle) -> float:
 
 
 def _hanging_moment(vehicle: Vehicle, speed: float, pitch: float) -> float:
-    """Return the moment of the weight and of the added mass, nose down, at a pitch. [N m]"""
+    """
+    Return the nose-down moment of weight and added mass at a pitch. [N m]
+
+    The added-mass part is the Munk moment (Munk 1924), (A_z - A_x) u w, with A the added mass.
+    """
     x, _, z = vehicle.cg
     along, _, upright, *_ = vehicle.added_mass
     c, s = math.cos(pitch), math.sin(pitch)
+    # Weight acts at the centre of gravity; buoyancy has no moment about the hull centre
     weight = vehicle.mass * STANDARD_GRAVITY
     return float(weight * (c * x + s * z) + (upright - along) * speed * speed * s * c)
 
@@ -158,15 +166,17 @@ def _hanging_moment(vehicle: Vehicle, speed: float, pitch: float) -> float:
 def _is_balanced(
     vehicle: Vehicle, model: VehicleModel, speed: float, pitch: float, *, free: bool = False
 ) -> bool:
-    """Return whether some thrusts hold a speed at a pitch at which the hull may hang freely."""
+    """Return whether some thrusts hold a speed at a pitch; `free` lets the hull hang freely."""
     columns, tops = [], []
     for rotor in vehicle.rotors:
         columns.append(_to_level_axes(np.array(rotor.column), pitch))
         tops.append(rotor.full_thrust)
         if rotor.reversible:
+            # Reverse thrust is a separate non-negative variable of the linear programme
             columns.append(-_to_level_axes(np.array(rotor.reverse), pitch))
             tops.append(rotor.full_thrust)
     air = air_wrench(model, speed, 0.0, pitch)
+    # Thrust must cancel the air's wrench and carry the excess weight
     balance = -air
     balance[2] += vehicle.heaviness * STANDARD_GRAVITY
     # Weight or a moving mass balances roll and pitch; a small bank balances sway.
@@ -175,14 +185,15 @@ def _is_balanced(
         balance[4] -= _hanging_moment(vehicle, speed, pitch)
         axes = [2, 4, 5]
     wrench = np.array(columns).T
-    found = linprog(
+    # Maximise forward thrust (linprog minimises) subject to balance on `axes`
+    solution = linprog(
         -wrench[0], A_eq=wrench[axes], b_eq=balance[axes], bounds=[(0.0, top) for top in tops]
     )
-    return found.status == 0 and found.fun is not None and bool(-found.fun >= balance[0])
+    return solution.status == 0 and solution.fun is not None and bool(-solution.fun >= balance[0])
 
 
 def static_wind_limit(vehicle: Vehicle) -> float:
-    """Return the largest uniform wind that thrust and balance allow, as `thrust_speed`. [m/s]"""
+    """Return the largest uniform wind that thrust and balance allow. [m/s]"""
     speed = thrust_speed(vehicle)
     if vehicle.file.hull.shape == 'none':
         return speed  # its rotors keep it upright, at any speed
@@ -192,11 +203,14 @@ def static_wind_limit(vehicle: Vehicle) -> float:
 def wind_share_at_hull(
     vehicle: Vehicle, height: float, reference: float, roughness: float
 ) -> float:
-    """Return the share of a reference wind at the hull's height, by the log law."""
+    """Return the ratio of the wind at the hull's height to a reference wind, by the log law."""
     half = vehicle_reach(vehicle)[1] if vehicle.file.hull.shape != 'none' else 0.0
     still = (0.0, 0.0, 0.0)
     place = AirEffectInput((0.0, 0.0, height), still, still, (0.0,) * SURROUNDINGS)
     wind: Wrench = wind_profile.compute_air_motion(
-        (1.0, 0.0, reference, roughness, half), (), place
+        # Unit reference wind along x, so that the result is the ratio
+        (1.0, 0.0, reference, roughness, half),
+        (),
+        place,
     )
     return wind[0]

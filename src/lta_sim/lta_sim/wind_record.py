@@ -1,9 +1,9 @@
 """
 Read a recorded wind: a time series of air velocities.
 
-A CSV file with the header `t,u,v,w`: time in s, velocity of the air along map x, y, z in m/s,
-where it goes to; lines that begin with `#` are comments. The flight begins at the first row.
-Between rows the wind is interpolated linearly. It is uniform in space, so that its change
+A CSV file with the header `t,u,v,w`: time in s, and air velocity along map x, y, z in m/s (the
+direction that the air moves to); lines that begin with `#` are comments. The flight begins at the
+first row. The wind is interpolated linearly in time and uniform in space, so that its change
 
     DU/Dt = (U_{i+1} - U_i) / (t_{i+1} - t_i)
 
@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True, slots=True, eq=False)
 class WindRecord:
     """
-    A recorded wind; make it with `WindRecord.read`.
+    A recorded wind; create it with `WindRecord.read`.
 
     Parameters
     ----------
@@ -48,13 +48,13 @@ class WindRecord:
     @classmethod
     def read(cls, path: Path, needed: float) -> Self:
         """
-        Read a wind file.
+        Read a wind file that must last `needed` seconds.
 
         Raises
         ------
         BadInput
-            One sentence, if the file cannot be read, holds something else, is not in order, has a
-            gap of more than 3 usual intervals, or ends too early.
+            If the file cannot be read, has another format, is not in order, has a gap of more than
+            three times the usual interval, or ends too early.
 
         """
         try:
@@ -67,6 +67,7 @@ class WindRecord:
                 f'The wind file {path} has {len(rows)} rows below its header; record two or more.'
             )
         _check_order(path, rows[:, 0])
+        # The flight may take up to its time limit
         lasts = float(rows[-1, 0] - rows[0, 0])
         if lasts < needed:
             raise BadInput(
@@ -76,7 +77,7 @@ class WindRecord:
         return cls(rows[:, 0] - rows[0, 0], np.ascontiguousarray(rows[:, 1:]))
 
     def sample_span(self, begin: float, end: float) -> tuple[Array, Array]:
-        """Return the wind of a time span as the kernel's input."""
+        """Return the mean wind [m/s] and its mean rate [m/s2] over a time span [s]."""
         middle, first, last = (
             self._interpolate_wind(t) for t in (0.5 * (begin + end), begin, end)
         )
@@ -88,6 +89,7 @@ class WindRecord:
 
 def _read_rows(path: Path, stream: TextIO) -> Array:
     """Return the numbers of a file, shape (N, 4)."""
+    # An array of doubles, because lists of millions of Python floats need several times the memory
     numbers = array('d')
     header: list[str] | None = None
     for count, line in enumerate(stream, start=1):
@@ -115,6 +117,7 @@ def _parse_numbers(path: Path, count: int, cells: list[str]) -> list[float]:
         row = [float(cell) for cell in cells]
     except ValueError:
         row = []
+    # 'nan' and 'inf' are valid for float()
     if len(row) != len(HEADER) or not np.isfinite(row).all():
         raise BadInput(
             f'The wind file {path} has "{",".join(cells)[:60]}" in line {count}; write four '
@@ -129,7 +132,7 @@ def _parse_numbers(path: Path, count: int, cells: list[str]) -> list[float]:
 
 
 def _check_order(path: Path, time: Array) -> None:
-    """Raise `BadInput` for times that do not increase, or that have a gap."""
+    """Raise `BadInput` if times do not increase or have a gap."""
     steps = np.diff(time)
     where = int(np.argmin(steps))
     if steps[where] <= 0.0:

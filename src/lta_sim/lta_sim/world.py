@@ -50,20 +50,18 @@ class World:
     Parameters
     ----------
     vehicle : Vehicle
-        The drone, in the scenario's air.
-    scenario : Scenario
-        The scene.
+        The drone, built for the scenario's air density.
     table : TopicTable
-        When each sensor is due.
+        Period and latency of each sensor.
     seed : int
-        Of all chance.
+        Random seed.
     strategy : str
         Navigation strategy, for its power consumption; '' for none.
 
     Raises
     ------
     BadInput
-        If the vehicle cannot be in the scene or reacts too fast for the step.
+        If the vehicle does not fit the scene or reacts too fast for the time step.
 
     """
 
@@ -111,13 +109,14 @@ class World:
     def _load_kernels(self) -> None:
         """Compile the kernels or load them from disk now, not in the middle of a step."""
         self._craft.evaluate_state()
+        # Zero steps compile without changing the state
         self._craft.advance(self._period, 0)
         self._imu.prepare(self.state, self._craft.rate)
         self._light.prepare(*self._shape)
         self.supply.prepare()
 
     def _store_constants(self, table: TopicTable) -> None:
-        """Read constants out of the files once, not at every step."""
+        """Read constants from the files once, not at every step."""
         sensors, scenario = self.vehicle.file.sensors, self.scenario
         self._start_ns, self._control_ns = table.start_ns, table.control_ns
         self._period = table.control_ns * 1e-9
@@ -156,7 +155,7 @@ class World:
         self._pressure = pressure.draw_errors(self.pressure_settings, self._chance['pressure'])
 
     def _initial_state(self) -> Array:
-        """Return the state on the floor, with the heading that the seed draws."""
+        """Return the state on the floor, with a random heading within the scenario's spread."""
         start = self.scenario.start
         x, y = start.position.vector
         spread = start.heading_spread.si
@@ -167,7 +166,7 @@ class World:
 
     @property
     def charge(self) -> float:
-        """State of charge of the cell, 0 to 1. [1]."""
+        """State of charge of the cell. [1]"""
         return self.supply.flow.charge
 
     @property
@@ -192,7 +191,7 @@ class World:
 
     @property
     def goal_distance(self) -> float:
-        """Horizontal distance from the hull centre to the lamp that is next. [m]."""
+        """Horizontal distance from the hull centre to the next lamp. [m]"""
         return self._referee.goal_distance(float(self.state[0]), float(self.state[1]))
 
     @property
@@ -233,6 +232,7 @@ class World:
         """Return the estimator's inputs: IMU, range and pressure."""
         readings = VehicleReadings(self.stamp_ns)
         self._craft.evaluate_state()
+        # A held drone does not accelerate, whatever its thrusts
         rate = STILL if self.is_held else self._craft.rate
         readings.force, readings.rates = self._imu.read(self.state, rate, self.elapsed)
         # Later range readings are taken inside `advance`, on their own grid.
@@ -250,6 +250,7 @@ class World:
     def sense_rest(self, readings: VehicleReadings) -> None:
         """Add light, energy and truth, which no node answers within the step."""
         if self._is_due('photodiodes'):
+            # A block is stamped with its first sample and published after its last
             begun = self.stamp_ns - self._rhythm['photodiodes'][0]
             readings.block = (
                 begun,
@@ -277,25 +278,26 @@ class World:
 
     def advance(self, duties: Sequence[float], mass_place: Vector | None = None) -> None:
         """
-        Fly one control period.
+        Simulate one control period.
 
         Parameters
         ----------
         duties : sequence of float
-            Duty by rotor, clipped to what each rotor can do.
+            Duty of each rotor, clipped to its range.
         mass_place : tuple of 3 floats, optional
-            Commanded position of the moving mass; omitted, the last one. [m, body]
+            Commanded position of the moving mass; by default the last one. [m, body]
 
         Raises
         ------
         ValueError
-            If there is not one finite duty for each rotor; the state stays as it was. As
+            If there is not one finite duty for each rotor; the state then stays unchanged. As
             `BadInput`, if the simulation diverged in this period.
 
         """
         # Without supply the motors stop, whatever the command.
         if not self.supply.flow.fed:
             duties = (0.0,) * self._rotors
+        # Raises for invalid duties, before anything has changed
         command = self._link.pack_command(duties, mass_place)
         now, end = self.stamp_ns, self.stamp_ns + self._control_ns
         for until, obeyed in self._link.send_command(now, end, self.elapsed, command):
@@ -326,6 +328,7 @@ class World:
         period = self._range_ns
         while now < end:
             # Stop at every range reading, which may lie inside a control period.
+            # Number of the next range reading on its grid
             turn = (now - self._start_ns) // period + 1
             until = min(end, self._start_ns + turn * period)
             self._advance_state(until - now)

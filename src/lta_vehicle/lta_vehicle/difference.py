@@ -54,6 +54,7 @@ class FigureChange:
         if self.before is None or self.after is None:
             return None
         a, b = self.before.value, self.after.value
+        # Some figures may be infinite, such as the tumbling speed; no difference is defined
         if a is None or b is None or math.isinf(a) or math.isinf(b):
             return None
         return b - a
@@ -73,6 +74,7 @@ class VehicleDifference:
     def changed_effects(self) -> list[str]:
         """Names of the changed effects; the derived figures may not show their influence."""
         places = [change.place.split('.') for change in self.changes]
+        # `dict.fromkeys` removes duplicates and keeps the order
         return list(dict.fromkeys(place[1] for place in places if place[0] == 'effects'))
 
     @property
@@ -103,6 +105,7 @@ def load_vehicle_variant(
         If a file cannot be read, or a path or layer does not exist.
 
     """
+    # Work on the YAML content, so that replaced values pass the same validation as a file
     path = find_file('vehicle', name)
     content = load_yaml(path)
     where = str(path)
@@ -119,6 +122,7 @@ def load_vehicle_variant(
         return Vehicle(validate_content(VehicleFile, content, where))
     except BadInput as error:
         text = str(error)
+        # Errors of `Vehicle` itself do not name the file
         raise BadInput(text if text.startswith(where) else f'{where}: {text}') from None
 
 
@@ -139,6 +143,7 @@ def _replace_layer(content: dict[str, Any], swap: str, where: str) -> dict[str, 
     path = find_file('vehicle', donor)
     donor_layers = require_mapping(load_yaml(path), str(path)).get('layers')
     own = content.get('layers')
+    # Check both files first, so that the error names the one that lacks the layer
     for layers, of in ((own, where), (donor_layers, str(path))):
         if not isinstance(layers, Mapping) or layer not in layers:
             names = [str(key) for key in layers] if isinstance(layers, Mapping) else []
@@ -180,6 +185,7 @@ def _merge_entries(
             if entry.place.startswith(f'{head}.') and len(keys) > depth:
                 groups.setdefault('.'.join(keys[:depth]), []).append(entry)
     for group, parts in groups.items():
+        # The other file has this part too: compare its numbers one by one
         if any(place.startswith(f'{group}.') for place in other):
             continue
         # Represent a part by its mass, the number that readers look for first.
@@ -194,6 +200,7 @@ def is_same_entry(a: VehicleFileEntry | None, b: VehicleFileEntry | None) -> boo
     """Return whether two entries have the same value; their sources may differ."""
     if a is None or b is None:
         return a is b
+    # Choices, such as the hull shape, are compared as text
     if not a.numbers and not b.numbers:
         return a.value == b.value
     return (
@@ -213,6 +220,7 @@ def find_figure_changes(a: VehicleSheet, b: VehicleSheet) -> list[FigureChange]:
     return [
         FigureChange(before.get(key), after.get(key))
         for key in keys
+        # Changes below the displayed digits would appear as equal numbers
         if _rounded_value(before.get(key)) != _rounded_value(after.get(key))
     ]
 

@@ -53,6 +53,7 @@ def read_flight_record(
     poses, motors = flight.read_series(topic), flight.read_series('motors')
     if not len(poses) or not len(motors):
         raise BadInput(f"'{flight.bag.path}' has no messages on motors or {topic}; record both.")
+    # The last message has the names; they do not change within a recording
     names = [
         str(motors.texts[f'name[{i}]'][-1])
         for i in range(len(vehicle.rotors))
@@ -69,4 +70,5 @@ def read_flight_record(
     path = VehiclePath(
         poses.time, poses.vector('pose.pose.position'), poses.vector('pose.pose.orientation')
     )
+    # A missing effort is NaN in the bag and means that the rotor stands still
     return path, RotorCommands(motors.time, np.nan_to_num(duties)), topic

@@ -8,6 +8,7 @@ from lta_config.files import find_file
 from lta_model.vehicle import load_vehicle
 
 NAME = re.compile(r'[a-z][a-z0-9_]*')
+# The top-level key only: nested keys are indented
 LINE = re.compile(r'(?m)^name:[ \t]*\S.*$')
 HEAD = """\
 # {name}: copied from {model}.
@@ -47,6 +48,7 @@ def format_new_vehicle(name: str, model: str) -> str:
         )
     copied = load_vehicle(model).file.name  # raises BadInput if the model itself is invalid
     text = find_file('vehicle', model).read_text(encoding='utf-8')
+    # Edit the text and not the parsed YAML, which would lose the comments
     renamed, count = LINE.subn(f'name: {name}', text, count=1)
     if count != 1:
         raise BadInput(f"{find_file('vehicle', model)} has no line 'name: ...'; add one.")
@@ -57,6 +59,7 @@ def write_new_vehicle(name: str, model: str, out: Path) -> None:
     """Write a new vehicle file; raise `BadInput` if it exists or cannot be written."""
     text = format_new_vehicle(name, model)
     try:
+        # Mode 'x' never overwrites an existing file
         with out.open('x', encoding='utf-8') as stream:
             stream.write(text)
     except FileExistsError:

@@ -46,6 +46,7 @@ def _describe_force_mismatch(name: str, column: WrenchPerNewton, plain: Six) -> 
     force, axis = column.force.vector, plain[:3]
     length = math.hypot(*force)
     along = sum(a * b for a, b in zip(force, axis, strict=True))
+    # Compare cosines: `acos` is needed only for the message
     if length == 0.0 or along >= length * math.cos(math.radians(ASIDE)):
         return ''
     angle = math.degrees(math.acos(max(-1.0, along / length)))
@@ -64,7 +65,9 @@ def _describe_moment_mismatch(
     if math.dist(own, of_place) <= FAR * distance:
         return ''
     there, here = (
-        _format_vector([100.0 * number for number in each], 1) for each in (of_place, own)
+        # Moments per newton are lengths: m to cm
+        _format_vector([100.0 * number for number in each], 1)
+        for each in (of_place, own)
     )
     return (
         f'By its position and axis, the rotor {name} has a moment of {there} N cm per newton, '
@@ -95,6 +98,7 @@ def find_stale_aero(changed: Collection[str], columns: Collection[str]) -> Itera
             f'{", ".join(held)}: moved or turned, but {COLUMNS} still has the same columns. They '
             f'override positions and axes, so the thrust does not change; {REMEDY}'
         )
+    # Drag belongs to the outline of the hull; a change of its material keeps the drag
     if OUTLINE.intersection(changed) and not any(place.startswith(DRAGS) for place in changed):
         yield (
             'The hull has another shape or size, but aero has the same drag as before; '

@@ -94,12 +94,15 @@ def estimate_heaviness(
     up = _vertical_thrust(vehicle, commands, grid, rotation)
     up -= _vertical_drag(vehicle, velocity, rotation)
     flying = _sample_duties(commands, grid).max(axis=1) > 0.0
+    # Vertical acceleration also moves the added mass of the air
     rising = vehicle.mass + vehicle.added_mass[2]
+    # Samples per interval; the grid is even
     length = max(2, round(STRETCH / (grid[1] - grid[0])))
     samples = []
     stretches = []
     for first in range(0, len(grid) - length, length):
         part = slice(first, first + length + 1)
+        # Skip intervals on the ground and in fast flight, where the drag is uncertain
         if not flying[part].all() or not _is_calm(velocity[part]):
             continue
         took = grid[first + length] - grid[first]
@@ -125,6 +128,7 @@ def _summarize_stretches(
 ) -> HeavinessEstimate:
     values = np.array(samples)
     spread = float(values.std(ddof=1)) / math.sqrt(len(values))
+    # Quantile of Student's t for a two-sided interval
     factor = float(stdtrit(len(values) - 1, 0.5 + 0.5 * CONFIDENCE))
     lifts = [max(rotor.column[2], 0.0) for rotor in vehicle.rotors]
     # Rotors that push mostly upwards; all of them where none does.
@@ -153,6 +157,7 @@ def _build_time_grid(path: VehiclePath, commands: RotorCommands) -> Array:
     grid = commands.time[inside]
     if len(grid) < FEWEST or len(path.time) < FEWEST:
         raise BadInput('The recording has too few motor commands or poses; record both.')
+    # Replace jittering stamps by an even grid of the same mean rate
     return np.linspace(grid[0], grid[-1], len(grid))
 
 
@@ -175,6 +180,7 @@ def _estimate_velocity(path: VehiclePath, grid: Array) -> Array:
         padded = np.concatenate(
             [2 * even[0] - even[half:0:-1], even, 2 * even[-1] - even[-2 : -half - 2 : -1]]
         )
+        # `convolve` flips its kernel; flip it back
         slope = np.convolve(padded, weights[::-1], mode='valid')
         velocity[:, axis] = np.interp(grid, uniform, slope)
     return velocity
@@ -183,6 +189,7 @@ def _estimate_velocity(path: VehiclePath, grid: Array) -> Array:
 def _rotation_matrices(path: VehiclePath, grid: Array) -> Array:
     """Return the rotations from body to map at the grid times, shape (n, 3, 3)."""
     nearest = np.clip(np.searchsorted(path.time, grid), 0, len(path.time) - 1)
+    # The next recorded attitude is close enough: in hover it hardly changes between poses
     x, y, z, w = path.attitude[nearest].T
     return np.stack(
         [
@@ -214,6 +221,7 @@ def _vertical_thrust(
     thrusts = []
     for rotor, duty in zip(vehicle.rotors, duties.T, strict=True):
         turning = _apply_motor_lag(duty, grid, up, down)
+        # T = a u^2 + b |u|, with the sign of the duty
         thrust = scale * np.sign(turning) * (rotor.a * turning**2 + rotor.b * abs(turning))
         thrusts.append(thrust)
         forward, reverse = np.array(rotor.column[:3]), np.array(rotor.reverse[:3])
@@ -227,6 +235,7 @@ def _vertical_thrust(
         names = [rotor.name for rotor in vehicle.rotors]
         shares = [np.maximum(sign * thrusts[names.index(name)], 0.0) for name in coupling.rotors]
         body += np.min(shares, axis=0)[:, None] * np.array(coupling.force.vector)
+    # The third row of R maps body axes to the map's vertical
     return np.asarray(np.einsum('nj,nj->n', rotation[:, 2], body))
 
 
@@ -244,6 +253,7 @@ def _apply_motor_lag(target: Array, grid: Array, up: float, down: float) -> Arra
     if up <= 0.0 and down <= 0.0:
         return target
     step = float(grid[1] - grid[0])
+    # Exact discretisation of a first-order lag for a duty that holds during the step
     gain_up, gain_down = (1.0 - math.exp(-step / c) if c > 0.0 else 1.0 for c in (up, down))
     now, out = float(target[0]), np.empty_like(target)
     for k, aim in enumerate(target):
@@ -258,6 +268,7 @@ def _vertical_drag(vehicle: Vehicle, velocity: Array, rotation: Array) -> Array:
     axes = ('surge', 'sway', 'heave')
     linear = np.array([effects['linear_drag'][axis] for axis in axes])
     quadratic = np.array([effects['quadratic_drag'][axis] for axis in axes])
+    # R transposed: map to body axes
     body = np.einsum('nij,ni->nj', rotation, velocity)
     force = (linear + quadratic * abs(body)) * body
     return np.asarray(np.einsum('nj,nj->n', rotation[:, 2], force))

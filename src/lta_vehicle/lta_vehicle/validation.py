@@ -62,6 +62,7 @@ def validate_vehicle_file(path: Path) -> VehicleValidation:
         return VehicleValidation(
             [capitalize_sentence(text) for text in format_errors(error)], [], None
         )
+    # Several checks may report the same fault
     faults = list(dict.fromkeys(_find_faults(file)))
     if faults:
         return VehicleValidation(faults, [], None)
@@ -71,6 +72,7 @@ def validate_vehicle_file(path: Path) -> VehicleValidation:
 
 def capitalize_sentence(text: str) -> str:
     """Capitalize a sentence, unless it begins with a path of the file."""
+    # Paths such as 'rotors.left.axis' are case-sensitive and stay as they are
     return text[0].upper() + text[1:] if text.startswith(('the ', 'is ', 'has ')) else text
 
 
@@ -91,6 +93,7 @@ def _find_faults(file: VehicleFile) -> Iterator[str]:
     if gains and gains not in list_shipped(FOLDERS['gains']):
         names = ', '.join(list_shipped(FOLDERS['gains']))
         yield f"control.gains is '{gains}', which is not shipped; known: {names}."
+    # Check numerical stability last: it needs a complete, valid model
     if not plain and not own:
         try:
             Vehicle(file).check_step(STEP_NS * 1e-9)
@@ -123,6 +126,7 @@ def find_warnings(sheet: VehicleSheet) -> list[str]:
 
 def _find_balance_warnings(sheet: VehicleSheet) -> Iterator[str]:
     f = sheet.by_key
+    # The figures hold display units: cm, degrees, % and g, as do the thresholds above
     depth = f['cg_depth'].value or 0.0
     if sheet.vehicle.file.hull.shape == 'none':
         return
@@ -139,6 +143,7 @@ def _find_balance_warnings(sheet: VehicleSheet) -> Iterator[str]:
     if 'lean' in f and (f['lean'].value or 0.0) > LEANING:
         yield f'It hangs {f["lean"].text} off the vertical; move mass to the other side.'
     lean = f.get('push_lean')
+    # No lean exists if the thrust moment exceeds the largest righting moment
     if lean is not None and lean.value is None:
         yield f'Full forward thrust turns it over: {lean.note}.'
     elif lean is not None and (lean.value or 0.0) > STEEP:
@@ -160,6 +165,7 @@ def _find_lift_warnings(sheet: VehicleSheet) -> Iterator[str]:
         )
     loss, leak = f.get('hover_loss'), f.get('leak_high')
     if loss is not None and leak is not None and loss.value and leak.value:
+        # Days until the loss, at the highest leak rate
         soon = loss.value / leak.value
         if soon < SOON:
             yield (
@@ -185,12 +191,14 @@ def _find_hull_warnings(sheet: VehicleSheet) -> Iterator[str]:
             )
     if file.hull.purity and file.hull.purity.si < IMPURE:
         yield f'A purity of {100 * file.hull.purity.si:.0f} % is low; refill it.'
+    # A shell part is the film of the hull, so both must have the same size
     sizes = [2.0 * half for half in hull.half_axes(file.hull)]
     for name, part in file.parts.items():
         if part.shape == 'shell' and any(
             abs(own / size - 1.0) > DISAGREE
             for own, size in zip(part.size.vector, sizes, strict=True)
         ):
+            # m to cm, as most vehicle files give sizes
             own = ' x '.join(f'{100 * number:.1f}' for number in part.size.vector)
             of_hull = ' x '.join(f'{100 * number:.1f}' for number in sizes)
             yield f'The shell {name} measures {own} cm, but the hull measures {of_hull} cm.'

@@ -1,20 +1,20 @@
 """
-The bearing to a beacon from a ring of photodiodes: the paper's weighted mean.
+Bearing to a beacon from a ring of photodiodes: the paper's weighted mean.
 
 Body frame FLU: azimuth 0 is forward and grows counter-clockwise. With diode axes
 n_i = (cos phi_i, sin phi_i) and peak amplitudes M_i,
 
     v = sum(M'_i n_i) / sum(M'_i),  theta = atan2(v_y, v_x)
 
-The paper leaves M' undefined and says that the SNR decides whether a reading is used: here M' is
-M where the SNR reaches a threshold, else 0, and there is no bearing where all are gated out.
+The paper leaves M' undefined and uses the SNR to accept a reading: here M' is M where the SNR
+reaches a threshold, else 0; without any there is no bearing.
 
-An ideal diode reads max(0, cos) of the angle to the lamp. With it the weighted mean is exact at
-every angle for any even ring of four or more, 4, 8 and 16 among them: of each opposite pair
-exactly one diode sees the lamp and both have the same n n^T, so the sum of n n^T over those that
-see it is half of that over the ring, (N/4) times the identity, and v points at the lamp. A common
-pedestal (diffuse light) cancels, as the axes sum to zero. Gates break both, and so do a response
-other than the cosine, unequal gains and light from walls.
+An ideal diode reads max(0, cos) of the angle to the lamp. Then the weighted mean is exact at every
+angle for any even ring of four or more, 4, 8 and 16 among them: of each opposite pair exactly one
+diode sees the lamp and both have the same n n^T, so the sum of n n^T over the lit ones is half of
+that over the ring, (N/4) times the identity, and v points at the lamp. A common pedestal (diffuse
+light) cancels, as the axes sum to zero. Gating breaks both, and so do another response, unequal
+gains and reflections.
 """
 
 from dataclasses import dataclass
@@ -37,12 +37,10 @@ class Bearing:
     Parameters
     ----------
     x, y : float
-        The paper's un-normalised vector; its length is 1/2 or so in pure direct light from a
-        ring of cosine diodes and falls towards 0 as diffuse light grows.
-    angle : float
-        Direction, counter-clockwise from forward. [rad]
-    deviation : float
-        Standard deviation of the angle from sensor noise. [rad]
+        The paper's vector, not normalised; about 1/2 long in direct light with cosine diodes,
+        shorter with diffuse light.
+    angle, deviation : float
+        Counter-clockwise from forward, and its standard deviation by sensor noise. [rad]
 
     """
 
@@ -66,19 +64,19 @@ def weighted_mean_bearing(
 
     Parameters
     ----------
-    amplitudes, snrs : tuple of float, one a diode
-        Peak and signal-to-noise ratio.
-    cosines, sines : tuple of float, one a diode
-        Axes in the body frame.
+    amplitudes, snrs : tuple of float
+        Peak and signal-to-noise ratio of each diode.
+    cosines, sines : tuple of float
+        Diode axes in the body frame.
     threshold : float
-        SNR from which a diode is believed.
+        SNR from which a diode is used.
 
     Returns
     -------
     found : bool
         Whether there is a bearing; everything else is zero without one.
     x, y : float
-        The un-normalised vector, in units of the weights.
+        The vector, in units of the weights.
     angle, deviation : float
         Its direction and standard deviation. [rad]
 
@@ -86,26 +84,29 @@ def weighted_mean_bearing(
     -----
     d theta / d M_i = sin(phi_i - theta) / |sum M' n|. White noise whose quiet bins have the mean
     magnitude m moves the peak by m sqrt(2/pi) along its own phase (the quiet bins are Rayleigh
-    distributed), and m = M_i / SNR_i. A diode that is gated out counts with its whole reading as
-    its error, since that is what the gate removed.
+    distributed), and m = M_i / SNR_i. The error of a gated diode is its whole reading.
 
     """
     total = 0.0
     forward = 0.0
     left = 0.0
     for i in range(len(amplitudes)):
+        # The paper's gate: M' is M above the threshold, else 0
         if snrs[i] >= threshold:
             total += amplitudes[i]
             forward += amplitudes[i] * cosines[i]
             left += amplitudes[i] * sines[i]
     length = math.hypot(forward, left)
+    # Also true for NaN: evenly lit, or no diode above the threshold
     if not length > SHORTEST * total:
         return False, 0.0, 0.0, 0.0, 0.0
     variance = 0.0
     for i in range(len(amplitudes)):
         error = amplitudes[i]
         if snrs[i] >= threshold:
+            # Standard deviation of the peak, from the mean of Rayleigh distributed quiet bins
             error *= math.sqrt(2.0 / math.pi) / snrs[i]
+        # sin(phi_i - theta)
         across = (sines[i] * forward - cosines[i] * left) / length
         variance += (error * across / length) ** 2
     return True, forward / total, left / total, math.atan2(left, forward), math.sqrt(variance)
@@ -113,23 +114,11 @@ def weighted_mean_bearing(
 
 def estimate_bearing(peaks: Peaks, ring: DiodeRing, threshold: float) -> Bearing | None:
     """
-    Return the bearing to a beacon, or None where no diode hears it or the ring is evenly lit.
+    Return the bearing to a beacon, or None if no diode detects it or the ring is evenly lit.
 
-    Parameters
-    ----------
-    peaks : Peaks
-        What each diode sees, in the order of the ring.
-    ring : Ring
-        The diodes' axes.
-    threshold : float
-        SNR from which a diode is believed.
-
-    Notes
-    -----
-    The deviation holds only noise that is independent between diodes. It leaves out reflections,
-    unequal gains, a response other than the cosine, tilt and the turning of the drone within
-    the block, so that it is too small. The fit of `lta_vlc.direction` allows for the first three.
-
+    The deviation covers only noise that is independent between diodes; it is too small, since it
+    omits reflections, unequal gains, another response, tilt and rotation during the block. The fit
+    of `lta_vlc.direction` allows for the first three.
     """
     found, x, y, angle, deviation = weighted_mean_bearing(
         tuple(peaks.amplitude.tolist()),

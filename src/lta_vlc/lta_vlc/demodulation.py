@@ -1,12 +1,11 @@
 """
-From a block of samples to each diode's peak and signal-to-noise ratio, as the paper does it.
+Demodulate a block of samples to each diode's peak and signal-to-noise ratio, as in the paper.
 
 The magnitude spectrum of the block is searched for its highest bin within a few bins of
-k_target = round(f_mod N_FFT / f_sample); its ratio to the mean of all bins outside the windows
-around the beacons' harmonics is the SNR. The paper prints neither rate, block length, window nor
-threshold: they are settings (`lta_vlc.settings`). What the paper does not have: several beacons at
-once, each by its frequency, and frequency and amplitude between the bins
-(`lta_vlc.spectral.tone`).
+k_target = round(f_mod N_FFT / f_sample); the SNR is its ratio to the mean of all bins outside the
+windows around the beacons' harmonics. The paper does not give rate, block length, window and
+threshold: they are settings (`lta_vlc.settings`). Additions to the paper: several beacons at once,
+and frequency and amplitude between the bins (`lta_vlc.spectral.tone`).
 """
 
 from dataclasses import dataclass
@@ -30,17 +29,17 @@ from numpy.typing import ArrayLike, NDArray
 @dataclass(frozen=True, slots=True)
 class Peaks:
     """
-    What each diode sees of one beacon.
+    Readings of one beacon by each diode, arrays of shape (d,).
 
     Parameters
     ----------
-    amplitude : ndarray of float64, shape (d,)
+    amplitude : ndarray of float64
         Amplitude of the beacon's fundamental, in the unit of the samples.
-    snr : ndarray of float64, shape (d,)
-        Highest bin over the mean of the quiet bins; 0 for a diode that is spoilt by a fault.
-    frequency : ndarray of float64, shape (d,)
-        Where each diode by itself has the peak. [Hz]
-    noise : ndarray of float64, shape (d,)
+    snr : ndarray of float64
+        Highest bin over the mean of the quiet bins; 0 for a spoilt diode.
+    frequency : ndarray of float64
+        Peak frequency of each diode alone. [Hz]
+    noise : ndarray of float64
         Mean magnitude of the quiet bins, in the unit of the samples. White noise of this mean
         moves an amplitude by sqrt(2/pi) of it, one standard deviation.
 
@@ -56,16 +55,16 @@ class Peaks:
 @dataclass(frozen=True, slots=True)
 class DemodulatedBlock:
     """
-    What one block says.
+    Results of one block.
 
     Parameters
     ----------
     peaks : tuple of Peaks
-        What is seen of each beacon, the one that is wanted first.
+        Of each beacon, the wanted one first.
     frequencies : tuple of float
-        Of each beacon, as all diodes together have it. [Hz]
-    faults : tuple of Fault, one a diode
-        What is wrong with each diode.
+        Of each beacon, common to all diodes. [Hz]
+    faults : tuple of DiodeFault
+        Of each diode.
     level : ndarray of float64, shape (d,)
         Mean of each diode: steady light, in the unit of the samples.
 
@@ -79,15 +78,9 @@ class DemodulatedBlock:
 
 def find_peaks(spectrum: NDArray[np.float64], bins: BeaconBins) -> Peaks:
     """
-    Return each diode's peak and SNR for one beacon, by whole bins: the paper's.
+    Return each diode's peak and SNR for one beacon by whole bins, as in the paper.
 
-    Parameters
-    ----------
-    spectrum : ndarray of float64, shape (n // 2 + 1, d)
-        Amplitudes from `amplitude_spectrum`.
-    bins : Bins
-        Where the beacon stands.
-
+    `spectrum` holds the amplitudes from `amplitude_spectrum`, shape (n // 2 + 1, d).
     """
     searched = spectrum[bins.first : bins.last + 1]
     highest, peak = searched.argmax(axis=0), searched.max(axis=0)
@@ -100,21 +93,21 @@ def demodulate_block(
     block: ArrayLike, beacons: tuple[BeaconBins, ...], full_scale: float = math.inf
 ) -> DemodulatedBlock:
     """
-    Return what one block says of each beacon and each diode.
+    Return the results of one block for each beacon and each diode.
 
     Parameters
     ----------
     block : array_like, shape (n, d)
         Samples in time order, one column a diode: ADC counts or any linear unit.
-    beacons : tuple of Bins
-        Where the beacons stand in such a block, all with the same quiet bins.
+    beacons : tuple of BeaconBins
+        Bins of the beacons, all with the same quiet bins.
     full_scale : float
         The ADC's largest reading, in the unit of the samples.
 
     Raises
     ------
     BadInput
-        If the block is not two-dimensional or not of the length that was planned for.
+        If the block is not two-dimensional or has not the planned length.
 
     """
     bins, samples = beacons[0], np.asarray(block)
@@ -123,16 +116,20 @@ def demodulate_block(
             f'A light block has the shape {samples.shape}, but {bins.samples} samples by diodes '
             'are expected; give both ends the same block length.'
         )
+    # A contiguous row for each diode, as the transform reads it
     waves = np.array(samples.T, dtype=np.float64, order='C')
     looked = center_samples(waves, full_scale)
     faults = detect_sample_faults(looked)
+    # Spoilt diodes must not influence the common frequency
     sound = (faults & SPOILT.value) == 0
     weight = sound.astype(np.float64)
     spectrum = fourier_transform(waves)
     size = compute_magnitudes(spectrum, bins.samples)
     ranges = np.array([(one.first, one.last) for one in beacons])
     found = scan_spectrum(size, ranges, bins.quiet, bins.unlit, weight)
+    # Only now: it needs the spectrum
     faults |= detect_tone_faults(found)
+    # 0 marks a diode that later stages leave out
     snr = np.where(sound, signal_to_noise_ratio(found.peak, found.noise), 0.0)
     tones = estimate_tones(spectrum, found.highest, weight, bins.samples)
     return DemodulatedBlock(

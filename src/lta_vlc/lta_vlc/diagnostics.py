@@ -19,19 +19,9 @@ def describe_beacons(
     refused: int,
 ) -> Iterator[HealthFact]:
     """
-    Yield a fact for each beacon, that of the wanted one with what concerns the diodes.
+    Yield a fact for each beacon; that of the wanted one, which is first, includes the diodes.
 
-    Parameters
-    ----------
-    hearing : Hearing
-        What the newest block says.
-    beacons : tuple of float
-        Where the beacons should flicker, the wanted one first. [Hz]
-    presences : tuple of Presence
-        How each stands.
-    missing, refused : int
-        Blocks that have not come, and that could not be used, since the start.
-
+    `beacons` are nominal frequencies [Hz]; `missing` and `refused` count blocks since the start.
     """
     for one, beacon in enumerate(beacons):
         found = presences[one].found
@@ -43,6 +33,7 @@ def describe_beacons(
             'best_snr': f'{best:.1f}',
             'frequency_error_Hz': f'{error:.3f}',
         }
+        # Diode faults concern all beacons; they are reported once
         if one == 0:
             values |= {
                 'saturated_diodes': _count_faults(hearing, DiodeFault.SATURATED),
@@ -54,6 +45,7 @@ def describe_beacons(
             }
         yield HealthFact(
             WANTED if one == 0 else f'beacon at {beacon:g} Hz',
+            # Only the wanted beacon is needed for the flight
             HealthLevel.OK if found or one > 0 else HealthLevel.WARN,
             'beacon found' if found else 'no diode hears the beacon',
             values,

@@ -16,20 +16,18 @@ Axis = tuple[float, float, float]
 @dataclass(frozen=True, slots=True)
 class DiodeArray:
     """
-    Where each diode sits and looks, and what it makes of light.
+    Place, axis and gain of each diode.
 
     Parameters
     ----------
-    axes : tuple of tuple of 3 floats
-        Unit axes, body frame.
-    places : tuple of tuple of 3 floats
-        Places relative to the middle of them all. [m, body]
+    axes, places : tuple of tuple of 3 floats
+        Unit axes, and places relative to the middle of all diodes [m], body frame.
     response : float
         Exponent p of the response cos^p to the angle between light and axis.
     gains : tuple of float
-        What each makes of light, the nominal diode 1; 0 for one that is known to be dead.
+        Relative to the nominal diode; 0 for one that is known to be dead.
     spread : float
-        Standard deviation of the true gains around these, relative.
+        Relative standard deviation of the true gains.
 
     Raises
     ------
@@ -45,7 +43,7 @@ class DiodeArray:
     spread: float
 
     def __post_init__(self) -> None:
-        """Refuse what is no array of diodes."""
+        """Refuse an invalid array."""
         count = len(self.axes)
         if not count or not count == len(self.places) == len(self.gains):
             raise BadInput(
@@ -53,6 +51,7 @@ class DiodeArray:
                 f'{len(self.gains)} gains; give one of each for every diode.'
             )
         for axis in self.axes:
+            # Written so that NaN fails too
             if not abs(math.hypot(*axis) - 1.0) < 1e-6:
                 raise BadInput(f'The diode axis {axis} is not of length 1; divide it by its own.')
         if not (math.isfinite(self.response) and self.response > 0.0):
@@ -72,7 +71,7 @@ class DiodeArray:
 
     @property
     def ring(self) -> DiodeRing:
-        """What the paper's weighted mean knows of them."""
+        """The horizontal axes, for the paper's weighted mean."""
         return DiodeRing(
             tuple(axis[0] for axis in self.axes), tuple(axis[1] for axis in self.axes)
         )
@@ -81,30 +80,19 @@ class DiodeArray:
 def build_even_ring(
     count: int, radius: float = 0.0, response: float = 1.0, spread: float = 0.0
 ) -> DiodeArray:
-    """
-    Return an even, level ring of equal diodes, the first forward.
-
-    Parameters
-    ----------
-    count : int
-        Diodes.
-    radius : float
-        Of the ring. [m]
-    response, spread : float
-        As in `DiodeArray`.
-
-    """
+    """Return an even, level ring of equal diodes, the first forward; radius in m."""
     axes = _build_level_axes(count)
     return DiodeArray(axes, _place_on_sphere(axes, radius), response, (1.0,) * count, spread)
 
 
 def build_diode_array(entry: DiodesEntry) -> DiodeArray:
-    """Return the diodes of a vehicle file's `sensors.diodes`, as the drone believes them."""
+    """Return the diodes of a vehicle file's `sensors.diodes`, as far as the drone knows them."""
     axes = (
         _build_level_axes(entry.count)
         if entry.axes is None
         else tuple(map(_normalize_axis, entry.axes.value))
     )
+    # The true gains are unknown to the drone: nominal, or known to be dead
     gains = tuple(0.0 if index in entry.dead else 1.0 for index in range(entry.count))
     places = _place_on_sphere(axes, entry.radius.si)
     return DiodeArray(axes, places, entry.response.si, gains, entry.gain_spread.si)
@@ -116,7 +104,7 @@ def _build_level_axes(count: int) -> tuple[Axis, ...]:
 
 
 def _normalize_axis(axis: Sequence[float]) -> Axis:
-    """Return an axis that a file gives to three digits or so at length 1."""
+    """Return an axis, rounded in a file, at length 1."""
     x, y, z = axis
     length = math.hypot(x, y, z)
     return x / length, y / length, z / length
@@ -124,6 +112,7 @@ def _normalize_axis(axis: Sequence[float]) -> Axis:
 
 def _place_on_sphere(axes: Sequence[Axis], radius: float) -> tuple[Axis, ...]:
     """Return the places of diodes that look outwards from a sphere, less their mean. [m]"""
+    # The model's origin is the middle of the diodes
     means = [sum(axis[k] for axis in axes) / len(axes) for k in range(3)]
     return tuple(
         (

@@ -16,26 +16,25 @@ from numpy.typing import NDArray
 # White noise whose quiet bins have the mean magnitude m moves an amplitude by this much of m: the
 # quiet bins are Rayleigh distributed.
 PART = math.sqrt(2.0 / math.pi)
-LEAST = 1e-3  # standard deviation of what a prior holds for certain [rad, 1/m]
+LEAST = 1e-3  # smallest standard deviation of a prior [rad, 1/m]
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Direction:
     """
-    Where the lamp is seen, in the body frame.
+    Direction to the lamp in the body frame.
 
     Parameters
     ----------
     x, y, z : float
         Unit vector from the middle of the diodes.
     azimuth_variance, cross_variance, elevation_variance : float
-        Covariance of azimuth and elevation: noise, unequal gains, reflections, and the prior where
-        the diodes do not tell. [rad2]
+        Covariance of azimuth and elevation by noise, unequal gains, reflections and priors. [rad2]
     strength, strength_deviation : float
         Reading of a nominal diode that faces the lamp, of its direct light alone. [counts]
     pedestal : float
-        Reading by diffuse light, the same of all diodes. [counts]
+        Reading by diffuse light, the same for all diodes. [counts]
 
     """
 
@@ -73,13 +72,12 @@ class DirectionFinder:
 
     Parameters
     ----------
-    diodes : Diodes
-        As the drone believes them.
+    diodes : DiodeArray
+        The array as the drone knows it.
     core : callable
-        `lta_vlc.direction_fit.fit_direction`, or it compiled; the results are the same to the last
-        bit.
+        `lta_vlc.direction_fit.fit_direction`, plain or compiled; the results are bit-identical.
     numbers : callable
-        What the core reads fastest: tuples plain, arrays compiled.
+        Sequence type for the core: tuple for plain, array for compiled.
 
     """
 
@@ -92,30 +90,26 @@ class DirectionFinder:
         self._array = build_fit_array(diodes, numbers)
         self._core = core
         self._numbers = numbers
+        # Lists are faster than arrays in plain Python, arrays are needed by compiled code
         self._scratch = np.zeros(FIT_SCRATCH) if core is not fit_direction else [0.0] * FIT_SCRATCH
 
     def prepare(self) -> None:
         """Compile the fit, or load it from disk, before the first block waits for it."""
+        # Arguments of the types used later, so that the right signature is compiled
         dark = np.zeros(len(self._array.gains))
         self.find(Peaks(dark, dark + 1.0, dark, dark), 1.0, LampPrior())
 
     def find(self, peaks: Peaks, threshold: float, prior: LampPrior) -> Direction | None:
         """
-        Return the direction, or None where no diode hears the lamp or all read the same.
+        Return the direction, or None if no diode detects the lamp or all read the same.
 
-        Parameters
-        ----------
-        peaks : Peaks
-            What each diode sees, in the order of the diodes.
-        threshold : float
-            SNR that one diode at least must reach. The others count as well: that they see
-            nothing tells where the lamp is not. Those without any SNR are spoilt and left out.
-        prior : LampPrior
-            The lamp before it is seen.
-
+        One diode at least must reach the SNR `threshold`; the others also constrain the direction.
+        Diodes with an SNR of 0 are spoilt and left out. `prior` is the prior on the lamp.
         """
+        # One diode above the threshold suffices: dark diodes also constrain the direction
         if not (peaks.snr >= threshold).any():
             return None
+        # An infinite error leaves a spoilt diode out of the fit
         errors = np.where(peaks.snr > 0.0, PART * peaks.noise, math.inf)
         readings = peaks.amplitude
         if self._numbers is tuple:
@@ -143,11 +137,13 @@ def build_fit_array(
 
 
 def build_direction_prior(prior: LampPrior) -> DirectionPrior:
-    """Return what the fit expects of a lamp that is level with the drone but for its height."""
+    """Return the prior of the fit for a lamp at the drone's height, within its deviation."""
+    # The fit is linear in the inverse distance, not in the distance
     near = 1.0 / prior.distance
     return DirectionPrior(
         elevation=0.0,
         elevation_deviation=max(math.atan2(prior.height_deviation, prior.distance), LEAST),
         nearness=near,
+        # d(1/r) = dr / r^2
         nearness_deviation=max(prior.distance_deviation * near * near, LEAST),
     )

@@ -1,13 +1,12 @@
 """
-The fit of a direction to what the diodes read: weighted least squares with priors.
+Fit of a direction to the diode readings: weighted least squares with priors.
 
 Gauss-Newton on the tangent plane of the direction, over all unknowns of `lta_vlc.reading_model`.
-The
-covariance is the inverse of the normal matrix, it holds what the light may do by the priors, not
-noise alone; and it grows where the readings follow no such model.
+The covariance is the inverse of the normal matrix, which includes the priors on the light and not
+noise alone; it grows where the readings do not follow the model.
 
-Plain numbers and sequences: compiled for loops and fleets as it stands, plain in the node, equal
-to the last bit.
+Plain numbers and sequences: compiled for loops and fleets, plain in the node, with bit-identical
+results.
 """
 
 import math
@@ -42,7 +41,7 @@ DONE = 1e-5  # [rad]
 
 class DirectionFit(NamedTuple):
     """
-    The direction and what came with it.
+    The fitted direction.
 
     Attributes
     ----------
@@ -77,21 +76,11 @@ def fit_direction(
     """
     Return the direction to a lamp.
 
-    Parameters
-    ----------
-    array : Array
-        The diodes.
-    expected : Expected
-        What is known of the lamp.
-    readings : sequence of float, one a diode
-        Amplitudes. [counts]
-    errors : sequence of float, one a diode
-        Standard deviation of each reading by noise, infinite for one that says blind. [counts]
-    scratch : sequence of float
-        `FIT_SCRATCH` numbers to write on.
-
+    `readings` are amplitudes, `errors` their standard deviations by noise, infinite for a spoilt
+    diode [counts]; `scratch` is work space of `FIT_SCRATCH` numbers.
     """
     x, y, z, top = guess_direction(array, expected, readings, errors, scratch)
+    # All diodes dark, dead or spoilt
     if not top > 0.0:
         return failed_fit()
     for turn in range(ROUNDS):
@@ -101,49 +90,57 @@ def fit_direction(
         solve_cholesky(scratch)
         along, up = scratch[PULLS + AZIMUTH], scratch[PULLS + ELEVATION]
         length = math.sqrt(along * along + up * up)
+        # Full Gauss-Newton steps first
         part = 1.0 if turn < DAMPED else 0.5
+        # Limit the step, because the model is linearised on the tangent plane
         if length * part > STRIDE:
             part = STRIDE / length
         x, y, z = rotate_direction(x, y, z, part * along, part * up)
         update_unknowns(scratch, top)
+        # The unknowns besides the direction are linear or converge with it
         if length < DONE:
             break
     return build_fit(scratch, x, y, z, variance_inflation(scratch, errors))
 
 
 def failed_fit() -> DirectionFit:
-    """Return what is concluded where there is no direction."""
+    """Return the result without a direction."""
     return DirectionFit(False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def variance_inflation(scratch: Scratch, errors: Numbers) -> float:
     """
-    Return by how much the readings are further off than they may be, as a variance; at least 1.
+    Return the reduced chi-square of the fit, at least 1, as a factor on variances.
 
-    Of readings that follow the model the misfit, priors included, is as large as they are many. A
-    lamp that is half behind the hull is in no model: then the covariance grows with the misfit.
+    Readings that follow the model have a misfit, priors included, equal to their number. A lamp
+    half hidden by the hull is not in the model: then the covariance grows with the misfit.
     """
     count = 0
     for i in range(len(errors)):
         if errors[i] < math.inf:
             count += 1
+    # Reduced chi-square; a good fit does not shrink the covariance
     return max(1.0, scratch[MISFIT] / count)
 
 
 def build_fit(scratch: Scratch, x: float, y: float, z: float, strange: float) -> DirectionFit:
-    """Return a direction with its covariance, which the last corner of the factor holds."""
+    """Return a direction with its covariance, from the last corner of the Cholesky factor."""
     level = math.sqrt(x * x + y * y)
+    # Rows of the lower Cholesky factor L; covariance (L L^T)^-1
     last = NORMAL + UNKNOWNS * AZIMUTH
+    # Standard deviation of the step to the left [rad]
     side = 1.0 / scratch[last + AZIMUTH]
     if not (level > 0.0 and side < level):
-        return failed_fit()  # an azimuth known to a radian at best is none
+        return failed_fit()  # an azimuth uncertain by a radian or more is useless
+    # Row of the elevation
     above = last - UNKNOWNS
     upward = 1.0 / scratch[above + ELEVATION]
     both = -scratch[last + ELEVATION] * upward * side
+    # Row of the strength
     strong = 1.0 / scratch[above - UNKNOWNS + STRENGTH]
     lifted = -scratch[above + STRENGTH] * strong * upward
     turned = -(scratch[last + STRENGTH] * strong + scratch[last + ELEVATION] * lifted) * side
-    turn = side / level  # multiplied by itself: a power is another number in the last bit
+    turn = side / level  # multiplied by itself below: a power differs in the last bit
     return DirectionFit(
         True, x, y, z,
         strange * turn * turn, strange * both * side / level,
@@ -157,6 +154,7 @@ def guess_direction(
     array: FitArray, expected: DirectionPrior, readings: Numbers, errors: Numbers, scratch: Scratch
 ) -> tuple[float, float, float, float]:
     """Return a first direction, and the highest reading; write first values of the rest."""
+    # The lowest reading is the first guess of the pedestal
     low, top = math.inf, 0.0
     for i in range(len(readings)):
         if errors[i] < math.inf and array.gains[i] > 0.0:
@@ -165,6 +163,7 @@ def guess_direction(
     x, y = 0.0, 0.0
     for i in range(len(readings)):
         if errors[i] < math.inf and array.gains[i] > 0.0:
+            # Weighted mean of the axes, as in the paper
             excess = readings[i] / array.gains[i] - low
             x += excess * array.nx[i]
             y += excess * array.ny[i]
@@ -175,6 +174,7 @@ def guess_direction(
     scratch[VALUES + NEARNESS] = expected.nearness
     if not (level > 0.0 and top < math.inf):
         return 1.0, 0.0, 0.0, 0.0
+    # Scale the horizontal part, so that the vector has length 1
     height = math.cos(expected.elevation) / level
     return x * height, y * height, math.sin(expected.elevation), top
 
@@ -183,27 +183,31 @@ def rotate_direction(
     x: float, y: float, z: float, along: float, up: float
 ) -> tuple[float, float, float]:
     """Return a unit vector after steps to its left and upwards. [rad]"""
+    # Straight up or down, left is undefined
     level = max(math.sqrt(x * x + y * y), 1e-9)
     a, b, c = (
         x - (along * y + up * z * x) / level,
         y + (along * x - up * z * y) / level,
         z + up * level,
     )
+    # A step on the tangent plane leaves the sphere: normalise
     length = math.sqrt(a * a + b * b + c * c)
     return a / length, b / length, c / length
 
 
 def update_unknowns(scratch: Scratch, top: float) -> None:
-    """Add the step to all values but the direction, and keep them within what can be."""
+    """Add the step to all values but the direction, and clip them to possible values."""
     for j in range(ELEVATION):
         scratch[VALUES + j] += scratch[PULLS + j]
+    # A negative strength would point away from the lamp
     scratch[VALUES + STRENGTH] = max(scratch[VALUES + STRENGTH], 1e-3 * top)
     scratch[VALUES + NEARNESS] = min(max(scratch[VALUES + NEARNESS], 0.0), 1.0 / NEAREST)
     scratch[VALUES + FALL] = min(max(scratch[VALUES + FALL], -STEEPEST), STEEPEST)
 
 
 def factorize_cholesky(scratch: Scratch) -> bool:
-    """Put the Cholesky factor in place of the normal matrix; tell whether there is one."""
+    """Replace the normal matrix by its Cholesky factor; return whether there is one."""
+    # In place, row by row, lower triangle only
     for i in range(UNKNOWNS):
         at = NORMAL + UNKNOWNS * i
         for j in range(i + 1):
@@ -221,12 +225,14 @@ def factorize_cholesky(scratch: Scratch) -> bool:
 
 
 def solve_cholesky(scratch: Scratch) -> None:
-    """Put the solution in place of the right side, by the factor."""
+    """Replace the right side by the solution, with the factor."""
+    # Forward substitution with L
     for i in range(UNKNOWNS):
         rest = scratch[PULLS + i]
         for k in range(i):
             rest -= scratch[NORMAL + UNKNOWNS * i + k] * scratch[PULLS + k]
         scratch[PULLS + i] = rest / scratch[NORMAL + (UNKNOWNS + 1) * i]
+    # Backward substitution with its transpose
     for back in range(UNKNOWNS):
         i = UNKNOWNS - 1 - back
         rest = scratch[PULLS + i]

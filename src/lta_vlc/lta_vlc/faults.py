@@ -18,15 +18,15 @@ class DiodeFault(Flag):
     Attributes
     ----------
     SATURATED
-        More than `CLIPPED` of the samples stand at the upper end of the ADC's scale: the peaks
-        are cut, and the amplitude is too low by an unknown part.
+        More than `CLIPPED` of the samples are at the upper end of the ADC's scale: peaks are cut,
+        and the amplitude is too low by an unknown amount.
     FLAT
         All samples are equal: a dead diode or a broken wire.
     NOT_A_NUMBER
         A sample is NaN or infinite.
     ALIASED
-        A tone that no known lamp makes is stronger than every beacon: a lamp of another
-        frequency, or one beyond the Nyquist frequency, folded back. The beacons can still be read.
+        An unknown tone is stronger than every beacon: a lamp of another frequency, or one beyond
+        the Nyquist frequency, folded back. The beacons can still be read.
 
     """
 
@@ -44,13 +44,15 @@ FAULTS = tuple(map(DiodeFault, range(16)))  # by value
 
 
 def detect_sample_faults(looked: SampleStatistics) -> NDArray[np.uint8]:
-    """Return the faults that each diode's samples show, `DiodeFault` values, shape (diodes,)."""
+    """Return the faults in each diode's samples, `DiodeFault` values, shape (diodes,)."""
+    # `DiodeFault` values as bits of an integer
     faults = np.where(looked.full > CLIPPED, DiodeFault.SATURATED.value, 0)
     faults |= np.where(looked.span == 0.0, DiodeFault.FLAT.value, 0)
     return np.where(np.isnan(looked.level), DiodeFault.NOT_A_NUMBER.value, faults).astype(np.uint8)
 
 
 def detect_tone_faults(survey: SpectrumScan) -> NDArray[np.uint8]:
-    """Return the faults that each diode's spectrum shows, `DiodeFault` values, shape (diodes,)."""
+    """Return the faults in each diode's spectrum, `DiodeFault` values, shape (diodes,)."""
+    # Stronger than every beacon, and far above the noise
     strange = survey.loudest > np.maximum(survey.peak.max(axis=0), STRANGE * survey.noise)
     return np.where(strange, DiodeFault.ALIASED.value, 0).astype(np.uint8)

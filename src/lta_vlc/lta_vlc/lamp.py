@@ -14,7 +14,7 @@ OFF_AXIS_DEVIATION = 0.15  # relative, of a range by strength: the beam's angle 
 
 @final
 class LampPrior(Settings):
-    """What is known of the lamp before it is seen: one direction does not tell its range."""
+    """Prior on the lamp: one direction does not determine its range."""
 
     distance: float = setting(4.0, 'Expected distance to the lamp', unit='m', low=0.1, high=100.0)
     distance_deviation: float = setting(
@@ -39,17 +39,7 @@ class LampPrior(Settings):
 
 @final
 class LampEstimate(NamedTuple):
-    """
-    The lamp in the body frame FLU.
-
-    Attributes
-    ----------
-    x, y, z : float
-        Position. [m]
-    xx, xy, xz, yy, yz, zz : float
-        Its covariance. [m2]
-
-    """
+    """The lamp in the body frame FLU: position x, y, z [m] and its covariance xx to zz [m2]."""
 
     x: float
     y: float
@@ -66,32 +56,25 @@ def estimate_range(direction: 'Direction', prior: LampPrior) -> tuple[float, flo
     """
     Return the distance to the lamp and its standard deviation. [m]
 
-    By the inverse square from the strength where the lamp's was measured, else as expected.
+    By the inverse square law if the lamp's strength was measured, else the prior.
     """
+    # Not measured: strength says nothing about the range
     if not prior.intensity > 0.0:
         return prior.distance, prior.distance_deviation
+    # Inverse-square law; OFF_AXIS is the beam's loss off its axis
     distance = math.sqrt(prior.intensity * OFF_AXIS / direction.strength)
+    # d ~ S^(-1/2), so relative errors halve
     relative = 0.5 * direction.strength_deviation / direction.strength
     return distance, distance * math.sqrt(OFF_AXIS_DEVIATION**2 + relative**2)
 
 
 def estimate_lamp_position(direction: 'Direction', prior: LampPrior) -> LampEstimate:
     """
-    Return the lamp as a point on the ray of its direction, uncertain mostly along that ray.
+    Return the lamp on the ray of its direction, uncertain mostly along that ray.
 
-    Parameters
-    ----------
-    direction : Direction
-        Direction and its covariance.
-    prior : LampPrior
-        The lamp before it is seen.
-
-    Notes
-    -----
     To first order in the angles the error across the ray is distance times angle, so its variance
     is (distance^2 + its variance) times that of the angle. Not the exact moments of a sector: for
     an angle known worse than half a radian the true region is bent.
-
     """
     x, y, z = direction.x, direction.y, direction.z
     distance, deviation = estimate_range(direction, prior)
@@ -99,6 +82,7 @@ def estimate_lamp_position(direction: 'Direction', prior: LampPrior) -> LampEsti
     level = math.sqrt(x * x + y * y)
     a, b = -y / level, x / level  # to the left of the ray
     d, e = -z * x / level, -z * y / level  # and, with `level`, upwards
+    # Second moment of the distance
     square = distance * distance + along
     left = square * direction.azimuth_variance * level * level
     up = square * direction.elevation_variance

@@ -13,7 +13,7 @@ import numpy as np
 
 
 class LampDetection(NamedTuple):
-    """The paper's vector, and the lamp in the body frame; None where nothing is believed."""
+    """The paper's vector, and the lamp in the body frame; None where nothing is detected."""
 
     towards: Bearing | None = None
     lamp: LampEstimate | None = None
@@ -21,38 +21,19 @@ class LampDetection(NamedTuple):
 
 @final
 class LampFinder:
-    """
-    Find the lamp by an array of diodes.
-
-    Parameters
-    ----------
-    diodes : Diodes
-        The array.
-
-    """
+    """Find the lamp with an array of diodes."""
 
     def __init__(self, diodes: DiodeArray) -> None:
         self.diodes = diodes
+        # The fit is compiled: it runs for each block
         self._finder = DirectionFinder(diodes, compile_functions(fit_direction)[0], np.array)
 
     def prepare(self) -> None:
-        """Compile the fit, or load it from disk, before the first peaks wait for it."""
+        """Compile the fit, or load it from disk, before the first block."""
         self._finder.prepare()
 
     def find(self, peaks: Peaks, threshold: float, prior: LampPrior) -> LampDetection:
-        """
-        Return what the peaks of the wanted beacon say.
-
-        Parameters
-        ----------
-        peaks : Peaks
-            One a diode.
-        threshold : float
-            SNR from which a diode is believed. [1]
-        prior : LampPrior
-            The lamp before it is seen.
-
-        """
+        """Return bearing and position of the wanted beacon; `threshold` is an SNR."""
         towards = estimate_bearing(peaks, self.diodes.ring, threshold)
         direction = self._finder.find(peaks, threshold, prior)
         return LampDetection(

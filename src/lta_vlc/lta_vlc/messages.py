@@ -18,15 +18,8 @@ UNKNOWN = -1.0  # in covariance[0]: no lamp is seen
 
 
 def to_block(message: Image) -> NDArray[np.uint16]:
-    """
-    Return the ADC block of an image, shape (samples, diodes).
-
-    Raises
-    ------
-    ValueError
-        If the message does not hold what it declares.
-
-    """
+    """Return the ADC block of an image, shape (samples, diodes); `ValueError` if inconsistent."""
+    # np.frombuffer below assumes this layout
     if message.encoding != '16UC1' or message.is_bigendian:
         raise ValueError(f'a light block is 16UC1, little endian, not {message.encoding}')
     if len(message.data) != 2 * message.height * message.width:
@@ -37,7 +30,7 @@ def to_block(message: Image) -> NDArray[np.uint16]:
 
 
 def from_peaks(header: Header, peaks: tuple[Peaks, ...], axes: Sequence[Axis]) -> PointCloud2:
-    """Return a row of points a beacon, a point a diode: axis, amplitude, SNR and frequency."""
+    """Return a row for each beacon, a point for each diode: axis, amplitude, SNR, frequency."""
     count = len(axes)
     message = PointCloud2(header=header, height=len(peaks), width=count, is_dense=True)
     message.fields = [
@@ -46,16 +39,18 @@ def from_peaks(header: Header, peaks: tuple[Peaks, ...], axes: Sequence[Axis]) -
     ]
     message.point_step = 4 * len(FIELDS)
     message.row_step = message.point_step * count
+    # Little endian, as is_bigendian is false by default
     data = np.zeros((len(peaks), count, len(FIELDS)), dtype='<f4')
     for row, each in zip(data, peaks, strict=True):
         row[:, :3] = axes
         row[:, 3], row[:, 4], row[:, 5] = each.amplitude, each.snr, each.frequency
+    # rclpy accepts a byte array without checking each item
     message.data = array.array('B', data.tobytes())
     return message
 
 
 def from_bearing(header: Header, bearing: Bearing | None) -> Vector3Stamped:
-    """Return the paper's vector; zero when no diode is believed."""
+    """Return the paper's vector; zero without a bearing."""
     message = Vector3Stamped(header=header)
     if bearing is not None:
         message.vector.x, message.vector.y = bearing.x, bearing.y
@@ -63,7 +58,7 @@ def from_bearing(header: Header, bearing: Bearing | None) -> Vector3Stamped:
 
 
 def from_lamp(header: Header, lamp: LampEstimate | None) -> PoseWithCovarianceStamped:
-    """Return the lamp in the body frame; covariance[0] is -1 when none is seen."""
+    """Return the lamp in the body frame; covariance[0] is -1 if none is detected."""
     message = PoseWithCovarianceStamped(header=header)
     covariance = np.zeros((6, 6))
     if lamp is None:
@@ -71,6 +66,7 @@ def from_lamp(header: Header, lamp: LampEstimate | None) -> PoseWithCovarianceSt
     else:
         position = message.pose.pose.position
         position.x, position.y, position.z = lamp[:3]
+        # xx xy xz yy yz zz is the upper triangle, row by row
         covariance[np.triu_indices(3)] = lamp[3:]
         covariance[np.tril_indices(3)] = covariance.T[np.tril_indices(3)]
     message.pose.covariance = covariance.ravel()

@@ -7,23 +7,14 @@ LOST = 5  # blocks in a row without it after which it is lost
 
 
 class BeaconPresence(NamedTuple):
-    """
-    How a beacon stands.
-
-    Attributes
-    ----------
-    found : bool
-        Whether it is taken to be there.
-    against : int
-        Blocks in a row that say otherwise.
-
-    """
+    """Whether a beacon is present, and the number of consecutive blocks that contradict it."""
 
     found: bool = False
     against: int = 0
 
     def update(self, detected: bool, blocks: int = 1) -> 'BeaconPresence':
-        """Return how it stands after blocks in which it was heard, or not."""
+        """Return the presence after blocks with or without the beacon."""
+        # Confirmed: the count of contradicting blocks restarts
         if detected == self.found:
             return BeaconPresence(self.found)
         against = self.against + blocks

@@ -1,32 +1,32 @@
-r"""
-What photodiodes read of a lamp in a room, and what is expected of it before it is seen.
+"""
+Model of the photodiode readings of a lamp in a room, with priors on its unknowns.
 
-Diode i, with unit axis n_i, place r_i and gain g_i, is taken to read
+Diode i, with unit axis n_i, place r_i and gain g_i, reads
 
     M_i = g_i (S f_i (1 + k t r_i.a) + P + s.n_i + b1 (n_x^2 - n_y^2) + b2 2 n_x n_y),
     f_i = max(0, n_i.w_i)^p / |w_i|^(p+2),    w_i = u - k r_i
 
 u is the direction from the middle of the diodes to the lamp, S the reading of a nominal diode
-there that faces it, and p the exponent of the diodes' response. What else is in M_i is what pulls
-the paper's bearing, each an unknown of its own with a prior:
+there that faces it, and p the exponent of the diodes' response. The other terms bias the paper's
+bearing; each is an unknown with a prior:
 
 - the pedestal P of diffuse light, the same from all sides, and its first harmonics over the axes,
-  a slope s and a bend b: what floor, walls and ceiling throw back once is uneven by this much;
+  a slope s and a bend b: the unevenness of the first reflections from floor, walls and ceiling;
 - the inverse distance k: at 3 m, the diodes of a ring of 7 cm see the lamp 1.3 degrees apart, and
   5 % brighter or darker;
 - the fall t of the lamp's own beam across the diodes, along the horizontal a to the left of u.
 
-The size of the harmonics goes with B = P S / (S + `MIXED` P): the more of the light has been
-thrown about, the more even it is. Their priors are assumed: about the spread of the first
-reflections in rooms 6 to 14 m long, 5 to 12 m wide, 2.5 to 6 m high, with an albedo of 0.2 to 0.8.
-What they are worth, `lta light bearing` measures (docs/bearing.md).
+The size of the harmonics goes with B = P S / (S + `MIXED` P): the more often light is reflected,
+the more even it is. Their priors are assumed: about the spread of the first reflections in rooms 6
+to 14 m long, 5 to 12 m wide, 2.5 to 6 m high, with an albedo of 0.2 to 0.8. `lta light bearing`
+measures their benefit (docs/bearing.md).
 
-The variance of a reading is that of its noise, the spread of the gains, and what is left of the
-pedestal's pattern. The slope of f is taken over a few degrees around the edge of a diode's view,
+The variance of a reading is that of its noise, the spread of the gains, and the remaining pattern
+of the pedestal. The slope of f is smoothed over a few degrees around the edge of a diode's view,
 where the true one jumps.
 
-Plain numbers and sequences, for the compiler as well. Square roots by `sqrt` alone: `hypot` is not
-the same everywhere.
+Plain numbers and sequences, also for the compiler. Only `sqrt`, because `hypot` differs between
+platforms.
 """
 
 from collections.abc import MutableSequence, Sequence
@@ -55,27 +55,27 @@ FIT_SCRATCH = MISFIT + 1
 MIXED = 2.5
 SLOPES, BENDS, REST = 0.37, 0.13, 0.02  # standard deviations, parts of B
 LEANING = 0.2  # mean of the slope towards the lamp, part of B: the ground below it is brightest
-BARE = 0.005  # least pedestal that is taken for certain to be possible, part of S
+BARE = 0.005  # smallest pedestal taken as possible, share of S
 BEAM = 1.0  # standard deviation of t: the tangent of the angle at which the beam leaves the lamp
 EDGE = 0.05  # half width of the edge of a diode's view, in cosines
-AROUND = math.pi * math.pi / 3.0  # variance of an azimuth of which blind is known [rad2]
+AROUND = math.pi * math.pi / 3.0  # variance of a uniformly distributed azimuth [rad2]
 FAINT = 1e-6  # least error of a reading, part of the highest
 
 
 class FitArray(NamedTuple):
     """
-    The diodes as the fit takes them.
+    The diodes as the fit takes them; sequences with a value for each diode.
 
     Attributes
     ----------
-    nx, ny, nz : sequence of float, one a diode
+    nx, ny, nz : sequence of float
         Unit axes, body frame.
-    rx, ry, rz : sequence of float, one a diode
+    rx, ry, rz : sequence of float
         Places relative to their middle. [m, body]
-    gains : sequence of float, one a diode
+    gains : sequence of float
         0 for a diode that is known to be dead.
     response : float
-        p.
+        Exponent p.
     spread : float
         Relative standard deviation of the true gains.
 
@@ -93,7 +93,7 @@ class FitArray(NamedTuple):
 
 
 class DirectionPrior(NamedTuple):
-    """What is expected before a lamp is seen: mean and standard deviation."""
+    """Prior on a lamp: mean and standard deviation."""
 
     elevation: float  # [rad]
     elevation_deviation: float  # [rad]
@@ -103,6 +103,7 @@ class DirectionPrior(NamedTuple):
 
 def pedestal_unevenness(strength: float, pedestal: float) -> float:
     """Return B, the size of the pedestal's harmonics. [counts]"""
+    # A fit may step to a negative pedestal
     diffuse = max(pedestal, 0.0) + BARE * strength
     return diffuse * strength / (strength + MIXED * diffuse)
 
@@ -118,7 +119,8 @@ def build_normal_equations(
     z: float,
     least_error: float,
 ) -> None:
-    """Write normal matrix (lower half), right side and misfit at a direction and the values."""
+    """Write normal matrix (lower half), right side and misfit at the current values."""
+    # Right side and matrix are accumulated below
     for j in range(PULLS, VALUES):
         scratch[j] = 0.0
     scratch[MISFIT] = 0.0
@@ -126,17 +128,21 @@ def build_normal_equations(
     uneven = pedestal_unevenness(strength, pedestal)
     for i in range(len(readings)):
         gain = array.gains[i]
+        # Spoilt or dead diode
         if not (errors[i] < math.inf and gain > 0.0):
             continue
         seen = compute_jacobian_row(array, i, x, y, z, scratch)
         model = seen + pedestal
+        # Slope and bend enter linearly: value times derivative
         for j in range(SLOPE, NEARNESS):
             model += scratch[VALUES + j] * scratch[ROW + j]
+        # Standard deviation by the unknown true gain
         unequal = array.spread * gain * (seen + pedestal)
         rough = REST * gain * uneven
         variance = (
             errors[i] * errors[i] + unequal * unequal + rough * rough + least_error * least_error
         )
+        # The model is for reading over gain, hence its variance over gain squared
         weight = gain * gain / variance
         missing = readings[i] / gain - model
         scratch[MISFIT] += weight * missing * missing
@@ -146,13 +152,16 @@ def build_normal_equations(
             own = NORMAL + UNKNOWNS * j
             for k in range(j + 1):
                 scratch[own + k] += part * scratch[ROW + k]
+    # A uniform azimuth keeps the matrix regular where the diodes say nothing
     scratch[NORMAL + (UNKNOWNS + 1) * AZIMUTH] += 1.0 / AROUND
     level = math.sqrt(x * x + y * y)
+    # Priors on the other unknowns
     lifted = math.atan2(z, level) - expected.elevation
     add_prior(scratch, ELEVATION, lifted, expected.elevation_deviation)
     near = scratch[VALUES + NEARNESS] - expected.nearness
     add_prior(scratch, NEARNESS, near, expected.nearness_deviation)
     add_prior(scratch, FALL, scratch[VALUES + FALL], BEAM)
+    # The slope is expected to point towards the lamp
     towards = LEANING * uneven
     add_prior(scratch, SLOPE, scratch[VALUES + SLOPE] - towards * x, SLOPES * uneven)
     add_prior(scratch, SLOPE + 1, scratch[VALUES + SLOPE + 1] - towards * y, SLOPES * uneven)
@@ -162,8 +171,9 @@ def build_normal_equations(
 
 
 def add_prior(scratch: Scratch, unknown: int, off: float, deviation: float) -> None:
-    """Add the prior of one unknown that is off its mean by so much."""
+    """Add the prior of one unknown at a deviation from its mean."""
     weight = 1.0 / (deviation * deviation)
+    # Diagonal element
     scratch[NORMAL + (UNKNOWNS + 1) * unknown] += weight
     scratch[PULLS + unknown] -= weight * off
     scratch[MISFIT] += weight * off * off
@@ -172,24 +182,30 @@ def add_prior(scratch: Scratch, unknown: int, off: float, deviation: float) -> N
 def compute_jacobian_row(
     array: FitArray, i: int, x: float, y: float, z: float, scratch: Scratch
 ) -> float:
-    """Write how a diode's reading over its gain changes by each unknown; return S f (1 + ...)."""
+    """Write the derivatives of a diode's reading over its gain; return S f (1 + ...)."""
     nx, ny, nz = array.nx[i], array.ny[i], array.nz[i]
     rx, ry, rz = array.rx[i], array.ry[i], array.rz[i]
     near, fall = scratch[VALUES + NEARNESS], scratch[VALUES + FALL]
     level = max(math.sqrt(x * x + y * y), 1e-9)
     ax, ay = -y / level, x / level  # to the left of the direction
     bx, by = -z * x / level, -z * y / level  # and, with `level`, upwards
+    # Direction from this diode to the lamp, in units of the distance
     wx, wy, wz = x - near * rx, y - near * ry, z - near * rz
     cosine = nx * wx + ny * wy + nz * wz
     square = wx * wx + wy * wy + wz * wz
     p = array.response
+    # |w|^-(p+2): normalises the cosine, and the inverse square
     thinned = square ** (-0.5 * p - 1.0)
     response = cosine**p * thinned if cosine > 0.0 else 0.0
+    # Smooth stand-in for |cos|, so that the slope is continuous at the edge
     edge = math.sqrt(cosine * cosine + EDGE * EDGE)
+    # Offset of the diode to the left, across the beam
     left = rx * ax + ry * ay
     beam = 1.0 + near * fall * left
     strength = scratch[VALUES + STRENGTH]
+    # Derivative by the cosine
     sharp = strength * beam * p * (0.5 * (cosine + edge)) ** p / edge * thinned
+    # Derivative by the distance
     wide = strength * beam * (p + 2.0) * response / square
     scratch[ROW + AZIMUTH] = sharp * (nx * ax + ny * ay) + wide * near * left
     scratch[ROW + ELEVATION] = sharp * (nx * bx + ny * by + nz * level) + wide * near * (

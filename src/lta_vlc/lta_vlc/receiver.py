@@ -20,14 +20,12 @@ MOST = 4  # beacons at once; the most recently requested ones are kept
 
 class BeaconReceiver:
     """
-    Hear the beacons in one block after another.
+    Receive beacons in successive blocks.
 
     Parameters
     ----------
-    settings : Demodulation
-        The beacons, and how to listen.
     sample_rate : float
-        Samples a second of each diode. [Hz]
+        Of each diode. [Hz]
     samples : int
         Samples in a block.
     full_scale : float
@@ -36,14 +34,15 @@ class BeaconReceiver:
     Raises
     ------
     BadInput
-        If a beacon cannot be heard in such blocks, or not be told from another or from the mains.
+        If a beacon cannot be detected in such blocks, or not be separated from another or the
+        mains.
 
     Attributes
     ----------
     beacons : tuple of float
-        The beacons that are listened for, the wanted one first. [Hz]
-    presences : dict of float to Presence
-        Whether each is found or lost.
+        Frequencies of the beacons, the wanted one first. [Hz]
+    presences : dict of float to BeaconPresence
+        Whether each is present.
 
     """
 
@@ -57,6 +56,7 @@ class BeaconReceiver:
         self._settings, self._full_scale = settings, full_scale
         self._shape = sample_rate, samples
         self._width = sample_rate / samples
+        # Few combinations of steps occur, so their plans are kept
         self._planned = lru_cache(maxsize=64)(self._plan_bins)
         self._trackers: dict[float, FrequencyTracker] = {}
         self.presences: dict[float, BeaconPresence] = {}
@@ -65,41 +65,41 @@ class BeaconReceiver:
         self._select_beacons(settings.beacons)
 
     def _check_beacons(self, beacons: tuple[float, ...]) -> None:
-        """Refuse beacons that cannot be heard together."""
+        """Refuse beacons that cannot be received together."""
         plan_beacon_bins(beacons, self._settings, *self._shape)
         check_beacons(beacons, self._settings, *self._shape)
 
     def _select_beacons(self, beacons: tuple[float, ...]) -> None:
-        """Listen for these from now on; what is known of one that was heard before is kept."""
+        """Receive these beacons from now on; the state of those already received is kept."""
         self.beacons = beacons
         self._trackers = {one: self._trackers.get(one, FrequencyTracker(one)) for one in beacons}
         self.presences = {one: self.presences.get(one, BeaconPresence()) for one in beacons}
         flicker = mains_flicker_frequencies(self._settings.mains, self._shape[0])
+        # Search window and a bin of margin
         apart = (self._settings.window + 1) * self._width
         self._reaches = {one: tracking_range(one, beacons, flicker, apart) for one in beacons}
 
     def prepare(self) -> None:
-        """Compile what hears a block, or load it from disk, before the first one waits for it."""
+        """Compile the demodulation, or load it from disk, before the first block."""
+        # Zeros of the right type compile the same code as a real block
         silence = np.zeros((self._shape[1], 1))
         demodulate_block(silence, self._planned(self.beacons, (0,) * len(self.beacons)))
 
     def prioritize_beacon(self, beacon: float) -> None:
         """
-        Put a beacon first; those of before are listened for besides where they can be.
+        Put a beacon [Hz] first; the previous ones are still received where possible.
 
-        Parameters
-        ----------
-        beacon : float
-            Its frequency; `NO_WISH` for the first of the settings. [Hz]
+        `NO_WISH` stands for the first beacon of the settings.
 
         Raises
         ------
         BadInput
-            If it cannot be heard, or not be told from the mains; all stays as it was.
+            If it cannot be detected or separated from the mains; nothing is changed then.
 
         """
         wanted = self._settings.frequency if beacon == NO_WISH else beacon
         before = [one for one in self.beacons if one != wanted]
+        # Already received: only the order changes
         if len(before) < len(self.beacons):
             self.beacons = (wanted, *before)
             return
@@ -116,7 +116,7 @@ class BeaconReceiver:
     def _plan_bins(
         self, beacons: tuple[float, ...], steps: tuple[int, ...]
     ) -> tuple[BeaconBins, ...]:
-        """Return where beacons are sought so many steps from where they should be."""
+        """Return the bins of beacons offset from their nominal frequencies by steps."""
         step = self._width / STEPS
         found = [one + number * step for one, number in zip(beacons, steps, strict=True)]
         try:
@@ -126,25 +126,22 @@ class BeaconReceiver:
 
     def demodulate(self, block: ArrayLike) -> DemodulatedBlock:
         """
-        Return what the next block says, and follow the beacons that are heard in it.
-
-        Parameters
-        ----------
-        block : array_like, shape (n, d)
-            Samples in time order, one column a diode: ADC counts.
+        Return the results of the next block of ADC counts, shape (n, d), and update the trackers.
 
         Raises
         ------
         BadInput
-            If the block is not of the shape that was planned for.
+            If the block has not the planned shape.
 
         """
         errors = [self._trackers[one].error for one in self.beacons]
+        # Frequency errors in steps of a fraction of a bin
         steps = tuple(round(error * STEPS / self._width) for error in errors)
         hearing = demodulate_block(block, self._planned(self.beacons, steps), self._full_scale)
         for one, peaks, frequency in zip(
             self.beacons, hearing.peaks, hearing.frequencies, strict=True
         ):
+            # One diode above the threshold is enough
             heard = bool(peaks.snr.max() >= self._settings.threshold)
             self.presences[one] = self.presences[one].update(heard)
             tracker = self._trackers[one]
@@ -154,7 +151,7 @@ class BeaconReceiver:
         return hearing
 
     def skip_blocks(self, blocks: int) -> None:
-        """Note that blocks have not come."""
+        """Update trackers and presences for missing blocks."""
         if blocks > 0:
             self._trackers = {one: it.coast(blocks) for one, it in self._trackers.items()}
             self.presences = {one: it.update(False, blocks) for one, it in self.presences.items()}

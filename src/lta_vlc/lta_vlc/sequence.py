@@ -17,7 +17,7 @@ class BlockSequence:
     Attributes
     ----------
     missing : int
-        Blocks that have not come so far.
+        Number of missing blocks so far.
 
     """
 
@@ -28,12 +28,7 @@ class BlockSequence:
 
     def accept_block(self, stamp_ns: int) -> int:
         """
-        Return how many blocks are missing before this one.
-
-        Parameters
-        ----------
-        stamp_ns : int
-            Time of its first sample. [ns]
+        Return how many blocks are missing before the one whose first sample has this stamp. [ns]
 
         Raises
         ------
@@ -42,6 +37,7 @@ class BlockSequence:
 
         """
         before, period = self._newest, self._period
+        # First block, or a recording that starts again
         if before is None or stamp_ns <= before - ANEW * period:
             self._newest = stamp_ns
             return 0
@@ -53,6 +49,7 @@ class BlockSequence:
                 'send each once, in time order.'
             )
         self._newest = stamp_ns
+        # Rounded to whole periods
         missing = (gap + period // 2) // period - 1
         self.missing += missing
         return missing

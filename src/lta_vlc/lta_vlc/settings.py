@@ -11,11 +11,11 @@ Frequency = Annotated[float, Field(ge=1.0, le=100_000.0)]
 @final
 class DemodulationSettings(Settings):
     """
-    Which beacons to listen for, and how.
+    Beacons and settings of the demodulation.
 
     In white noise alone a diode passes the threshold T in a share (2 window + 1) exp(-pi T^2 / 4)
     of the blocks: 0.43 % at T = 3 and a window of 2 (0.49 % in 128 000 blocks, as the noise is the
-    mean of some 300 bins), never at 6, which leaves room for noise that is not white.
+    mean of some 300 bins), never at 6, which leaves a margin for coloured noise.
     """
 
     frequency: float = setting(

@@ -13,16 +13,14 @@ PATIENCE = 20  # blocks without the beacon after which the search returns to the
 @dataclass(frozen=True, slots=True)
 class FrequencyTracker:
     """
-    Where a beacon is expected in the next block.
+    Expected frequency of a beacon in the next block.
 
     Parameters
     ----------
-    nominal : float
-        Where it should flicker. [Hz]
-    error : float
-        How far off it has been found. [Hz]
+    nominal, error : float
+        Nominal frequency, and estimated deviation from it. [Hz]
     silent : int
-        Blocks since it was heard.
+        Blocks since it was last detected.
 
     """
 
@@ -31,17 +29,8 @@ class FrequencyTracker:
     silent: int = 0
 
     def update(self, frequency: float, reach: float) -> 'FrequencyTracker':
-        """
-        Return the tracker after a block in which the beacon was heard.
-
-        Parameters
-        ----------
-        frequency : float
-            Where. [Hz]
-        reach : float
-            How far from its nominal frequency it may be followed. [Hz]
-
-        """
+        """Return the tracker after a detection; `reach` limits the deviation. [Hz]"""
+        # First-order low pass
         error = self.error + PULL * (frequency - self.nominal - self.error)
         return FrequencyTracker(self.nominal, min(max(error, -reach), reach))
 
@@ -55,18 +44,11 @@ def tracking_range(
     beacon: float, beacons: Sequence[float], flicker: Sequence[float], apart: float
 ) -> float:
     """
-    Return how far a beacon is followed: never to where it is sought in the bins of another. [Hz]
+    Return how far a beacon may be tracked without entering the bins of another. [Hz]
 
-    Parameters
-    ----------
-    beacon : float
-        Where it should flicker. [Hz]
-    beacons, flicker : sequence of float
-        Where all beacons should, and where lamps on the mains do. [Hz]
-    apart : float
-        Half the width of the range in which a beacon is sought. [Hz]
-
+    `apart` is half the width of the search range; `flicker` are the frequencies of mains lamps.
     """
+    # Two beacons may each move half of the way
     ways = [0.5 * abs(other - beacon) - apart for other in beacons if other != beacon]
     ways += [abs(other - beacon) - apart for other in flicker]
     return max(0.0, min([REACH * beacon, *ways]))

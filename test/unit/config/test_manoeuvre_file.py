@@ -83,7 +83,7 @@ def test_the_shipped_comparison_names_what_there_is():
 def test_an_ablation_of_nobody_is_refused():
     content = load_yaml(find_file('comparison', 'platforms'))
     content['ablations']['beavis_neutral']['of'] = 'beaver'
-    with pytest.raises(ValidationError, match='beaver, which is no contestant'):
+    with pytest.raises(ValidationError, match='beaver, which is not a contestant'):
         ComparisonFile.model_validate(content)
 
 

@@ -78,7 +78,7 @@ def test_what_was_read_stays_as_it_was():
             "Unknown key of vehicle.trim 'heavines'; known: heaviness (did you mean",
         ),
         ('trin.heaviness=4 g', "Unknown key of vehicle 'trin'; known: air, diodes"),
-        ('trim.heaviness=4 m', 'is in m, but must be in g or its like'),
+        ('trim.heaviness=4 m', 'is in m, but must be in g or a compatible unit'),
         ('trim.heaviness=4', 'give a number and a unit, as in "1 g"'),
         ('trim.heaviness=4 stone', 'vehicle.trim.heaviness is 4 stone; give a number and a unit'),
         ('trim.heaviness.0=4 g', 'vehicle.trim.heaviness is a single value'),

@@ -83,7 +83,7 @@ class Part(StrictModel):
     ('given', 'message'),
     [
         ({'mass': 1}, 'mass 1 has no unit; write for example "1 kg".'),
-        ({'mass': True}, 'mass True has no unit; write it behind the number, as in "7 m".'),
+        ({'mass': True}, 'mass True has no unit; write it after the number, as in "7 m".'),
         ({'mass': 'kg'}, 'mass "kg" is not a number and a unit, such as "7 m".'),
         ({'mass': '7'}, 'mass "7" is not a number and a unit, such as "7 m".'),
         ({'mass': 'nan kg'}, 'mass "nan kg" is not a number and a unit, such as "7 m".'),
@@ -98,7 +98,7 @@ class Part(StrictModel):
         ({'mass': {'value': [[1]], 'unit': 'kg'}}, 'mass has the value [[1]], but needs a number'),
         ({'mass': {'value': 1, 'unit': 'kg', 'sorce': 'x'}}, "the key 'mass.sorce' is not known;"),
         ({'mass': '1 lb'}, 'mass has the unknown unit "lb"; known: 1, %, m, cm'),
-        ({'mass': '1 m'}, 'mass is in m, but must be in kg or its like.'),
+        ({'mass': '1 m'}, 'mass is in m, but must be in kg or a compatible unit.'),
         ({'mass': '0 g'}, 'mass is 0 g, but must be above 0 and at most 5000 g.'),
         ({'mass': '-3 g'}, 'mass is -3 g, but must be above 0 and at most 5000 g.'),
         ({'mass': '5001 g'}, 'mass is 5001 g, but must be above 0 and at most 5000 g.'),

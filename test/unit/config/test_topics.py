@@ -101,7 +101,7 @@ ROW = '{type: std_msgs/msg/Bool, unit: "", frame: "", qos: default, from: a, to:
         (HEAD + f'topics: {{x: {ROW.replace("default", "best")}}}', "topics.x.qos is 'best'"),
         (HEAD + f'topics: {{x: {ROW.replace("/msg", "")}}}', 'topics.x.type is'),
         (HEAD + f'topics: {{x: {ROW.replace("to: {}", "to: {b: 0.5}")}}}', 'topics.x.to.b is 0.5'),
-        (HEAD + f'topics: {{x: {ROW}, x: {ROW}}}', "the key 'x' stands twice"),
+        (HEAD + f'topics: {{x: {ROW}, x: {ROW}}}', "the key 'x' appears twice"),
     ],
 )
 def test_a_bad_table_is_refused(tmp_path, text, message):

@@ -123,7 +123,7 @@ def grams(value, **more):
         (
             f'{BATTERY}.mass',
             grams(7, unit='cm'),
-            f'{BATTERY}.mass is in cm, but must be in kg or its like.',
+            f'{BATTERY}.mass is in cm, but must be in kg or a compatible unit.',
         ),
         (
             f'{BATTERY}.mass',
@@ -158,7 +158,7 @@ def grams(value, **more):
         (
             'aero.linear_drag.moment',
             grams([1, 1, 1], unit='N m s2'),
-            'aero.linear_drag.moment is in N m s2, but must be in N m s or its like.',
+            'aero.linear_drag.moment is in N m s2, but must be in N m s or a compatible unit.',
         ),
         ('thrust_curve.b', grams(0, unit='N'), 'thrust_curve.b is 0 N, but must be above 0 N.'),
         ('sensors.diodes.count', 0, 'sensors.diodes.count is 0, but must be at least 1.'),
@@ -171,7 +171,7 @@ def grams(value, **more):
         (
             'effects.motor_lag.up',
             72,
-            'effects.motor_lag.up 72 has no unit; write it behind the number, as in "7 m".',
+            'effects.motor_lag.up 72 has no unit; write it after the number, as in "7 m".',
         ),
         (
             'effects.motor_lag.up',

@@ -40,7 +40,7 @@ TRIM = GTMAB['trim']
         ({'thrust_curve': None}, 'the file has no thrust_curve for up_left, up_right, forward_l'),
         (
             {'rotors': {f'r{i}': GTMAB['rotors']['up_left'] for i in range(9)}},
-            'rotors must have at most 8 of its kind.',
+            'rotors must have 8 or fewer entries.',
         ),
         (
             {'trim': without(TRIM, 'ballast_position')},
@@ -48,7 +48,7 @@ TRIM = GTMAB['trim']
         ),
         (
             {'trim': {'ballast': 'none', 'heaviness': TRIM['heaviness']}},
-            'the file has trim.ballast none and a trim.heaviness, which only ballast could',
+            'the file has trim.ballast none and a trim.heaviness, which needs ballast',
         ),
         (
             {'trim.ballast': 'none'},
@@ -138,7 +138,7 @@ def test_what_are_no_diodes_is_one_sentence(tmp_path, changes, sentence):
             [('energy.array.part', 'sail')],
             'has no part sail, which energy.array.part names; parts: envelope, ',
         ),
-        ([('energy.array.part', None)], 'needs the place of its panel once: either '),
+        ([('energy.array.part', None)], 'needs exactly one position of its panel: '),
         ([('energy.charger', None)], 'energy has an array and no charger; add it, or remove'),
         ([('energy.array.cell', 'duracell')], "Unknown cell 'duracell'; known: adafruit, "),
         ([('energy.array.normal.value', [0, 0, 2])], 'energy.array.normal is [0, 0, 2]'),

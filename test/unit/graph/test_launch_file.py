@@ -306,7 +306,7 @@ def test_errors_in_includes_name_both_ends(write, tmp_path):
         ('launch: [node: {pkg: p, exec: e, on_exit: restart}]', "on_exit is 'restart'"),
         ('launch: [node: {pkg: p, exec: e, name: a-b}]', "'a-b' cannot be a node name"),
         ('launch: [node: {pkg: p, exec: e, namespace: 1a}]', "'/1a' cannot be a namespace"),
-        ('launch: [node: {pkg: p, exec: e, param: []}]', 'param must have at least 1 of its kind'),
+        ('launch: [node: {pkg: p, exec: e, param: []}]', 'param must have 1 or more entries'),
         ('launch: [node: {pkg: p, exec: e, param: [{name: x}]}]', 'needs either "from", or "nam'),
         ('launch: [node: {pkg: p, exec: e, param: [{value: 1}]}]', 'needs either "from"'),
         ('launch: [node: {pkg: p, exec: e, param: [{name: x, value: {}}]}]', 'the value {}, but'),
@@ -328,7 +328,7 @@ def test_errors_in_includes_name_both_ends(write, tmp_path):
         ('launch: [let: {name: x, value: "$(var a b)"}]', r'has 2 arguments, but \$\(var\) takes'),
         ('launch: [let: {name: x, value: "$(env LTA_NO_SUCH)"}]', 'LTA_NO_SUCH is not set'),
         ('launch: [let: {name: x, value: "$(find-pkg-share nope)"}]', "ackage 'nope'"),
-        ('launch: [let: {name: x, name: y, value: z}]', "the key 'name' stands twice"),
+        ('launch: [let: {name: x, name: y, value: z}]', "the key 'name' appears twice"),
     ],
 )
 def test_bad_files_get_one_sentence(write, text, message):

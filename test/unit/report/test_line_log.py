@@ -56,13 +56,13 @@ def test_a_first_line_that_was_torn_off_is_written_again(three):
     ('content', 'sentence'),
     [
         (b'{"count": "yours"}\n{"n": 1}\n', 'is of another search; choose another --folder.'),
-        (b'garbage\n', 'is no log of a search; choose another --folder.'),
-        (b'garbage', 'is no log of a search'),
-        (b'\xff\xfe\n{"n": 1}\n', 'is no log of a search'),
-        (b'[1]\n', 'is no log of a search'),
-        (b'{"other": "mine"}\n', 'is no log of a search'),
-        (b'{"count": "mine"}\n{"m": 1}\n', 'is no log of a search'),
-        (b'{"count": "mine"}\n7\n', 'is no log of a search'),
+        (b'garbage\n', 'is not a log of a search; choose another --folder.'),
+        (b'garbage', 'is not a log of a search'),
+        (b'\xff\xfe\n{"n": 1}\n', 'is not a log of a search'),
+        (b'[1]\n', 'is not a log of a search'),
+        (b'{"other": "mine"}\n', 'is not a log of a search'),
+        (b'{"count": "mine"}\n{"m": 1}\n', 'is not a log of a search'),
+        (b'{"count": "mine"}\n7\n', 'is not a log of a search'),
     ],
 )
 def test_the_log_of_something_else_is_refused_and_not_touched(tmp_path, content, sentence):
@@ -76,7 +76,7 @@ def test_the_log_of_something_else_is_refused_and_not_touched(tmp_path, content,
 
 def test_one_writes_at_a_time(tmp_path):
     log = opened(tmp_path)
-    with pytest.raises(BadInput, match=r'Another search writes .* wait for its end'):
+    with pytest.raises(BadInput, match=r'Another search writes .* wait until it ends'):
         opened(tmp_path)
     log.append({'n': 5})
     log.close()

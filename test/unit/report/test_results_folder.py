@@ -43,7 +43,7 @@ def test_nothing_half_written_stays(tmp_path, fault):
 def test_a_folder_that_cannot_be_is_refused_before_the_work(tmp_path):
     (tmp_path / 'file').write_text('')
     check_creatable(tmp_path / 'new' / 'newer')
-    for place, said in ((tmp_path, 'not empty'), (tmp_path / 'file' / 'x', 'takes no files')):
+    for place, said in ((tmp_path, 'not empty'), (tmp_path / 'file' / 'x', 'not a writable')):
         with pytest.raises(BadInput, match=said):
             check_creatable(place)
     assert [one.name for one in tmp_path.iterdir()] == ['file']
@@ -58,7 +58,7 @@ def test_flights_whose_names_differ_by_a_sign_have_topics_of_their_own():
 def test_a_folder_that_cannot_be_made_is_refused(tmp_path):
     (tmp_path / 'file').write_text('')
     with (
-        pytest.raises(BadInput, match='cannot be made'),
+        pytest.raises(BadInput, match='cannot be created'),
         stage_results(tmp_path / 'file' / 'a', 'b'),
     ):
         pass

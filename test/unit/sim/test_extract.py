@@ -65,7 +65,9 @@ def test_a_constant_is_part_of_the_text(monkeypatch):
     assert before != after
 
 
-@pytest.mark.parametrize(('function', 'word'), [(bad, 'os, a module'), (len, 'no plain function')])
+@pytest.mark.parametrize(
+    ('function', 'word'), [(bad, 'os, a module'), (len, 'not a plain function')]
+)
 def test_what_cannot_be_compiled_is_refused(function, word):
     with pytest.raises(BadInput, match=word):
         text_of(function)
@@ -75,7 +77,7 @@ def test_a_function_within_a_function_is_refused():
     def square(x: float) -> float:
         return x
 
-    with pytest.raises(BadInput, match='No function square stands at the top'):
+    with pytest.raises(BadInput, match='square is not at the top level'):
         text_of(square)
 
 

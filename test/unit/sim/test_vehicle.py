@@ -215,7 +215,7 @@ def test_unknown_parameter():
 
 def test_parameter_in_the_wrong_unit():
     assert refused(('effects.motor_lag.up', given(72, 'cm'))) == (
-        'effects.motor_lag.up is in cm, but must be in s or its like.'
+        'effects.motor_lag.up is in cm, but must be in s or a compatible unit.'
     )
 
 
@@ -233,7 +233,7 @@ def test_parameter_out_of_bounds():
         'effects.motor_lag.up is 0.1 us, but must be from 1000 to 1e+07 us.'
     )
     assert refused(('effects.motor_lag.up', given(0, 'm'))) == (
-        'effects.motor_lag.up is in m, but must be in s or its like.'
+        'effects.motor_lag.up is in m, but must be in s or a compatible unit.'
     )
 
 

@@ -106,7 +106,7 @@ def test_scripts_get_numbers_in_si(gtmab):
     [
         (['trim.heavyness=4 g'], [], "Unknown key of vehicle.trim 'heavyness'"),
         (['trim.heaviness=4 m'], [], 'vehicle.trim.heaviness is in m, but must be in g'),
-        (['trim.heaviness'], [], 'sets nothing'),
+        (['trim.heaviness'], [], 'is not an assignment'),
         ([], ['sensors'], "Invalid layer swap 'sensors'; write LAYER=VEHICLE"),
         ([], ['wings=sblimp'], "Unknown layer of .* 'wings'; known: .*sensors"),
         ([f'{BATTERY}=100 g'], [], r'gtmab.yaml with .*battery.*g too heavy for its lift'),

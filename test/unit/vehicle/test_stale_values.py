@@ -120,7 +120,7 @@ def test_diff_says_which_columns_held_moved_rotors(gtmab):
     assert found.consequences == []
     words = said(found)
     assert told in words
-    assert 'Nothing follows' not in words
+    assert 'No derived figure changes' not in words
     assert encode_difference(found)['warnings'] == [told]
 
 

@@ -64,7 +64,7 @@ def test_pushes_of_gtmab_by_hand(gtmab):
     assert value(gtmab, 'push_backward') == pytest.approx(0.0, abs=1e-9)
     # One forward rotor alone: a moment of 0.1 m, and a push forward that nothing balances.
     assert value(gtmab, 'push_turn_left') == pytest.approx(1e3 * 0.1 * FULL)
-    assert 'not on the spot: it is pushed with 156 mN' in gtmab.by_key['push_turn_left'].note
+    assert 'not on the spot: a horizontal force of 156 mN' in gtmab.by_key['push_turn_left'].note
 
 
 def test_hover_of_gtmab_by_hand(gtmab):
@@ -216,7 +216,9 @@ def test_the_headline_says_what_matters(gtmab):
         'gas included, and floats'
     )
     assert 'cannot carry it' in format_headline(build_sheet(load_vehicle('rgblimp')))
-    assert any('It can hover until 29.2 g are lost' in line for line in describe_vehicle(gtmab))
+    assert any(
+        'It can hover until 29.2 g of lift are lost' in line for line in describe_vehicle(gtmab)
+    )
 
 
 @pytest.mark.parametrize('name', VEHICLES)

@@ -123,12 +123,14 @@ class BackgroundWriter:
             return False
         self._taken += len(data)
         self._queue.append((topic, data, log_time_ns))
+        # A full chunk is worth writing at once; less waits for the next poll
         if waiting > CHUNK_SIZE:
             self._wake.set()
         return True
 
     def submit(self, step: Callable[[], None]) -> None:
         """Queue a call to the sink: the thread makes it after everything queued before."""
+        # append and popleft of a deque are atomic, so the queue needs no lock
         self._queue.append(step)
 
     def wake_thread(self) -> None:
@@ -193,6 +195,7 @@ class BackgroundWriter:
             item = pop()
             self._busy_since = time.monotonic()
             if isinstance(item, tuple):
+                # Before the call: if it fails, the message has left the queue
                 self._done += len(item[1])
                 write(*item)
             else:

@@ -69,6 +69,7 @@ class CompressedChunk:
         """Return the chunk and its message indexes for a byte offset in a file."""
         places, indexes = {}, b''
         for channel, entries in self.entries.items():
+            # MCAP places the message indexes directly behind their chunk
             places[channel] = offset + len(self.record) + len(indexes)
             inside = ENTRIES_HEAD + len(entries)
             indexes += INDEX_HEAD.pack(Opcode.MESSAGE_INDEX, inside, channel, len(entries))
@@ -92,6 +93,7 @@ class ChunkBuilder:
     """Collect messages for the next chunk."""
 
     def __init__(self) -> None:
+        # The fastest level: a recorder must not slow down the flight
         self._compressor = zstandard.ZstdCompressor(level=1)
         self._records = bytearray()
         self._entries: defaultdict[int, bytearray] = defaultdict(bytearray)

@@ -75,6 +75,7 @@ class McapFile:
     @property
     def summary_size(self) -> int:
         """Space that `close` will need. [bytes]"""
+        # An estimate from above is safe: it ends the recording slightly earlier
         return self._summary_size + 1024  # bytes for statistics, footer and the like
 
     @property
@@ -95,7 +96,9 @@ class McapFile:
         schema = self._schemas.get(definition)
         if schema is None:
             schema = Schema(
+                # MCAP reserves schema id 0 for "no schema"
                 id=len(self._schemas) + 1,
+                # Keeps bytes of a copied definition that are not UTF-8
                 data=definition.text.encode(errors='surrogateescape'),
                 encoding=definition.encoding,
                 name=definition.type_name,
@@ -111,6 +114,7 @@ class McapFile:
         records.append(channel)
         data = encode_records(records)
         self._file.append(data)
+        # Only after the write succeeded, so that a failed one leaves no channel without a record
         self._schemas[definition] = schema
         self._channels.append(channel)
         self._summary_size += len(data)
@@ -182,6 +186,7 @@ class McapFile:
         body, places = b'', []
         for opcode, data in groups.items():
             if data:
+                # One offset per group lets readers jump to the records of one kind
                 places.append(SummaryOffset(opcode, start + len(body), len(data)))
             body += data
         footer = Footer(start, start + len(body), 0)

@@ -87,6 +87,7 @@ def build_metadata(
                 {'path': part.name, **build_time_range(part.start, part.end, part.message_count)}
                 for part in parts
             ],
+            # rosbag2 writes null, not an empty map
             'custom_data': dict(provenance) or None,
             'ros_distro': 'jazzy',
         }
@@ -114,6 +115,7 @@ def write_metadata(folder: Path, content: Mapping[str, object]) -> None:
     """
     text = yaml.dump(content, Dumper=AliasFreeDumper, sort_keys=False, allow_unicode=True)
     try:
+        # A crash must leave either the old or the new file
         with replace_atomically(folder / NAME) as part:
             part.write_text(text, encoding='utf-8')
     except OSError as error:

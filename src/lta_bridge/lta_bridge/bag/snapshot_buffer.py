@@ -80,6 +80,7 @@ class SnapshotBuffer:
         record = self._topics[topic]
         record.written += 1
         self._builder.add(record.channel, record.written, log_time_ns, data)
+        # Latched messages are sent once, so keep the last one beyond the span
         if is_latched(record.qos):
             self._latched[topic] = data, log_time_ns
         self._newest = max(self._newest, log_time_ns)
@@ -125,6 +126,7 @@ class SnapshotBuffer:
         if self._builder.size:
             self._pack_chunk()
         path = self.path / f'{WHY}_{self.saved}'
+        # Before writing: a failed snapshot leaves its folder, so the next needs another name
         self.saved += 1
         counts: Counter[int] = Counter()
         for chunk in self._chunks:
@@ -148,5 +150,6 @@ class SnapshotBuffer:
         self._chunks.append(chunk)
         self.size += chunk.memory_size
         oldest = self._newest - self._span_ns
+        # Whole chunks only: their messages are compressed together
         while self._chunks and (self._chunks[0].end < oldest or self.size > self._room):
             self.size -= self._chunks.popleft().memory_size

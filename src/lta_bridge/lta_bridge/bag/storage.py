@@ -111,6 +111,7 @@ class RecordFile:
         self.path = path
         self.size = 0
         try:
+            # O_EXCL: never overwrite a recording
             self._fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o644)
         except OSError as error:
             raise to_storage_fault(error, path) from error
@@ -128,6 +129,7 @@ class RecordFile:
         start = self.size
         left = memoryview(data)
         try:
+            # pwrite may write less than asked for, such as on a nearly full disk
             while left:
                 left = left[os.pwrite(self._fd, left, start + len(data) - len(left)) :]
             self.size = start + len(data)

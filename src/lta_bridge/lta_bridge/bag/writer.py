@@ -37,6 +37,7 @@ def prepare_empty_folder(path: Path) -> Path:
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
+        # In the same try: a folder may be creatable but not readable
         busy = any(path.iterdir())
     except OSError as error:
         raise BadInput(
@@ -160,6 +161,7 @@ class BagWriter:
         if self._fault is not None:
             raise self._fault
         record = self._topics[topic]
+        # Counted before writing, so that lost_count includes a message whose write fails
         record.written += 1
         try:
             if self._split is not WHOLE:
@@ -199,6 +201,7 @@ class BagWriter:
         self._check_fault()
         try:
             self._mcap.flush()
+            # metadata.yaml lists the topics, so rewrite it only when one was added
             if self._described < len(self._topics):
                 self._write_metadata()
         except StorageFault as fault:
@@ -233,6 +236,7 @@ class BagWriter:
                 step()
             except StorageFault as fault:
                 self._fault = self._fault or fault
+        # An earlier fault was raised when it happened
         if earlier_fault is None and self._fault is not None:
             raise self._fault
 
@@ -254,6 +258,7 @@ class BagWriter:
 
     def _create_file(self, number: int) -> McapFile:
         """Create a file with all metadata and channels, so that it can be read on its own."""
+        # rosbag2's naming; resolve() gives '.' and '..' a name
         name = f'{self.path.resolve().name}_{number}.mcap'
         mcap = McapFile(self.path / name, LIBRARY)
         try:

@@ -103,6 +103,7 @@ class BridgeCore:
         command: str = '',
         watchdog: bool = False,
     ) -> None:
+        # The lock guards state that both the tick and the thread of arriving packets use
         self._link, self._lock = link, threading.Lock()
         self.command = command or file.command
         self._order = find_rotor_indices(file.motors, rotors)
@@ -177,6 +178,7 @@ class BridgeCore:
                     self.attitude = readings.convert_attitude(values)
                 case 'motors':
                     self.motors = readings.convert_motors(values)
+                    # Arrival, not stamp: silence is judged without trusting the drone's clock
                     self._word_ns = packet.arrival_ns
                     return StampedReading(stamp, self.motors)
                 case 'power':
@@ -211,6 +213,7 @@ class BridgeCore:
             voltage=self._safety_voltage(now_ns),
             height=where.height,
             distance=where.distance,
+            # Without any estimator the position is not required, so it cannot be too old
             place_age=0.0 if where.stamp_ns is None else stamp_age(where.stamp_ns, now_ns),
         )
 
@@ -218,6 +221,7 @@ class BridgeCore:
         """Return the cell voltage: 0 if the firmware calls it low, NaN if unknown. [V]"""
         if self.power is None or stamp_age(self._power_ns, now_ns) > UNTOLD:
             return math.nan
+        # 0 V is below every limit, so the drone lands
         return 0.0 if self.power.state >= POWER_OFF else self.power.voltage
 
     def tick(
@@ -253,6 +257,7 @@ class BridgeCore:
     def _send_outputs(self, order: safety.SafetyOutputs) -> None:
         if order.stop:
             self._link.send_emergency_stop()
+        # Once fed, the firmware's watchdog must be fed for good, or it stops the motors
         self._guarded |= self._watchdog and bool(order.arm)
         self._ticks += 1
         stopped = self.state.stage is SafetyStage.STOPPED
@@ -269,7 +274,10 @@ class BridgeCore:
             command = self._asked
             rate = max(-FASTEST_TURN, min(FASTEST_TURN, TURN_GAIN * command.turn))
             self._link.send_hover_setpoint(
-                order.drive * command.speed, order.drive * rate, command.height
+                # The ramp of a landing scales speed and turn; the height stays until the hand-over
+                order.drive * command.speed,
+                order.drive * rate,
+                command.height,
             )
         if order.hand_over:
             self._link.hand_over(land=self.command == 'setpoint')
@@ -278,6 +286,7 @@ class BridgeCore:
         """Return the duties of M1 to M4 to send now; empty if no command is flown."""
         if not order.drive or self._asked is None:
             return ()
+        # From the vehicle file's order of rotors to M1 to M4
         duties = (self._asked.duties[place] for place in self._order)
         return tuple(order.drive * min(1.0, max(-1.0, duty)) for duty in duties)
 
@@ -298,5 +307,5 @@ class BridgeCore:
             return
         duties = self._motor_duties(order) or (0.0,) * len(self._order)
         self._sequence += 1
-        hold = HOLD_MS if order.stream else 0
+        hold = HOLD_MS if order.stream else 0  # ms
         self._link.send_duties(duties_packet.pack_duties(self._sequence, duties, hold))

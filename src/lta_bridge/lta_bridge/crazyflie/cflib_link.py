@@ -42,9 +42,9 @@ except ImportError:  # reported when a link is created
 else:
     CFLIB = True
 
-PLACE: Final = r'[^/:\s]+:\d{1,5}'
+PLACE: Final = r'[^/:\s]+:\d{1,5}'  # host:port
 RATE: Final = r'(250K|1M|2M)'
-ADDRESS: Final = r'[0-9A-Fa-f]{1,10}'
+ADDRESS: Final = r'[0-9A-Fa-f]{1,10}'  # five bytes in hexadecimal
 SCHEMES: Final = {  # URI scheme to a pattern of the rest, as cflib parses it
     'radio': rf'(\d+|{ADDRESS})/\d{{1,3}}(/{RATE}(/{ADDRESS})?)?(\?rate_limit=\d+)?',
     'usb': r'\d+',
@@ -58,6 +58,7 @@ FULL_RATIO: Final = 65535  # motor ratio at full duty
 ECHO: Final = (15, 0)  # CRTP port and channel whose packets are echoed
 CLOSING: Final = 3.0  # s; cflib needs two at most, but blocks forever if its driver has failed
 PARTING: Final = 3  # times that the override is released before a link is closed
+# cflib's list of drivers is global to the process
 DRIVERS = threading.Lock()
 
 
@@ -130,6 +131,7 @@ class CflibLink:
         """Connect and start all log blocks within a time. [s]"""
         until = time.monotonic() + deadline
         drone = self._opened = self._drone = cflib.crazyflie.Crazyflie()
+        # cflib's callbacks run in its own threads; an empty text means success
         outcome: SimpleQueue[str] = SimpleQueue()
         drone.fully_connected.add_callback(lambda _: outcome.put(''))
         for caller in (drone.connection_failed, drone.connection_lost):
@@ -191,6 +193,7 @@ class CflibLink:
             config.error_cb.add_callback(lambda one, why: outcomes.put((one.name, str(why))))
             try:
                 drone.log.add_config(config)
+                # Before the start: the first packet may arrive before start() returns
                 self._sizes[config.id] = block_size(block)
                 config.start()
             except (KeyError, AttributeError) as error:
@@ -225,6 +228,7 @@ class CflibLink:
             drone.send_packet = lambda *_, **__: None
             # Stop the reader while packets still arrive: later it would wait 1 s for the next.
             drone.incoming.stop()
+            # A daemon thread, so that a close_link that blocks cannot keep the process alive
             closer = threading.Thread(target=drone.close_link, name='cflib_close', daemon=True)
             closer.start()
             closer.join(CLOSING)
@@ -243,6 +247,7 @@ class CflibLink:
         callback = lambda _, text: echoes.put(float(text))  # noqa: E731 - removed by the same name
         param.add_update_callback(group, word, callback)
         try:
+            # cflib packs integer parameters with struct, which rejects floats
             param.set_value(name, value if value % 1.0 else int(value))
             if echoes.get(timeout=deadline) != value:
                 raise LinkFailed(f'parameter {name} did not become {value:g}')
@@ -257,6 +262,7 @@ class CflibLink:
 
     def request_arming(self, on: bool) -> None:
         """Request arming or disarming; cflib picks the port that the firmware's protocol needs."""
+        # cflib warns on each call to firmware that has the older port only
         with warnings.catch_warnings(action='ignore'):
             self._call_cflib('supervisor', 'send_arming_request', on)
 
@@ -275,7 +281,13 @@ class CflibLink:
     def send_hover_setpoint(self, forward: float, yaw_rate: float, height: float) -> None:
         """Send speed [m/s], yaw rate [rad/s] and height [m]."""
         self._call_cflib(
-            'commander', 'send_hover_setpoint', forward, 0.0, math.degrees(yaw_rate), height
+            # The firmware expects the yaw rate in deg/s
+            'commander',
+            'send_hover_setpoint',
+            forward,
+            0.0,
+            math.degrees(yaw_rate),
+            height,
         )
 
     def send_duties(self, payload: bytes) -> None:
@@ -292,11 +304,13 @@ class CflibLink:
         ratios = [round(FULL_RATIO * min(1.0, max(0.0, duty))) for duty in duties] or [0] * 4
         motors = [(f'motorPowerSet.m{n}', U16, ratio) for n, ratio in enumerate(ratios, start=1)]
         enable = ('motorPowerSet.enable', U8, int(bool(duties)))
+        # Set the ratios before enabling, and disable first: old ratios must never reach a motor
         for words in (*motors, enable) if duties else (enable, *motors):
             self._call_cflib('param', 'set_value_raw', *words)
 
     def hand_over(self, land: bool) -> None:
         """Release the commander, and where `land`, let the high-level commander land."""
+        # Until this message the firmware gives streamed setpoints priority over the landing
         self._call_cflib('commander', 'send_notify_setpoint_stop')
         if land:
             self._call_cflib('high_level_commander', 'land', 0.0, LANDING)

@@ -47,6 +47,7 @@ def apply_parameters(
         vehicle disagree on the voltage compensation.
 
     """
+    # First of all: a previous program may have left motors turning
     for name in TURNING:
         if link.read_parameter(name):
             link.write_parameter(name, 0.0, CONFIRM)
@@ -54,6 +55,7 @@ def apply_parameters(
         value = link.read_parameter(name)
         if value is None:
             raise LinkFailed(f'the firmware has no parameter {name} ({want.why})')
+        # Check all before writing any, so that a refused drone stays as it was
         if value != want.value and not want.write:
             raise LinkFailed(f'{name} is {value:g}, not {want.value:g} ({want.why})')
     if compensated is not None and (
@@ -137,6 +139,7 @@ class ConnectionManager:
         """Close the link; return whether the thread ended within a time. [s]"""
         self.up = False
         self._leave.set()
+        # Wakes the thread if it holds a connection
         self._again.set()
         self._thread.join(deadline)
         return not self._thread.is_alive()
@@ -155,6 +158,7 @@ class ConnectionManager:
                 continue
             self.why = failed
             self._leave.wait(pause)
+            # Exponential backoff
             pause = min(2.0 * pause, LONGEST)
         self._given_back()
 
@@ -168,6 +172,7 @@ class ConnectionManager:
             return str(error)
         except Exception as error:  # drivers raise various types; the thread must survive them
             return suggest_remedy(f'{type(error).__name__}: {error}')
+        # The link may have been lost, or closed, while parameters were written
         if not (self._again.is_set() or self._leave.is_set()):
             self.up, self.why = True, ''
             self._again.wait()

@@ -24,8 +24,8 @@ REACH: Final = {
     'acc': (-40.0, 40.0),
     'gyro': (-3000.0, 3000.0),
     'baro': (200.0, 1300.0),
-    'stateEstimate': (-720.0, 720.0),
-    'pm': (-1.0, 30.0),
+    'stateEstimate': (-720.0, 720.0),  # deg
+    'pm': (-1.0, 30.0),  # V, and the power state
 }
 WHOLE: Final = {block.name: block.variables.keys() for block in BLOCKS}
 Values = Mapping[str, float]
@@ -88,6 +88,7 @@ def convert_air(values: Values) -> AirReading:
 def convert_attitude(values: Values) -> tuple[float, float, float, float]:
     """Return the firmware's attitude as a quaternion x y z w, body FLU to the start frame."""
     roll, pitch, yaw = (values[f'stateEstimate.{angle}'] for angle in ('roll', 'pitch', 'yaw'))
+    # The firmware's pitch has the opposite sign of FLU's
     x, y, z, w = Rotation.from_euler('ZYX', [yaw, -pitch, roll], degrees=True).as_quat().tolist()
     return x, y, z, w
 

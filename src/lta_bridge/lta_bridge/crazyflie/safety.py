@@ -77,6 +77,7 @@ class SafetyInputs(NamedTuple):
     word: int = 0
     silence: float = math.inf
     command_age: float = math.inf
+    # NaN compares false, so an unknown height or distance never exceeds its limit
     voltage: float = math.nan
     height: float = math.nan
     distance: float = math.nan
@@ -177,6 +178,7 @@ def find_landing_reason(
         return 'deactivated'
     if inputs.silence > SILENT:
         return f'the Crazyflie has sent nothing for {inputs.silence:.1f} s'
+    # low_since is infinite while the voltage is fine, so this is then false
     if now - state.low_since >= LOW:
         known = not math.isnan(inputs.voltage)
         return (
@@ -212,6 +214,7 @@ def step_state(
     """Return the next state and the outputs to send; `now` is a monotonic time. [s]"""
     low = not inputs.voltage >= limits.voltage  # true for NaN too: an unknown voltage is low
     state = state._replace(low_since=min(state.low_since, now) if low else math.inf)
+    # The emergency stop comes first: it must work in every stage, and even without a link
     if request.stop:
         state = SafetyState(SafetyStage.STOPPED, now, state.began, 'emergency stop', STOPS)
     if state.stage is SafetyStage.STOPPED:
@@ -221,6 +224,7 @@ def step_state(
         return state._replace(stops=max(0, state.stops - 1)), SafetyOutputs(stop=stop)
     if not inputs.linked:
         return _enter_disarmed(state, now, 'no link'), QUIET
+    # A fault that the firmware reports ends the flight on the drone itself: nothing to send
     if explain_fault(inputs.word):
         return _enter_disarmed(state, now, explain_fault(inputs.word)), QUIET
     return STEPS[state.stage](state, now, inputs, request, limits)
@@ -254,6 +258,7 @@ def _step_disarmed(
             arm=True
         )
     # Armed by an earlier program, or by a request that was never confirmed: disarm it.
+    # A flying drone would fall, and firmware that arms itself would arm again at once
     armed = inputs.word & SupervisorBit.ARMED and not inputs.word & (
         SupervisorBit.FLYING | SupervisorBit.AUTO_ARM
     )
@@ -276,6 +281,7 @@ def _step_arming(
     # Only a word that was sent after the request counts.
     if inputs.word & SupervisorBit.ARMED and now - state.since > inputs.silence:
         return _enter_stage(state, SafetyStage.READY, now), QUIET
+    # The radio may have lost the request: repeat it until it is confirmed
     if now - state.asked_at >= AGAIN:
         return state._replace(asked_at=now), SafetyOutputs(arm=True)
     return state, QUIET
@@ -304,6 +310,7 @@ def _step_ready(
         return _enter_stage(state, SafetyStage.FLYING, now)._replace(began=now), SafetyOutputs(
             drive=1.0, stream=True
         )
+    # No command to fly yet: in motors mode, stream zero duties
     return state, SafetyOutputs(stream=True)
 
 
@@ -347,6 +354,7 @@ def _step_landing(
                 drive=1.0, stream=True
             )
         curable = state.curable and fit
+        # Once the landing is final it stays final, even if the reason disappears
         return state._replace(curable=curable), SafetyOutputs(drive=1.0 - gone / RAMP, stream=True)
     # A landing counts only after the hand-over was sent.
     landed = not inputs.word & SupervisorBit.FLYING

@@ -149,6 +149,7 @@ def measure_diodes(
     if not blocks:
         return
     results = [demodulate_block(block.samples, (bins,), top) for block in blocks]
+    # Shape (blocks, samples, diodes)
     samples = np.stack([block.samples for block in blocks])
     snr = np.median([each.peaks[0].snr for each in results], axis=0)
     for k in range(samples.shape[2]):
@@ -216,6 +217,7 @@ def _judge_diodes(diodes: Sequence[DiodeMeasurement], threshold: float) -> Hardw
             'diodes', 'fail', f'{", ".join(spoilt)} of {len(diodes)} cannot be used', remedy
         )
     best = max(each.snr for each in diodes)
+    # One diode suffices: the others may face away from the beacon
     if best < threshold:
         return HardwareCheck(
             'diodes', 'warn', f'all {len(diodes)} read light, none detects the beacon',

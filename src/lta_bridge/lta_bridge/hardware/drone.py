@@ -87,6 +87,7 @@ def measure_drone(
     while (elapsed := time.monotonic() - began) < seconds and not lost:
         tick(elapsed)
         try:
+            # Wake up ten times a second to update the progress bar
             event = link.events.get(timeout=min(0.1, seconds - elapsed))
         except Empty:
             continue
@@ -205,6 +206,7 @@ def _judge_supervisor(word: int | None) -> HardwareCheck:
 def _judge_duties(measurement: DroneMeasurement, compensated: bool) -> HardwareCheck:
     """Check how the firmware changes a duty before it reaches a motor."""
     if why := explain_mismatch(measurement.compensates, compensated):
+        # The sentence has the form 'finding: remedy'
         finding, _, remedy = why.partition(': ')
         return HardwareCheck('duties', 'fail', finding, f'{remedy[0].upper()}{remedy[1:]}.')
     idle = measurement.parameters['powerDist.idleThrust']

@@ -67,6 +67,7 @@ class MotorBench:
         rotors = vehicle.rotor_names
         self._bridge = BridgeCore(link, file, rotors, 'motors')
         self._motor = MOTORS.index(motor)
+        # Two indices: _motor counts M1 to M4, _place the vehicle file's rotors
         self._place = list(rotors).index(file.motors[motor])
         self._rotors = len(rotors)
         self._logged: list[readings.MotorsReading] = []
@@ -123,6 +124,7 @@ class MotorBench:
             raise LinkFailed(self._bridge.state.why)
 
     def _drive(self, duty: float, seconds: float, tick: Callable[[float], None]) -> None:
+        # Repeated each tick, since the drone stops its motors without newer duties
         duties = tuple(duty if k == self._place else 0.0 for k in range(self._rotors))
         began = time.monotonic()
         while (elapsed := time.monotonic() - began) < seconds:
@@ -157,6 +159,7 @@ class MotorBench:
 
     def _disarm(self) -> None:
         """Disarm until the supervisor confirms it; otherwise send emergency stops."""
+        # A second Ctrl-C must not end the disarming
         with hold_interrupts(), suppress(LinkFailed):
             began = time.monotonic()
             known = len(self._logged)
@@ -183,6 +186,7 @@ def interrupt_on_signals() -> Iterator[None]:
     def raise_interrupt(*_: object) -> NoReturn:
         raise KeyboardInterrupt
 
+    # Restored afterwards, so that callers keep their own handlers
     before = {
         each: signal.signal(each, raise_interrupt) for each in (signal.SIGTERM, signal.SIGHUP)
     }

@@ -52,6 +52,7 @@ def _encode_entity(item: ShapeEntity, stamp_ns: int) -> fg.SceneEntity:
         timestamp=_encode_stamp(stamp_ns),
         frame_id=item.frame,
         id=item.name,
+        # The viewer moves the shapes with their frame
         frame_locked=True,
         arrows=[_encode_arrow(s) for s in shapes if isinstance(s, ArrowShape)],
         cubes=[
@@ -94,6 +95,7 @@ def _encode_color(colour: Colour) -> fg.Color:
 
 
 def _encode_pose(shape: Shape) -> fg.Pose:
+    # The points of a line carry its position already
     place = ORIGIN if isinstance(shape, LineShape) else shape.place
     turn = LEVEL if isinstance(shape, LineShape | LabelShape) else shape.turn
     return fg.Pose(position=_encode_vector(place), orientation=_encode_quaternion(turn))
@@ -135,7 +137,7 @@ def _encode_line(shape: LineShape) -> fg.LinePrimitive:
 def _encode_label(shape: LabelShape) -> fg.TextPrimitive:
     return fg.TextPrimitive(
         pose=_encode_pose(shape),
-        billboard=True,
+        billboard=True,  # always faces the viewer
         font_size=shape.height,
         color=_encode_color(shape.colour),
         text=shape.text,

@@ -36,6 +36,7 @@ CORNERS: Final = 48  # of the circle around the goal
 
 def half_power_angle(lamp: BeaconLamp) -> float:
     """Return the angle off the lamp's axis at which it shines half as bright. [rad]"""
+    # Lambertian emitter: intensity cos(angle) ** order
     return math.acos(0.5 ** (1.0 / lamp.order))
 
 
@@ -83,7 +84,7 @@ def draw_lamp(name: str, scene: LampScene) -> ShapeEntity:
         (across, across, ahead),
         BEAM,
         rotation_between(Z, axis),
-        bottom=0.0,
+        bottom=0.0,  # the tip of the cone is at the lamp
     )
     words = LabelShape(move_point(place, Z, 0.3), f'{name}, {scene.frequency.si:g} Hz', 0.15, LAMP)
     shapes = EllipsoidShape(place, (BULB, BULB, BULB), LAMP), cone, words
@@ -93,6 +94,7 @@ def draw_lamp(name: str, scene: LampScene) -> ShapeEntity:
 def draw_goals(scenario: Scenario) -> ShapeEntity:
     """Return the circles on the floor within which the lamps of the route count as reached."""
     radius = scenario.goal.radius.si
+    # One more point, to close the circle
     angles = [2.0 * math.pi * k / CORNERS for k in range(CORNERS + 1)]
     circles = [
         LineShape(

@@ -27,7 +27,7 @@ class Audience(ServerListener):
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._looks: set[tuple[int, str]] = set()
+        self._looks: set[tuple[int, str]] = set()  # client and topic
         self._newcomers: set[str] = set()
 
     def on_subscribe(self, client: Client, channel: ChannelView) -> None:
@@ -99,7 +99,9 @@ class LiveServer:
             )
         except (OSError, RuntimeError, ValueError) as error:
             raise build_port_error(
-                port, str(error).rpartition(': ')[2].partition(' (os error')[0]
+                # Keep only the reason from the SDK's message
+                port,
+                str(error).rpartition(': ')[2].partition(' (os error')[0],
             ) from None
 
     def has_viewers(self, topic: str) -> bool:

@@ -95,6 +95,7 @@ def rotation_between(start: Three, direction: Three) -> Turn:
     length = math.hypot(*direction)
     x, y, z = (number / length for number in direction)
     p, q, r = start
+    # Half-angle quaternion: cross product, and 1 plus dot product, before normalisation
     turn = (q * z - r * y, r * x - p * z, p * y - q * x, 1.0 + p * x + q * y + r * z)
     norm = math.hypot(*turn)
     if norm < 1e-9:  # opposite: half a turn about any perpendicular axis

@@ -87,6 +87,7 @@ def draw_thrust(vehicle: Vehicle, duties: Mapping[str, float]) -> ShapeEntity:
     arrows = []
     for rotor in vehicle.rotors:
         duty = duties.get(rotor.name, 0.0)
+        # Thrust is quadratic in the duty; 1 is full thrust
         share = abs(duty) * (rotor.a * abs(duty) + rotor.b) / rotor.full_thrust
         if share > 0.0:
             direction = to_triple(
@@ -98,7 +99,7 @@ def draw_thrust(vehicle: Vehicle, duties: Mapping[str, float]) -> ShapeEntity:
                     share * longest,
                     0.04 * longest,
                     THRUST,
-                    rotation_between(X, direction),
+                    rotation_between(X, direction),  # arrows point along their own x
                 )
             )
     return ShapeEntity('thrust', BASE, tuple(arrows))
@@ -121,6 +122,7 @@ def draw_bearing(
     size = sum(number * number for number in direction) ** 0.5
     if size == 0.0:
         return ShapeEntity('bearing', BASE, ())
+    # Centre of the ring of photodiodes
     ring = (0.0, 0.0, float(vehicle.file.sensors.diodes.height.si))
     end = move_point(ring, to_triple(tuple(number / size for number in direction)), length)
     return ShapeEntity('bearing', BASE, (LineShape((ring, end), 0.02, (0.95, 0.75, 0.10, 1.0)),))

@@ -72,6 +72,7 @@ class CrazyflieBridge(DeviceNode):
         self._velocity: Any = None
         self._odom: Any = None
         self._controller = self.create_client(SetBool, 'arm')
+        # The controller arms separately from the drone
         self._told = False  # whether the controller was armed
         self.create_service(SetBool, '~/arm', self._on_arm)
         self._stop = self.create_service(Trigger, '~/emergency_stop', self._on_emergency_stop)
@@ -79,6 +80,7 @@ class CrazyflieBridge(DeviceNode):
         # Ticks follow the wall clock, even if graph time stops.
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(1.0 / RATE, self._tick, clock=steady)
+        # Own thread: sensor data continue while a service callback blocks the executor
         threading.Thread(target=self._publish_events, name='crazyflie_pump', daemon=True).start()
 
     def _subscribe_inputs(self) -> None:
@@ -108,6 +110,7 @@ class CrazyflieBridge(DeviceNode):
         try:
             if self._former is not None and not self._former.close(0.0):
                 raise BadInput('The last connection is still closing; try again in a few seconds.')
+            # Two programs that command one drone would fight each other
             claim = DroneLock(self._settings.uri)
         except BadInput as error:
             self.refusal = str(error)
@@ -225,8 +228,10 @@ class CrazyflieBridge(DeviceNode):
     def _accept_setpoint(self) -> None:
         """Send a setpoint to the core; the navigator's age counts from the end of its block."""
         pose, velocity = self._helm.select_setpoint(self._pose, self._velocity)
+        # A hover command needs height and heading of the setpoint, and the estimated heading
         known = all(part is not None for part in (pose, velocity, self._odom))
         if self._bridge.command == 'setpoint' and known:
+            # The older half determines the age of the command
             oldest = min(from_stamp(half.header.stamp) for half in (pose, velocity))
             late = 0 if self._helm.held else self.table['setpoint/velocity'].latency_ns
             self._bridge.accept_command(
@@ -237,13 +242,16 @@ class CrazyflieBridge(DeviceNode):
 
     def _tick(self) -> None:
         up, now_ns = self._is_linked, self._now_ns()
+        # A new connection: nothing known from the last one is valid
         if up and not self._was_up:
             self._bridge.reset()
             self._connected = time.monotonic()
         self._was_up = up
+        # Each request counts for one tick only
         asked, self._asked = self._asked, SafetyRequest()
         self._bridge.tick(time.monotonic(), now_ns, up, self.active, asked)
         self._arm_controller()
+        # A fresh connection needs time for its first log packets
         if up and time.monotonic() - self._connected > DEAD:
             silence = self._bridge.collect_inputs(now_ns, up, self.active).silence
             if silence > DEAD and self._keeper is not None:
@@ -281,6 +289,7 @@ class CrazyflieBridge(DeviceNode):
                 out['range'].publish(distance)
                 out['pressure'].publish(pressure)
             case readings.PowerReading() as power:
+                # The Crazyflie has no current sensor: estimate the current from the duties
                 if self._bridge.motors is not None and power.voltage > 0.0:
                     current = self._consumption.cell_current(
                         self._bridge.motors.duties, power.voltage

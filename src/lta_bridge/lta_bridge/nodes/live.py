@@ -86,7 +86,9 @@ class LiveNode(GraphNode):
 
     def _subscribe_topic(self, name: str) -> None:
         topic = self.table[name]
+        # Viewers need only the newest message of a periodic topic
         depth = 1 if topic.period_ns or name == '/clock' else MANY
+        # Best effort never blocks a publisher, however slow the viewers are
         asked = QoSProfile(depth=depth, reliability=ReliabilityPolicy.BEST_EFFORT)
         self.create_subscription(
             find_message_type(topic), name, self._build_receiver_for(name), asked, raw=True
@@ -103,6 +105,7 @@ class LiveNode(GraphNode):
         def draw(data: bytes) -> None:
             self._raw[name] = data
             show(data)
+            # The estimate sets the pace of the drawing
             if name == 'odom':
                 self._draw_scene()
 
@@ -149,6 +152,7 @@ class LiveNode(GraphNode):
             server.send_message(self._tf_topic, frames, stamp)
         if server.has_viewers(self._scene_topic):
             if server.audience.pop_newcomer(self._scene_topic):
+                # A new viewer needs the static scene once
                 entities += [*self._scene.standing, self._scene.draw_path()]
             elif self._path.try_acquire(now):
                 entities.append(self._scene.draw_path())

@@ -85,11 +85,13 @@ class Player(GraphNode):
         self.create_service(SetBool, 'player/pause', self._on_pause)
         self.create_service(Trigger, 'player/step', self._on_step)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
+        # In lockstep the answers drive the replay; the timer only detects overdue ones
         self.create_timer(0.1 if self.lockstep else TICK, self._tick, clock=steady)
 
     def _plan_answers(self) -> dict[str, list[int]]:
         """Publish the due times of the nodes' inputs; return those of their answers. [ns]"""
         read = {name for node in self._cast.nodes for name in self.table.read_by(node)}
+        # The trigger determines when a node answers, so its times are needed too
         wanted = read | {self.table.trigger_topic(node) for node in self._cast.nodes}
         played = compute_due_times(
             (item for item in self._reel.iterate_section() if item.topic in wanted), self.table
@@ -201,6 +203,7 @@ class Player(GraphNode):
         """Publish the messages that are due now."""
         if not self.begun or self._ended:
             return
+        # Neither ahead of the playback clock nor too far ahead of an unanswered input
         until = min(self._pace.now(time.monotonic()), self._owed.play_horizon(AHEAD_NS))
         for _ in range(MOST):
             due = self._reel.next_ns
@@ -208,6 +211,7 @@ class Player(GraphNode):
                 break
             self._publish_next()
         self._publish_clock()
+        # In real time the number of answers is unknown: wait until they cease
         late = not self.lockstep and time.monotonic() - self._news < QUIET
         if self._reel.next_ns is None and not self._owed.total_left and not late:
             self._ended, self.running, self.farewell = 'played', False, WHOLE
@@ -215,6 +219,7 @@ class Player(GraphNode):
     def _publish_next(self) -> None:
         """Publish the next message."""
         item = self._reel.take_next()
+        # The recording may contain reordered messages, but /clock must not go back
         self._now = max(self._now, item.time_ns)
         self._outputs[item.topic].publish(item.data)
         self._messages += 1
@@ -234,6 +239,7 @@ class Player(GraphNode):
             self._pace.pause(wall, self._now)
         else:
             self._pace.resume(wall)
+            # Time spent paused must not count as waiting for an answer
             self._news = wall
         response.success, response.message = True, self._format_position()
         return response

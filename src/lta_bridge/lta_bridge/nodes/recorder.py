@@ -126,6 +126,7 @@ class Recorder(GraphNode):
             )
             for name, type_name in topics.items():
                 self._taps.subscribe(name, type_name, self._expected_profile(name))
+            # Snapshots are triggered by faults in the diagnostics, even if these are not recorded
             if self._snapshots and DIAGNOSTICS not in self._taps:
                 self.create_subscription(
                     DiagnosticArray, DIAGNOSTICS, self._on_diagnostics, GENEROUS.depth, raw=True
@@ -133,9 +134,11 @@ class Recorder(GraphNode):
             if self.replayed:  # created last, so that it is served first
                 subscribe_due(self, self.table, partial(self._intake.set_due_times, robots[0]))
             self.create_service(Trigger, 'recorder/snapshot', self._on_snapshot)
+            # Graph time may stop or run faster, but disk and graph follow the wall clock
             steady = Clock(clock_type=ClockType.STEADY_TIME)
             self.create_timer(LOOK_PERIOD, self._report_recording, clock=steady)
             self.create_timer(DISK_PERIOD, self._report_disk, clock=steady)
+            # The constructor succeeded: close() now closes the writer
             unfinished.pop_all()
 
     def _collect_origin(self) -> dict[str, str]:
@@ -149,6 +152,7 @@ class Recorder(GraphNode):
         origin = merge_origins(each) if each else told.to_provenance(lockstep=lockstep)
         if told.replay and self.get_parameter('source').value == 'replay':
             own = self.get_namespace().strip('/')
+            # A damaged bag may declare huge sizes
             with limit_memory():
                 played = open_recording(Path(told.replay), '', self.table, own)
             return build_replay_origin(played, origin)
@@ -272,6 +276,7 @@ class Recorder(GraphNode):
         saving = self._snapshots.request_snapshot()
         told = time.monotonic()
         while self.running and not saving.done.wait(NAP_NS * 1e-9):
+            # This callback blocks the executor, so take the messages by hand meanwhile
             for item in self.subscriptions:
                 while (taken := item.handle.take_message(item.msg_type, item.raw)) is not None:
                     item.callback(taken[0])
@@ -294,12 +299,14 @@ class Recorder(GraphNode):
         spin_node(self, coming_down, awaited=list, wait_ns=NAP_NS)
         deadline = time.monotonic() + LINGER
         if not self._fault:
+            # Silence counts from now, or QUIET could have passed already
             self._intake.latest = time.monotonic()
             end = lambda: time.monotonic() < min(deadline, self._intake.latest + QUIET)  # noqa: E731
             spin_node(self, end, awaited=list, wait_ns=NAP_NS)
 
     def _has_flight_bridge(self) -> bool:
         """Return whether the bridge of a real drone still runs; it lands before it exits."""
+        # An empty robot name gives '//imu'
         own = (f'/{robot}/imu'.replace('//', '/') for robot in self._robots)
         return self._real and not self.hurried and any(map(self.count_publishers, own))
 
@@ -307,6 +314,7 @@ class Recorder(GraphNode):
         """Finish the bag, or save a last snapshot; raise if the recording ended early."""
         last = None if self._snapshots is None else self._snapshots.save_remaining(self._robots)
         for name in self._taps:
+            # List topics without messages in the bag too
             if name not in self._announced:
                 self._announce_topic(name)
         try:

@@ -79,6 +79,7 @@ class TeensyBridge(DeviceNode):
         self._entry = load_vehicle_file(self._settings.vehicle).sensors.diodes
         self._finder = LampFinder(build_diode_array(self._entry))
         if self._settings.peaks:
+            # Compile now, or the first block would wait for it
             self._finder.prepare()
         self._reader: BoardReader | None = None
         self.autostart = self._settings.autostart
@@ -109,6 +110,7 @@ class TeensyBridge(DeviceNode):
 
     def publish_health(self) -> None:
         """Report the health of the board and its link."""
+        # A refusal was reported in on_configure; do not replace it
         if self._reader is not None or not self.refusal:
             fact = describe_health(self._reader, self._now_ns(), self.active)
             self.health.report(fact.task, fact.level, fact.message, **fact.values)

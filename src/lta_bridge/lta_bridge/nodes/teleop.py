@@ -77,6 +77,7 @@ class Teleop(GraphNode):
         self._flyers = SetpointFollowers(self.get_namespace())
         self._odom: Any = None
         self._odom_at = -FRESH
+        # Sticks are read on the wall clock: a person acts in real time
         self._state, self._ticked = TeleopState(), time.monotonic()
         for name, callback in (('odom', self._on_odom), ('/diagnostics', self._flyers.update)):
             self.subscribe_topic(name, callback)
@@ -111,7 +112,14 @@ class Teleop(GraphNode):
         dt, self._ticked = now - self._ticked, now
         rates = self._settings.value.rates
         self._state, order = step_state(
-            self._state, now, min(dt, FRESH), sticks, felt, rates, self._flyers.person_steers
+            # A long pause must not become one large step of the setpoint
+            self._state,
+            now,
+            min(dt, FRESH),
+            sticks,
+            felt,
+            rates,
+            self._flyers.person_steers,
         )
         if order.setpoint is not None:
             # A setpoint answers the newest estimate: its age is counted from that one's stamp.

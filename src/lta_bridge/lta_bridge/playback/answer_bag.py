@@ -85,6 +85,7 @@ class AnswerBag:
         if when is None:
             row = self._table[name]
             stamp = read_stamp(data) if row.stamped else None
+            # As a recorder does, so that both bags can be compared
             when = now_ns if stamp is None else stamp + row.latency_ns
         self._try_step(lambda: self._writer.write(self._names[name], data, when))
 

@@ -126,6 +126,7 @@ def scan_unfinished(stream: BinaryIO) -> tuple[dict[str, str], dict[str, str]]:
 def iterate_records(stream: BinaryIO) -> Iterator[object]:
     """Yield the records of an unfinished file up to the first damage."""
     stream.seek(0)
+    # An unfinished file ends in a partial record: everything before it is valid
     with suppress(*BROKEN):
         yield from StreamReader(stream).records
 
@@ -155,6 +156,7 @@ def iterate_by_time(
         found = open_indexed(stream)
         if found is None:
             try:
+                # Without an index the whole file must be sorted in memory
                 kept = sorted(
                     iterate_unfinished(stream, topics, since_ns or 0),
                     key=lambda item: item.time_ns,

@@ -16,6 +16,7 @@ _AT = 4  # bytes before a message's header
 def shift_stamp(data: bytes, by_ns: int) -> bytes:
     """Return a stamped message with a shifted header stamp. [ns]"""
     stamp = read_stamp(data)
+    # The first round is passed on unchanged
     if stamp is None or not by_ns:
         return data
     seconds, nanoseconds = divmod(stamp + by_ns, 1_000_000_000)
@@ -105,6 +106,7 @@ class MessageIterator:
         if item is None:
             raise IndexError('the reel has run out')
         self._newest = item.time_ns
+        # Before rewinding, which changes the shift for the next message
         by_ns, stamped = self._shift, self._table[item.topic].stamped
         self._next = next(self._messages, None)
         if self._next is None and self._loop:
@@ -116,6 +118,7 @@ class MessageIterator:
         """Restart the section; shifted stamps continue on the common grid of all periods."""
         grid = max(self._table[name].period_ns for name in self._topics) or self._table.control_ns
         span = self._newest - self.begin_ns
+        # The next multiple of the grid behind the last message, so that time always increases
         self._shift += (span // grid + 1) * grid
         self.rounds += 1
         self._messages = self.iterate_section()

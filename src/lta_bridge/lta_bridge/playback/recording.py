@@ -68,6 +68,7 @@ class BagRecording:
             full: name for name, full in mine.items() if channels[full] == table[name].type
         }
         self.topics = frozenset(self._names.values())
+        # iterate_messages, used to find the shift, adds it already
         self._shift = 0
         self._shift = self._find_clock_shift(table)
 
@@ -96,6 +97,7 @@ class BagRecording:
         rhythmic = [name for name in self.topics if table[name].stamped and table[name].period_ns]
         for name, time_ns, data in self.iterate_messages(rhythmic):
             if stamp := read_stamp(data):
+                # A message is published its latency after its stamp
                 return stamp + table[name].latency_ns - time_ns
         return 0
 
@@ -141,6 +143,7 @@ def split_topic_names(names: Mapping[str, str], table: TopicTable) -> list[tuple
     for full in names:
         plain = full.strip('/')
         robot, _, name = plain.partition('/')
+        # Global topics such as /clock belong to no robot
         if plain in table.topics:
             found.append(('', plain, full))
         elif name in table.topics:

@@ -82,6 +82,7 @@ class BlockAssembler:
                 self._filled = np.empty((self._samples, rows.shape[1]), np.uint16)
                 self._have = 0
             if self._have == 0:
+                # The message's time is that of its first row; this block starts `at` rows later
                 self._board_ns = board_ns + round(at * self._row_ns)
             count = min(self._samples - self._have, len(rows) - at)
             self._filled[self._have : self._have + count] = rows[at : at + count]
@@ -89,12 +90,14 @@ class BlockAssembler:
             at += count
             if self._have == self._samples:
                 self.whole += 1
+                # The receiver keeps this array, so the next block gets a new one
                 yield BoardBlock(self._board_ns, self._filled)
                 self._filled = None
 
     def _accept_rows(self, sequence: int, count: int) -> bool:
         """Return whether rows are new; after a gap, drop the partial block."""
         expected = sequence if self._expected is None else self._expected
+        # Serial number arithmetic: the upper half of the range means "older"
         ahead = (sequence - expected) % WRAP
         if ahead >= WRAP // 2:
             self._suspects += 1

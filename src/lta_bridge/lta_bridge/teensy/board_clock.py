@@ -75,6 +75,7 @@ class BoardClock:
     def to_host_time(self, board_ns: int) -> int:
         """Convert a board time to host time. [ns]"""
         since = board_ns - self._base
+        # Integers for the large parts: float64 does not resolve 1 ns in times since 1970
         return self._anchor + since + round(self._offset + self.drift * since)
 
     def add_exchange(self, exchange: ClockExchange) -> None:
@@ -92,6 +93,7 @@ class BoardClock:
     def _contradicts_fit(self, exchange: ClockExchange) -> bool:
         slack = 1e9 * (SLACK + 3.0 * self.uncertainty)
         predicted = self.to_host_time(exchange.board)
+        # The board read its clock between request and answer
         return not exchange.asked - slack <= predicted <= exchange.heard + slack
 
     def _fit_offset_drift(self) -> None:
@@ -99,11 +101,14 @@ class BoardClock:
         newest = self._kept[-1]
         self._base, self._anchor = newest.board, newest.midpoint
         quickest = self.round_trip
+        # Even the fastest exchange may be asymmetric
         best = QUICK * quickest * 1e-9 + GRAIN
         # Normal equations of (offset, drift); the prior of the drift has mean zero.
         aa = ab = bb = ya = yb = 0.0
         for item in self._kept:
+            # Extra delay may be on one way only, so it adds to the midpoint's deviation
             weight = (best + 1e-9 * (item.round_trip - quickest)) ** -2
+            # s; relative to the newest answer, for precision
             x = 1e-9 * (item.board - self._base)
             y = 1e-9 * (item.midpoint - self._anchor) - x
             aa += weight
@@ -111,8 +116,10 @@ class BoardClock:
             bb += weight * x * x
             ya += weight * y
             yb += weight * x * y
+        # The prior: keeps the drift small while the exchanges span a short time
         bb += CRYSTAL**-2
         determinant = aa * bb - ab * ab
         self._offset = 1e9 * (ya * bb - yb * ab) / determinant
         self.drift = (yb * aa - ya * ab) / determinant
+        # Element of the inverse of the normal matrix: standard deviation of the offset [s]
         self.uncertainty = (bb / determinant) ** 0.5

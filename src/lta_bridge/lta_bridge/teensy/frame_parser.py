@@ -58,6 +58,7 @@ class FrameParser:
                 if (end := self._find_frame_end(at)) is None:
                     return
                 if end == at:
+                    # A marker byte within other data: continue behind it
                     self.stray += 1
                     at += 1
                 elif (frame := self._parse_frame(at, end)) is not None:
@@ -73,6 +74,7 @@ class FrameParser:
             del held[:at]
 
     def _find_message(self, at: int) -> MavlinkMessage | None:
+        # Bytes 7 to 9 of a MAVLink 2 header: the message number
         return MESSAGES.get(int.from_bytes(self._held[at + 7 : at + HEADER], 'little'))
 
     def _find_frame_end(self, at: int) -> int | None:
@@ -81,6 +83,7 @@ class FrameParser:
         if len(held) - at < HEADER:
             return None
         length, flags = held[at + 1], held[at + 2]
+        # By the specification, a frame with unknown incompatibility flags must be dropped
         if flags & ~SIGNED:
             return at
         end = at + HEADER + length + CHECKSUM + (SIGNATURE if flags else 0)
@@ -88,6 +91,7 @@ class FrameParser:
             return None if len(held) < end else end
         if len(held) <= end:
             return None
+        # The CRC of an unknown message cannot be checked, so require a frame right behind it
         return end if held[end] in (MARKER, OLD_MARKER) else at
 
     def _parse_frame(self, at: int, end: int) -> MavlinkFrame | None:
@@ -103,4 +107,4 @@ class FrameParser:
             return None
         self.frames += 1
         record = message.parse_payload(held[at + HEADER : close])
-        return MavlinkFrame(message, record, held[at + 5], held[at + 6])
+        return MavlinkFrame(message, record, held[at + 5], held[at + 6])  # system, component

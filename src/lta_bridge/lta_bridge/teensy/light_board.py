@@ -138,6 +138,7 @@ class LightBoard:
         if frame.message in OF_LIGHT:
             heard = self.sender.accept_sender(source, now_ns)
         else:
+            # Before the board is known, any time exchange may be its own: it speeds up the start
             heard = source == known or (known is None and frame.message is TIMESYNC)
         if heard:
             self.heard_ns = now_ns
@@ -161,12 +162,14 @@ class LightBoard:
             )
         if now_ns >= self._next_ask:
             self._next_ask = now_ns + (ASK_NS if self.clock.is_synchronized else EAGER_NS)
+            # Keep the newest requests only, since lost answers would let the list grow
             self._asked = [*self._asked[1 - QUESTIONS :], now_ns]
             out += self._build_frame(TIMESYNC, ts1=now_ns)
         return out
 
     def _build_frame(self, message: MavlinkMessage, **values: int) -> bytes:
         self._sent += 1
+        # The first argument is MAVLink's sequence number, from 0
         return message.build_frame(self._sent - 1, SYSTEM, COMPONENT, **values)
 
     def _take_rows(self, record: np.void, now_ns: int) -> Iterator[LightBlock]:
@@ -176,6 +179,7 @@ class LightBoard:
             self.unfit += 1
             return
         diodes, rows = self._diodes, int(record['rows'])
+        # The message has room for ROOM values; the rest is unused
         samples = record['samples'][: diodes * rows].reshape(rows, diodes)
         for block in self.blocks.add_rows(
             _board_time_ns(record), int(record['sequence']), samples
@@ -266,6 +270,7 @@ class LightBoard:
             else:
                 self.unanswered += 1
         elif asked in self._asked and 0 <= now_ns - asked < ANSWER_NS:
+            # Each request has one answer; duplicated datagrams must not count twice
             self._asked.remove(asked)
             self.clock.add_exchange(ClockExchange(asked, board, now_ns))
 
@@ -280,6 +285,7 @@ class LightBoard:
                 f'The light board uses version {dialect} of the messages and this bridge version '
                 f'{DIALECT}; build both from the same commit.'
             )
+        # Written with `not`, so that a rate of NaN is refused too
         elif not abs(rate - wanted) <= 1e-3 * wanted:
             self._unlike = (
                 f'The light board samples at {rate:g} Hz and topics.yaml says {wanted:g} Hz; '
@@ -293,4 +299,5 @@ class LightBoard:
 
 
 def _board_time_ns(record: np.void) -> int:
+    # int first: numpy's integers could overflow
     return int(record['time_usec']) * 1000

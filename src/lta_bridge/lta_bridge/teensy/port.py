@@ -93,6 +93,7 @@ class SerialPort:
         try:
             select.select([self._port.fileno()], [], [], timeout)
             return bytes(self._port.read(CHUNK))
+        # pyserial raises TypeError if the port is closed by another thread during the read
         except (OSError, TypeError) as error:
             raise Unplugged(str(error)) from None
 
@@ -144,6 +145,7 @@ class UdpPort:
         self._only = None if told['board'] is None else _resolve_host(told['board'], address)
         self._foreign = 0  # datagrams of other addresses than the one that was given
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        # Bytes; room for bursts while the reader is busy
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 20)
         self._board: tuple[str, int] | None = None
         try:
@@ -187,6 +189,7 @@ class UdpPort:
             try:
                 self._socket.sendto(data, self._board)
             except OSError:
+                # Unreachable: the board's next datagram gives its address again
                 self._board = None
 
     def close(self) -> None:

@@ -54,6 +54,7 @@ class BoardReader:
         self._address, self.board, self._publish, self._clock = address, board, publish, clock
         self.unplugged = 0
         self.trouble = ''
+        # In the constructor, so that a wrong address is an error at once
         self._port: BoardPort | None = open_port(address)
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name='light board', daemon=True)

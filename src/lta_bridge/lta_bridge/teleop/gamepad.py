@@ -35,6 +35,7 @@ class Gamepad:
     def __init__(self, path: Path, layout: GamepadLayout) -> None:
         self._path, self._layout = path, layout
         try:
+            # Non-blocking: the node reads what there is and goes on
             self._fd: int | None = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
         except FileNotFoundError:
             raise BadInput(
@@ -79,6 +80,7 @@ class Gamepad:
             self._fd = os.open(self._path, os.O_RDONLY | os.O_NONBLOCK)
         except OSError:
             return
+        # The driver reports the initial state of all axes and buttons after opening
         self._axes, self._buttons = {}, {}
 
     def _read_events(self) -> Iterator[tuple[int, int, int]]:
@@ -94,6 +96,7 @@ class Gamepad:
                 self.close()
                 return
             _, value, kind, number = EVENT.unpack(data)
+            # INITIAL marks events that report the state at opening
             yield value, kind & ~INITIAL, number
 
     def close(self) -> None:

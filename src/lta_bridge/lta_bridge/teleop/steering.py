@@ -107,6 +107,7 @@ def step_state(
     """
     if state.stage is TeleopStage.STOPPED or (sticks is not None and sticks.stop):
         return _step_stopped(state, now)
+    # What the controllers report counts until this node changes it itself
     if person_steers is not None and not state.own:
         state = state._replace(
             stage=TeleopStage.PERSON if person_steers else TeleopStage.NAVIGATOR
@@ -114,6 +115,7 @@ def step_state(
     if sticks is None or estimate is None:
         # After the loss, steering resumes at the drone's then present heading and altitude.
         return state._replace(wanted=None), SILENT
+    # Moving a stick takes control at once: an operator in a hurry looks for no button
     takes = sticks.is_deflected or sticks.take
     if sticks.give_back and not takes:
         return TeleopState(TeleopStage.NAVIGATOR, own=True), TeleopOutputs(held=False)
@@ -125,6 +127,7 @@ def step_state(
 
 
 def _step_stopped(state: TeleopState, now: float) -> tuple[TeleopState, TeleopOutputs]:
+    # Repeat for good, since a stop may be lost
     if state.stops >= STOPS and now - state.stopped_at < AGAIN:
         return state, SILENT
     return TeleopState(TeleopStage.STOPPED, stops=state.stops + 1, stopped_at=now), TeleopOutputs(
@@ -140,6 +143,7 @@ def _lead_target(
     dt: float,
 ) -> HeadingAltitude:
     """Integrate the sticks to a desired heading and altitude, with a limited lead."""
+    # Without the limit, a blocked vehicle would turn on long after the stick is released
     ahead = wrap_angle(target.heading + rates.turn * sticks.turn * dt - estimate.heading)
     above = target.altitude + rates.climb * sticks.climb * dt - estimate.altitude
     heading = wrap_angle(estimate.heading + max(-LEAD_TURN, min(LEAD_TURN, ahead)))

@@ -85,6 +85,7 @@ def to_sticks(
     if max(wanted) >= len(axes) or max(pressed) >= len(buttons):
         return None
     forward, turn, climb = (apply_dead_zone(axes[axis], layout.rest) for axis in wanted)
+    # `tapped` has buttons that were pressed and released since the last read
     take, give_back, stop = (buttons[button] == 1 or button in tapped for button in pressed)
     return Sticks(forward, turn, climb, take, give_back, stop)
 

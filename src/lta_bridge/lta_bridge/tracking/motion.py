@@ -78,6 +78,7 @@ class MotionWindow:
         self._poses.append((stamp_ns, pose))
         while self._next < len(self._poses) - 1:
             centre = self._poses[self._next][0]
+            # The window of the centre is not complete yet
             if stamp_ns < centre + HALF_NS:
                 return
             # The first pose has none before it.
@@ -116,6 +117,7 @@ def estimate_motion(poses: list[tuple[int, TrackerPose]], centre_ns: int) -> Tra
     t = np.array([1e-9 * (stamp - centre_ns) for stamp, _ in poses])
     turn = Rotation.from_quat(pose.turn)
     own = turn.inv()
+    # In the body frame of the central pose, so that the slopes are body velocities
     places = own.apply(np.array([each.place for _, each in poses]) - pose.place)
     turns = (own * Rotation.from_quat([each.turn for _, each in poses])).as_rotvec()
     slope, (place, spun), grown = fit_parabola(t, np.hstack((places, turns)))
@@ -149,11 +151,14 @@ def fit_parabola(
 
     """
     scale = float(np.max(np.abs(t)))
+    # Times scaled to -1..1 for conditioning; columns 1, t, t**2
     columns = np.vander(t / scale, 3, increasing=True)
     known = np.linalg.pinv(columns)
     coefficients = known @ y
+    # Degrees of freedom of three axes; NaN if three poses fit exactly
     spare = 3 * (len(t) - 3) or math.nan
     left = ((y - columns @ coefficients) ** 2).sum(axis=0).tolist()
     sigma = math.sqrt(sum(left[:3]) / spare), math.sqrt(sum(left[3:]) / spare)
     slope: list[float] = (coefficients[1] / scale).tolist()
+    # The row norm of the pseudoinverse propagates the noise of a pose to the slope
     return slope, sigma, math.hypot(*known[1].tolist()) / scale

@@ -76,6 +76,7 @@ class PoseFilter:
         if stamp_ns <= 0:
             return PoseFault.NO_STAMP
         if self._last is not None and stamp_ns <= self._last[0]:
+            # A little older: reordered; much older: the tracker's clock was set back
             if stamp_ns > self._last[0] - BACK_NS:
                 return PoseFault.OLD
             self.set_back += 1
@@ -88,6 +89,7 @@ class PoseFilter:
         if last is None or pose != last[1]:
             self._since = stamp_ns
         elif stamp_ns - self._since > FROZEN_NS:
+            # Its stamp is valid, so that older poses stay rejected
             self._last = (stamp_ns, pose)
             return PoseFault.FROZEN
         if last is None or is_reachable(last, (stamp_ns, pose)):

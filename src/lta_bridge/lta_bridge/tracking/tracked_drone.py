@@ -67,6 +67,7 @@ class TrackedDrone:
             return
         if self.sieve.set_back > set_back:
             self.clock.restart()
+        # No derivative across a jump of the clock or of the position
         if (self.sieve.set_back, self.sieve.found) != (set_back, found):
             self.window.clear()
         restarts = self.clock.restarts
@@ -74,6 +75,7 @@ class TrackedDrone:
         if self.clock.restarts > restarts:  # one of the two clocks was set; ours perhaps back
             self._told = 0
         self._offset_ns = stamp_ns - self.clock.to_graph_time(stamp_ns)
+        # Map <- tracker's frame <- tracked body <- hull centre
         placed = compose_poses(compose_poses(self._origin, normalize_pose(pose)), self._body)
         for motion in self.window.add_pose(stamp_ns, placed):
             ours = self.clock.to_graph_time(motion.stamp_ns)

@@ -7,16 +7,16 @@ from typing import Final, final, Protocol
 from lta_challenge.other.truth import Six, VehicleTruth
 import numpy as np
 
-UNSTEADY: Final = 0.02  # of a wind, by which it comes and goes, root mean square
-GRID: Final = 0.1  # s; of the draught
-MEMORY: Final = 2.5  # s; of each of its two filters
+UNSTEADY: Final = 0.02  # rms variation of the wind, relative to its mean
+GRID: Final = 0.1  # s; sample interval of the draught
+MEMORY: Final = 2.5  # s; time constant of each of its two filters
 
 
 class MovingAir(Protocol):
-    """What moves the air somewhere."""
+    """A source of air motion."""
 
     def sample_flow(self, time: float, x: float, y: float, z: float) -> Six:
-        """Return velocity and acceleration of the air there, in the map. [m/s], [m/s2]."""
+        """Return velocity [m/s] and acceleration [m/s2] of the air at a position of the map."""
         ...
 
 
@@ -25,20 +25,21 @@ class RoomDraught:
     """
     Slow random horizontal air motion, the same in the whole room.
 
-    White noise through two equal filters, so that its acceleration is finite.
+    White noise through two equal first-order filters, so that its acceleration is finite.
 
     Parameters
     ----------
     size : float
-        Root mean square, each way. [m/s]
+        Root mean square of each component. [m/s]
     seconds : float
-        How long it is needed.
+        Length of the flight. [s]
     draw : Generator
-        Where its chance comes from.
+        Random generator.
 
     """
 
     def __init__(self, size: float, seconds: float, draw: np.random.Generator) -> None:
+        # Samples until the filters have forgotten their start
         settled = int(10.0 * MEMORY / GRID)
         count = settled + int(seconds / GRID) + 3
         keep = math.exp(-GRID / MEMORY)
@@ -46,14 +47,15 @@ class RoomDraught:
         for _ in range(2):
             for k in range(1, count):
                 series[k] = keep * series[k - 1] + (1.0 - keep) * series[k]
-        # The variance of white noise through both filters: the sum of the squares of their kernel.
+        # Variance of white noise after both filters: the sum of the squared kernel
         powers = np.arange(count, dtype=float)
+        # Impulse response of two equal first-order filters in series
         kernel = (1.0 - keep) ** 2 * (powers + 1.0) * keep**powers
         series *= size / math.sqrt(float(np.sum(kernel**2)))
         self._series: list[list[float]] = series[settled:].tolist()
 
     def sample_flow(self, time: float, x: float, y: float, z: float) -> Six:
-        """Return it, straight between the points of its grid."""
+        """Interpolate the series linearly."""
         index = min(int(time / GRID), len(self._series) - 2)
         one, two = self._series[index], self._series[index + 1]
         share = time / GRID - index
@@ -65,18 +67,18 @@ class RoomDraught:
 @final
 class UnsteadyWind:
     """
-    Wind over the whole map, which comes and goes a little.
+    Uniform wind with small fluctuations.
 
-    No boundary layer: a wind that grows with height is an effect of its own in the library.
+    It has no boundary layer, since wind that grows with height is another effect of the library.
 
     Parameters
     ----------
-    truth : Truth
-        Of which the wind is the mean.
+    truth : VehicleTruth
+        Contains the mean wind.
     seconds : float
-        How long it is needed.
+        Length of the flight. [s]
     draw : Generator
-        Where its chance comes from.
+        Random generator.
 
     """
 
@@ -94,7 +96,7 @@ class UnsteadyWind:
 
 @final
 class RoomAir:
-    """All that moves the air together."""
+    """The sum of all sources of air motion."""
 
     def __init__(self, movers: Sequence[MovingAir]) -> None:
         self._movers = movers

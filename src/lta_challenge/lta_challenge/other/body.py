@@ -1,13 +1,13 @@
 """
-The motion of the vehicle: Kirchhoff's equations of a rigid body in an ideal fluid, and drag.
+Compute the motion of a vehicle: Kirchhoff's equations of a rigid body in an ideal fluid, and drag.
 
 Lamb, Hydrodynamics, chapter VI: with the impulse P and its moment H about the hull centre,
 
     dP/dt = P x w + F,    dH/dt = H x w + P x v + M
 
-in the axes of the body, where v is the velocity through the air. They hold in every frame that
-moves uniformly, hence in that of the air. Where the air itself gains speed, it pushes with its
-acceleration times the displaced and the added mass.
+in body axes, where v is the velocity through the air. They hold in every uniformly moving frame,
+hence in that of the air. Accelerating air exerts a force of its acceleration times the displaced
+and the added mass.
 """
 
 import math
@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 GRAVITY: Final = 9.80665  # m/s2
-MATCHED: Final = 0.4  # m/s; where hidden drag of another exponent is that of a square
-EXPONENT: Final = 1.9  # of hidden drag
-GROWTH: Final = 0.1  # s; by which hidden inertia of air grows with the yaw rate
-# Of three points from end to end: where, and with what weight in the mean.
+MATCHED: Final = 0.4  # m/s; speed at which hidden drag equals quadratic drag
+EXPONENT: Final = 1.9  # exponent of hidden drag, unlike the model's 2
+GROWTH: Final = 0.1  # s; growth of the hidden added inertia with the yaw rate
+# Gauss-Legendre rule with three points: positions in -1 to 1, and weights with sum 1
 GAUSS: Final = ((-math.sqrt(0.6), 5.0 / 18.0), (0.0, 8.0 / 18.0), (math.sqrt(0.6), 5.0 / 18.0))
 STILL: Final[Six] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
@@ -30,7 +30,7 @@ Nine = tuple[float, float, float, float, float, float, float, float, float]
 
 
 def rotation_matrix(w: float, x: float, y: float, z: float) -> Nine:
-    """Return the matrix from body to map, row by row, of a quaternion of about unit length."""
+    """Return the rotation from body to map, row by row; the quaternion is normalised."""
     two = 2.0 / (w * w + x * x + y * y + z * z)
     xx, yy, zz = two * x * x, two * y * y, two * z * z
     xy, xz, yz = two * x * y, two * x * z, two * y * z
@@ -52,7 +52,7 @@ def cross_product(a: Triple, b: Triple) -> Triple:
 
 
 def to_body(r: Nine, x: float, y: float, z: float) -> Triple:
-    """Return a vector of the map in body axes."""
+    """Rotate a vector from map to body axes."""
     return (
         r[0] * x + r[3] * y + r[6] * z,
         r[1] * x + r[4] * y + r[7] * z,
@@ -61,7 +61,7 @@ def to_body(r: Nine, x: float, y: float, z: float) -> Triple:
 
 
 def to_map(r: Nine, x: float, y: float, z: float) -> Triple:
-    """Return a vector in body axes in those of the map."""
+    """Rotate a vector from body to map axes."""
     return (
         r[0] * x + r[1] * y + r[2] * z,
         r[3] * x + r[4] * y + r[5] * z,
@@ -70,9 +70,11 @@ def to_map(r: Nine, x: float, y: float, z: float) -> Triple:
 
 
 def mass_matrix(truth: VehicleTruth) -> NDArray[np.float64]:
-    """Return impulse and its moment per velocity and rate about the hull centre, shape (6, 6)."""
+    """Return the mass matrix about the hull centre, added mass included, shape (6, 6)."""
     x, y, z = truth.cg
+    # Cross-product matrix of the centre of gravity
     arm = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    # Steiner: -m [c]x^2 moves the inertia to the hull centre
     turning = np.diag(truth.inertia) - truth.mass * arm @ arm + np.diag(truth.added_inertia)
     turning[2, 2] += truth.yaw_air
     moving = truth.mass * np.eye(3) + np.diag(truth.added_mass)
@@ -81,15 +83,7 @@ def mass_matrix(truth: VehicleTruth) -> NDArray[np.float64]:
 
 @final
 class KirchhoffBody:
-    """
-    The equations of motion with the numbers of one flight.
-
-    Parameters
-    ----------
-    truth : Truth
-        The numbers.
-
-    """
+    """The equations of motion with the parameters of one flight."""
 
     def __init__(self, truth: VehicleTruth) -> None:
         self.truth = truth
@@ -100,7 +94,7 @@ class KirchhoffBody:
         """
         Return force and moment of drag.
 
-        The hull is round: whatever its heading, horizontal flow brakes it with its whole speed.
+        The hull is round, so horizontal drag depends on the total horizontal speed.
         """
         t = self.truth
         level = math.hypot(v[0], v[1])
@@ -112,6 +106,7 @@ class KirchhoffBody:
         ]
         if any(t.extra_drag):
             for k, u in enumerate(v):
+                # The prefactor makes it equal to quadratic drag at the speed MATCHED
                 power = MATCHED ** (2.0 - EXPONENT) * abs(u) ** EXPONENT
                 force[k] -= t.extra_drag[k] * math.copysign(power, u)
         moment = [
@@ -123,11 +118,10 @@ class KirchhoffBody:
 
     def _plate_moment(self, w: Triple) -> Triple:
         """
-        Return the moment of the parts that stand in the air, by Gauss's rule.
+        Return the damping moment of the plates, integrated with Gauss's rule.
 
-        The vehicle file says that turns alone see their drag: it is that of the speed which
-        turning gives them, without that of the hull, and what it does to the hull's speed is left
-        in the aero block.
+        Only the velocity due to rotation counts, since the aero block of the vehicle file already
+        includes their drag in straight flight.
         """
         sums = [0.0, 0.0, 0.0]
         for plate in self.truth.plates:
@@ -140,15 +134,16 @@ class KirchhoffBody:
         return sums[0], sums[1], sums[2]
 
     def _weight_wrench(self, up: Triple, time: float) -> Six:
-        """Return weight at the centre of gravity, with buoyancy and lift at the hull centre."""
+        """Return the wrench of weight (at the CG), buoyancy and lift (at the hull centre)."""
         t = self.truth
         weight = t.mass * GRAVITY
+        # Net force along the vertical [N]; the leak reduces it with time
         free = t.displaced * GRAVITY - weight + t.lift - t.leak * time
         moment = cross_product(t.cg, (-weight * up[0], -weight * up[1], -weight * up[2]))
         return (free * up[0], free * up[1], free * up[2], *moment)
 
     def _rotating_frame_wrench(self, v: Triple, w: Triple) -> Six:
-        """Return P x w, and H x w + P x v: what turning axes make of the impulse."""
+        """Return P x w, and H x w + P x v: the terms of the rotating frame."""
         t = self.truth
         m, (a, b, c) = t.mass, t.added_mass
         swing = cross_product(w, t.cg)
@@ -166,6 +161,7 @@ class KirchhoffBody:
             cross_product(body, v),
             cross_product(air, v),
         )
+        # The Munk moment is the cross product of the added-mass impulse and the velocity
         part = t.munk
         return (
             *force,
@@ -175,7 +171,7 @@ class KirchhoffBody:
         )
 
     def _gust_wrench(self, r: Nine, air: Six) -> Six:
-        """Return the force of air that gains speed."""
+        """Return the force of accelerating air."""
         if not (air[3] or air[4] or air[5]):
             return STILL
         t, gain = self.truth, to_body(r, air[3], air[4], air[5])
@@ -184,18 +180,18 @@ class KirchhoffBody:
 
     def compute_accelerations(self, state: State, air: Six, push: Six, time: float) -> Six:
         """
-        Return the acceleration of the hull centre over the map, and that of the body rates.
+        Return the acceleration of the hull centre in the map, and that of the body rates.
 
         Parameters
         ----------
         state : list of 13 floats
-            Place, velocity, quaternion, rates.
+            Position, velocity, quaternion, rates.
         air : six floats
             Velocity and acceleration of the air in the map. [m/s], [m/s2]
         push : six floats
-            What else acts about the hull centre in body axes. [N], [N m]
+            Other wrench about the hull centre in body axes. [N], [N m]
         time : float
-            Since the start. [s]
+            Time since the start. [s]
 
         """
         r = rotation_matrix(state[6], state[7], state[8], state[9])
@@ -214,6 +210,7 @@ class KirchhoffBody:
             more = 2.0 * GROWTH * self.truth.yaw_air * abs(w[2])
             share = more * gains[5] / (1.0 + more * self._inverse[5][5])
             gains = [g - share * n[5] for g, n in zip(gains, self._inverse, strict=True)]
+        # The equations give the derivative in the rotating frame; add w x v for the inertial one
         turned = cross_product(w, v)
         over = to_map(r, gains[0] + turned[0], gains[1] + turned[1], gains[2] + turned[2])
         return (*over, gains[3], gains[4], gains[5])

@@ -1,4 +1,4 @@
-"""Draw a case of the row `other` from seed, number and kind alone."""
+"""Generate a case of the row `other`; it depends on seed, number and kind only."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -21,32 +21,32 @@ import numpy as np
 
 Draw = np.random.Generator
 
-CODE: Final = 6  # of the row
-DRAUGHTY: Final = 0.25  # of the clean cases
-DRAUGHT: Final = (1e-3, 3e-3)  # m/s
-TILT: Final = 0.03  # rad; at the start
-SPEED: Final = 0.01  # m/s; at the start
-START: Final = (1.2, 1.7)  # m; of the height
-SIZES: Final = (2.0, 40.0)  # floors; of what is in no library
-TRIALS: Final = 4  # flights that size it, and times that it is drawn
+CODE: Final = 6  # part of the random seed, as in `rows.ROWS`
+DRAUGHTY: Final = 0.25  # share of the clean cases that have a draught
+DRAUGHT: Final = (1e-3, 3e-3)  # m/s; range of its rms
+TILT: Final = 0.03  # rad; initial tilt
+SPEED: Final = 0.01  # m/s and rad/s; initial velocity and rates
+START: Final = (1.2, 1.7)  # m; range of the initial height
+SIZES: Final = (2.0, 40.0)  # noise floors; strength of an effect outside the library
+TRIALS: Final = 4  # draws of such an effect, and flights that scale each of them
 COURSE: Final = 'swinging'
 
 
 @final
 class OtherCaseGenerator:
     """
-    Draws one case.
+    Generator of one case.
 
     Parameters
     ----------
     vehicle : Vehicle
-        As its file has it.
+        Vehicle of the file.
     seed, number : int
-        Of the challenge and the case.
+        Seed of the challenge and number of the case.
     kind : str, optional
-        What is hidden; drawn where nobody asks for one.
+        Kind of hidden effects; random by default.
     seconds : pair of float
-        Between which the lengths of the flights are. [s]
+        Range of flight lengths. [s]
 
     """
 
@@ -61,15 +61,16 @@ class OtherCaseGenerator:
         self._file, self._number, self._seconds = build_truth(vehicle), number, seconds
         self._root = [seed, number, CODE]
         kinds, weights = list(KINDS), list(KINDS.values())
+
         drawn = kinds[int(self._make_generator(0).choice(len(kinds), p=weights))]
         self.kind: Kind = kind or drawn
 
     def _make_generator(self, part: int) -> Draw:
-        """Return where the chance of one part of the case comes from."""
+        """Return the random generator of one part of the case."""
         return np.random.default_rng([*self._root, part])
 
     def generate_case(self, roles: Sequence[str] = ROLES) -> ChallengeCase:
-        """Draw it, and fly all its flights."""
+        """Generate the case with one flight per role."""
         count = {'clean': 0, 'single': 1, 'pair': 2, 'outside': 0, 'mixed': 1}[self.kind]
         hidden = draw_effects(count, self._make_generator(1))
         truth = inject_effects(perturb_vehicle(self._file, self._make_generator(2)), hidden)
@@ -97,7 +98,7 @@ class OtherCaseGenerator:
         return ChallengeCase(self._number, flights, answer)
 
     def _truth_to_dict(self, truth: VehicleTruth, hidden: dict[str, float]) -> dict[str, Any]:
-        """Return a vehicle as plain data."""
+        """Return a vehicle as JSON data."""
         return {
             'given': true_values(truth, self._file, hidden),
             'mass': truth.mass,
@@ -106,14 +107,15 @@ class OtherCaseGenerator:
         }
 
     def _draw_conditions(self) -> tuple[Stamps, float]:
-        """Return how times are written down, and how much the air moves by itself. [m/s]."""
+        """Draw the mode of the stamps and the draught. [m/s]"""
         draw = self._make_generator(3)
         stamps = STAMPS[int(draw.integers(len(STAMPS)))]
         draughty, size = draw.random() < DRAUGHTY, float(draw.uniform(*DRAUGHT))
+        # A draught is not a hidden effect: clean cases test whether it causes a wrong name
         return stamps, size if draughty and self.kind == 'clean' else 0.0
 
     def _draw_sized_unlisted(self, truth: VehicleTruth) -> tuple[str, dict[str, float], float]:
-        """Return what is in no library, drawn and scaled until a flight shows it well."""
+        """Draw and scale an effect outside the library until a flight shows it clearly."""
         draw = self._make_generator(4)
         best: tuple[str, dict[str, float], float] = ('', {}, 0.0)
         for _ in range(TRIALS):
@@ -123,6 +125,7 @@ class OtherCaseGenerator:
                 floors = wrench_strength(
                     self._simulate_flight(truth, 0, name, numbers)[0].unlisted
                 )
+                # Keep the strongest kind so far, and its latest scaling
                 if floors > best[2] or name == best[0]:
                     best = name, numbers, floors
                 if floors == 0.0 or 0.8 < floors / aim < 1.25:
@@ -135,7 +138,7 @@ class OtherCaseGenerator:
     def _simulate_flight(
         self, truth: VehicleTruth, index: int, name: str, numbers: dict[str, float]
     ) -> tuple[SimulatedPath, VehicleTruth, Draw]:
-        """Fly one flight; its chance goes on into the sensors."""
+        """Simulate one flight; its generator goes on into the sensors."""
         draw = self._make_generator(10 + index)
         seconds = float(round(draw.uniform(*self._seconds)))
         truth = perturb_flight(truth, draw)
@@ -158,7 +161,7 @@ class OtherCaseGenerator:
         name: str,
         numbers: dict[str, float],
     ) -> CaseFlight:
-        """Fly and watch one flight."""
+        """Simulate one flight and its sensors."""
         path, truth, draw = self._simulate_flight(truth, index, name, numbers)
         streams = SensorSet(path, truth, stamps, draw).record_streams()
         bag = role if index < len(ROLES) else f'{role}_{index + 1}'
@@ -166,9 +169,10 @@ class OtherCaseGenerator:
 
 
 def _draw_initial_state(heading: float, draw: Draw) -> list[float]:
-    """Return a state near rest, nearly upright."""
+    """Draw a state near rest and nearly upright."""
     nod, bank = (0.5 * TILT * float(each) for each in draw.standard_normal(2))
     c, s = math.cos(0.5 * heading), math.sin(0.5 * heading)
+    # Product of the heading quaternion and a small rotation (nod and bank are half angles)
     turn = [c, c * bank - s * nod, c * nod + s * bank, s]
     length = math.sqrt(sum(each * each for each in turn))
     place = [*(0.3 * draw.standard_normal(2)).tolist(), float(draw.uniform(*START))]

@@ -1,4 +1,4 @@
-"""Effects of the library that can be hidden, in the form of this simulator."""
+"""Hide effects of the library in the parameters of the independent simulator."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -14,20 +14,20 @@ Draw = np.random.Generator
 @dataclass(frozen=True, slots=True)
 class InjectionRule:
     """
-    How an effect is hidden.
+    How a parameter is hidden.
 
     Attributes
     ----------
     field : str
-        Of the truth; the value is added to it.
+        Field of `VehicleTruth` to which the value is added.
     least, most : float
-        Of the size of the value, in the unit of the knob.
+        Bounds of the absolute value, in the unit of the parameter.
     axis : int or None
-        Which of several.
+        Index within the field, if it has several elements.
     signs : tuple of int
-        That it may have.
+        Allowed signs.
     others : mapping of int to pair of float
-        Bounds of the size for a sign that has other ones.
+        Different bounds for one of the signs.
 
     """
 
@@ -46,7 +46,7 @@ ROTORS: Final = 4
 def _axis_rules(
     effect: str, names: str, field: str, least: float, most: float
 ) -> dict[str, InjectionRule]:
-    """Return an effect of several axes that only grow."""
+    """Return the rules of an effect with several axes and positive values."""
     return {
         f'{effect}.{name}': InjectionRule(field, least, most, axis)
         for axis, name in enumerate(names.split())
@@ -54,7 +54,7 @@ def _axis_rules(
 
 
 def _sensor_rules(effect: str, field: str, least: float, most: float) -> dict[str, InjectionRule]:
-    """Return an offset of a sensor with three axes."""
+    """Return the rules of a sensor offset with three axes."""
     return {
         f'{effect}.{name}': InjectionRule(field, least, most, axis, BOTH)
         for axis, name in enumerate('xyz')
@@ -64,7 +64,7 @@ def _sensor_rules(effect: str, field: str, least: float, most: float) -> dict[st
 HIDINGS: Final[dict[str, InjectionRule]] = {
     'steady_wind.x': InjectionRule('wind', 0.05, 0.25, 0, BOTH),
     'steady_wind.y': InjectionRule('wind', 0.05, 0.25, 1, BOTH),
-    # With more lift than it is heavy, less what the pilot needs, it would leave for the ceiling.
+    # With more lift than this, the vehicle would rise to the ceiling
     'net_lift.force': InjectionRule('lift', 2e-3, 20e-3, None, BOTH, {1: (2e-3, 12e-3)}),
     'helium_leak.rate': InjectionRule('leak', 5e-5, 4e-4),
     **_axis_rules('added_mass', 'surge sway heave', 'added_mass', 0.03, 0.15),
@@ -89,17 +89,18 @@ HIDINGS: Final[dict[str, InjectionRule]] = {
     **_sensor_rules('gyro_bias', 'gyro_bias', 0.03, 0.1),
     'range_offset.offset': InjectionRule('range_offset', 0.04, 0.2, None, BOTH),
 }
-# Effects of which the value is a share that is taken away.
+# Parameters whose value is the lost share
 SHARES: Final = ('munk_moment.lost', *(f'rotor_fault.lost_{k + 1}' for k in range(ROTORS)))
 
 
 def effect_of(knob: str) -> str:
-    """Return the effect of a knob."""
+    """Return the effect of a parameter 'EFFECT.NAME'."""
     return knob.partition('.')[0]
 
 
 def draw_effects(count: int, draw: Draw) -> dict[str, float]:
-    """Return some knobs of different effects, each effect as likely as another, and values."""
+    """Draw parameters of different effects, all equally likely, and their values."""
+    # Sorted, so that the draw is reproducible
     effects = sorted({effect_of(knob) for knob in HIDINGS})
     out = {}
     for effect in draw.choice(effects, count, replace=False):
@@ -107,12 +108,13 @@ def draw_effects(count: int, draw: Draw) -> dict[str, float]:
         hiding = HIDINGS[knob]
         sign = int(draw.choice(hiding.signs))
         least, most = (hiding.others or {}).get(sign, (hiding.least, hiding.most))
+        # Log-uniform
         out[knob] = sign * float(least * (most / least) ** draw.random())
     return out
 
 
 def _apply_change(old: float, knob: str, value: float) -> float:
-    """Return a number of the truth with what is hidden in it."""
+    """Return a true number changed by a hidden value."""
     if knob in SHARES:
         return old * (1.0 - value)
     if knob == 'thrust_scale.factor':
@@ -121,7 +123,7 @@ def _apply_change(old: float, knob: str, value: float) -> float:
 
 
 def inject_effects(truth: VehicleTruth, hidden: Mapping[str, float]) -> VehicleTruth:
-    """Return a vehicle with effects hidden in it."""
+    """Return a vehicle with hidden effects."""
     for knob, value in hidden.items():
         hiding = HIDINGS[knob]
         old: Any = getattr(truth, hiding.field)
@@ -140,14 +142,14 @@ def true_values(
     truth: VehicleTruth, file: VehicleTruth, hidden: Mapping[str, float]
 ) -> dict[str, Any]:
     """
-    Return the parameters of what is hidden as they are true of the vehicle.
+    Return the true parameters of the hidden effects, as the effect library defines them.
 
     Parameters
     ----------
-    truth, file : Truth
-        As built, with what is hidden; as the file has it.
+    truth, file : VehicleTruth
+        Vehicle with hidden effects, and vehicle of the file.
     hidden : mapping of str to float
-        Knobs and values.
+        Hidden parameters and their values.
 
     """
     out: dict[str, dict[str, float]] = {}
@@ -159,14 +161,17 @@ def true_values(
         if hiding.axis is not None:
             number, begun = number[hiding.axis], begun[hiding.axis]
         if knob == 'motor_lag':
+            # The library has one lag: compare with the sum of both stages
             whole = truth.lag + truth.slow_lag
             out[effect] = {'up': whole, 'down': whole}
             continue
         if effect == 'quadratic_drag':
+            # The parameter of the library is the total quadratic drag
             number += truth.drag[hiding.axis or 0]
         elif effect in ('cg_height', 'cg_offset', 'rotational_drag'):
-            number -= begun  # which count from the vehicle file
+            number -= begun  # the library defines these relative to the vehicle file
         elif knob in SHARES:
+            # Field: remaining share; parameter: lost share
             number = 1.0 - number
         out.setdefault(effect, {})[parameter] = float(number)
     return out

@@ -14,31 +14,31 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-TICK: Final = 0.01  # s; from command to command, and the step of the integrator
+TICK: Final = 0.01  # s; period of commands and step of the integrator
 
 
 class UnlistedDisturbance(Protocol):
-    """Something that is in no library, and acts on one flight."""
+    """A disturbance outside the library that acts on one flight."""
 
     def adjust_duties(self, duties: Sequence[float]) -> Sequence[float]:
-        """Return what the rotors do of what is commanded."""
+        """Return the duties that the rotors follow."""
         ...
 
     def adjust_thrusts(self, thrusts: Sequence[float], duties: Sequence[float]) -> Sequence[float]:
-        """Return what comes of the thrust of each rotor. [N]."""
+        """Return the changed thrust of each rotor. [N]"""
         ...
 
     def moving_air(self) -> MovingAir | None:
-        """Return how it moves the air, if it does."""
+        """Return its air motion, or None."""
         ...
 
     def step_wrench(self, time: float, state: State, air: Six, acceleration: Six) -> Six:
-        """Return its wrench about the hull centre in body axes over the next step, and go on."""
+        """Advance by a step; return the wrench during it, about the hull centre in body axes."""
         ...
 
 
 class DutyPilot(Protocol):
-    """Who commands."""
+    """A pilot that commands rotor duties."""
 
     def initial_duties(self) -> list[float]:
         """Return the duties before the start."""
@@ -53,22 +53,22 @@ class DutyPilot(Protocol):
 @dataclass(frozen=True, slots=True)
 class SimulatedPath:
     """
-    What happened.
+    The trajectory of a simulated flight.
 
     Attributes
     ----------
     time : ndarray, shape (N,)
-        Of the states. [s]
+        Times of the states. [s]
     states : ndarray, shape (N, 13)
-        Place, velocity over the map, quaternion w x y z, body rates.
+        Position and velocity in the map, quaternion w x y z, body rates.
     gains : ndarray, shape (N, 6)
-        Acceleration of the hull centre over the map, and of the body rates.
+        Acceleration of the hull centre in the map, and of the body rates.
     commands : ndarray, shape (M, rotors)
         Duties, every TICK from 0 on.
     thrusts : ndarray, shape (N, rotors)
-        Of the rotors. [N]
+        Thrusts of the rotors. [N]
     unlisted : ndarray, shape (N, 6)
-        Wrench of what is in no library, in body axes. [N], [N m]
+        Wrench of effects outside the library, in body axes. [N], [N m]
 
     """
 
@@ -96,7 +96,7 @@ def state_derivative(state: State, gain: Six) -> State:
 def step_runge_kutta(
     rate: Callable[[float, State], State], state: State, first: State, dt: float
 ) -> State:
-    """Return a state a step later, by the classical method of Runge and Kutta."""
+    """Advance a state by one step of the classical Runge-Kutta method."""
 
     def shift_state(by: float, along: State) -> State:
         return [s + by * d for s, d in zip(state, along, strict=True)]
@@ -108,6 +108,7 @@ def step_runge_kutta(
         s + dt / 6.0 * (a + 2.0 * (b + c) + d)
         for s, a, b, c, d in zip(state, first, second, third, fourth, strict=True)
     ]
+    # Normalise the quaternion, whose length drifts by the integration error
     length = math.sqrt(sum(each * each for each in after[6:10]))
     after[6:10] = [each / length for each in after[6:10]]
     return after
@@ -116,20 +117,21 @@ def step_runge_kutta(
 @final
 class FlightSimulator:
     """
-    One flight.
+    Simulator of one flight.
 
-    The states lie a delay after the commands, so that a command always comes at a state.
+    The times of the states are shifted by the command delay, so that commands take effect exactly
+    at a state.
 
     Parameters
     ----------
-    truth : Truth
-        All numbers.
-    pilot : Flyer
-        Who commands.
+    truth : VehicleTruth
+        True parameters.
+    pilot : DutyPilot
+        The pilot.
     air : sequence of MovingAir
-        What moves the air.
-    unlisted : Unlisted, optional
-        What is in no library.
+        Sources of air motion.
+    unlisted : UnlistedDisturbance, optional
+        Disturbance outside the library.
 
     """
 
@@ -144,37 +146,40 @@ class FlightSimulator:
         own = unlisted.moving_air() if unlisted else None
         self._plain_air = RoomAir(air)
         self._air = RoomAir([*air, own]) if own else self._plain_air
+        # A second set without the disturbance, to compute what the disturbance changes
         self._rotors, self._plain = (RotorSet(truth, pilot.initial_duties()) for _ in range(2))
+        # Whole ticks of the delay; the rest shifts the times of the states
         self._late = math.floor(truth.delay / TICK)
         self._shift = truth.delay - TICK * self._late
         self._duties: Sequence[float] = pilot.initial_duties()
         self._push = STILL
 
     def _rotor_thrusts(self, after: float) -> Sequence[float]:
-        """Return the thrust of each rotor, so long after the last command."""
+        """Return the thrust of each rotor at a time after the last command [s]."""
         thrusts = self._rotors.thrusts_after(after)
         return self._strange.adjust_thrusts(thrusts, self._duties) if self._strange else thrusts
 
     def _compute_accelerations(self, time: float, after: float, state: State) -> Six:
-        """Return the accelerations of a state."""
+        """Return the accelerations at a state."""
         wrench = self._rotors.total_wrench(self._rotor_thrusts(after))
         a, b, c, d, e, f = (one + two for one, two in zip(wrench, self._push, strict=True))
         air = self._air.sample_flow(time, state[0], state[1], state[2])
         return self._body.compute_accelerations(state, air, (a, b, c, d, e, f), time)
 
     def _unlisted_wrench(self, time: float, state: State, gain: Six) -> Array:
-        """Return the wrench without which the vehicle would fly as if nothing were strange."""
+        """Return the wrench that is equivalent to the disturbance."""
         wrench = self._plain.total_wrench(self._plain.thrusts_after(0.0))
         air = self._plain_air.sample_flow(time, state[0], state[1], state[2])
         plain = self._body.compute_accelerations(state, air, wrench, time)
         more = np.subtract(gain, plain)
         r = np.array(rotation_matrix(*state[6:10])).reshape(3, 3)
+        # Map to body axes: a row vector times R is R' times the vector
         more[:3] = more[:3] @ r
         wrench_more: Array = self._body.masses @ more
         return wrench_more
 
     def simulate(self, state: State, seconds: float) -> SimulatedPath:
-        """Fly from a state; the first command comes TICK after it."""
+        """Simulate a flight from a state; the first command follows TICK later."""
         count = round(seconds / TICK)
         commands: list[Sequence[float]] = []
         states, gains, thrusts, strange = [], list[Six](), list[Sequence[float]](), []
@@ -202,7 +207,7 @@ class FlightSimulator:
         )  # fmt: skip
 
     def _apply_command(self, duties: Sequence[float] | None) -> None:
-        """Let a command reach the rotors."""
+        """Apply a command to the rotors."""
         if duties is None:
             return
         self._plain.set_duties(duties)
@@ -210,12 +215,13 @@ class FlightSimulator:
         self._rotors.set_duties(self._duties)
 
     def _step_state(self, time: float, state: State, gain: Six) -> State:
-        """Return the state a step later, and let the rotors run on."""
+        """Return the state after a step, and advance the rotors."""
 
         def rate(after: float, at: State) -> State:
             return state_derivative(at, self._compute_accelerations(time + after, after, at))
 
         later = step_runge_kutta(rate, state, state_derivative(state, gain), TICK)
+        # The stages of the step use the rotors relative to their state at its start
         self._rotors.advance(TICK)
         self._plain.advance(TICK)
         return later

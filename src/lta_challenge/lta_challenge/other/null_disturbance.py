@@ -1,4 +1,4 @@
-"""Define the base of all disturbances outside the library, which has no effect."""
+"""Define the base class of disturbances outside the library; it has no effect."""
 
 from collections.abc import Mapping, Sequence
 
@@ -11,12 +11,12 @@ Numbers = Mapping[str, float]
 
 class NullDisturbance:
     """
-    Something that does nothing.
+    A disturbance without effect.
 
     Parameters
     ----------
     numbers : mapping of str to float
-        What it is made of, by name; the one called `size` scales it.
+        Parameters by name; `size` scales the disturbance.
 
     """
 
@@ -25,17 +25,17 @@ class NullDisturbance:
         self.size = numbers['size']
 
     def adjust_duties(self, duties: Sequence[float]) -> Sequence[float]:
-        """Return what the rotors do of what is commanded."""
+        """Return the duties that the rotors follow."""
         return duties
 
     def adjust_thrusts(self, thrusts: Sequence[float], duties: Sequence[float]) -> Sequence[float]:
-        """Return what comes of the thrust of each rotor. [N]."""
+        """Return the changed thrust of each rotor. [N]"""
         return thrusts
 
     def moving_air(self) -> MovingAir | None:
-        """Return how it moves the air."""
+        """Return its air motion, or None."""
         return None
 
     def step_wrench(self, time: float, state: State, air: Six, acceleration: Six) -> Six:
-        """Return its wrench over the next step, and go on."""
+        """Advance by a step; return the wrench during it."""
         return STILL

@@ -12,35 +12,35 @@ Draw = np.random.Generator
 
 MANOEUVRES: Final = ('dash', 'rock', 'pump', 'roll', 'rest')
 WEIGHTS: Final = (0.25, 0.25, 0.3, 0.1, 0.1)
-HEIGHTS: Final = (1.1, 2.0)  # m; that are wanted
-CEILING: Final = 2.25  # m
-FLOOR: Final = 0.9  # m
-WILD: Final = math.radians(18.0)  # amplitude of the swing at which the pilot works against it
-SWING: Final = 3.1  # rad/s; of the swing, by which a rate makes an amplitude
-FAR: Final = 3.0  # m; from where the pilot heads back
-EASE: Final = 0.0067  # N; of each forward rotor, that they can steer while the vehicle rests
+HEIGHTS: Final = (1.1, 2.0)  # m; range of height setpoints
+CEILING: Final = 2.25  # m; forward thrust stops above
+FLOOR: Final = 0.9  # m; extra lift below
+WILD: Final = math.radians(18.0)  # rad; swing amplitude from which on the pilot damps the swing
+SWING: Final = 3.1  # rad/s; pendulum frequency, which converts rates to amplitudes
+FAR: Final = 3.0  # m; distance from the origin at which the pilot heads back
+EASE: Final = 0.0067  # N; least thrust of each forward rotor, so that they can steer
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class PilotManeuver:
     """
-    What is flown for a while.
+    A manoeuvre.
 
     Attributes
     ----------
     name : str
-        One of MANOEUVRES.
+        One of `MANOEUVRES`.
     end : float
-        When it is over. [s]
+        End time. [s]
     duty : float
-        Of the forward rotors, where they work.
+        Duty of the forward rotors while they push.
     period : float
-        Of commands that alternate. [s]
+        Period of alternating commands. [s]
     height : float
-        That is wanted. [m]
+        Height setpoint. [m]
     turn : float
-        By how much the heading changes. [rad]
+        Change of heading at the start. [rad]
 
     """
 
@@ -53,8 +53,9 @@ class PilotManeuver:
 
 
 def draw_plan(seconds: float, draw: Draw) -> list[PilotManeuver]:
-    """Return what is flown, one after the other."""
+    """Draw a sequence of manoeuvres."""
     plan, time = list[PilotManeuver](), 0.0
+    # Each flight begins with dash, rock and pump in random order (taken from the end)
     order = list(draw.permutation(MANOEUVRES[:3]))
     while time < seconds:
         name = str(order.pop() if order else draw.choice(MANOEUVRES, p=WEIGHTS))
@@ -70,16 +71,16 @@ def draw_plan(seconds: float, draw: Draw) -> list[PilotManeuver]:
 @final
 class SwingingPilot:
     """
-    Flies a plan.
+    Pilot that flies a random sequence of manoeuvres.
 
     Parameters
     ----------
     seconds : float
-        How long.
-    nominal : Truth
-        The vehicle file's numbers, by which the pilot trims.
+        Length of the flight. [s]
+    nominal : VehicleTruth
+        Parameters of the vehicle file, used for trim.
     draw : Generator
-        Where its chance comes from.
+        Random generator.
 
     """
 
@@ -87,6 +88,7 @@ class SwingingPilot:
         self.plan = draw_plan(seconds, draw)
         self._draw = draw
         self._curve = nominal.curve
+        # Vertical force per newton of a lifting rotor
         self._lifting = nominal.columns[0][2]
         self._weight = (nominal.mass - nominal.displaced) * GRAVITY
         self._heading, self._at, self._began = float(draw.uniform(-math.pi, math.pi)), -1, 0.0
@@ -97,22 +99,22 @@ class SwingingPilot:
 
     @property
     def heading(self) -> float:
-        """Where to at the start. [rad]."""
+        """Initial heading. [rad]"""
         return self._heading
 
     def initial_duties(self) -> list[float]:
-        """Return the duties that carry the vehicle of the file."""
+        """Return the hover duties of the vehicle file."""
         up = self._thrust_to_duty(0.5 * self._weight / self._lifting)
         ease = self._thrust_to_duty(EASE)
         return [up, up, ease, ease]
 
     def _thrust_to_duty(self, thrust: float) -> float:
-        """Return the duty for a thrust of one rotor. [N]."""
+        """Return the duty for a thrust [N] of one rotor."""
         a, b = self._curve
         return (math.sqrt(b * b + 4.0 * a * max(thrust, 0.0)) - b) / (2.0 * a)
 
     def _draw_dither(self, time: float) -> list[float]:
-        """Return what is added to each duty, at random and for a while."""
+        """Return the dither of each duty; each value holds for a random time."""
         for k, until in enumerate(self._until):
             if time >= until:
                 self._shake[k] = float(self._draw.choice([-1.0, 1.0])) * self._size
@@ -120,12 +122,13 @@ class SwingingPilot:
         return self._shake
 
     def _current_maneuver(self, time: float, state: State) -> PilotManeuver:
-        """Return what is flown now; begin the next one where the last is over."""
+        """Return the current manoeuvre; start the next one when the last has ended."""
         begin = self._at < 0 or (time >= self.plan[self._at].end and self._at + 1 < len(self.plan))
         if begin:
             self._began = time
             self._at += 1
             self._heading += self.plan[self._at].turn if self._at else 0.0
+            # Head back to the origin before the vehicle leaves the room
             if math.hypot(state[0], state[1]) > FAR:
                 home = math.atan2(-state[1], -state[0])
                 self._heading = home + float(self._draw.uniform(-0.7, 0.7))
@@ -138,19 +141,21 @@ class SwingingPilot:
         Parameters
         ----------
         time : float
-            Since the start. [s]
+            Time since the start. [s]
         state : list of 13 floats
-            The vehicle, which the pilot sees.
+            True state of the vehicle.
 
         """
         now = self._current_maneuver(time, state)
         r = rotation_matrix(*state[6:10])
+        # Amplitude of the swing from tilt and rates; r[8] is the cosine of the tilt
         swing = math.hypot(math.acos(min(r[8], 1.0)), state[10] / SWING, state[11] / SWING)
         ahead, aside = (
             self._forward_duty(now, time, state, swing),
             self._steering_difference(state, r[0], r[3]),
         )
         lift, roll = self._lift_duty(now, state), self._roll_difference(now, time)
+        # Lifting rotors: left, right
         wanted = [lift - roll, lift + roll]
         base = self._thrust_to_duty(EASE)
         # Without thrust ahead the rotors cannot steer, and they cannot pull back.
@@ -161,10 +166,10 @@ class SwingingPilot:
         ]
 
     def _forward_duty(self, now: PilotManeuver, time: float, state: State, swing: float) -> float:
-        """Return the duty ahead."""
+        """Return the common duty of the forward rotors."""
         nose_up = state[11] < 0.0  # rates about y, which points left: the nose goes up
         if state[2] > CEILING:
-            return 0.0  # nose up they would lift it further
+            return 0.0  # with the nose up, forward thrust would lift it further
         if swing > WILD:
             return 0.0 if nose_up else 0.5 * now.duty
         if now.name == 'dash':
@@ -176,13 +181,14 @@ class SwingingPilot:
         return 0.0
 
     def _steering_difference(self, state: State, forward_x: float, forward_y: float) -> float:
-        """Return by how much the forward duties differ, half of it, to hold the heading."""
+        """Return half the difference of the forward duties that holds the heading."""
         off = self._heading - math.atan2(forward_y, forward_x)
+        # Wrap to -pi to pi
         off = math.remainder(off, 2.0 * math.pi)
         return min(max(0.12 * off - 0.35 * state[12], -0.25), 0.25)
 
     def _lift_duty(self, now: PilotManeuver, state: State) -> float:
-        """Return the duty upward that brings the height that is wanted."""
+        """Return the duty of the lifting rotors that controls the height."""
         off = now.height - state[2]
         self._sum = min(max(self._sum + 2e-5 * off, -0.03), 0.08)  # N
         force = self._weight + self._sum + 0.06 * off - 0.15 * state[5]
@@ -191,7 +197,7 @@ class SwingingPilot:
         return self._thrust_to_duty(0.5 * force / self._lifting)
 
     def _roll_difference(self, now: PilotManeuver, time: float) -> float:
-        """Return by how much the upward duties differ, half of it."""
+        """Return half the difference of the lifting duties."""
         if now.name != 'roll':
             return 0.0
         left = (time - self._began) % now.period < 0.5 * now.period

@@ -7,8 +7,8 @@ from typing import Final, final
 from lta_challenge.other.body import cross_product
 from lta_challenge.other.truth import Six, VehicleTruth
 
-WIDTH: Final = 0.02  # of a deadband, by which it starts later and stops earlier, relative
-SECOND: Final = 0.1  # of a hidden lag is a second stage
+WIDTH: Final = 0.02  # hysteresis of the deadband, relative: starts above it, stops below
+SECOND: Final = 0.1  # share of the second stage in a hidden lag
 
 
 @final
@@ -18,17 +18,17 @@ class RotorSet:
 
     Parameters
     ----------
-    truth : Truth
-        Numbers.
+    truth : VehicleTruth
+        True parameters.
     duties : sequence of float
-        At which they have been turning before the start.
+        Steady duties before the start.
 
     """
 
     def __init__(self, truth: VehicleTruth, duties: Sequence[float]) -> None:
         self._truth = truth
         whole = truth.lag + truth.slow_lag
-        # Two stages delay on the average by the sum of their time constants.
+        # The mean delay of two stages is the sum of their time constants
         self._late = SECOND * whole if truth.slow_lag else 0.0
         self._early = whole - self._late
         self._turning = [False] * len(truth.gains)
@@ -37,7 +37,7 @@ class RotorSet:
         self._first, self._second = list(self._aim), list(self._aim)
 
     def set_duties(self, duties: Sequence[float]) -> None:
-        """Take the duties that hold from now on."""
+        """Set the duties from now on."""
         low = self._truth.deadband
         for k, duty in enumerate(duties):
             edge = low * (1.0 - WIDTH if self._turning[k] else 1.0 + WIDTH)
@@ -45,12 +45,14 @@ class RotorSet:
             self._aim[k] = duty if self._turning[k] else 0.0
 
     def _lag_stages(self, seconds: float) -> tuple[list[float], list[float]]:
-        """Return both stages so long after the command."""
+        """Return both stages at a time after the command [s]."""
         early, late = self._early, self._late
+        # Closed solution of the first-order lag for a constant command
         fast = math.exp(-seconds / early)
         first = [aim + (u - aim) * fast for aim, u in zip(self._aim, self._first, strict=True)]
         if not late:
             return first, first
+        # Two lags in series; the time constants differ, so the partial fractions exist
         slow, ratio = math.exp(-seconds / late), early / (early - late)
         second = [
             aim + (u - aim) * ratio * fast + (v - aim - (u - aim) * ratio) * slow
@@ -59,11 +61,11 @@ class RotorSet:
         return first, second
 
     def advance(self, seconds: float) -> None:
-        """Let them run on."""
+        """Advance the rotors by a time. [s]"""
         self._first, self._second = self._lag_stages(seconds)
 
     def thrusts_after(self, seconds: float) -> list[float]:
-        """Return the thrust of each, so long after the command. [N]."""
+        """Return the thrust of each rotor [N] at a time after the command [s]."""
         a, b = self._truth.curve
         scale = self._truth.thrust
         return [
@@ -72,7 +74,7 @@ class RotorSet:
         ]
 
     def total_wrench(self, thrusts: Sequence[float]) -> Six:
-        """Return force and moment about the hull centre of some thrusts."""
+        """Return force and moment of the thrusts about the hull centre."""
         sums = [0.0] * 6
         for thrust, column in zip(thrusts, self._truth.columns, strict=True):
             for k in range(6):
@@ -83,9 +85,10 @@ class RotorSet:
 def rotate_column(
     column: Six, place: tuple[float, float, float], turn: tuple[float, float, float]
 ) -> Six:
-    """Return what a rotor does that is turned about its own place by small angles. [rad]."""
+    """Return the column of a rotor rotated about its own position by small angles. [rad]"""
     force, moment = column[:3], column[3:]
     more = cross_product(turn, force)
+    # Moment of the changed force at the rotor; the torque of the rotor itself is kept
     lever = cross_product(place, more)
     x, y, z = (force[k] + more[k] for k in range(3))
     l, m, n = (moment[k] + lever[k] for k in range(3))  # noqa: E741

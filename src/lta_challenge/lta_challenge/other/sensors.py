@@ -16,10 +16,10 @@ Stamps = Literal['exact', 'millisecond', 'grid', 'jitter']
 
 STAMPS: Final[tuple[Stamps, ...]] = ('exact', 'millisecond', 'grid', 'jitter')
 MILLISECOND: Final = 1e-3  # s
-POSE_GRID: Final = 2e-3  # s; of the stamps of poses, where they have one
-JITTER: Final = 3e-4  # s; standard deviation of stamps that jitter
-# By which a sensor is faster or slower than its name, at least and at most: were it exact, its
-# stamps would stay at one place of their grid, or creep along it as if its clock were wrong.
+POSE_GRID: Final = 2e-3  # s; grid of the pose stamps, in one of the stamp modes
+JITTER: Final = 3e-4  # s; standard deviation of jittering stamps
+# Range of the relative rate error of a sensor. An exact rate would keep the stamps at one point
+# of their grid, or let them drift along it like a wrong clock.
 CLOCK: Final = (1e-3, 5e-3)
 
 POSE_RATE: Final = 100.0  # Hz
@@ -39,25 +39,25 @@ VOLTAGE_NOISE: Final = 2e-3  # V
 
 SEA_LEVEL: Final = 101325.0  # Pa
 SCALE_HEIGHT: Final = 8577.0  # m; of air at 20 C: R T / (M g)
-CHARGE: Final = 900.0  # C; of the battery
-POWER: Final = (0.35, 24.0)  # W and W/N; of the electronics and of thrust
-INNER: Final = 0.15  # ohm
+CHARGE: Final = 900.0  # C; capacity of the battery
+POWER: Final = (0.35, 24.0)  # W and W/N; power of the electronics, and power per thrust
+INNER: Final = 0.15  # ohm; internal resistance of the battery
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class SampledMotion:
     """
-    The motion at the times of some samples.
+    The motion at the times of samples.
 
     Attributes
     ----------
     place, velocity, gain : ndarray, shape (N, 3)
-        Of the hull centre in the map. [m], [m/s], [m/s2]
+        Position, velocity and acceleration of the hull centre in the map. [m], [m/s], [m/s2]
     turn : Rotation
         From body to map.
     rates, spin : ndarray, shape (N, 3)
-        Body rates, and what they gain. [rad/s], [rad/s2]
+        Body rates and their derivatives. [rad/s], [rad/s2]
 
     """
 
@@ -76,14 +76,14 @@ class SensorSet:
 
     Parameters
     ----------
-    path : FlownPath
+    path : SimulatedPath
         The flight.
-    truth : Truth
-        Its numbers.
+    truth : VehicleTruth
+        Its true parameters.
     stamps : Stamps
-        How times are written down.
+        Mode of the stamps.
     draw : Generator
-        Where noise comes from.
+        Random generator of the noise.
 
     """
 
@@ -93,6 +93,7 @@ class SensorSet:
         self._path, self._truth, self._stamps, self._draw = path, truth, stamps, draw
         time, states, gains = path.time, path.states, path.gains
         w, (q, x, y, z) = states[:, 10:13], states[:, 6:10].T
+        # Derivative of the quaternion, for the Hermite interpolation
         turning = 0.5 * np.column_stack([
             -(x * w[:, 0] + y * w[:, 1] + z * w[:, 2]),
             q * w[:, 0] + y * w[:, 2] - z * w[:, 1],
@@ -103,14 +104,16 @@ class SensorSet:
         self._states = CubicHermiteSpline(time, states, slopes)
 
     def _sample_times(self, rate: float, age: float = 0.0) -> Array:
-        """Return when a sensor looks, at a rate of its own. [s]."""
+        """Return the sample times of a sensor with a small rate error. [s]"""
+        # Relative rate error with a random sign
         off = self._draw.choice([-1.0, 1.0]) * self._draw.uniform(*CLOCK)
         period = (1.0 + off) / rate
+        # The trajectory starts one tick before 0; stay within it despite the age of a pose
         first = 2.0 * TICK + age + self._draw.uniform(0.0, 1.0 / rate)
         return np.arange(first, self._path.time[-1], period)
 
     def _stamp_times(self, time: Array, *, pose: bool = False) -> Array:
-        """Return what is written down of the times of samples."""
+        """Return the stamps of sample times."""
         if self._stamps == 'millisecond':
             return np.round(time / MILLISECOND) * MILLISECOND
         if self._stamps == 'grid' and pose:
@@ -124,18 +127,19 @@ class SensorSet:
         return size * self._draw.standard_normal(shape)
 
     def _interpolate_motion(self, time: Array) -> SampledMotion:
-        """Return the motion at some times."""
+        """Interpolate the motion at given times."""
         states = self._states(time)
         gains = np.column_stack([
             np.interp(time, self._path.time, each) for each in self._path.gains.T
         ])  # fmt: skip
+        # w x y z to SciPy's x y z w
         turn = Rotation.from_quat(np.roll(states[:, 6:10], -1, axis=1))
         return SampledMotion(
             states[:, :3], states[:, 3:6], gains[:, :3], turn, states[:, 10:], gains[:, 3:]
         )
 
     def measure_poses(self) -> tuple[Array, Array]:
-        """Return what a tracker sees: place and quaternion x y z w, in its own axes."""
+        """Return the tracker's poses: position and quaternion x y z w, in its own axes."""
         age = self._truth.tracker_delay
         time = self._sample_times(POSE_RATE, age)
         moments = self._interpolate_motion(time - age)
@@ -148,11 +152,12 @@ class SensorSet:
         return self._stamp_times(time, pose=True), np.hstack([place, turn.as_quat()])
 
     def measure_imu(self) -> tuple[Array, Array]:
-        """Return body rates and specific force at the place of the IMU."""
+        """Return body rates and specific force at the position of the IMU."""
         time, t = self._sample_times(IMU_RATE), self._truth
         moments = self._interpolate_motion(time)
         free = moments.gain + np.array([0.0, 0.0, GRAVITY])
         arm, rates = np.array(t.imu_place), moments.rates
+        # Acceleration of the IMU relative to the hull centre: Euler and centripetal terms
         lever = np.cross(moments.spin, arm) + np.cross(rates, np.cross(rates, arm))
         force = moments.turn.apply(free, inverse=True) + lever
         rates = rates * (1.0 + np.array(t.gyro_scale)) + t.gyro_bias
@@ -170,10 +175,11 @@ class SensorSet:
         return self._stamp_times(time), seen[:, None]
 
     def measure_pressures(self) -> tuple[Array, Array]:
-        """Return the pressure of the air at the flight controller."""
+        """Return the air pressure at the flight controller."""
         time, t = self._sample_times(PRESSURE_RATE), self._truth
         moments = self._interpolate_motion(time)
         height = moments.place[:, 2] + moments.turn.apply(t.imu_place)[:, 2]
+        # Weather: a random walk
         walk = np.cumsum(self._white_noise(PRESSURE_WALK / math.sqrt(PRESSURE_RATE), len(time)))
         seen = SEA_LEVEL * np.exp(-height / SCALE_HEIGHT) + t.pressure_offset + walk
         return self._stamp_times(time), (seen + self._white_noise(PRESSURE_NOISE, len(time)))[
@@ -181,18 +187,19 @@ class SensorSet:
         ]
 
     def measure_voltages(self) -> tuple[Array, Array]:
-        """Return the voltage of the battery, which falls as charge is used and sags under load."""
+        """Return the battery voltage, which falls with used charge and with load."""
         full, noise = self._draw.uniform(3.95, 4.15), VOLTAGE_NOISE
         power = POWER[0] + POWER[1] * self._path.thrusts.sum(axis=1)
         current = power / full
         used = np.cumsum(current) * TICK / CHARGE
+        # 0.7 V from full to empty, linear in the used charge
         voltage = full - 0.7 * used - INNER * current
         time = self._sample_times(BATTERY_RATE)
         seen = np.interp(time, self._path.time, voltage) + self._white_noise(noise, len(time))
         return self._stamp_times(time), seen[:, None]
 
     def record_streams(self) -> dict[str, tuple[Array, Array]]:
-        """Return all that is recorded, the commands included."""
+        """Return all recorded topics, the commands included."""
         commands = self._path.commands
         return {
             'ground_truth/odom': self.measure_poses(),

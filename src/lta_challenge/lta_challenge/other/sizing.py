@@ -10,31 +10,32 @@ import numpy as np
 
 Draw = np.random.Generator
 
-# Below which a wrench does not matter. [N], [N m]
+# Noise floor of a wrench [N], [N m]: smaller disturbances are not detectable
 FLOORS: Final = (4e-4, 4e-4, 4e-4, 8e-5, 8e-5, 4e-5)
 
 
-# Numbers that are whole.
+# Parameters that are integers
 WHOLE: Final = ('rotor', 'waves')
 
 
 def draw_unlisted(draw: Draw) -> tuple[str, dict[str, float]]:
-    """Return a kind and its numbers."""
+    """Draw a kind and its parameters."""
     name = str(draw.choice(sorted(UNLISTED)))
     numbers = {key: span.draw_value(draw) for key, span in UNLISTED[name].numbers.items()}
     for key in WHOLE:
         if key in numbers:
+            # Ranges end above the largest integer, so all integers are equally likely
             numbers[key] = float(math.floor(numbers[key]))
     return name, numbers
 
 
 def scale_unlisted(name: str, numbers: Mapping[str, float], factor: float) -> dict[str, float]:
-    """Return a kind with another size, within what there can be of it."""
+    """Scale the size of a kind within its range."""
     span = UNLISTED[name].numbers['size']
     size = min(max(numbers['size'] * factor, span.least), span.most)
     return {**numbers, 'size': size}
 
 
 def wrench_strength(wrench: Array) -> float:
-    """Return how many floors a wrench comes to on its strongest axis, without its mean."""
+    """Return the largest standard deviation of a wrench over its axes, in noise floors."""
     return float(np.max(np.std(wrench, axis=0) / np.array(FLOORS)))

@@ -68,6 +68,7 @@ def perturb_vehicle(truth: VehicleTruth, draw: Draw) -> VehicleTruth:
             rotate_column(column, place, to_triple(TOE * draw.standard_normal(3)))
             for column, place in zip(truth.columns, truth.places, strict=True)
         ),
+        # Limited to three standard deviations, so that the lag stays positive
         lag=truth.lag + LAG * float(np.clip(draw.standard_normal(), -3.0, 3.0)),
         delay=abs(DELAY * float(draw.standard_normal())),
     )

@@ -1,4 +1,4 @@
-"""Draw the true parameters of a vehicle, the air around it and its sensors."""
+"""Define the true parameters of a vehicle, the air around it and its sensors."""
 
 from dataclasses import dataclass
 import math
@@ -15,7 +15,7 @@ NONE: Final[Triple] = (0.0, 0.0, 0.0)
 
 @final
 class DragPlate(NamedTuple):
-    """A part that brakes turns: where it is, how far it reaches each way, N s2/m2 by axis."""
+    """A part that damps rotation: centre and half extent [m], drag along each axis [N s2/m2]."""
 
     place: Triple
     reach: Triple
@@ -26,62 +26,62 @@ class DragPlate(NamedTuple):
 @dataclass(frozen=True, slots=True)
 class VehicleTruth:
     """
-    What is true of one flight.
+    True parameters of one flight.
 
-    Body axes are x forward, y left, z up, about the centre of the hull.
+    Body axes are x forward, y left, z up, with their origin at the centre of the hull.
 
     Attributes
     ----------
     mass, displaced : float
-        Of the vehicle with its gas, and of the air that it displaces. [kg]
+        Mass of the vehicle with its gas, and of the displaced air. [kg]
     cg : triple
         Centre of gravity. [m]
     inertia : triple
         About the centre of gravity. [kg m2]
     added_mass, added_inertia : triple
-        Of the air that moves along. [kg], [kg m2]
+        Added mass and inertia. [kg], [kg m2]
     yaw_air : float
-        More such inertia in yaw, which grows with the rate. [kg m2]
+        Hidden added inertia in yaw, which grows with the rate. [kg m2]
     drag, linear_drag, extra_drag : triple
-        Quadratic, linear, and what is hidden of the quadratic. [N s2/m2], [N s/m]
+        Quadratic, linear, and hidden quadratic drag. [N s2/m2], [N s/m]
     turn_linear, turn_square : triple
         Damping of rotation. [N m s], [N m s2]
-    plates : tuple of Plate
-        Parts that brake turns by their own drag.
+    plates : tuple of DragPlate
+        Parts that damp rotation by their own drag.
     munk : float
         Share of the Munk moment that acts.
     lift, leak : float
-        Force up at the hull centre, and how fast it is lost. [N], [N/s]
+        Upward force at the hull centre, and its loss per time. [N], [N/s]
     curve : pair of float
         a and b of T = a u^2 + b u. [N]
     columns : tuple of six floats each
         Force and moment per newton of each rotor. [1], [m]
     places : tuple of triple
-        Of the rotors. [m]
+        Positions of the rotors. [m]
     thrust : float
         Factor on the thrust of all rotors.
     gains : tuple of float
         Factor on the thrust of each rotor.
     lag, slow_lag : float
-        Time constant of the motors, and what is hidden of it. [s]
+        Time constant of the motors, and its hidden increase. [s]
     delay : float
-        From a command to the motors. [s]
+        Delay from a command to the motors. [s]
     deadband : float
         Duty below which a rotor stands still.
     wind : triple
-        Of the air over the map, its mean. [m/s]
+        Mean wind in the map. [m/s]
     draught : float
-        Root mean square of its random motion, each way. [m/s]
+        Root mean square of each component of the random air motion. [m/s]
     tracker : triple
         Yaw, pitch and roll from the tracker's axes to the map. [rad]
     tracker_delay : float
         Age of a pose. [s]
     imu_bias, gyro_bias, gyro_scale : triple
-        Added to the readings; relative. [m/s2], [rad/s], [1]
+        Biases, and relative scale error of the gyroscope. [m/s2], [rad/s], [1]
     range_offset, pressure_offset : float
-        Added to the readings. [m], [Pa]
+        Biases. [m], [Pa]
     imu_place, range_place : triple
-        Where the sensors are. [m]
+        Positions of the sensors. [m]
 
     """
 
@@ -124,7 +124,7 @@ class VehicleTruth:
 
 
 def to_triple(values: object) -> Triple:
-    """Return three floats of anything that holds three numbers."""
+    """Convert three numbers to a tuple of floats."""
     x, y, z = (float(each) for each in values)  # type: ignore[attr-defined]
     return x, y, z
 
@@ -138,9 +138,9 @@ def spheroid_added_mass(diameter: float, height: float, density: float) -> tuple
     Parameters
     ----------
     diameter, height : float
-        Across and along its axis, z. [m]
+        Size across and along its axis, z. [m]
     density : float
-        Of the air. [kg/m3]
+        Density of the air. [kg/m3]
 
     Returns
     -------
@@ -150,6 +150,7 @@ def spheroid_added_mass(diameter: float, height: float, density: float) -> tuple
     """
     a, c = 0.5 * diameter, 0.5 * height
     fluid = 4.0 / 3.0 * math.pi * a * a * c * density
+    # Eccentricity of the meridian
     e = math.sqrt(1.0 - (c / a) ** 2)
     flat = c / a
     across = flat / e**3 * math.asin(e) - flat**2 / e**2
@@ -157,25 +158,29 @@ def spheroid_added_mass(diameter: float, height: float, density: float) -> tuple
     edge, broad = fluid * across / (2.0 - across), fluid * along / (2.0 - along)
     less, more = a * a - c * c, a * a + c * c
     tumbling = 0.2 * fluid * less**2 * (along - across) / (2.0 * less - more * (along - across))
+    # Rotation about the axis of symmetry moves no air in potential flow
     return (edge, edge, broad), (tumbling, tumbling, 0.0)
 
 
 def build_plates(vehicle: Vehicle) -> tuple[DragPlate, ...]:
-    """Return the boxes that brake turns: the aero block has what they do to straight motion."""
+    """Return the parts that damp rotation; the aero block has their drag in straight flight."""
     out = []
     for part in vehicle.file.parts.values():
+        # Only parts whose drag in straight flight is contained in the aero block
         if part.drag and part.drag.in_aero and part.size:
             x, y, z = to_triple(part.size.vector)
             each = 0.5 * vehicle.air_density * part.drag.coefficient.si
+            # Frontal area of the box along each axis
             drag = (each * y * z, each * z * x, each * x * y)
             longest = max(x, y, z)
+            # Integrate along the longest side only
             reach = to_triple(0.5 * side if side == longest else 0.0 for side in (x, y, z))
             out.append(DragPlate(to_triple(part.position.vector), reach, drag))
     return tuple(out)
 
 
 def build_truth(vehicle: Vehicle) -> VehicleTruth:
-    """Return a vehicle as its file has it; `BadInput` if it is none that this can fly."""
+    """Return the parameters of a vehicle file; raise `BadInput` if its shape is not supported."""
     file = vehicle.file
     diameter, height = file.hull.diameter, file.hull.height
     if diameter is None or height is None or height.si >= diameter.si or len(file.rotors) != 4:

@@ -19,14 +19,14 @@ import numpy as np
 
 @final
 class ParameterRange(NamedTuple):
-    """Between which a number is drawn, by its logarithm where it says so."""
+    """The range of a random parameter, uniform or log-uniform."""
 
     least: float
     most: float
     logarithmic: bool = False
 
     def draw_value(self, draw: np.random.Generator) -> float:
-        """Draw it."""
+        """Draw a value."""
         if self.logarithmic:
             return float(self.least * (self.most / self.least) ** draw.random())
         return float(draw.uniform(self.least, self.most))
@@ -37,7 +37,7 @@ ROUND: Final = ParameterRange(-math.pi, math.pi)
 
 @final
 class UnlistedKind(NamedTuple):
-    """A kind in words, what makes it of its numbers, and what they are drawn from."""
+    """A kind: description, constructor and ranges of its parameters."""
 
     about: str
     make: Callable[[Numbers], NullDisturbance]

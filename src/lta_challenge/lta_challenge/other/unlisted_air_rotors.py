@@ -12,7 +12,7 @@ from lta_challenge.other.truth import Six
 
 @final
 class CrossWind(NullDisturbance):
-    """Wind across the room that turns to and fro, `size` at its strongest. [m/s]."""
+    """Oscillating wind across the room; `size` is its amplitude. [m/s]"""
 
     def moving_air(self) -> MovingAir | None:
         """Return itself."""
@@ -30,9 +30,9 @@ class CrossWind(NullDisturbance):
 @final
 class FanJet(NullDisturbance):
     """
-    Air from a fan at a place in the room, `size` at its mouth. [m/s]
+    The jet of a fan in the room; `size` is the speed at its outlet. [m/s]
 
-    A round turbulent jet: its radius grows by a fifth of the way, its speed falls as much.
+    A round turbulent jet: its radius grows by 0.2 m per metre, its speed falls in proportion.
     """
 
     def moving_air(self) -> MovingAir | None:
@@ -40,13 +40,14 @@ class FanJet(NullDisturbance):
         return self
 
     def sample_flow(self, time: float, x: float, y: float, z: float) -> Six:
-        """Return the velocity of the air; its acceleration along the jet is left out."""
+        """Return the velocity of the air; acceleration along the jet is neglected."""
         n = self.numbers
         c, s = math.cos(n['way']), math.sin(n['way'])
         east, north = x - n['x'], y - n['y']
         along, aside = c * east + s * north, c * north - s * east
         wide = n['radius'] + 0.2 * max(along, 0.0)
         far = (aside * aside + (z - n['z']) ** 2) / wide**2
+        # A smooth step over about 0.3 m at the outlet; no air moves behind the fan
         behind = 1.0 / (1.0 + math.exp(-min(max(along / 0.3, -60.0), 60.0)))
         speed = behind * self.size * n['radius'] / wide * math.exp(-min(far, 60.0))
         return speed * c, speed * s, 0.0, 0.0, 0.0, 0.0
@@ -54,7 +55,7 @@ class FanJet(NullDisturbance):
 
 @final
 class StickingRotor(NullDisturbance):
-    """A rotor that follows its command only where that moves by more than `size`."""
+    """A rotor with play: it follows its command only beyond a distance of `size`."""
 
     def __init__(self, numbers: Numbers) -> None:
         super().__init__(numbers)
@@ -62,9 +63,10 @@ class StickingRotor(NullDisturbance):
         self._stuck = 0.0
 
     def adjust_duties(self, duties: Sequence[float]) -> Sequence[float]:
-        """Return the duties, of which one lags behind by a play."""
+        """Return the duties, one of them with play."""
         out = list(duties)
         wanted = out[self._which]
+        # Hysteresis: the output moves only as far as the play requires
         self._stuck = min(max(self._stuck, wanted - self.size), wanted + self.size)
         out[self._which] = min(max(self._stuck, 0.0), 1.0)
         return out
@@ -72,14 +74,14 @@ class StickingRotor(NullDisturbance):
 
 @final
 class TiringRotors(NullDisturbance):
-    """Rotors that grow warm with use and weaker by it; `size` is the share lost at full duty."""
+    """Rotors that weaken as they heat up; `size` is the share lost at full duty."""
 
     def __init__(self, numbers: Numbers) -> None:
         super().__init__(numbers)
         self._heat: list[float] = []
 
     def adjust_duties(self, duties: Sequence[float]) -> Sequence[float]:
-        """Return them; they warm the rotors."""
+        """Return the duties unchanged, and update the heat of the rotors."""
         share = TICK / self.numbers['memory']
         self._heat = self._heat or [0.0] * len(duties)
         # Copper losses grow with the square of the current, which is about that of the duty.
@@ -87,7 +89,7 @@ class TiringRotors(NullDisturbance):
         return duties
 
     def adjust_thrusts(self, thrusts: Sequence[float], duties: Sequence[float]) -> Sequence[float]:
-        """Return weaker ones."""
+        """Return the reduced thrusts."""
         if not self._heat:
             return thrusts
         return [

@@ -1,9 +1,9 @@
 """
-What no library has: kinds of forces that are hidden to see whether they are called unexplained.
+Forces outside the effect library, which discovery should report as unexplained.
 
-One file a kind, written as an effect so that the truth can be composed of it; none is registered,
-so that no model knows it. Those that are late were written by somebody who had not seen how
-discovery works, and kept from it until it was finished.
+Each kind is a file with an effect for the truth simulator that no model registers. The author of
+the late kinds had not seen how discovery works, and these kinds were not used before discovery
+was finished.
 """
 
 from typing import Final
@@ -37,7 +37,7 @@ from lta_challenge.outside.shared.kind import OutsideKind
 
 
 def _index_kinds(*kinds: OutsideKind) -> dict[str, OutsideKind]:
-    """Return kinds under the names of their effects."""
+    """Return kinds by the name of their effect."""
     return {kind.effect.name: kind for kind in kinds}
 
 
@@ -63,6 +63,6 @@ OUTSIDE: Final = _index_kinds(
     desync.KIND,
     drying.KIND,
 )
-# What every flight of the row 'structured' has, of either sign.
+# Model errors of every flight of the row 'structured', with either sign
 STRUCTURED: Final = _index_kinds(inflow.KIND, coupling.KIND, weathercock.KIND)
 STRANGE: Final = {**OUTSIDE, **STRUCTURED}

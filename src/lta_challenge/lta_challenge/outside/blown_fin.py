@@ -1,5 +1,5 @@
 """
-A fin in the jet: its moment goes with thrust times speed.
+A fin in the rotor jet: its moment is proportional to thrust times speed.
 
     N_z = size (T_3 + T_4) u,   N_y = -size (T_3 + T_4) w
 """
@@ -16,6 +16,7 @@ def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> 
     """Return the moment of the fin."""
     (size,) = p
     v = motion.airspeed
+    # Rotors 3 and 4 are the forward rotors
     jet = size * (thrust[2] + thrust[3])
     return (0.0, 0.0, 0.0, 0.0, -jet * v[2], jet * v[0])
 

@@ -1,5 +1,5 @@
 """
-A pitch moment of a flight that goes ahead and up at once, beyond that of potential flow.
+A pitch moment in simultaneous forward and vertical flight, in addition to that of potential flow.
 
     N_y = size u w
 """

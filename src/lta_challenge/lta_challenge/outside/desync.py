@@ -1,10 +1,10 @@
 """
-A motor whose controller loses step when it is told to speed up at once, and catches it again.
+A motor whose controller loses synchronisation at a fast increase of duty, and regains it.
 
     F_x = -size T,   N = r x F,   T = T_3 lost
     lost' = 40 / s (1 - lost) where d - slow > jump, less lost / back;   slow' = (d - slow) / 0.1 s
 
-d is the duty that the third rotor is told, r = (0, 0.1, -0.4) m.
+d is the commanded duty of the third rotor, r = (0, 0.1, -0.4) m.
 """
 
 from typing import Final
@@ -18,19 +18,20 @@ PARAMETERS: Final = (
     EffectParameter('back', 's', 0.0, 0.0, 20.0, 0.5, 'of a challenge'),
 )
 TOLD: Final = 2  # the third rotor
-LOSES: Final = 40.0  # 1/s
-FOLLOWS: Final = 0.1  # s
+LOSES: Final = 40.0  # 1/s; rate at which synchronisation is lost
+FOLLOWS: Final = 0.1  # s; time constant of the low-pass filtered duty
 
 
 def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the thrust that is missing."""
     size, jump, back = p  # noqa: RUF059 (the kernel knows parameters by their order)
     x = -size * thrust[TOLD] * memory[0]
+    # Moment r x F with r = (0, 0.1, -0.4) m
     return (x, 0.0, 0.0, 0.0, -0.4 * x, -0.1 * x)
 
 
 def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
-    """Return how step is lost and found."""
+    """Return the rates of the lost share and of the filtered duty."""
     size, jump, back = p  # noqa: RUF059
     lost, slow = memory[0], memory[1]
     told = motion.command[TOLD]

@@ -1,5 +1,5 @@
 """
-A field of draughts: vents blow here up and there aside.
+A steady field of draughts from vents.
 
     F = size (sin(x / s) cos(y / s), 0, cos(x / s + 1) sin(y / s + 2))   in the map
 """
@@ -17,9 +17,10 @@ PARAMETERS: Final = (
 
 
 def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
-    """Return the push of the place."""
+    """Return the force at the position."""
     size, s = p
     r, (x, y, _) = motion.rotation, motion.position
+    # The limit avoids a division by the null value of 0
     wide = max(s, 0.1)
     f = size * math.sin(x / wide) * math.cos(y / wide)
     h = size * math.cos(x / wide + 1.0) * math.sin(y / wide + 2.0)

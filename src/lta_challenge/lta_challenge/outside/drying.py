@@ -1,9 +1,9 @@
 """
-A wet hull that dries in the wind of its flight: a weight that goes, fast at first.
+A wet hull that dries in the airflow: extra weight that decays.
 
     F = -size m e_z,   m' = -m (1 + |v| / 0.3 m/s) / takes,   m = 1 at first
 
-v is the velocity through the air; it is trimmed dry.
+v is the velocity through the air. The vehicle is trimmed dry.
 """
 
 import math
@@ -16,7 +16,7 @@ PARAMETERS: Final = (
     EffectParameter('size', 'N', 0.0, 0.0, 0.06, 0.01, 'of a challenge'),
     EffectParameter('takes', 's', 0.0, 0.0, 1e4, 60.0, 'of a challenge'),
 )
-WINDY: Final = 0.3  # m/s
+WINDY: Final = 0.3  # m/s; airspeed that doubles the drying rate
 
 
 def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
@@ -28,7 +28,7 @@ def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> 
 
 
 def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
-    """Return how fast it dries."""
+    """Return the rate of the water."""
     size, takes = p  # noqa: RUF059
     v = motion.airspeed
     speed = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])

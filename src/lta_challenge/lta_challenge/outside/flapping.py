@@ -1,9 +1,9 @@
 """
-A loose panel that flaps in the wind of the flight.
+A loose panel that flaps in the airflow.
 
     F_x = -size |v|^2 (1 + q),   N_z = side size |v|^2 (1 + q),   q'' = f (1 - q^2) q' - f^2 q
 
-v is the velocity through the air; q keeps swinging by itself (van der Pol).
+v is the velocity through the air; q is a self-excited oscillation (van der Pol).
 """
 
 from typing import Final
@@ -27,7 +27,7 @@ def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> 
 
 
 def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
-    """Return how the panel swings."""
+    """Return the rates of the oscillation."""
     size, f, side = p  # noqa: RUF059
     q, s = memory[0], memory[1]
     return (s, f * (1.0 - q * q) * s - f * f * q)

@@ -1,5 +1,5 @@
 """
-A gondola on springs that swings in pitch and roll by itself.
+A gondola on springs with its own oscillation in pitch and roll.
 
     N = size (f^2 (a - angle) + 2 damping f (a' - rate)),   a'' = -N / size
 
@@ -20,9 +20,10 @@ PARAMETERS: Final = (
 
 
 def spring_moments(p: Values, memory: Values, motion: VehicleMotion) -> tuple[float, float]:
-    """Return the moment in roll and in pitch by size."""
+    """Return the moments in roll and pitch, divided by the inertia."""
     size, f, damping = p  # noqa: RUF059 (the kernel knows parameters by their order)
     r, w = motion.rotation, motion.rates
+    # Tait-Bryan angles from the last row of R; clipped against rounding
     pitch, roll = math.asin(min(1.0, max(-1.0, -r[6]))), math.atan2(r[7], r[8])
     x = f * f * (memory[0] - roll) + 2.0 * damping * f * (memory[1] - w[0])
     y = f * f * (memory[2] - pitch) + 2.0 * damping * f * (memory[3] - w[1])
@@ -37,7 +38,7 @@ def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> 
 
 
 def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
-    """Return how the gondola swings."""
+    """Return the rates of the gondola's angles."""
     size, f, damping = p
     x, y = spring_moments((size, f, damping), memory, motion)
     return (memory[1], -x, memory[3], -y)

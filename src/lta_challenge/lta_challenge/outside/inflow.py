@@ -1,5 +1,5 @@
 """
-Forward thrust that a faster flight takes away, which a bench does not show.
+A loss of forward thrust with airspeed, which a static bench test does not show.
 
     F_x = -size (T_3 + T_4) u,   N_y = 0.4 m size (T_3 + T_4) u
 """
@@ -16,6 +16,7 @@ def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> 
     """Return the thrust that is lost."""
     (size,) = p
     lost = size * (thrust[2] + thrust[3]) * motion.airspeed[0]
+    # The forward rotors are 0.4 m below the hull centre
     return (-lost, 0.0, 0.0, 0.0, 0.4 * lost, 0.0)
 
 

@@ -1,5 +1,5 @@
 """
-Air in layers: lift that changes with height.
+Stratified air: lift that changes with height.
 
     F = size sin(z / s) e_z
 """

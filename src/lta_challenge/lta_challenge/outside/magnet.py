@@ -1,5 +1,5 @@
 """
-A magnet aboard, which the field of the room turns to one side.
+A magnet on board, on which the magnetic field of the room exerts a yaw moment.
 
     N_z = -size sin(heading - north)
 """
@@ -19,6 +19,7 @@ PARAMETERS: Final = (
 def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the moment of the magnet."""
     size, north = p
+    # First column of R: body x axis in the map
     heading = math.atan2(motion.rotation[3], motion.rotation[0])
     return (0.0, 0.0, 0.0, 0.0, 0.0, -size * math.sin(heading - north))
 

@@ -1,5 +1,5 @@
 """
-A flap that opens one way only: it brakes a turn to the left and not one to the right.
+A flap that opens in one direction only: it damps turns to the left but not to the right.
 
     N_z = -size max(0, r)^2,   F_y = lever size max(0, v)^2   with r the yaw rate, v the sway speed
 """
@@ -16,7 +16,7 @@ PARAMETERS: Final = (
 
 
 def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
-    """Return what the flap brakes."""
+    """Return the drag of the flap."""
     size, lever = p
     turn, slip = max(0.0, motion.rates[2]), max(0.0, motion.airspeed[1])
     return (0.0, -lever * size * slip * slip, 0.0, 0.0, 0.0, -size * turn * turn)

@@ -1,11 +1,11 @@
 """
-Warm air that rises over patches of a warm floor, and is drawn in from around them below.
+Warm air that rises over patches of a warm floor, with inflow near the floor.
 
     F_z = size (q - 0.2),   F_h = size exp(-z / 1 m) grad q wide / 2
     q = exp((cos k x + cos k y - 2) / (k wide)^2),   k = 2 pi / 4 m
 
-in the map, x and y from the middle of a patch: near it q is exp(-r^2 / (2 wide^2)), and there is
-another patch every 4 m. Air sinks between them.
+in the map, x and y from the centre of a patch: near it q is exp(-r^2 / (2 wide^2)). There is a
+patch every 4 m, and air sinks between them.
 """
 
 import math
@@ -21,13 +21,13 @@ PARAMETERS: Final = (
     EffectParameter('east', 'm', 0.0, -20.0, 20.0, 1.0, 'of a challenge'),
     EffectParameter('north', 'm', 0.0, -20.0, 20.0, 1.0, 'of a challenge'),
 )
-APART: Final = 4.0  # m
-SINKS: Final = 0.2  # of the rise
-HIGH: Final = 1.0  # m; up to which air is drawn in
+APART: Final = 4.0  # m; distance between patches
+SINKS: Final = 0.2  # sinking between the patches, relative to the rise
+HIGH: Final = 1.0  # m; decay height of the inflow
 
 
 def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
-    """Return the push of the warm air."""
+    """Return the force of the warm air."""
     size, wide, east, north = p
     k = 2.0 * math.pi / APART
     x, y = k * (motion.position[0] - east), k * (motion.position[1] - north)

@@ -1,9 +1,9 @@
 """
-A skin that folds one way and the other: a moment with hysteresis.
+A moment with hysteresis, caused by folds of the skin.
 
     N_y = -size a,   N_z = -size b,   a' = (q - |q| a) / s,   b' = (r - |r| b) / s
 
-(Bouc and Wen): after a turn of about s the moment stands against the turn, whatever its speed.
+(Bouc and Wen): after a rotation of about s, the moment opposes it at any speed.
 """
 
 from typing import Final
@@ -24,7 +24,7 @@ def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> 
 
 
 def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
-    """Return how the folds move."""
+    """Return the rates of the folds."""
     size, s = p  # noqa: RUF059
     q, r = motion.rates[1], motion.rates[2]
     wide = max(s, 0.01)

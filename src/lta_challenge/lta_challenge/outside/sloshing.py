@@ -1,10 +1,10 @@
 """
-Ballast that slides in its tray, held by a spring.
+Ballast that slides in its tray against a spring.
 
     F = size (f^2 d + 2 damping f (V - V_0)),   d' = V - V_0,   V' = -F / size
 
-d is its way from the middle of the tray and V its velocity, in the map's horizontal; V_0 that of
-the tray, 0.4 m below the hull centre. Its weight is trimmed away.
+d is its horizontal displacement from the middle of the tray and V its velocity in the map; V_0 is
+that of the tray, 0.4 m below the hull centre. Its weight is trimmed.
 """
 
 from typing import Final
@@ -18,15 +18,16 @@ PARAMETERS: Final = (
     EffectParameter('f', 'rad/s', 0.0, 0.0, 50.0, 3.0, 'of a challenge'),
     EffectParameter('damping', '1', 0.0, 0.0, 1.0, 0.1, 'of a challenge'),
 )
-DEEP: Final = 0.4  # m
+DEEP: Final = 0.4  # m; of the tray below the hull centre
 
 
 def ballast_force(
     p: Values, memory: Values, motion: VehicleMotion
 ) -> tuple[float, float, float, float]:
-    """Return the push on the tray, and its velocity, in the map."""
+    """Return the force on the tray and its velocity, in the map."""
     size, f, damping = p
     r, v, w = motion.rotation, motion.velocity, motion.rates
+    # Velocity of the tray: v + w x (0, 0, -DEEP)
     a, b, c = v[0] - DEEP * w[1], v[1] + DEEP * w[0], v[2]
     east, north = horizontal_components(r, a, b, c)
     x = size * (f * f * memory[0] + 2.0 * damping * f * (memory[2] - east))
@@ -35,7 +36,7 @@ def ballast_force(
 
 
 def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
-    """Return the push of the ballast."""
+    """Return the wrench of the ballast."""
     size, f, damping = p
     x, y, _, _ = ballast_force((size, f, damping), memory, motion)
     a, b, c = rotate_to_body(motion.rotation, x, y, 0.0)
@@ -43,9 +44,10 @@ def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> 
 
 
 def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
-    """Return how the ballast moves."""
+    """Return the rates of displacement and velocity."""
     size, f, damping = p
     x, y, east, north = ballast_force((size, f, damping), memory, motion)
+    # The null value of the mass is 0
     heavy = max(size, 1e-9)
     return (memory[2] - east, memory[3] - north, -x / heavy, -y / heavy)
 

@@ -1,11 +1,11 @@
 """
-Lifting rotors that stall in their own wash as they sink, and are slow to recover.
+Lifting rotors that enter the vortex ring state in descent and recover slowly.
 
     F_z = -size (T_1 + T_2) c,   c = (1 + a) / 2 within 0 and 1
     a' = (a - a^3 + 0.385 (-w - middle) / half) / 0.15 s
 
-w is the velocity through the air along the body's axis up. They stall where they sink faster than
-middle + half and are free again below middle - half (vortex ring, with its hysteresis).
+w is the velocity through the air along the body's upward axis. They stall at a sink rate above
+middle + half and recover below middle - half (hysteresis).
 """
 
 from typing import Final
@@ -19,18 +19,18 @@ PARAMETERS: Final = (
     EffectParameter('half', 'm/s', 0.0, 0.0, 5.0, 0.02, 'of a challenge'),
 )
 FOLD: Final = 0.3849  # 2 / (3 sqrt 3)
-TAKES: Final = 0.15  # s
+TAKES: Final = 0.15  # s; time scale of the transition
 
 
 def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
-    """Return the thrust that is lost."""
+    """Return the lost thrust."""
     size, middle, half = p  # noqa: RUF059 (the kernel knows parameters by their order)
     stalled = min(max(0.5 * (1.0 + memory[0]), 0.0), 1.0)
     return (0.0, 0.0, -size * (thrust[0] + thrust[1]) * stalled, 0.0, 0.0, 0.0)
 
 
 def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
-    """Return how fast the wash closes around the rotors."""
+    """Return the rate of the stall."""
     size, middle, half = p  # noqa: RUF059
     a = memory[0]
     over = FOLD * (-motion.airspeed[2] - middle) / max(half, 0.005)

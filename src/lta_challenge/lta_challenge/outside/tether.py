@@ -3,8 +3,8 @@ A rope that hangs from the gondola and drags over the floor.
 
     F_z = -size h,   F_h = -rubbing size max(0, length - h) v / sqrt(v^2 + v_s^2)
 
-at the gondola, h its height: what hangs is carried, what lies rubs. Its weight at the usual height
-is trimmed away.
+at the gondola with its height h: the hanging part adds weight, the part on the floor friction. Its
+weight at the usual height is trimmed.
 """
 
 import math
@@ -21,17 +21,18 @@ PARAMETERS: Final = (
 )
 DEEP: Final = 0.4  # m; of the gondola below the hull centre
 USUAL: Final = 1.5  # m; height of the hull centre at which it is trimmed
-SLIP: Final = 0.05  # m/s
+SLIP: Final = 0.05  # m/s; smooths the friction near rest
 
 
 def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
-    """Return pull and rub of the rope."""
+    """Return weight and friction of the rope."""
     size, length, rubbing = p
     r, v, w = motion.rotation, motion.velocity, motion.rates
     height = motion.position[2] - DEEP * r[8]
     a, b, c = v[0] - DEEP * w[1], v[1] + DEEP * w[0], v[2]
     east, north = horizontal_components(r, a, b, c)
     grip = -rubbing * size * max(0.0, length - height)
+    # Coulomb friction, smoothed near rest
     grip /= math.sqrt(east * east + north * north + SLIP * SLIP)
     f, g, h = grip * east, grip * north, -size * (height - (USUAL - DEEP))
     x, y, z = rotate_to_body(r, f, g, h)

@@ -1,10 +1,10 @@
 """
-A battery that slides in its tray once the tray is pitched far enough, and stays where it came to.
+A battery that slides in its tray beyond a pitch angle, and stays where it stops.
 
     N = (x, 0, 0) x (-size e_z),   x' = 1 m/s (s - grip) where s > grip, 1 m/s (s + grip) where
     s < -grip, 0 between and at a stop;   s = sin of the pitch, nose down
 
-size is its weight, x its way from the middle, no more than half the play.
+size is its weight, x its displacement from the middle, limited to half the play.
 """
 
 from typing import Final
@@ -21,7 +21,7 @@ SLIDES: Final = 1.0  # m/s on a vertical tray without grip
 
 
 def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
-    """Return the moment of the battery about where it was trimmed."""
+    """Return the moment of the displaced battery."""
     size, half, grip = p  # noqa: RUF059 (the kernel knows parameters by their order)
     r = motion.rotation
     way = min(max(memory[0], -half), half)
@@ -29,9 +29,11 @@ def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> 
 
 
 def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
-    """Return how fast it slides."""
+    """Return the sliding speed."""
     size, half, grip = p  # noqa: RUF059
+    # Sine of the pitch, nose down positive
     steep = -motion.rotation[6]
+    # Zero within the friction, linear beyond
     speed = SLIDES * (steep - min(max(steep, -grip), grip))
     if (memory[0] >= half and speed > 0.0) or (memory[0] <= -half and speed < 0.0):
         speed = 0.0

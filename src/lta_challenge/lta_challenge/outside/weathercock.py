@@ -1,5 +1,5 @@
 """
-A hull that turns into the wind of its flight.
+A hull with weathercock stability: it turns into the airflow.
 
     N_z = size v |v_h|,   v the sway speed, v_h the horizontal velocity through the air
 """

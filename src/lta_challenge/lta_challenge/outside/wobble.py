@@ -1,5 +1,5 @@
 """
-A bent shaft: a force that turns with the rotor's wobble.
+A bent shaft: a force that rotates with it.
 
     F_y = size T cos phi,   F_z = size T sin phi,   N = r x F,   phi' = f
 
@@ -19,15 +19,16 @@ PARAMETERS: Final = (
 
 
 def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
-    """Return the force that turns."""
+    """Return the rotating force."""
     size, f = p  # noqa: RUF059 (the kernel knows parameters by their order)
     y = size * thrust[2] * math.cos(memory[0])
     z = size * thrust[2] * math.sin(memory[0])
+    # Moment r x F with r = (0, 0.1, -0.4) m
     return (0.0, y, z, 0.1 * z + 0.4 * y, 0.0, 0.0)
 
 
 def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
-    """Return how fast it turns."""
+    """Return the rate of the phase."""
     size, f = p  # noqa: RUF059
     return (f,)
 

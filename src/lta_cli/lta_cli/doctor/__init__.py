@@ -22,6 +22,7 @@ from rich.table import Table
 from rich.text import Text
 
 CHECKS: dict[str, Callable[[], HardwareCheck]] = {
+    # Later checks depend on earlier ones, so the first failure is the cause to fix
     'python': check_python,
     'platform': check_platform,
     'wheels': check_wheels,

@@ -27,6 +27,7 @@ def domain_ports(domain: int) -> list[int]:
     Port 7400 + 250 d is the discovery multicast port; 7410 + 250 d + 2 i and 7411 + 250 d + 2 i
     are the unicast ports of participant i (DDSI-RTPS 2.3, section 9.6.1.1).
     """
+    # 7400 is the port base and 250 the domain gain of the specification
     base = 7400 + 250 * domain
     return [base + 10 + offset for offset in range(2 * PARTICIPANTS)]
 
@@ -37,6 +38,7 @@ def find_busy_ports(ports: list[int]) -> list[int]:
     for port in ports:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             try:
+                # Binding fails if another process uses the port
                 probe.bind(('', port))
             except OSError:
                 busy.append(port)
@@ -52,7 +54,9 @@ def find_free_domain() -> int:
 
 def check_conversation() -> HardwareCheck:
     """Check that two processes discover each other and exchange messages, and time it."""
+    # A domain of its own, so that a running graph neither disturbs nor is disturbed
     environment = {**os.environ, 'ROS_DOMAIN_ID': str(find_free_domain())}
+    # The processes end before the deadline, so that their message can be read
     command = [sys.executable, '-m', 'lta_graph.ros.echo', '--seconds', str(DEADLINE - 2.0)]
     began = time.monotonic()
     pipe = subprocess.PIPE
@@ -65,8 +69,10 @@ def check_conversation() -> HardwareCheck:
     finally:
         for process in (asking, answering):
             process.kill()
+            # Collect the process, or it would stay as a zombie
             process.communicate()
     if asking.returncode != 0 or not output:
+        # The last line of a traceback names the error
         lines = errors.decode(errors='replace').strip().splitlines()
         if lines:
             return HardwareCheck('dds', 'fail', lines[-1], FAULT)
@@ -77,6 +83,7 @@ def check_conversation() -> HardwareCheck:
         f'two processes found each other in {times["discovery_s"]:.1f} s, round trip'
         f' {times["round_trip_s"] * 1e6:.0f} us ({time.monotonic() - began:.1f} s in all)'
     )
+    # Works, but every start of a graph will be slow
     if times['discovery_s'] > SLOW:
         return HardwareCheck(
             'dds', 'warn', found, 'Discovery is slow: the machine is busy or lossy.'

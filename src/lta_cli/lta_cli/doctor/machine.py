@@ -32,6 +32,7 @@ def check_platform() -> HardwareCheck:
 
 def check_disk(runs: Path = Path('runs')) -> HardwareCheck:
     """Check the disk space for recordings; a flight takes some tens of megabytes."""
+    # `runs` may not exist yet: use the nearest existing parent
     folder = next(path for path in (runs.absolute(), *runs.absolute().parents) if path.is_dir())
     free = shutil.disk_usage(folder).free / MEGABYTE
     found = f'{free:.0f} MB free for {runs.absolute()}'
@@ -46,6 +47,7 @@ def check_disk(runs: Path = Path('runs')) -> HardwareCheck:
 
 def check_cores() -> HardwareCheck:
     """Check the processor cores that this process may use."""
+    # Cores that a container or taskset allows, not those of the machine
     count = len(os.sched_getaffinity(0))
     found = f'{count} cores, load {os.getloadavg()[0]:.1f}'
     remedy = 'Seven nodes share one core: the flight will be slow; give it two or more.'
@@ -55,6 +57,7 @@ def check_cores() -> HardwareCheck:
 def check_memory(table: Path = Path('/proc/meminfo')) -> HardwareCheck:
     """Check the memory available; the whole graph takes about 1 GB."""
     lines = dict(line.split(':', 1) for line in table.read_text().splitlines())
+    # The value is in kB; MemAvailable includes caches that can be freed
     free = int(lines['MemAvailable'].split()[0]) * 1024 / MEGABYTE
     found = f'{free:.0f} MB available'
     return grade_figure(

@@ -19,6 +19,7 @@ MAKE_AGAIN = "Run 'make build'; if that changes nothing, 'make clean' and 'make 
 
 def check_wheels() -> HardwareCheck:
     """Check that the dependencies can be imported; a subprocess survives a crashing library."""
+    # Print each name before its import: the last one printed is the one that failed
     script = '; '.join(f'print({module!r}, flush=True); import {module}' for module in MODULES)
     result = subprocess.run(
         [sys.executable, '-c', script], capture_output=True, text=True, timeout=PATIENCE
@@ -38,6 +39,7 @@ def read_pins(constraints: Path) -> dict[str, str]:
 
 
 def _normalize_name(name: str) -> str:
+    # Name normalisation of PEP 503
     return re.sub(r'[-_.]+', '-', name).lower()
 
 
@@ -69,6 +71,7 @@ def check_versions(
 def check_packages() -> HardwareCheck:
     """Check that the workspace is built and its packages are in the ament index."""
     prefixes = [Path(path) for path in os.environ.get('AMENT_PREFIX_PATH', '').split(':') if path]
+    # Marker files of the ament resource index, one per package
     index = Path('share/ament_index/resource_index/packages')
     missing = [
         f'lta_{name}'

@@ -13,6 +13,7 @@ Json = Annotated[bool, typer.Option('--json', help='Print the results as JSON.')
 def print_json(content: Any, page: Path | None = None) -> None:  # noqa: ANN401 - plain data
     """Print results, with the path of their page."""
     shown = content if page is None else {**content, 'page': str(page)}
+    # One write for the whole text, so that other output cannot split it
     sys.stdout.write(json.dumps(shown, indent=1) + '\n')
 
 

@@ -17,6 +17,7 @@ Out = Annotated[
     Path | None,
     typer.Option(
         help='Folder of the results; runs/<time>-<name> by default.',
+        # A parser instead of Click's path type, to refuse empty text
         parser=parse_folder,
         metavar='FOLDER',
     ),

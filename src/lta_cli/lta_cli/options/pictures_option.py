@@ -19,4 +19,5 @@ def check_pictures(folder: Path | None) -> None:
     """Check, before any work, that pictures can be taken and written."""
     if folder is not None:
         find_chromium()  # raises BadInput if there is none
+        # Also raises BadInput if the folder is not empty
         prepare_empty_folder(folder)

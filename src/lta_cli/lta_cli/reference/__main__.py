@@ -18,6 +18,7 @@ def render_page(name: str) -> str:
     """Return the text of a page; raise `BadInput` if the name is unknown."""
     if name not in PAGES:
         raise unknown_name('page of the reference', name, list(PAGES))
+    # Import only the requested page: the page of parameters loads the ROS nodes
     module = import_module(f'lta_cli.reference.{name}')
     text: str = module.render_page()
     return text

@@ -57,8 +57,10 @@ def format_parameters(effect: Effect) -> Iterator[str]:
             f'{_format_parameter(known, known.name)} (each rotor)' for known in effect.each
         )
         return
+    # Parameters with equal unit and bounds share one entry
     groups: dict[tuple[object, ...], list[str]] = {}
     for known in effect.parameters:
+        # 'thrust_1' to 'thrust_8' become 'thrust_1..'
         stem = re.sub(r'_\d+$', '_1..', known.name)
         key = (known.unit, known.null, known.low, known.high)
         names = groups.setdefault(key, [])

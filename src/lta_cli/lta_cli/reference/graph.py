@@ -26,8 +26,10 @@ def render_page() -> str:
     """Return the picture as SVG."""
     table = load_topic_table()
     roles = order_nodes(table)
+    # The last column lists topics without a subscriber in the table
     columns = [*roles, SHOWN]
     rows = [[list_links(table, role, reader) for reader in columns] for role in roles]
+    # A row is as high as its longest cell, at least three lines
     heights = [max(3, *(len(cell) for cell in row)) * LINE + 10 for row in rows]
     width, height = 2 * MARGIN + WIDTH * len(columns), 2 * MARGIN + LINE + sum(heights)
     parts = [
@@ -44,6 +46,7 @@ def render_page() -> str:
             if column == k:
                 parts.append(draw_node(role, left, top, high))
             elif lines:
+                # Below the diagonal: feedback
                 parts.append(draw_cell(lines, left, top, high, 'back' if column < k else 'cell'))
         top += high
     return ''.join(parts) + '</svg>\n'
@@ -53,6 +56,7 @@ def order_nodes(table: TopicTable) -> list[str]:
     """Return the nodes with subscribers in the order of the table, the controller last."""
     sources = [topic.source for topic in table.topics.values() if topic.subscribers]
     roles = list(dict.fromkeys(sources))
+    # `sorted` is stable: all other roles keep their order
     return sorted(roles, key=lambda role: role == 'controller')  # it closes the loop: last
 
 
@@ -61,6 +65,7 @@ def list_links(table: TopicTable, role: str, reader: str) -> list[tuple[str, boo
     lines = []
     for name in table.published_by(role):
         topic = table[name]
+        # The subscriber uses the value of the previous step
         late = bool(topic.subscribers.get(reader))
         if reader in topic.subscribers or (reader == SHOWN and not topic.subscribers):
             rate = f' {1e9 / topic.period_ns:.0f} Hz' if topic.period_ns else ''

@@ -42,6 +42,7 @@ def render_page() -> str:
 def iterate_models() -> Iterator[tuple[str, str, type[Settings]]]:
     """Yield package, node name and settings model of each node."""
     for package in PACKAGES:
+        # Every module in `nodes` is one node
         folder = resources.files(f'{package}.nodes')
         for found in pkgutil.iter_modules([str(folder)]):
             tree = ast.parse((folder / f'{found.name}.py').read_text(encoding='utf-8'))
@@ -54,6 +55,7 @@ def find_model_names(tree: ast.AST) -> Iterator[str]:
     """Yield the names of the models in calls of `NodeParameters(node, MODEL, ...)`."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Call) and getattr(node.func, 'id', '') == 'NodeParameters':
+            # The second argument is the settings model
             model = node.args[1]
             if isinstance(model, ast.Name):
                 yield model.id
@@ -72,6 +74,7 @@ def format_row(name: str, info: FieldInfo, value: Any) -> str:  # noqa: ANN401 -
     """Return one parameter as a row of the table."""
     extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
     fixed = ' *Fixed.*' if extra.get('read_only') else ''
+    # A bar would end the cell of the table
     about = (info.description or '').replace('|', '\\|')
     cells = (
         f'`{name}`',
@@ -94,6 +97,7 @@ def format_default(value: object) -> str:
 
 def format_bounds(info: FieldInfo) -> str:
     """Format the closed bounds of a parameter as text."""
+    # Pydantic stores bounds as Ge and Le objects of annotated_types
     found = {type(item).__name__: item for item in info.metadata}
     low, high = getattr(found.get('Ge'), 'ge', None), getattr(found.get('Le'), 'le', None)
     if low is not None and high is not None:

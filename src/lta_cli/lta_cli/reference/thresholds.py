@@ -21,6 +21,7 @@ PARTS: Final = {
     'conclusion': 'The conclusion',
     'study': 'The whole study',
 }
+# A line `NAME: Final = number  # comment`; the number may be a power or degrees in radians
 DECLARED: Final = re.compile(
     r'^(?P<name>[A-Z][A-Z_]*): Final = '
     r'(?P<value>-?[\d.]+(?:e-?\d+)?(?:\*\*-?[\d.]+| \* math\.pi / 180\.0)?)'
@@ -94,6 +95,7 @@ def parse_thresholds(module: str, text: str) -> Iterator[Threshold]:
         if found is not None and found['name'] not in SHAPES:
             about = found['beside'] or ' '.join(above)
             yield Threshold(module, found['name'], found['value'], about)
+        # Comment lines directly above a constant; any other line ends them
         above = [*above, line.removeprefix('# ')] if line.startswith('# ') else []
 
 
@@ -122,6 +124,7 @@ def format_row(one: Threshold, measured: dict[str, dict[str, str]]) -> str:
 def load_sensitivity() -> dict[str, dict[str, str]]:
     """Return the measured sensitivity of each threshold, by factor; empty if there is no file."""
     path = Path('docs') / KEPT
+    # The file is missing outside a source tree
     if not path.exists():
         return {}
     found: dict[str, dict[str, str]] = json.loads(path.read_text(encoding='utf-8'))

@@ -48,6 +48,7 @@ def format_amount(value: float | None, unit: str) -> str:
     """Format a figure to three digits with its unit; empty for a speed of 0 (unknown)."""
     if value is None or (value == 0.0 and unit in {'m/s', '°/s'}):
         return ''
+    # .3g would show large values with an exponent
     return f'{value:.0f} {unit}' if abs(value) >= 1000.0 else f'{value:.3g} {unit}'
 
 

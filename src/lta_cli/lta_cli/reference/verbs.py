@@ -25,6 +25,7 @@ def render_page() -> str:
 
 def iterate_verbs(command: Any, words: str = 'lta') -> Iterator[tuple[str, Any]]:  # noqa: ANN401 - Typer's
     """Yield the full name and the command of every verb, each group before its members."""
+    # The root command has no section
     if words != 'lta':
         yield words, command
     if hasattr(command, 'commands'):
@@ -34,6 +35,7 @@ def iterate_verbs(command: Any, words: str = 'lta') -> Iterator[tuple[str, Any]]
 
 def format_section(words: str, verb: Any) -> str:  # noqa: ANN401 - a command of Typer
     """Return a verb's heading, help text and table of arguments and options."""
+    # A group is a level-2 heading, its verbs are level 3
     deep = '#' * words.count(' ')
     text = f'\n#{deep} {words}\n{format_manual(verb.help or "")}'
     rows = [
@@ -76,6 +78,7 @@ def format_default(param: Any) -> str:  # noqa: ANN401 - a parameter of Typer
     if isinstance(param.show_default, str):
         return format_text(param.show_default)
     value = param.default
+    # False is the default of every flag and not worth a column entry
     if not param.show_default or value is None or value is False or value in ('', (), []):
         return ''
     if value is True:
@@ -88,6 +91,7 @@ def format_text(text: str) -> str:
     """Escape text for Markdown, on one line; quoted lta commands become code."""
     text = ' '.join(text.split()).replace('|', '\\|')
     parts = text.split('"')
+    # An unpaired quotation mark: quote nothing
     if len(parts) % 2 == 0:
         return escape_markup(text)
     quoted = zip(parts, range(len(parts)), strict=True)
@@ -104,6 +108,7 @@ def format_quote(part: str, place: int) -> str:
 
 def escape_markup(text: str) -> str:
     """Escape the characters that are special in Markdown or HTML."""
+    # The characters that occur in help texts; others need no escape
     for mark in '<*_[':
         text = text.replace(mark, f'\\{mark}')
     return text

@@ -29,6 +29,7 @@ def call(
     Example: lta call player/pause true
     """
     answer = service_call.call_service(robot_topic(robot, service), data)
+    # A response may have no text
     words = answer.message or ('done' if answer.success else 'not done')
     plain_console().print(words, highlight=False, markup=False, soft_wrap=True)
     if not answer.success:

@@ -55,7 +55,9 @@ def cells(
     """
     console = plain_console(stderr=json)
     check_pictures(pictures)
+    # Parse before any work, so that a wrong budget is reported at once
     mass, energy = parse_mass(budget), load_vehicle_file(vehicle).energy
+    # Without a charger, the surplus of an array is undefined
     if energy.charger is None:
         raise BadInput(f'{vehicle} has no charger for solar panels; choose another --vehicle.')
     read = load_cell_table(table)
@@ -83,8 +85,10 @@ def parse_mass(text: str) -> float:
     try:
         given = Quantity.model_validate(text)
     except ValidationError as error:
+        # Pydantic puts this prefix before messages of validators
         reason = error.errors()[0]['msg'].removeprefix('Value error, ')
         raise BadInput(f'The budget {reason}.') from None
+    # 100 kg: far above any vehicle here, but it catches a wrong unit
     if complaint := describe_misfit(given, 'kg', above=0.0, high=100.0):
         raise BadInput(f'The budget {complaint}.')
     return given.si

@@ -28,6 +28,7 @@ from lta_report.results_folder import format_page_line, resolve_folder, write_js
 from lta_report.screenshots import write_pictures
 import typer
 
+# Group 1: number, group 2: optional unit
 QUANTITY = re.compile(r'\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*')
 
 
@@ -106,16 +107,20 @@ def compare(
         None if offset is None else parse_quantity(offset, '--offset', 's'),
         frames, dict(parse_tolerance(text) for text in tolerance or ()),
     )  # fmt: skip
+    # 'A:B' names a robot for each bag; a single name is used for both
     robots = (robot or '').partition(':')
     one = open_side(a, robots[0], 'A')
     other = open_side(b, robots[2] or robots[0], 'B')
+    # The pictures are rendered from the page
     if pictures is not None and not page:
         raise BadInput('--pictures needs the page; leave out --no-page.')
     check_pictures(pictures)
+    # A default folder has the time in its name and is always new
     if out is not None and out.exists():
         prepare_empty_folder(out.absolute())  # fail before the work, not after
     with CompareProgress(console, count_ticks(one, other, asked)) as progress:
         found = compare_flights(one, other, asked, progress.tick)
+    # Units of channels are known only after the comparison
     check_units(tolerance or (), found.channels)
     target = prepare_empty_folder(resolve_folder(out, 'compare'))
     content = comparison_to_dict(found)
@@ -129,6 +134,7 @@ def compare(
     print_comparison(found, console)
     if written is not None:
         console.print(format_page_line(written), highlight=False, markup=False, soft_wrap=True)
+    # Files and page are written first, so that the difference can be inspected
     if same and not (found.is_identical or found.is_same):
         raise typer.Exit(1)
 
@@ -138,6 +144,7 @@ def open_side(path: Path, robot: str, label: str) -> RecordedFlight:
     try:
         return open_flight(find_bag(path), robot or None)
     except BadInput as error:
+        # The user must choose a robot for this side
         if 'several robots' in str(error):
             raise BadInput(
                 f'{label}: {error} For two different robots: --robot lta1:lta2.'
@@ -147,6 +154,7 @@ def open_side(path: Path, robot: str, label: str) -> RecordedFlight:
 
 def parse_tolerance(text: str) -> tuple[str, float]:
     """Return channel and tolerance of a text such as 'odom/pose.pose.position.z=0.05 m'."""
+    # From the right, since a channel name may contain '='
     name, equals, value = text.rpartition('=')
     if not equals or not name:
         raise BadInput(
@@ -163,11 +171,13 @@ def check_units(tolerances: Sequence[str], channels: Sequence[ChannelComparison]
     """Raise `BadInput` if the unit of a tolerance fits none of its channels."""
     for name, _, value in (text.rpartition('=') for text in tolerances):
         found = QUANTITY.fullmatch(value)
+        # A tolerance without a unit is in the channel's own unit
         if found is None or not found[2]:
             continue
         kind = UNITS[found[2]][0]
         fitting = [each for each in channels if each.name == name or fnmatchcase(each.name, name)]
         units = [UNITS.get(each.unit, (each.unit, 1.0))[0] for each in fitting]
+        # Channels without a unit accept any
         if fitting and not {'', kind} & {*units}:
             raise BadInput(
                 f"The tolerance of {name} is '{value}', but {fitting[0].name} is in {units[0]}; "
@@ -179,11 +189,13 @@ def parse_quantity(text: str, what: str, unit: str | None = None) -> float:
     """Parse a number with an optional unit and return it in SI units, or raise `BadInput`."""
     found = QUANTITY.fullmatch(text)
     own = found and found[2]
+    # SI unit and factor of the given unit
     kind, factor = UNITS.get(own or '', (unit, 1.0))
     if found is None or (own and own not in UNITS) or (unit and kind != unit):
         known = ', '.join(sorted(name for name, (si, _) in UNITS.items() if unit in (None, si)))
         raise BadInput(f"{what} is '{text}'; give a number with an optional unit ({known}).")
     value = float(found[1]) * factor
+    # A number such as 1e999 overflows to infinity
     if not math.isfinite(value):
         raise BadInput(f"{what} is '{text}'; give a finite number.")
     return value

@@ -96,12 +96,15 @@ def discover(
     bags: dict[Role, list[Path]] = {
         'train': train or [], 'confirm': confirm or [], 'holdout': holdout or [],
     }  # fmt: skip
+    # Refuse contradictory options before any work
     _check_options(vehicle, any(bags.values()), demo, between is not None)
     if pictures is not None and between is not None:
         raise BadInput('--between writes no page; leave out --pictures.')
     check_pictures(pictures)
     folder = resolve_folder(out, 'discover-demo' if demo else 'discover')
+    # Discovery takes minutes: find out now whether its results can be written
     check_creatable(folder)
+    # `_check_options` ensures the vehicle; the second test is for the type checker
     if between is not None and vehicle is not None:
         with DiscoverProgress(console) as progress:
             planned = plan_between(vehicle, *between, scenario, tell=progress.show_stage)
@@ -150,8 +153,10 @@ def print_result(
     finding = result.study.finding
     print_finding(finding, console)
     if hidden is not None:
+        # In a demonstration the truth is known: show it next to the result
         both = f'Hidden: {hidden}. Result: {format_result(finding)}.'
         console.print(both, style='bold', highlight=False, soft_wrap=True)
+    # Exists only with --plan, and only if a flight helps
     if (folder / FILE).exists():
         print_flight_command(finding.vehicle, folder / FILE, console)
     for line in list_learned_commands(finding, folder).values():
@@ -163,6 +168,7 @@ def write_next_flight(
     planned: NextFlight, vehicle: str, folder: Path, json: bool, console: Console
 ) -> None:
     """Write the planned flight and describe it."""
+    # No scenario is planned if no flight can separate the effects
     if planned.scenario is not None:
         folder.mkdir(parents=True, exist_ok=True)
     path = planned.write(folder)

@@ -21,6 +21,7 @@ def doctor(
     console = plain_console()
     waiting = console.status('checking this machine ...')
     with waiting if console.is_terminal else nullcontext():
+        # The DDS check takes a few seconds
         results = list(iterate_checks())
     if json:
         print_json([asdict(item) for item in results])

@@ -41,6 +41,7 @@ def print_all_effects() -> None:
         table.add_column('effect', no_wrap=True)
         table.add_column('what')
         for name, effect in EFFECTS.items():
+            # Each kind of effect is a class of its own
             if type(effect) is kind:
                 table.add_row(name, describe_effect(effect))
         console.print(table)

@@ -57,6 +57,7 @@ def fly(
     Example: lta fly --seed 3 --time realtime
     """
     console = plain_console(stderr=json)
+    # A live view in lockstep would run too fast to watch
     pace = time or ('realtime' if live else 'lockstep')
     order = FlightRequest(
         vehicle, scenario, strategy, seed, pace, out, live_port if live else None
@@ -70,6 +71,7 @@ def fly(
     console.print(format_outcome(flight, figures), highlight=False, soft_wrap=True)
     if figures is not None:
         print_files(flight.bag, target, console)
+    # The report is written first, whatever the outcome
     if flight.outcome != 'reached':
         raise typer.Exit(1)
 
@@ -81,6 +83,7 @@ def write_report(flight: FlightRun, page: Path | None) -> FlightResults | None:
             return write_page(flight.bag, page)
         return compute_results(FlightView(open_flight(flight.bag)))
     except BadInput:
+        # A node that died at the start may have left an empty bag
         if flight.outcome == 'failed':
             return None
         raise
@@ -90,6 +93,7 @@ def flight_to_dict(
     flight: FlightRun, figures: FlightResults | None, page: Path | None
 ) -> dict[str, object]:
     """Return the content of --json."""
+    # Without results there is no page
     pages = {} if page is None or figures is None else {'page': str(page)}
     return {
         'outcome': flight.outcome,
@@ -103,6 +107,7 @@ def flight_to_dict(
 
 def format_outcome(flight: FlightRun, figures: FlightResults | None) -> str:
     """Return the outcome in one sentence, from the page and the simulator's verdict."""
+    # The bag has no goal to judge by, so the simulator's verdict counts
     on_course = flight.outcome == 'reached' and figures is not None and figures.success is None
     if figures is None or flight.outcome == 'failed' or on_course:
         return f'The drone {flight.sentence}.'

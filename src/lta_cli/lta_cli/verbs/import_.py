@@ -65,13 +65,16 @@ def import_(
     from lta_data.importers.run import import_logs, ImportRequest
 
     console = plain_console(stderr=json)
+    # The robot becomes a ROS namespace
     if not is_name(robot):
         raise BadInput(f"Robot '{robot}' is not a valid namespace; use letters and digits.")
+    # A name such as '.csv' has an empty stem
     name = sources[0].name.split('.')[0] or 'log'
     target = resolve_folder(out, name)
     order = ImportRequest(sources, mapping, format, robot, vehicle)
     with ImportProgress(console, len(sources)) as progress:
         done = import_logs(order, target, progress)
+    # One entry per source, also for a single source
     if json:
         print_json([asdict(one) for one in done])
         return

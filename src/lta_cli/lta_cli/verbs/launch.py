@@ -43,11 +43,15 @@ def launch(
         print_arguments(path)
         return
     pairs = parse_arguments(given or [])
+    # Validate the arguments first, also for the real ros2 launch
     plan = load_plan(path, pairs)
+    # Another environment may have a ros2 command that does not belong to the wheels
     if os.environ.get('LTA_UNDERLAY') != WHEELS and shutil.which('ros2'):
+        # Replaces this process, so signals and the exit status are those of ros2 launch
         os.execvp('ros2', ['ros2', 'launch', str(path), *(given or [])])
     check_plan(plan)
     outcome = run_graph(plan, print_node_line, print_event)
+    # The last line of the node states what was wrong with its input
     if is_refusal(outcome):
         raise BadInput(outcome.lines[-1])
     if not outcome.success:
@@ -68,9 +72,11 @@ def parse_arguments(texts: list[str]) -> dict[str, str]:
     """Parse launch arguments of the form NAME:=VALUE."""
     pairs = {}
     for item in texts:
+        # The value may contain ':=' itself
         name, mark, value = item.partition(':=')
         if not mark or not name:
             raise BadInput(f"'{item}' is not a launch argument; write NAME:=VALUE.")
+        # The last value of a repeated argument counts, as in ros2 launch
         pairs[name] = value
     return pairs
 

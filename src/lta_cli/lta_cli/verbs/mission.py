@@ -17,6 +17,7 @@ from lta_studies.mission.run import load_request, run_missions, schedule_gain, S
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 import typer
 
+# s
 DAY = 86400.0
 
 
@@ -53,15 +54,18 @@ def mission(
     console = plain_console(stderr=json)
     check_pictures(pictures)
     schedules = SCHEDULES if schedule == 'all' else (schedule,)
+    # Consecutive seeds, each with its own clouds
     order = load_request(name, days, range(seed, seed + seeds), schedules)
     folder = resolve_folder(out, f'mission-{order.mission.name}')
     columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
+    # The progress bar counts simulated seconds
     total = DAY * days * seeds * len(schedules)
     with ProgressBar(console, *columns, begin='simulating', total=total) as bar:
         lives = run_missions(order, folder, lambda gone: bar.update_bar(advance=gone))
     content = {
         'mission': order.mission.name,
         'days': days,
+        # None if only one schedule was simulated
         'gain': None if (more := schedule_gain(lives)) is None else more._asdict(),
         'lives': [
             {'schedule': each.schedule, 'seed': each.seed, **asdict(each.figures)}
@@ -85,6 +89,7 @@ def mission(
     if json:
         print_json(content, page)
     schedules_table, ratios = build_tables(order, lives)
+    # On a terminal, the few schedules are columns and the many figures rows
     print_table(transpose_table(schedules_table), console)
     print_table(ratios, console)
     lines = [format_title(order, lives), format_page_line(relative_path(page))]

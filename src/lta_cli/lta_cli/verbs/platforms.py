@@ -68,17 +68,21 @@ def platforms(
         find_chromium()  # raises BadInput before anything is flown
         prepare_empty_folder(pictures)
     comparison = load_comparison(file)
+    # Every vehicle, gains file and manoeuvre is loaded before the first flight
     check_comparison(file, comparison)
     todo = list_jobs(file, comparison, seeds or comparison.seeds)
     created = datetime.now().astimezone().isoformat(timespec='seconds')
     target = prepare_empty_folder(resolve_folder(out, comparison.name))
+    # An iterator: results arrive as the flights finish
     coming = fly_all(todo, workers or count_processors())
     rows: list[PlatformResult] = list(
         track(coming, 'flying', len(todo), console=console, disable=not console.is_terminal)
     )
+    # Workers finish in any order; the results must not depend on it
     order = {job: index for index, job in enumerate(todo)}
     rows.sort(key=lambda row: order[row.job])
     content = write_json([result_to_json(row) for row in rows], target / 'flights.json')
+    # Provenance, shown at the end of the page
     origin = {
         'comparison': file, 'seeds': str(seeds or comparison.seeds), 'flights': str(len(rows)),
         'commit': read_commit(), 'created': created,

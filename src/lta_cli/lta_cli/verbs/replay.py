@@ -85,6 +85,7 @@ def replay(
     )  # fmt: skip
     flight = open_flight(order.bag, robot)
     target = resolve_folder(out, 'replay')
+    # ns to s; a damaged bag may have no times
     span = ((flight.bag.end or 0) - (flight.bag.start or 0)) * 1e-9
     with ReplayProgress(console, max(0.0, min(span, order.end) - start)) as progress:
         played = run_replay(order, flight, target, progress)
@@ -94,6 +95,7 @@ def replay(
         else None
     )
     write_results(played, verdict, order, flight, target, console, json)
+    # Without --against, only an incomplete replay is a failure
     if not played.is_complete or (verdict is not None and verdict.word == 'different'):
         raise typer.Exit(1)
 
@@ -150,10 +152,13 @@ def print_verdict(verdict: ReplayVerdict, console: Console) -> None:
         'differs', 'first', 'recorded', 'replayed', 'largest', box=None,
     )  # fmt: skip
     for topic in verdict.topics:
+        # The channels are sorted by the time of their first difference
         for each in topic.channels[:WORST]:
+            # Time of the first difference since the start of the flight [s]
             at = verdict.relative_time(int(topic.recorded.keys[each.first]))
             printed.add_row(
                 topic.topic, each.path, f'{each.count}/{topic.count}', f'{at:.2f} s',
+                # Seven digits: enough to show differences of single-precision numbers
                 *(format_value(value, 7) for value in (each.recorded, each.again, each.largest)),
             )  # fmt: skip
     if printed.row_count:

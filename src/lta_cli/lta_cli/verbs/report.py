@@ -37,6 +37,7 @@ def report(
     """
     bag = find_bag(bag)
     select_robot(read_bag(bag), robot)  # raises BadInput before any folder is created
+    # Several robots of a bag must not overwrite each other's page
     name = 'report.html' if robot is None else f'report-{robot}.html'
     page = (out or bag.absolute().parent / name).absolute()
     if pictures is not None:

@@ -70,18 +70,21 @@ def reproduce(
 
     Example: lta reproduce --quick
     """
+    # stdout holds only the JSON or the Markdown page
     console = plain_console(stderr=json or as_markdown)
     rows = select_rows(names or [])
     if listed:
         print_table(build_row_table(rows), console)
         return
     check_pictures(pictures)
+    # No time in the name, so that repeating the command resumes
     target = (out or Path('runs') / ('paper-quick' if quick else 'paper')).absolute()
     order = ReproductionRequest(
         tuple(row.name for row in rows), quick, target, workers or count_processors()
     )
     kepts = gather_rows(order, rows, console)
     told = write_json(figures_file.build_figures(rows, kepts), target / 'paper.json')
+    # Command that repeats the run, shown on the page
     words = ['reproduce', *(names or []), *(['--quick'] if quick else [])]
     page = write_page(
         rows, kepts, {'Find it again': format_lta_command(*words)}, target / 'report.html'
@@ -114,10 +117,12 @@ def gather_rows(
         TextColumn('{task.description}'), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
     )  # fmt: skip
     with ProgressBar(console, *columns, begin='the paper', total=len(rows)) as bar:
+        # Stored rows count as done
         bar.update_bar(advance=len(kepts))
         for name, kept in study_all(order, todo):
             kepts[name] = kept
             bar.update_bar(advance=1, description=name)
+            # In a log file, the bar itself prints lines
             if console.is_terminal:
                 bar.show_message(f'{name}: {kept.seconds:.0f} s')
     return kepts

@@ -27,4 +27,5 @@ def run(
         # Block SIGINT until the entry point installs its handler: Ctrl-C during the imports would
         # print a traceback.
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    # Replaces this process: signals and exit status are those of the executable
     os.execv(path, [str(path), *(arguments or [])])

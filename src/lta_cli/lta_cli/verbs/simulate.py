@@ -51,19 +51,23 @@ def simulate(
     Example: lta simulate --seed 3 --set 'vehicle.trim.heaviness=4 g'
     """
     console = plain_console(stderr=json)
+
     order = SimulationRequest(
         vehicle, scenario, strategy, gains, seed, tuple(changes or ()), out, record=bag
     )
     with FlightProgress(console, 'loading the world') as progress:
+        # Compilation takes half a minute without visible progress, so announce it
         if not is_compiled():
             progress.wait_for(COMPILING)
         flight, figures = simulate_once(order, progress)
     target = flight.folder / 'report.html' if bag else None
     if target is not None:
+        # Figures of the recorded bag, the same as `lta report` shows
         figures = write_page(flight.bag, target)
     if json:
         content = flight_to_dict(flight, figures, target)
         if not bag:
+            # No bag was written
             del content['bag']
         print_json(content)
     console.print(format_outcome(flight, figures), highlight=False, soft_wrap=True)

@@ -79,11 +79,13 @@ def sweep(
     try:
         done = sweep_once(order, console)
     except KeyboardInterrupt:
+        # The entry point sets the exit status 130
         console.print('Finished flights are stored; repeat the command to resume.')
         raise
     if json:
         print_json(sweep_to_dict(done))
     print_summary(done, console)
+    # Flights that missed the goal are results; only failed ones are errors
     if any(row.outcome == FAILED for row in done.rows):
         raise typer.Exit(1)
 
@@ -93,6 +95,7 @@ def parse_duties(text: str | None) -> tuple[float, ...]:
     try:
         found = tuple(float(word) for word in text.split(',')) if text else ()
     except ValueError:
+        # NaN fails the range check below, which has the error message
         found = (math.nan,)
     if not all(-1.0 <= duty <= 1.0 for duty in found):
         raise BadInput(f"The duties are '{text}'; give numbers from -1 to 1, separated by commas.")
@@ -120,6 +123,7 @@ def sweep_to_dict(done: SweepRun) -> dict[str, object]:
         'reached_high': share.high,
         'flown': done.flown,
         'workers_lost': done.deaths,
+        # Zero if all flights were already stored
         'rate': done.flown / done.wall if done.wall else 0.0,
         'table': str(done.table),
         **({} if done.page is None else {'page': str(done.page)}),
@@ -138,6 +142,7 @@ def print_summary(done: SweepRun, console: Console) -> None:
     if done.deaths:
         lines.append(f'{done.deaths} workers were lost; other workers flew their flights.')
     failures = Counter(row.sentence for row in done.rows if row.outcome == FAILED)
+    # The three most frequent reasons; the table has all
     for sentence, count in failures.most_common(3):
         lines.append(f'{count} failed: {sentence}')
     lines.append(f'Table {done.table}')

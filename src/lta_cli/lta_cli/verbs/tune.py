@@ -47,6 +47,7 @@ UNITS = {
 def parse_mass(text: str) -> float:
     """Parse a mass in g or kg and return it in kg."""
     found = parse_quantity(text)
+    # To kg; other units are not a mass
     factor = {'g': 1e-3, 'kg': 1.0}.get(found['unit']) if found else None
     if found is None or factor is None or not isinstance(found['value'], int | float):
         raise typer.BadParameter(f"'{text}' is not a mass; give one such as '6 g'")
@@ -61,6 +62,7 @@ def tune(
     ] = None,
     least: Annotated[
         float, typer.Option(help='Smallest loss of lift.', parser=parse_mass, metavar='MASS')
+        # Typer passes a text default through the parser
     ] = '0 g',  # type: ignore[assignment]
     most: Annotated[
         float, typer.Option(help='Largest loss of lift.', parser=parse_mass, metavar='MASS')
@@ -121,17 +123,20 @@ def tune(
     """
     console = plain_console(stderr=json)
     asked = [f'--least={1e3 * least:g} g', f'--most={1e3 * most:g} g', f'--cases={cases}']
+    # The options of the stored command, so that repeating it resumes
     asked += [f'--budget={budget}', f'--seed={seed}', *(f'--number={n}' for n in numbers or ())]
     start = [] if gains is None else ['--gains', gains]
     order = TuningRequest(
         vehicle, gains, least, most, cases, budget, draws, seed, tuple(numbers or ()), workers,
         where, out, format_lta_command('tune', vehicle, *start, *asked),
     )  # fmt: skip
+    # Everything is stored during the search; Ctrl-C keeps the best candidate
     done = tune_once(order, console)
     target = None
     if page:
         scene = TuningScene(vehicle)
         examined = [TuningCase(loss, seed + k) for k, loss in enumerate(done.losses)]
+        # Fly old and new gains once more, to plot their step responses
         target = write_page(
             done, *(fly_responses(scene, side.gains, examined) for side in (done.old, done.new))
         )
@@ -169,6 +174,7 @@ def side_to_dict(side: GainSetResult) -> dict[str, object]:
         }
         for k, name in enumerate(NAMES)
     }
+    # A margin is None if the loop never reaches the critical gain or phase
     margins = []
     for each in side.steadiness:
         found = each.margins
@@ -177,10 +183,12 @@ def side_to_dict(side: GainSetResult) -> dict[str, object]:
             'growth': each.growth, 'swing': each.swing,
         }  # fmt: skip
         if found is not None:
+            # Gain in dB, phase in degrees, as in Bode plots
             row |= {
                 'gain': None if found.gain is None else to_decibels(found.gain),
                 'gain_down': None if found.gain_down is None else to_decibels(found.gain_down),
                 'phase': None if found.phase is None else math.degrees(found.phase),
+                # Seconds of additional delay at which the loop becomes unstable
                 'delay': found.delay,
                 'crossover': found.crossover,
             }
@@ -199,6 +207,7 @@ def side_to_dict(side: GainSetResult) -> dict[str, object]:
 
 def print_summary(done: TuningResult, page: Path | None, console: Console) -> None:
     """Print a summary and the paths of the results."""
+    # Column widths fit the longest label and value
     lines = [format_title(done), f'{"":<40}{"old":<26}new']
     rows = build_benefit_rows(done) + build_limit_rows(done.old.limit, done.new.limit)
     lines += [f'{name:<40}{old:<26}{new}' for name, old, new in rows]

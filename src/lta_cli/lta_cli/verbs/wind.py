@@ -86,13 +86,16 @@ def wind(
     """
     console = plain_console(stderr=json)
     asked = WindStudyRequest(
+        # Remove duplicates and keep the order
         tuple(dict.fromkeys(vehicles or list_shipped('vehicles'))),
         tuple(sorted(set(roughness or ROUGHNESS))),
         height, reference, scenario, 1 if quick else seeds, quick, fly,
     )  # fmt: skip
     for name in asked.vehicles:
+        # Check all files before the first flight
         load_vehicle(name)
     load_scenario(asked.scenario)
+    # All input has been checked; flights follow
     target = prepare_empty_folder(resolve_folder(out, 'wind'))
     found = find_limits(asked, console)
     content = to_json(found, asked)
@@ -109,6 +112,7 @@ def wind(
 def find_limits(request: WindStudyRequest, console: Console) -> list[PlatformWindLimits]:
     """Return the limits of all platforms, with a progress bar."""
     columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
+    # The ticks of the search, and one for each finished platform
     total = count_ticks(request) + len(request.vehicles)
     found = []
     with ProgressBar(console, *columns, begin='wind', total=total) as bar:
@@ -139,6 +143,7 @@ def build_table(
         head += [f'z0 {z:g}', 'flown']
     rows = [head]
     for each in limits:
+        # The static limit is the smallest of the first three
         held = (each.thrust, each.tumble, each.rise, each.static)
         row = [each.name, *map(format_speed, held), format_flyable(each.flown)]
         for over in each.over:

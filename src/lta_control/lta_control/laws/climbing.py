@@ -27,4 +27,5 @@ def lift_step(
     is not used.
     """
     wanted = clamp_symmetric(gains.altitude_kp * error, gains.climb_limit)
+    # A measured rate of 0 disables the derivative term
     return pid_step(pid_gains(gains.climb), integral, wanted - climb, 0.0, missing, dt)

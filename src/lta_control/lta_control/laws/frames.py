@@ -8,6 +8,7 @@ from lta_control.attitude import Quaternion, Vector
 def to_world(q: Quaternion, v: Vector) -> Vector:
     """Return a body vector in the world frame; `q` is body to world."""
     x, y, z, w = q
+    # v + w t + q x t with t = 2 q x v: cheaper than a rotation matrix
     tx, ty, tz = (
         2.0 * (y * v[2] - z * v[1]),
         2.0 * (z * v[0] - x * v[2]),
@@ -53,6 +54,7 @@ def rotation_between(here: Quaternion, there: Quaternion) -> Vector:
     """
     x, y, z, w = -here[0], -here[1], -here[2], here[3]
     p, q, r, s = there
+    # Quaternion product conj(here) * there
     scalar = w * s - x * p - y * q - z * r
     # q and -q are the same attitude: take the shorter rotation.
     short = 2.0 if scalar >= 0.0 else -2.0

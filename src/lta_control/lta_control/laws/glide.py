@@ -76,6 +76,7 @@ def build_constants(gains: GlideGains, vehicle: Vehicle) -> GlideLawConstants:
             'law glide; choose another law.'
         )
     x, y, z = mass.position.vector
+    # Yaw moment per newton of differential thrust: half the difference of the columns' mz
     lever = 0.5 * (columns[1][5] - columns[0][5])
     low, high = mass.low.vector[0], mass.high.vector[0]
     return GlideLawConstants(gains, build_rotors(vehicle), lever, (x, y, z), low, high)
@@ -92,11 +93,13 @@ def step(
     wanted = clamp_symmetric(gains.altitude_kp * error, gains.climb_limit)
     # The climb loop commands pitch, which the mass then realises.
     nose, climb = pid_step(pid_gains(gains.climb), memory.climb, wanted - rising, 0.0, 0.0, dt)
+    # Nose-up pitch; the clamp protects asin from rounding
     pitch = math.asin(clamp_symmetric(up_in_body(motion.attitude)[0], 1.0))
     # The rate about body y is nose down.
     back, tilt = pid_step(
         pid_gains(gains.pitch), memory.pitch, nose - pitch, -motion.rates[1], gap[0], dt
     )
+    # Moving the mass backwards (-x) raises the nose
     place = min(max(constants.rest[0] - back, constants.low), constants.high)
     along = motion.velocity[0]
     thrust, speed = pid_step(

@@ -93,6 +93,7 @@ def build_constants(gains: LateralGains, vehicle: Vehicle) -> LateralLawConstant
             'choose another law, or give it a coupling of four rotors in aero.'
         )
     planar = [[column[axis] for column in columns] for axis in PLANAR]
+    # Rows: fx, fy, mz, and the sum of the offsets, which must be zero
     matrix = np.array([*planar, [1.0] * FOUR])
     # A singular matrix: the rotor axes do not span surge, sway and yaw.
     if np.linalg.cond(matrix) > 1e6:
@@ -100,6 +101,7 @@ def build_constants(gains: LateralGains, vehicle: Vehicle) -> LateralLawConstant
             f'{vehicle.file.name} cannot push along x and y and turn independently with its '
             'four rotors; turn their axes, or choose another law.'
         )
+    # Columns of the inverse: offsets per newton of surge and sway, and per N m of yaw
     surge, sway, yaw = (cast('Four', tuple(part.tolist())) for part in np.linalg.inv(matrix).T[:3])
     return LateralLawConstants(
         gains,
@@ -132,8 +134,10 @@ def step(
     loop = pid_gains(gains.velocity)
     fx, surge = pid_step(loop, memory.surge, forward - motion.velocity[0], 0.0, gap[2], dt)
     fy, sway = pid_step(loop, memory.sway, left - motion.velocity[1], 0.0, gap[3], dt)
+    # The jets cannot push down
     lift = max(constants.weight + push, 0.0)
     thrusts, share, given = mix_thrusts(constants, lift, fx, fy, turn)
+    # Negative where the offsets were scaled down: the undelivered part of each demand
     short = share - 1.0
     missing = (given - constants.weight - push, short * turn, short * fx, short * fy)
     command = LawCommand(thrusts_to_duties(constants.rotors, thrusts), UNMOVED)

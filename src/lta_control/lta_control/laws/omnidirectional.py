@@ -93,6 +93,7 @@ def step(
     gx, gy = memory.goal if memory.begun else (px, py)
     wx, wy = rotate_level(setpoint.heading, setpoint.speed, 0.0)
     gx, gy = gx + dt * wx, gy + dt * wy
+    # A bounded error limits the force when the vehicle falls behind its goal
     ex, ey = clamp_symmetric(gx - px, gains.reach), clamp_symmetric(gy - py, gains.reach)
     ez = clamp_symmetric(setpoint.altitude - pz, gains.reach)
     # Clamped integrals prevent wind-up while the error is limited by `reach`.
@@ -107,6 +108,7 @@ def step(
         (
             kp * ex + ix + kd * (wx - vx) + dx,
             kp * ey + iy + kd * (wy - vy) + dy,
+            # The commanded vertical velocity is zero
             kp * ez + iz - kd * vz + constants.weight,
         ),
     )

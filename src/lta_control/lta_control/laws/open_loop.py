@@ -75,6 +75,7 @@ def step(
     # The planned altitude starts on the floor.
     altitude = memory.altitude if memory.begun else constants.standing
     heading = memory.heading
+    # Full rate until the last step, which ends exactly at the setpoint
     climb = clamp_symmetric((setpoint.altitude - altitude) / dt, gains.climb_rate)
     turn = clamp_symmetric(wrap_angle(setpoint.heading - heading) / dt, gains.turn_rate)
     wrench = (

@@ -110,7 +110,10 @@ def step(
     forward, left = rotate_level(-yaw, ax, ay)
     # A tilt whose horizontal thrust gives the wanted acceleration.
     goal = quaternion_from_angles(
-        -math.atan(left / STANDARD_GRAVITY), math.atan(forward / STANDARD_GRAVITY), yaw
+        # Positive pitch is nose down, which accelerates forward; positive roll accelerates right
+        -math.atan(left / STANDARD_GRAVITY),
+        math.atan(forward / STANDARD_GRAVITY),
+        yaw,
     )
     mx, my, slopes = tilt_moments(
         constants, memory, rotation_between(motion.attitude, goal), inputs
@@ -118,6 +121,7 @@ def step(
     wanted = clamp_symmetric(
         gains.heading_kp * wrap_angle(setpoint.heading - yaw), gains.rate_limit
     )
+    # Moment = inertia times wanted angular acceleration
     mz = constants.inertia[2] * gains.yaw_rate_kp * (wanted - motion.rates[2])
     wrench = (0.0, 0.0, thrust, mx, my, mz)
     thrusts, given = allocate(constants.rotors, wrench, memory.thrusts, scratch)

@@ -88,6 +88,7 @@ def step(
     fy, north = pid_step(loop, memory.north, wy - vy, 0.0, gap[1], dt)
     drag = drag_force(constants.drag[0], constants.drag[1], setpoint.speed)
     dx, dy = rotate_level(setpoint.heading, drag, 0.0)
+    # World axes, with drag and weight fed forward
     force = (fx + dx, fy + dy, up + constants.weight)
     bx, by, bz = to_body(motion.attitude, force)
     wrench = (bx, by, bz, 0.0, 0.0, -gains.yaw_damping * motion.rates[2])

@@ -95,6 +95,7 @@ class Controller(GraphNode):
     def _on_arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         refused = request.data and bool(self._stopped)
         self._armed = request.data and not refused
+        # Arming starts with empty integrals
         self._memory = ControlMemory()
         response.success = not refused
         response.message = self._stopped if refused else 'armed' if self._armed else 'disarmed'
@@ -175,6 +176,7 @@ class Controller(GraphNode):
     ) -> Setpoint:
         """Return the setpoint, or its replacement if it is too old: hold, then descend."""
         setpoint, settings = to_setpoint(pose, velocity), self._settings.value
+        # The older of the two messages counts; a stamp far in the future is infinitely old
         oldest = max(stamp_age(from_stamp(half.header.stamp), now_ns) for half in (pose, velocity))
         if oldest <= settings.hold_after:
             steers = 'a person' if self._helm.held else 'the setpoint'
@@ -187,6 +189,7 @@ class Controller(GraphNode):
         self.health.report(
             'motors', HealthLevel.WARN, text + ('landing' if landing else 'holding')
         )
+        # Below the current altitude, so the descent goes on until the floor
         altitude = measured.altitude - DESCENT if landing else setpoint.altitude
         return Setpoint(altitude, setpoint.heading, 0.0)
 

@@ -59,6 +59,7 @@ class Estimator(GraphNode):
             settings = self._settings.value
             self._estimate = estimator_step(settings, self._body, self._estimate, inputs, dt)
         else:
+            # The estimate is published unchanged, so that the graph does not stop
             self._refused += 1
             text = 'an implausible IMU sample was ignored'
             self.health.report('imu', HealthLevel.ERROR, text, refused=self._refused)

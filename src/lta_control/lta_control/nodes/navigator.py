@@ -77,6 +77,7 @@ class Navigator(GraphNode):
         self._word: ReserveReport | None = None  # latest energy report; None: stay on the ground
         light = self.table['photodiodes']
         self._block_ns = light.period_ns
+        # Three blocks of estimates: the light of a block arrives after its end
         self._history: deque[Odometry] = deque(maxlen=3 * self._block_ns // self.table.control_ns)
         inputs = self.table.read_by('navigator')
         self.subscribe_inputs(inputs, trigger='light/estimate', on_step=self._on_step)
@@ -145,6 +146,7 @@ class Navigator(GraphNode):
 
     def _build_sight(self, step: InboxStep) -> LightSight:
         """Return the light with the drone's motion at the middle of its block."""
+        # A block is stamped with its first sample; the bearing is that of its middle
         middle = step.stamp_ns + self._block_ns // 2
         then = min(
             self._history, key=lambda m: abs(from_stamp(m.header.stamp) - middle), default=None

@@ -83,6 +83,7 @@ def steer(
 ) -> tuple[SteeringCommand, DitherMemory]:
     """Return the swinging heading at cruise speed."""
     own, dt = settings.des, sight.interval
+    # Diode 0 looks forward
     level = math.log(sight.amplitudes[0] + own.floor)
     before, mean = (memory.level, memory.mean) if memory.begun else (level, level)
     # First-order washout; the limit keeps it stable for long intervals.

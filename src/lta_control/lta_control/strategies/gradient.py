@@ -89,6 +89,7 @@ def steer(
 ) -> tuple[SteeringCommand, GradientMemory]:
     """Return the heading of the latest plane, at cruise speed or stopped for a turn."""
     own, m, dt = settings.dga, memory, sight.interval
+    # Commanded, not estimated, speed and heading, as in the paper
     x = m.x + m.speed * math.cos(m.heading) * dt
     y = m.y + m.speed * math.sin(m.heading) * dt
     pairs, more = add_pair(m.pairs, m.filled, (x, y, sight.amplitudes[0]), own.cell)
@@ -123,6 +124,7 @@ def steepest_heading(
     own: GradientSettings, pairs: tuple[Pair, ...], count: float, heading: float
 ) -> float:
     """Return the heading up the plane through the latest pairs; the old one for a flat plane."""
+    # The newest pairs are last; earlier entries are still empty
     first = PAIRS - int(count)
     mean_x = mean_y = mean_j = 0.0
     if own.centred:
@@ -130,6 +132,7 @@ def steepest_heading(
             mean_x += pairs[k][0] / count
             mean_y += pairs[k][1] / count
             mean_j += pairs[k][2] / count
+    # Normal equations of the plane, with the ridge on the diagonal
     xx = yy = own.ridge * count
     xy = xj = yj = 0.0
     for k in range(first, PAIRS):

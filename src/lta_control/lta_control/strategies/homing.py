@@ -205,6 +205,7 @@ def follow_sight(settings: 'StrategySettings', m: HomingMemory, sight: LightSigh
     optics = build_optics(own, m.flown)
     fix, known, lost, doubted = m.fix, m.known, m.lost + dt, m.doubted
     if m.known:
+        # Movement through the air since the last sight, by dead reckoning
         moved_x, moved_y = sight.position[0] - m.place[0], sight.position[1] - m.place[1]
         fix = predict_fix(optics, fix, moved_x, moved_y, dt)
     if sight.seen and sight.deviation <= own.trusted:
@@ -212,6 +213,7 @@ def follow_sight(settings: 'StrategySettings', m: HomingMemory, sight: LightSigh
         there = known and normalized_innovation(fix, optics, bearing, sight.deviation) <= own.gate
         share = strength / expected_strength(fix) if known else 1.0
         fits = there and own.echo <= share <= 1.0 / own.echo
+        # A weak light elsewhere is a reflection and raises no doubt
         doubted = 0.0 if fits or share < own.echo else doubted + dt
         # After a full turn without success any light is better than the old fix.
         sought = m.searched > full_turn_time(settings)
@@ -234,10 +236,12 @@ def steer_to_lamp(settings: 'StrategySettings', m: HomingMemory) -> tuple[float,
     """Return heading [rad] and airspeed [m/s] along the line to the lamp, or to hold there."""
     own, fix = settings.homing, m.fix
     away = max(math.hypot(fix.x, fix.y), 1e-6)
+    # Stop at half the arrival range
     over_ground = min(settings.speed, max(own.approach * (away - 0.5 * own.arrival), 0.0))
     top = max(own.top_speed, settings.speed)
     near = own.approach * away < settings.speed
     return solve_wind_triangle(
+        # Avoid (0, 0), which has no direction
         (fix.x + 1e-9, fix.y),
         (fix.wind_x, fix.wind_y),
         over_ground,
@@ -258,6 +262,7 @@ def steer_search(
     turn = full_turn_time(settings)
     if m.searched < turn:
         return m.heading + settings.search_rate * interval, 0.0
+    # The turn rate falls with time, so the circles widen
     return m.heading + settings.search_rate * interval * turn / m.searched, settings.speed
 
 

@@ -69,6 +69,7 @@ def initialize_fix(
     `bearing` and its `deviation` are in the odom frame [rad], `strength` is above 0 [counts], and
     `drift` is the prior drift [m/s, odom].
     """
+    # Range from ln S = c - 2 ln r
     away = math.exp(0.5 * (optics.brightness - math.log(strength)))
     away = min(max(away, NEAREST), FARTHEST)
     cos, sin = math.cos(bearing), math.sin(bearing)
@@ -79,6 +80,7 @@ def initialize_fix(
     # Rotate the covariance from along/across the ray to x and y.
     xx, xy = along * cos * cos + across * sin * sin, (along - across) * cos * sin
     yy, wind = along * sin * sin + across * cos * cos, optics.wind * optics.wind
+    # A brighter lamp is farther away: range and brightness are correlated
     xb, yb = slope * variance * cos, slope * variance * sin
     return LampFix(
         away * cos,
@@ -100,6 +102,7 @@ def predict_fix(
     optics: LampFilterPrior, fix: LampFix, moved_x: float, moved_y: float, dt: float
 ) -> LampFix:
     """Return a fix after a movement through the air [m, odom] in a time [s]."""
+    # F P F^T by rows, with F = [[1, -dt], [0, 1]] in each axis
     r, s = fix.rows, dt
     a, b = (
         _propagate_row(_subtract_scaled(r[0], s, r[2]), s),

@@ -47,6 +47,7 @@ def solve_wind_triangle(
     along, across = cos * wind[0] + sin * wind[1], cos * wind[1] - sin * wind[0]
     # Cancel the cross wind first; the rest of the airspeed goes along the line.
     left = min(max(-across, -MOST_ACROSS * top_speed), MOST_ACROSS * top_speed)
+    # `MOST_ACROSS` below 1 keeps this above zero
     most = math.sqrt(top_speed * top_speed - left * left)
     forward = min(max(over_ground - along, least), most)
     speed = math.hypot(forward, left)

@@ -50,6 +50,7 @@ class ResamplingWeights(NamedTuple):
 
 def previous_weights(rows: SortedRows, clock: Stamps, gap: float) -> ResamplingWeights:
     """Return the latest row at each instant, if it is no older than the gap. [ns]"""
+    # side='right': a row exactly at the instant counts as known
     index = np.searchsorted(rows.stamps, clock, side='right') - 1
     row = rows.rows[np.maximum(index, 0)]
     known = (index >= 0) & (clock - rows.stamps[np.maximum(index, 0)] <= gap)
@@ -64,6 +65,7 @@ def linear_weights(rows: SortedRows, clock: Stamps, gap: float) -> ResamplingWei
     hit = rows.stamps[inside] == clock
     right = np.where(hit, inside, np.minimum(inside + 1, last))
     apart = rows.stamps[right] - rows.stamps[inside]
+    # On a hit both rows are the same: the 1 ns avoids 0 / 0
     share = (clock - rows.stamps[inside]) / np.maximum(apart, 1)
     known = (left >= 0) & (hit | ((left < last) & (apart <= gap)))
     return ResamplingWeights(
@@ -152,8 +154,10 @@ def build_even_clock(tables: Sequence[RecordingTable], rate: float) -> Stamps:
     if not stamps:
         return np.empty(0, np.int64)
     start = tables[0].start
+    # Relative to the start: float64 seconds since 1970 resolve only 0.2 us
     first = (min(int(each.min()) for each in stamps) - start) * 1e-9
     last = (max(int(each.max()) for each in stamps) - start) * 1e-9
+    # A single wrong stamp, such as 1970, would need a grid larger than the memory
     if not is_grid_allowed((last - first) * rate, sum(map(len, stamps)), DENSE):
         raise BadInput(
             f'The stamps span {last - first:.0f} s, too long for a clock of {rate:g} Hz; give a '
@@ -179,6 +183,7 @@ def resample_columns(
             found[name] = np.full(count, '' if values.dtype.kind == 'U' else np.nan)
         elif name in turns:
             turn = turns[name]
+            # The four components are interpolated together, once
             if turn not in turned:
                 turned[turn] = interpolate_quaternions(table.vector(turn), weights)
             found[name] = turned[turn][:, AXES.index(name[-1])]
@@ -190,6 +195,7 @@ def resample_columns(
 def interpolate_values(values: NDArray[Any], weights: ResamplingWeights) -> NDArray[Any]:
     """Resample a column of shape (m, ...) to shape (n, ...)."""
     found = values[weights.before]
+    # Only floats are interpolated: integers are counts or codes, texts have no mean
     if values.dtype.kind == 'f':
         between = weights.share > 0.0
         change = values[weights.after[between]] - found[between]
@@ -217,6 +223,7 @@ def interpolate_quaternions(
     apart, mean = np.linalg.norm(other - one, axis=1), np.linalg.norm(other + one, axis=1)
     angle = 2.0 * np.arctan2(apart, mean)
     tiny = angle < TINY
+    # Any value but zero; it is not used where tiny
     whole = np.where(tiny, 1.0, angle)
     first = np.where(tiny, 1.0 - share, np.sin((1.0 - share) * whole) / np.sin(whole))
     second = np.where(tiny, share, np.sin(share * whole) / np.sin(whole))

@@ -10,6 +10,7 @@ ADVICE = 'give a rosbag2 folder or an .mcap file'
 MOST_ABSENT = 20  # missing files that are listed
 IN_SQLITE: Final = 'a bag in SQLite; convert it with `lta import`'
 PACKED: Final = 'compressed as a whole; decompress it with `zstd -d` first'
+# First bytes of files in other formats
 OTHER_FORMATS: Final = {
     b'SQLite format 3\0': IN_SQLITE,
     b'#ROSBAG V': 'a ROS 1 bag; convert it with `lta import`',
@@ -85,7 +86,9 @@ def find_listed_files(folder: Path, described: dict[str, object]) -> list[Path]:
     # Only the file name: metadata.yaml must not lead outside the folder.
     files = [folder / Path(str(name)).name for name in names]
     good = all(
-        file.suffix == '.mcap' and len(file.name) < 256 and file.is_file() for file in files
+        # Names of 256 bytes or more make is_file raise OSError on Linux
+        file.suffix == '.mcap' and len(file.name) < 256 and file.is_file()
+        for file in files
     )
     return files if good else []
 

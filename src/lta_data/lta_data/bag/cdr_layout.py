@@ -96,6 +96,7 @@ class CdrLayout:
         for offset, value in self.lengths:
             fits &= self.extract_values(table, CdrLeaf('', 'u4', offset, None)) == value
         for offset in self.ends:
+            # CDR strings end with a zero byte
             fits &= table[:, offset] == 0
         return fits
 
@@ -119,6 +120,7 @@ class CdrLayout:
             return np.empty((len(table), 0), kind)
         shape = (len(table), leaf.length or 1)
         strides = (table.strides[0], kind.itemsize)
+        # A view into the messages, since fields of a packed table are not aligned for numpy
         found: NDArray[Any] = np.ndarray(
             shape, kind, table.data, offset=leaf.offset, strides=strides
         )
@@ -151,6 +153,7 @@ def derive_layout(type_name: str, data: bytes, fields: Fields) -> CdrLayout:
         walk.parse_message(type_name, '', True)
     except (struct.error, KeyError, RecursionError) as error:
         raise LayoutMismatch from error
+    # More bytes than padding: the definition does not describe this message
     if walk.at + ENCAPSULATION + FILL < len(data):
         raise LayoutMismatch
     return layout
@@ -212,6 +215,7 @@ class LayoutParser:
         if count:
             self._align(size)
         leaf = CdrLeaf(path, CODES[name], self.at + ENCAPSULATION, count)
+        # uint8 arrays are packed samples (Image, PointCloud2), which become no columns
         if leaf.code == 'u1':
             self._layout.packed.append(leaf)
             is_column = False
@@ -226,6 +230,7 @@ class LayoutParser:
         return int(length)
 
     def _align(self, size: int) -> None:
+        # CDR aligns each primitive to its own size
         self.at += -self.at % size
 
     def _add_leaf(self, leaf: CdrLeaf, size: int, is_column: bool) -> None:

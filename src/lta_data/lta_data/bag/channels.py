@@ -30,6 +30,7 @@ BLOCK: Final[dict[str, Callable[..., NDArray[Any]]]] = {
     'min': np.min,
     'max': np.max,
 }
+# sensor_msgs: -1 as the first covariance means that the quantity is not measured
 UNKNOWN: Final = -1.0
 HIDDEN: Final = re.compile(r'(^|\.)header\.|covariance(\[|$)|^(clock|stamp)\.')
 _ELEMENT: Final = re.compile(r'(.*)\[(\d+)\]')
@@ -105,6 +106,7 @@ def read_topics(flight: RecordedFlight, topics: Collection[str]) -> dict[str, To
     Images and point clouds are excluded. The result is empty if one topic cannot be decoded; then
     `iterate_channels` raises the error for that topic.
     """
+    # Images and clouds have readers of their own
     plain = [topic for topic in topics if flight.message_type(topic) not in (IMAGE, CLOUD)]
     try:
         return flight.read_topics(plain)
@@ -118,6 +120,7 @@ def _iterate_series_channels(
     """Yield the channels of numeric messages."""
     turned = {path.removesuffix('.w') for path in series.numbers if path.endswith('.w')}
     for path in sorted(turned):
+        # Angles instead of components: they have a unit, and q and -q give the same values
         found = to_euler_angles(
             np.where(_find_valid_messages(series, path)[:, None], series.vector(path), np.nan)
         )

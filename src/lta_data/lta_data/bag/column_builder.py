@@ -99,6 +99,7 @@ class ColumnBuilder:
         stamps = np.zeros(len(batch), np.int64)
         alike: defaultdict[tuple[int, bytes], list[int]] = defaultdict(list)
         for index, data in enumerate(batch):
+            # Bytes 0 and 1 are the CDR representation identifier, which sets the byte order
             alike[len(data), data[:2]].append(index)
         odd: list[int] = []
         spare = NEW_LAYOUTS
@@ -133,6 +134,7 @@ class ColumnBuilder:
                 part = part.select(np.arange(len(part.indices)) > 0)
                 continue
             left = self._read_matching(layout, part)
+            # A layout that fits one message only is not worth caching
             if len(part.indices) - len(left.indices) > 1 and len(layouts) < MOST_KNOWN:
                 layouts.append(layout)
             part = left
@@ -204,6 +206,7 @@ class EqualLengthMessages(NamedTuple):
         """The row numbers of these messages in the topic."""
         first, last = int(self.indices[0]), int(self.indices[-1])
         if last - first + 1 == len(self.indices):
+            # A slice assigns faster than an index array
             return slice(self.begin + first, self.begin + last + 1)
         return self.begin + self.indices
 
@@ -223,6 +226,7 @@ def extract_leaf(layout: CdrLayout, table: NDArray[np.uint8], leaf: CdrLeaf) -> 
     if leaf.code == TEXT:
         return decode_texts(table[:, leaf.offset : leaf.offset + (leaf.length or 0)])
     if leaf.code == '?':
+        # Read as uint8: a byte other than 0 or 1 is no valid numpy bool
         flags: NDArray[np.bool_] = layout.extract_values(table, leaf._replace(code='u1')) != 0
         return flags
     values = layout.extract_values(table, leaf)

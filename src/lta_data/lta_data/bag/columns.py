@@ -34,6 +34,7 @@ def build_columns(messages: Iterable[object]) -> tuple[Columns, Columns]:
         for path, value in iterate_leaves(message, ''):
             column = found[path]
             if len(column) < count:
+                # Fill the messages that lack this field
                 column.extend([None] * (count - len(column)))
             column.append(value)
         count += 1
@@ -64,6 +65,7 @@ def collect_scalars(values: list[Any]) -> NDArray[Any]:
 def iterate_leaves(value: object, path: str) -> Iterator[tuple[str, object]]:
     """Yield path and value of all fields of a message; numeric arrays stay whole."""
     if isinstance(value, np.ndarray):
+        # uint8 arrays are packed samples, see packed_samples.py
         if value.dtype != np.uint8:
             yield path, value
     elif is_dataclass(value) and not isinstance(value, type):

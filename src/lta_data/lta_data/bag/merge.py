@@ -46,6 +46,7 @@ def merge_columns(columns: dict[str, PartialColumn], count: int) -> tuple[Column
     numbers: Columns = {}
     texts: Columns = {}
     for path in sorted(columns, key=lambda path: columns[path].first):
+        # Remove each column once merged, so that the pieces do not double the memory
         column = columns.pop(path)
         values = column.pieces[0].values
         if values.ndim == 2:
@@ -74,6 +75,7 @@ def merge_arrays(column: PartialColumn, count: int) -> NDArray[Any]:
 def merge_texts(column: PartialColumn, count: int) -> NDArray[Any]:
     """Return a text field, shape (n,); '' if a message lacks it."""
     longest = max(piece.values.dtype.itemsize for piece in column.pieces)
+    # numpy stores four bytes per character
     result = np.full(count, '', f'U{longest // np.dtype("U1").itemsize}')
     for rows, values in column.pieces:
         result[rows] = values

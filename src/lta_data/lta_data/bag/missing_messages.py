@@ -54,6 +54,7 @@ class PeriodTracker:
             step = time - self._last
             if len(self._steps) < MOST_STEPS:
                 self._steps.append(step)
+            # Candidates only: the median, known at the end, decides in count_missing
             if step > LONG_STEP * min(self._steps[:100]):
                 self._long.append((self._last, time))
         self._last = time
@@ -67,6 +68,7 @@ class PeriodTracker:
         holes = [(start, end) for start, end in self._long if end - start > LONG_STEP * usual]
         spans = list(spans)
         return sum(
+            # A gap of n periods lacks n - 1 messages
             round((end - start) / usual) - 1
             for start, end in holes
             if any(spans_overlap(span, start, end) for span in spans)
@@ -86,6 +88,7 @@ def create_period_trackers(bag: Bag) -> dict[str, PeriodTracker]:
     return {
         name: PeriodTracker()
         for name in bag.topics
+        # The table lists robot topics without the robot's namespace
         if name in steady or name.lstrip('/').partition('/')[2] in steady
     }
 

@@ -70,6 +70,7 @@ def decode_image(image: Image) -> NDArray[Any]:
             f'An image of {image.height} x {image.width} has {len(image.data)} bytes with '
             f'{image.step} per row, which do not match; record it again.'
         )
+    # Rows may be padded: step is the length of a row in bytes
     samples: NDArray[Any] = np.ndarray(shape, kind, image.data.tobytes(), strides=strides)
     return samples.astype(kind.newbyteorder('='))
 
@@ -109,6 +110,7 @@ def decode_point_cloud(cloud: PointCloud) -> dict[str, NDArray[np.float64]]:
         If a field has an unknown type, or layout and data do not match.
 
     """
+    # Fields with several elements per point are not supported and left out
     single = [field for field in cloud.fields if field.count == 1]
     for field in single:
         if field.datatype not in POINT_TYPES:
@@ -132,6 +134,7 @@ def decode_point_cloud(cloud: PointCloud) -> dict[str, NDArray[np.float64]]:
             'itemsize': cloud.point_step,
         }
     )
+    # Rows and points may be padded, so cut each row to its points first
     rows = cloud.data[: cloud.height * cloud.row_step].reshape(cloud.height, cloud.row_step)
     used = np.ascontiguousarray(rows[:, : cloud.width * cloud.point_step])
     points = used.reshape(-1).view(kind)

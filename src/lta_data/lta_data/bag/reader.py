@@ -139,6 +139,7 @@ class Bag:
                     if place.channels is None or not channels.isdisjoint(place.channels):
                         for found in self._read_region(part, stream, place, channels):
                             yield names[found.channel], found
+            # Progress is reported in bytes over all files of the bag
             behind += part.file.stat().st_size
 
     def decode(self, topic: str, data: bytes) -> object:

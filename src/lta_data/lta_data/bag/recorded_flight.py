@@ -105,6 +105,7 @@ class RecordedFlight:
         maker = self._create_builder(topic)
         for _, log_time, data in self.bag.iterate_messages([self.absolute_name(topic)]):
             maker.add_message(log_time, data)
+            # Bounded memory, whatever the length of the topic
             if len(maker) >= rows:
                 yield self._finish_series(maker)
         if len(maker):
@@ -174,6 +175,7 @@ class RecordedFlight:
         times: list[float] = []
         messages = self._iterate_messages(topic, times)
         while batch := list(islice(messages, rows)):
+            # The iterator appends the times while islice reads the messages
             yield np.array(times), batch
             times.clear()
 
@@ -192,6 +194,7 @@ class RecordedFlight:
             # Messages without a stamp: log time, shifted to the clock of the stamps.
             placed = self.start + int(found.logged[index]) - self._origin.log
             stamps[index] = min(placed, LATEST)
+        # Subtract as integers first: float64 does not resolve 1 ns in times since 1970
         time = (stamps - self.start).astype(np.float64) * 1e-9
         return TopicSeries(stamps, time, found.numbers, found.texts)
 
@@ -224,6 +227,7 @@ def find_flight_origin(bag: Bag, topics: list[str]) -> FlightOrigin:
             stamp = None
         if stamp is not None:
             return FlightOrigin(stamp, log_time)
+        # Decode one message per topic only: either all have a stamp or none
         stampless.add(topic)
     first = bag.start or 0
     return FlightOrigin(first, first)

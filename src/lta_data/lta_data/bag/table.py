@@ -78,6 +78,7 @@ class RecordingTable:
         self._data = data
         self.kind = kind
         self._samples = samples
+        # Numbers of the rows in the topic, to load the samples of selected rows only
         self._messages = np.arange(len(stamp_ns)) if messages is None else messages
         self._also = also or {}
         self.units = {column: units[column] for column in data if units.get(column)}
@@ -129,6 +130,7 @@ class RecordingTable:
                 'array', path, [each for each in self.array_names if not DIM.search(each)]
             )
         known = {*self._data, *self._also}
+        # Elements are numbered without gaps
         elements = takewhile(known.__contains__, (f'{path}[{k}]' for k in count()))
         return np.stack([self[element] for element in elements], axis=1)
 
@@ -181,6 +183,7 @@ class RecordingTable:
     def between(self, begin: float, end: float) -> 'RecordingTable':
         """Return the rows of a closed time interval. [s]"""
         elapsed = self.stamp_ns - self.start
+        # In whole nanoseconds, so that the ends are included despite rounding
         first, last = np.rint(begin * 1e9), np.rint(end * 1e9)
         return self.select_rows(np.flatnonzero((elapsed >= first) & (elapsed <= last)))
 
@@ -207,6 +210,7 @@ class RecordingTable:
         """
         chosen = []
         for pattern in patterns:
+            # Not fnmatch: the brackets of 'effort[0]' would be a character class
             fits = re.compile('.*'.join(map(re.escape, pattern.split('*'))))
             found = [column for column in self._data if fits.fullmatch(column)]
             if not found:

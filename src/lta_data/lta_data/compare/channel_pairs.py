@@ -82,6 +82,7 @@ def parse_pair(text: str, of_a: Sequence[str], of_b: Sequence[str]) -> TopicPair
 
 def split_channel_name(name: str, topics: Sequence[str], label: str) -> tuple[str, str]:
     """Return topic and field of a name; the field is '' if the name is a topic."""
+    # The robot's topics are listed without a leading slash; accept one
     name = name.removeprefix('/') if name not in topics else name
     if name in topics:
         return name, ''
@@ -163,7 +164,10 @@ def match_fields(
             pairs.append((field, field))
             continue
         ending = [
-            other for other in of_b if other.endswith(f'.{field}') or field.endswith(f'.{other}')
+            # Such as position.x of a Pose and pose.pose.position.x of an Odometry
+            other
+            for other in of_b
+            if other.endswith(f'.{field}') or field.endswith(f'.{other}')
         ]
         # Ambiguous endings are not paired.
         if len(ending) == 1 and ending[0] not in of_a:

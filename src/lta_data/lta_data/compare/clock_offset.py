@@ -118,7 +118,7 @@ def prepare_channel(each: SharedQuantity) -> PreparedChannel:
     lines = [unwrap_finite(line, each.angular) for line in both_sides(each)]
     periods = [median_period(line.time) for line in lines]
     # Smoothing by the slower period gives both sides the same bandwidth.
-    step, width = min(periods), 1.5 * max(periods)
+    step, width = min(periods), 1.5 * max(periods)  # s
     found = []
     for line in lines:
         count = 2 + int((line.time[-1] - line.time[0]) / step)
@@ -143,6 +143,7 @@ def refine_offset(
     shift = start.lag
     begin = min(float(each.time[0]) for each in channels)
     end = max(float(each.time[-1]) for each in channels)
+    # Limit the span to times that B covers too, on A's clock
     begin = max(begin, min(float(each.known.time[0]) for each in channels) - shift)
     end = min(end, max(float(each.known.time[-1]) for each in channels) - shift)
     middle, span = 0.5 * (begin + end), end - begin
@@ -150,6 +151,7 @@ def refine_offset(
     # Offset and drift are referred to the middle of the span, where they hardly correlate.
     both = fit_offset(channels, np.array([shift, 0.0]), middle, span, step, 2)
     telling = span >= TELLING
+    # Over a short span the data hardly determine a drift
     deviation = math.sqrt(both.covariance[1, 1]) if telling else math.inf
     drifts = telling and SURE * deviation < abs(float(both.values[1])) < QUARTZ
     single = (
@@ -184,6 +186,7 @@ def fit_offset(
     free: int,
 ) -> OffsetFit:
     """Fit the offset [s], and the drift [1] if `free` is 2, by Gauss-Newton."""
+    # Inner edges only: the first and last block are open, so every sample has a block
     edges = np.linspace(middle - span / 2, middle + span / 2, BLOCKS + 1)[1:-1]
     for _ in range(ROUNDS):
         # The gradients are summed by block, for the covariance below.
@@ -192,6 +195,7 @@ def fit_offset(
             one, scores = build_normal_equations(each, at, middle, edges, free)
             normal += one
             blocks += scores
+        # Without motion in the common time, the step is undefined
         if np.linalg.matrix_rank(normal) != free:
             break
         change = np.linalg.solve(normal, blocks.sum(axis=0))
@@ -219,6 +223,7 @@ def variance_inflation(channels: Sequence[PreparedChannel], span: float) -> floa
     """
     width = max(each.width for each in channels)
     lost = min(0.5, 2.0 * width * BLOCKS / (math.sqrt(math.pi) * span)) if span > 0.0 else 0.5
+    # Student's t for few blocks, relative to the normal quantile
     few = float(stdtrit(BLOCKS - 1, 0.975)) / NORMAL
     return few**2 / (1.0 - lost)
 
@@ -243,7 +248,9 @@ def build_normal_equations(
     scale = max(scale, RESTING * math.sqrt(float(np.mean(misfit**2))))
     scale = max(scale, 1e-9 * float(np.ptp(each.a[known])), 1e-150)
     size = np.abs(misfit) / scale
+    # Huber weights; the division by scale**2 makes channels of any unit comparable
     weight = np.where(size > HUBER, HUBER / np.maximum(size, HUBER), 1.0) / scale**2
+    # Derivatives by offset and by drift, shape (n, free)
     slopes = np.stack([slope, slope * (time - middle)][:free], axis=1)
     pulls = slopes * (weight * misfit)[:, None]
     index = np.searchsorted(edges, time)

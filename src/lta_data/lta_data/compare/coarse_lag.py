@@ -58,6 +58,7 @@ def estimate_coarse_lag(shared: Sequence[SharedQuantity]) -> CoarseLag | None:
         if of_a is not None and of_b is not None:
             likeness, common = masked_correlation(of_a, of_b, size, least)
             scores[each.name] = likeness
+            # Largest overlap of any channel at each lag
             share = np.maximum(share, common / min(counts))
     if not scores:
         return None
@@ -66,10 +67,14 @@ def estimate_coarse_lag(shared: Sequence[SharedQuantity]) -> CoarseLag | None:
     best = int(total.argmax())
     if total[best] <= 0.0:
         return None
+    # FFT order: lags beyond B's length are negative ones
     lags = np.where(np.arange(size) < counts[1], np.arange(size), np.arange(size) - size)
+    # Lags near the peak belong to it
     elsewhere = total[np.abs(lags - lags[best]) * step > ASIDE]
     rival = max(0.0, float(elsewhere.max())) / float(total[best]) if len(elsewhere) else 0.0
+    # Rolled, so that the peak has both neighbours even at index zero
     shift, _ = fit_parabola_peak(np.roll(total, size // 2 - best), size // 2)
+    # The grids start at each flight's own time
     lag = (float(lags[best]) + shift) * step + begins[1] - begins[0]
     return CoarseLag(lag, rival, {name: float(score[best]) for name, score in scores.items()})
 
@@ -119,6 +124,7 @@ def masked_correlation(a: Array, b: Array, size: int, least: float) -> tuple[Arr
     for values in (a, b):
         known = np.isfinite(values)
         zeroed = np.where(known, values, 0.0)
+        # Values, energies and mask: with masks, the sums count only times that both know
         parts.append([np.fft.rfft(part, size) for part in (zeroed, zeroed**2, known * 1.0)])
     (va, ea, ma), (vb, eb, mb) = parts
     product = np.fft.irfft(np.conj(va) * vb, size)

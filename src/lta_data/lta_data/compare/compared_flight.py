@@ -119,6 +119,7 @@ def read_compared_flight(
             remarks.append(f"Topic '{topic}' is left out: {fault}")
             own = {}
         found |= own
+        # All channels of a topic have the same times
         time = next((each.time for each in own.values()), np.empty(0))
         frame, digest, twice = raw.get(topic, ('', '', 0))
         topics[topic] = ComparedTopic(
@@ -148,6 +149,7 @@ def read_raw_facts(
         # The length separates messages: 'ab' + 'c' must not hash like 'a' + 'bc'.
         digests[name].update(len(data).to_bytes(8, 'little'))
         digests[name].update(data)
+        # Same log time too: constant data may legitimately repeat byte for byte
         twice[name] += before.get(name) == (log_time, data)
         before[name] = log_time, data
     return {

@@ -25,6 +25,7 @@ from lta_data.compare.sampling import Array, mask_unknown
 from lta_data.compare.time_alignment import Align, align_times, TimeAlignment
 import numpy as np
 
+# Rank of the verdicts in tables, largest difference first
 ORDER: Final = {'parted': 0, 'apart at times': 1, 'together': 2, 'identical': 3, 'unknown': 4}
 
 
@@ -94,6 +95,7 @@ class ComparisonResult:
         """Whether topics, times, values and, if available, bytes are all equal."""
         lacking = self.only_a or self.only_b
         digests = any(topic.digest for topic in self.a.topics.values())
+        # Flights that come from no bag have no digests; their values must suffice
         bytes_too = not digests or len(self.identical_topics) == len(self.a.topics)
         same = all(each.verdict == 'identical' for each in self.channels)
         return not lacking and bytes_too and same and not self.asked.pairs
@@ -138,6 +140,7 @@ def compare_flights(
     else:
         b = read_compared_flight(other, 'B', of_b, lambda: tick('reading B'))
     found = compare_sides(a, b, wanted, request, tick)
+    # Topics that were not requested are not missing
     if request.pairs or request.topics:
         return found
     return replace(
@@ -165,6 +168,7 @@ def compare_sides(
     tick('aligning')
     when = align_times(a, b, matched, request.align, request.offset)
     pairs, frames = align_frames(a, b, matched, when, request.frames)
+    # From here on, both flights have A's clock and A's frame
     pairs = [each._replace(b=replace(each.b, time=when.map_to_a(each.b.time))) for each in pairs]
     span = find_common_span(pairs)
     tick('aligning')

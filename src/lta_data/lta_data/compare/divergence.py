@@ -56,7 +56,9 @@ def noise_deviation(values: Array) -> float:
     """
     found = white_noise_deviation(values)
     # Only a signal without white noise can be limited by quantisation.
+    # A median of zero: most neighbours are equal, as after rounding
     levels = np.unique(values[np.isfinite(values)]) if found == 0.0 else np.empty(0)
+    # Standard deviation of rounding to steps: step / sqrt(12)
     return float(np.diff(levels).min()) / math.sqrt(12.0) if len(levels) >= LEVELS else found
 
 
@@ -67,6 +69,7 @@ def white_noise_deviation(values: Array) -> float:
     It comes from the median magnitude of second differences, which ignores linear trends and
     single outliers.
     """
+    # Second differences remove level and slope, leaving the noise
     seconds = np.diff(values, 2)
     seconds = seconds[np.isfinite(seconds)]
     if not len(seconds):
@@ -118,6 +121,7 @@ def find_divergence(pair: AlignedSignals, band: float, *, by_hand: bool = False)
     step = float(np.median(np.diff(time)))
     window = max(SHORTEST, FEWEST * step, SHARE * float(time[-1] - time[0]))
     ends = np.searchsorted(time, time + window, side='right')
+    # Cumulative count, so that each window needs one subtraction
     total = np.concatenate([[0], np.cumsum(outside)])
     here = np.arange(len(time))
     # More than half of the window must be outside the band.

@@ -27,6 +27,7 @@ def plot_overlay(each: ChannelComparison, time: tuple[float, float]) -> Figure:
     ):  # fmt: skip
         figure.add_trace(
             Scatter(
+                # float32 halves the size of the page
                 x=line.time.astype(np.float32), y=line.values.astype(np.float32), name=name,
                 mode='lines', line={'color': colour, 'width': width}, connectgaps=False,
                 hovertemplate=f'%{{y:.4~g}} {shown.unit}',
@@ -40,6 +41,7 @@ def plot_overlay(each: ChannelComparison, time: tuple[float, float]) -> Figure:
     at = each.parting.at
     figure.add_shape(
         type='line', xref='x', x0=at or 0.0, x1=at or 0.0, yref='paper', y0=0, y1=1,
+        # Created even if invisible: the page's picker moves the same shape to other channels
         visible=at is not None, layer='below', line={'color': WALL, 'width': 1, 'dash': '2px,3px'},
     )  # fmt: skip
     figure.add_annotation(
@@ -86,6 +88,7 @@ def plot_path(channels: Sequence[ChannelComparison]) -> Figure | None:
             )
         )  # fmt: skip
     seen = [trace for trace in figure.data if trace.mode == 'lines']
+    # Both axes at one scale, or the shape of the path would be distorted
     wide, high = (padded_range(*(np.asarray(line[axis]) for line in seen)) for axis in 'xy')
     figure.update_layout(hovermode='closest', margin={'r': 24, 'l': 66})
     figure.update_xaxes(title_text="x in A's frame [m]", range=wide, constrain='domain')
@@ -95,6 +98,7 @@ def plot_path(channels: Sequence[ChannelComparison]) -> Figure | None:
 def thin_path(time: np.ndarray, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Thin a path, keeping the extremes of both coordinates and the gaps."""
     lines = [break_at_gaps(SampledSignal(time, values)) for values in (x, y)]
+    # Times kept for either coordinate, so that both have the same points
     keep = np.unique(np.concatenate([thin_signal(line).time for line in lines]))
     index = np.searchsorted(lines[0].time, keep)
     return lines[0].values[index].astype(np.float32), lines[1].values[index].astype(np.float32)

@@ -73,6 +73,7 @@ def align_frames(
     best: dict[tuple[str, str], PositionPair] = {}
     for pose in find_world_positions(a, b, pairs):
         held = best.get(pose.frames)
+        # Per pair of frames, prefer odometry, then the topic with the most messages
         if held is None or pose.weight > held.weight:
             best[pose.frames] = pose
     done = [fit_frame_alignment(pose, by_name, timing, frames) for pose in best.values()]
@@ -117,6 +118,7 @@ def fit_frame_alignment(
     joined = [
         align_signals(
             sort_samples(pair.a.time, pair.a.values),
+            # Clocks first: a time offset of a moving vehicle looks like a shift of the frame
             sort_samples(timing.map_to_a(pair.b.time), pair.b.values),
         )
         for pair in both
@@ -180,6 +182,7 @@ def transform_pairs(
         if find_frames(a, b, pair) != frames:
             continue
         if name.endswith('orientation.yaw'):
+            # Frames differ in yaw only (gravity fixes the rest), so roll and pitch stay
             turned = wrap_angle(pair.b.values + fit.yaw)
             found[name] = pair._replace(b=replace(pair.b, values=turned))
         for kind in ('position', 'vector'):

@@ -71,9 +71,11 @@ def fit_placement(
 
     """
     known = np.isfinite(a).all(axis=1) & np.isfinite(b).all(axis=1)
+    # Two points always fit a rotation and a shift, so they test nothing
     if known.sum() < 3:
         return None
     a, b = a[known], b[known]
+    # The vertical shift is independent of yaw, so it needs no joint fit
     height = robust_center(a[:, 2] - b[:, 2])
     weight = np.ones(len(a))
     yaw, shift = fit_rotation(a, b, weight)
@@ -88,6 +90,7 @@ def fit_placement(
         last, (yaw, shift) = yaw, fit_rotation(a, b, weight)
         if abs(wrap_angle(np.array(yaw - last))) < 1e-12:
             break
+    # RMS distance from the mean position
     way = math.sqrt(float(np.sum(np.var(a[:, :2], axis=0))))
     misfit = 1.4826 * float(np.median(horizontal_distances(a, b, yaw, shift)))
     # A hover has no shape from which a rotation could be estimated.
@@ -127,6 +130,7 @@ def fit_rotation(a: Array, b: Array, weight: Array) -> tuple[float, Array]:
     ca, cb = a[:, :2] - of_a, b[:, :2] - of_b
     along = float(np.sum(weight * np.sum(ca * cb, axis=1)))
     across = float(np.sum(weight * (cb[:, 0] * ca[:, 1] - cb[:, 1] * ca[:, 0])))
+    # Closed-form rotation in the plane: sum of cross products over sum of dot products
     yaw = math.atan2(across, along)
     return yaw, fit_shift(a, b, yaw, weight)
 

@@ -100,13 +100,16 @@ def autocorrelation_time(values: Array) -> float:
     """
     centred = values - values.mean()
     count = len(centred)
+    # The autocorrelation at lag zero, by which the others are normalised
     power = float(np.dot(centred, centred))
     if count < 4 or power == 0.0:
         return 1.0
     # Zero padding, so that the circular correlation of the FFT does not wrap around.
     spectrum = np.fft.rfft(centred, 1 << (2 * count - 1).bit_length())
     correlation = np.fft.irfft(np.abs(spectrum) ** 2)[: min(count, LONGEST_LAG)] / power
+    # Integrated autocorrelation time up to each lag, both sides; lag zero counts once
     total = 2.0 * np.cumsum(correlation) - 1.0
+    # Sokal's window: stop at five times the estimate, before noise dominates the sum
     inside = np.arange(len(total)) >= 5.0 * total
     return max(1.0, float(total[inside.argmax()] if inside.any() else total.max()))
 
@@ -131,11 +134,12 @@ def rms_interval(
     # At least FEWEST blocks, or their scatter cannot be estimated.
     most = max(1, count // FEWEST)
     length = min(math.ceil(max(5.0 * alike, count ** (1 / 3))), most)
-    blocks = -(-count // length)
+    blocks = -(-count // length)  # rounded up
     # Cumulative sums of the wrapped series: the sum of any block is one subtraction.
     around = np.concatenate([[0.0], np.cumsum(np.concatenate([squares, squares[:length]]))])
     starts = chance.integers(0, count, size=(draws, blocks))
     means = (around[starts + length] - around[starts]).sum(axis=1) / (blocks * length)
+    # In logarithms, since a mean square is positive and its distribution is skewed
     apart = np.log(np.maximum(means, 1e-300) / mean)
     # Correlation across the block ends is lost, and few blocks estimate their scatter poorly.
     lost = math.sqrt(1.0 / (1.0 - min(0.5, alike / length)))
@@ -143,6 +147,7 @@ def rms_interval(
     low, high = np.percentile(apart, [TAIL, 100.0 - TAIL]) * lost * few
     # A mean cannot lie outside the range of the averaged values.
     lowest, highest = math.sqrt(float(squares.min())), math.sqrt(float(squares.max()))
+    # 0.5: from the mean square to its root; the interval must contain the estimate
     ends = (math.sqrt(mean) * math.exp(0.5 * end) for end in (min(low, 0.0), max(high, 0.0)))
     first, last = ends
     return max(first, lowest), min(last, highest)

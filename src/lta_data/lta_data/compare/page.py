@@ -41,6 +41,7 @@ from lta_report.page_parts import embed_data, render_section, render_terms, rend
 import numpy as np
 
 NAME: Final = 'compare.html'
+# All channels are embedded in the page for the picker
 PICKED: Final = 320  # points of a line in the channel picker; limits the page's size
 LEGEND: Final = (
     '<b class="key-a">Blue: A</b>, <b class="key-b">orange: B</b>, '
@@ -230,9 +231,12 @@ def describe_alignment(comparison: ComparisonResult) -> Mapping[str, str]:
     if timing.how != 'none':
         terms['offset'] = f"B's time {format_offset(timing)}"
         terms['estimated from'] = ', '.join(timing.used) or 'the given value'
+    # An infinite deviation means that the drift was not estimated
     if timing.found is not None and timing.found.drift_sigma < 1.0:
         low, high = (
-            BASIS * (timing.found.drift + s * 1.96 * timing.found.drift_sigma) for s in (-1, 1)
+            # 1.96 standard deviations: 95 % of a normal distribution
+            BASIS * (timing.found.drift + s * 1.96 * timing.found.drift_sigma)
+            for s in (-1, 1)
         )
         what = 'applied' if timing.drift else 'not applied'
         terms["drift of B's clock"] = f'{low:+.0f} to {high:+.0f} ppm (95 %); {what}'

@@ -63,6 +63,7 @@ def interpolate_signal(
         return found
     right = np.searchsorted(line.time, at)
     # A sample at exactly the requested time counts even next to a gap or a NaN.
+    # side='left': an equal time is at index `right`
     exact = right < len(line.time)
     exact[exact] = line.time[right[exact]] == at[exact]
     found[exact] = line.values[right[exact]]
@@ -70,6 +71,7 @@ def interpolate_signal(
     j = right[between]
     length = line.time[j] - line.time[j - 1]
     step = line.values[j] - line.values[j - 1]
+    # Along the shorter arc
     step = wrap_angle(step) if angular else step
     value = line.values[j - 1] + step * (at[between] - line.time[j - 1]) / length
     value = wrap_angle(value) if angular else value

@@ -75,6 +75,7 @@ def format_subject(comparison: ComparisonResult) -> str:
 def is_apart_initially(channel: ChannelComparison) -> bool:
     """Return whether a channel differs from the first common samples on."""
     time = channel.both.time[channel.both.both_valid]
+    # At the first or second common sample
     return len(time) > 1 and channel.parting.at is not None and channel.parting.at <= time[1]
 
 
@@ -150,6 +151,7 @@ def format_offset_parts(timing: TimeAlignment) -> tuple[str, str, str]:
     """Return an offset, half its 95 % interval ('' if none) and their unit."""
     factor, unit = (1e3, 'ms') if 0.0 < abs(timing.offset) < 1.0 else (1.0, 's')
     doubt = 1.96 * timing.sigma * factor
+    # Set by hand, or unknown
     if not doubt > 0.0:
         return f'{factor * timing.offset:.6g}', '', unit
     # Two significant digits of the uncertainty.

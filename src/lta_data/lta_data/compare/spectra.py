@@ -56,6 +56,7 @@ def resample_evenly(pair: AlignedSignals, *, angular: bool = False) -> tuple[Arr
     Angles are unwrapped.
     """
     known = pair.both_valid
+    # 1 where a stretch of valid samples begins, -1 behind its end
     edges = np.diff(np.concatenate([[0], known.astype(np.int8), [0]]))
     begins, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
     if not len(begins):
@@ -65,10 +66,12 @@ def resample_evenly(pair: AlignedSignals, *, angular: bool = False) -> tuple[Arr
     part = slice(int(begins[longest]), int(ends[longest]))
     time, a = pair.time[part], pair.a[part]
     a = np.unwrap(a) if angular else a
+    # The difference is wrapped already, so B stays on the branch of A
     b = a + pair.difference[part]
     count = len(time)
     if count < 2:
         return time, a, b
+    # Even steps, which the FFT needs; stamps jitter
     grid = np.linspace(time[0], time[-1], count)
     return grid, np.interp(grid, time, a), np.interp(grid, time, b)
 
@@ -93,6 +96,7 @@ def compute_spectra(pair: AlignedSignals, *, angular: bool = False) -> ChannelSp
 
     frequency, of_a = welch_power(a)
     (_, of_b), (_, of_difference) = welch_power(b), welch_power(b - a)
+    # Magnitude-squared coherence: |P_ab|^2 / (P_aa P_bb)
     across = np.abs(signal.csd(a, b, fs=rate, nperseg=length)[1]) ** 2
     power = of_a * of_b
     coherence = np.divide(across, power, out=np.zeros_like(power), where=power > 0.0)
@@ -136,14 +140,17 @@ def lagged_correlation(a: Array, b: Array, most: int) -> Array:
     """Return the correlation of the overlap at each lag of b, shape (2 most + 1,). [1]"""
     count = len(a)
     lags = np.arange(-most, most + 1)
+    # In 'full' mode, lag zero is at index count - 1
     product = signal.correlate(b, a, mode='full', method='fft')[count - 1 + lags]
     size = count - np.abs(lags)
     sums = []
     for part, first in ((a, np.maximum(-lags, 0)), (b, np.maximum(lags, 0))):
         for power in (1, 2):
+            # Sums over the overlap at each lag, as differences of cumulative sums
             total = np.concatenate([[0.0], np.cumsum(part**power)])
             sums.append(total[first + size] - total[first])
     of_a, of_aa, of_b, of_bb = sums
+    # Product of both variances within the overlap, times size**2
     spread = (of_aa - of_a**2 / size) * (of_bb - of_b**2 / size)
     # Below it the variance is rounding error of the cumulative sums.
     floor = 1e-12 * (float(np.sum(a**2)) * float(np.sum(b**2)))
@@ -172,6 +179,7 @@ def thin_spectra(full: ChannelSpectra, points: int = 96) -> ChannelSpectra:
     if len(full.frequency) <= points:
         return full
     edges = np.geomspace(1, len(full.frequency), points + 1)
+    # At low frequencies several bands start at one bin; keep it once
     starts = np.unique(np.floor(edges[:-1]).astype(int) - 1)
     sizes = np.diff(np.append(starts, len(full.frequency)))
 

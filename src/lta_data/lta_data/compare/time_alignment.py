@@ -67,6 +67,7 @@ class TimeAlignment:
 
     def map_to_a(self, time: Array) -> Array:
         """Convert times of B, since its start, to times since A's start. [s]"""
+        # Inverse of: time of B = t + lead + offset + drift * (t - middle)
         shifted = time - self.lead - self.offset + self.drift * self.middle
         return np.asarray(shifted / (1.0 + self.drift))
 
@@ -129,6 +130,7 @@ def detect_alignment(
         reason = 'Both have the same stamps: one clock, or the same counting.'
         return replace(bare, reason=reason, remarks=describe_doubts(found))
     counted = have_own_clocks(a.provenance, b.provenance)
+    # Times counted from zero carry no evidence of one run, so require a higher correlation
     if found is not None and found.correlation >= (SAME_COUNT if counted else SAME_RUN):
         reason = (
             f'Rates of change agree at this offset (correlation {found.correlation:.2f}), so this '
@@ -151,6 +153,7 @@ def detect_alignment(
 
 def align_by_stamps(a: ComparedFlight, b: ComparedFlight) -> TimeAlignment:
     """Return the alignment by stamps, or by each flight's start if the stamps do not overlap."""
+    # ns to s
     lead = (a.start - b.start) * 1e-9
     (begin_a, end_a), (begin_b, end_b) = a.span, b.span
     overlap = min(end_a, end_b - lead) - max(begin_a, begin_b - lead)
@@ -163,8 +166,10 @@ def have_same_stamps(a: ComparedFlight, b: ComparedFlight, pairs: Sequence[Chann
     if a.start != b.start:
         return False
     shared = total = 0
+    # All channels of a topic have the same stamps, so one pair per topic suffices
     times = {(pair.a.topic, pair.b.topic): (pair.a.time, pair.b.time) for pair in pairs}
     for both in times.values():
+        # Whole nanoseconds: float seconds of equal stamps may differ by rounding
         one, other = (np.unique(np.rint(time * 1e9).astype(np.int64)) for time in both)
         shared += len(np.intersect1d(one, other, assume_unique=True))
         total += min(len(one), len(other))
@@ -249,6 +254,7 @@ def ground_speed(time: Array, x: Array, y: Array) -> SampledSignal:
         return SampledSignal(np.empty(0), np.empty(0))
     step = max(0.05, float(np.median(np.diff(of_x.time))))
     half = 2.5 * step
+    # The window must fit into the recording
     inner = of_x.time[(of_x.time >= of_x.time[0] + half) & (of_x.time <= of_x.time[-1] - half)]
     # Six points over five steps: a smooth derivative at any message rate.
     lags = np.linspace(-half, half, 6)

@@ -92,12 +92,14 @@ def check_bags(
 def _check_bag(path: Path, robot: str | None) -> list[tuple[CheckedRecording, ChannelRecording]]:
     """Check the data of each robot in a bag."""
     bag = read_bag(find_bag(path))
+    # None: a bag whose topics have no namespace
     robots: list[str | None] = [robot] if robot is not None else [*list_robots(bag)] or [None]
     found = []
     for name in robots:
         flight = open_flight(bag, name)
         recording, remarks = read_recording(flight)
         report = run_checks(recording)
+        # After reading, since some damage is detected only then
         losses = (*bag.losses, *remarks)
         one = CheckedRecording(str(path), flight.robot, recording.is_simulated, report, losses)
         found.append((one, recording))

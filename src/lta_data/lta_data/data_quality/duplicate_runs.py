@@ -53,6 +53,7 @@ def find_duplicate_runs(
     ]
     found: dict[str, list[QualityFinding]] = {}
     for index, (name, mine, seed) in enumerate(known):
+        # Each pair once: the later recording is reported as the duplicate
         for other, theirs, its in known[:index]:
             # Simulated flights with different seeds are separate runs by definition.
             if seed and its and seed != its:
@@ -142,6 +143,7 @@ def find_best_alignment(
     scaled to unit variance.
     """
     most = max(len(x) for x in first), max(len(x) for x in second)
+    # Padded beyond the sum of lengths, so that the circular correlation does not wrap around
     size = 1 << int(sum(most)).bit_length()
     products = np.zeros(size)
     total_first = total_second = 0.0
@@ -150,6 +152,7 @@ def find_best_alignment(
         # Each channel counts equally, whatever its unit.
         scale = float(np.std(one)) * float(np.std(two))
         left, right = np.fft.rfft(one, size), np.conj(np.fft.rfft(two, size))
+        # Correlating squares with ones gives the energy within the overlap, for all lags at once
         there, here = np.fft.rfft(np.ones(len(one)), size), np.fft.rfft(np.ones(len(two)), size)
         ones, twos = np.fft.rfft(one**2, size), np.conj(np.fft.rfft(two**2, size))
         products += np.fft.irfft(left * right, size) / scale
@@ -160,11 +163,13 @@ def find_best_alignment(
     lags = np.arange(size)
     # FFT order: the upper half are negative lags.
     lags = np.where(lags < size // 2, lags, lags - size)
+    # Samples in common at each lag
     overlap = np.minimum(most[0], most[1] + lags) - np.maximum(0, lags)
     both = np.sqrt(np.maximum(energy_first * energy_second, 1e-12))
     # A stretch with hardly any motion correlates by chance.
     lasting = overlap >= least
     eventful = (energy_first > SHARE * total_first) | (energy_second > SHARE * total_second)
+    # Normalised cross-correlation, -1..1
     agreement = np.where(lasting & eventful, products / both, -1.0)
     best = int(np.argmax(agreement))
     return float(agreement[best]), int(lags[best]), int(overlap[best])

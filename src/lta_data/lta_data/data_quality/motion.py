@@ -74,6 +74,7 @@ def collect_vectors(
         if all(name in channels for name in names):
             table = np.stack([channels[name].values for name in names], axis=1)
             time, values = sort_samples(channels[names[0]].time, table)
+            # Fewer samples do not allow two derivatives
             if len(time) > 3:
                 found[topic] = VectorSeries(f'{topic}/{path}', time, values)
     return found
@@ -98,6 +99,7 @@ def collect_attitudes(channels: Mapping[str, SignalChannel]) -> dict[str, Vector
         table = np.stack([channels[name].values for name in names], axis=1)
         time, angles = sort_samples(channels[names[0]].time, table)
         if len(time) > 3:
+            # Upper case: intrinsic yaw, pitch, roll
             turns = Rotation.from_euler('ZYX', angles).as_quat()
             found[topic] = VectorSeries(f'{topic}/{path}', time, remove_sign_jumps(turns))
     return found
@@ -140,5 +142,6 @@ def compute_body_rates(attitude: VectorSeries) -> tuple[Array, Array]:
     """Return body rates between attitudes [rad/s] and their times, in the middle. [s]"""
     turn = Rotation.from_quat(attitude.values)
     step = np.diff(attitude.time)
+    # The rotation from one attitude to the next, in the body frame of the first
     rates = (turn[:-1].inv() * turn[1:]).as_rotvec() / step[:, None]
     return attitude.time[:-1] + step / 2, rates

@@ -102,6 +102,7 @@ def find_motion_pairs(recording: ChannelRecording, limits: QualityLimits) -> lis
         found += _pair_pose(pose, limits)
         for sensor in sensors:
             found += _pair_inertial(pose, sensor, limits)
+        # An estimate may be computed from these very sensors; prefer a tracker
         if pose.tracked or not any(other.tracked for other in known):
             found += [
                 _pair_height(pose, channel, limits) for channel in recording.channels.values()
@@ -160,6 +161,7 @@ def _pair_force(
     smooth = smooth_columns(table, hann_kernel(limits.kernel, step))
     # Smooth before differentiating twice, which amplifies noise.
     pull = np.gradient(np.gradient(smooth, step, axis=0), step, axis=0)
+    # An accelerometer at rest measures +g along z (up)
     pull[:, 2] += STANDARD_GRAVITY
     force = _interpolate_attitude(attitude, grid).inv().apply(pull)
     return _build_pair('force', measured, place.name, grid, force, limits)
@@ -180,12 +182,13 @@ def _pair_height(
     told = VectorSeries(channel.name, time, height)
     what = 'range' if is_range else 'pressure'
     place = pose.position
-    return _build_pair(what, told, place.name, place.time, place.values[:, 2:], limits)
+    return _build_pair(what, told, place.name, place.time, place.values[:, 2:], limits)  # z only
 
 
 def _differentiate(vector: VectorSeries) -> tuple[Array, Array]:
     """Return the derivative between samples and its times."""
     step = np.diff(vector.time)
+    # Between samples: a one-sided difference at the samples would be half a period late
     return vector.time[:-1] + step / 2, np.diff(vector.values, axis=0) / step[:, None]
 
 
@@ -217,6 +220,7 @@ def _build_pair(
         return None
     step = max(median_period(time), median_period(measured.time), FINEST)
     begin, end = max(time[0], measured.time[0]), min(time[-1], measured.time[-1])
+    # Negated, so that NaN counts as too short
     if not end - begin >= limits.pair_time:
         return None
     grid = build_even_grid(begin, end, step, len(time) + len(measured.time))
@@ -233,5 +237,6 @@ def _build_pair(
     axes = ('x', 'y', 'z') if measured.values.shape[1] == 3 else ('',)
     return MotionPair(
         what, measured.name, derived_from, unit, getattr(limits, least), grid,
+        # The same kernel on both sides, so that smoothing causes no lag between them
         smooth_columns(left, weights), smooth_columns(right, weights), known, axes,
     )  # fmt: skip

@@ -59,6 +59,7 @@ def robust_deviations(table: Array, valid: NDArray[np.bool_]) -> tuple[Array, Ar
     # Clip outliers: one glitch of a tracker can have more power than the whole flight.
     low, high = np.percentile(inside, [0.5, 99.5], axis=0)
     margin = 0.5 * (high - low)
+    # Half the range on either side leaves real extremes unclipped
     kept = np.clip(table, low - margin, high + margin)
     kept = np.where(valid[:, None], kept - kept[valid].mean(axis=0), 0.0)
     return kept, np.sqrt((kept**2).sum(axis=0) / max(1, valid.sum()))
@@ -88,6 +89,7 @@ def lagged_products(left: Array, right: Array, most: int) -> Array:
     ahead = np.fft.rfft(left, size, axis=0)[:, :, None]
     behind = np.conj(np.fft.rfft(right, size, axis=0))[:, None, :]
     found = np.fft.irfft(ahead * behind, size, axis=0)
+    # FFT order: negative lags are at the end
     return np.concatenate((found[-most:], found[: most + 1]))
 
 
@@ -109,6 +111,7 @@ def estimate_lag(left: Array, right: Array, step: float, search: float) -> float
     # The best left axis of each right axis counts.
     total = np.abs(lagged_products(left, right, most)).max(axis=1).sum(axis=1)
     best = int(np.argmax(total))
+    # Vertex of the parabola through the peak and its neighbours: a fraction of a grid step
     if 0 < best < 2 * most:
         before, at, after = total[best - 1 : best + 2]
         bend = before - 2 * at + after
@@ -121,6 +124,7 @@ def measure_similarity(pair: MotionPair, limits: QualityLimits) -> PairSimilarit
     """Measure the similarity of a pair; None if the right side hardly moves."""
     left, left_size = robust_deviations(pair.left, pair.known)
     right, right_size = robust_deviations(pair.right, pair.known)
+    # Axes without motion contain only noise, which must not decide
     moving = (right_size > pair.least) & (left_size > 0.0)
     if not moving.any():
         return None
@@ -133,11 +137,13 @@ def measure_similarity(pair: MotionPair, limits: QualityLimits) -> PairSimilarit
         lag = estimate_lag(quick_left, quick_right[:, quick], pair.step, limits.clock_search)
     count = max(1, int(pair.known.sum()))
     moved = round(lag / pair.step)
+    # Shape (left axes, right axes)
     correlation = np.roll(unit_left, -moved, axis=0).T @ unit_right / count
     ratio = left_size[:, None] / np.where(right_size > 0.0, right_size, np.inf)[None, :]
     # One factor for all axes removes a wrong unit, which another check reports.
     common = float(np.linalg.norm(left_size) / np.linalg.norm(right_size))
     relative = ratio / common
+    # Correlation, reduced where the amplitudes differ; equal amplitudes leave it unchanged
     match = 2.0 * correlation * relative / (1.0 + relative**2)
     return PairSimilarity(
         lag, correlation, ratio, match, moving,

@@ -106,6 +106,7 @@ def export_recording(
                 try:
                     source = build_topic_source(recording.flight, topic)
                 except BadInput as fault:
+                    # A topic named by the user must not be left out silently
                     if order.topics:
                         raise
                     done.remarks.append(f"Topic '{topic}' is left out: {fault}")
@@ -127,6 +128,7 @@ def select_topics(recording: RobotRecording, topics: Sequence[str]) -> list[str]
     for topic in topics:
         recording.flight.message_type(topic)
     if topics:
+        # Each topic once, in the given order
         return list(dict.fromkeys(topics))
     # A topic with one slash, such as /tf, belongs to no robot.
     shared = [name for name in recording.flight.bag.topics if name.count('/') == 1]
@@ -157,6 +159,7 @@ def save_source(
     source: ExportSource, folder: Path, form: str, done: ExportResult
 ) -> tuple[str, ExportSource]:
     """Write one file atomically."""
+    # Only letters, digits and underscores are safe in file names on every system
     name = re.sub(r'\W+', '_', source.name).strip('_') or 'topic'
     taken = {exported.file.stem for exported in done.files}
     # '/odom' and 'odom' would give the same file name.

@@ -82,6 +82,7 @@ def build_source(
 ) -> ExportSource:
     """Return a source of columns that need no renaming."""
     declared: dict[str, np.dtype[Any]] = {}
+    # First pass: files declare their columns before the first row
     for part in rows():
         widen_columns(declared, part)
     whole = add_clock_columns(declared)
@@ -126,6 +127,7 @@ def add_clock_columns(declared: Mapping[str, np.dtype[Any]]) -> dict[str, np.dty
 def widen_columns(declared: dict[str, np.dtype[Any]], part: Columns) -> None:
     """Update the declared columns to types that fit all parts so far."""
     for column in declared.keys() - part.keys():
+        # Floats have NaN and texts have '': only integers need a wider type
         if declared[column].kind not in 'fU':
             declared[column] = np.dtype(np.float64)  # NaN where it is missing
     started = bool(declared)
@@ -159,7 +161,9 @@ def iterate_sample_rows(flight: RecordedFlight) -> Iterator[Columns]:
     for time, samples in flight.iterate_blocks(DIODES, BLOCKS):
         count = samples.shape[1]
         inside = np.tile(np.arange(count), len(samples))
+        # A block's stamp is that of its first sample
         stamps = np.repeat(compute_stamps(flight, time), count) + inside * period
+        # From (blocks, samples, diodes) to one row per sample
         table = samples.reshape(-1, samples.shape[2])
         diodes = {f'diode[{index}]': column for index, column in enumerate(table.T)}
         yield build_clock_columns(flight, stamps) | {'sample': inside} | diodes

@@ -99,8 +99,10 @@ class CdrTemplate:
         if kind == 'string':
             self._lay_text(str(self._constants.get(path, '')))
             return
+        # Little-endian, as the encapsulation says
         number = np.dtype(TYPES.get(kind, kind)).newbyteorder('<')
         self._align(number.itemsize)
+        # Offset from the start of the message, encapsulation included
         self.places[path] = (len(self._bytes), number)
         self._bytes += np.array(self._constants.get(path, 0), dtype=number).tobytes()
 
@@ -111,6 +113,7 @@ class CdrTemplate:
             length = len(texts) if isinstance(texts, Sequence) and texts else 0
             length = length or self._lengths.get(path, 0)
             self._align(4)
+            # A sequence begins with its length; a fixed array does not
             self._bytes += struct.pack('<I', length)
         for index in range(length):
             if kind == 'string' and isinstance(texts, Sequence):

@@ -102,8 +102,10 @@ class TopicConverter:
             fits &= table.columns[name] == wanted
         self.excluded += int((~fits).sum())
         told = [name for name in entry.columns if name not in entry.where]
+        # A column that is not in `empty` has no empty cell
         if not told or any(name not in table.empty for name in told):
             return fits
+        # Rows without any value: logs with several rates leave the other columns empty
         nothing = np.logical_and.reduce([table.empty[name] for name in told])
         self.without += int((nothing & fits).sum())
         return fits & ~nothing
@@ -205,6 +207,7 @@ def _convert_vector(
     frame = vector.frame or part.frame
     if vector.value is not None or vector.columns is None:
         constant = vector.value.vector if vector.value is not None else (np.nan,) * 3
+        # Shape (n, 3)
         values = np.tile(np.asarray(constant, dtype=np.float64), (len(table), 1))
     else:
         scaled_columns = [
@@ -212,6 +215,7 @@ def _convert_vector(
         ]
         values = np.stack(scaled_columns, axis=1)
     found = convert_vectors(values, plan.find_axes(frame), axial=part.kind == 'axial')
+    # From the world frame to the body frame
     if frame != part.frame and attitude is not None:
         return rotate_into_body(found, attitude)
     return found
@@ -237,6 +241,7 @@ def scale_column(
         wrong = np.flatnonzero((values < low) | (values > high))
         if len(wrong):
             raise ValueOutOfBounds(
+                # Rows count from 1 in messages
                 f"Column '{column}' has {values[wrong[0]]:.6g} in row {first + wrong[0] + 1}, but "
                 f'the mapping allows {low:g} to {high:g}; correct the unit in the mapping.'
             )

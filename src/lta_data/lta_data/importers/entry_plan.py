@@ -105,6 +105,7 @@ def _check_parts(candidate: EntryPlan) -> None:
         if name not in shape:
             raise unknown_name(f'part of {entry.topic}', name, list(shape))
         if isinstance(given, OrientationField):
+            # Raises BadInput if exactly one side is mirrored
             attitude_matrix(candidate.world, candidate.body)
             continue
         _check_unit(f'{entry.topic}: {name}', given, [shape[name].dimension])
@@ -114,6 +115,7 @@ def _check_parts(candidate: EntryPlan) -> None:
 
 def _check_frame(candidate: EntryPlan, name: str, vector: VectorField) -> None:
     """Raise BadInput for a vector that cannot be rotated to the frame of the message."""
+    # Only world to body is supported, and it needs the attitude of each row
     if vector.frame != 'world' or candidate.entry.orientation is None:
         raise BadInput(
             f'{candidate.entry.topic}: {name} is given in the {vector.frame} frame, but the '

@@ -76,6 +76,7 @@ def detect_format(path: Path) -> str:
     if not path.exists():
         raise BadInput(f"'{path}' does not exist; give a file or a bag's folder.")
     if path.is_dir():
+        # Without metadata.yaml too, which a killed recorder does not write
         if any(path.glob('*.mcap')) or any(path.glob('*.db3')):
             return 'bag'
         raise BadInput(f"Folder '{path}' contains no bag; give its files one by one.")
@@ -124,6 +125,7 @@ def _is_text(head: bytes) -> bool:
     try:
         head.decode('utf-8')
     except UnicodeDecodeError as error:
+        # A UTF-8 character has up to four bytes
         return len(head) == HEAD and error.start >= HEAD - 4
     return True
 

@@ -96,6 +96,7 @@ def _iterate_converted(
         entry = converter.plan.entry
         wanted.setdefault(entry.table or '', set()).update(entry.columns)
         for other in entry.join:
+            # Joined tables must be read, too; their columns carry the table's name as prefix
             wanted.setdefault(other, set())
     if not wanted:
         return
@@ -104,6 +105,7 @@ def _iterate_converted(
             used = {column: table.columns[column] for column in wanted[name] & {*table.columns}}
             remarks.note_rows(name, table.stamps, used)
         found = []
+        # A copy, since converters are removed while iterating
         for converter in list(converters):
             one = _convert_topic(converter, tables, notes)
             if one is None:

@@ -70,6 +70,7 @@ def _detect_mapping(path: Path) -> str:
     fitting = []
     for name in list_shipped('imports'):
         mapping, _ = load_mapping(name)
+        # A mapping that gives the header itself would fit any file
         if mapping.format == 'csv' and mapping.text.header is None:
             needed = {column for entry in mapping.topics for column in entry.columns}
             if needed <= there:
@@ -147,6 +148,7 @@ def _plan_entry(
     path: Path, mapping: ImportMapping, log: LogReader, entry: TopicMapping, robot: str
 ) -> EntryPlan | None:
     """Return the plan of an entry; None if it is optional and cannot be filled."""
+    # First check the entry alone, so that errors of the mapping do not depend on the log
     made = plan_entry(entry, mapping, robot)
     table = entry.table or ''
     if not table and '' not in log.columns:
@@ -157,6 +159,7 @@ def _plan_entry(
             return None
         known_tables = ', '.join(sorted(log.raw or log.columns)) or 'none'
         raise BadInput(f"'{path}' has no table '{absent[0]}'; it has {known_tables}.")
+    # '#' selects a child frame of a transform topic
     if table in log.raw or '#' in table:
         raw = log.raw[table.split('#')[0]]
         if not can_pass_unchanged(entry, mapping, raw.definition.type_name, made.target.type_name):
@@ -169,6 +172,7 @@ def _plan_entry(
         raise missing_columns_error(path, lacking, [name for name in log.columns[table] if name])
     if table:
         entry = entry.model_copy(update={'table': table})
+    # Again, since the entry was completed from the log
     return plan_entry(entry, mapping, robot)
 
 

@@ -63,6 +63,7 @@ JOINT_DIMENSIONS: Mapping[str, tuple[str, ...]] = {
 }
 CHILD = {'nav_msgs/msg/Odometry': {'child_frame_id': 'base_link'}}
 
+# No covariance: an unknown quantity can only be NaN
 _POSE = {
     'position': MessagePart('pose.position', 'm', 'vector', 'world'),
     'orientation': MessagePart('pose.orientation', '', 'attitude'),
@@ -72,6 +73,7 @@ SHAPES: Mapping[str, Mapping[str, MessagePart]] = {
         'position': MessagePart(
             'pose.pose.position', 'm', 'vector', 'world', 'pose.covariance[0]'
         ),
+        # 6 x 6 covariance by rows: element 0 is x, element 21 is rotation about x
         'orientation': MessagePart(
             'pose.pose.orientation', '', 'attitude', '', 'pose.covariance[21]'
         ),
@@ -108,6 +110,7 @@ SHAPES: Mapping[str, Mapping[str, MessagePart]] = {
         'current': MessagePart('current', 'A'),
         'temperature': MessagePart('temperature', 'degC'),
         'percentage': MessagePart('percentage', '1'),
+        # BatteryState counts charge in ampere hours
         'charge': MessagePart('charge', 'C', share=1.0 / 3600.0),
         'capacity': MessagePart('capacity', 'C', share=1.0 / 3600.0),
     },

@@ -27,8 +27,6 @@ def demonstrate_discovery(
         Selects the hidden effect, its size, and the flights.
     folder : Path
         Empty; the flights go into `flights`.
-    tell : callable
-        Receives the stage and its share.
 
     """
     hidden, bags = draw_demo_effect(seed), {}
@@ -36,6 +34,7 @@ def demonstrate_discovery(
         for k, (name, role) in enumerate(FLIGHTS):
             tell(f'flying {name} with a hidden effect', None)
             place = folder / 'flights' / name
+            # Each flight has its own seed
             bags[role] = [fly_hidden(hidden, APART * seed + k, SECONDS, place)]
         return hidden, discover_effects(DiscoveryRequest(VEHICLE, bags, seed), folder, tell)
     except BaseException:

@@ -54,10 +54,6 @@ class DemoCandidate:
         Path of the number in the vehicle file.
     unit : str
         SI.
-    low, high : float
-        Range of its size.
-    index : int, optional
-        Index within a vector.
 
     """
 
@@ -129,6 +125,7 @@ def build_course(seed: int) -> Callable[[float], Setpoint]:
     """Return setpoints by time: a new height, heading and speed every few seconds."""
     rng = np.random.default_rng([seed, 7])
     heading, legs = 0.0, []
+    # Longer than any flight; `LEG` seconds each
     for _ in range(256):
         heading += float(rng.uniform(-2.0, 2.0))
         speed = float(rng.choice([0.0, 0.3, 0.6]))
@@ -137,24 +134,13 @@ def build_course(seed: int) -> Callable[[float], Setpoint]:
 
 
 def fly_hidden(hidden: DemoEffect, seed: int, seconds: float, folder: Path) -> Path:
-    """
-    Simulate and record one flight; return its bag.
-
-    Parameters
-    ----------
-    seed : int
-        Random seed of course, dither and noise.
-    seconds : float
-        Duration. [s]
-    folder : Path
-        Of the bag.
-
-    """
+    """Simulate and record one flight; return its bag."""
     # Imported here, so that the study of recorded flights does not need ROS.
     from lta_flight.messages import LoopRecorder
 
     made_of = load_spec(VEHICLE, SCENARIO, STRATEGY, '').with_values(HALL)
     vehicle, scenario, policy = build_parts(made_of.with_values(hidden.list_changes(made_of)))
+    # The controller's vehicle: without the hidden effect
     known, table = Vehicle(build_parts(made_of)[0].file), load_topic_table()
     world = World(vehicle, scenario, table, seed)
     loop = ClosedLoop(world, table, replace(policy, course=build_course(seed)), known)
@@ -170,6 +156,7 @@ def fly_hidden(hidden: DemoEffect, seed: int, seconds: float, folder: Path) -> P
             if world.elapsed >= until:
                 until = world.elapsed + rng.uniform(*EACH)
                 dither = rng.uniform(-DITHER, DITHER, len(dither))
+            # Rotors that are not reversible reject negative duties
             lows = [-1.0 if both else 0.0 for both in vehicle.reversible]
             loop.duties = tuple(np.clip(np.array(loop.duties) + dither, lows, 1.0).tolist())
             if loop.readings.truth is not None:
@@ -186,4 +173,5 @@ def add_tracker_noise(truth: tuple[float, ...], rng: np.random.Generator) -> tup
     place = np.array(truth[:3]) + POSE * rng.standard_normal(3)
     turn = Rotation.from_quat(truth[3:7])
     turn *= Rotation.from_rotvec(TURN * rng.standard_normal(3))
+    # A tracker of passive markers measures no velocities
     return (*place.tolist(), *turn.as_quat().tolist(), *(float('nan'),) * 6)

@@ -61,8 +61,6 @@ def find_change_point(
     ----------
     this : FlightFit
         Fit of its tolerances without any effect.
-    seed : int
-        Random seed of the permutations.
 
     """
     each = reduce_each_piece(this.linear, this.deviations)
@@ -79,6 +77,7 @@ def find_change_point(
     whole = each.sum(axis=0)
     inverse = np.linalg.inv(whole[np.ix_(free, free)] + precision)
     off = (prior.mean - this.linear.point.values)[free]
+    # Tolerances as fitted without a change
     known = inverse @ (whole[free, -1] + precision @ off)
     sizes = LARGE * np.array([knobs[k].typical for k in picked])
 
@@ -98,6 +97,7 @@ def find_change_point(
     rng = np.random.default_rng([seed, len(each)])
     others = [evidence_gain(rng.permutation(len(each))).max() for _ in range(DRAWS)]
     most = float(own[place, which])
+    # p-value, counting the observed order as one of the draws
     chance = (1 + int(np.sum(np.array(others) >= most))) / (DRAWS + 1)
     if most < WON or chance > CHANCE:
         return None

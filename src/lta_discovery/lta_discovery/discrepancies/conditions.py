@@ -43,6 +43,7 @@ def ground_speed(flight: MeasuredFlight) -> Array:
     out = np.full(len(flight.time), np.nan)
     if len(out) > SMOOTH:
         apart = flight.position[2 * half :] - flight.position[: -2 * half]
+        # Central difference over SMOOTH points; NaN at the ends and in gaps
         out[half:-half] = np.linalg.norm(apart, axis=1) / (2 * half * PERIOD)
     return out
 
@@ -83,6 +84,7 @@ def list_conditions(
 def heading_sector(heading: Array) -> NDArray[np.int64]:
     """Return the quadrant of a heading: 0 is about x of the map; -1 where unknown."""
     known = np.where(np.isfinite(heading), heading, 0.0)
+    # Sectors of 90 degrees, centred on the axes
     quarter = np.rint(known / (0.5 * np.pi)).astype(np.int64) % 4
     return np.where(np.isfinite(heading), quarter, -1)
 
@@ -117,12 +119,8 @@ def find_largest_condition(
     ----------
     squares : ndarray, shape (n,)
         Of the disagreement, in the order of time.
-    quantities : mapping of str to (ndarray of shape (n,), str)
-        Of `list_conditions`.
     block : int
         Correlation length of the disagreement, in rows.
-    seed : int
-        Random seed of the shifts.
 
     """
     n = len(squares)
@@ -140,6 +138,7 @@ def find_largest_condition(
     table = np.array([one.holds for one in candidates], dtype=np.float64)
     won = _split_gain(table, squares[:, None])[:, 0]
     best = int(np.argmax(won))
+    # Shifts of at least a block destroy the relation but keep the correlation
     shifts = np.random.default_rng([seed, n]).integers(block, n - block, DRAWS)
     rolled = np.stack([np.roll(squares, shift) for shift in shifts], axis=1)
     by_chance = _split_gain(table, rolled).max(axis=0)
@@ -157,5 +156,7 @@ def _split_gain(table: Array, squares: Array) -> Array:
     within = table @ squares
     one, other = within / inside, (total - within) / (n - inside)
     whole = np.log(total / n + 1e-300)
+    # Log likelihood ratio of two variances against a common one
     gain = n * whole - inside * np.log(one + 1e-300) - (n - inside) * np.log(other + 1e-300)
+    # Only conditions with the larger error inside count
     return np.where(one > other, 0.5 * gain, 0.0)

@@ -44,8 +44,6 @@ class BaselineFlight:
     ----------
     name : str
         Of its bag.
-    flight : FlightLinearizer
-        The flight.
     before : LinearizationPoint
         The vehicle file.
     fit : FlightFit or None
@@ -88,15 +86,7 @@ class DisagreementSeries:
 
 
 def find_discrepancies(flights: Sequence[BaselineFlight], seed: int) -> tuple[Discrepancy, ...]:
-    """
-    Return the discrepancies of a model, the largest first.
-
-    Parameters
-    ----------
-    seed : int
-        Random seed of the significance tests.
-
-    """
+    """Return the discrepancies of a model, the largest first."""
     worst: dict[str, tuple[float, BaselineFlight, DisagreementSeries]] = {}
     changes: list[Discrepancy] = []
     for one in flights:
@@ -121,10 +111,12 @@ def _channel_series(one: BaselineFlight) -> list[DisagreementSeries]:
     flight = one.flight
     squares = best_start_residual(flight, one.before) ** 2
     count = squares.shape[1] // EVERY * EVERY
+    # Mean squares over 1 s, without the incomplete last second
     cut = squares[:, :count].reshape(len(squares), -1, EVERY, squares.shape[2])
     known = np.asarray(np.isfinite(cut).any(axis=2))
     total = np.where(np.isfinite(cut), cut, 0.0).sum(axis=2)
     means = total / np.maximum(np.isfinite(cut).sum(axis=2), 1)
+    # Grid point in the middle of each second
     index = flight.index[:, EVERY // 2 : count : EVERY]
     out = []
     block = max(1, cut.shape[1])
@@ -181,6 +173,7 @@ def _find_changes(
         return []
     cut, time = one.flight.replay.cut, one.flight.replay.flight.time
     at, end = float(time[cut.first[found.piece]]), float(time[forces[0].index[-1]])
+    # Report the axis that disagrees most after the change
     sizes = {each.name: _rms(each.values[time[each.index] >= at]) for each in forces}
     axis = max(sizes, key=lambda name: sizes[name])
     said = f'after about {at:.0f} s, as if {found.knob} changed'

@@ -24,6 +24,7 @@ def apply_parameters(
     """Return the vehicle with the parameters set, and the values clipped to their bounds."""
     out = clip_to_bounds(knobs, values)
     for k, knob in enumerate(knobs):
+        # A value of 0 must leave the vehicle unchanged: applying it would enable the effect
         if out[k] != 0.0:
             nominal = knob.apply_to(nominal, float(out[k]))
     return nominal, out
@@ -40,6 +41,7 @@ def parameter_bounds(knobs: Sequence[FreeParameter], prior: Prior) -> tuple[Arra
     low, high = -far, far.copy()
     for k, knob in enumerate(knobs):
         if _is_tolerance(knob, spread[k]):
+            # Tolerance and effect are independent, so their deviations add in quadrature
             far[k] = FARTHEST * math.hypot(knob.tolerance, knob.typical)
         low[k], high[k] = knob.low, knob.high
     return np.maximum(low, prior.mean - far), np.minimum(high, prior.mean + far)
@@ -53,8 +55,6 @@ def find_strained_tolerances(
 
     Parameters
     ----------
-    prior : Prior
-        Of the fit.
     mean : ndarray, shape (G,)
         Unbounded posterior mean (`ParameterPosterior.mean`).
 
@@ -80,6 +80,7 @@ def format_strained_tolerances(names: Sequence[str]) -> list[str]:
 
 def _is_tolerance(knob: FreeParameter, spread: float) -> bool:
     """Return whether a parameter is free by its tolerance only, not as a named effect."""
+    # The margin is for rounding of the square root; a named effect widens the spread
     return 0.0 < spread < (1.0 + 1e-9) * knob.tolerance
 
 

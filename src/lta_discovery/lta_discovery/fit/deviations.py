@@ -33,7 +33,9 @@ def newton_strides(gradient: EvidenceGradient) -> Array:
     The evidence is closer to a parabola in a variance than in its logarithm. The step is converted
     accordingly: longer upwards, shorter downwards.
     """
+    # Newton step in log deviation; 1 + 2 step is the linear factor on the variance
     step = np.linalg.solve(gradient.bend, gradient.slope)
+    # The bound keeps the logarithm defined for long downward steps
     out: Array = 0.5 * np.log(np.maximum(1.0 + 2.0 * step, np.exp(-2.0 * LONGEST)))
     return np.minimum(out, LONGEST)
 
@@ -48,8 +50,6 @@ def maximize_evidence(
     ----------
     steep : callable
         Log evidence of deviations with its slope; -inf where undefined.
-    start, floor : ndarray, shape (6,)
-        Initial deviations, and the noise floor.
     worth : float
         Predicted gain below which the search ends. [nats]
 
@@ -58,7 +58,9 @@ def maximize_evidence(
     at, part = np.clip(np.log(start), low, high), 1.0
     now = steep(np.exp(at))
     for _ in range(STRIDES if np.isfinite(now.value) else 0):
+        # Recompute the step after clipping: the predicted gain has to match it
         step = np.clip(at + part * newton_strides(now), low, high) - at
+        # First-order gain of the step [nats]
         promised = float(now.slope @ step)
         if promised < worth:
             break
@@ -66,6 +68,7 @@ def maximize_evidence(
             there = steep(np.exp(at + step))
             if there.value > now.value:
                 break
+            # Keep later steps shorter too, since the quadratic model overestimates here
             step, part = 0.5 * step, 0.5 * part
         else:
             break
@@ -92,16 +95,11 @@ def fit_deviations(
 
     Parameters
     ----------
-    prior : Prior
-        Of the shared parameters.
-    start, floor : ndarray, shape (6,)
-        Initial deviations, and the noise floor.
     caps : sequence of float
         Upper limits of further starts. [noise floors]
-    worth : float
-        As for `maximize_evidence`.
 
     """
+    # Columns with a fixed parameter do not affect the evidence
     narrow, kept = group.select_columns(prior.free)
     own = Prior(prior.mean[kept], prior.covariance[np.ix_(kept, kept)])
 
@@ -112,6 +110,7 @@ def fit_deviations(
             # Extreme deviations leave only rounding errors of a column.
             return EvidenceGradient(-np.inf, np.zeros(len(floor)), np.eye(len(floor)))
 
+    # Starts from small deviations cannot hide a large missing effect
     starts = [start, *(np.minimum(start, cap * floor) for cap in caps)]
     distinct = [s for k, s in enumerate(starts) if k == 0 or not np.allclose(s, start)]
     return max(

@@ -48,8 +48,10 @@ def knot_precision(knots: int, length: float = LENGTH) -> Array:
 
     That of an evenly sampled Ornstein-Uhlenbeck process, which is tridiagonal.
     """
+    # Correlation of neighbouring knots
     kept = np.exp(-length / (knots - 1) / MEMORY)
     out = np.diag(np.full(knots, 1.0 + kept**2))
+    # The end knots have only one neighbour
     out[0, 0] = out[-1, -1] = 1.0
     step = np.arange(knots - 1)
     out[step, step + 1] = out[step + 1, step] = -kept
@@ -101,6 +103,7 @@ def build_prior(
         Prior deviations in typical sizes, 1 by default (`selection.candidate_scan.SIZES`).
 
     """
+    # A vector is named by one component, but all of them become free
     there = {one: sizes.get(name, 1.0) for name in named for one in vector_components(name)}
     variance = [
         knob.tolerance**2 + (there.get(knob.name, 0.0) * knob.typical) ** 2 for knob in knobs
@@ -119,6 +122,7 @@ def build_shared_prior(
     knobs: Sequence[FreeParameter], named: Sequence[str] = (), sizes: Sizes = NO_SIZES
 ) -> Prior:
     """Return the prior of the shared parameters: `build_prior` without per-flight variance."""
+    # Each flight draws its own part (`LinearizedGroup`), so it must not count twice
     both = build_prior(knobs, named, sizes)
     return Prior(both.mean, both.covariance - np.diag(per_flight_variance(knobs)))
 
@@ -170,22 +174,16 @@ class LatentSolution(NamedTuple):
 
 @final
 class PieceReducer:
-    """
-    Eliminate the unknowns of a flight's pieces, for any deviations of the latent wrench.
-
-    Parameters
-    ----------
-    linear : LinearizedFlight
-        The flight about a point.
-
-    """
+    """Eliminate the unknowns of a flight's pieces, for any deviations of the latent wrench."""
 
     def __init__(self, linear: LinearizedFlight) -> None:
         self.linear = linear
         latent, random = slice(WIDTH, WIDTH + AXES * linear.knots), linear.unknown_count
+        # Column order of the products: state, latent knots, pressure, parameters, residual
         keep = np.r_[latent, random : linear.grams.shape[1]]
         out = np.r_[0:WIDTH, random - 1]
         precision = np.concatenate([STATE**-2.0, [PIECE_PRESSURE**-2.0]])
+        # Columns are changes from the point; the prior mean of 0 is at minus the point
         mean = -linear.point.random[:, out]
         # Initial states and pressure do not depend on the deviations: eliminate them once.
         self._grams, self._constant = eliminate_columns(
@@ -196,6 +194,7 @@ class PieceReducer:
 
     def select_columns(self, columns: NDArray[np.int64]) -> 'PieceReducer':
         """Return the flight with some columns only, sufficient for `reduce` and `solve_latent`."""
+        # A shallow copy: the eliminated products are replaced, not changed
         out, point = copy(self), self.linear.point
         names = tuple(self.linear.names[k] for k in columns)
         out.linear = replace(
@@ -233,15 +232,18 @@ class PieceReducer:
         precision, count = self._latent_precision(deviations), AXES * self.linear.knots
         inner = self._grams[:, :count, :count] + precision
         cross = self._grams[:, :count, count:].copy()
+        # The prior enters as pseudo-observations: `precision` in products, `pull` in the residual
         pull = self._mean @ precision
         cross[:, :, -1] += pull
         root = np.linalg.cholesky(inner)
         back = invert_lower(root)
         inverse: Array = np.swapaxes(back, 1, 2) @ back
         answer = inverse @ cross
+        # Schur complement: parameters and residual, with the wrench marginalized
         left = self._grams[:, count:, count:] - np.swapaxes(cross, 1, 2) @ answer
         left[:, -1, -1] += np.sum(pull * self._mean, axis=1)
         logs = np.linalg.slogdet(precision)[1]
+        # Log determinants of prior and posterior: the Occam factor of the evidence
         logs = logs - 2.0 * np.log(np.diagonal(root, axis1=1, axis2=2)).sum(axis=1)
         return LatentSolution(self._sum_pieces(left, 0.5 * logs), inverse, answer)
 
@@ -251,25 +253,15 @@ class PieceReducer:
 
     def _sum_pieces(self, products: Array, constant: Array) -> ReducedFlight:
         """Sum the reduced pieces."""
+        # Normalization of the Gaussian readings, already in units of the noise
         rows = -0.5 * np.log(2.0 * np.pi) * self.linear.rows.sum()
         return ReducedFlight(products.sum(axis=0), self._constant.sum() + constant.sum() + rows)
 
     def solve_unknowns(self, deviations: Array, change: Array) -> Array:
         """
-        Return the most probable unknowns of each piece, after a change of the parameters.
+        Return the most probable unknowns of each piece, shape (S, R).
 
-        Parameters
-        ----------
-        deviations : ndarray, shape (6,)
-            Of the latent wrench.
-        change : ndarray, shape (G,)
-            Of the parameters, from the point.
-
-        Returns
-        -------
-        ndarray, shape (S, R)
-            Absolute values, not changes.
-
+        The values are absolute; `change` is the change of the parameters from the point.
         """
         precision = unknown_precision(deviations, self.linear.knots)
         grams, before, random = (
@@ -278,6 +270,7 @@ class PieceReducer:
             self.linear.unknown_count,
         )
         right = grams[:, :random, -1] - grams[:, :random, random:-1] @ change
+        # The prior pulls the absolute values to 0, not the changes
         right = right - before @ precision
         moved = np.linalg.solve(grams[:, :random, :random] + precision, right[..., None])
         return before + moved[..., 0]
@@ -327,13 +320,12 @@ def compute_posterior(reduced: ReducedFlight, at: Array, prior: Prior) -> Parame
 
     Parameters
     ----------
-    at : ndarray, shape (G,)
-        Parameters at the linearization point.
     prior : Prior
         Parameters that it fixes stay at the point.
 
     """
     free = prior.free
+    # Fixed parameters have no inverse variance: restrict all matrices to the free ones
     wide = prior.covariance[np.ix_(free, free)]
     precision = np.linalg.inv(wide)
     mean = (prior.mean - at)[free]
@@ -341,6 +333,7 @@ def compute_posterior(reduced: ReducedFlight, at: Array, prior: Prior) -> Parame
     products = reduced.products[index[:, None], index]
     root = np.linalg.cholesky(products[:-1, :-1] + precision)
     half = np.linalg.solve(root, products[:-1, -1] + precision @ mean)
+    # Squared residual and prior, less what the fitted parameters explain
     square = products[-1, -1] + mean @ precision @ mean - half @ half
     logs = -0.5 * np.linalg.slogdet(wide)[1] - np.log(np.diag(root)).sum()
     after, covariance = at.copy(), np.zeros((len(free), len(free)))

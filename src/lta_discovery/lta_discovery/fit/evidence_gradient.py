@@ -55,13 +55,6 @@ def compute_evidence_gradient(
     """
     Compute the log evidence, its slope and its bend.
 
-    Parameters
-    ----------
-    prior : Prior
-        Of the shared parameters.
-    deviations, floor : ndarray, shape (6,)
-        Of the latent wrench, and its noise floor.
-
     Raises
     ------
     LinAlgError
@@ -89,9 +82,11 @@ def _flight_gradient(
     pieces: PieceReducer, solved: LatentSolution, own: ParameterPosterior, deviations: Array
 ) -> tuple[Array, Array]:
     """Return the contribution of one flight to slope and bend."""
+    # Posterior mean of the wrench at the flight's own parameters
     change = own.mean - pieces.linear.point.values
     answer = solved.answer[:, :, :-1]
     latent = solved.answer[:, :, -1] - answer @ change + pieces.latent_wrench
+    # Add the uncertainty of the parameters to that at fixed parameters
     covariance = solved.inverse + answer @ own.covariance @ np.swapaxes(answer, 1, 2)
     count = pieces.linear.knots
     inverse, variance = knot_precision(count), deviations**2
@@ -100,6 +95,7 @@ def _flight_gradient(
     # Expected squared wrench: that of the mean plus the trace of its covariance.
     spent = np.einsum('saj,jk,sak->a', knots, inverse, knots)
     spent += np.einsum('saiaj,ji->a', blocks, inverse, optimize=True)
+    # Zero where the squared wrench equals its prior expectation
     slope = spent / variance - count * len(knots)
     # Information of the data relative to the prior: I - C K^-1 / variance, by pairs of axes.
     left = -(blocks @ inverse) / variance[:, None]

@@ -39,8 +39,6 @@ class LinearizedGroup:
 
     Attributes
     ----------
-    pieces : tuple of PieceReducer
-        Of each flight.
     at : ndarray, shape (G,)
         Shared parameters. If a flight was linearized at others, its linearization is extrapolated.
     variance : ndarray, shape (G,)
@@ -74,21 +72,14 @@ class LinearizedGroup:
         self, free: NDArray[np.bool_]
     ) -> tuple['LinearizedGroup', NDArray[np.int64]]:
         """Return the flights with the free columns only, and the indices of these."""
+        # Columns of extrapolated parameters stay: `_align_products` needs them
         apart = np.any([each.point.values != self.at for each in self.linears], axis=0)
         kept = np.flatnonzero(free | (self.variance > 0.0) | apart)
         pieces = tuple(each.select_columns(kept) for each in self.pieces)
         return LinearizedGroup(pieces, self.at[kept], self.variance[kept]), kept
 
     def reduce(self, deviations: Array) -> ReducedFlight:
-        """
-        Return the combined products of the flights for the shared parameters.
-
-        Parameters
-        ----------
-        deviations : ndarray, shape (6,)
-            Of the latent force [N] and moment [N m].
-
-        """
+        """Return the combined products of the flights for the shared parameters."""
         return self.sum_flights(map_parallel(lambda each: each.reduce(deviations), self.pieces))
 
     def sum_flights(self, reduced: Sequence[ReducedFlight]) -> ReducedFlight:
@@ -100,10 +91,12 @@ class LinearizedGroup:
 
     def _align_products(self, point: LinearizationPoint, reduced: ReducedFlight) -> Array:
         """Return a flight's products about the point of the group."""
+        # Per-flight parameters stay at the flight's point; only shared ones move
         off = np.where(self.variance > 0.0, 0.0, self.at - point.values)
         if not off.any():
             return reduced.products
         shift = np.eye(len(reduced.products))
+        # Moves the residual to the shared parameters: r - C (at - point)
         shift[:-1, -1] = -off
         there: Array = shift.T @ reduced.products @ shift
         return there
@@ -118,6 +111,7 @@ class LinearizedGroup:
         products = self._align_products(point, reduced)
         if not len(own):
             return ReducedFlight(products, reduced.constant)
+        # A stack of one, because `eliminate_columns` works on stacks of pieces
         left, constant = eliminate_columns(
             products[None],
             np.arange(len(products)),
@@ -128,17 +122,7 @@ class LinearizedGroup:
         return ReducedFlight(left[0], reduced.constant + float(constant[0]))
 
     def solve_flights(self, deviations: Array, target: Array) -> list[FlightSolution]:
-        """
-        Return the most probable parameters and unknowns of each flight, for shared values.
-
-        Parameters
-        ----------
-        deviations : ndarray, shape (6,)
-            Of the latent wrench.
-        target : ndarray, shape (G,)
-            Shared values.
-
-        """
+        """Return the most probable parameters and unknowns of each flight, for shared values."""
         out, own = [], self._own_columns()
         for each in self.pieces:
             values = target.copy()
@@ -169,7 +153,9 @@ class LinearizedGroup:
             return posterior
         answer, left = self._own_response(pieces, reduced)
         mean, through = posterior.mean.copy(), np.eye(len(self.at))
+        # The flight's value is the shared value plus its own deviation from it
         mean[own] += left - answer @ (posterior.mean - self.at)
+        # Uncertainty of the shared values, as passed on through the own ones
         through[own] -= answer
         covariance: Array = through @ posterior.covariance @ through.T
         inner = reduced.products[np.ix_(own, own)] + np.diag(1.0 / self.variance[own])

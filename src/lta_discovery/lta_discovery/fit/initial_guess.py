@@ -33,6 +33,7 @@ def shorten_pieces(flight: FlightLinearizer, seconds: float) -> FlightLinearizer
     """Return a flight that uses only the beginning of each piece."""
     out, replay = copy(flight), copy(flight.replay)
     inside = replay.cut.inside.copy()
+    # Mask later readings instead of cutting, so that array shapes stay the same
     inside[:, round(seconds / PERIOD) :] = False
     replay.cut = replace(replay.cut, inside=inside)
     out.replay = replay
@@ -47,8 +48,6 @@ def guess_start(
 
     Parameters
     ----------
-    prior : Prior
-        Of the shared parameters.
     points : sequence of LinearizationPoint
         Of the vehicle file; all at the same values.
 
@@ -70,5 +69,6 @@ def guess_start(
         if (last.deviations > LOST * fitter.floor).any():
             break  # a failed stage is a bad start for the next
         at, points = stage.propose_step(last)
+        # Large deviations would hide the missing effect in the next stage
         deviations = np.minimum(last.deviations, CAPPED * fitter.floor)
     return at, list(points), deviations

@@ -60,12 +60,8 @@ class FlightFit:
         For the fitted deviations.
     deviations : ndarray, shape (6,)
         Of the latent force [N] and moment [N m].
-    fitted : ParameterPosterior
-        Of the parameters.
     evidence : float
         Log evidence of all jointly fitted flights, including the prior of the deviations. [nats]
-    rounds : int
-        Number of linearizations.
 
     """
 
@@ -88,8 +84,6 @@ class JointFit:
     ----------
     group : LinearizedGroup
         About the last point.
-    prior : Prior
-        Of the shared parameters.
     reduced : ReducedFlight
         Of the shared parameters, for the fitted deviations.
     deviations, fitted, evidence, rounds
@@ -110,6 +104,7 @@ class JointFit:
         """Each flight, with its own sensor errors."""
         out = []
         for each in self.group.pieces:
+            # Reduced again, because the fit stores only the sum of all flights
             own = each.reduce(self.deviations)
             knobs = self.group.flight_posterior(each, own, self.fitted)
             rest = (self.deviations, knobs, self.evidence, self.rounds)
@@ -160,8 +155,6 @@ class JointFitter:
     ----------
     nominal : NominalVehicle
         The vehicle of the file, where all parameters are 0.
-    flights : sequence of FlightLinearizer
-        Of that vehicle.
     variance : ndarray, shape (G,)
         Of per-flight parameters.
     floor : ndarray, shape (6,)
@@ -182,6 +175,7 @@ class JointFitter:
 
         With a prior, only the columns of its free parameters are computed, which is faster.
         """
+        # Per-flight parameters are free even where the shared prior fixes them
         free = None if prior is None else prior.free | (self.variance > 0.0)
 
         def build_reducer(one: tuple[FlightLinearizer, LinearizationPoint]) -> PieceReducer:
@@ -212,12 +206,6 @@ class JointFitter:
 
         Parameters
         ----------
-        prior : Prior
-            Of the shared parameters.
-        begin : LinearizedGroup
-            The flights about the starting point.
-        deviations : ndarray, shape (6,)
-            Initial deviations of the latent wrench.
         rounds, rest : int, float
             Most linearizations; change of the evidence at convergence. [nats]
         narrow : bool
@@ -232,6 +220,7 @@ class JointFitter:
         last, count = self.fit_deviations(begin, prior, deviations), 1
         while count < rounds:
             step = self._choose_step(last)
+            # Misfit is -2 log density, so 2 units of it are 1 nat
             if step is None or step.kept < 2.0 * rest:
                 break
             try:
@@ -244,6 +233,7 @@ class JointFitter:
             rests = (
                 last.group.is_aligned and step.whole and abs(now.evidence - last.evidence) < rest
             )
+            # Large gains mean that the start was far away; they do not use up the rounds
             count += now.evidence - last.evidence < LEAP or last.rounds > 3 * ROUNDS
             last = now
             if rests:
@@ -274,15 +264,18 @@ class JointFitter:
         """
         group = last.group
         here = self._gather_points(group, last.deviations)
+        # Baseline: the simulated misfit at the present point
         bound, error = self._point_misfit(last, group.at, here), forecast_error(self.flights, here)
         at, points = self.propose_step(last)
         misfit = self._screen_misfit(last, at, points, error)
         found = []
         if misfit < bound + WORSE:
             linear = predict_linear_misfit(group, last.deviations, last.prior, at, points)
+            # The linearization predicts well here: accept without trying shorter steps
             if misfit < BROKEN * linear:
                 return FitStep(at, points, abs(misfit - linear), True)
             found.append((misfit, at, points))
+        # The full step failed or is nonlinear: try shorter ones, and take the best
         for part in PARTS:
             between = self._interpolate_points(part, group.at, here, at, points)
             found.append((self._screen_misfit(last, *between, error), *between))
@@ -293,6 +286,7 @@ class JointFitter:
         misfit, at, points = min(found, key=lambda one: one[0], default=(np.inf, group.at, []))
         if misfit < bound + WORSE:
             return FitStep(at, points, np.inf, False)
+        # Aligning the flights is worth a linearization even without a better point
         return None if group.is_aligned else FitStep(group.at, here, np.inf, False)
 
     def compute_misfit(self, prior: Prior, group: LinearizedGroup, deviations: Array) -> float:
@@ -330,6 +324,7 @@ class JointFitter:
     ) -> float:
         """Return the misfit at a point, infinite if its forecasts get much worse."""
         misfit = self._point_misfit(last, at, points)
+        # A latent wrench can hide a wrong vehicle; unaided forecasts cannot
         if np.isfinite(misfit) and forecast_error(self.flights, points) > ASTRAY * error:
             return np.inf
         return misfit
@@ -338,6 +333,7 @@ class JointFitter:
         self, last: JointFit, doubt: float
     ) -> tuple[Array, list[LinearizationPoint]]:
         """Return the step for a larger noise variance, closer to the prior."""
+        # Dividing the products by a factor multiplies the noise variance by it
         pieces = [
             PieceReducer(replace(each, grams=each.grams / doubt)) for each in last.group.linears
         ]
@@ -382,12 +378,8 @@ def fit_flight(
 
     Parameters
     ----------
-    flight, nominal, deviations, rounds
-        As for `JointFitter`.
     prior : Prior
         Of all parameters, including per-flight ones: `build_prior`.
-    begin : LinearizationPoint
-        Starting point.
 
     """
     alone = JointFitter(nominal, [flight], np.zeros(len(begin.values)), FLOOR)

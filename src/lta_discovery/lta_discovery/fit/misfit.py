@@ -32,23 +32,7 @@ def compute_misfit(
     at: Array,
     points: Sequence[LinearizationPoint],
 ) -> float:
-    """
-    Return the misfit of flights at a point; infinite for divergence or an impossible vehicle.
-
-    Parameters
-    ----------
-    deviations : ndarray, shape (6,)
-        Of the latent force [N] and moment [N m].
-    prior : Prior
-        Of the shared parameters.
-    variance : ndarray, shape (G,)
-        Of per-flight parameters.
-    at : ndarray, shape (G,)
-        Shared parameters.
-    points : sequence of LinearizationPoint
-        Of each flight.
-
-    """
+    """Return the misfit of flights at a point; infinite for divergence or impossible vehicles."""
     flown = map_parallel(_readings_misfit, list(zip(flights, points, strict=True)))
     return _unknowns_misfit(deviations, prior, variance, at, points) + sum(flown)
 
@@ -58,12 +42,14 @@ def _readings_misfit(one: tuple[FlightLinearizer, LinearizationPoint]) -> float:
     flight, point = one
     with np.errstate(over='ignore', invalid='ignore'):
         try:
+            # The integrator has STEPS steps in each period of the readings
             grid = flight.simulate_trajectory(point)[:, ::STEPS]
         except BadInput:
             return np.inf  # impossible vehicle
         if not np.isfinite(grid).all():
             return np.inf
         left = flight.compute_residual(grid, point, flight.replay.build_rows(point.nominal))
+        # NaN marks readings that were not measured
         return float(np.nansum((left / flight.replay.flight.noise) ** 2))
 
 
@@ -96,6 +82,7 @@ def _forecast_errors(one: tuple[FlightLinearizer, LinearizationPoint]) -> Array 
         off = left[..., :3] / measured.noise[:3]
         known = np.isfinite(measured.position[flight.index[here]])
         known &= flight.replay.cut.inside[here][..., None]
+        # A diverged forecast counts as the worst, not as unmeasured
         off[known & ~np.isfinite(off)] = np.inf
         errors: Array = np.sqrt(np.nanmean(off**2, axis=(1, 2)))
         return errors
@@ -112,6 +99,7 @@ def predict_linear_misfit(
     total = _unknowns_misfit(deviations, prior, group.variance, at, points)
     for linear, point in zip(group.linears, points, strict=True):
         moved = np.tile(point.values - linear.point.values, (len(linear.grams), 1))
+        # The residual is the last column; -1 makes the product |C change - r|^2
         none = np.full((len(linear.grams), 1), -1.0)
         change = np.hstack([point.random - linear.point.random, moved, none])
         total += float(np.einsum('si,sij,sj->', change, linear.grams, change))

@@ -35,25 +35,16 @@ def choose_start(
     """
     Return where a fit should start.
 
-    Parameters
-    ----------
-    fitter, prior, begin, deviations
-        As for `JointFitter.fit`.
-    named : sequence of str
-        Effects in the current model.
-
-    Returns
-    -------
-    LinearizedGroup
-        `begin`, unless another value of a discontinuous effect is more probable.
-
+    This is `begin`, unless another value of a discontinuous effect is more probable.
     """
     for k, knob in enumerate(fitter.flights[0].knobs):
+        # A value other than 0 was fitted before and is a good start already
         if knob.name in named and knob.name in TRIED and begin.at[k] == 0.0:
             groups = [begin, *_linearize_trials(fitter, begin, k, prior)]
             scores = [_log_evidence(group, prior, deviations) for group in groups]
             best = groups[int(np.argmax(scores))]
             if best is not begin:
+                # The trials have only the free columns; the fit needs all
                 begin = fitter.linearize_flights(
                     best.at, [linear.point for linear in best.linears]
                 )

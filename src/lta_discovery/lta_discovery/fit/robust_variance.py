@@ -22,6 +22,7 @@ DRAWN: Final = 0.9  # largest leverage of one piece in the correction
 def reduce_each_piece(linear: LinearizedFlight, deviations: Array) -> Array:
     """Return the products of each piece without its unknowns, shape (S, G + 1, G + 1)."""
     out = []
+    # One piece at a time: only the sum over pieces is kept in a reduced flight
     for s in range(len(linear.rows)):
         one = slice(s, s + 1)
         point = LinearizationPoint(
@@ -39,14 +40,17 @@ def sandwich_variance(joint: JointFit) -> Array:
     covariance = joint.fitted.covariance
     free = joint.prior.free
     precision = np.zeros_like(covariance)
+    # The prior is the inner part of the sandwich that the pieces do not cover
     precision[np.ix_(free, free)] = np.linalg.inv(joint.prior.covariance[np.ix_(free, free)])
     pulled = np.zeros(len(covariance))
     for member in joint.members:
         scores, informations, own = _flight_scores(joint, member.linear, member.fitted.mean)
         precision += own
         moved = scores @ covariance
+        # Leverage: share of a parameter's information that comes from one piece
         drawn = np.einsum('ka,sab,bk->sk', covariance, informations, covariance)
         drawn = np.minimum(drawn / np.maximum(np.diag(covariance), 1e-300), DRAWN)
+        # HC3: a piece pulls the estimate towards itself; undo that by its leverage
         pulled += np.sum((moved / (1.0 - drawn)) ** 2, axis=0)
     out: Array = pulled + np.diag(covariance @ precision @ covariance)
     return out
@@ -59,6 +63,7 @@ def _flight_scores(
     products = reduce_each_piece(linear, joint.deviations)
     own = np.flatnonzero(joint.group.variance)
     inner, right = products[:, :-1, :-1], products[:, :-1, -1]
+    # Gradient of the log density at the posterior mean
     scores = right - inner @ (mean - linear.point.values)
     whole = inner.sum(axis=0)
     before = np.diag(1.0 / joint.group.variance[own])

@@ -36,10 +36,12 @@ def _solve(lower: Lower, right: Array, out: Array) -> None:
     """Write the solutions."""
     count = lower.shape[-1]
     if count <= SMALL:
+        # Base case: small enough for the general inverse
         out[...] = np.linalg.inv(lower) @ right
         return
     half = count // 2
     _solve(lower[:, :half, :half], right[:, :half], out[:, :half])
+    # Forward substitution by blocks
     rest = right[:, half:] - lower[:, half:, :half] @ out[:, :half]
     _solve(lower[:, half:, half:], rest, out[:, half:])
 

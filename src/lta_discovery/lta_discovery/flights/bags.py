@@ -67,10 +67,6 @@ def read_bags(
     ----------
     paths : mapping of role to paths
         Bag folders, results folders or .mcap files.
-    robot : str, optional
-        Robot to read, where a bag holds several.
-    tell : callable
-        Receives the name of each bag before it is read.
 
     Raises
     ------
@@ -83,6 +79,7 @@ def read_bags(
     seen: dict[Path, Role] = {}
     for role in ROLES:
         for path in paths.get(role, ()):
+            # Check all paths first, since reading a bag takes seconds
             _register_recording(path, role, seen)
     out: list[StudyRecording] = []
     for role in ROLES:
@@ -98,6 +95,7 @@ def read_bags(
 def _register_recording(path: Path, role: Role, roles: dict[Path, Role]) -> None:
     """Register a recording, or raise an error if it is registered already."""
     for file in find_bag_files(find_bag(path)):
+        # Follow links, so that one file under two names is detected
         place = file.resolve()
         if place in roles:
             both = f'to {roles[place]} and to {role}' if roles[place] != role else f'to {role}'
@@ -113,6 +111,7 @@ def _name_bag(path: Path, names: Sequence[str]) -> str:
     if place.is_file():
         name = place.stem
     else:
+        # In a results folder the bag is always called 'bag'; use the name of the run
         name = place.parent.name if place.name == 'bag' else place.name
     count, only = 1, name
     while name in names:
@@ -132,6 +131,7 @@ def check_one_vehicle(flights: Sequence[StudyRecording], vehicle: VehicleFile) -
         If the recordings name different vehicles, or command different rotors.
 
     """
+    # One flight per vehicle suffices to name the conflict
     by_name = {one.vehicle: one.name for one in flights if one.vehicle}
     by_rotors = {one.rotor_names: one.name for one in flights if one.rotor_names}
     for kinds, what in ((by_name, 'fly'), (by_rotors, 'command')):

@@ -66,8 +66,7 @@ class FlightStreams:
         Height of the hull centre below which the vehicle may touch the floor. [m]
     wrench : Stream, optional
         Commanded force and moment about the hull centre, body frame, held until the next; for
-        vehicles
-        without duty commands. [N, N m]
+        vehicles without duty commands. [N, N m]
     mass : Stream, optional
         Commanded place of the moving mass, body frame, held until the next. [m]
 
@@ -99,12 +98,8 @@ class MeasuredFlight:
         Standard deviation by CHANNELS; infinite for an absent channel.
     usable : ndarray of bool, shape (n,)
         Whether the point is part of the fit.
-    commands : Stream
-        As recorded.
     voltage : ndarray, shape (n,)
         Of the battery, NaN where it is unknown. [V]
-    wrench, mass : Stream or None
-        As recorded.
     alike : float
         Number of successive poses with correlated errors; `noise` is scaled by its root.
 
@@ -144,9 +139,11 @@ def _interpolate_stream(grid: Array, stream: Stream, gap: float) -> Array:
     time, values = stream.time[good], stream.values[good]
     if len(time) < 2:
         return np.full((len(grid), stream.values.shape[1]), np.nan)
+    # Index of the reading after each grid point
     after = np.clip(np.searchsorted(time, grid), 1, len(time) - 1)
     out = np.column_stack([np.interp(grid, time, column) for column in values.T])
     outside = (grid < time[0] - 1e-9) | (grid > time[-1] + 1e-9)
+    # Neither bridge long gaps nor extrapolate
     out[(time[after] - time[after - 1] > gap) | outside] = np.nan
     return out
 
@@ -154,6 +151,7 @@ def _interpolate_stream(grid: Array, stream: Stream, gap: float) -> Array:
 def _align_signs(quaternions: Array) -> Array:
     """Remove sign changes between neighbours: q and -q are the same rotation."""
     dots = np.sum(quaternions[1:] * quaternions[:-1], axis=1)
+    # q and -q are the same rotation; a flip would spoil the interpolation
     signs = np.concatenate([[1.0], np.cumprod(np.where(dots < 0.0, -1.0, 1.0))])
     same: Array = quaternions * signs[:, None]
     return same
@@ -169,6 +167,7 @@ def _average_periods(grid: Array, stream: Stream) -> Array:
     at = np.column_stack([np.interp(grid, stream.time, column) for column in total.T])
     means = np.diff(at, axis=0) / np.diff(grid)[:, None]
     means[(grid[:-1] < stream.time[0]) | (grid[1:] > stream.time[-1])] = np.nan
+    # The last point begins no period
     return np.vstack([means, np.full((1, means.shape[1]), np.nan)])
 
 
@@ -205,6 +204,7 @@ def _resample_readings(grid: Array, others: Mapping[str, Stream]) -> tuple[Array
 def _bridge_gaps(valid: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Mark known points, and gaps that are short enough to continue through."""
     out: NDArray[np.bool_] = valid.copy()
+    # Begin and end of each invalid run; padding with 1 closes runs at both ends
     edges = np.flatnonzero(np.diff(np.concatenate([[1], valid.astype(np.int8), [1]])))
     for begin, end in edges.reshape(-1, 2):
         inside = begin > 0 and end < len(valid)
@@ -226,10 +226,12 @@ def resample_flight(streams: FlightStreams) -> MeasuredFlight:
     )
     wrong = find_tracker_outliers(pose.values)
     pose = Stream(pose.time[~wrong], pose.values[~wrong])
+    # Grid points at multiples of the period, within the recorded poses
     begin = np.ceil(pose.time[0] / PERIOD) * PERIOD
     count = int(np.floor((pose.time[-1] - begin) / PERIOD + 1e-9)) + 1
     grid = begin + PERIOD * np.arange(count)
     at = _interpolate_stream(grid, pose, GAP)
+    # Interpolated components have lost the unit norm
     quaternion = at[:, 3:7] / np.linalg.norm(at[:, 3:7], axis=1, keepdims=True)
     readings, noise = _resample_readings(grid, streams.others)
     own, alike = estimate_pose_noise(pose.values)
@@ -237,6 +239,7 @@ def resample_flight(streams: FlightStreams) -> MeasuredFlight:
     warm = WARM_UP if any(name in streams.others for name in FILTERS) else SETTLED
     known = np.asarray(np.isfinite(at).all(axis=1))
     usable = _bridge_gaps(known) & (grid - grid[0] >= warm)
+    # Written so that NaN heights stay usable: short gaps were bridged
     usable &= ~(at[:, 2] <= streams.floor)
     voltage = streams.others.get('voltage')
     # Battery voltage changes slowly: interpolate over up to 5 s.

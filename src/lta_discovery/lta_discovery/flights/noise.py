@@ -44,14 +44,14 @@ def estimate_pose_noise(poses: Array) -> tuple[Array, float]:
     -------
     ndarray, shape (6,), and float
         Of position and rotation vector [m, rad], scaled by the root of the number; 1.0 for
-        independent
-        poses.
+        independent poses.
 
     """
     own = np.array([estimate_noise(column) for column in poses.T])
     # A small rotation is twice the vector part of its quaternion; 4 components have 3 freedoms.
     turning = np.full(3, 2.0 * np.sqrt(np.mean(own[3:7] ** 2) * 4.0 / 3.0))
     levels = np.maximum(np.concatenate([own[:3], turning]), LEAST[:6])
+    # An unfiltered tracker: white noise, independent from pose to pose
     if np.median(own[:3] / LEAST[:3]) >= FILTERED:
         return levels, 1.0
     return np.maximum(levels, SMOOTH * LEAST[:6]) * np.sqrt(ALIKE), ALIKE

@@ -24,12 +24,9 @@ class ExcludedInterval:
     ----------
     flight, channel : str
         The flight, and the checked channel. The flight itself is excluded there if the channel is
-        the
-        pose, the commands or the whole; otherwise only that sensor.
+        the pose, the commands or the whole; otherwise only that sensor.
     from_s, to_s : float
         Since its start. [s]
-    reason : str
-        Sentence of the check.
 
     """
 
@@ -47,13 +44,16 @@ def remove_noisy_intervals(
     readings, cuts = flight.readings.copy(), []
     for column, channel in ((6, 'range'), (7, 'pressure')):
         rough = np.full(len(readings), np.nan)
+        # Third differences remove smooth motion and leave the noise
         rough[:-3] = np.abs(np.diff(readings[:, column], 3)) / THIRD
         for begin in range(0, len(rough), SECOND):
             here = slice(begin, begin + SECOND)
             known = rough[here][np.isfinite(rough[here])]
             level = flight.noise[CHANNEL[column]]
+            # The median of absolute values of white noise is HALF of its deviation
             if len(known) >= FEW and np.median(known) < LOUD * HALF * level:
                 continue
+            # Nothing to exclude, and nothing to report
             if not np.isfinite(readings[here, column]).any():
                 continue
             readings[here, column] = np.nan

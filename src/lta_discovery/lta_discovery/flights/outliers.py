@@ -1,5 +1,5 @@
 """
-Remove single outliers, since one wild pose can outweigh a whole flight.
+Remove single outliers, since one wrong pose can outweigh a whole flight.
 
 A reading is in doubt if it is off the cubic through its neighbours by many times the noise. A
 second cubic through undoubted readings nearby decides. This runs on the grid; tracker outliers
@@ -30,8 +30,6 @@ def find_outliers(values: Array, noise: float) -> Flags:
     ----------
     values : ndarray, shape (n,)
         NaN where there is none.
-    noise : float
-        Standard deviation.
 
     """
     out = np.zeros(len(values), dtype=np.bool_)
@@ -41,9 +39,11 @@ def find_outliers(values: Array, noise: float) -> Flags:
     # Cubic through the two neighbours on either side, at the centre: weights -1, 4, 4, -1 by 6.
     through = (4.0 * (values[1:-3] + values[3:-1]) - values[:-4] - values[4:]) / 6.0
     doubt[2:-2] = np.abs(values[2:-2] - through) > WILD * noise
+    # Begin and end of each run of doubtful readings
     edges = np.flatnonzero(np.diff(np.concatenate([[0], doubt.astype(np.int8), [0]])))
     for begin, end in edges.reshape(-1, 2):
         around = np.r_[max(0, begin - AROUND) : begin, end : min(len(values), end + AROUND)]
+        # Doubtful readings must not shape the second cubic
         around = around[np.isfinite(values[around]) & ~doubt[around]]
         if end - begin <= LONGEST and len(around) > AROUND:
             inside = np.arange(begin, end)
@@ -64,6 +64,7 @@ def remove_outliers(flight: MeasuredFlight) -> tuple[MeasuredFlight, int]:
     poses = np.column_stack([flight.position, flight.quaternion])
     lost = np.any([find_outliers(*each) for each in zip(poses.T, noise, strict=True)], axis=0)
     position, quaternion = flight.position.copy(), flight.quaternion.copy()
+    # Position and attitude come from one solution of the tracker
     position[lost] = quaternion[lost] = np.nan
     readings, count = flight.readings.copy(), int(lost.sum())
     for k, level in enumerate(flight.noise[6:]):

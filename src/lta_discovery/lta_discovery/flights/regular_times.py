@@ -69,6 +69,7 @@ def fit_regular_times(time: Array, step: float) -> Array:
     usual = np.median(apart)
     period = float(np.mean(apart[apart < max(ONE * usual, usual + ONE_STEP * step)]))
     for part in np.split(np.arange(len(time)), np.flatnonzero(apart > APART * period) + 1):
+        # Number of periods between poses: more than 1 where poses were lost
         counts = np.round(np.diff(time[part]) / period)
         if len(part) >= FEWEST and np.all(counts > 0.0):
             out[part] = _fit_line(np.concatenate([[0.0], np.cumsum(counts)]), time[part], step)
@@ -77,10 +78,12 @@ def fit_regular_times(time: Array, step: float) -> Array:
 
 def _fit_line(index: Array, time: Array, step: float) -> Array:
     """Fit a line to stamps by index, with bends only where they reduce the error clearly."""
+    # Centre the ramp, so that offset and rate are nearly uncorrelated
     middle = time[0] + 0.5 * (time[-1] - time[0])
     knots = np.arange(time[0] + KNOTS, time[-1] - 0.5 * KNOTS, KNOTS)
     at = np.interp(knots, time, index)
     straight = np.column_stack([np.ones(len(index)), index - np.interp(middle, time, index)])
+    # A change of the rate at each knot
     bent = np.column_stack([straight, np.maximum(index[:, None] - at, 0.0)])
     line = _fit_within_steps(straight, time, step)
     other = _fit_within_steps(bent, time, step) if len(knots) else line
@@ -93,12 +96,14 @@ def _fit_line(index: Array, time: Array, step: float) -> Array:
 
 def _excess_deviation(off: Array, step: float) -> float:
     """Return the RMS deviation of stamps beyond rounding. [s]"""
+    # Deviation beyond rounding; NONE keeps the ratio of two tiny values near 1
     return NONE + float(np.sqrt(np.mean(np.maximum(np.abs(off) - 0.5 * step, 0.0) ** 2)))
 
 
 def _fit_within_steps(basis: Array, time: Array, step: float) -> Array:
     """Fit stamps to within half a step each, without those that are far off."""
     off = time - basis @ np.linalg.lstsq(basis, time)[0]
+    # Leave out late stamps, which would pull the line
     good = np.abs(off) <= 5.0 * np.median(np.abs(off)) + step
     solve = np.linalg.pinv(basis[good])
     wanted = time

@@ -27,6 +27,7 @@ def select_part(flight: MeasuredFlight, begin: float, end: float) -> MeasuredFli
         Of the usable points, 0 to 1.
 
     """
+    # Share of the usable time up to each point
     count = np.cumsum(flight.usable) / max(1, int(flight.usable.sum()))
     return replace(flight, usable=flight.usable & (count > begin) & (count <= end))
 
@@ -35,17 +36,11 @@ def assign_roles(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
     """
     Complete the roles of flights, so that some train and some confirm.
 
-    Parameters
-    ----------
-    flights : sequence of (name, role, MeasuredFlight)
-        Roles as in ROLES.
-
     Returns
     -------
     list of (name, role, MeasuredFlight), list of str
         The same flights where some confirm; otherwise training flights split in two (a single one
-        in
-        time), or one flight alone split in three. Then warnings about the split.
+        in time), or one flight alone split in three. Then warnings about the split.
 
     Raises
     ------

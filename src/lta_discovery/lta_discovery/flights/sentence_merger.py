@@ -7,6 +7,7 @@ from typing import Final
 TOLD: Final = 3  # most flights that a sentence names; more are counted
 IS: Final = ' is '
 OF: Final = ': '
+# Integers and decimals, but not digits inside of names
 NUMBER: Final = re.compile(r'(?<![\w.])\d+(?:\.\d+)?')
 
 
@@ -18,8 +19,7 @@ def merge_sentences(sentences: Sequence[str], flights: int = 0) -> list[str]:
     ----------
     sentences : sequence of str
         'A is late.', 'B: 3 readings are odd.', 'C: 5 readings are odd.'; sentences without a name
-        stay
-        as they are.
+        stay as they are.
     flights : int
         Number of flights; 0 to omit it.
 
@@ -52,6 +52,7 @@ def _split_sentence(sentence: str) -> tuple[str, str]:
 
 def _merge_group(sentences: Sequence[tuple[str, str]], flights: int) -> str:
     """Merge equal sentences of several flights."""
+    # Names without repetitions, in the order of occurrence
     names, rests = (
         list(dict.fromkeys(name for name, _ in sentences)),
         [rest for _, rest in sentences],

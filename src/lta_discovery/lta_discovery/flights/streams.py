@@ -41,6 +41,7 @@ def _join_channels(channels: Sequence[SignalChannel]) -> Stream:
         raise BadInput(
             f"The channels of '{channels[0].topic}' are not equally long; record the topic again."
         )
+    # Duplicate stamps would break the interpolation: keep the first of each
     _, first = np.unique(time, return_index=True)
     return Stream(time[first], np.column_stack([channel.values for channel in channels])[first])
 
@@ -53,6 +54,7 @@ def _read_wrench(channels: Mapping[str, SignalChannel]) -> Stream | None:
     told = _join_channels(known)
     table = np.zeros((len(told.time), len(WRENCH)))
     for column, channel in zip(told.values.T, known, strict=True):
+        # Axes without a channel are not commanded and stay 0
         table[:, WRENCH.index(channel.name)] = np.nan_to_num(column)
     return Stream(told.time, table)
 
@@ -69,6 +71,7 @@ def _read_moving_mass(channels: Mapping[str, SignalChannel]) -> Stream | None:
 def _list_dicts(holder: object, name: str) -> list[dict[str, Any]]:
     """Return the entries of a list, or the values of a dictionary, that are dictionaries."""
     found = holder.get(name) if isinstance(holder, dict) else None
+    # A mapping by name, or a list
     each = [*found.values()] if isinstance(found, dict) else found
     return [entry for entry in each if isinstance(entry, dict)] if isinstance(each, list) else []
 
@@ -98,14 +101,9 @@ def convert_to_duties(
 
     Parameters
     ----------
-    streams : FlightStreams
-        As recorded.
-    nominal : NominalVehicle
-        The vehicle with the thrust curve.
     provenance : mapping of str to str
         Of the recording. If it does not state the unit, commands that never exceed the full thrust
-        of
-        small rotors in newtons are taken for newtons: as duties they would be too small.
+        of small rotors in newtons are taken for newtons: as duties they would be too small.
 
     """
     if streams.wrench is not None or not np.any(streams.commands.values):
@@ -118,6 +116,7 @@ def convert_to_duties(
     said = has_newton_commands(provenance)
     if said is None:
         most = np.nanmax(np.abs(streams.commands.values), axis=0, initial=0.0)
+        # a + b is the thrust at full duty; 10 % margin for an inaccurate curve
         said = bool(np.all(a + b < FAINT) and np.all(most <= 1.1 * (a + b)))
     if not said:
         return streams
@@ -144,6 +143,7 @@ def find_tracker_prefix(channels: Mapping[str, SignalChannel]) -> str:
         for name in channels
         if name.endswith(POSITION) and f'{name.removesuffix(POSITION)}orientation.yaw' in channels
     ]
+    # Estimates and setpoints also have poses, but are not measurements
     free = [name for name in known if not name.startswith(NO_TRACKER)]
     for topic in TRACKERS:
         for name in free:
@@ -165,8 +165,6 @@ def build_streams(
 
     Parameters
     ----------
-    channels : mapping of str to SignalChannel
-        Of `lta_data.bag.channels.read_all_channels`.
     rotors : sequence of str
         Names of the actuators in the order of the vehicle file.
     floor : float

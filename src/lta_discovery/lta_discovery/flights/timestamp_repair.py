@@ -57,10 +57,13 @@ def estimate_stamp_share(values: Array, raster: Array, off: Array) -> tuple[floa
     wide = max(2, round(AROUND / float(np.median(np.diff(raster)))))
     if len(raster) < 4 * wide + PARTS:
         return 0.5, np.inf
+    # Slope over a wide interval around each pair of readings
     length = raster[2 * wide + 1 :] - raster[: -2 * wide - 1]
     slope = (values[2 * wide + 1 :] - values[: -2 * wide - 1]) / length[:, None]
     inner = slice(wide, len(raster) - wide)
+    # What the motion on the raster does not explain ...
     moved = np.diff(values[inner], axis=0) - slope * np.diff(raster[inner])[:, None]
+    # ... and what the deviations of the stamps would explain
     shifted = slope * np.diff(off[inner])[:, None]
     good = np.isfinite(moved).all(axis=1) & (length < 4.0 * AROUND)
     moved, shifted = moved[good], shifted[good]
@@ -73,6 +76,7 @@ def estimate_stamp_share(values: Array, raster: Array, off: Array) -> tuple[floa
     under = np.add.reduceat(np.sum(shifted * shifted, axis=1), parts)
     if not under.sum() > 0.0:
         return 0.5, np.inf
+    # Least squares through 0
     share = float(over.sum() / under.sum())
     # If one part holds all the motion, the scatter of the parts is too small: use the noise.
     scatter = np.sum((over - share * under) ** 2) / under.sum()
@@ -85,6 +89,7 @@ def _is_regular(raster: Array, off: Array, step: float) -> bool:
     period = float(np.median(np.diff(raster[there])))
     rms = float(np.std(off[there]))
     whole = there.sum() // FEWEST * FEWEST
+    # Means over FEWEST poses keep a slow drift and average out rounding
     slow = float(np.std(off[there][:whole].reshape(-1, FEWEST).mean(axis=1)))
     return rms <= SMALL * period and slow <= SLOW * max(rms, step)
 
@@ -108,6 +113,7 @@ def repair_timestamps(name: str, streams: FlightStreams) -> tuple[FlightStreams,
     if read is not None:
         better, _, more = _repair_stream(f"{name}: the IMU's stamps", read)
         words += more
+        # Both come in one IMU message, so they share the stamps
         for sensor in ('rates', 'force') if more else ():
             if sensor in others and np.array_equal(others[sensor].time, read.time):
                 others[sensor] = Stream(better.time, others[sensor].values)
@@ -148,21 +154,14 @@ def _repair_stream(who: str, stream: Stream) -> tuple[Stream, float, list[str]]:
 def add_stamp_noise(
     name: str, flight: MeasuredFlight, deviation: float
 ) -> tuple[MeasuredFlight, list[str]]:
-    """
-    Increase the noise of the poses by the effect of rounded stamps.
-
-    Parameters
-    ----------
-    deviation : float
-        Standard deviation of the stamps. [s]
-
-    """
+    """Increase the noise of the poses by the effect of rounded stamps."""
     if deviation == 0.0:
         return flight, []
     apart = float(flight.time[1] - flight.time[0])
     moved = np.sqrt(np.nanmean(np.diff(flight.position, axis=0) ** 2, axis=0))
     # A small rotation is twice the vector part of its quaternion; 4 components have 3 freedoms.
     turned = 2.0 * np.sqrt(np.nanmean(np.diff(flight.quaternion, axis=0) ** 2) * 4.0 / 3.0)
+    # Speed times the deviation of the stamps
     more = np.concatenate([moved, [turned] * 3]) / apart * deviation
     noise = flight.noise.copy()
     noise[:6] = np.hypot(noise[:6], more)

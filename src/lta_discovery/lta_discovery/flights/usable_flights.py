@@ -64,10 +64,6 @@ class UsableFlights:
     ----------
     flights : tuple of (name, role, MeasuredFlight)
         Input of a study.
-    cuts : tuple of ExcludedInterval
-        Excluded parts.
-    warnings : tuple of str
-        A sentence each.
     light : mapping of str to ndarray
         Illuminance on the grid, by flight. [lx]
 
@@ -100,11 +96,13 @@ def select_usable_flights(flights: Sequence[StudyRecording], vehicle: Vehicle) -
     cuts: list[ExcludedInterval] = []
     usable: list[tuple[str, Role, MeasuredFlight]] = []
     streams = [(one, _load_streams(one, vehicle)) for one in flights]
+    # Checked over all training flights: each alone may hold its commands
     _check_commands_move([told for one, told in streams if one.role == 'train'])
     for one, told in streams:
         flight, own, words = _clean_flight(one, told)
         cuts += own
         warnings += words
+        # After cutting, which may leave little
         seconds = _usable_seconds(flight)
         # A short flight is left out; an error follows only if too little remains in all.
         if seconds < SHORTEST:
@@ -140,6 +138,7 @@ def _load_streams(one: StudyRecording, vehicle: Vehicle) -> FlightStreams:
         # A median height below the floor limit means that the tracker's zero is not the floor.
         high = np.median(height[np.isfinite(height)]) if np.isfinite(height).any() else 0.0
         near = floor if high > floor else -np.inf
+        # Poses near the floor are not used, as contact forces act there
         recorded = build_streams(channels, vehicle.rotor_names, near)
         told = convert_to_duties(
             recorded, NominalVehicle.from_vehicle(vehicle), one.recording.provenance
@@ -219,6 +218,7 @@ def _clean_flight(
 
 def _exclude_interval(name: str, finding: QualityFinding, end: float) -> ExcludedInterval:
     """Return the interval that a finding excludes; a clock jump excludes everything after it."""
+    # After a jump of the clock all later times are wrong: exclude to the end
     jumped = finding.kind == stamps.KIND and {'jump', 'back'} & set(finding.values)
     begin, last = finding.from_s - AROUND, finding.to_s + AROUND
     return ExcludedInterval(
@@ -279,6 +279,7 @@ def _list_remarks(name: str, flight: MeasuredFlight, streams: FlightStreams) -> 
             f'{name}: the tracker has no pose for {100.0 * lost.mean():.0f} % of the flight, in '
             f'{gaps} {"gap" if gaps == 1 else "gaps"}; these are not used.'
         )
+    # Saturated duties do not show how thrust depends on duty
     full = np.abs(streams.commands.values) > FULL
     if len(full) > 1 and full.all(axis=1).mean() > MOST:
         out.append(

@@ -69,8 +69,6 @@ def estimate_state(flight: MeasuredFlight, index: int, shift: float = 0.0) -> Ar
 
     Parameters
     ----------
-    index : int
-        Of the grid point.
     shift : float
         Time by which a pose is newer than its stamp. [s]
 
@@ -87,8 +85,10 @@ def estimate_state(flight: MeasuredFlight, index: int, shift: float = 0.0) -> Ar
     if good.sum() < ENOUGH * (2 * reach + 1):
         return None
     offset = (flight.time[low:high] - flight.time[index])[good] + shift
+    # Rotations are taken about the nearest pose, so that they are small
     middle = quaternion[good][np.argmin(np.abs(offset))]
     turn = quaternion_logarithm(quaternion_product(quaternion_conjugate(middle), quaternion[good]))
+    # Scaled time keeps the cubic well conditioned; constant term first
     powers = np.vander(offset / AROUND, 4, increasing=True)
     fit = np.linalg.lstsq(powers, np.hstack([position[good], turn]), rcond=None)[0]
     here = quaternion_product(middle, quaternion_exponential(fit[0, 3:]))
@@ -102,25 +102,14 @@ def _piece_spacing(stretches: list[tuple[int, int]], count: int, shortest: int) 
     if sum(len(range(begin, end - shortest, count)) for begin, end in stretches) >= FEWEST:
         return count
     longest = max((end - begin for begin, end in stretches), default=0)
+    # Shorten the pieces, so that the longest run holds FEWEST of them
     return max(shortest + 1, min(count, -(-longest // FEWEST)))
 
 
 def cut_windows(
     flight: MeasuredFlight, length: float = LENGTH, shift: float = 0.0, knots: int = KNOTS
 ) -> Windows:
-    """
-    Cut a flight into pieces; a flight too short for two full pieces gets two shorter ones.
-
-    Parameters
-    ----------
-    length : float
-        Of each piece. [s]
-    shift : float
-        As for `estimate_state`.
-    knots : int
-        As of `Windows`.
-
-    """
+    """Cut a flight into pieces; a flight too short for two full pieces gets two shorter ones."""
     count, shortest = round(length / PERIOD), round(SHORTEST / PERIOD)
     first, start, inside = [], [], []
     runs = find_usable_runs(flight.usable)
@@ -131,6 +120,7 @@ def cut_windows(
             if state is not None:
                 first.append(index)
                 start.append(state)
+                # The end of the piece, of the run, or of the flight
                 last = min(index + apart, min(end, len(flight.time)) - 1)
                 inside.append(np.arange(index, index + count) < last)
     return Windows(

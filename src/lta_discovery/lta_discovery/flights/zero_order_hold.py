@@ -9,27 +9,19 @@ Array = NDArray[np.float64]
 
 def average_held_values(stream: Stream, edges: Array) -> Array:
     """
-    Return the mean of a held signal over each interval.
+    Return the mean of a held signal over each interval, shape (n, k).
 
-    Parameters
-    ----------
-    stream : Stream
-        Samples; 0 before the first.
-    edges : ndarray, shape (n + 1,)
-        Rising. [s]
-
-    Returns
-    -------
-    ndarray, shape (n, k)
-        One mean for each interval.
-
+    The signal is 0 before its first sample. There are n + 1 rising edges.
     """
+    # Each value is held until the next sample
     apart = np.diff(stream.time)[:, None] * stream.values[:-1]
     total = np.vstack([np.zeros((1, stream.values.shape[1])), np.cumsum(apart, axis=0)])
+    # -1 before the first sample
     newest = np.searchsorted(stream.time, edges, side='right') - 1
     begun = newest >= 0
     at = np.where(begun, newest, 0)
     since = np.where(begun, edges - stream.time[at], 0.0)
     integral = total[at] + since[:, None] * stream.values[at]
+    # Differences of the running integral are exact for a held signal
     means: Array = np.diff(integral, axis=0) / np.diff(edges)[:, None]
     return means

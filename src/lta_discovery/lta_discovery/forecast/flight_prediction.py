@@ -57,6 +57,7 @@ def predict_flight(flight: FlightLinearizer, point: LinearizationPoint) -> Model
     out = ~flight.replay.cut.inside
     position, turn = said.position.copy(), heading_angle(said.quaternion)
     position[out], turn[out] = np.nan, np.nan
+    # Body velocity, so relative to the map, not to the air
     speed = np.linalg.norm(states[..., 7:10], axis=-1).mean(axis=1)
     turning = np.abs(states[..., 12]).mean(axis=1)
     return ModelPrediction(flight.time, position, turn, speed, turning)
@@ -118,6 +119,7 @@ def best_start_residual(flight: FlightLinearizer, point: LinearizationPoint) -> 
     rows = columns[..., POSE, :].reshape(len(base), -1, WIDTH)
     wanted = target[..., POSE].reshape(len(base), -1, 1)
     across = np.swapaxes(rows, 1, 2)
+    # One Gauss-Newton step, regularized by the accuracy of the initial states
     change = np.linalg.solve(across @ rows + np.diag(STATE**-2.0), across @ wanted)
     better = target - (columns @ change[:, None])[..., 0]
     return _remove_offsets(np.where(known, better, np.nan))
@@ -128,6 +130,7 @@ def _remove_offsets(left: Array) -> Array:
     out = left.copy()
     with warnings.catch_warnings():
         warnings.simplefilter('ignore', RuntimeWarning)  # a channel without readings
+        # Channels 6 to 12 are rates, specific force and range; 13 is pressure
         out[..., 6:13] -= np.nanmedian(out[..., 6:13], axis=(0, 1))
         out[..., 13] -= np.nanmedian(out[..., 13], axis=1)[:, None]
     return out

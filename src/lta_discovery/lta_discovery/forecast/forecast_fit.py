@@ -90,14 +90,10 @@ class ForecastFitter:
 
     Parameters
     ----------
-    nominal : NominalVehicle
-        The vehicle of the file.
     flights : sequence of FlightLinearizer
         In pieces longer than the last horizon, with the same parameters.
     lift : float
         Standard deviation of a flight's lift. [N]
-    place : float
-        Weight of position errors relative to attitude errors.
 
     """
 
@@ -116,6 +112,7 @@ class ForecastFitter:
             compute_horizon_errors(one, self.build_point(zero, 0.0, one)).left for one in flights
         ]
         self.weights = _error_weights(np.concatenate(first), place)
+        # Number of readings, to detect forecasts that diverge
         self._known = [int(np.isfinite(left).sum()) for left in first]
 
     def build_point(
@@ -123,8 +120,10 @@ class ForecastFitter:
     ) -> LinearizationPoint:
         """Return the linearization point of a flight with shared values and its own lift."""
         own = values.copy()
+        # Shared lift plus the flight's own
         own[self._lift] += lift
         nominal, own = apply_parameters(self.nominal, self.knobs, own)
+        # Forecasts have no unknowns per piece
         none = np.zeros((len(flight.replay.first), 0))
         return LinearizationPoint(nominal, np.append(own, np.zeros(len(SENSORS))), none)
 
@@ -151,16 +150,8 @@ class ForecastFitter:
 
         Parameters
         ----------
-        which : sequence of int
-            Indices of the parameters.
         spread : ndarray, shape (K,)
             Prior standard deviations, about the vehicle file.
-        flights : sequence of int
-            Indices of the flights.
-        begin : ndarray, shape (G,), optional
-            Initial values; those of the vehicle file by default.
-        rounds : int
-            Most Levenberg-Marquardt steps.
         relinearize : bool
             Whether to linearize at the result; otherwise the information is that of one step
             before.
@@ -169,6 +160,7 @@ class ForecastFitter:
         picked = np.asarray(which, dtype=np.int64)
         values = np.zeros(len(self.knobs)) if begin is None else begin.copy()
         lifts = np.zeros(len(self.flights))
+        # Inverse prior covariance; the vehicle file is at 0
         wall, damping = np.diag(spread**-2.0), START
         for _ in range(rounds):
             said = {f: self._summarize_flight(values, lifts, f, picked) for f in flights}
@@ -202,6 +194,7 @@ class ForecastFitter:
         picked, out = np.asarray(which, dtype=np.int64), fit.values.copy()
         gone = [one for f, one in enumerate(fit.said) if f in set(flights)]
         inner = fit.precision + np.diag(spread**-2.0)
+        # Remove the information of the left-out flights
         inner = inner - np.sum([one.products for one in gone], axis=0)
         # The total pull is zero at the optimum, so the others pull opposite to the removed ones.
         right = -np.sum([one.pull for one in gone], axis=0)
@@ -225,6 +218,7 @@ class ForecastFitter:
             good = np.isfinite(seen.left)
             left = (seen.left * self.weights)[good]
             column = (seen.columns[..., 0] * self.weights)[good]
+            # Ridge estimate of the flight's lift, with its prior deviation
             lift = ALIKE * float(column @ left) / (ALIKE * float(column @ column) + self.lift**-2)
             total += float(np.sum((left - lift * column) ** 2))
             count += self._known[f]
@@ -252,6 +246,7 @@ class ForecastFitter:
             )
             for f, one in flight_terms.items():
                 information, pull, across = one.own
+                # The eliminated lift follows from the step of the shared values
                 own[f] += (pull - across @ (there - values)[picked]) / information
             try:
                 cost = sum(self._compute_cost(there, own, f) for f in flight_terms)
@@ -303,6 +298,7 @@ class ForecastFitter:
 def _huber_cost(left: Array) -> tuple[float, Array]:
     """Return the Huber (1964) cost of errors, shape (S, H, 6), and the weight of each."""
     size = np.sqrt(np.nansum(left**2, axis=-1) / left.shape[-1])
+    # Weight of iteratively reweighted least squares
     share = ROBUST / np.maximum(size, ROBUST)
     cost = np.where(size > ROBUST, 2.0 * ROBUST * size - ROBUST**2, size**2)
     return left.shape[-1] * float(cost.sum()), share

@@ -34,15 +34,7 @@ def find_vain_gaps(gaps: Sequence[PredictionGap]) -> list[PredictionGap]:
 
 
 def list_forecast_warnings(gaps: Sequence[PredictionGap]) -> list[str]:
-    """
-    Return warnings about fits or names that worsen forecasts, and about useless models.
-
-    Parameters
-    ----------
-    gaps : sequence of PredictionGap
-        Of held-out flights.
-
-    """
+    """Return warnings about fits or names that worsen forecasts, and about useless models."""
     lost, vain = find_worse_gaps(gaps), find_vain_gaps(gaps)
     idle = [gap for gap in _select_pose(gaps) if gap.coast < min(gap.before, gap.tuned, gap.after)]
     out = []

@@ -63,8 +63,6 @@ def build_model_points(
 
     Parameters
     ----------
-    nominal : NominalVehicle
-        The vehicle of the file.
     bare, full : JointFit
         Of other flights: without effects, and with those named.
 
@@ -110,6 +108,7 @@ def _estimate_own_errors(
     rows = known.sum(axis=(1, 2))
     reduced = PieceReducer(LinearizedFlight((), grams, rows, first, left)).reduce(deviations)
     variance = per_flight_variance(flight.knobs)
+    # Only the flight's own errors are free; shared values are fixed
     own = np.flatnonzero(variance)
     inner = reduced.products[np.ix_(own, own)] + np.diag(1.0 / variance[own])
     out = np.zeros(len(variance))
@@ -136,6 +135,7 @@ def _compute_residuals(
         readings = replay.flight.readings[flight.index] - said.readings
         left = np.concatenate([way, turn, readings], axis=-1)
         left[~replay.cut.inside] = np.nan
+        # The flight has no such sensor
         left[..., ~np.isfinite(replay.flight.noise)] = np.nan
     else:
         with np.errstate(over='ignore', invalid='ignore'):
@@ -150,6 +150,7 @@ def bootstrap_shrinkage(
     before: Array, after: Array, rng: np.random.Generator
 ) -> tuple[float, float]:
     """Return the 95 % interval of the shrinkage, by bootstrap over pieces."""
+    # Resample whole pieces: errors within a piece are correlated
     picked = rng.integers(0, len(before), (DRAWS, len(before)))
     ratio = np.sqrt(after[picked].sum(axis=1) / np.maximum(before[picked].sum(axis=1), 1e-300))
     low, high = np.percentile(1.0 - ratio, (2.5, 97.5))

@@ -64,15 +64,12 @@ def compute_horizon_errors(
         In pieces longer than the last horizon.
     point : LinearizationPoint
         The parameters; its states and latent forces are ignored.
-    which : sequence of int
-        Indices of the flight's parameters.
-    horizons : sequence of float
-        [s]
 
     """
     wanted = np.isin(np.arange(len(flight.knobs)), which)
     about = prepare_linearization(flight.replay, flight.knobs, point, wanted)
     begun = LinearizationPoint(point.nominal, point.values, zero_unknowns(flight.replay.cut))
+    # Grid points of the horizons within a piece
     index = np.rint(np.asarray(horizons) / PERIOD).astype(np.int64)
     parts = []
     for begin in range(0, len(flight.replay.first), CHUNK):
@@ -116,6 +113,7 @@ def _compute_chunk(
         # A rotation of the tracker frame also rotates the initial state of a piece.
         begins = start_sensitivity(replay.cut.start[some], turned)
         columns[..., order.index(k)] = np.einsum('shpb,sb->shp', answers[..., :WIDTH], begins)
+    # Position errors are measured in the frame of the tracker
     columns[..., :3, :] = tracker_frame(acting)[0] @ columns[..., :3, :]
     for turned, k in zip(about.turned, about.reading, strict=True):
         a, b = (predict_readings(grid, time, rows.acting, flight.places) for rows in turned[:2])

@@ -26,23 +26,14 @@ def next_damping(damping: float, better: bool) -> float:
 
 
 def solve_bounded_step(inner: Array, right: Array, at: Array, low: Array, high: Array) -> Array:
-    """
-    Return the result of a Newton step within bounds.
-
-    Parameters
-    ----------
-    inner, right : ndarray, shape (K, K) and (K,)
-        Information, damped or not, and pull.
-    at, low, high : ndarray, shape (K,)
-        Current values and their bounds.
-
-    """
+    """Return the result of a Newton step within bounds."""
     free = np.ones(len(at), dtype=np.bool_)
     step = np.zeros(len(at))
     # Active set: fix the parameters that push against a bound, and solve for the rest again.
     while free.any():
         step[:] = 0.0
         step[free] = np.linalg.solve(inner[np.ix_(free, free)], right[free])
+        # At a bound, and the step points outwards
         against = ((at <= low) & (step < 0.0)) | ((at >= high) & (step > 0.0))
         if not (against & free).any():
             break

@@ -41,10 +41,6 @@ class ErrorStatistics:
     ----------
     mean : float
         Root mean square of the distance [m] or angle [rad] over all pieces.
-    median : float
-        Of the pieces.
-    pieces : int
-        Number of pieces.
 
     """
 
@@ -67,8 +63,7 @@ class PredictionErrors:
         Of the tracker: the lower limit of any model's error.
     over_time : ndarray, shape (S, 2)
         Beginning of each piece [s] and its RMS error by the noise, over all channels; about 1 for
-        a
-        perfect model.
+        a perfect model.
     by_channel : ndarray, shape (14,)
         The same of each channel of CHANNELS over all pieces, NaN where there is none.
 
@@ -83,20 +78,9 @@ class PredictionErrors:
 
 def extrapolate_coast(start: Array, count: int) -> Array:
     """
-    Extrapolate states with constant body velocity and body rates.
+    Extrapolate states with constant body velocity and rates, shape (S, count + 1, 13).
 
-    Parameters
-    ----------
-    start : ndarray, shape (S, 13)
-        Initial states.
-    count : int
-        Grid periods.
-
-    Returns
-    -------
-    ndarray, shape (S, count + 1, 13)
-        The velocity turns with the body: a circle, not a straight line.
-
+    The velocity turns with the body: a circle, not a straight line.
     """
     out = np.repeat(start[:, None], count + 1, axis=1)
     for k in range(count):
@@ -149,6 +133,7 @@ def compute_prediction_errors(
             'position': np.linalg.norm(way, axis=-1),
             'attitude': np.linalg.norm(turn, axis=-1),
         }
+        # Points outside of the usable part of a piece
         for sizes in off.values():
             sizes[~replay.cut.inside] = np.nan
         offs.append(_summarize_errors(off))

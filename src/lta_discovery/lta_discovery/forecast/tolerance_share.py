@@ -49,6 +49,7 @@ def _build_points(fitter: JointFitter, joint: JointFit, at: Array) -> list[Linea
     """Return the point of each flight's forecasts: shared values, and its own errors."""
     out, own = [], fitter.variance > 0.0
     for flight, linear in zip(fitter.flights, joint.group.linears, strict=True):
+        # Each flight keeps its own deviation from the shared value
         values = np.where(own, linear.point.values - joint.group.at + at, at)
         vehicle, values = apply_parameters(fitter.nominal, flight.knobs, values)
         out.append(LinearizationPoint(vehicle, values, zero_unknowns(flight.replay.cut)))

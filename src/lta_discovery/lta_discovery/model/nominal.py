@@ -113,15 +113,10 @@ class NominalVehicle:
 
         The effect itself moves only the weight, not the CG. In a slow spiral, the yaw moment of a
         CG 1 cm off is as large as that of the hull.
-
-        Parameters
-        ----------
-        place : ndarray, shape (3,)
-            Body frame. [m]
-
         """
         own = self.given.get('moving_mass', {})
         mass = own.get('mass', 0.0)
+        # No moving mass, nothing to update
         if mass == 0.0:
             return self
         rest = np.array([own.get(axis, 0.0) for axis in 'xyz'])
@@ -153,6 +148,7 @@ class NominalVehicle:
         actuators = np.zeros(max(part.stop for part in ACTUATOR_PLACES.values()))
         body = np.zeros(max(part.stop for part in BODY_PLACES.values()))
         for row, where in ((actuators, ACTUATOR_PLACES), (body, BODY_PLACES)):
+            # Body constants and inverse mass matrix, the same in both kernels
             row[where['body']], row[where['inverse']] = model.body, model.inverse
         a_on = _copy_model(model, actuators, ACTUATOR_PLACES, ACTUATOR_LAYOUT)
         b_on = _copy_model(model, body, BODY_PLACES, BODY_LAYOUT)
@@ -167,8 +163,6 @@ class NominalVehicle:
         ----------
         other : NominalVehicle
             The vehicle that this one was derived from.
-        rows : ReplayRows
-            Of `other`.
 
         Raises
         ------
@@ -176,6 +170,7 @@ class NominalVehicle:
             As in `build_model`.
 
         """
+        # Identity suffices: `with_value` builds a new mapping for a changed effect only
         changed = [name for name in self.given if self.given[name] is not other.given.get(name)]
         # Mass properties and body effects enter the mass matrix, which needs a full rebuild.
         weighed = (
@@ -232,6 +227,7 @@ def _write_effect(
     if effect.name in layout.effects:
         first = where['parameters'].start + layout.first[effect.name]
         row[first : first + len(values)] = list(values.values())
+        # Skipping effects at their null values makes the replay faster
         active = any(values[known.name] != known.null for known in effect.parameters)
         on[layout.flag_index(effect.name)] = active
 
@@ -243,11 +239,13 @@ def _copy_model(
     memory = initial_memory()
     on = np.ones(len(layout.effects), dtype=np.uint8)
     for flag, (name, effect) in enumerate(layout.effects.items()):
+        # Exists only in the replay, not in the vehicle model
         if name == LATENT:
             continue
         count, size = len(effect.parameters), layout.memory_size(name)
         to, of = where['parameters'].start + layout.first[name], LAYOUT.first[name]
         row[to : to + count] = model.parameters[of : of + count]
+        # The model's memory starts after the rigid-body state
         to, of = layout.remembers[name], LAYOUT.remembers[name] - RIGID
         row[to : to + size] = memory[of : of + size]
         on[flag] = model.on[LAYOUT.flag_index(name)]

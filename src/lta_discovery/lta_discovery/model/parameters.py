@@ -43,12 +43,9 @@ class FreeParameter:
     ----------
     name : str
         'thrust_scale.factor', or of the vehicle itself 'vehicle.mass'.
-    unit : str
-        Of its value.
     moves : mapping of (effect, parameter) to float
         Change of each model parameter per unit. The effect 'vehicle' has `mass`, and `roll`,
-        `pitch`,
-        `yaw` of the inertia, as logarithms of a factor.
+        `pitch`, `yaw` of the inertia, as logarithms of a factor.
     step : float
         Of the finite difference at 0.
     fine : float
@@ -57,8 +54,6 @@ class FreeParameter:
         Standard deviation of the nominal model's error; 0 where there is none.
     typical : float
         Standard deviation of the effect if present; 0 if it is not a candidate.
-    low, high : float
-        Bounds of the value.
     per_flight : bool
         Whether its error differs from flight to flight.
     companions : mapping of (effect, parameter) to float
@@ -97,6 +92,7 @@ class FreeParameter:
         """Return the vehicle with the effect present, but without influence yet."""
         absent = {target[0] for target in self.companions} - set(nominal.given)
         for (effect, parameter), companion in self.companions.items():
+            # Parameters that the vehicle file sets stay as they are
             if effect in absent:
                 nominal = nominal.with_value(effect, parameter, companion)
         return nominal
@@ -104,6 +100,7 @@ class FreeParameter:
     def step_at(self, value: float) -> float:
         """Return the step of the finite difference at a value, turned around at a bound."""
         step = self.step if value == 0.0 else self.fine
+        # The model may reject values outside the bounds
         return step if self.low <= value + step <= self.high else -step
 
     def is_possible(self, value: float, deviation: float) -> bool:
@@ -112,6 +109,7 @@ class FreeParameter:
 
         For example, a leak larger than the envelope is rejected, however well it fits.
         """
+        # Noise may push an estimate of a valid value slightly beyond its bound
         near = BEYOND * deviation
         return self.low - near <= value <= self.high + near
 
@@ -153,6 +151,7 @@ def _scale_mass_properties(nominal: NominalVehicle, what: str, factor: float) ->
         lifted = nominal.displaced + more if nominal.displaced > 0.0 else 0.0
         return replace(nominal, mass=nominal.mass + more, displaced=lifted)
     inertia, axis = nominal.inertia.copy(), ('roll', 'pitch', 'yaw').index(what)
+    # Row and column by the root: the diagonal scales by the factor, symmetry is kept
     inertia[axis, :] *= math.sqrt(factor)
     inertia[:, axis] *= math.sqrt(factor)
     return replace(nominal, inertia=inertia)
@@ -230,6 +229,7 @@ def _list_effect_parameters(nominal: NominalVehicle, effect: str) -> Iterator[Fr
         least, most = SIGNS.get(name, (-math.inf, math.inf))
         # A present effect stays at or above its lower bound; only absent ones may start at null.
         lowest = known.low if now >= known.low else min(known.low, known.null)
+        # Bounds are of the change from the vehicle file
         low, high = max(lowest, least) - now, min(known.high, most) - now
         moves = {(effect, one): 1.0 for one in group}
         if effect == 'quadratic_drag' and 'cross_flow' in nominal.given:
@@ -257,6 +257,7 @@ def _list_vehicle_tolerances(nominal: NominalVehicle) -> Iterator[FreeParameter]
             name, '1', {('vehicle', part): 1.0}, STEP, STEP, TOLERANCES[name], 0.0, *WITHIN
         )
     for i in range(1, min(len(nominal.rotors), ACTUATORS) + 1):
+        # The thrust is linear in a and b: rates equal to their values scale it relatively
         curve = {
             ('thrust_curve', f'{c}_{i}'): nominal.parameter_value('thrust_curve', f'{c}_{i}')
             for c in 'ab'
@@ -294,12 +295,14 @@ def list_free_parameters(nominal: NominalVehicle, wrench: bool = False) -> list[
     rotors = len(nominal.rotors)
     for effect in EFFECTS:
         fitted = FITTED.get(effect, ()) if effect in nominal.given else ()
+        # Design effects are no candidates, unless some of their values were fitted
         if effect in DESIGN and not fitted:
             continue
         for knob in _list_effect_parameters(nominal, effect):
             if fitted and knob.name.partition('.')[2] not in fitted:
                 continue
             last = knob.name.rpartition('_')[2]
+            # Names such as 'first_3' end with the number of a rotor
             if last.isdigit() and int(last) > rotors and effect.startswith('rotor'):
                 continue
             if effect == 'rotor_misalignment':

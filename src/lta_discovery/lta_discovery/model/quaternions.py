@@ -33,6 +33,7 @@ def quaternion_conjugate(q: Array) -> Array:
 def quaternion_exponential(vector: Array) -> Array:
     """Return the quaternions of rotation vectors, shape (..., 3). [rad]"""
     angle = np.linalg.norm(vector, axis=-1, keepdims=True)
+    # Avoids a division by 0; the result is replaced by the limit
     safe = np.where(angle > SMALL, angle, 1.0)
     sine = np.where(angle > SMALL, np.sin(0.5 * angle) / safe, 0.5)
     return np.concatenate([vector * sine, np.cos(0.5 * angle)], axis=-1)
@@ -40,6 +41,7 @@ def quaternion_exponential(vector: Array) -> Array:
 
 def quaternion_logarithm(q: Array) -> Array:
     """Return the shortest rotation vectors of quaternions. [rad]"""
+    # q and -q are the same rotation: choose the one with the shorter angle
     q = np.where(q[..., 3:] < 0.0, -q, q)
     sine = np.linalg.norm(q[..., :3], axis=-1, keepdims=True)
     angle = 2.0 * np.arctan2(sine, q[..., 3:])
@@ -58,5 +60,6 @@ def rotation_matrix(q: Array) -> Array:
 def rotate_vectors(q: Array, v: Array) -> Array:
     """Rotate vectors by unit quaternions."""
     axis, scalar = q[..., :3], q[..., 3:]
+    # v + 2 s (u x v) + 2 u x (u x v), without building a matrix
     turn = 2.0 * np.cross(axis, v)
     return v + scalar * turn + np.cross(axis, turn)

@@ -2,8 +2,8 @@
 
 from typing import Final
 
-# Thrusts: the mean of each rotor in each bin, exact in when a command arrives. Between arrivals
-# classical Runge-Kutta in steps no longer than `longest`, of the integral of the thrusts as well.
+# Mean thrust of each rotor in each bin. Steps begin exactly when a command arrives; in between,
+# classical Runge-Kutta in steps of at most `longest` integrates the thrusts as well.
 CHAIN: Final = '''
 
 $INLINE
@@ -64,7 +64,7 @@ def chain(row, on, arrivals, commands, around, begin, width, longest, out):
             out[k, j] /= width
 '''
 
-# Segment s begins at step first[s] of the flight; `memory` is that of the effects by step.
+# Piece s begins at step first[s] of the flight; `memory` holds the memory of the effects by step.
 FLY: Final = '''
 
 $INLINE

@@ -29,8 +29,6 @@ class StudyFlightView(NamedTuple):
 
     Attributes
     ----------
-    flown : StudyFlight
-        The flight.
     before, after : ModelPrediction
         Predictions of the two models.
     left : tuple of two ndarrays, shape (S, n, 14)

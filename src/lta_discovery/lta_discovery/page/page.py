@@ -77,8 +77,6 @@ def write_page(study: DiscoveryStudy, folder: Path, bags: Bags = NONE) -> Path:
 
     Parameters
     ----------
-    folder : Path
-        Folder with the results of the study.
     bags : mapping of role to paths
         As on the command line, for the command that repeats the study; the names of the flights by
         default.
@@ -147,6 +145,7 @@ def render_overlays(names: Sequence[str], lines: Sequence[FlightOverlay]) -> str
         options = ''.join(
             f'<option value="{k}">{escape(name)}</option>' for k, name in enumerate(names)
         )
+        # The first flight is in the figure already
         content = {str(k): _pack_overlay(one) for k, one in enumerate(lines) if k}
         choice = (
             '<p class="choice"><label for="flight">Flight</label> '
@@ -178,6 +177,7 @@ def _pack_overlay(one: FlightOverlay) -> dict[str, object]:
 def pack_column(values: Array) -> dict[str, object]:
     """Encode a line as 16-bit integers, to be multiplied by `scale`; the minimum means NaN."""
     largest = float(np.nanmax(np.abs(values), initial=0.0)) or 1.0
+    # Below 32767, so that -32768 is free to mean NaN
     factor = largest / 32000.0
     numbers = np.where(np.isfinite(values), np.round(values / factor), -32768.0).astype('<i2')
     return {'scale': factor, 'data': b64encode(numbers.tobytes()).decode()}

@@ -23,10 +23,6 @@ def render_points(
     ----------
     values : mapping of str to float
         By kind, which selects the colour; values that are not positive are left out.
-    low, high : float
-        Ends of the scale.
-    floor : float
-        Noise floor, shaded.
 
     """
     ends = math.log(low), math.log(high)

@@ -48,12 +48,6 @@ def render_table(heads: Row, rows: Sequence[Row], name: str, caption: str) -> st
     ----------
     heads : sequence of str
         Of the columns; plain text.
-    rows : sequence of sequences of str
-        HTML.
-    name : str
-        CSS class.
-    caption : str
-        For screen readers.
 
     """
     head = ''.join(f'<th scope="col">{escape(each)}</th>' for each in heads)
@@ -105,6 +99,7 @@ def render_detection_limits(finding: DiscoveryFinding) -> str:
     """Return the detection limits of the effects, the lowest first; '' if not computed."""
     if not finding.detectable:
         return ''
+    # Relative to the typical size; candidates without one come first
     ordered = sorted(finding.detectable, key=lambda one: one.size / (one.typical or math.inf))
     clear = sum(one.size < one.typical for one in ordered)
     rows = ''.join(

@@ -56,8 +56,6 @@ class DerivedClasses:
 
     Attributes
     ----------
-    names : tuple of str
-        The candidates.
     cosine : ndarray, shape (n, n)
         |cosine| of each pair.
     reach, cap : ndarray, shape (n,)
@@ -86,18 +84,9 @@ class DerivedClasses:
 
 
 def group_alike(cosine: Array, least: float) -> list[list[int]]:
-    """
-    Group by complete linkage: every two members are alike.
-
-    Parameters
-    ----------
-    cosine : ndarray, shape (n, n)
-        Absolute cosines.
-    least : float
-        Smallest cosine within a group.
-
-    """
+    """Group by complete linkage: every two members are alike."""
     far = 1.0 - np.abs(cosine)
+    # The order that scipy's linkage expects
     condensed = far[np.triu_indices(len(far), 1)]
     label = fcluster(linkage(np.maximum(condensed, 0.0), 'complete'), 1.0 - least, 'distance')
     groups: dict[int, list[int]] = {}
@@ -140,6 +129,7 @@ def derive_classes(
     flown = {}
     for kind in kinds:
         sensors, rich = KINDS[kind]
+        # Kinds share the simulated flights; only the recorded sensors differ
         if rich not in flown:
             flown[rich] = [_rehearse_streams(made, seed, rich) for seed in range(1, flights + 1)]
         reduced = []
@@ -147,6 +137,7 @@ def derive_classes(
             flight = prepare_linearizer(streams, vehicle, turned, sensors)
             nominal = NominalVehicle.from_vehicle(vehicle)
             linear = flight.linearize(build_origin(nominal, turned, flight.replay.cut))
+            # Deviations at the noise floor: nothing is missing in the simulation
             reduced.append(PieceReducer(linear).reduce(wrench_floor(nominal)))
         out[kind] = compare_candidates(
             PairSeparability(reduced, turned), PairSeparability(reduced, turned, MORE)
@@ -170,6 +161,7 @@ def compare_candidates(pairs: PairSeparability, more: PairSeparability) -> Deriv
     cap = np.array([more.detection_sigma(k) for k in at])
     for i, a in enumerate(at):
         for j in range(i):
+            # The cosine of an unobservable effect is only rounding
             if reach[i] >= SEEN and reach[j] >= SEEN:
                 cosine[i, j] = cosine[j, i] = abs(pairs.compare_pair(a, at[j]).cosine)
     return DerivedClasses(tuple(pairs.knobs[k].name for k in at), cosine, reach, cap)
@@ -187,5 +179,6 @@ def registry_digest(parameters: Sequence[FreeParameter]) -> str:
     for knob in parameters:
         moves = sorted((*target, f'{rate:.9g}') for target, rate in knob.moves.items())
         numbers = f'{knob.tolerance:.9g} {knob.typical:.9g} {knob.per_flight}'
+        # 9 digits: independent of rounding on other machines
         told.update(f'{knob.name} {knob.unit} {moves} {numbers}\n'.encode())
     return told.hexdigest()[:12]

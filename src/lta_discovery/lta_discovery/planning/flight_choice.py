@@ -65,8 +65,6 @@ class DecidingFlight:
 
     Attributes
     ----------
-    manoeuvre : PlannedManeuver
-        The manoeuvre.
     nats : float
         Expected log Bayes factor of the true effect over another, for the worst pair and two
         flights.
@@ -90,16 +88,8 @@ class NextFlightPlanner:
 
     Parameters
     ----------
-    spec : FlightSpec
-        Vehicle, scenario and flight software.
-    text : str
-        Of the vehicle file.
-    sensors : str
-        Sensors to be recorded: 'all', 'imu', 'pose'.
     past_flights : sequence of ReducedFlight
         Earlier flights, about the vehicle file.
-    tell : callable
-        Receives the stage and its share.
 
     """
 
@@ -118,6 +108,7 @@ class NextFlightPlanner:
         self._names = [knob.name for knob in self.knobs]
         self._floor = wrench_floor(self.nominal)
         standing, top = self.vehicle.height_on_floor, scenario.room.size.vector[2]
+        # 0.6 m between hull and ceiling: twice the margin of `flight_safety`
         highest = top - vehicle_reach(self.vehicle)[1] - 0.6
         self.space = AltitudeRange(standing + DEEP, min(standing + HIGH, highest))
         if self.space.high < standing + 2.0 * DEEP:
@@ -140,6 +131,7 @@ class NextFlightPlanner:
         if self.flown:
             pair = PairSeparability(self.flown, self.knobs).compare_pair(a, b)
             if pair.second > 0.0:
+                # Least-squares value of the rival that mimics the first
                 value = first.value * pair.shared / pair.second
         within = float(np.clip(value, other.low, other.high))
         return ParameterHypothesis(other, within if within != 0.0 else other.typical)
@@ -147,27 +139,19 @@ class NextFlightPlanner:
     def choose_flight(
         self, first: ParameterHypothesis, others: Sequence[ParameterHypothesis]
     ) -> DecidingFlight | None:
-        """
-        Return the cheapest safe and conclusive flight, or None.
-
-        Parameters
-        ----------
-        first : ParameterHypothesis
-            The named effect.
-        others : sequence of ParameterHypothesis
-            Its rivals.
-
-        """
+        """Return the cheapest safe and conclusive flight, or None."""
         rest: list[tuple[float, PlannedManeuver]] = []
         for one in list_maneuvers(self.space):
             self._tell(f'simulating: {one.about}', None)
             nats = self.predict_evidence(one, first, others)
             if nats is None:
                 continue
+            # Simulating every hypothesis is slow: only if the first estimate is promising
             chosen = self._evaluate_maneuver(one, first, others) if nats > SURE * WANTED else None
             if chosen is not None and chosen.nats >= WANTED:
                 return chosen
             rest.append((nats if chosen is None else chosen.nats, one))
+        # None reaches the wanted evidence: take the best of the others
         rest.sort(key=lambda pair: -pair[0])
         tried = [self._evaluate_maneuver(one, first, others) for _, one in rest[:TRIED]]
         found = [one for one in tried if one is not None and one.nats >= LEAST]
@@ -185,6 +169,7 @@ class NextFlightPlanner:
         if list_objections(flown, self.vehicle, scenario):
             return None
         reduced = self._reduce_rehearsal(flown, self.nominal)
+        # Either effect may be the true one
         pairs = [(first, other) for other in others] + [(other, first) for other in others]
         return min(self.expected_evidence(reduced, *pair) for pair in pairs)
 
@@ -206,6 +191,7 @@ class NextFlightPlanner:
             if list_objections(flown, vehicle, scenario):
                 return None
             spaces.append(flight_extent(flown, vehicle))
+            # Rivals need not be separated from one another
             against = others if true is first else (first,)
             least = min(
                 least, *(self.expected_evidence(reduced, true, other) for other in against)
@@ -247,6 +233,7 @@ class NextFlightPlanner:
         self, reduced: ReducedFlight, true: ParameterHypothesis, other: ParameterHypothesis
     ) -> float:
         """Return the expected evidence for a true effect over another, after two flights."""
+        # Twice: the plan is to fly it two times
         pairs = PairSeparability([*self.flown, reduced, reduced], self.knobs)
         a, b = (self._names.index(one.knob.name) for one in (true, other))
         return pairs.compare_pair(a, b).expected_log_bayes(true.value)

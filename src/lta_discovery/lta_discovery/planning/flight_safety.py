@@ -23,6 +23,7 @@ def list_objections(rehearsed: RehearsedFlight, vehicle: Vehicle, scenario: Scen
         out.append(f'it {rehearsed.outcome}')
     length, width, height = scenario.room.size.vector
     radius, half_height = vehicle_reach(vehicle)
+    # The room is centred on the origin of the map
     near = np.abs(rehearsed.path[:, :2]).max(axis=0) + radius + MARGIN
     if near[0] > length / 2.0 or near[1] > width / 2.0:
         out.append('it comes near a wall')

@@ -10,15 +10,6 @@ def format_hypothesis(text: str, vehicle: Vehicle, nominal: NominalVehicle) -> s
     """
     Return the text of a vehicle file with hypothetical effects.
 
-    Parameters
-    ----------
-    text : str
-        Of the vehicle file.
-    vehicle : Vehicle
-        The same, parsed.
-    nominal : NominalVehicle
-        The hypothesis.
-
     Raises
     ------
     BadInput

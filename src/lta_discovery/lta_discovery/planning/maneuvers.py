@@ -38,8 +38,6 @@ class PlannedManeuver:
 
     Attributes
     ----------
-    about : str
-        Description.
     course : mapping
         In the format of a scenario file.
     length : float
@@ -86,6 +84,7 @@ def _heights_leg(space: AltitudeRange, k: int) -> PlannedLeg:
 
 
 def _speeds_leg(space: AltitudeRange, k: int) -> PlannedLeg:
+    # Each speed out and back
     speed = (0.3, 0.6, 1.0, 1.6)[k // 2 % 4] * CRUISE
     return PlannedLeg(space.middle, math.pi * (k % 2), speed, 8.0)
 
@@ -95,12 +94,14 @@ def _yaws_leg(space: AltitudeRange, k: int) -> PlannedLeg:
 
 
 def _laps_leg(space: AltitudeRange, k: int) -> PlannedLeg:
+    # A lap is 8 legs of 45 degrees, then the height changes
     height = (space.low + 0.3 * (space.high - space.low), space.high)[k // 8 % 2]
     return PlannedLeg(height, 0.25 * math.pi * (k + 1), CRUISE, 4.0)
 
 
 def _random_leg(space: AltitudeRange, k: int) -> PlannedLeg:
     rng = np.random.default_rng([k, 31])
+    # A random walk, reproducible for each leg
     heading = float(np.sum([np.random.default_rng([i, 32]).uniform(-2, 2) for i in range(k + 1)]))
     height, speed = rng.uniform(space.low, space.high), rng.choice([0.0, 0.6, 1.2])
     return PlannedLeg(float(height), heading, float(speed) * CRUISE, 7.0)
@@ -124,10 +125,6 @@ def build_maneuver(
 
     Parameters
     ----------
-    name : str
-        Of MANOEUVRES.
-    space : AltitudeRange
-        Permitted altitudes.
     length : float
         Duration of the pattern. [s]
     shake : float
@@ -148,6 +145,7 @@ def build_maneuver(
     if shake:
         course['shake'] = {'duty': _build_quantity(shake, '1'), 'hold': _build_quantity(HOLD, 's')}
         about += f', with motor dither of {100.0 * shake:.0f} %'
+    # Effort in seconds; flights without dither are preferred
     return PlannedManeuver(about, course, at + DESCENT, (at + DESCENT) * (1.0 + 2.0 * shake))
 
 

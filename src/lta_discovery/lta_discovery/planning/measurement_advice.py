@@ -51,10 +51,9 @@ def suggest_measurement(name: str, others: tuple[str, ...], kind: Kind) -> str:
     ----------
     name, others : str
         Of parameters: 'net_lift.force'.
-    kind : str
-        Of the data.
 
     """
+    # Prefer more sensors or a richer flight, if they separate the effects
     richer = RICHER.get(kind)
     if richer is not None and not any(is_same_class(name, one, richer[0]) for one in others):
         return richer[1]

@@ -100,16 +100,10 @@ def plan_between(
 
     Parameters
     ----------
-    vehicle : str
-        Name or file.
     first, second : str
         Of parameters: 'linear_drag.surge', 'quadratic_drag.surge'.
     scene : str
         Scenario that gives the room and the air.
-    kind : str
-        Kind of data to be recorded.
-    tell : callable
-        Receives the stage and its share.
 
     Raises
     ------
@@ -121,6 +115,7 @@ def plan_between(
     if first == second:
         raise BadInput(f"'{first}' is given twice; name two different effects.")
     one, other = planner.find_parameter(first), planner.find_parameter(second)
+    # 3 tolerances at least: a smaller value would be within the error of the file
     a, b = (ParameterHypothesis(k, BIG * max(k.typical, 3.0 * k.tolerance)) for k in (one, other))
     return plan_decision(planner, a, [b], kind)
 
@@ -131,15 +126,7 @@ def plan_for_study(
     tell: Tell = lambda _words, _share: None,
     scene: str = SCENE,
 ) -> NextFlight:
-    """
-    Plan the flight that separates the strongest confusable effect of a study.
-
-    Parameters
-    ----------
-    vehicle, tell, scene
-        As for `plan_between`.
-
-    """
+    """Plan the flight that separates the strongest confusable effect of a study."""
     one = next((one for one in study.finding.effects if one.confusable_with), None)
     if one is None:
         return NextFlight(CERTAIN)
@@ -176,6 +163,7 @@ def plan_decision(
     rich: Kind = 'all' if kind == 'hover' else kind
     name = first.knob.name
     never = tuple(o.knob.name for o in others if is_same_class(name, o.knob.name, rich))
+    # More rivals would need too many simulations
     open_ = [other for other in others if other.knob.name not in never][:MOST]
     words = []
     if never:
@@ -228,6 +216,7 @@ def add_confusable(study: DiscoveryStudy) -> DiscoveryStudy:
             if any(pairs.can_replace(knob, values[knob], other) for knob in one.knobs)
         ]
         # Two named but equivalent effects are confusable as well.
+        # An effect is not confusable with itself
         only = one.knobs[0] if len(one.knobs) == 1 else ''
         effects.append(replace(one, confusable_with=tuple(n for n in both if n != only)))
     return replace(study, finding=replace(study.finding, effects=tuple(effects)))
@@ -240,6 +229,7 @@ def _estimate_changes(one: NamedEffect, knobs: Sequence[FreeParameter]) -> dict[
     for knob in knobs:
         if knob.name in one.knobs:
             moved = (
+                # Back from the model parameter to the unit of the free parameter
                 change[name] / rate
                 for (effect, name), rate in knob.moves.items()
                 if effect == one.name and rate and change.get(name)

@@ -60,10 +60,6 @@ class RehearsedFlight:
 
     Attributes
     ----------
-    streams : FlightStreams
-        As recorded.
-    outcome : FlightOutcome
-        How it ended.
     path : ndarray, shape (n, 3)
         True position of the hull centre. [m, map]
     duties : ndarray, shape (n, rotors)
@@ -95,14 +91,6 @@ def rehearse_flight(
 
     Parameters
     ----------
-    vehicle : Vehicle
-        The true vehicle.
-    scenario : Scenario
-        With a course.
-    policy : FlightStack
-        Flight software.
-    seed : int
-        Random seed.
     pilot_vehicle : Vehicle, optional
         Vehicle file of the controller; the true one by default.
 
@@ -141,6 +129,7 @@ def _record_step(loop: ClosedLoop, rows: dict[str, list[tuple[float, ...]]]) -> 
     rows['rates'].append((now, *told.rates))
     rows['force'].append((now, *told.force))
     for stamp, distance in told.ranges:
+        # The rangefinder has its own stamps: convert to the time of the loop
         rows['range'].append((now + (stamp - told.stamp_ns) * 1e-9, distance))
     if told.pressure is not None:
         rows['pressure'].append((now, told.pressure))
@@ -165,6 +154,7 @@ def _add_tracker_noise(pose: Stream, rng: np.random.Generator) -> Stream:
     """Return a pose with the noise of a tracker."""
     values = pose.values.copy()
     values[:, :3] += POSE * rng.standard_normal((len(values), 3))
+    # Small random rotation in the body frame
     wobble = quaternion_exponential(TURN * rng.standard_normal((len(values), 3)))
     values[:, 3:] = quaternion_product(values[:, 3:], wobble)
     return Stream(pose.time, values)
@@ -193,6 +183,7 @@ def prepare_linearizer(
         )
         silent = Stream(streams.commands.time[:1], 0.0 * streams.commands.values[:1])
         flight = replace(flight, commands=silent, wrench=wrench)
+    # Two passes: the floor pressure needs the place of the barometer
     places = SensorPlaces.from_vehicle(vehicle, STANDARD)
     places = SensorPlaces.from_vehicle(vehicle, estimate_floor_pressure(flight, places))
     ready = FlightLinearizer(ModelReplay(flight, cut_windows(flight), still), knobs, places)

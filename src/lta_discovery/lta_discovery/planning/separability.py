@@ -47,6 +47,7 @@ class ParameterPair(NamedTuple):
 
         A lower bound, because the second may take its best-fitting value.
         """
+        # Part of the information that the second explains by a change of its value
         best = self.shared**2 / self.second if self.second > 0.0 else 0.0
         return 0.5 * value**2 * max(0.0, self.first - best)
 
@@ -60,8 +61,6 @@ class PairSeparability:
     ----------
     flights : sequence of ReducedFlight
         About the vehicle file, or a common point.
-    knobs : sequence of FreeParameter
-        All of them.
     times : float
         Factor on the length of the flights.
 
@@ -89,6 +88,7 @@ class PairSeparability:
 
     def _marginal_information(self, picked: tuple[int, ...]) -> Array:
         """Return the information on some parameters, all others marginalized."""
+        # Fixed parameters have a variance of 0
         free = self._variance > 1e-30
         free[list(picked)] = False
         at = np.flatnonzero(free)
@@ -132,10 +132,6 @@ class PairSeparability:
 
         Parameters
         ----------
-        name : str
-            Of the parameter.
-        value : float
-            In its unit.
         least : float
             Expected log Bayes factor of separable candidates. [nats]
 

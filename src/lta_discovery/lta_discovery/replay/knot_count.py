@@ -76,12 +76,14 @@ def find_swing_periods(flight: MeasuredFlight) -> Iterator[float]:
         quaternion_product(quaternion_conjugate(flight.quaternion[:-1]), flight.quaternion[1:])
     )
     for rate in turned.T / PERIOD:
+        # Gaps in the pose; filled with 0 below
         known = np.isfinite(rate)
         if known.sum() < AVERAGED:
             continue
         hertz, power = welch(np.where(known, rate, 0.0), 1.0 / PERIOD, nperseg=AVERAGED)
         band = np.flatnonzero((hertz >= SLOWEST) & (hertz <= FASTEST))
         top = band[np.argmax(power[band])]
+        # A maximum at the edge of the band is a slope, not a peak
         peak = power[top] >= max(power[top - 1], power[top + 1])
         if peak and power[top] > CLEAR * float(np.median(power)):
             yield float(1.0 / hertz[top])

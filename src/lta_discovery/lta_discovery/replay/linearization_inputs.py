@@ -57,6 +57,7 @@ class _ParameterSets:
         self._replay, self._nominal = replay, nominal
         self.rows = [replay.build_rows(nominal)]
         self.ready = [replay.compute_inputs(self.rows[0])]
+        # Index of the inputs of each set; several sets share the same inputs
         self.faced = [0]
 
     def add_pair(self, knob: FreeParameter, value: float) -> tuple[int, int, float]:
@@ -74,11 +75,13 @@ class _ParameterSets:
 
     def _select_inputs(self, knob: FreeParameter, rows: ReplayRows) -> int:
         """Return the index of a set's inputs, recomputing only what the parameter affects."""
+        # Commands and memory do not depend on it
         if knob.reaches == 'body':
             return 0
         if knob.reaches == 'wrench':
             self.ready.append(self._replay.update_wrench(rows, self.ready[0]))
         else:
+            # The slow actuator simulation is repeated only if thrusts change
             before = self.ready[0] if knob.reaches == 'memory' else None
             self.ready.append(self._replay.compute_inputs(rows, before))
         return len(self.ready) - 1
@@ -86,6 +89,7 @@ class _ParameterSets:
     def stack_steps(self, pairs: Sequence[tuple[int, int, float]]) -> ParameterSteps:
         """Return all sets as arrays."""
         before, after, steps = zip(*pairs, strict=True) if pairs else ((), (), ())
+        # Sensitivities are computed per grid period, the trajectory per integrator step
         met_by = [ready.average_periods() for ready in self.ready]
         return ParameterSteps(
             np.array([rows.body for rows in self.rows]),
@@ -108,13 +112,6 @@ def prepare_linearization(
 ) -> LinearizationInputs:
     """
     Prepare a linearization about a point.
-
-    Parameters
-    ----------
-    knobs : sequence of FreeParameter
-        All free parameters.
-    columns : ndarray of bool, shape (G,), optional
-        Parameters to include; all by default.
 
     Raises
     ------

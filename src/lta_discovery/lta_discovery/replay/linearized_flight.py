@@ -20,6 +20,7 @@ SENSORS: Final = ('pressure.offset', 'force.scale_x', 'force.scale_y', 'force.sc
 
 def count_unknowns(knots: int) -> int:
     """Return the number of unknowns of a piece: state, latent wrench at its knots, pressure."""
+    # The last one is the pressure offset of the piece
     return WIDTH + AXES * knots + 1
 
 
@@ -70,8 +71,6 @@ class LinearizedFlight:
         Products of whitened columns: the `count_unknowns`, then the names, then the residual.
     rows : ndarray of int, shape (S,)
         Number of valid readings.
-    point : LinearizationPoint
-        The point.
     residual : ndarray, shape (S, n, 14)
         Measured minus predicted, in units of the noise; NaN where nothing was measured.
 
@@ -108,5 +107,7 @@ def build_origin(
 
 def hat_functions(span: int, knots: int) -> Array:
     """Return the weight of each knot in the middle of each step, shape (span, knots)."""
+    # Middle of each step in units of knot intervals
     at = (np.arange(span) + 0.5) * (knots - 1) / span
+    # Linear interpolation between knots
     return np.maximum(0.0, 1.0 - np.abs(at[:, None] - np.arange(knots)))

@@ -62,15 +62,6 @@ class FlightLinearizer:
     """
     Linearize one flight.
 
-    Parameters
-    ----------
-    replay : ModelReplay
-        The flight.
-    knobs : sequence of FreeParameter
-        Parameters that can change.
-    places : SensorPlaces
-        Of the sensors.
-
     Attributes
     ----------
     index, time : ndarray, shape (S, n)
@@ -85,14 +76,17 @@ class FlightLinearizer:
     ) -> None:
         self.replay, self.knobs, self.places = replay, list(knobs), places
         flight, cut = replay.flight, replay.cut
+        # The last piece may end after the flight; its readings there are masked by `inside`
         steps = cut.first[:, None] + np.arange(cut.length)
         self.index = np.minimum(steps, len(flight.time) - 1)
         self.time = flight.time[0] + PERIOD * steps
         self._knots, self.random = cut.knots, count_unknowns(cut.knots)
+        # All unknowns but the pressure, which is the last
         self.motion = self.random - 1
         self._hats = hat_functions(replay.span, cut.knots)
         # With gyros, the offsets of the initial states absorb a tilt of the tracker frame.
         self._seen_only = flight.has_only_pose
+        # The same weights per grid period, for the sensitivities
         self._sparse = self._hats.reshape(-1, STEPS, self._knots).mean(axis=1)
 
     def with_knots(self, knots: int) -> 'FlightLinearizer':
@@ -121,6 +115,7 @@ class FlightLinearizer:
     ) -> Array:
         """Return the states at each step of some pieces."""
         told_at = self.replay.cut.start[which]
+        # Poses are in the tracker frame; the model needs the map frame
         begun = transform_to_map(told_at, rows.acting) if self._seen_only else told_at
         start = add_change(begun, point.random[which, :WIDTH])
         return self.replay.integrate_pieces(
@@ -136,18 +131,9 @@ class FlightLinearizer:
         self, point: LinearizationPoint, which: slice = slice(None)
     ) -> tuple[Array, Array]:
         """
-        Return columns and residuals about a point, by the noise.
+        Return columns, shape (S, n, 14, N), and residuals about a point, by the noise.
 
-        Parameters
-        ----------
-        which : slice
-            Of the pieces.
-
-        Returns
-        -------
-        ndarray, shape (S, n, 14, N), and ndarray, shape (S, n, 14)
-            Unknowns of the piece, then parameters, then SENSORS; measured minus predicted.
-
+        Columns are the unknowns of the piece, then parameters, then SENSORS.
         """
         about = prepare_linearization(self.replay, self.knobs, point)
         table, left = self._compute_table(point, about, which)
@@ -184,6 +170,7 @@ class FlightLinearizer:
             which = slice(begin, begin + CHUNK)
             table, left = self._compute_table(point, about, which)
             known = np.isfinite(left)
+            # An unmeasured reading contributes nothing to the products
             table[~known[..., : table.shape[2]]] = 0.0
             flat = table.reshape(len(table), -1, len(order))
             grams[begin : begin + len(table), order[:, None], order] = (
@@ -200,6 +187,7 @@ class FlightLinearizer:
         own = first + len(self.knobs)
         moving, reading = ([first + k for k in some] for some in (about.moving, about.reading))
         sensors = range(own, own + len(SENSORS) + 1)
+        # Columns are stored in the order in which they are computed; this restores theirs
         return np.array([*range(self.motion), *moving, first - 1, *reading, *sensors])
 
     def _compute_table(
@@ -213,6 +201,7 @@ class FlightLinearizer:
         noise = self.replay.flight.noise
         states = self._simulate_pieces(about.rows, about.ready, point, which)
         grid, time = states[:, ::STEPS], self.time[which]
+        # Computed once, and reused for the differences of all sensor parameters
         exact = ideal_readings(grid[:, :-1], grid[:, 1:], self.places)
         base = predict_readings(grid, time, about.rows.acting, self.places, exact)
         left = self._subtract_predicted(base, point, which) / noise
@@ -224,6 +213,7 @@ class FlightLinearizer:
         for k, turn in enumerate(about.turned):
             read = self._difference_readings(grid, time, turn, base, exact)[..., :channels]
             table[..., end + 1 + k] = read / (turn.step * noise[:channels])
+            # The initial state follows the tracker frame, and so does the whole trajectory
             if self._seen_only and turn.after.acting['pose']:
                 begun = start_sensitivity(self.replay.cut.start[which], turn)
                 table[..., end + 1 + k] += np.einsum('sncb,sb->snc', table[..., :WIDTH], begun)
@@ -239,17 +229,9 @@ class FlightLinearizer:
 
     def compute_residual(self, grid: Array, point: LinearizationPoint, rows: ReplayRows) -> Array:
         """
-        Return measured minus predicted, by CHANNELS in SI units; NaN where nothing was measured.
+        Return measured minus predicted, shape (S, n, 14), for states (S, n + 1, 13).
 
-        Parameters
-        ----------
-        grid : ndarray, shape (S, n + 1, 13)
-            Predicted states of all pieces.
-
-        Returns
-        -------
-        ndarray, shape (S, n, 14)
-
+        By CHANNELS in SI units; NaN where nothing was measured.
         """
         base = predict_readings(grid, self.time, rows.acting, self.places)
         return self._subtract_predicted(base, point, slice(None))
@@ -259,17 +241,20 @@ class FlightLinearizer:
     ) -> Array:
         """Return measured minus predicted readings."""
         flight, index = self.replay.flight, self.index[which]
+        # Attitude error as a rotation vector in the body, small enough to be linear
         turn = quaternion_logarithm(
             quaternion_product(quaternion_conjugate(base.quaternion), flight.quaternion[index])
         )
         readings_left = flight.readings[index] - base.readings
         offset, *scales = point.values[-len(SENSORS) :]
+        # Pressure offset of the flight and of the piece
         readings_left[..., 7] -= offset + point.random[which, -1:]
         readings_left[..., 3:6] -= np.array(scales) * base.readings[..., 3:6]
         left = np.concatenate(
             [flight.position[index] - base.position, turn, readings_left], axis=-1
         )
         left[~self.replay.cut.inside[which]] = np.nan
+        # Infinite or unknown noise marks a channel that was not recorded
         left[..., ~np.isfinite(flight.noise)] = np.nan
         left[~np.isfinite(left)] = np.nan
         return left
@@ -284,8 +269,6 @@ class FlightLinearizer:
         ----------
         states : ndarray, shape (S, span + 1, 13)
             Simulated at the point.
-        which : slice
-            Of the pieces.
 
         Returns
         -------
@@ -303,11 +286,13 @@ class FlightLinearizer:
         )
         # A force accelerates by the inverse of the mass matrix, independent of the motion.
         inverse = about.rows.body[BODY_PLACES['inverse']].reshape(AXES, AXES)
+        # Acceleration in each period per unit force at each knot
         knots = np.einsum('ia,kj->kiaj', inverse, self._sparse).reshape(
             -1, AXES, AXES * self._knots
         )
         pushed = [np.broadcast_to(knots, (len(states), *knots.shape)), answers]
         a, b = discretize_dynamics(jacobian, PERIOD)
+        # Accelerations enter the last six components of a change only
         return propagate_changes(a, b[..., AXES:] @ np.concatenate(pushed, axis=-1))
 
     def _write_reading_columns(

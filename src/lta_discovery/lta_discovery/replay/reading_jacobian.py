@@ -38,6 +38,7 @@ def _write_force_slopes(
     eye, lever = np.eye(3), cross_matrix(np.array(places.imu))
     turning = cross_matrix(mean[..., 10:13])
     going = cross_matrix(mean[..., 7:10] + np.cross(mean[..., 10:13], np.array(places.imu)))
+    # Derivative of w x (v + w x r) by w
     by_rates = -going - turning @ lever
     for out, state, sign in ((first, begin, -1.0), (last, end, 1.0)):
         force = out[..., PARTS['force'], :]
@@ -52,6 +53,7 @@ def _write_height_slopes(begin: Array, first: Array, places: SensorPlaces) -> No
     up = body_vertical(begin)
     leaning, lever = cross_matrix(up), np.array(places.range)
     # Range to the floor: height of the sensor over the cosine of the tilt.
+    # Quotient rule: sensor height and cosine of the tilt both depend on attitude
     above, along = begin[..., 2] + up @ lever, up[..., 2]
     first[..., 6, 2] = 1.0 / along
     first[..., 6, TURN] = lever @ leaning / along[..., None]
@@ -72,6 +74,7 @@ def _apply_sensor_effects(
         count = part.stop - part.start
         own = np.empty((*time.shape, count, count))
         for k in range(count):
+            # Disturb one reading of the channel at a time (forward difference)
             aside = exact.copy()
             aside[..., part.start + k] += SMALL[part.start]
             there = apply_sensor_effects(aside, time, acting)
@@ -86,24 +89,8 @@ def reading_jacobians(
     """
     Return the Jacobians of readings at the beginning and at the end of their period.
 
-    Parameters
-    ----------
-    grid : ndarray, shape (S, n + 1, 13)
-        States.
-    exact : ndarray, shape (S, n, 8)
-        Of `sensing.ideal_readings`.
-    time : ndarray, shape (S, n)
-        [s]
-    acting : mapping of str to Chain
-        Measurement effects by channel.
-    places : SensorPlaces
-        Of the sensors.
-
-    Returns
-    -------
-    pair of ndarray, shape (S, n, 8, 12)
-        By the change of position, attitude, velocity and rates.
-
+    Each has the shape (S, n, 8, 12): by the change of position, attitude, velocity and rates.
+    `grid` holds the states, shape (S, n + 1, 13), and `exact` the `sensing.ideal_readings`.
     """
     begin, end = grid[:, :-1], grid[:, 1:]
     first, last = np.zeros((2, *exact.shape, WIDTH))

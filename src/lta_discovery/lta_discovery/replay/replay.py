@@ -65,8 +65,6 @@ class ModelReplay:
 
     Parameters
     ----------
-    cut : Windows
-        Its pieces.
     still : ndarray, shape (COMMAND,)
         Command of a vehicle at rest: `Vehicle.pack_command(())`.
 
@@ -75,11 +73,13 @@ class ModelReplay:
     def __init__(self, flight: MeasuredFlight, cut: Windows, still: Array) -> None:
         self.flight, self.cut, self._still = flight, cut, still
         self.dt = PERIOD / STEPS
+        # One more piece than the flight: the last piece may reach past its end
         count = (len(flight.time) + cut.length) * STEPS
         self._steps = flight.time[0] + self.dt * np.arange(count)
         self.first = cut.first * STEPS
         self.span = cut.length * STEPS
         self._around = np.zeros((count, SURROUNDINGS))
+        # Of the surroundings only the voltage is recorded; the others stay 0
         self._around[:, VOLTAGE] = self._interpolate_voltage(self._steps)
         self._sparse = self._around[::STEPS].copy()
         orders = flight.commands
@@ -104,6 +104,7 @@ class ModelReplay:
     def _measured_motion(self) -> Array:
         """Return the measured motion by step, at rest where unknown, for effects with memory."""
         states = np.zeros((len(self._steps), RIGID))
+        # Identity quaternion (x y z w)
         states[:, 6] = 1.0
         good = np.isfinite(self.flight.position).all(axis=1)
         for k in range(3):
@@ -116,6 +117,7 @@ class ModelReplay:
         commands = np.tile(self._still, (len(self._steps), 1))
         if self.flight.mass is not None:
             told = self.flight.mass
+            # Zero-order hold: the newest command at each step, with a margin for rounding
             newest = np.searchsorted(told.time, self._steps + 1e-9, side='right') - 1
             commands[:, MASS_PLACE:] = told.values[np.maximum(newest, 0)]
         return commands
@@ -160,6 +162,7 @@ class ModelReplay:
         told = self.flight.wrench
         if told is None:
             return np.zeros((len(self._steps), AXES))
+        # A delay shifts when commands arrive, not their values
         late = Stream(told.time + _command_delays(rows, told.time), told.values * rows.gains)
         return average_held_values(late, np.append(self._steps, self._steps[-1] + self.dt))
 
@@ -188,6 +191,7 @@ class ModelReplay:
             Of a set with the same actuators, which are not simulated again.
 
         """
+        # Actuators are the expensive part: skip them if only memory or body changed
         if before is None:
             commands = self._rest.copy()
             commands[:, :ACTUATORS] = self.mean_thrusts(rows)
@@ -214,22 +218,9 @@ class ModelReplay:
         self, rows: ReplayRows, ready: BodyInputs, start: Array, latent: Array, which: slice = ALL
     ) -> Array:
         """
-        Integrate each piece.
+        Integrate each piece; return the states at each step, shape (S, span + 1, 13).
 
-        Parameters
-        ----------
-        start : ndarray, shape (S, 13)
-            Initial states.
-        latent : ndarray, shape (S, span, 6)
-            Unexplained force and moment, body frame. [N, N m]
-        which : slice
-            Pieces that the arrays are of.
-
-        Returns
-        -------
-        ndarray, shape (S, span + 1, 13)
-            States at each step.
-
+        `latent` is the unexplained force and moment of each step in the body frame. [N, N m]
         """
         out = np.zeros((len(start), self.span + 1, RIGID))
         load_body().fly(
@@ -242,24 +233,10 @@ class ModelReplay:
         self, turns: ParameterSteps, states: Array, latent: Array, which: slice = ALL
     ) -> Array:
         """
-        Return the Jacobians of the state rates, at given states.
+        Return the Jacobians of the state rates (`variational_equation`), shape (S, n, 12, 12).
 
-        Parameters
-        ----------
-        turns : ParameterSteps
-            Only the first parameter set is used.
-        states : ndarray, shape (S, n, 13)
-            In the middle of each grid period.
-        latent : ndarray, shape (S, n, 6)
-            Mean unexplained force and moment. [N, N m]
-        which : slice
-            Pieces that the arrays are of.
-
-        Returns
-        -------
-        ndarray, shape (S, n, 12, 12)
-            F of `variational_equation`.
-
+        `states`, shape (S, n, 13), and the mean unexplained wrench `latent`, shape (S, n, 6), are
+        those in the middle of each grid period. Only the first parameter set is used.
         """
         out = np.zeros((*states.shape[:2], WIDTH, WIDTH))
         load_body().jacobians(
@@ -272,22 +249,12 @@ class ModelReplay:
         self, turns: ParameterSteps, states: Array, latent: Array, which: slice = ALL
     ) -> Array:
         """
-        Return the sensitivities of the accelerations to parameters, at given states.
+        Return the sensitivities of the accelerations to parameters, shape (S, n, 6, K).
 
-        Parameters
-        ----------
-        turns : ParameterSteps
-            The parameters.
-        states, latent, which
-            As for `state_jacobians`.
-
-        Returns
-        -------
-        ndarray, shape (S, n, 6, K)
-            Change of d/dt of body velocity and body rates per unit of each parameter.
-
+        The change of d/dt of body velocity and rates per unit. Arguments as in `state_jacobians`.
         """
         out = np.zeros((*states.shape[:2], AXES, len(turns.steps)))
+        # Work space of the kernel
         kept = np.empty((len(turns.rows), states.shape[1], AXES))
         load_body().answers(
             turns.rows, turns.on, turns.faced, self.cut.first[which], states, turns.commands,
@@ -299,4 +266,5 @@ class ModelReplay:
 
 def _command_delays(rows: ReplayRows, time: Array) -> Array:
     """Return the delay of the commands at some times. [s]"""
+    # The chain shifts a time of 0 back by the delay
     return -transform_readings(rows.acting['command_time'], np.zeros((len(time), 1)), time)[:, 0]

@@ -62,6 +62,7 @@ def transform_readings(chain: Chain, values: Array, time: Array) -> Array:
     if not chain:
         return values
     parts = apply_chain(chain, tuple(np.moveaxis(values, -1, 0)), time)  # type: ignore[arg-type]
+    # An effect may return a scalar for a channel; give all the same shape
     shape = values.shape[:-1]
     return np.stack([np.broadcast_to(part, shape) for part in parts], axis=-1)
 
@@ -81,6 +82,7 @@ def _shift_poses(states: Array, shift: Array) -> tuple[Array, Array]:
     """
     velocity = rotate_vectors(states[..., 3:7], states[..., 7:10])
     rates, half = states[..., :-1, 10:13], 0.5 * shift**2
+    # Accelerations by central differences on the grid
     change, turning = (
         np.gradient(each, PERIOD, axis=-2)[..., :-1, :] for each in (velocity, states[..., 10:13])
     )
@@ -107,6 +109,7 @@ def tracker_frame(acting: Mapping[str, Chain]) -> tuple[Array, Array]:
     chain = acting['pose']
     if not chain:
         return np.eye(3), np.array([0.0, 0.0, 0.0, 1.0])
+    # Images of the unit vectors are the columns of the rotation matrix
     axes = [apply_chain(chain, (*axis, 0.0, 0.0, 0.0, 1.0), 0.0)[:3] for axis in np.eye(3)]
     turn = apply_chain(chain, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0), 0.0)[3:]
     return np.array(axes, dtype=np.float64).T, np.array(turn, dtype=np.float64)
@@ -123,6 +126,7 @@ def transform_to_map(states: Array, acting: Mapping[str, Chain]) -> Array:
     frame, turn = tracker_frame(acting)
     back = np.broadcast_to(quaternion_conjugate(turn), (*states.shape[:-1], 4))
     return np.concatenate(
+        # A row vector times the matrix applies the inverse rotation
         [states[..., :3] @ frame, quaternion_product(back, states[..., 3:7]), states[..., 7:]],
         axis=-1,
     )
@@ -136,6 +140,7 @@ def body_vertical(states: Array) -> Array:
 
 def _specific_force(begin: Array, end: Array, place: tuple[float, float, float]) -> Array:
     """Return the mean specific force between two states."""
+    # Means of the period, as the IMU averages over it
     up = 0.5 * (body_vertical(begin) + body_vertical(end))
     mean, rate = 0.5 * (begin + end), (end - begin) / PERIOD
     across = [
@@ -149,20 +154,12 @@ def _specific_force(begin: Array, end: Array, place: tuple[float, float, float])
 
 def ideal_readings(begin: Array, end: Array, places: SensorPlaces) -> Array:
     """
-    Return rates, force, range and pressure of ideal sensors over a grid period.
+    Return rates, force, range and pressure of ideal sensors over a grid period, shape (..., 8).
 
-    Parameters
-    ----------
-    begin, end : ndarray, shape (..., 13)
-        States at the ends of the period.
-
-    Returns
-    -------
-    ndarray, shape (..., 8)
-        In SI; the first six as means of the period.
-
+    The states are those at the ends of the period. The first six readings are its means. [SI]
     """
     vertical = body_vertical(begin)
+    # The beam leaves along the body's vertical: height over the cosine of the tilt
     distance = (begin[..., 2] + vertical @ np.array(places.range)) / vertical[..., 2]
     # At the height of the level IMU, as in the simulated barometer.
     height = begin[..., 2] + places.imu[2]
@@ -173,19 +170,7 @@ def ideal_readings(begin: Array, end: Array, places: SensorPlaces) -> Array:
 
 
 def apply_sensor_effects(exact: Array, time: Array, acting: Mapping[str, Chain]) -> Array:
-    """
-    Apply the sensor effects to ideal readings.
-
-    Parameters
-    ----------
-    exact : ndarray, shape (..., 8)
-        Of `ideal_readings`.
-    time : ndarray, shape (...)
-        [s]
-    acting : mapping of str to Chain
-        Measurement effects by channel.
-
-    """
+    """Apply the sensor effects to ideal readings, shape (..., 8)."""
     out = exact.copy()
     for name, part in PARTS.items():
         if acting[name]:
@@ -207,14 +192,6 @@ def predict_readings(
     ----------
     states : ndarray, shape (..., n + 1, 13)
         The last one only ends the last period.
-    time : ndarray, shape (..., n)
-        [s]
-    acting : mapping of str to Chain
-        Measurement effects by channel.
-    places : SensorPlaces
-        Of the sensors.
-    exact : ndarray, shape (..., n, 8), optional
-        Of `ideal_readings`, if already known.
 
     """
     begin, end = states[..., :-1, :], states[..., 1:, :]

@@ -24,6 +24,7 @@ NUDGE: Final = np.array([1e-4] * 3 + [1e-5] * 3 + [1e-5] * 3 + [1e-5] * 3)  # m,
 
 def add_change(states: Array, change: Array) -> Array:
     """Apply changes, shape (..., 12), to states, shape (..., 13)."""
+    # Multiply from the right: the rotation vector is in the body frame
     turned = quaternion_product(states[..., 3:7], quaternion_exponential(change[..., 3:6]))
     return np.concatenate(
         [states[..., :3] + change[..., :3], turned, states[..., 7:13] + change[..., 6:12]],
@@ -34,6 +35,7 @@ def add_change(states: Array, change: Array) -> Array:
 def discretize_dynamics(jacobian: Array, dt: float) -> tuple[Array, Array]:
     """Return A and B of x' = A x + B g over a step in which F and g are constant."""
     eye = np.eye(WIDTH)
+    # Taylor series of the integral of exp(F t) in Horner form; A is of fourth order
     hf = dt * jacobian
     half = eye + hf / 4.0
     third = eye + (hf / 3.0) @ half
@@ -45,18 +47,8 @@ def propagate_changes(a: Array, push: Array) -> Array:
     """
     Propagate changes of the initial state, and inputs along the way.
 
-    Parameters
-    ----------
-    a : ndarray, shape (S, n, 12, 12)
-        Of `discretize_dynamics`.
-    push : ndarray, shape (S, n, 12, C)
-        B g of each step and input.
-
-    Returns
-    -------
-    ndarray, shape (S, n + 1, 12, 12 + C)
-        Changes by the 12 of the initial state, then by each input.
-
+    `push`, shape (S, n, 12, C), is B g of each step and input. The result, shape
+    (S, n + 1, 12, 12 + C), holds the changes by the 12 of the initial state, then by each input.
     """
     pieces, steps, _, count = push.shape
     out = np.zeros((pieces, steps + 1, WIDTH, WIDTH + count))
@@ -64,5 +56,6 @@ def propagate_changes(a: Array, push: Array) -> Array:
     for k in range(steps):
         now = out[:, k + 1]
         np.matmul(a[:, k], out[:, k], out=now)
+        # Columns of inputs also receive this step's push
         now[..., WIDTH:] += push[:, k]
     return out

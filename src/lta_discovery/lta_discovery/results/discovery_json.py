@@ -17,17 +17,7 @@ ERRORS: Final = (
 
 
 def to_dict(finding: DiscoveryFinding, cuts: Sequence[ExcludedInterval] = ()) -> dict[str, Any]:
-    """
-    Return a finding as JSON: SI units, None for numbers that are not finite.
-
-    Parameters
-    ----------
-    finding : DiscoveryFinding
-        The finding.
-    cuts : sequence of ExcludedInterval
-        Excluded parts of the flights.
-
-    """
+    """Return a finding as JSON: SI units, None for numbers that are not finite."""
     told: dict[str, Any] = {
         'schema': SCHEMA,
         'verdict': finding.verdict,
@@ -124,6 +114,7 @@ def common_horizon(gaps: Sequence[PredictionGap]) -> float | None:
     count = {at: sum(one.horizon_s == at for one in gaps) for at in mine}
     if not count:
         return None
+    # The longest of the horizons with the most channels
     return max(at for at, number in count.items() if number == max(count.values()))
 
 
@@ -154,5 +145,6 @@ def to_json_value(value: Any) -> Any:  # noqa: ANN401 - whatever JSON holds
         return [to_json_value(one) for one in value]
     if isinstance(value, int):
         return value
+    # NumPy scalars; JSON has no NaN or infinity
     number = float(value)
     return number if math.isfinite(number) else None

@@ -74,17 +74,6 @@ def format_learned_vehicle(
     """
     Return the text of a vehicle file with the learned values.
 
-    Parameters
-    ----------
-    text : str
-        Of the vehicle file.
-    vehicle : Vehicle
-        The same, parsed.
-    nominal, learned : NominalVehicle
-        Of the file, and with the named effects.
-    finding : DiscoveryFinding
-        Intervals and flights.
-
     Raises
     ------
     BadInput
@@ -115,6 +104,7 @@ def list_changed_quantities(
     content = parse_yaml(text, vehicle.file.name)
     moved = _find_changed_parameters(nominal.given, learned.given)
     if set(moved) & set(TOGETHER):
+        # Both blocks have to be written if one changes
         moved = {**dict.fromkeys(TOGETHER, ()), **moved}
     for effect, names in moved.items():
         told = {name: notes[effect, name] for name in names if (effect, name) in notes}

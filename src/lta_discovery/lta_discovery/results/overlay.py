@@ -41,19 +41,7 @@ Row = tuple[int, str, Any]
 def write_overlay(
     comparisons: Sequence[StudyComparison], folder: Path, origin: Mapping[str, str]
 ) -> Path:
-    """
-    Write the overlay bag and return its file.
-
-    Parameters
-    ----------
-    comparisons : sequence of StudyComparison
-        The flights.
-    folder : Path
-        Folder of `overlay.mcap`.
-    origin : mapping of str to str
-        Provenance to be stored in the bag.
-
-    """
+    """Write the overlay bag and return its file."""
     bag = folder / NAME
     qos = [build_offered_qos('reliable', 'volatile', 10)]
     words = format_topic_names([one.flown.name for one in comparisons])

@@ -58,6 +58,7 @@ class CandidateTrial(NamedTuple):
     @property
     def is_contradictory(self) -> bool:
         """Return whether the two sides contradict each other."""
+        # A clear gain on one side and a clear loss on the other
         return min(self.gain, self.replicated) < -TORN and max(self.gain, self.replicated) > LARGER
 
     @property
@@ -73,9 +74,11 @@ class CandidateTrial(NamedTuple):
         Tolerances may absorb most of an effect on the training flights, so that their posterior
         does not help the confirming flights. These have to support the effect alone then.
         """
+        # Either kind of confirmation is enough
         witness = max(self.replicated, self.held_out)
         strong = self.gain + witness > GAIN and max(self.gain, witness) > LARGER
         holds = self.held_out > HOLDS and self.replicated > -TORN
         again = self.replicated > AGAIN and self.held_out > -SPOILT
+        # Very precise values differ by many deviations, yet only by a few per cent
         agree = self.apart < APART or self.part < PART
         return strong and agree and (holds or again)

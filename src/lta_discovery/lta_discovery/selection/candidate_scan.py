@@ -22,8 +22,6 @@ class CandidateScore(NamedTuple):
 
     Attributes
     ----------
-    name : str
-        Of the parameter.
     gain : float
         Log Bayes factor of the effect against tolerance alone. [nats]
     score : float
@@ -50,33 +48,23 @@ def evidence_gain(
     pull: float, information: float, tolerance: float, typical: float
 ) -> tuple[float, float]:
     """
-    Return the log Bayes factor of an effect against tolerance alone, and its size.
+    Return the log Bayes factor of an effect against tolerance alone [nats], and its size of SIZES.
 
-    Parameters
-    ----------
-    pull, information : float
-        Of its column: maximum likelihood value times information, and inverse variance.
-    tolerance : float
-        Variance of the nominal model's error.
-    typical : float
-        Typical size of the effect.
-
-    Returns
-    -------
-    float, float
-        [nats]; the most probable of SIZES.
-
+    `pull` is the maximum likelihood value times `information`, the inverse variance. `tolerance`
+    is the variance of the nominal model's error.
     """
     gains = {
         size: _column_evidence(pull, information, tolerance + (size * typical) ** 2) - cost
         for size, cost in SIZES.items()
     }
     size = max(gains, key=lambda one: gains[one])
+    # The alternative is the tolerance alone, not an exactly known parameter
     return gains[size] - _column_evidence(pull, information, tolerance), size
 
 
 def _column_evidence(pull: float, information: float, variance: float) -> float:
     """Return the log evidence of a column with a prior variance, against a value of 0."""
+    # Ratio of prior to posterior variance; its logarithm is the Occam penalty
     more = 1.0 + information * variance
     return float(0.5 * pull**2 * variance / more - 0.5 * np.log(more))
 
@@ -89,16 +77,13 @@ def scan_candidates(
 
     Parameters
     ----------
-    reduced : ReducedFlight
-        The flight about a point.
-    at : ndarray, shape (G,)
-        Parameters at the point.
     prior : Prior
         Of nuisances and present effects, with independent parameters (`build_prior`).
     knobs : sequence of FreeParameter
         In the order of `at`, which continues with the sensor errors.
 
     """
+    # The prior is diagonal here (`build_prior`), so roots of its diagonal suffice
     free, deviation = prior.free, np.sqrt(np.diag(prior.covariance))
     count, products = len(at), reduced.products
     precision = np.where(free, np.where(free, deviation, 1.0) ** -2.0, 0.0)
@@ -109,6 +94,7 @@ def scan_candidates(
     inverse = np.linalg.inv(inner)
     out = []
     for k, knob in enumerate(knobs):
+        # A nuisance only, never a candidate
         if knob.typical == 0.0:
             continue
         column = np.where(free, products[:count, k], 0.0)
@@ -117,12 +103,15 @@ def scan_candidates(
             # Remove the candidate itself from the nuisances (rank-one downdate of the inverse).
             own = inverse - np.outer(inverse[k], inverse[k]) / inverse[k, k]
             others = column.copy()
+            # The column has to exclude the candidate too
             others[k] = 0.0
         information = products[k, k] - others @ own @ others
         pull = products[k, -1] - others @ own @ force
+        # A typical effect would change the log likelihood by less than 1e-6
         if information * knob.typical**2 < 1e-6:
             continue  # not observable in this flight
         had = prior.covariance[k, k]
+        # The pull is about the linearization point; shift it to the prior mean
         pull -= information * (prior.mean - at)[k]
         won, size = evidence_gain(pull, information, had, knob.typical)
         whole = had + (size * knob.typical) ** 2
@@ -130,6 +119,7 @@ def scan_candidates(
         spread = 1.0 / (information + 1.0 / whole)
         best = pull / information
         sigma = abs(best) / np.sqrt(1.0 / information + had)
+        # Tolerance widens the distribution of the pull without an effect
         score = pull / np.sqrt(information) / np.sqrt(1.0 + information * had)
         there = value + prior.mean[k], float(np.sqrt(spread))
         out.append(CandidateScore(knob.name, won, float(score), *there, sigma, size))
@@ -144,14 +134,8 @@ def column_cosines(
 
     Parameters
     ----------
-    reduced : ReducedFlight
-        The flight about a point.
     prior : Prior
         Of the nuisances; the candidates' own tolerances are ignored.
-    names : sequence of str
-        The candidates.
-    parameters : sequence of FreeParameter
-        All parameters.
 
     Returns
     -------
@@ -164,6 +148,7 @@ def column_cosines(
     free = prior.free
     free[picked] = False
     at = np.flatnonzero(free)
+    # Project the candidates' columns orthogonal to the nuisances
     inner = reduced.products[np.ix_(at, at)] + np.diag(1.0 / np.diag(prior.covariance)[at])
     cross = reduced.products[np.ix_(at, picked)]
     left = reduced.products[np.ix_(picked, picked)] - cross.T @ np.linalg.solve(inner, cross)

@@ -28,10 +28,6 @@ class DetectionLimit(NamedTuple):
 
     Attributes
     ----------
-    knob : str
-        Its name.
-    unit : str
-        Of its size.
     size : float
         Smallest size that is named in 19 of 20 cases.
     typical : float
@@ -58,16 +54,11 @@ def compute_detection_limits(
     ----------
     sides : pair of ReducedFlight
         Training flights, and confirming ones.
-    prior : Prior
-        Of the nuisances and named effects.
-    knobs : sequence of FreeParameter
-        All.
-    named : sequence of str
-        Named effects, which are not candidates any more.
 
     """
     free, variance = prior.free, np.diag(prior.covariance)
     products = [one.products for one in sides]
+    # Third entry: both sides together, which gives the held-out gain
     products.append(np.sum(products, axis=0))
     out = []
     for k, knob in enumerate(knobs):
@@ -100,16 +91,16 @@ def _least_size(informations: Sequence[float], tolerance: float, typical: float)
         Inverse variance of the value from each side, and from both.
     tolerance : float
         Variance of the nominal model's error.
-    typical : float
-        Typical size of the effect.
 
     """
     information = informations[-1]
     if information <= 0.0:
         return np.inf
     low, high = TRIFLE * typical, LARGEST * typical
+    # Not even the largest size is named: the bisection would not converge to a limit
     if not _would_be_named(high, informations, tolerance, typical):
         return np.inf
+    # Bisect on a logarithmic scale, as limits span many orders of magnitude
     while high > 1.001 * low:
         middle = float(np.sqrt(low * high))
         low, high = (
@@ -124,7 +115,9 @@ def _would_be_named(
     size: float, information: Sequence[float], tolerance: float, typical: float
 ) -> bool:
     """Return whether noise-free flights would name an effect of some size."""
+    # Without noise the pull of an effect is information times size
     first, second, both = (
         evidence_gain(each * size, each, tolerance, typical)[0] for each in information
     )
+    # The last zeros: without noise both sides measure the same value
     return CandidateTrial('', first, second, both - first, 0.0, 0.0).is_accepted

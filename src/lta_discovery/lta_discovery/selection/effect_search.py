@@ -118,8 +118,6 @@ class EffectSearch:
 
     Parameters
     ----------
-    nominal : NominalVehicle
-        The vehicle of the file.
     flights : pair of sequences of FlightLinearizer
         Training and confirming flights, at least one each.
 
@@ -137,6 +135,7 @@ class EffectSearch:
         self.fitters = [JointFitter(nominal, each, own, self.floor) for each in flights]
         self._displacing = RivalTest(flights, self.floor)
         self._names = [knob.name for knob in self.knobs]
+        # Prior scale of each candidate where it is not its typical size; filled by the scan
         self._sizes: dict[str, float] = {}
 
     def run(self, progress: Callable[[float], None] = lambda part: None) -> EffectSearchResult:
@@ -146,11 +145,13 @@ class EffectSearch:
         steps: list[SelectionRound] = []
         history: list[tuple[str, Pair]] = []
         while len(named) < MOST:
+            # The number of rounds is unknown: approach 1 geometrically
             progress(1.0 - 0.7 * 0.5 ** len(steps))
             step, then = self._run_round(named, fits)
             steps.append(step)
             if not step.named:
                 break
+            # The fits without this effect, to judge it once all effects are known
             history.append((step.named, fits))
             named, fits = (*named, step.named), then
         gone = {
@@ -160,6 +161,7 @@ class EffectSearch:
         if gone:
             named = tuple(name for name in named if name not in gone)
             fits = self._fit_effects(named, bare) if named else bare
+            # The rounds stay in the report, but no longer name the withdrawn effects
             steps = [replace(one, named='') if one.named in gone else one for one in steps]
         sizes = {name: self._sizes[name] for name in named if name in self._sizes}
         return EffectSearchResult(tuple(steps), named, fits, bare, sizes)
@@ -200,6 +202,7 @@ class EffectSearch:
     def _is_trifle(self, name: str, fits: Pair) -> bool:
         """Return whether a candidate is too small to be named, on either side."""
         places = self._component_indices(name)
+        # A vector counts by its largest component
         typical = np.array([self.knobs[k].typical for k in places])
         sizes = [np.max(np.abs(this.fitted.mean[places]) / typical) for this in fits]
         return bool(min(sizes) < TRIFLE)
@@ -210,6 +213,7 @@ class EffectSearch:
 
         def fit_side(one: tuple[JointFitter, JointFit]) -> JointFit:
             fitter, last = one
+            # Let the new effect explain what the latent wrench absorbed before
             deviations = np.minimum(last.deviations, CAPPED * self.floor)
             begin = choose_start(fitter, prior, last.group, deviations, named)
             return fitter.fit(prior, begin, deviations)
@@ -230,6 +234,7 @@ class EffectSearch:
         found: dict[str, float] = {}
         sizes: dict[str, set[float]] = {}
         for this in fits:
+            # A second scan with a stiffer latent wrench, which can hide less
             capped = this.group.reduce(np.minimum(this.deviations, CAP * self.floor))
             for reduced in (this.reduced, capped):
                 seen = [
@@ -243,6 +248,7 @@ class EffectSearch:
                         sizes.setdefault(one.name, set()).add(one.size)
         for name, some in sizes.items():
             both = {size: self._predict_gain(name, size, named, fits) for size in some}
+            # Scans may suggest several prior scales: use the most probable one
             self._sizes[name] = max(both, key=lambda size: both[size])
             found[name] = both[self._sizes[name]]
         ranked = sorted(found, key=lambda name: -found[name])
@@ -263,6 +269,7 @@ class EffectSearch:
         out: dict[str, tuple[str, ...]] = {}
         for i, name in enumerate(ranked):
             same = [other for other in out if alike[i, ranked.index(other)] > ALIKE]
+            # Attach to the better of two similar candidates; one refit decides for both
             if same:
                 out[same[0]] = (*out[same[0]], name)
             elif expand_vectors(out) & {name}:
@@ -279,6 +286,7 @@ class EffectSearch:
             found = fit_deviations(this.group, prior, this.deviations, self.floor, worth=ROUGHLY)
             return found[1] - this.evidence
 
+        # Minus the prior cost of an unusual size
         return sum(map_parallel(evidence_gain, fits)) - SIZES[size]
 
     def _list_excluded(self, failed: Sequence[str], prior: Prior, fits: Pair) -> set[str]:
@@ -312,6 +320,7 @@ class EffectSearch:
                 named, fits, self._shortlist_candidates(named, fits, failed), failed
             )
             trials = (*trials, *step.trials)
+        # An infinite prediction: always refit, since the scan cannot score these
         jumping = {name: (np.inf, ()) for name in TRIED if name in set(self._names) - judged}
         if jumping and not step.named and self._displacing.has_remainder(fits):
             step, then = self._try_candidates(named, fits, jumping)
@@ -325,6 +334,7 @@ class EffectSearch:
         tried: dict[str, tuple[CandidateTrial, Pair]] = {}
         for name, (promise, _) in glance.items():
             most = max((trial.total_evidence for trial, _ in tried.values()), default=0.0)
+            # Save refits that cannot win against the best one so far
             if promise < HOPELESS * most and name not in TRIED:
                 continue
             then = self._fit_effects((*named, name), fits)
@@ -363,6 +373,7 @@ class EffectSearch:
 
     def _is_independent(self, trial: CandidateTrial, fits: Pair, then: Pair) -> bool:
         """Return whether a candidate is sound, and not part of the remaining force."""
+        # An effect that one side hardly supports may be an artefact of the other
         least, most = sorted((trial.gain, trial.replicated))
         sound = trial.wins_on_both and least > EVEN * most and trial.apart < AGREED
         return sound and self._displacing.is_independent(trial.name, fits, then)
@@ -412,5 +423,6 @@ class EffectSearch:
 
     def _carried_evidence(self, fits: Pair) -> float:
         """Return the evidence of the confirming flights under the training posterior."""
+        # Cross-validation: what the training flights taught has to help the others
         prior = posterior_as_prior(fits[0].fitted)
         return fit_deviations(fits[1].group, prior, fits[1].deviations, self.floor)[1]

@@ -52,6 +52,7 @@ def _widen_posterior(measured: JointFit) -> ParameterPosterior:
     """Return the posterior, with variances not below the scatter between pieces."""
     own = np.diag(measured.fitted.covariance)
     return measured.fitted._replace(
+        # Only the variances are used later, so correlations are dropped
         covariance=np.diag(np.maximum(own, sandwich_variance(measured)))
     )
 
@@ -70,6 +71,7 @@ def build_effects(
     )
     by_effect: dict[str, list[str]] = {}
     for name in proven.names:
+        # Names are 'effect.parameter'; report each effect once
         by_effect.setdefault(name.partition('.')[0], []).append(name)
     out, told = [], proven.select_components(knobs, np.sqrt(np.diag(seen.covariance)))
     for effect, found in by_effect.items():
@@ -82,6 +84,7 @@ def build_effects(
                 nominal, knobs[k], effect, float(values[k]), float(deviations[k])
             )
         )
+        # Parameters of one effect are removed one by one; the largest loss counts
         cost = max(proven.costs[name] for name in found)
         rivals = dict.fromkeys(rival for name in found for rival in proven.rivals[name])
         taken = list_assumed_values(nominal, effect, parameters)
@@ -111,10 +114,12 @@ def _estimate_parameters(
     units = {known.name: known.unit for known in EFFECTS[effect].parameters}
     begun, out = knob.enable_effect(nominal), []
     for (moved, parameter), rate in knob.moves.items():
+        # Companions in other effects (such as cross flow) are not reported here
         if moved != effect:
             continue
         before = nominal.parameter_value(effect, parameter)
         now = begun.parameter_value(effect, parameter) + rate * value
+        # Half width of the 95 % interval, in the unit of the model parameter
         half = NORMAL * abs(rate) * spread
         interval = now - half, now + half
         there = effect in nominal.given

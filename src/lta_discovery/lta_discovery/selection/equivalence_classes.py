@@ -40,8 +40,7 @@ class DataKindClasses(StrictModel):
         Cosines of pairs just below the threshold: 'one, other'.
     reach : mapping of str to two numbers
         Significance of a typical size of each effect in standard deviations, with tolerances: for
-        the
-        flights of the derivation, and for unlimited length.
+        the flights of the derivation, and for unlimited length.
 
     """
 
@@ -89,6 +88,7 @@ def load_class_map(kind: Kind) -> Mapping[str, str]:
     """
     found = find_kind_classes(kind)
     out = {name: name for name in found.reach}
+    # Effects outside any class represent themselves
     return out | {name: group[0] for group in found.classes for name in group}
 
 
@@ -107,10 +107,12 @@ def list_equivalents(name: str, kind: Kind) -> tuple[str, ...]:
 
 def classify_data_kind(flights: Sequence[MeasuredFlight]) -> Kind:
     """Return the kind of data of some flights, by the best-instrumented one."""
+    # The commanded wrench matters most: it bypasses the effects of the rotors
     if any(flight.wrench is not None for flight in flights):
         return 'wrench'
     if all(_is_hover(flight) for flight in flights):
         return 'hover'
+    # Channels 6 to 11 are gyro and accelerometer, 12 and 13 range and pressure
     if not any(np.isfinite(flight.noise[6:12]).all() for flight in flights):
         return 'pose'
     more = any(np.isfinite(flight.noise[12:14]).any() for flight in flights)
@@ -122,6 +124,7 @@ def _is_hover(flight: MeasuredFlight) -> bool:
     place = flight.position[flight.usable]
     if len(place) < 2:
         return True
+    # 25 grid periods of 40 ms are 1 s, so distances are speeds in m/s
     speed = np.linalg.norm(np.diff(place[::25], axis=0), axis=1)
     low, high = np.quantile(place[:, 2], [0.1, 0.9])
     slow = len(speed) == 0 or float(np.quantile(speed, 0.9)) < STILL

@@ -27,24 +27,7 @@ LEAST: Final[Mapping[str, float]] = {'clock_skew.skew': 5e-6}
 def parameter_deviations(
     posterior: ParameterPosterior, parameters: Sequence[FreeParameter], has_remainder: bool
 ) -> Array:
-    """
-    Return the standard deviations of parameters, including model errors.
-
-    Parameters
-    ----------
-    posterior : ParameterPosterior
-        After the data.
-    parameters : sequence of FreeParameter
-        In their order.
-    has_remainder : bool
-        Whether an effect outside the library remains.
-
-    Returns
-    -------
-    ndarray, shape (K,)
-        In the units of the parameters.
-
-    """
+    """Return the standard deviations of parameters, including model errors."""
     wider, count = BESIDE if has_remainder else 1.0, len(parameters)
     own, mean = np.diag(posterior.covariance)[:count], posterior.mean[:count]
     least = np.array([LEAST.get(knob.name, 0.0) for knob in parameters])

@@ -56,9 +56,11 @@ def find_acting_axes(linear: LinearizedFlight, name: str, floor: Array) -> NDArr
     shares = np.zeros(AXES)
     for axis in range(AXES):
         at = slice(WIDTH + axis * count, WIDTH + (axis + 1) * count)
+        # A practically free latent force on this axis alone
         inner = linear.grams[:, at, at] + inverse / (FREE * floor[axis]) ** 2
         cross = linear.grams[:, at, column, None]
         shares[axis] = np.sum(cross * np.linalg.solve(inner, cross))
+    # Share of the squared column; the bound avoids 0 / 0 for unobservable effects
     shares /= max(float(linear.grams[:, column, column].sum()), 1e-300)
     acts: NDArray[np.bool_] = (shares > ALIKE) & (shares > NEARLY * shares.max())
     return acts

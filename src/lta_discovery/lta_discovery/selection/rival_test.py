@@ -49,6 +49,7 @@ AGREED: Final = 2.5  # standard deviations; largest difference of the sides if a
 
 def displacement_threshold(name: str, gain: float) -> float:
     """Return the gain at which a rival displaces a candidate. [nats]"""
+    # Motion effects resemble any rival, so every better rival displaces them
     motion = name.partition('.')[0] in PARTS
     return gain if motion else BETTER * gain + MARGIN
 
@@ -68,19 +69,17 @@ def find_better_rival(
 
     Parameters
     ----------
-    gain : float
-        Log evidence of the candidate on all flights. [nats]
     least : float
         Gain of a clearly better rival: `displacement_threshold`.
     before, after : mapping of str to float
         Gain of each rival without the candidate, and with it.
-    part : float
-        Part of its evidence that the candidate has to keep.
 
     """
+    # Strongest first, so the loop may stop at the first rival that is too weak
     for name in sorted(before, key=lambda one: -before[one]):
         if before[name] <= least:
             break
+        # Evidence of the candidate given the rival: joint gain less the rival's own
         if gain + after[name] - before[name] < max(BESIDE, part * gain):
             return name
     return ''
@@ -107,17 +106,7 @@ def evidence_gains(before: Pair, then: Pair) -> tuple[float, float]:
 
 @final
 class RivalTest:
-    """
-    Test candidates against generic rivals.
-
-    Parameters
-    ----------
-    flights : pair of sequences of FlightLinearizer
-        Training and confirming flights.
-    floor : ndarray, shape (6,)
-        Noise floor of the latent wrench.
-
-    """
+    """Test candidates against generic rivals."""
 
     def __init__(self, flights: Sequence[Sequence[FlightLinearizer]], floor: Array) -> None:
         self._flights, self._rivals, self._floor = flights, RivalSearch(flights), floor
@@ -131,16 +120,13 @@ class RivalTest:
 
         Parameters
         ----------
-        gain : float
-            Log evidence of the candidate on all flights. [nats]
         fits, then : pair of JointFit
             Without it and with it.
-        part : float
-            As for `find_better_rival`.
 
         """
         if self._relative_deviations(fits).max() < SMALL:
             return True  # no force for a rival to explain
+        # Several candidates of a round share the same fits: rate the rivals once
         if self._last is None or self._last[0] is not fits:
             self._last = fits, self._compute_gains(fits)
         before = self._last[1]
@@ -154,15 +140,7 @@ class RivalTest:
         return bool(self._relative_deviations(fits).max() > CLEAR)
 
     def is_independent(self, name: str, fits: Pair, then: Pair) -> bool:
-        """
-        Return whether a candidate is independent of the remainder.
-
-        Parameters
-        ----------
-        fits, then : pair of JointFit
-            Without it and with it.
-
-        """
+        """Return whether a candidate is independent of the remainder."""
         before, after = self._relative_deviations(fits), self._relative_deviations(then)
         acts = find_acting_axes(then[0].group.linears[0], name, self._floor)
         return is_calm(acts, after) or is_unaffected(before, after)
@@ -175,8 +153,6 @@ class RivalTest:
         ----------
         history : sequence of (name, pair of JointFit)
             Of each named effect: the fits without it.
-        last : pair of JointFit
-            With all of them.
 
         """
         final = self._relative_deviations(last)
@@ -197,6 +173,7 @@ class RivalTest:
         before, then = fits
         linear, gains = then[0].group.linears[0], evidence_gains(before, then)
         acts, k = find_acting_axes(linear, name, self._floor), linear.names.index(name)
+        # Remainder before the candidate was added
         floors, differs = self._relative_deviations(before), relative_difference(then, k)
         weak = scaled_difference(then, k) > AGREED and differs > PART
         if weak or (sum(gains) < FAINT and not is_calm(acts, final)):
@@ -231,6 +208,7 @@ class RivalTest:
 
     def _relative_deviations(self, fits: Pair) -> Array:
         """Return the deviations by the noise floor, as geometric mean of the sides."""
+        # Ratios are averaged in the logarithm, so that neither side dominates
         logs = np.mean([np.log(each.deviations / self._floor) for each in fits], axis=0)
         together: Array = np.exp(logs)
         return together

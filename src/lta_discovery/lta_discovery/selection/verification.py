@@ -56,8 +56,7 @@ class VerifiedEffects:
         All flights with the effects, and without any.
     measured : JointFit
         All flights with the effects and flat priors of their sizes. The usual priors serve to
-        compare
-        effects, but would bias the values towards 0.
+        compare effects, but would bias the values towards 0.
     steps : tuple of SelectionRound
         Rounds of the search for weak effects on all flights.
 
@@ -75,15 +74,7 @@ class VerifiedEffects:
     def select_components(
         self, parameters: Sequence[FreeParameter], deviations: Array
     ) -> dict[str, tuple[int, ...]]:
-        """
-        Return the parameters to report of each name: of a vector, the significant components.
-
-        Parameters
-        ----------
-        deviations : ndarray, shape (G,)
-            Standard deviations of the measured values.
-
-        """
+        """Return the parameters to report of each name: significant components of vectors."""
         order, mean = [knob.name for knob in parameters], self.measured.fitted.mean
         out = {}
         for name in self.names:
@@ -106,8 +97,6 @@ class EffectVerification:
 
     Parameters
     ----------
-    nominal : NominalVehicle
-        The vehicle of the file.
     flights : sequence of FlightLinearizer
         In the order of the pairs of `EffectSearchResult`.
 

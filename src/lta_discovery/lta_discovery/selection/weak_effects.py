@@ -1,9 +1,9 @@
 """
 Search for weak effects that only all flights together can reveal.
 
-Separate evidence of each side pays twice for an unknown size, which weak effects cannot afford. On
-all flights together it is paid once. To exclude chance, each side then has to pull in the same
-direction, by a similar amount, and no other candidate may be nearly as good.
+The evidence of each side alone includes the penalty for an unknown size (Occam factor). Weak
+effects cannot outweigh it twice; on all flights together it counts once. To exclude chance, the
+estimates of both sides have to be similar, and no other candidate may be nearly as good.
 """
 
 from collections.abc import Mapping, Sequence
@@ -40,8 +40,6 @@ class WeakCandidate(NamedTuple):
 
     Attributes
     ----------
-    name : str
-        Its name.
     gain : float
         Gain in log evidence on all flights together. [nats]
     sides : pair of CandidateScore
@@ -114,8 +112,6 @@ class WeakEffectSearch:
     ----------
     fitter : JointFitter
         The flights, training flights first.
-    teach : int
-        Number of training flights.
     sizes : mapping of str to float
         Prior deviations of named effects in typical sizes, where not 1.
 
@@ -174,8 +170,6 @@ class WeakEffectSearch:
 
         Parameters
         ----------
-        names : sequence of str
-            Effects in the model.
         last : JointFit
             All flights with them, by `fit_lower_floor`.
 

@@ -22,24 +22,9 @@ def bootstrap_values(
     seed: int,
 ) -> Array:
     """
-    Return bootstrap values over flights, each by one step from the fit to all.
+    Return bootstrap values over flights, shape (DRAWS, K).
 
-    Parameters
-    ----------
-    fit : ForecastFit
-        To all flights.
-    knobs : sequence of FreeParameter
-        All of them.
-    which, spread
-        As for `ForecastFitter.fit`.
-    seed : int
-        Random seed.
-
-    Returns
-    -------
-    ndarray, shape (DRAWS, K)
-        Within the bounds of the parameters.
-
+    Each is one step from the fit to all, within the bounds of the parameters.
     """
     rng, count = np.random.default_rng(seed), len(fit.said)
     at, wall = fit.values[list(which)], np.diag(spread**-2.0)
@@ -50,6 +35,7 @@ def bootstrap_values(
     rest = pulls.sum(axis=0) - wall @ at
     out = np.empty((DRAWS, len(at)))
     for draw in range(DRAWS):
+        # How often each flight occurs in the sample
         times = np.bincount(rng.integers(0, count, count), minlength=count)
         inner = np.einsum('f,fij->ij', times, products) + wall
         right = times @ pulls - wall @ at - rest

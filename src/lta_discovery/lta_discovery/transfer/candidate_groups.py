@@ -71,6 +71,7 @@ def list_groups(knobs: Sequence[FreeParameter]) -> list[CandidateGroup]:
     out: dict[str, CandidateGroup] = {}
     for k, knob in enumerate(knobs):
         effect, _, parameter = knob.name.partition('.')
+        # Forecasts of a pose do not depend on the other sensors
         sensor = knob.reaches == 'reading' and effect != 'tracker_misalignment'
         if knob.typical <= 0.0 or knob.per_flight or sensor:
             continue
@@ -110,4 +111,5 @@ def iterated_prior_deviations(knobs: Sequence[FreeParameter], which: Sequence[in
 def _prior_deviation(knob: FreeParameter) -> float:
     """Return the prior standard deviation of a parameter."""
     loose = LOOSE.get(knob.name.partition('.')[0])
+    # Wide enough for real vehicles, whose effects may be far from typical
     return loose or max(WIDE * knob.typical, 2.0 * knob.tolerance)

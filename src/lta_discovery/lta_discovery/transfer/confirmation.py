@@ -19,10 +19,6 @@ def confirm_groups(
 
     Parameters
     ----------
-    sight : ForecastFitter
-        All training and confirming flights.
-    chosen : GroupSelection
-        Effects in the order of their gain.
     halves : sequence of sequences of int
         Training and confirming flights; if one is empty, all effects are confirmed.
 
@@ -30,6 +26,7 @@ def confirm_groups(
     kept = list(chosen.groups)
     if not all(halves):
         return tuple(kept)
+    # Weakest first, so that strong effects are tested with few others
     for group in reversed(chosen.groups):
         rest = [one for one in kept if one is not group]
         with_it, without = (_cross_error(sight, chosen, some, halves) for some in (kept, rest))
@@ -46,6 +43,7 @@ def _cross_error(
 ) -> float:
     """Return the summed squared error of each half with the values fitted to the other."""
     which = [k for group in groups for k in group.knobs]
+    # Start from the values of all flights, to save steps
     begin = np.where(np.isin(np.arange(len(sight.knobs)), which), chosen.values, 0.0)
     total = 0.0
     for teaching, other in (halves, halves[::-1]):

@@ -29,8 +29,6 @@ class RegimeError(NamedTuple):
     ----------
     name : str
         'moving mass at 0.0847 m'.
-    flights : int
-        Number of flights.
     before, after : float
         Weighted error with the vehicle file, and with the values of the other regimes.
 
@@ -71,8 +69,6 @@ def cross_validate(
     ----------
     fit : ForecastFit
         To all flights; each fit without a regime is one Gauss-Newton step from it.
-    which, spread
-        As for `ForecastFitter.fit`.
     regimes : mapping of str to sequence of int
         Flights by regime; each has flights outside of it.
 

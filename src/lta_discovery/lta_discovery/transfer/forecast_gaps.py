@@ -29,6 +29,7 @@ def coast_errors(flight: FlightLinearizer) -> Array:
     """Return the errors of constant body velocity and rates, shape (S, H, 6)."""
     cut, told = flight.replay.cut, flight.replay.flight
     at = np.rint(np.array(HORIZONS) / PERIOD).astype(np.int64)
+    # In the frame of the tracker, as nothing of the model is used
     states = extrapolate_coast(cut.start, cut.length)[:, at]
     index = flight.index[:, at]
     turn = quaternion_logarithm(
@@ -59,12 +60,8 @@ def compute_forecast_gaps(
 
     Parameters
     ----------
-    sight : ForecastFitter
-        Of the flights to evaluate.
     models : mapping of str to ndarray, shape (G,)
         Parameters of 'before', 'tuned', 'after' and optionally 'refitted'.
-    seed : int
-        Of the bootstrap.
 
     """
     every = range(len(sight.flights))

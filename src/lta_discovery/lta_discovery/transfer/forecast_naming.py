@@ -77,6 +77,7 @@ def needs_forecasts(study: DiscoveryStudy) -> bool:
     told = [one.flight.replay.flight for one in study.flights if one.role != 'holdout']
     if any(np.isfinite(flight.noise[POSE:]).any() for flight in told):
         return False
+    # Filtered poses: `estimate_pose_noise` found correlated errors
     smooth = all(flight.alike > 1.0 for flight in told)
     if smooth:
         return len(told) >= FEWEST
@@ -85,17 +86,7 @@ def needs_forecasts(study: DiscoveryStudy) -> bool:
 
 
 def name_by_forecasts(study: DiscoveryStudy, tell: Progress) -> DiscoveryStudy:
-    """
-    Add the effects that forecasts identify to a study, or return it unchanged.
-
-    Parameters
-    ----------
-    study : DiscoveryStudy
-        Result of the sensor readings.
-    tell : callable
-        Receives the stage and its share.
-
-    """
+    """Add the effects that forecasts identify to a study, or return it unchanged."""
     if not needs_forecasts(study):
         return study
     tell('evaluating forecasts', 0.0)
@@ -175,6 +166,7 @@ def _cut_forecast_flights(
     known = [(one, flight) for one, flight in cut if flight is not None]
     if not known:
         return None
+    # From a share of the weight to newtons
     lift = LIFT * GRAVITY * study.nominal.mass
     flights: list[FlightLinearizer] = [flight for _, flight in known]
     return ForecastFlights([one for one, _ in known], ForecastFitter(study.nominal, flights, lift))

@@ -85,12 +85,6 @@ def select_forward(
 
     Parameters
     ----------
-    sight : ForecastFitter
-        Of all flights.
-    flights : sequence of int
-        Flights to use.
-    regimes : mapping of str to sequence of int
-        Of all flights.
     candidates : sequence of CandidateGroup, optional
         All of `list_groups` by default.
 
@@ -114,6 +108,7 @@ def select_forward(
             sight, said, sides, every, values, [g for g, _ in chosen], candidates, first
         )
         rounds.append(tuple(tried))
+        # The best candidate that harms no regime much
         best = next((one for one in tried if one.worst > WORST), None)
         if best is None or best.worth < WORTH:
             break
@@ -180,8 +175,10 @@ def _cross_validated_gain(
         others = [f for f in information if f not in set(side)]
         inner = wall + np.sum([products[f] for f in others], axis=0)
         right = np.sum([pulls[f] for f in others], axis=0) - wall @ values[which]
+        # One Gauss-Newton step from the other regimes, within bounds
         step = np.clip(np.linalg.solve(inner, right), low, high)
         n = np.sum([products[f] for f in side], axis=0)
         b = np.sum([pulls[f] for f in side], axis=0)
+        # Decrease of the quadratic cost of the left-out regime
         out.append(float(2.0 * step @ b - step @ n @ step))
     return np.array(out)

@@ -23,8 +23,6 @@ def refit_everything(sight: ForecastFitter, begin: Array) -> tuple[Array, int]:
 
     Parameters
     ----------
-    sight : ForecastFitter
-        All training and confirming flights.
     begin : ndarray, shape (G,)
         Initial values: those of the named effects.
 

@@ -27,10 +27,6 @@ class GroupValues(NamedTuple):
 
     Attributes
     ----------
-    which : list of int
-        Indices of their parameters.
-    fitted : ForecastFit
-        To all flights.
     draws : ndarray, shape (D, K)
         Bootstrap values.
     regimes : list of RegimeError
@@ -50,21 +46,7 @@ def fit_groups(
     parts: Mapping[str, Sequence[int]],
     seed: int,
 ) -> GroupValues:
-    """
-    Fit effects to all flights.
-
-    Parameters
-    ----------
-    sight : ForecastFitter
-        All training and confirming flights.
-    groups : sequence of CandidateGroup
-        The effects.
-    parts : mapping of str to sequence of int
-        Flights by regime.
-    seed : int
-        Of the bootstrap.
-
-    """
+    """Fit effects to all flights."""
     every = range(len(sight.flights))
     which = [k for group in groups for k in group.knobs]
     spread = iterated_prior_deviations(sight.knobs, which)

@@ -24,23 +24,7 @@ def build_effects(
     confirmed: Sequence[CandidateGroup],
     best: GroupValues,
 ) -> tuple[NamedEffect, ...]:
-    """
-    Return the named effects of the registry, the strongest first.
-
-    Parameters
-    ----------
-    nominal : NominalVehicle
-        The vehicle of the file.
-    knobs : sequence of FreeParameter
-        All of them.
-    chosen : GroupSelection
-        All selected effects, with their gains.
-    confirmed : sequence of CandidateGroup
-        Those of them that were confirmed.
-    best : GroupValues
-        Their values.
-
-    """
+    """Return the named effects of the registry, the strongest first."""
     bounds = dict(zip(best.which, compute_intervals(best.draws), strict=True))
     out: dict[str, NamedEffect] = {}
     for group in confirmed:

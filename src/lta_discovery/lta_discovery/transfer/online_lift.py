@@ -26,10 +26,6 @@ def subtract_online_lift(ahead: HorizonErrors, time: Array, lift: float) -> Arra
     ----------
     ahead : HorizonErrors
         Its last column is the sensitivity to the lift.
-    time : ndarray, shape (S,)
-        Beginning of each piece. [s]
-    lift : float
-        Standard deviation of a flight's lift. [N]
 
     Returns
     -------
@@ -45,6 +41,7 @@ def subtract_online_lift(ahead: HorizonErrors, time: Array, lift: float) -> Arra
         # Only forecasts that have ended by now: a real-time estimator knows no more.
         over = (ends <= now + 1e-6) & known
         size = (SIZE * np.broadcast_to(HORIZONS, over.shape)[over])[:, None]
+        # Errors grow with the horizon, so later ones weigh less
         a, r = column[over][:, :3] / size, left[over][:, :3] / size
         out[k] -= column[k] * (np.sum(a * r) / (np.sum(a * a) + lift**-2.0))
     return out

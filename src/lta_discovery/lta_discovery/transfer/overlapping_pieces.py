@@ -15,15 +15,7 @@ MOST: Final = 400  # pieces of all flights, to limit time and memory
 
 
 def cut_overlapping_windows(flight: MeasuredFlight, apart: float = APART) -> Windows:
-    """
-    Cut a flight into complete pieces as long as the last horizon.
-
-    Parameters
-    ----------
-    apart : float
-        Time between beginnings. [s]
-
-    """
+    """Cut a flight into complete pieces as long as the last horizon."""
     count = round(HORIZONS[-1] / PERIOD)
     first, start = [], []
     for begin, end in find_usable_runs(flight.usable):

@@ -23,11 +23,7 @@ def group_by_regime(flights: Sequence[FlightLinearizer]) -> dict[str, list[int]]
     """
     Group flights by moving mass, constant commands, speed, and direction of turn.
 
-    Returns
-    -------
-    dict of str to list of int
-        Flights by regime, for regimes with enough flights inside and outside.
-
+    Only regimes with enough flights inside and outside are returned.
     """
     out: dict[str, list[int]] = {}
     for f, flight in enumerate(flights):
@@ -45,6 +41,7 @@ def _mass_regime(flight: FlightLinearizer) -> str:
     mass = flight.replay.flight.mass
     if mass is None:
         return ''
+    # Rounded, so that flights with nearly equal places share a regime
     return f'moving mass at {APART * round(float(np.median(mass.values[:, 0])) / APART):.3f} m'
 
 
@@ -94,6 +91,7 @@ def describe_interpolation(study: DiscoveryStudy) -> str:
     if study.finding.carried is not None:
         return ''  # the effects were identified by this test
     flights = [one.flight for one in study.flights if one.role != 'holdout']
+    # At least one piece has to reach the last horizon
     flights = [one for one in flights if one.replay.cut.inside[:, -1].any()]
     knobs = [knob for effect in study.finding.effects for knob in effect.knobs]
     groups = group_by_regime(flights) if knobs and len(flights) >= ENOUGH else {}

@@ -97,12 +97,8 @@ def assess_unmodeled(
 
     Parameters
     ----------
-    pair : pair of sequences of FlightLinearizer
-        Training and confirming flights.
     full : JointFit
         All of them in this order, with all named effects.
-    floor : ndarray, shape (6,)
-        Noise floor of the latent wrench.
 
     """
     count = len(pair[0])
@@ -117,6 +113,7 @@ def assess_unmodeled(
     times = [each.time for each in flights]
     noise = [each.replay.flight.noise for each in flights]
     knots = full.group.linears[0].knots
+    # Slower oscillations are followed by the latent wrench and sought there
     seen = find_lines(residuals, times, noise, lowest_frequency(knots))
     nominal = full.group.linears[0].point.nominal
     inverse = nominal.build_model().inverse
@@ -130,6 +127,7 @@ def assess_unmodeled(
         air = detect_draught(full.deviations, floor, left, winning, series, nominal)
     if air is not None:
         left = [one for one in left if one.axis not in LEVEL]
+        # Rivals of one horizontal axis only describe the draught
         rivals = tuple(one for one in rivals if not is_one_sided(one))
     remains = add_oscillations(add_rival_terms(left, rivals, floor), dominant_oscillations(slow))
     return UnmodeledForces(tuple(remains), rivals, told, slow, air)

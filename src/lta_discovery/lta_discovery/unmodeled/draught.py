@@ -62,8 +62,6 @@ def isotropy_probability(pair: Array, count: float) -> float:
 
     Parameters
     ----------
-    pair : ndarray, shape (N, 2)
-        Two orthogonal components.
     count : float
         Equivalent number of independent values.
 
@@ -72,6 +70,7 @@ def isotropy_probability(pair: Array, count: float) -> float:
     half = 0.5 * float(np.trace(products))
     if half <= 0.0:
         return 1.0
+    # 1 for a circle, 0 for a line; rounding may make the determinant negative
     alike = max(float(np.linalg.det(products)), 0.0) / half**2
     return float(alike ** (0.5 * max(count - 1.0, 0.0)))
 
@@ -80,6 +79,7 @@ def is_horizontal(series: Sequence[LatentSeries]) -> bool:
     """Return whether a force is horizontal and isotropic in the horizontal plane."""
     ground = np.concatenate([each.ground for each in series])
     body = np.concatenate([each.body for each in series])
+    # RMS force along each axis of the map
     x, y, z = np.sqrt(np.mean(ground**2, axis=0))
     if z > QUIET * math.sqrt(0.5 * (x**2 + y**2)):
         return False
@@ -93,7 +93,7 @@ def is_one_sided(rival: GenericRival) -> bool:
     """
     Return whether a rival explains only one of surge and sway.
 
-    This does not explain an isotropic force: with dozens of rivals, one wins on two flights by
+    This does not explain an isotropic force: with dozens of rivals, one fits two flights by
     chance.
     """
     return len(rival.axes) == 1 and rival.axes[0] in LEVEL
@@ -114,6 +114,7 @@ def estimate_air_speed(force: float, nominal: NominalVehicle) -> float:
 
     """
     masses = np.linalg.inv(np.reshape(nominal.build_model().inverse, (6, 6)))
+    # Mean horizontal added mass plus displaced air; the rigid mass is subtracted
     moved = 0.5 * (masses[0, 0] + masses[1, 1]) - nominal.mass + nominal.displaced
     return float(force * MEMORY / moved)
 
@@ -126,27 +127,15 @@ def detect_draught(
     series: Sequence[LatentSeries],
     nominal: NominalVehicle,
 ) -> DraughtFinding | None:
-    """
-    Return the draught if it explains the whole remainder, else None.
-
-    Parameters
-    ----------
-    deviations, floor : ndarray, shape (6,)
-        Of the latent wrench, and its noise floor. [N, N m]
-    left : sequence of Remainder
-        Axes above the noise floor.
-    rivals : sequence of GenericRival
-        Rivals with evidence.
-    series : sequence of LatentSeries
-        Of all flights.
-
-    """
+    """Return the draught if it explains the whole remainder, else None."""
     floors = (deviations / floor)[:2]
+    # Too weak to report, or strong enough to put names in question
     if floors.min() < LEAST or floors.max() >= MOST:
         return None
     if any(one.axis not in LEVEL or one.carried > CARRIED for one in left):
         return None
     if not all(map(is_one_sided, rivals)) or not is_horizontal(series):
         return None
+    # Geometric mean of surge and sway
     force = math.sqrt(float(deviations[0] * deviations[1]))
     return DraughtFinding(force, estimate_air_speed(force, nominal))

@@ -37,8 +37,6 @@ class FitBaseline:
         Shared parameters.
     variance : ndarray, shape (G,)
         Of per-flight parameters; 0 for shared ones.
-    prior : Prior
-        Of shared parameters.
     deviations, floor : ndarray, shape (6,)
         Of the latent wrench, and its noise floor. [N, N m]
     evidence : float
@@ -68,6 +66,7 @@ class FitBaseline:
         """Return the baseline of some flights of a joint fit, with their own evidence."""
         every = cls.from_joint(joint, floor)
         some = replace(every, linears=every.linears[which])
+        # No groups: only the evidence of these flights is needed
         base = TermColumns(some, [()] * len(some.linears)).reduce_groups(some.deviations, ()).base
         return replace(some, evidence=base + log_prior(some.deviations, floor))
 
@@ -105,9 +104,11 @@ class _FlightColumns:
         self._rest = grams[:, random:, random:].sum(axis=0)
         self._columns: dict[str, _GroupColumns] = {}
         for group in groups:
+            # Each term is a fixed combination of the latent knots, so its products follow
             weights = np.swapaxes(group.values.reshape(*group.values.shape[:2], -1), 1, 2)
             along = grams[:, :, latent] @ weights
             own = (np.swapaxes(weights, 1, 2) @ along[:, latent]).sum(axis=0)
+            # Weights are shared by all pieces, so their products add up
             aside = along[:, random:].sum(axis=0)
             self._columns[group.name] = _GroupColumns(along[:, :random], aside, own)
         self._own = np.flatnonzero(baseline.variance)
@@ -115,6 +116,7 @@ class _FlightColumns:
         off = baseline.at - linear.point.values
         self._mean = off[self._own]
         self._shift = np.eye(len(off) + 1)
+        # Moves the residual to the common shared parameters
         self._shift[:-1, -1] = -np.where(baseline.variance > 0.0, 0.0, off)
 
     def reduce_groups(
@@ -129,6 +131,7 @@ class _FlightColumns:
         cross[:, :, -1] += pull
         # Invert once: each of dozens of groups then needs a product only.
         back = invert_lower(root)
+        # Triangular solve by a product with the inverse Cholesky factor
         half = back @ cross
         products = self._rest - np.einsum('skg,skh->gh', half, half, optimize=True)
         products[-1, -1] += float(np.sum(pull * mean))
@@ -140,6 +143,7 @@ class _FlightColumns:
             columns = self._columns[name]
             mine = back @ columns.along
             aside = columns.aside - np.einsum('skg,skj->gj', half, mine, optimize=True)
+            # Schur complement of the pieces' unknowns
             alone = columns.own - np.einsum('ski,skj->ij', mine, mine, optimize=True)
             found[name] = self._shift.T @ aside, alone
         return self._eliminate_own(constant, products, found)
@@ -173,8 +177,6 @@ class TermColumns:
 
     Parameters
     ----------
-    baseline : FitBaseline
-        Of the flights.
     groups : sequence of sequences of TermGroup
         All groups, in the same order for each flight.
 
@@ -206,5 +208,6 @@ class TermColumns:
             aside = np.sum([part[2][name][0] for part in parts], axis=0)
             alone = np.sum([part[2][name][1] for part in parts], axis=0)
             left = solve_triangular(lower, aside[free], lower=True)
+            # Shared parameters are eliminated last
             inners[name], rights[name] = alone - left.T @ left, aside[-1] - left.T @ seen
         return GroupProducts(base, inners, rights)

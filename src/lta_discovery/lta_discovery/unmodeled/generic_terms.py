@@ -47,6 +47,7 @@ class FlightBox(NamedTuple):
         """Return the box around the middle 96 % of the positions of some flights, shape (n, 3)."""
         together = np.concatenate(places)
         low, high = np.percentile(together, [2.0, 98.0], axis=0)
+        # At least 0.2 m wide, as a hover has no extent
         return cls(low, np.maximum(high, low + 0.2))
 
 
@@ -86,8 +87,6 @@ class TermGroup(NamedTuple):
         'heave by height'.
     axes : tuple of int
         Axes of the wrench on which it acts.
-    terms : tuple of str
-        Their names.
     values : ndarray, shape (S, J, 6, K)
         Wrench of each term at the K knots of a piece, for a weight of 1 noise floor.
 
@@ -108,11 +107,14 @@ def compute_term_inputs(flight: FlightLinearizer, point: LinearizationPoint) -> 
     body = point.nominal.build_model().body
     pushed = np.zeros((*steps.shape, AXES))
     for i in range(len(point.nominal.rotors)):
+        # Place and axis of each rotor in the row of body constants
         place, axis = (
             body[at + i * ROTOR : at + i * ROTOR + 3] for at in (ROTOR_PLACE, ROTOR_AXIS)
         )
+        # Force and moment per newton of thrust
         lever = np.concatenate([axis, np.cross(place, axis)])
         pushed += commands[steps, i, None] * lever
+    # Acceleration in the body frame; the term w x v is neglected
     rate = np.gradient(states[..., 7:10], replay.dt, axis=1)
     up = rotation_matrix(states[..., 3:7])[..., 2, :]
     time = flight.time[:, :1] + replay.dt * np.arange(replay.span)
@@ -128,6 +130,7 @@ def _project_on_knots(values: Array, nearest: Array) -> Array:
 def _place_terms(inputs: TermInputs, scene: FlightBox) -> tuple[list[str], Array]:
     """Return Gaussian bumps on a grid of positions, shape (S, n, SIDE^2)."""
     spots = [np.linspace(scene.low[k], scene.high[k], SIDE) for k in range(2)]
+    # Standard deviation of a bump: one interval of the grid
     width = np.maximum(scene.high[:2] - scene.low[:2], 0.5) / (SIDE - 1)
     out = []
     for x in spots[0]:
@@ -141,8 +144,10 @@ def _place_terms(inputs: TermInputs, scene: FlightBox) -> tuple[list[str], Array
 def _simulate_oscillator(inputs: TermInputs, shaking: Array, hertz: float) -> Array:
     """Return position and speed of an oscillator driven by an acceleration, shape (S, n, 2)."""
     omega, dt = 2.0 * math.pi * hertz, float(inputs.time[0, 1] - inputs.time[0, 0])
+    # Semi-implicit Euler with damping, written as a second-order filter
     decay = math.exp(-DAMPED * omega * dt)
     back = [1.0, decay * (dt * omega) ** 2 - decay - 1.0, decay]
+    # Pieces without a gap in between are one run
     gaps = np.flatnonzero(inputs.time[1:, 0] - inputs.time[:-1, -1] > 2.0 * dt) + 1
     out = np.zeros((*shaking.shape, 2))
     for run in np.split(np.arange(len(shaking)), gaps):  # at rest after each gap
@@ -160,6 +165,7 @@ def _list_axis_terms(
     motion = inputs.states[..., 7:13] / USUAL_SPEED
     height = (inputs.states[..., 2] - 0.5 * (scene.low[2] + scene.high[2])) / USUAL_HEIGHT
     rotation = rotation_matrix(inputs.states[..., 3:7])
+    # Of the body x axis in the map
     heading = np.arctan2(rotation[..., 1, 0], rotation[..., 0, 0])
     spots = np.linspace(scene.low[2], scene.high[2], LAYERS)
     width = (scene.high[2] - scene.low[2]) / (LAYERS - 1)
@@ -167,11 +173,13 @@ def _list_axis_terms(
     moving = [height * motion[..., k] for k in (0, 2)]
     names = ['height'] * (LAYERS + 1) + [f'height x {MOTIONS[k]}' for k in (0, 2)]
     yield 'height', names, np.stack([height, *layers, *moving], axis=-1)
+    # First and second harmonic of the heading
     turns = [f(m * heading) for m in (1, 2) for f in (np.cos, np.sin)]
     yield 'heading', ['heading'] * 2 + ['twice the heading'] * 2, np.stack(turns, axis=-1)
     names, values = [], []
     for k, name in enumerate(MOTIONS):
         for sign, way in ((1.0, 'forward'), (-1.0, 'backward')):
+            # Half-wave: acts in one direction only
             one = np.maximum(sign * motion[..., k], 0.0)
             names += [f'{way} {name}', f'{way} {name} squared']
             values += [one, one**2]
@@ -207,6 +215,7 @@ def _build_axis_group(
     """Return a group of one axis, with a constant in addition to its terms."""
     values = np.zeros((len(knots), len(terms) + 1, AXES, knots.shape[-1]))
     values[:, :-1, axis] = floor[axis] * knots
+    # Last term: a constant, so that the others need no mean of 0
     values[:, -1, axis] = floor[axis]
     return TermGroup(f'{NAMES[axis]} by {name}', (axis,), (*terms, CONSTANT), values)
 
@@ -219,15 +228,12 @@ def list_term_groups(
 
     Parameters
     ----------
-    scene : FlightBox
-        Of all flights of the study.
     floor : ndarray, shape (6,)
         Wrench of a weight of 1. [N, N m]
-    count : int
-        Knots of a piece.
 
     """
     shares = hat_functions(inputs.states.shape[1], count)
+    # Least-squares projection from steps to knots, the same for all terms
     nearest = np.asarray(np.linalg.pinv(shares), dtype=np.float64)
     rotation = rotation_matrix(inputs.states[..., 3:7])
     names, bumps = _place_terms(inputs, scene)
@@ -255,6 +261,7 @@ def list_term_groups(
 
 def _build_swing_group(inputs: TermInputs, axis: int, floor: Array, nearest: Array) -> TermGroup:
     """Return the group of a swinging load on an axis."""
+    # Acceleration that drives the swing on each axis: roll by sway, pitch by surge
     shaken = inputs.felt[..., {0: 0, 1: 1, 2: 2, 3: 1, 4: 0, 5: 1}[axis]]
     usual = 0.1  # m/s2
     swung = [

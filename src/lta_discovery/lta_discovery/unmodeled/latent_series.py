@@ -17,7 +17,7 @@ class LatentSeries(NamedTuple):
     """
     Latent wrench of a flight at its N valid knots.
 
-    Times occur twice where two pieces meet.
+    A time occurs twice where one piece ends and the next begins.
 
     Attributes
     ----------
@@ -39,6 +39,7 @@ class LatentSeries(NamedTuple):
         """Return the latent wrench of a fitted flight."""
         inside = flight.replay.cut.inside
         share = np.linspace(0.0, 1.0, fit.linear.knots)
+        # Knots after the end of a shorter last piece have no data
         known = inside[:, np.rint(share * (inside.shape[1] - 1)).astype(int)].ravel()
         begin, end = flight.time[:, :1], flight.time[:, -1:]
         time = (begin + (end - begin) * share).ravel()[known]

@@ -97,23 +97,11 @@ def stack_channels(series: LatentSeries) -> Array:
 
 def fit_wave_power(time: Array, values: Array, hertz: Array) -> Array:
     """
-    Return squared amplitudes of single waves fitted to series by least squares.
+    Return squared amplitudes of single waves fitted to series, shape (B, C).
 
-    Parameters
-    ----------
-    time : ndarray, shape (N,)
-        Of the values, in any order and with gaps. [s]
-    values : ndarray, shape (N, C)
-        The series.
-    hertz : ndarray, shape (B,)
-        Frequencies.
-
-    Returns
-    -------
-    ndarray, shape (B, C)
-        After removal of a linear trend.
-
+    Least squares, after removal of a linear trend. The times may have gaps.
     """
+    # Centred times keep the fit well conditioned
     at = time - time.mean()
     line = np.column_stack([np.ones_like(at), at])
     rest = values - line @ np.linalg.lstsq(line, values, rcond=None)[0]
@@ -127,18 +115,10 @@ def fit_wave_power(time: Array, values: Array, hertz: Array) -> Array:
 def find_oscillations(
     series: Sequence[LatentSeries], floor: Array, knots: int
 ) -> tuple[LatentOscillation, ...]:
-    """
-    Return the oscillations that all flights show, the strongest first.
-
-    Parameters
-    ----------
-    floor : ndarray, shape (6,)
-        Noise floor of the latent wrench. [N, N m]
-    knots : int
-        Of a piece.
-
-    """
+    """Return the oscillations that all flights show, the strongest first."""
+    # The lower limit follows from the shortest flight
     least = max(SLOWEST, CYCLES / max(min(each.duration for each in series), 1e-9))
+    # Just below the Nyquist frequency of the knots
     highest = FOLLOWED * 0.5 * (knots - 1) / LENGTH
     if highest - least < BESIDE:
         return ()
@@ -158,7 +138,9 @@ def find_oscillations(
         size = [_peak_power(one, at) for one in seen]
         amplitude = float(np.mean(np.sqrt(size)))
         pair = [j for j, other in enumerate(CHANNELS) if _shares_power(other, name)]
+        # The power of a wave is half its squared amplitude
         share = 0.5 * sum(size) / float(np.sum([each[pair] for each in total]))
+        # The limit is an RMS; the amplitude is root 2 of it
         if share > PART and amplitude > math.sqrt(2.0) * WORTH * floor[place]:
             found.append(LatentOscillation(name, float(seen[0].hertz[at]), amplitude, share))
     return tuple(sorted(_select_frame(found), key=lambda one: -one.share))
@@ -182,6 +164,7 @@ def _select_frame(candidates: Sequence[LatentOscillation]) -> list[LatentOscilla
         sum(one.amplitude**2 for one in candidates if one.channel in some)
         for some in (OF_MAP, OF_BODY)
     ]
+    # A wave in one frame leaks into the other as the vehicle turns
     less = OF_BODY if strength[0] >= strength[1] else OF_MAP
     return [one for one in candidates if one.channel not in less]
 

@@ -92,6 +92,7 @@ def state_terms(states: Array) -> dict[str, Array]:
     for i, name in enumerate(names):
         value = motion[name]
         out[name] = value
+        # Signed, like quadratic drag
         out[f'{name} squared'] = np.abs(value) * value
         out[f'{name} either way'] = np.abs(value)
         for other in names[i + 1 :]:
@@ -101,6 +102,7 @@ def state_terms(states: Array) -> dict[str, Array]:
 
 def _explained_variance(rows: Array, target: Array, other: Array, other_target: Array) -> float:
     """Return the share of a second flight's variance explained by a fit to the first."""
+    # Scaling makes one ridge fit terms of all units
     scale = np.sqrt(np.mean(rows**2, axis=0)) + 1e-12
     a = rows / scale
     # A small ridge keeps collinear terms solvable.
@@ -116,19 +118,7 @@ def select_terms(
     """
     Select the few terms that a force follows on both sides, and their explained share.
 
-    Parameters
-    ----------
-    states : two ndarrays, shape (n, 13)
-        Of each side.
-    forces : two ndarrays, shape (n,)
-        Latent force.
-
-    Returns
-    -------
-    tuple of str, float
-        Forward selection by cross-validated variance, in both directions; empty below chance
-        level.
-
+    Forward selection by cross-validated variance, in both directions; empty below chance level.
     """
     known = [state_terms(each) for each in states]
     chosen: tuple[str, ...] = ()
@@ -164,18 +154,18 @@ def find_remainders(
     ----------
     flights, fits : two sequences each
         Training and confirming flights, with all named effects in the model.
-    floor : ndarray, shape (6,)
-        Noise floor of the latent wrench.
     clear : float
         Noise floors above which an axis counts.
 
     """
     every = [each.deviations for side in fits for each in side]
+    # Geometric mean of the flights
     together = np.exp(np.mean(np.log(every), axis=0))
     out, known = [], None
     for k, axis in enumerate(NAMES):
         floors = float(together[k] / floor[k])
         if floors > clear:
+            # Only computed if some axis has a remainder
             known = known or _collect_knots(flights, fits)
             states, knots = known
             follows, share = select_terms(states, [each[:, k] for each in knots])

@@ -1,10 +1,10 @@
 """
 Compute the evidence of generic rivals, comparable with that of library effects.
 
-Without rivals, the best library effect wins by default, and a tether is called drag. A rival is a
-group of generic terms with weights that all pieces share. Its Bayes factor follows from the
-products of the fit by linear algebra. The size of the weights is marginalized, and the deviations
-of the remaining latent wrench may shrink.
+Without rivals, the best library effect is accepted by default: a tether would be named drag. A
+rival is a group of generic terms with weights that all pieces share. Its Bayes factor follows from
+the products of the fit by linear algebra. The size of the weights is marginalized, and the
+deviations of the remaining latent wrench may shrink.
 """
 
 from collections.abc import Mapping, Sequence
@@ -77,16 +77,9 @@ class GenericRival(NamedTuple):
         Log evidence on the training flights. [nats]
     confirmed, carried : float
         On the confirming flights alone, and with the weights of the training flights. Gusts fit
-        some
-        terms on each side, but not the same weights.
-    axis : str
-        Main axis.
-    axes : tuple of str
-        All axes.
+        some terms on each side, but not the same weights.
     size : float
         RMS on the main axis. [N, N m]
-    term : str
-        Largest term.
     share : float
         Explained share of the variance on the axis.
 
@@ -110,15 +103,7 @@ class GenericRival(NamedTuple):
 
 @final
 class RivalContest:
-    """
-    Compare groups on jointly fitted flights.
-
-    Parameters
-    ----------
-    columns : TermColumns
-        Of all groups.
-
-    """
+    """Compare groups on jointly fitted flights."""
 
     def __init__(self, columns: TermColumns) -> None:
         self.standing, self._columns = columns.standing, columns
@@ -149,6 +134,7 @@ class RivalContest:
 
         """
         names, now = list(self.known[0] if taught is None else taught), self.standing.deviations
+        # A group may explain much of the latent wrench: try smaller deviations
         starts = [share * now for share in SHRUNK] + [np.minimum(now, 1.5 * self.standing.floor)]
         seen = [(start, self._columns.reduce_groups(start, names)) for start in starts]
         at: dict[str, tuple[float, Array, GroupProducts]] = {}
@@ -160,6 +146,7 @@ class RivalContest:
             ]
             k = int(np.argmax(scores))
             at[name] = scores[k], *seen[k]
+        # Refitting is slow, so only for the best groups
         for name in sorted(names, key=lambda one: -at[one][0])[:most]:
             at[name] = self._fit_deviations(
                 name, at[name], None if taught is None else taught[name]
@@ -213,6 +200,7 @@ def _weights_evidence(inner: Array, right: Array, mean: Array, covariance: Array
     pull = right + inverse @ mean
     together = inner + inverse
     square = pull @ np.linalg.solve(together, pull) - mean @ inverse @ mean
+    # Occam factor: volume of the posterior by that of the prior
     logs = np.linalg.slogdet(together)[1] + np.linalg.slogdet(covariance)[1]
     return float(0.5 * square - 0.5 * logs)
 
@@ -228,15 +216,7 @@ def _evidence_by_size(inner: Array, right: Array) -> list[float]:
 
 @final
 class RivalSearch:
-    """
-    Search generic rivals on the flights of a study.
-
-    Parameters
-    ----------
-    flights : pair of sequences of FlightLinearizer
-        Training and confirming flights.
-
-    """
+    """Search generic rivals on the flights of a study."""
 
     def __init__(self, flights: Sequence[Sequence[FlightLinearizer]]) -> None:
         self.flights = flights
@@ -262,21 +242,14 @@ class RivalSearch:
         return RivalContest(TermColumns(baseline, known))
 
     def rank_rivals(self, standings: Sequence[FitBaseline]) -> tuple[GenericRival, ...]:
-        """
-        Return all rivals, the best first.
-
-        Parameters
-        ----------
-        standings : pair of FitBaseline
-            Of training and confirming flights, with the current effects.
-
-        """
+        """Return all rivals, the best first."""
 
         def run_contest(one: tuple[int, FitBaseline]) -> tuple[RivalContest, dict[str, GroupGain]]:
             made = self.build_contest(*one)
             return made, made.compute_gains()
 
         (first, taught), (second, alone) = map_parallel(run_contest, list(enumerate(standings)))
+        # The confirming flights with the weights of the training flights
         carried = second.compute_gains(taught)
         out = [
             _build_rival(
@@ -296,6 +269,7 @@ def _build_rival(
     """Return a rival with its size and its largest term, from the group on each flight."""
     values = np.concatenate([each.values for each in group])
     each = np.sqrt(np.mean((values * taught.mean[:, None, None]) ** 2, axis=(0, 3)))
+    # Wrench of the whole group at the knots
     whole = np.einsum('sjak,j->sak', values, taught.mean)
     sizes = np.sqrt(np.mean(whole**2, axis=(0, 2)))
     axis = int(np.argmax(sizes / floor))
@@ -304,6 +278,7 @@ def _build_rival(
     weight = np.where(terms == CONSTANT, 0.2, 1.0) * each[:, axis]
     term = str(terms[int(np.argmax(weight))])
     size, rest = float(sizes[axis]), float(taught.deviations[axis])
+    # Of the variance: explained by explained plus remaining
     share = size**2 / (size**2 + rest**2)
     axes = tuple(NAMES[k] for k in group[0].axes)
     return GenericRival(group[0].name, taught.gain, *others, NAMES[axis], axes, size, term, share)

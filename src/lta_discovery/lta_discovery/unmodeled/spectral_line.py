@@ -71,8 +71,10 @@ class SpectralLine(NamedTuple):
             Of the mass matrix, including added mass.
 
         """
+        # Channels come in kinds of three axes
         kind, way = divmod(LOOKED_AT.index(self.channel), 3)
         axis = way + 3 * (kind in TURNS)
+        # Differentiating a wave multiplies its amplitude by the angular frequency
         rate = (2.0 * np.pi * self.hertz) ** ORDERS[kind]
         return axis, float(np.sqrt(0.5) * self.amplitude * rate / inverse[axis, axis])
 
@@ -93,8 +95,6 @@ class LeveledSpectrum(NamedTuple):
         Frequencies, and squared amplitude of a wave of each.
     level : ndarray, shape (B,)
         Running median of the power.
-    pieces : int
-        Number of averaged spectra.
 
     """
 
@@ -113,19 +113,7 @@ class LeveledSpectrum(NamedTuple):
 def select_strong_lines(
     lines: Sequence[SpectralLine], inverse: Array, floor: Array
 ) -> tuple[SpectralLine, ...]:
-    """
-    Return the lines with a relevant causing wrench.
-
-    Parameters
-    ----------
-    lines : sequence of SpectralLine
-        Of `find_lines`.
-    inverse : ndarray, shape (6, 6)
-        As for `SpectralLine.equivalent_wrench`.
-    floor : ndarray, shape (6,)
-        Noise floor of the latent wrench.
-
-    """
+    """Return the lines with a relevant causing wrench."""
     out = []
     for line in lines:
         axis, size = line.equivalent_wrench(inverse)
@@ -144,6 +132,7 @@ def level_spectrum(
 ) -> LeveledSpectrum:
     """Return the spectrum above a lowest frequency, with its level."""
     use = hertz >= least
+    # An odd window, so that the median is centred
     size = max(3, round(wide / (hertz[1] - hertz[0]))) | 1
     # Power below the lowest frequency may differ: use the larger of both levels.
     below = median_filter(power, size, mode='reflect')[use]
@@ -155,6 +144,7 @@ def _detrend_pieces(pieces: Array) -> Array:
     """Remove a quadratic trend from pieces; 0 where nothing was measured."""
     good = np.isfinite(pieces)
     kept = np.where(good, pieces, 0.0)
+    # Quadratic, linear and constant term over a piece
     ramp = np.vander(np.linspace(-1.0, 1.0, pieces.shape[1]), 3)
     inner = np.einsum('sn,na,nb->sab', good, ramp, ramp) + 1e-9 * np.eye(3)
     slow = np.linalg.solve(inner, (kept @ ramp)[..., None])[..., 0] @ ramp.T
@@ -170,13 +160,12 @@ def piece_spectrum(pieces: Array, least: float) -> LeveledSpectrum:
     ----------
     pieces : ndarray, shape (S, n)
         Every PERIOD; NaN where nothing was measured. Pieces with many gaps are left out.
-    least : float
-        Lowest frequency. [Hz]
 
     """
     kept = _detrend_pieces(pieces[np.isfinite(pieces).mean(axis=1) >= KNOWN])
     count, size = kept.shape
     window = np.hanning(size + 2)[1:-1]
+    # Scaled to the amplitude of a sine
     waves = np.abs(np.fft.rfft(kept * window, axis=1)) * 2.0 / window.sum()
     hertz = np.asarray(np.fft.rfftfreq(size, PERIOD), dtype=np.float64)
     power = np.mean(waves**2, axis=0) if count else np.zeros(len(hertz))
@@ -191,17 +180,14 @@ def flight_spectrum(pieces: Array, time: Array, size: int, least: float) -> Leve
     ----------
     pieces : ndarray, shape (S, n)
         NaN where nothing was measured.
-    time : ndarray, shape (S, n)
-        Of the readings. [s]
     size : int
         Length of the transform in periods: that of the longest flight, so that all have equal
         bins.
-    least : float
-        Lowest frequency. [Hz]
 
     """
     place = np.rint((time - time.min()) / PERIOD).astype(int)
     known = np.isfinite(pieces)
+    # Zero padding gives STEPS bins per resolved frequency
     series = np.zeros(STEPS * size)
     series[place[known]] = _detrend_pieces(pieces)[known]
     waves = np.abs(np.fft.rfft(series)) * 2.0 / max(int(known.sum()), 1)
@@ -231,7 +217,9 @@ def find_steady_line(spectra: Sequence[LeveledSpectrum]) -> int | None:
         [HALF * maximum_filter(one.power_ratio, 2 * NEAR * STEPS + 1) for one in spectra]
     )
     looked = 2 * NEAR + 1
+    # Corrected for the tried bins, and for the free bin of each further flight
     chance = CHANCE / (near.shape[1] * float(looked) ** (len(spectra) - 1))
+    # A sum of exponential powers, one per flight, is gamma distributed
     limit = SPREAD * float(gammainccinv(len(spectra), chance))
     each = SPREAD * float(np.log(looked / SURE))
     good = (near.sum(axis=0) > limit) & (near > each).all(axis=0)
@@ -256,12 +244,6 @@ def find_lines(
     ----------
     residuals : sequence of ndarray, shape (S, n, 14)
         Of each flight, by the noise.
-    times : sequence of ndarray, shape (S, n)
-        Of the readings. [s]
-    noise : sequence of ndarray, shape (14,)
-        Of each flight.
-    least : float
-        Lowest frequency, of `lowest_frequency`. [Hz]
 
     """
     out = []

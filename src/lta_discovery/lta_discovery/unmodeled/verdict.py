@@ -67,6 +67,7 @@ def is_gusty(remains: Sequence[Remainder]) -> bool:
         return False
     if any(one.carried > CARRIED for one in remains if one.axis in LEVEL):
         return False
+    # Gusts push horizontally: other axes must be clearly weaker
     least = min(size[axis] for axis in LEVEL)
     return all(floors < QUIET * least for axis, floors in size.items() if axis not in LEVEL)
 
@@ -82,8 +83,6 @@ def decide_verdict(
 
     Parameters
     ----------
-    named : sequence of str
-        Confirmed effects.
     remains : sequence of Remainder
         Axes above the noise floor, with these effects in the model.
     rivals : sequence of GenericRival
@@ -125,8 +124,10 @@ def add_rival_terms(
             if before is not None:
                 share = max(one.share, before.carried) if axis == one.axis else before.carried
                 out[axis] = before._replace(follows=(one.term,), carried=share)
+            # An axis without a remainder of its own, but with an evident rival
             elif before is None and axis == one.axis and floors > 1.0:
                 out[axis] = Remainder(axis, one.size, floors, (one.term,), one.share)
+        # Rivals come best first: later ones must not overwrite
         told |= set(one.axes)
     return sorted(out.values(), key=lambda one: -one.floors)
 
@@ -172,20 +173,8 @@ def list_sentences(
     """
     Describe all unexplained forces in words.
 
-    Parameters
-    ----------
-    remains : sequence of Remainder
-        Of `add_rival_terms`.
-    lines : sequence of SpectralLine
-        Of the residuals.
-    oscillations : sequence of LatentOscillation
-        Of the latent wrench; an axis that one dominates has no further sentence.
-
-    Returns
-    -------
-    tuple of str
-        'a pitch moment that follows surge speed x yaw rate, 1.2 mN m'.
-
+    For example 'a pitch moment that follows surge speed x yaw rate, 1.2 mN m'. An axis that an
+    oscillation dominates has no further sentence.
     """
     told = dominant_oscillations(oscillations)
     out, rest = [], [one for one in remains if one.axis not in told]

@@ -35,6 +35,7 @@ class DutiesApp:
         if duties is None:
             return
         newest = self._newest
+        # After a pause the sender may have restarted its sequence numbers
         ordered = newest is not None and now < self._until + REST
         if ordered and newest and not is_newer(duties.sequence, newest.sequence):
             return
@@ -50,6 +51,7 @@ class DutiesApp:
         """Return the duties of M1 to M4 at a time. [s]"""
         if self._newest is None or not self.is_current(now):
             return (0.0,) * 4
+        # Brushed motors of the Crazyflie cannot reverse
         first, *others = (max(0.0, duty) for duty in self._newest.duties)
         return (max(first, STEP) if self._turned else first, *others)
 

@@ -34,6 +34,7 @@ class BenchBody:
 
     def advance(self, now: float, wish: BodyCommand) -> None:
         """Turn the motors; hover and landing use half duty."""
+        # A bench has no dynamics, so the time does not matter
         del now
         duties = wish.duties
         if duties is None:
@@ -42,4 +43,5 @@ class BenchBody:
 
     def read_values(self) -> Mapping[str, float]:
         """Return the sensor values of a Crazyflie at rest."""
+        # Units of the firmware: g, mm, mbar
         return {'acc.z': 1.0, 'range.zrange': 450.0, 'baro.pressure': 1013.25}

@@ -63,6 +63,7 @@ def check_length(data: bytes, size: int) -> None:
     if size and data[0] in LAYOUTS:
         wanted = 1 + struct.calcsize(LAYOUTS[data[0]])
     elif size and data[0] == CPPM:
+        # Number of auxiliary channels in the low nibble, two bytes each
         wanted = 10 + 2 * (data[1] & 0x0F)
     if not size or wanted not in (None, size):
         raise FirmwareAssertion
@@ -109,6 +110,7 @@ class Commander:
         forward, left, yaw, height = struct.unpack_from('<ffff', data, 1)
         if not all(map(math.isfinite, (forward, left, yaw, height))):
             return None
+        # The packet has the yaw rate in deg/s
         return HoverSetpoint(forward, left, math.radians(YAW_SIGN[data[0]] * yaw), height)
 
     def _set_hover(self, hover: HoverSetpoint | None, now: float) -> None:
@@ -136,6 +138,7 @@ class Commander:
         elif blocked and command not in UNBLOCKED:
             status = errno.EBUSY
         elif command == LAND and group == 0:
+            # An active low-level setpoint has priority over the high-level commander
             self._land = self._said is None
         return data[:3] + bytes([status])
 

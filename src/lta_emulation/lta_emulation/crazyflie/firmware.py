@@ -111,11 +111,13 @@ class Firmware:
                 self.commander.receive_attitude(now)
             case 4:
                 return b'\x01\0' if data[:1] == b'\x01' else None
+            # Log: 0 is the table, 1 settings, 2 (outgoing) data
             case 5:
                 if channel == 0:
                     return self._contents[0].answer(data)
                 if channel == 1:
                     return self.log.run_command(data, size, self.clock_ms(now))
+            # Generic localization: emergency stop and its watchdog
             case 6 if channel == 1 and size:
                 self._receive_localization(data[0], now)
             case 7:
@@ -128,6 +130,7 @@ class Firmware:
                 return self._answer_supervisor(channel, data, now)
             case 13:
                 return self._answer_platform(channel, data, size, now)
+            # Link layer: 0 is an echo, 1 returns the name
             case 15:
                 return NAME if channel == 1 else told if channel == 0 else None
         return None
@@ -149,6 +152,7 @@ class Firmware:
             supervisor.stop()
         # 0 selects the build's default; an unknown number keeps the present controller.
         controller = int(values['stabilizer.controller'])
+        # Only a build with the app has the out-of-tree controller
         most = OUT_OF_TREE if self.build.app else OUT_OF_TREE - 1
         if controller == 0:
             controller = default_controller(self.build)
@@ -167,6 +171,7 @@ class Firmware:
         if channel == 0 and what == WORD:
             return bytes([0x80 | WORD]) + struct.pack('<H', supervisor.word)
         if channel == 0 and 0 < what < WORD:
+            # Answers have the highest bit of the request number set
             return bytes([0x80 | what, supervisor.word >> (what - 1) & 1])
         if channel == 1:
             match what:
@@ -208,6 +213,7 @@ class Firmware:
     def tick(self, now: float) -> list[CrtpPacket]:
         """Advance to a time; return the log packets that are due. [s]"""
         if self.halted or now < self._up_at:
+            # The body moves on without thrust while the firmware is down
             self.body.advance(now, BodyCommand(duties=STILL))
             return []
         self._run_app(now)
@@ -216,6 +222,7 @@ class Firmware:
             now, self._is_turning(), self.commander.setpoint_age(now), self._specific_force(sensed)
         )
         self.body.advance(now, self._select_command(now))
+        # Read again: the body has advanced since
         sensed = self.body.read_values()
         self._values = {**sensed, **self._own_values(sensed.get('pm.vbat', FULL))}
         data = self.log.take_due_packets(
@@ -281,6 +288,7 @@ class Firmware:
             **motors,
             'supervisor.info': float(self.supervisor.word),
             'pm.vbat': voltage,
+            # 0 is "on battery", 3 "low power" (pm.h)
             'pm.state': 3.0 if voltage < LOW else 0.0,
         }
 

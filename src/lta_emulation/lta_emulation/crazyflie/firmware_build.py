@@ -14,13 +14,13 @@ class FirmwareBuild(NamedTuple):
     app : bool
         Whether it has the app of firmware/crazyflie, and with it the out-of-tree controller.
     requires_arming : bool
-        Whether somebody must arm it (CONFIG_MOTORS_REQUIRE_ARMING); otherwise it arms itself.
+        Whether it must be armed (CONFIG_MOTORS_REQUIRE_ARMING); otherwise it arms itself.
     idle_thrust : int
         Default of `powerDist.idleThrust`, of 65535.
     compensated : bool
-        Whether it corrects duties for the battery's voltage
-        (CONFIG_ENABLE_THRUST_BAT_COMPENSATED). Here that is told only: the vehicle of the body
-        has the correction as an effect, and `motor.m1` to `m4` log the duty before it.
+        Whether it corrects duties for the battery voltage
+        (CONFIG_ENABLE_THRUST_BAT_COMPENSATED). This is only reported here: the correction is an
+        effect of the body's vehicle, and `motor.m1` to `m4` log the duty before it.
 
     """
 
@@ -38,5 +38,5 @@ APP: Final = FirmwareBuild(app=True, requires_arming=True, idle_thrust=0, compen
 
 
 def select_build(command: str) -> FirmwareBuild:
-    """Return the build that a way to command a drone flies with: 'setpoint' or 'motors'."""
+    """Return the build for a command mode: 'setpoint' or 'motors'."""
     return AS_SOLD if command == 'setpoint' else APP

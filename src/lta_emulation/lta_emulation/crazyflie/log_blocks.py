@@ -86,6 +86,7 @@ class LogBlocks:
         what, number = data[0], data[1]
         # For fewer than two bytes the firmware's count of variables exceeds its buffer.
         variables = data[2:size] if size >= 2 else data[2:]
+        # Command numbers of the firmware (log.c); 6 to 8 are those of version 2
         done = {
             5: lambda: self.reset(),
             6: lambda: self._create_block(number, variables),
@@ -118,6 +119,7 @@ class LogBlocks:
             return errno.ENOENT
         # For more than nine variables cflib fills the packet, which leaves a surplus byte.
         for place in range(0, len(data) - 2, 3):
+            # The low nibble is the type in the log packet; the high one is the storage type
             kind, which = data[place] & 0x0F, int.from_bytes(data[place + 1 : place + 3], 'little')
             if kind not in LOG_TYPES:
                 return errno.ENOENT
@@ -158,6 +160,7 @@ class LogBlocks:
                 block.once = False
                 packets.append(self._build_packet(number, block, now_ms, read))
             if block.period_ms and now_ms >= block.due_ms:
+                # Number of missed periods; the next packet stays on the original time grid
                 late = (now_ms - block.due_ms) // block.period_ms
                 stamp = block.due_ms + late * block.period_ms
                 block.due_ms += (late + 1) * block.period_ms
@@ -167,6 +170,7 @@ class LogBlocks:
     def _build_packet(
         self, number: int, block: EmulatedLogBlock, stamp_ms: int, read: Reader
     ) -> bytes:
+        # The stamp has 24 bits of milliseconds and wraps after 4.7 hours
         head = bytes([number]) + (stamp_ms & 0xFFFFFF).to_bytes(3, 'little')
         values = [
             pack_value(LOG_TYPES[kind], read(self._contents.entries[which].name))

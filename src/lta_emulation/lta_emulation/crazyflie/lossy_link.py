@@ -44,6 +44,7 @@ class LossyLink:
             self._count += 1
             if self.torn and self.random.random() < self.torn:
                 datagram = datagram[: self.random.randrange(len(datagram) + 1)]
+            # The counter keeps the order of datagrams with equal times
             heapq.heappush(self._waiting, (due, self._count, datagram))
 
     @property

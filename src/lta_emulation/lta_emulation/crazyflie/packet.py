@@ -36,6 +36,7 @@ def unpack_datagram(datagram: bytes) -> CrtpPacket | None:
     if not 1 <= len(datagram) <= 1 + MOST:
         return None
     header = datagram[0]
+    # Header: port in bits 4 to 7, channel in bits 0 and 1
     return CrtpPacket(header >> 4, header & 3, datagram[1:])
 
 
@@ -53,5 +54,6 @@ class ReceiveBuffer:
 
     def receive(self, data: bytes) -> bytes:
         """Receive a payload; return all that its service sees."""
+        # Bytes behind a short payload stay from earlier packets, as in the firmware
         self._bytes[: len(data)] = data
         return bytes(self._bytes)

@@ -99,6 +99,7 @@ class ParameterStore:
         entry = self._find_entry(data[:2])
         if entry is None:
             return data[:2] + bytes([errno.ENOENT])
+        # The firmware does not answer a write to a read-only parameter
         if entry.kind & READ_ONLY:
             return None
         self._store_value(entry, data[2:])
@@ -143,11 +144,13 @@ class ParameterStore:
         return bytes([errno.ENOENT]) if lacking.get(question) else answer[question]
 
     def _set_by_name(self, data: bytes) -> bytes | None:
+        # The request holds two strings that end with a zero byte: group and name
         if data.count(0) < 2:
             return None
         group, _, rest = data[1:].partition(b'\0')
         name, _, value = rest.partition(b'\0')
         status = self._store_by_name(group, name, value)
+        # Echo of the request up to the name, then the status
         return (data + bytes(4))[: 3 + len(group) + len(name)] + bytes([status])
 
     def _store_by_name(self, group: bytes, name: bytes, value: bytes) -> int:
@@ -156,6 +159,7 @@ class ParameterStore:
         if which is None:
             return errno.ENOENT
         entry = self._contents.entries[which]
+        # The request must give the exact type, without flags
         if value[:1] != bytes([entry.kind & ~(CORE | READ_ONLY | EXTENDED)]):
             return errno.EINVAL
         if entry.kind & READ_ONLY:

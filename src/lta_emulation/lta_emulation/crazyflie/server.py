@@ -43,6 +43,7 @@ class CrazyflieServer:
         self.firmware = firmware
         self.up, self.down = up or LossyLink(), down or LossyLink()
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        # Loopback only: anybody on the network could command the drone otherwise
         self._socket.bind(('127.0.0.1', port))
         self._socket.settimeout(TICK)
         self.uri = f'udp://127.0.0.1:{self._socket.getsockname()[1]}'
@@ -99,10 +100,13 @@ class CrazyflieServer:
         while True:
             self._socket.settimeout(wait)
             try:
+                # Answers go to the last sender, as with a radio
                 datagram, self._peer = self._socket.recvfrom(64)
+            # ConnectionError: an ICMP error of an earlier answer whose receiver is gone
             except (TimeoutError, BlockingIOError, ConnectionError):
                 return
             self.up.send(datagram, self.now)
+            # Wait only for the first datagram, then take those that have arrived
             wait = 0.0
 
     def _process_datagram(self, datagram: bytes, now: float) -> None:

@@ -82,7 +82,9 @@ class SimulatedBody:
         """Advance to a time [s]; skip a long delay."""
         late = now - self._behind - self._world.elapsed
         if late > SLIP * self._dt:
+            # Shift the time base instead: catching up would make the drone jump
             self._behind += late - self._dt
+        # 1e-9 s: a step that ends exactly now is due despite rounding
         while self._world.elapsed + self._dt <= now - self._behind + 1e-9:
             self._step_world(wish)
 
@@ -94,10 +96,12 @@ class SimulatedBody:
         elif self._law is not None and (wish.hover is not None or wish.land):
             rotors = list(self._compute_duties(wish.hover)[: len(rotors)])
         elif self._law is not None:
+            # Without a command the integrators must not keep the last flight's values
             self._law.reset()
         for place in self._order:
             rotors[place] = max(wish.idle, rotors[place])
         self.duties = tuple(rotors[place] for place in self._order)
+        # Duties below one PWM step do not turn a motor
         self._world.advance([duty if duty >= PWM_STEP else 0.0 for duty in rotors])
         if self._law is not None and not any(self.duties) and self._is_on_floor:
             self._level_attitude()
@@ -112,6 +116,7 @@ class SimulatedBody:
         state = self._world.state
         half = 0.5 * _heading_of(state[3:7].tolist())
         state[3:7] = 0.0, 0.0, math.sin(half), math.cos(half)
+        # Body rates; state[3:7] is the quaternion x y z w
         state[10:13] = 0.0
 
     def _compute_duties(self, hover: HoverSetpoint | None) -> tuple[float, ...]:
@@ -126,6 +131,7 @@ class SimulatedBody:
                 return (0.0,) * len(self._world.vehicle.rotor_names)
             self._wanted = Setpoint(height, self._wanted.heading, 0.0)
         else:
+            # The law has a heading setpoint: aim one second of the yaw rate ahead
             heading = _heading_of(turn) + hover.yaw_rate
             self._wanted = Setpoint(hover.height, heading, hover.forward)
         return self._law.step(motion, self._wanted, self._dt)
@@ -135,6 +141,7 @@ class SimulatedBody:
         self._world.sense_rest(readings)
         values = self._values
         for axis, force, rate in zip('xyz', readings.force, readings.rates, strict=True):
+            # The firmware logs g, deg/s, mm, mbar and V
             values[f'acc.{axis}'] = force / STANDARD_GRAVITY
             values[f'gyro.{axis}'] = math.degrees(rate)
         if readings.ranges:
@@ -147,6 +154,7 @@ class SimulatedBody:
         values['stateEstimate.yaw'] = math.degrees(_heading_of(self._world.state[3:7].tolist()))
         if readings.block is not None and self._light is not None:
             begun_ns, block = readings.block
+            # Simulation time to time since boot
             self._light(1e-9 * (begun_ns - self._start_ns) + self._behind, block)
 
 

@@ -123,6 +123,7 @@ class TumbleDetector:
     def update(self, acceleration: Acceleration, now: float) -> bool:
         """Return whether it has tumbled, from the specific force [g] at a time [s]."""
         up = acceleration[2]
+        # In free fall the direction of gravity is unknown, so the tilt restarts
         if up >= TILTED or all(abs(each) < FREE_FALL for each in acceleration):
             self._since = None
         if up >= TILTED:
@@ -144,8 +145,8 @@ class Supervisor:
 
     Attributes
     ----------
-    state : State
-        Where it stands.
+    state : SupervisorState
+        Current state.
     armed, tumbled, crashed : bool
         The respective bits of the status word.
     word : int
@@ -189,6 +190,7 @@ class Supervisor:
         """Arm or disarm; return whether that was done."""
         if on == self.armed:
             return True
+        # Arming is possible only after the preflight checks; disarming always
         if on and self.state is not SupervisorState.CHECKS_PASSED:
             return False
         self.armed = on
@@ -257,6 +259,7 @@ class Supervisor:
             preflight_over=now - self._since > self.preflight_timeout,
             landed_over=now - self._since > self.landed_timeout,
         )
+        # At most one transition per evaluation
         for applies, state in TRANSITIONS[self.state]:
             if applies(conditions):
                 self._enter_state(state, now)
@@ -265,12 +268,13 @@ class Supervisor:
 
     def _enter_state(self, state: SupervisorState, now: float) -> None:
         self.state, self._since = state, now
+        # The flag stays set until `recover`
         self.crashed |= state is SupervisorState.CRASHED
         if state not in RUNS:
             self.armed = self._arms_itself and state is SupervisorState.CHECKS_PASSED
 
     def _status_word(self) -> int:
-        told = {
+        bits = {
             SupervisorBit.CAN_BE_ARMED: self.state is SupervisorState.CHECKS_PASSED,
             SupervisorBit.ARMED: self.armed,
             SupervisorBit.AUTO_ARM: self._arms_itself,
@@ -281,4 +285,4 @@ class Supervisor:
             SupervisorBit.LOCKED: self.is_locked,
             SupervisorBit.CRASHED: self.crashed,
         }
-        return sum(bit for bit, on in told.items() if on)
+        return sum(bit for bit, on in bits.items() if on)

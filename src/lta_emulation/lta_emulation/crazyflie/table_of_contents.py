@@ -53,10 +53,12 @@ class TableOfContents(Generic[Entry]):
     @property
     def crc(self) -> int:
         """Checksum of the table; cflib caches tables by it."""
+        # Not the firmware's checksum, but one that changes with the table is sufficient
         return zlib.crc32(repr(self.entries).encode())
 
     def answer(self, question: bytes) -> bytes | None:
         """Return the answer to a request of version 2; None if the request is unknown."""
+        # Requests of version 2: 3 is the header of the table, 2 an entry
         if question[:1] == b'\x03':
             return struct.pack('<BHI', 3, len(self.entries), self.crc) + self._limits
         if question[:1] != b'\x02':
@@ -74,6 +76,7 @@ def pack_value(kind: str, value: float) -> bytes:
     if kind in 'efd':
         return struct.pack('<' + kind, value)
     width = struct.calcsize(kind)
+    # Two's complement of the lowest bytes
     bits = int(value) & ((1 << 8 * width) - 1)
     return bits.to_bytes(width, 'little')
 

@@ -39,6 +39,7 @@ def list_parameters(build: FirmwareBuild) -> tuple[FirmwareParameter, ...]:
         FirmwareParameter('lta.compensated', BYTE | READ_ONLY, int(build.compensated)),
     )
     return (
+        # Time-outs in ms
         FirmwareParameter('supervisor.landedTimeout', WORD | EXTENDED, 3000),
         FirmwareParameter('supervisor.prefltTimeout', WORD | EXTENDED, 30000),
         FirmwareParameter('supervisor.tmblChckEn', BYTE | EXTENDED, 1),
@@ -48,5 +49,6 @@ def list_parameters(build: FirmwareBuild) -> tuple[FirmwareParameter, ...]:
         FirmwareParameter('motorPowerSet.enable', BYTE | CORE, 0),
         *(FirmwareParameter(f'motorPowerSet.m{number}', WORD | CORE, 0) for number in range(1, 5)),
         *(app if build.app else ()),
+        # In a real firmware, the first digits of the commit
         FirmwareParameter('firmware.revision0', LONG | READ_ONLY, 0x2026_0800),
     )

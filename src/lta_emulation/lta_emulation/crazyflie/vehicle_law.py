@@ -38,12 +38,13 @@ class VehicleLaw:
         self._law = find_law(control.law)
         self._known = self._law.known(load_law_gains(self._law.gains, control.gains), vehicle)
         self._memory: Any = self._law.start
+        # Work arrays of the allocation, created once
         self._scratch = create_scratch()
 
     def step(self, motion: ControlMotion, setpoint: Setpoint, dt: float) -> tuple[float, ...]:
         """Return the duties by slot after one more period. [s]"""
-        heard = LawInputs(motion, setpoint, dt)
-        self._memory = self._law.step(self._known, self._memory, heard, self._scratch)
+        inputs = LawInputs(motion, setpoint, dt)
+        self._memory = self._law.step(self._known, self._memory, inputs, self._scratch)
         duties: tuple[float, ...] = self._memory.command.duties
         return duties
 

@@ -46,6 +46,7 @@ class BoardServer:
         self._name, self._beacon = name, beacon
         self.cable, self.plugged = Cable(name), True
         self._began = time.monotonic_ns()
+        # The simulation's thread puts blocks in, the board's thread takes them out
         self._blocks: SimpleQueue[tuple[int, NDArray[np.uint16]]] = SimpleQueue()
         self._running = threading.Event()
         self._running.set()
@@ -86,6 +87,7 @@ class BoardServer:
         while self._running.is_set():
             if self.plugged != plugged:
                 plugged = not plugged
+                # Only this thread touches the cable, so no lock is needed
                 (self.cable.plug if plugged else self.cable.pull)()
             looked = self.now_ns
             asked = self.cable.read(LOOK)
@@ -102,6 +104,7 @@ class BoardServer:
             begun_ns, samples = self._blocks.get_nowait()
         except Empty:
             return
+        # With a beacon frequency, the board sends peaks instead of raw samples
         if self._beacon:
             self._write_cable(self.board.encode_peaks(samples, self._beacon, begun_ns))
         else:

@@ -26,6 +26,7 @@ from lta_bridge.teensy.message import MavlinkMessage
 import numpy as np
 from numpy.typing import NDArray
 
+# MAVLink ids; 191 is an onboard computer
 SYSTEM, COMPONENT = 1, 191
 MOST = LTA_LIGHT_PEAKS.layout['amplitude'].shape[0]  # diodes per message of peaks
 VALUES = LTA_LIGHT_BLOCK.layout['samples'].shape[0]  # values per message of samples
@@ -57,10 +58,12 @@ class FrameFaults:
             return b''
         if _is_hit(turn, self.corrupt):
             middle = len(frame) // 2
+            # One flipped bit must be detected by the checksum
             return frame[:middle] + bytes((frame[middle] ^ 1,)) + frame[middle + 1 :]
         if _is_hit(turn, self.cut):
             return frame[: len(frame) // 3]
         if _is_hit(turn, self.foreign):
+            # A parser must skip valid messages of an unknown type
             return frame + FOREIGN.build_frame(0, SYSTEM, COMPONENT, word=turn)
         return frame
 
@@ -125,6 +128,7 @@ class EmulatedBoard:
     def to_board_time(self, our_ns: int) -> int:
         """Convert a host time to board time. [ns]"""
         since = our_ns - self._boot_ns
+        # Integers keep nanoseconds exact at any age; only the small drift term is a float
         return since + round(since * self._drift)
 
     def row_time_ns(self, row: int) -> int:
@@ -147,6 +151,7 @@ class EmulatedBoard:
         if begun_ns is not None:
             if begun_ns < self._boot_ns:
                 return b''
+            # Rows of this block follow those that wait for a full frame
             sampled = self._rows + len(self._left)
             self._paused = self.to_board_time(begun_ns) - round(sampled / self._rate * 1e9)
         return b''.join(self._encode_rows(samples))
@@ -157,6 +162,7 @@ class EmulatedBoard:
         return round(self._rows / self._rate * 1e6 + self._paused / 1e3)
 
     def _encode_rows(self, samples: NDArray[np.uint16]) -> Iterator[bytes]:
+        # Rows per frame; the rest of the fixed-size array stays zero
         count = VALUES // self._diodes
         self._left = np.concatenate([self._left, samples])
         while len(self._left) >= count:
@@ -166,6 +172,7 @@ class EmulatedBoard:
             frame = self._build_frame(
                 LTA_LIGHT_BLOCK,
                 time_usec=self._time_usec,
+                # The row counter has 32 bits
                 sequence=(self._first + self._rows) % WRAP,
                 diodes=self._diodes,
                 rows=count,
@@ -197,9 +204,12 @@ class EmulatedBoard:
                 return b''
             self._paused = self.to_board_time(begun_ns) - round(self._rows / self._rate * 1e9)
         waves = samples - samples.mean(axis=0)
+        # One bin of the discrete Fourier transform, equal to the Goertzel filter of the firmware
         turns = np.exp(-2j * np.pi * frequency / self._rate * np.arange(count))
         amplitude = 2.0 / count * np.abs(turns @ waves)
+        # A sine of amplitude A has a variance of A^2 / 2; the remaining variance is noise
         rest = np.sqrt(np.maximum(np.mean(waves**2, axis=0) - 0.5 * amplitude**2, 0.0))
+        # Pad the values to the fixed array length of the message
         room = MOST - self._diodes
         frame = self._build_frame(
             LTA_LIGHT_PEAKS,
@@ -239,6 +249,7 @@ class EmulatedBoard:
         return b''.join(
             self._build_frame(TIMESYNC, tc1=self.to_board_time(now_ns), ts1=int(question['ts1']))
             for question in asked
+            # A nonzero tc1 marks an answer of another participant
             if question['tc1'] == 0
         )
 
@@ -267,9 +278,12 @@ class Cable:
     def plug(self) -> None:
         """Plug the cable in."""
         self._ours, theirs = os.openpty()
+        # Without raw mode the terminal would echo and translate line ends
         tty.setraw(theirs, termios.TCSANOW)
+        # A full buffer must not block the emulation when nobody reads
         os.set_blocking(self._ours, False)
         self._name.unlink(missing_ok=True)
+        # The name of a pseudo terminal changes at each opening; the link does not
         self._name.symlink_to(os.ttyname(theirs))
         os.close(theirs)
 

@@ -19,7 +19,7 @@ from lta_energy.faults.detector import FaultDetector, Memory, MeterObservation
 from lta_energy.monitoring.latch import Latch, update_latch
 from lta_graph.health import HealthLevel
 
-# The order is that in which they are told: what explains others comes first.
+# Order of the messages, and of suppression in `update_detectors`: causes before their symptoms
 DETECTORS: tuple[FaultDetector, ...] = (
     not_a_number.DETECTOR,
     dropout.DETECTOR,
@@ -104,10 +104,18 @@ def update_detectors(watch: DetectorStates, observation: MeterObservation) -> De
         DETECTORS, watch.memories, watch.latches, watch.sentences, strict=True
     ):
         condition, now = detector.sees(memory, observation)
-        kept = update_latch(
-            latch, condition, max(observation.dt, 0.0), detector.rise, detector.fall
+        updated = update_latch(
+            # Stamps that go back must not shorten the delay of a latch
+            latch,
+            condition,
+            max(observation.dt, 0.0),
+            detector.rise,
+            detector.fall,
         )
-        rows.append((now, kept, condition, detector.says(observation) if condition else sentence))
+        rows.append(
+            (now, updated, condition, detector.says(observation) if condition else sentence)
+        )
+        # A grave fault explains the voltage: later detectors (cell swap) must not react to it
         if condition and detector.level >= HealthLevel.ERROR:
             observation = observation._replace(surprise=0.0)
     memories, latches, conditions, sentences = zip(*rows, strict=True)

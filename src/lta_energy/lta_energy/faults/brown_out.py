@@ -6,12 +6,14 @@ from lta_graph.health import HealthLevel
 
 
 def _detect_brown_out(memory: Memory, observation: MeterObservation) -> tuple[bool, Memory]:
+    # Below `NOTHING` it is a dropout, which has its own detector
     return NOTHING <= observation.reading.voltage <= observation.cell.discharge_cutoff, memory
 
 
 def _describe_brown_out(observation: MeterObservation) -> str:
     return (
         f'brown-out: the cell gives {observation.reading.voltage:.2f} V under '
+        # The current is negative while discharging; the message shows the load
         f'{-observation.reading.current:.2f} A, and its cut-off is '
         f'{observation.cell.discharge_cutoff:.2f} V'
     )
@@ -22,7 +24,9 @@ DETECTOR = FaultDetector(
     _detect_brown_out,
     _describe_brown_out,
     HealthLevel.ERROR,
+    # The reading itself is correct and still informs the filter
     spoils=False,
+    # Two readings at 10 Hz
     rise=0.2,
     fall=5.0,
 )

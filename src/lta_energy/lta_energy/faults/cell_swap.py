@@ -7,6 +7,7 @@ SURPRISE = 5.0  # standard deviations
 
 
 def _detect_cell_swap(memory: Memory, observation: MeterObservation) -> tuple[bool, Memory]:
+    # A hanging current meter makes the voltage look surprising: distrust a repeated current
     now, before = observation.reading, observation.before
     repeats = before is not None and now.current == before.current
     return observation.surprise > SURPRISE and not repeats, memory
@@ -14,8 +15,8 @@ def _detect_cell_swap(memory: Memory, observation: MeterObservation) -> tuple[bo
 
 def _describe_cell_swap(observation: MeterObservation) -> str:
     return (
-        'the voltage jumped by more than charge and load explain: another cell? '
-        'Its charge is estimated anew'
+        'the voltage jumped by more than charge and load explain: was the cell replaced? '
+        'The charge is estimated anew'
     )
 
 
@@ -25,6 +26,7 @@ DETECTOR = FaultDetector(
     _describe_cell_swap,
     HealthLevel.ERROR,
     spoils=True,
+    # Three readings at 10 Hz, so that one outlier does not reset the charge
     rise=0.3,
     fall=10.0,
 )

@@ -21,6 +21,7 @@ DETECTOR = FaultDetector(
     _describe_clock_reset,
     HealthLevel.WARN,
     spoils=False,
+    # The event is visible in one reading only
     rise=0.0,
     fall=5.0,
 )

@@ -8,6 +8,7 @@ from lta_energy.monitoring.reading import MeterReading
 from lta_graph.health import HealthLevel
 from lta_model.electrical.battery import BatteryModel
 
+# Internal state of a detector, whose meaning only that detector knows
 Memory = tuple[float, ...]
 
 

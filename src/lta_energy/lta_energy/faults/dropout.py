@@ -3,7 +3,7 @@
 from lta_energy.faults.detector import FaultDetector, Memory, MeterObservation
 from lta_graph.health import HealthLevel
 
-NOTHING = 0.1  # V; no computer runs on that
+NOTHING = 0.1  # V; no computer runs at such a voltage, so the reading is wrong
 
 
 def _detect_dropout(memory: Memory, observation: MeterObservation) -> tuple[bool, Memory]:

@@ -4,7 +4,9 @@ from lta_energy.faults.detector import FaultDetector, Memory, MeterObservation
 from lta_energy.faults.dropout import NOTHING
 from lta_graph.health import HealthLevel
 
+# With half a count of noise a reading repeats every second time; 5 s at 10 Hz: chance of 1e-15
 LONGEST = 5.0  # s
+# A panel in the dark really reads a constant zero
 DARK = 0.01  # A
 
 
@@ -18,10 +20,12 @@ def _detect_frozen_cell(memory: Memory, observation: MeterObservation) -> tuple[
         return False, memory
     voltage, current = memory
     now, before = observation.reading, observation.before
-    if abs(now.voltage) < NOTHING:  # nothing is measured: that has a name of its own
+    # The same condition as `dropout`, which reports it
+    if abs(now.voltage) < NOTHING:
         return False, (0.0, 0.0)
     voltage = _update_frozen_time(voltage, now.voltage, before.voltage, observation.dt)
     current = _update_frozen_time(current, now.current, before.current, observation.dt)
+    # Either meter may hang separately
     return max(voltage, current) >= LONGEST, (voltage, current)
 
 

@@ -3,7 +3,7 @@
 from lta_energy.faults.detector import FaultDetector, Memory, MeterObservation
 from lta_graph.health import HealthLevel
 
-LONGEST = 1.0  # s; ten turns of the meters, as long as the navigator waits by default
+LONGEST = 1.0  # s; ten periods of the meters, as long as the navigator waits by default
 
 
 def _detect_gap(memory: Memory, observation: MeterObservation) -> tuple[bool, Memory]:

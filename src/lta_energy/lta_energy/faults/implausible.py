@@ -4,10 +4,8 @@ from lta_energy.faults.detector import FaultDetector, Memory, MeterObservation
 from lta_energy.faults.dropout import NOTHING
 from lta_graph.health import HealthLevel
 
-LOWEST, HIGHEST = (
-    2.0,
-    4.45,
-)  # V; a LiPo cell is ruined below, and 0.25 V above full it is in danger
+# [V] Below, a LiPo cell is damaged; 0.25 V above full charge it becomes dangerous.
+LOWEST, HIGHEST = 2.0, 4.45
 
 
 def _detect_implausible_voltage(
@@ -19,7 +17,7 @@ def _detect_implausible_voltage(
 
 def _describe_implausible_voltage(observation: MeterObservation) -> str:
     return (
-        f'{observation.reading.voltage:.2f} V is no voltage of a LiPo cell '
+        f'{observation.reading.voltage:.2f} V is outside the range of a LiPo cell '
         f'({LOWEST:g} to {HIGHEST:g} V): check the power meter and its unit'
     )
 

@@ -1,4 +1,4 @@
-"""Detect a lit panel without voltage: a short circuit, or a panel that is not measured."""
+"""Detect an illuminated panel without voltage (shorted), and a panel that is not measured."""
 
 import math
 
@@ -11,6 +11,7 @@ LEAST_VOLTAGE = 0.3  # V; less than half of what one silicon cell gives in that 
 
 def _detect_short(memory: Memory, observation: MeterObservation) -> tuple[bool, Memory]:
     reading = observation.reading
+    # NaN (not measured) makes either comparison false
     return reading.illuminance > LIGHT and reading.panel_voltage < LEAST_VOLTAGE, memory
 
 

@@ -12,9 +12,12 @@ from lta_energy.faults.detector import FaultDetector, Memory, MeterObservation
 from lta_graph.health import HealthLevel
 
 DOUBTFUL_POWER = 0.05  # W; ten times what the meters' offsets can amount to
+# Time constant with which old changes are forgotten
 MEMORY = 10.0  # s
 EXCITED = 0.02  # A2; a step of 0.14 A, whose slope a voltage noise of 3 mV blurs by 0.02 ohm
+# Halfway between 0 and minus the resistance, the slope expected for a reversed sign
 AGAINST = -0.5  # of the resistance
+# Voltage change that noise and relaxation can cause without a change of current
 NOISE = 0.02  # V
 
 
@@ -23,6 +26,7 @@ def _detect_reversed_sign(memory: Memory, observation: MeterObservation) -> tupl
     if not reading.is_usable:
         return False, memory
     squares, products = _sum_changes(memory, observation)
+    # Least-squares slope dV/dI; without enough excitation it is undetermined
     slope = products / squares if squares > EXCITED else 0.0
     against = slope < AGAINST * observation.cell.resistance
     too_much = (
@@ -36,16 +40,16 @@ def _sum_changes(memory: Memory, observation: MeterObservation) -> tuple[float, 
     """Return the decayed sums of squared current changes and of current times voltage changes."""
     squares, products = memory
     before, now = observation.before, observation.reading
+    # Across a longer gap the open-circuit voltage changes too
     if before is None or not before.is_usable or not 0.0 < observation.dt < 1.0:
         return squares, products
-    kept = math.exp(-observation.dt / MEMORY)
+    decay = math.exp(-observation.dt / MEMORY)
     current = now.current - before.current
     voltage = now.voltage - before.voltage
-    if (
-        abs(voltage) > 2.0 * observation.cell.resistance * abs(current) + NOISE
-    ):  # something else's doing
-        return kept * squares, kept * products
-    return kept * squares + current * current, kept * products + voltage * current
+    # A larger voltage change has another cause than the resistance: do not use it
+    if abs(voltage) > 2.0 * observation.cell.resistance * abs(current) + NOISE:
+        return decay * squares, decay * products
+    return decay * squares + current * current, decay * products + voltage * current
 
 
 def _describe_reversed_sign(observation: MeterObservation) -> str:

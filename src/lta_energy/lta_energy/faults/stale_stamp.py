@@ -3,7 +3,7 @@
 from lta_energy.faults.detector import FaultDetector, Memory, MeterObservation
 from lta_graph.health import HealthLevel
 
-REPEATS = 3.0  # one message that comes twice means nothing
+REPEATS = 3.0  # a single duplicate is harmless
 
 
 def _detect_stale_stamp(memory: Memory, observation: MeterObservation) -> tuple[bool, Memory]:
@@ -14,7 +14,7 @@ def _detect_stale_stamp(memory: Memory, observation: MeterObservation) -> tuple[
 
 
 def _describe_stale_stamp(observation: MeterObservation) -> str:
-    return 'the stamps of the battery stand still: what publishes it repeats an old message'
+    return 'the stamps of the battery do not advance: the publisher repeats an old message'
 
 
 DETECTOR = FaultDetector(
@@ -22,6 +22,7 @@ DETECTOR = FaultDetector(
     _detect_stale_stamp,
     _describe_stale_stamp,
     HealthLevel.ERROR,
+    # Such readings never reach the filter, because their stamp is not newer
     spoils=False,
     rise=0.0,
     fall=2.0,

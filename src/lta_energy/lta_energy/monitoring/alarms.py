@@ -9,7 +9,7 @@ from lta_graph.health import HealthLevel
 from lta_model.electrical.battery import BatteryModel
 
 Verdict = tuple[HealthLevel, str]
-LONGEST = 360_000.0  # s; a hundred hours: what lasts longer is not worth a figure
+LONGEST = 360_000.0  # s; a hundred hours: longer times are not shown
 
 
 def assess_battery(
@@ -21,6 +21,7 @@ def assess_battery(
     ERROR means land now and do not take off; WARN means that the reserve is reached.
     """
     if faults := [fault for fault in estimate.watch.faults if fault.level >= HealthLevel.ERROR]:
+        # The first fault in the order of the detectors is the likely cause of the others
         return HealthLevel.ERROR, faults[0].sentence
     if estimate.belief is None or estimate.last is None or estimate.stock is None:
         return (
@@ -30,6 +31,7 @@ def assess_battery(
     percent = f'{estimate.charge:.0%} +- {estimate.deviation:.0%}'
     if estimate.critical.on:
         return HealthLevel.ERROR, f'the battery gives only {estimate.last.voltage:.2f} V: land now'
+    # Reached by the charge itself; otherwise `reserve` is set by the uncertainty
     if estimate.low:
         return HealthLevel.WARN, (
             f'reserve reached: {percent} left, reserve {settings.reserve:.0%}, '

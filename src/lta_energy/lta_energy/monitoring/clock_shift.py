@@ -23,7 +23,7 @@ def extend_ordered_stamps(before: tuple[int, ...], stamp_ns: int) -> tuple[int, 
 def shift_stamps(estimate: EnergyEstimate, back_ns: int) -> EnergyEstimate:
     """Move the stamps of an estimate back into the new clock. [ns]"""
     last, good = _shift_reading(estimate.last, back_ns), _shift_reading(estimate.good, back_ns)
-    # That the newest reading was a good one is told by their being one.
+    # `good is last` marks that the newest reading is usable; keep that identity
     return estimate._replace(last=last, good=last if estimate.good is estimate.last else good)
 
 

@@ -77,9 +77,11 @@ def _estimate_time(
     """Return energy by power; more charge makes it longer (`sign` 1) or shorter (-1)."""
     p, inverse = state.spread, state.mean[INVERSE]
     time = energy / power
+    # Partial derivatives of the time by charge, inverse capacity and power
     by_charge = sign * open_circuit_voltage(state.charge) * cell.capacity / inverse / power
     by_inverse = -time / inverse
     by_power = -time / power
+    # The charge is correlated with the capacity, but neither with the load
     variance = (
         by_charge * by_charge * p[CHARGE][CHARGE]
         + 2.0 * by_charge * by_inverse * p[CHARGE][INVERSE]

@@ -43,6 +43,7 @@ def update_load(
     age = before.age + dt
     now = before.quick + _smoothing_weight(dt, quick, age) * (power - before.quick)
     share = _smoothing_weight(dt, slow, age)
+    # Exponentially weighted variance of the quick mean about the slow one
     off = now - before.mean
     return LoadEstimate(
         now,
@@ -54,6 +55,7 @@ def update_load(
 
 def mean_load_deviation(load: LoadEstimate, quick: float, slow: float) -> float:
     """Return the standard deviation of the mean load. [W]"""
+    # T1 / (T1 + T2), with the age in place of T2 while the mean is young
     span = min(slow, load.age)
     share = quick / (quick + span) if quick + span > 0.0 else 1.0
     return math.sqrt(load.variance * share)
@@ -61,4 +63,5 @@ def mean_load_deviation(load: LoadEstimate, quick: float, slow: float) -> float:
 
 def _smoothing_weight(dt: float, time: float, age: float) -> float:
     """Return the weight of the newest value: exponential, or that of a plain mean while young."""
+    # dt / age makes a plain mean of the first values, so that the first reading does not linger
     return max(-math.expm1(-dt / time), dt / age) if time > 0.0 and age > 0.0 else 1.0

@@ -35,8 +35,8 @@ from lta_model.electrical.battery import BatteryModel, open_circuit_voltage
 CRITICAL_VOLTAGE = 3.2  # V under load; Bitcraze's low-battery limit
 RECOVERED_VOLTAGE = 3.3  # V
 CRITICAL_RISE, CRITICAL_FALL = 0.3, 5.0  # s
-BETWEEN = 0.3  # of a change of the current: how unsure its mean between two readings is (uniform)
-EMPTY = 0.02  # of the charge at either end, where cells leave the chart
+BETWEEN = 0.3  # standard deviation of the mean current, relative to its change (uniform)
+EMPTY = 0.02  # state of charge at either end where cells deviate from the chart
 QUIET = 1e-3  # A; two counts of the meter and its offset
 
 
@@ -44,12 +44,18 @@ class MonitorSettings(EnergyReserveSettings):
     """Reserve, smoothing and filter settings of the energy monitor."""
 
     smoothing: float = setting(
-        5.0, 'Time constant of the power that is shown.', unit='s', low=0.0, high=600.0
+        5.0, 'Time constant of the displayed power.', unit='s', low=0.0, high=600.0
     )
     outlook: float = setting(
-        120.0, 'Time constant of the power in the time to empty.', unit='s', low=0.0, high=3600.0
+        120.0,
+        'Time constant of the mean power that predicts the time to empty.',
+        unit='s',
+        low=0.0,
+        high=3600.0,
     )
-    belief: SocFilterSettings = setting(SocFilterSettings(), 'How far cells may differ.')
+    belief: SocFilterSettings = setting(
+        SocFilterSettings(), 'Spread of cells about their vehicle file.'
+    )
     way: WayHomeSettings = setting(WayHomeSettings(), 'The way home.')
 
 
@@ -58,12 +64,14 @@ def update_estimate(
 ) -> EnergyEstimate:
     """Update the energy estimate with one reading."""
     last, cell, back = before.last, aboard.cell, 0
+    # Not newer than the last one: an overtaken or repeated message, or a clock that was set back
     if last is not None and reading.stamp_ns <= last.stamp_ns:
         behind = extend_ordered_stamps(before.behind, reading.stamp_ns)
         if len(behind) < ENOUGH:
             dt = (reading.stamp_ns - last.stamp_ns) * 1e-9
             watch = update_detectors(before.watch, MeterObservation(reading, last, dt, cell))
             return _decide_reserve(settings, cell, before._replace(watch=watch, behind=behind))
+        # Three in order mean a new clock: move the last reading to the first of the three stamps
         back = last.stamp_ns - behind[0]
         before = shift_stamps(before, back)
         last = before.last
@@ -78,7 +86,9 @@ def update_estimate(
     watch = update_detectors(
         before.watch, MeterObservation(reading, last, dt, cell, off, back * 1e-9)
     )
+    # A spoilt reading only lets the prediction stand; the correction is dropped
     belief = expected if watch.is_unusable else seen_belief
+    # Restart the filter once, when the swap is confirmed
     another = watch.latches[SWAPPED].on and not before.watch.latches[SWAPPED].on
     if (belief is None and not watch.is_unusable) or (another and reading.is_usable):
         belief = initialize_from_reading(settings.belief, cell, reading.voltage, reading.current)
@@ -103,6 +113,7 @@ def _predict_cell_state(
     if belief is None or before.good is None:
         return belief
     current, unsure = _expected_current(before, belief)
+    # Two consecutive usable readings: trapezoidal mean current; otherwise assume the load goes on
     if before.good is before.last and reading.is_usable and dt <= LONGEST:
         current = 0.5 * (before.good.current + reading.current)
         unsure = BETWEEN * abs(reading.current - before.good.current) + QUIET
@@ -112,9 +123,10 @@ def _predict_cell_state(
 def _normalized_innovation(
     expected: CellState | None, surprise: VoltageInnovation | None
 ) -> float:
-    """Return by how many deviations a voltage was off; beyond the ends of the chart by none."""
+    """Return the voltage innovation in standard deviations; 0 beyond the ends of the chart."""
     if expected is None or surprise is None:
         return 0.0
+    # A nearly empty cell may fall below the chart and a full one rise above it, without a fault
     end = EMPTY if surprise.innovation < 0.0 else 1.0 - EMPTY
     beyond = expected.charge < end if surprise.innovation < 0.0 else expected.charge > end
     return 0.0 if beyond else abs(surprise.innovation) / surprise.deviation
@@ -130,6 +142,7 @@ def _update_critical(before: Latch, reading: MeterReading, dt: float) -> Latch:
     """Update the alarm of critical voltage, with hysteresis."""
     if not reading.is_usable:
         return before
+    # The voltage recovers when the load falls; the higher limit prevents a second take-off
     limit = RECOVERED_VOLTAGE if before.on else CRITICAL_VOLTAGE
     return update_latch(before, reading.voltage <= limit, dt, CRITICAL_RISE, CRITICAL_FALL)
 
@@ -145,6 +158,7 @@ def _apply_good_reading(
     belief = after.belief
     if belief is None:
         return after
+    # Power out of the chemistry, so open-circuit voltage; positive while discharging
     power = -open_circuit_voltage(belief.charge) * reading.current
     if after.good is None or after.travel is None:
         return after._replace(
@@ -173,18 +187,20 @@ def _update_balance(
     The residual of the balance shows how far model and meters disagree.
     """
     dt = (reading.stamp_ns - last.stamp_ns) * 1e-9
+    # Trapezoidal means over the interval
     current = 0.5 * (last.current + reading.current)
     squared = 0.5 * (last.current**2 + reading.current**2)
     harvest = 0.5 * (last.plausible_panel_power + reading.plausible_panel_power)
-    given = 0.5 * (
+    charger_power = 0.5 * (
         aboard.charger_output(last.panel_power) + aboard.charger_output(reading.panel_power)
     )
     return add_interval(
         books,
         harvest=harvest,
-        load=given - 0.5 * (last.cell_power + reading.cell_power),
+        load=charger_power - 0.5 * (last.cell_power + reading.cell_power),
+        # Charger loss + resistive heat R I^2 + heat of the relaxation branch u I
         loss=harvest
-        - given
+        - charger_power
         + state.mean[RESISTANCE] * aboard.cell.resistance * squared
         + state.mean[RELAXATION] * current,
         stored=open_circuit_voltage(state.charge) * current * dt,
@@ -205,6 +221,7 @@ def _decide_reserve(
         settings, cell, belief, way_home.energy_home(settings.way, travel, away)
     )
     low = reserve.is_reserve_reached(settings, after.low, stock)
+    # An uncertain charge counts as a reached reserve, so that the drone errs on the safe side
     doubtful = belief.deviation > settings.doubt
     return after._replace(stock=stock, low=low, reserve=low or doubtful or after.is_urgent)
 

@@ -23,4 +23,5 @@ class PowerSystem(NamedTuple):
         """Return the charger's output for a measured panel power; 0 if not measured. [W]"""
         if not math.isfinite(harvest):
             return 0.0
+        # No tracking factor here: the measured panel power already contains it
         return max(0.0, harvest * self.charger.conversion - self.charger.idle)

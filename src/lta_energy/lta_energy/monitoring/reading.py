@@ -4,7 +4,7 @@ from dataclasses import dataclass
 import math
 from typing import Final, final
 
-# What no meter of a small cell reads: one believed reading of 1e30 A spoils the filter for good.
+# Beyond the range of any meter of a small cell; one reading of 1e30 A would ruin the filter.
 MOST_VOLTS: Final = 100.0
 MOST_AMPERES: Final = 100.0
 
@@ -58,6 +58,7 @@ class MeterReading:
     @property
     def is_usable(self) -> bool:
         """Whether the cell's voltage and current are finite and within the range of a meter."""
+        # Also false for NaN
         return abs(self.voltage) <= MOST_VOLTS and abs(self.current) <= MOST_AMPERES
 
     @property

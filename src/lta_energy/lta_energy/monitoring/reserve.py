@@ -15,13 +15,13 @@ class EnergyReserveSettings(Settings):
         0.25, 'State of charge at which the reserve is reached.', low=0.0, high=0.9
     )
     hysteresis: float = setting(
-        0.05, 'Charge above the reserve that takes the alarm back.', low=0.0, high=0.1
+        0.05, 'Charge above the reserve at which the alarm clears.', low=0.0, high=0.1
     )
     caution: float = setting(
-        1.0, 'Standard deviations of the charge that are not counted on.', low=0.0, high=5.0
+        1.0, 'Safety margin of the charge, in standard deviations.', low=0.0, high=5.0
     )
     doubt: float = setting(
-        0.15, 'Standard deviation from which the charge is doubtful.', low=0.01, high=0.3
+        0.15, 'Standard deviation above which the charge is unreliable.', low=0.01, high=0.3
     )
 
 
@@ -50,6 +50,7 @@ def compute_margin(
 ) -> ReserveMargin:
     """Compare the charge with the reserve and the energy of the way home. [J]"""
     sure = state.charge - settings.caution * state.deviation
+    # Energy per unit of charge at the present voltage [J]
     full = open_circuit_voltage(state.charge) * cell.capacity / state.mean[INVERSE]
     return ReserveMargin(
         sure, home / full, energy_between(cell, state, settings.reserve, max(sure, 0.0)) - home
@@ -60,4 +61,5 @@ def is_reserve_reached(
     settings: EnergyReserveSettings, before: bool, stock: ReserveMargin
 ) -> bool:
     """Return whether the reserve is reached, with hysteresis."""
+    # Once reached, the charge must rise by the hysteresis before the alarm clears
     return stock.sure <= settings.reserve + stock.home + (settings.hysteresis if before else 0.0)

@@ -29,9 +29,9 @@ from lta_model.electrical.battery import BatteryModel, open_circuit_voltage, sta
 CHARGE, RELAXATION, RESISTANCE, INVERSE, CHART = range(5)
 SIZE = 5
 UNIFORM = 1.0 / math.sqrt(12.0)  # standard deviation of a charge anywhere between 0 and 1
-CORRELATED = 0.2  # change of charge after which the chart's error is another: 4 of its 20 steps
-NARROW, WIDE = 0.01, 0.2  # the half chord
-SLOW = 1e-5  # growth of the charge's deviation by what the meter's offset does [1/sqrt(s)]
+CORRELATED = 0.2  # correlation length of the chart error over the charge: 4 of its 20 steps
+NARROW, WIDE = 0.01, 0.2  # bounds of the half width of the chord [charge]
+SLOW = 1e-5  # growth of the charge's deviation due to the meter's offset [1/sqrt(s)]
 
 Row = tuple[float, float, float, float, float]
 
@@ -40,20 +40,27 @@ class SocFilterSettings(Settings):
     """Spread of cells about their vehicle file, as standard deviations."""
 
     capacity_spread: float = setting(
-        0.05, 'Of the capacity, relative; assumed.', low=0.0, high=0.5
+        0.05, 'Relative spread of the capacity; assumed.', low=0.0, high=0.5
     )
     resistance_spread: float = setting(
-        0.3, 'Of the resistances, relative; assumed: cold and age count.', low=0.0, high=1.0
+        0.3,
+        'Relative spread of the resistances, by temperature and age; assumed.',
+        low=0.0,
+        high=1.0,
     )
     chart_error: float = setting(
-        0.010, 'Of the resting voltage, meter included; assumed.', unit='V', low=1e-4, high=0.2
+        0.010,
+        'Error of the open-circuit voltage chart, meter included; assumed.',
+        unit='V',
+        low=1e-4,
+        high=0.2,
     )
     voltage_noise: float = setting(
-        0.010, 'Of one reading and of the circuit behind it.', unit='V', low=1e-4, high=0.2
+        0.010, 'Noise of one voltage reading and of the circuit.', unit='V', low=1e-4, high=0.2
     )
     recent_current: float = setting(
         0.2,
-        'That a cell of unknown past may have just given; assumed.',
+        'Recent current of a cell with unknown history; assumed.',
         unit='A',
         low=0.0,
         high=50.0,
@@ -108,8 +115,10 @@ def predict_state(
     """Predict the state after a time step [s] at a mean current and its standard deviation. [A]"""
     s, u, resistance, inverse, chart = state.mean
     step = current * dt / cell.capacity
+    # Exact solution of the RC pair for a constant current
     kept = math.exp(-dt / cell.relaxation_time) if cell.relaxation_time > 0.0 else 0.0
     pull = (1.0 - kept) * cell.relaxation_resistance * current
+    # The chart error decorrelates with the charge moved, not with time
     moved = abs(step) / CORRELATED
     faded = math.exp(-moved)
     mean = (
@@ -120,6 +129,7 @@ def predict_state(
         faded * chart,
     )
     rows = _propagate_covariance(state.spread, step, kept, pull, faded)
+    # Process noise: of the current, through charge and relaxation, and of the chart
     unsure = deviation * dt / cell.capacity
     blurred = (1.0 - kept) * cell.relaxation_resistance * deviation
     noise = (
@@ -137,7 +147,7 @@ def predict_state(
 def _propagate_covariance(
     p: tuple[Row, ...], step: float, decay: float, pull: float, faded: float
 ) -> list[list[float]]:
-    """Return F P F^T, F being 1 but for the rows of charge, relaxation and chart."""
+    """Return F P F^T; F is the identity except in the rows of charge, relaxation and chart."""
     rows = [list(row) for row in p]
     for row in rows:  # P F^T
         row[CHARGE] += step * row[INVERSE]
@@ -183,6 +193,7 @@ def _update_linearized(
 ) -> tuple[CellState, VoltageInnovation]:
     """Apply one scalar Kalman update, linearised at a given charge."""
     mean, p = state
+    # Linearised at a measured charge, the uncertainty of the prior says nothing about the chord
     half = min(max(state.deviation, NARROW), WIDE) if at == mean[CHARGE] else NARROW
     slope = chord_slope(at, half)
     drop = cell.resistance * current
@@ -190,6 +201,7 @@ def _update_linearized(
         open_circuit_voltage(at) + slope * (mean[CHARGE] - at)
         + mean[CHART] + mean[RELAXATION] + mean[RESISTANCE] * drop
     )  # fmt: skip
+    # P H^T with H = (slope, 1, drop, 0, 1)
     column = [
         slope * row[CHARGE] + row[RELAXATION] + drop * row[RESISTANCE] + row[CHART] for row in p
     ]
@@ -200,6 +212,7 @@ def _update_linearized(
     innovation = voltage - expected
     gain = [x / variance for x in column]
     after = [x + k * innovation for x, k in zip(mean, gain, strict=True)]
+    # The chart ends at 0 and 1; the covariance is not changed by the clamp
     after[CHARGE] = min(max(after[CHARGE], 0.0), 1.0)
     rows = tuple(
         tuple(x - k * y for x, y in zip(row, column, strict=True))

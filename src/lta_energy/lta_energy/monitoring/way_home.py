@@ -15,16 +15,20 @@ from lta_energy.monitoring.reading import TravelState
 class WayHomeSettings(Settings):
     """Assumptions about the way home that hold until measured or cannot be measured."""
 
-    power: float = setting(1.4, 'Power of flight until measured.', unit='W', low=0.0, high=1000.0)
-    speed: float = setting(0.5, 'Airspeed until measured.', unit='m/s', low=0.05, high=30.0)
+    power: float = setting(
+        1.4, 'Assumed power of flight until measured.', unit='W', low=0.0, high=1000.0
+    )
+    speed: float = setting(
+        0.5, 'Assumed airspeed until measured.', unit='m/s', low=0.05, high=30.0
+    )
     moving: float = setting(
-        0.1, 'Airspeed from which the drone counts as moving.', unit='m/s', low=0.01, high=10.0
+        0.1, 'Airspeed above which the drone counts as moving.', unit='m/s', low=0.01, high=10.0
     )
     head_wind: float = setting(
-        0.1, 'Wind from ahead to allow for; the air hides it.', unit='m/s', low=0.0, high=10.0
+        0.1, 'Assumed head wind, which cannot be measured.', unit='m/s', low=0.0, high=10.0
     )
     slowest: float = setting(
-        0.05, 'Speed over the ground that is always allowed for.', unit='m/s', low=0.01, high=10.0
+        0.05, 'Lower bound of the assumed ground speed.', unit='m/s', low=0.01, high=10.0
     )
     smoothing: float = setting(
         30.0, 'Time constant of power and speed of flight.', unit='s', low=0.0, high=3600.0
@@ -50,7 +54,7 @@ def update_travel(
     power: float,
     dt: float,
 ) -> TravelEstimate:
-    """Return what is known of travelling after one more reading. [W, s]"""
+    """Update power [W] and speed of flight after a time step [s], if the drone moves."""
     if where is None or where.speed < settings.moving:
         return travel
     share = -math.expm1(-dt / settings.smoothing) if settings.smoothing > 0.0 else 1.0
@@ -73,4 +77,5 @@ def reachable_distance(settings: WayHomeSettings, travel: TravelEstimate, energy
 
 
 def _ground_speed(settings: WayHomeSettings, travel: TravelEstimate) -> float:
+    # The lower bound keeps the energy finite in a head wind as fast as the drone
     return max(travel.speed - settings.head_wind, settings.slowest)

@@ -26,7 +26,7 @@ class EnergyMonitorParameters(MonitorSettings):
 
 
 class EnergyMonitor(GraphNode):
-    """Answer every battery message with charge, books and reserve, under the same stamp."""
+    """Answer every battery message with charge, balance and reserve, under the same stamp."""
 
     def __init__(self) -> None:
         super().__init__('energy_monitor')
@@ -46,6 +46,7 @@ class EnergyMonitor(GraphNode):
 
     def _on_step(self, step: 'InboxStep') -> None:
         measured = step.last_message('battery')
+        # Slower inputs: keep the last message of each
         self._panel = step.last_message('panel') or self._panel
         self._light = step.last_message('illuminance') or self._light
         self._odom = step.last_message('odom') or self._odom

@@ -1,1 +1,1 @@
-"""Closed loops by the thousand: one text for the processor's cores and for a GPU."""
+"""Fly thousands of closed loops at once, with one source for CPU cores and GPU."""

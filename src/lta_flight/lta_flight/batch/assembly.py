@@ -1,8 +1,9 @@
 """
-How the text of a flight is put together: the model, its cores, and what calls them.
+Assemble the source of a batch flight from the model, the cores and the loop around them.
 
-What every such text has: the thrusts and rates of its effects, the steps of the integrator, when
-what is due, what each diode hears. `text` and `lta_studies.mission.leg_codegen` say what flies.
+All such sources share the effects' thrusts and rates, the integration steps, the schedule of
+sensors and control, and the light reading. `codegen` and `lta_studies.mission.leg_codegen` add the
+loop.
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,7 +19,7 @@ from lta_sim.kernels.compose import KernelForm, write_kernel_source
 from lta_sim.kernels.gpu import STATES
 from lta_sim.kernels.layout import format_tuple, indent_lines
 
-LIGHT = 'light'  # before the names of the fit, which has constants of its own
+LIGHT = 'light'  # prefix of the fit's names, since its constants differ from the other cores'
 
 MODEL = Template(
     f'''{STATES}
@@ -38,7 +39,7 @@ $actuation
 '''
 )
 
-# Classical Runge-Kutta steps until what is aboard is due again, with the range finder's rhythm.
+# Classical Runge-Kutta steps up to the next control step, with samples of the range finder
 STEPS = """\
         for _ in range($substeps):
             a = rates(state, fixed, command, surroundings)
@@ -57,8 +58,10 @@ STEPS = """\
 
 
 def build_surroundings(names: Sequence[str]) -> str:
-    """Return the lines that keep up what some effect looks at."""
+    """Return the lines that update the inputs of turbulence and superheat."""
+    # The block must not be empty
     lines = ['pass']
+    # Computed only for effects that use it, to save time in every step
     if 'turbulence' in names:
         lines.append('noise = core_draw_white_noise(seed, step, $period)')
     if 'superheat' in names:
@@ -67,7 +70,7 @@ def build_surroundings(names: Sequence[str]) -> str:
 
 
 def format_rhythm(rhythm: BatchRhythm) -> dict[str, str]:
-    """Return the source of when what is due."""
+    """Return the source of the schedule: periods in steps."""
     return {
         'dt': repr(STEP),
         'period': repr(STEP * rhythm.control),
@@ -80,8 +83,9 @@ def format_rhythm(rhythm: BatchRhythm) -> dict[str, str]:
 
 
 def format_light_reading(diodes: int) -> dict[str, str]:
-    """Return the source of what each diode hears."""
+    """Return the source of the light reading of each diode."""
     lines = [
+        # One scalar variable per diode, because GPU code has no dynamic arrays
         f'a_{k}, s_{k} = core_sample_magnitude(craft.listening, {k}, lights, seed, step)'
         for k in range(diodes)
     ]
@@ -104,24 +108,24 @@ def assemble_source(
     entry: Mapping[str, Any],
 ) -> str:
     """
-    Return a text put together from the model, its cores and what calls them.
+    Return the source assembled from the model, the cores and the loop.
 
     Parameters
     ----------
     names : sequence of str
         Effects of the kernel, in registry order.
-    extract : Extract
+    extract : SourceExtract
         The cores.
     kinds : mapping
-        Fields of each named tuple that the glue makes.
-    target : Target
-        What it is compiled for.
+        Fields of each named tuple that the loop creates.
+    target : CompileTarget
+        CPU or GPU.
     glue : Template
-        What calls the cores.
+        The loop that calls the cores.
     parts : mapping of str to str
-        What `glue` names, but for the decorator.
+        Values of the placeholders in `glue`, except the decorator.
     entry : mapping
-        What the entry of `target` names.
+        Values of the placeholders in the entry of `target`.
 
     """
     form = KernelForm(target.imports, target.inline, '', VehicleAccess(), MODEL)
@@ -133,7 +137,7 @@ def assemble_source(
         if f'{PREFIX}_{kind} = ' not in cores
     ]
     parts = {'INLINE': target.inline, 'steps': STEPS, **parts}
-    # Twice: what decides, and the steps, have names of their own.
+    # Twice, because the inserted parts have placeholders themselves
     text = Template(glue.safe_substitute(parts)).substitute(parts)
     call = Template(target.entry).substitute(entry)
     return '\n\n\n'.join((model, '\n'.join(missing), cores, text, call))

@@ -1,4 +1,4 @@
-"""One flight of a batch as numbers: what the kernel keeps of it, and the constants of its loop."""
+"""Represent one flight of a batch as numbers: the constants of its model and loop."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ from lta_sim.termination import build_goal
 from lta_vlc.diodes import build_diode_array
 from lta_vlc.direction import build_direction_prior, build_fit_array
 
-UNHEARD = ('pose', 'pose_time', 'clock')  # channels that decide nothing of a flight
+UNHEARD = ('pose', 'pose_time', 'clock')  # channels that do not influence a flight
 
 
 @final
@@ -48,18 +48,18 @@ class BatchFlight:
 
     Attributes
     ----------
-    model : Model
+    model : VehicleModel
         The vehicle.
     numbers : list of float
-        Of its `FlightConstants`, in the order of its layout.
+        Its `FlightConstants` as a flat list.
     form : str
-        What kind of number each is; flights of one form share a text.
-    craft : Craft
+        The nesting and types of the numbers; flights with equal forms share compiled code.
+    craft : FlightConstants
         The constants.
     strategy : NavigationStrategy
         How it navigates; flights of one strategy share a text.
     name : str
-        Of the vehicle.
+        Name of the vehicle.
 
     """
 
@@ -72,10 +72,11 @@ class BatchFlight:
 
 
 def build_rhythm(table: TopicTable) -> BatchRhythm:
-    """Return when what is due; `BadInput` if a period is no whole number of steps."""
+    """Return the schedule; raise `BadInput` if a period is not a multiple of the step."""
     step_ns = round(STEP * 1e9)
     control = table.control_ns
     due = {name: table[name].period_ns for name in ('range', 'pressure', 'photodiodes')}
+    # A light block needs an even number of control steps, since its middle must be one
     if control % step_ns or due['range'] % step_ns or due['photodiodes'] % (2 * control):
         raise BadInput(
             f'A batch flies in steps of {1e3 * STEP:g} ms, and the periods {control} ns of '
@@ -91,38 +92,40 @@ def build_rhythm(table: TopicTable) -> BatchRhythm:
 
 def build_model(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> VehicleModel:
     """
-    Return the model of a vehicle in a scene that a batch can fly.
+    Return the model of a vehicle in a scene, for a batch.
 
     Raises
     ------
     BadInput
-        If it needs what a batch does not have.
+        If it needs something that a batch does not support.
 
     """
     if policy.law is not LAWS[CASCADE]:
         raise BadInput(
-            f'A batch knows the control law {CASCADE} only, not {policy.law.name}, which '
-            f'{vehicle.file.name} names; leave --device out.'
+            f'A batch supports only the control law {CASCADE}, not {policy.law.name} of '
+            f'{vehicle.file.name}; leave --device out.'
         )
     if policy.course is not None or scenario.course is not None:
         raise BadInput('A batch flies to the lamp, not along a course; leave --device out.')
     if len(scenario.lamps) > 1:
         raise BadInput(
-            f'A batch knows one lamp, and the scenario {scenario.name} has '
+            f'A batch supports one lamp, but the scenario {scenario.name} has '
             f'{len(scenario.lamps)}; leave --device out.'
         )
     if scenario.wind_file is not None:
         raise BadInput(
-            f'A batch does not know recorded wind, which the scenario {scenario.name} has; leave '
+            f'A batch does not support the recorded wind of the scenario {scenario.name}; leave '
             '--device out.'
         )
     model = build_scene_model(vehicle, scenario)
     for name in model.given:
         effect = EFFECTS[name]
+        # Effects of sensors and commands act outside the model, where a batch has no code for them
         if isinstance(effect, MeasurementEffect) and effect.channel not in UNHEARD:
             raise BadInput(
                 f'A batch has no effect {name} of measurement or command; leave --device out.'
             )
+    # The explicit integrator would diverge for a vehicle that is too stiff
     vehicle.check_step(STEP, model)
     return model
 
@@ -139,12 +142,12 @@ def build_flight(
 
     Parameters
     ----------
-    vehicle, scenario, policy : Vehicle, Scenario, Policy
-        What is flown where and how.
+    vehicle, scenario, policy : Vehicle, Scenario, FlightStack
+        The vehicle, its scene, and the settings of the drone.
     table : TopicTable
         Periods and block shape.
     duties : sequence of float
-        Of each rotor, where the drone does not decide.
+        Constant duties of the rotors in an open loop.
 
     """
     model = build_model(vehicle, scenario, policy)
@@ -163,7 +166,7 @@ def flight_from_constants(
     vehicle: Vehicle,
     strategy: NavigationStrategy,
 ) -> BatchFlight:
-    """Return a flight from its constants."""
+    """Return a flight with given constants."""
     numbers: list[float] = []
     form: list[str] = []
     flatten_numbers(settings_to_tuples(constants), numbers, form)
@@ -173,13 +176,13 @@ def flight_from_constants(
 def build_constants(
     vehicle: Vehicle, scenario: Scenario, policy: FlightStack, table: TopicTable
 ) -> FlightConstants:
-    """Return the constants of a flight; the drone knows its file in standard air, as a node."""
+    """Return the constants of a flight; the drone assumes its file in standard air."""
     start, light = scenario.start, table.light
     x, y = start.position.vector
     drone = build_drone_constants(
         Vehicle(vehicle.file),
         policy.estimator,
-        cast('CascadeGains', policy.gains),  # of the cascade: `build_model`
+        cast('CascadeGains', policy.gains),  # checked by `build_model`
         table.control_ns * 1e-9,
         policy.tilt_limit,
     )
@@ -215,7 +218,7 @@ def build_constants(
 
 
 def flatten_numbers(value: Any, numbers: list[float], form: list[str]) -> None:  # noqa: ANN401 - any nest
-    """Collect the numbers of a nest of tuples, and what each is."""
+    """Append the numbers of nested tuples to `numbers`, and their structure to `form`."""
     if isinstance(value, tuple):
         form.append('(')
         for item in value:
@@ -223,11 +226,12 @@ def flatten_numbers(value: Any, numbers: list[float], form: list[str]) -> None: 
         form.append(')')
         return
     numbers.append(float(value))
+    # b, i or f: compiled code depends on the types
     form.append('b' if isinstance(value, bool) else 'i' if isinstance(value, int) else 'f')
 
 
 def build_sensors(vehicle: Vehicle, floor: float) -> SensorDatasheets:
-    """Return the sensors of a vehicle over a floor of some pressure. [Pa]"""
+    """Return the sensors of a vehicle above a floor with some pressure. [Pa]"""
     bounds, ranger, barometer = error_bounds(ImuSettings()), RangeSettings(), PressureSettings()
     sensors = vehicle.file.sensors
     axes = ImuAxes(
@@ -254,7 +258,7 @@ def build_sensors(vehicle: Vehicle, floor: float) -> SensorDatasheets:
 
 
 def build_power(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> BatchPower:
-    """Return the electricity of a vehicle in a scene."""
+    """Return the electrical system of a vehicle in a scene."""
     field = scenario.light_field
     lamp, ambient = field.first_lamp, field.ambient
     daylight = field.daylight if field.outside is None else field.outside.daylight
@@ -265,6 +269,7 @@ def build_power(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> Ba
         build_panel_plane(
             half_axes(vehicle.file.hull), vehicle.file.panel_place, vehicle.file.panel_normal
         ),
+        # Mean irradiance per lux of the on phase
         lamp.wave.duty / lamp.efficacy,
         ambient.steady / ambient.efficacy,
         0.0 if daylight is None else 1.0 / daylight.efficacy,

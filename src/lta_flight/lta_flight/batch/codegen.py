@@ -1,8 +1,8 @@
 """
-Write the text of a whole flight: kernel, sensors, estimator, control, allocation, mission, cell.
+Write the source of a whole flight: model, sensors, estimator, control, mission and battery.
 
-One text for the processor and for a GPU; they differ in decorators and in how a thread finds its
-vehicle. The kernel holds only the effects that some vehicle of the batch has on.
+CPU and GPU use the same source; they differ in decorators and in how a thread finds its vehicle.
+The kernel contains only the effects that some vehicle of the batch uses.
 """
 
 from collections.abc import Callable, Sequence
@@ -38,6 +38,7 @@ from lta_sim.kernels.layout import format_tuple
 from lta_vlc.direction_fit import fit_direction
 
 BEGIN = TupleLayout(OnboardMemory())
+# Functions that the loop below calls, as core_NAME
 CORES: tuple[Callable[..., Any], ...] = (
     onboard_step,
     light_link.write_ring_light,
@@ -71,6 +72,7 @@ CORES: tuple[Callable[..., Any], ...] = (
 )
 
 
+# One control step of the drone: sensors, estimator, control, and the mission after each block
 SENSE = """
         rate, held = rates(state, fixed, command, surroundings), step * $period < craft.held
         force = core_sensor_specific_force(craft, state, rate, held)
@@ -106,6 +108,7 @@ $heard
             )
 """
 
+# The flight of one vehicle; $before and $decide are the inputs of effects and the control step
 FLY = Template('''
 $INLINE
 def fly(fixed, c, seed, scratch, lights, pencils, out):
@@ -148,6 +151,7 @@ $steps
         out[k] = results[k]
 ''')
 
+# Names of the results, and the expressions that give them
 FIGURES = (
     'outcome', 'end', 'lift_off', 'search_start', 'path_length', 'closest', 'energy', 'blocks',
     'bearings', 'squares', 'charge', 'x', 'y', 'z', 'stopped',
@@ -160,15 +164,17 @@ RESULTS = (
 
 
 def _format_memory(names: Sequence[str]) -> str:
-    """Return the source of what the effects remember at the start, as more of the state."""
+    """Return the source of the initial memory of the effects, which is appended to the state."""
     whole = (0.0,) * RIGID + initial_memory()
     texts = []
     for name in names:
         first = LAYOUT.remembers[name]
+        # Skip the rigid part of the state, which `initial_pose` gives
         values = whole[first : first + LAYOUT.memory_size(name)]
         if values:
             texts.append(format_tuple(repr(float(value)) for value in values))
         if name == 'turbulence':
+            # Turbulence starts in its stationary state instead of at zero
             texts[-1] = 'core_draw_turbulence_memory(seed)'
     return ''.join(f' + {text}' for text in texts)
 
@@ -180,7 +186,7 @@ def format_held_state(names: Sequence[str]) -> str:
 
 
 def _format_initial_values(names: Sequence[str]) -> dict[str, str]:
-    """Return the source of what is there before the first step, and of what comes out."""
+    """Return the source of the values before the first step, and of the results."""
     return {
         'memory': _format_memory(names),
         'begin': format_tuple(map(repr, BEGIN.write(OnboardMemory()).tolist())),
@@ -203,7 +209,7 @@ def build_source(
     closed: bool,
 ) -> str:
     """
-    Return the text of a flight.
+    Return the source of a flight.
 
     Parameters
     ----------
@@ -214,13 +220,13 @@ def build_source(
     craft : Layout
         Of `flight.FlightConstants`.
     diodes : int
-        In the ring.
-    rhythm : Rhythm
-        When what is due.
-    target : Target
+        Number of diodes.
+    rhythm : BatchRhythm
+        The schedule.
+    target : CompileTarget
         `CPU` or `GPU`.
     closed : bool
-        Whether the drone decides; otherwise it keeps `Craft.duties`.
+        Whether the drone decides; otherwise it keeps the duties of its constants.
 
     """
     extract = SourceExtract(strategy=strategy)

@@ -1,9 +1,9 @@
 """
-What surrounds the cores in a flight of a batch, as plain functions of numbers and tuples.
+Pure functions around the cores of a batch flight, on numbers and tuples.
 
-The order of things is that of `lta_flight.closed_loop`; what is different is said here. Chance is
-counted; the lamp is heard as `lta_sim.light_link` says, not through an ADC block; the energy
-reserve is that of the true charge; and values pass no message, so that they keep all their bits.
+The order of operations is that of `lta_flight.closed_loop`. The differences: random numbers come
+from counters; the lamp's signal is sampled by `lta_sim.light_link` instead of from ADC blocks; the
+reserve uses the true charge; and values are not rounded by messages.
 """
 
 import math
@@ -48,19 +48,21 @@ from lta_vlc.direction_fit import DirectionFit
 
 State = tuple[float, ...]
 HELD_RATE = (0.0,) * RIGID  # derivative of the state of a held drone
-LIFTED = 0.01  # m above where it stood: the drone has left the ground, as in the results
+LIFTED = 0.01  # m above the start that count as lift-off, as in the results
 
-RAN_AWAY = 4  # beyond the outcomes: the numbers, see `stiffness.watch`
+RAN_AWAY = 4  # the integration diverged; not one of the outcomes
 
 
 def initial_supply(charge: float) -> SupplyState:
-    """Return a supply at rest in the dark, with its cell at a state of charge."""
+    """Return a supply at rest in the dark, with the battery at a state of charge."""
     return SupplyState(resting_flow(charge), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def initial_pose(constants: FlightConstants, seed: int) -> State:
-    """Return the rigid part of the state: at rest, with the heading that the seed draws."""
+    """Return the rigid part of the state: at rest, with a random heading."""
+    # The random stream START is used for nothing else
     share, _ = draw_uniforms(seed, START, 0, 0)
+    # Half of the heading, for a quaternion about z
     half = 0.5 * (constants.heading + constants.spread * (2.0 * share - 1.0))
     x, y, z = constants.place
     return (
@@ -69,14 +71,15 @@ def initial_pose(constants: FlightConstants, seed: int) -> State:
 
 
 def clip_duty(duty: float, low: float) -> float:
-    """Return a duty within what a rotor can do."""
+    """Return a duty limited to the range of a rotor."""
     return min(max(duty, low), 1.0)
 
 
 def build_command(constants: FlightConstants, u: PerRotor) -> tuple[float, ...]:
-    """Return a command as the kernel takes it."""
+    """Return a command in the form of the kernel."""
     low, (x, y, z) = constants.lowest, constants.mass_place
     return (
+        # Written out, because compiled code has no generic tuples
         clip_duty(u[0], low[0]), clip_duty(u[1], low[1]),
         clip_duty(u[2], low[2]), clip_duty(u[3], low[3]),
         clip_duty(u[4], low[4]), clip_duty(u[5], low[5]),
@@ -97,8 +100,9 @@ def read_sensors(
     distance: float,
     pressure_due: bool,
 ) -> SensorInputs:
-    """Return what the estimator hears; force and rates are those at the sensor."""
+    """Return the inputs of the estimator; force and rates are those at the IMU."""
     felt, turned = sample_imu(errors, seed, step, force, rates)
+    # NaN where no sample is due
     pressure = math.nan
     if pressure_due:
         pressure = sample_pressure(constants.sensors, errors, seed, step, height, elapsed)
@@ -108,14 +112,14 @@ def read_sensors(
 def sensor_specific_force(
     constants: FlightConstants, state: State, rate: State, held: bool
 ) -> Vector:
-    """Return the specific force at the sensor, of a held drone that of rest. [m/s2]"""
+    """Return the specific force at the IMU; a held drone does not accelerate. [m/s2]"""
     if held:
         return specific_force_at(constants.sensors, state, HELD_RATE)
     return specific_force_at(constants.sensors, state, rate)
 
 
 def with_setpoint(memory: OnboardMemory, setpoint: Setpoint) -> OnboardMemory:
-    """Return what the drone remembers, with a setpoint."""
+    """Return the drone's memory with a new setpoint."""
     return OnboardMemory(
         memory.estimate, memory.measured, True, setpoint, memory.control, memory.duties,
         memory.stopped,
@@ -131,7 +135,7 @@ def ambient_irradiance(constants: FlightConstants, position: Vector) -> float:
 
 
 def panel_irradiance(constants: FlightConstants, state: State) -> float:
-    """Return the light that the panel now has. [W/m2]"""
+    """Return the current irradiance on the panel. [W/m2]"""
     position, q = (state[0], state[1], state[2]), (state[3], state[4], state[5], state[6])
     power, lamp, around = constants.power, constants.listening.lamp, constants.listening.around
     bright = power.lamp_share * lamp_light_on_panel(power.panel, around, lamp, position, q)
@@ -146,14 +150,14 @@ def step_supply(
     thrusts: PerRotor,
     dt: float,
 ) -> SupplyState:
-    """Return the supply after a control period in such light [W/m2] with such thrusts. [N, s]"""
+    """Return the supply after a control period with irradiance [W/m2] and thrusts [N]. [s]"""
     asked = power_demand(constants.power.loads, thrusts, True) + constants.power.looking
     meantime = SupplyInputs(irradiance, asked, dt, False, False)
     return advance_supply(constants.power.parts, supply, meantime, 0.0)
 
 
 def hull_irradiance(constants: FlightConstants, state: State) -> float:
-    """Return the irradiance at the hull centre on planes that face each light. [W/m2]"""
+    """Return the irradiance at the hull centre on planes facing each light. [W/m2]"""
     lamp = constants.listening.lamp
     light = direct_light(lamp, (state[0], state[1], state[2]))[0] + lamp.diffuse
     power, s = constants.power, constants.listening.around
@@ -171,13 +175,13 @@ def initial_tally(constants: FlightConstants) -> FlightTally:
 
 
 def amplitude_error(amplitude: float, snr: float) -> float:
-    """Return the standard deviation of a reading by noise, as `lta_vlc.direction`. [counts]"""
+    """Return the standard deviation of a reading due to noise, as `lta_vlc.direction`. [counts]"""
     return PART * amplitude / snr if snr > 0.0 else math.inf
 
 
 def is_lamp_detected(snrs: tuple[float, ...], threshold: float) -> bool:
-    """Tell whether a diode hears the lamp."""
-    for snr in snrs:  # noqa: SIM110 - what compiles
+    """Return whether the SNR of any diode reaches the threshold."""
+    for snr in snrs:  # noqa: SIM110 - compilable
         if snr >= threshold:
             return True
     return False
@@ -211,8 +215,9 @@ def permission_by_charge(power: BatchPower, charge: float) -> int:
 
 
 def is_plausible(state: State) -> bool:
-    """Tell whether velocity and rates are what anything that flies here has."""
+    """Return whether velocity and rates are below `SPEED_LIMIT`; if not, they diverged."""
     return (
+        # Velocity is state[7:10] and rates are state[10:13]; NaN compares false
         abs(state[7]) < SPEED_LIMIT and abs(state[8]) < SPEED_LIMIT
         and abs(state[9]) < SPEED_LIMIT and abs(state[10]) < SPEED_LIMIT
         and abs(state[11]) < SPEED_LIMIT and abs(state[12]) < SPEED_LIMIT
@@ -228,11 +233,13 @@ def update_tally(
     elapsed: float,
     dt: float,
 ) -> FlightTally:
-    """Return the tally after one more control period; `before` is where it began. [m]"""
+    """Return the tally after one more control period, which began at the position `before` [m]."""
     x, y, z = state[0], state[1], state[2]
     outcome, progress = evaluate_outcome(constants.goal, tally.progress, x, y, z, elapsed)
     lift_off, energy = tally.lift_off, tally.energy
+    # Energy counts from lift-off on, as in the results
     if math.isfinite(lift_off):
+        # A discharging current is negative
         energy -= supply.flow.voltage * supply.flow.current * dt
     elif z > constants.place[2] + LIFTED:
         lift_off = elapsed
@@ -259,7 +266,12 @@ def update_light_tally(
     speed: float,
     began: float,
 ) -> FlightTally:
-    """Return the tally after a light block that began at a time [s], seen from its middle."""
+    """
+    Return the tally after a light block that began at `began` [s].
+
+    `middle` is the true state in the middle of the block, to which the measured direction belongs.
+    """
+    # The search starts with the first forward setpoint, as in the results
     search_start = tally.search_start
     if not math.isfinite(search_start) and speed > 0.0:
         search_start = began

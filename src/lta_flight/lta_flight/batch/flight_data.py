@@ -1,4 +1,4 @@
-"""The numbers of a flight of a batch: what stays the same during it, and what it comes to."""
+"""Data of a batch flight: its constants, and the tally of its results."""
 
 from typing import NamedTuple
 
@@ -19,35 +19,35 @@ Vector = tuple[float, float, float]
 
 
 class BatchPower(NamedTuple):
-    """The electricity: what feeds the vehicle, its loads, and its panel."""
+    """The electrical system: supply, loads and panel."""
 
     parts: SupplyParts
     loads: LoadModel
-    looking: float  # W, what lamps are found with
+    looking: float  # W, power of light sensing and navigation
     panel: PanelPlane
-    lamp_share: float  # W/m2 a lux of the lamp while it is on
+    lamp_share: float  # W/m2 per lux of the lamp's on phase
     ambient: float  # W/m2
-    day_share: float  # W/m2 a lux of daylight
+    day_share: float  # W/m2 per lux of daylight
     reserve: float
     charge: float
 
 
 class FlightConstants(NamedTuple):
     """
-    Everything that decides a flight but its seed and the kernel's own numbers.
+    Everything that determines a flight except its seed and the model's own numbers.
 
     Attributes
     ----------
-    drone : Drone
-        What the drone knows.
+    drone : DroneConstants
+        The drone's knowledge of itself.
     mission : MissionSettings
         Altitudes and speeds.
     sensors, listening, goal, power : SensorDatasheets, LightLink, FlightGoal, BatchPower
         The world.
-    array, expected : Array, Expected
-        What the drone believes of its diodes and of the lamp.
+    array, expected : FitArray, DirectionPrior
+        The drone's model of its diodes, and its prior on the lamp.
     place : tuple of float
-        Of the hull centre at the start. [m, map]
+        Hull centre at the start. [m, map]
     heading, spread : float
         Middle and half width of the headings at the start. [rad]
     wind : SteadyWind
@@ -55,9 +55,9 @@ class FlightConstants(NamedTuple):
     held : float
         Time for which a hand holds the drone. [s]
     lowest : PerRotor
-        Least duty of each rotor.
+        Minimum duty of each rotor.
     mass_place : tuple of float
-        Of the moving mass. [m, body]
+        Position of the moving mass. [m, body]
     duties : PerRotor
         In an open loop.
     reserve : ReserveRule
@@ -88,7 +88,7 @@ class FlightConstants(NamedTuple):
 
 
 class FlightTally(NamedTuple):
-    """What a flight has come to; NaN is what has not happened. SI."""
+    """Running results of a flight in SI units; NaN for events that have not happened."""
 
     outcome: int
     progress: GoalProgress
@@ -97,6 +97,6 @@ class FlightTally(NamedTuple):
     path_length: float
     closest: float
     energy: float
-    blocks: float  # since the search began
-    bearings: float  # of these, with a bearing
-    squares: float  # of their errors, summed [rad2]
+    blocks: float  # light blocks since the search began
+    bearings: float  # number of them with a bearing
+    squares: float  # sum of squared bearing errors [rad2]

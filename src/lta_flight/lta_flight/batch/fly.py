@@ -1,4 +1,4 @@
-"""Fly a batch of closed or open loops: on all cores of the processor, or on a GPU."""
+"""Fly a batch of closed or open loops on all CPU cores or on a GPU."""
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Seeds = NDArray[np.int64]
 Device = Literal['cpu-batch', 'gpu']
-PIECE = 8  # flights of one turn of a thread; they differ in length
+PIECE = 8  # flights per task of a thread; small, because their lengths differ
 
 
 @cache
@@ -34,7 +34,7 @@ def _compile_kernel(
     device: Device,
     closed: bool,
 ) -> ModuleType:
-    """Return the compiled flight of some effects."""
+    """Return the compiled flight for some effects."""
     target = GPU if device == 'gpu' else CPU
     rhythm = build_rhythm(load_topic_table())
     source = build_source(
@@ -56,38 +56,42 @@ def fly_many(
 
     Parameters
     ----------
-    flights : sequence of Made
-        What is flown.
+    flights : sequence of BatchFlight
+        The flights.
     seeds : sequence of int
-        Of the chance of each flight; the lower 32 bits count.
+        Random seed of each flight; the lower 32 bits are used.
     device : str
-        'cpu-batch' for the processor's cores, 'gpu' for a GPU.
+        'cpu-batch' for the CPU cores, 'gpu' for a GPU.
     closed : bool
         Whether the drone decides; otherwise it keeps its duties.
     which : ndarray of int, optional
-        For each seed the number of its flight in `flights`; one after the other if not given.
+        Index into `flights` for each seed; by default one after the other.
 
     Returns
     -------
     ndarray, shape (V, len(FIGURES))
-        What each flight came to, in the order of `text.FIGURES`.
+        Results of each flight, in the order of `codegen.FIGURES`.
 
     Raises
     ------
     BadInput
-        If there is no GPU or no numba-cuda.
+        If there is no GPU or numba-cuda is not installed.
 
     """
     out = np.full((len(seeds), len(FIGURES)), np.nan)
     chosen = np.arange(len(seeds)) if which is None else which
+    # The counter-based generator has 32-bit keys
     named = np.asarray(seeds, dtype=np.int64) & 0xFFFFFFFF
+    # The union of the effects of all vehicles; those without an effect switch it off by its flag
     on = np.maximum.reduce([made.model.on for made in flights])
     names = tuple(name for name in LAYOUT.effects if on[LAYOUT.flag_index(name)])
     parameters, _ = LAYOUT.find_places(names)
+    # Flights of equal form and strategy share a kernel
     forms = np.array([f'{made.strategy.name} {made.form}' for made in flights])
     for form in dict.fromkeys(forms.tolist()):
         alike = np.flatnonzero(forms == form)
         inside = np.flatnonzero(np.isin(chosen, alike))
+        # Row of each flight among those of its form
         rows = np.searchsorted(alike, chosen[inside])
         first = flights[int(alike[0])]
         kernel = _compile_kernel(
@@ -109,14 +113,16 @@ def fly_many(
 def _fly_on_cores(
     kernel: ModuleType, fixed: Array, constants: Array, rows: NDArray[np.intp], seeds: Seeds
 ) -> Array:
-    """Fly on all cores; a thread takes a few flights at a time."""
+    """Fly on all CPU cores; a thread takes a few flights at a time."""
     out = np.empty((len(seeds), len(FIGURES)))
+    # The processors that this process may use, which a container may limit
     cores = len(os.sched_getaffinity(0))
 
     def fly_piece(begin: int) -> None:
         part = slice(begin, begin + PIECE)
         kernel.fly_some(fixed[rows[part]], constants[rows[part]], seeds[part], out[part])
 
+    # Threads suffice, because the compiled flight releases the GIL
     with ThreadPoolExecutor(cores) as pool:
         list(pool.map(fly_piece, range(0, len(seeds), PIECE)))
     return out
@@ -125,12 +131,14 @@ def _fly_on_cores(
 def _fly_on_gpu(
     kernel: ModuleType, fixed: Array, constants: Array, rows: NDArray[np.intp], seeds: Seeds
 ) -> Array:
-    """Fly on a GPU, a thread a vehicle; neighbours' numbers lie side by side."""
+    """Fly on a GPU with one thread per vehicle."""
     cuda = require_cuda()
     there = [
+        # Column-major, so that neighbouring threads read neighbouring numbers
         cuda.to_device(np.asfortranarray(part))
         for part in (fixed[rows], constants[rows], np.empty((len(seeds), len(FIGURES))))
     ]
+    # Number of blocks, rounded up, and threads per block
     kernel.fly_some[-(-len(seeds) // THREADS), THREADS](
         there[0], there[1], cuda.to_device(np.ascontiguousarray(seeds)), there[2]
     )

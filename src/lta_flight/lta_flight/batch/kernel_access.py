@@ -1,22 +1,22 @@
-"""How the model of a flight of a batch reaches its numbers: one vehicle in local variables."""
+"""Access of the batch model to the numbers of one vehicle, as local variables."""
 
 from typing import final
 
 from lta_sim.kernels.columns import build_thread_parts
 from lta_sim.kernels.layout import EffectLayout, FIXED, format_tuple, indent_lines, ModelStage
 
-# What the kernel keeps of a vehicle during a flight, in this order.
+# Constant arrays of a vehicle, in the order of the row `fixed`
 KEPT = ('parameters', 'body', 'inverse')
 
 
 @final
 class VehicleAccess:
-    """One vehicle: what it keeps is a row `fixed`, the rest under its own name."""
+    """One vehicle: its constants are a row `fixed`, all else has its own name."""
 
     loops = False
 
     def format_item(self, name: str, place: int, layout: EffectLayout, each: int = 0) -> str:
-        """Return the source of one number; there are no loops, so `each` says nothing."""
+        """Return the source of one number; `each` is unused, because there are no loops."""
         del each
         return (
             f'fixed[{self._row_offset(name, layout) + place}]'
@@ -25,13 +25,13 @@ class VehicleAccess:
         )
 
     def format_whole(self, name: str, layout: EffectLayout) -> str:
-        """Return the source of all numbers of a name."""
+        """Return the source of all numbers of an array."""
         if name not in KEPT:
             return name
         return format_tuple(self.format_item(name, k, layout) for k in range(FIXED[name]))
 
     def build_parts(self, parts: list[ModelStage], layout: EffectLayout) -> dict[str, str]:
-        """Return the model as a thread has it, and the stages that end in thrusts."""
+        """Return the model for a thread, and the stages that compute the thrusts."""
         lines = [line for part in parts if part.writes == ('u',) for line in part.lines]
         return {**build_thread_parts(parts, layout), 'actuation': indent_lines(lines)}
 

@@ -1,4 +1,4 @@
-"""What the text of a flight is compiled for, and its rhythm."""
+"""The targets of a batch flight, CPU and GPU, and its schedule."""
 
 from dataclasses import dataclass
 from typing import final
@@ -8,15 +8,15 @@ from lta_control import allocation
 from lta_model.light.ray_bundles import LAMPS, scratch_size
 from lta_vlc.reading_model import FIT_SCRATCH
 
-STEP = 2.5e-3  # s, of integration, as in `lta_sim.world`
-SCRATCH = max(allocation.SCRATCH, FIT_SCRATCH)  # used one after the other
+STEP = 2.5e-3  # s, integration step, as in `lta_sim.world`
+SCRATCH = max(allocation.SCRATCH, FIT_SCRATCH)  # shared, since both are used in turn
 PENCILS = scratch_size(1)
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class BatchRhythm:
-    """Integration steps in a control period and between ranges; control steps between others."""
+    """Integration steps per control step and per range; control steps per pressure and block."""
 
     control: int
     range: int
@@ -27,7 +27,7 @@ class BatchRhythm:
 @final
 @dataclass(frozen=True, slots=True)
 class CompileTarget:
-    """What a text is compiled for: imports, decorators, and the function that is called."""
+    """A target: imports, decorator of the functions, and the source of the entry."""
 
     imports: str
     inline: str

@@ -1,1 +1,1 @@
-"""Running nodes again on what was recorded, and comparing what they answer with the recording."""
+"""Run nodes again on recorded data, and compare their outputs with the recording."""

@@ -1,9 +1,9 @@
 """
-What the nodes answered now against what was recorded: bit by bit, channel by channel.
+Compare the outputs of a replay with the recording, bit by bit and channel by channel.
 
-Where a bag was made on the same machine with the same versions, every bit must agree. Elsewhere
-libm and numpy's vector units differ in the last places, so that numbers may differ by 1e-9 of a
-channel's largest value; a channel that is sent in single precision by one such step.
+With a bag from the same machine and versions every bit must agree. Elsewhere libm and numpy's
+vector units differ in the last places. So numbers may differ by 1e-9 of a channel's largest value,
+and by one step of single precision in a channel that is sent in it.
 """
 
 from collections.abc import Mapping
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 TOLERANCE = 1e-9  # of a channel's largest value
 SINGLE = 2.0**-23  # a step of single precision
-PLACE = ('platform', 'libraries', 'commit')  # of the origin: the same results to the last bit
+PLACE = ('platform', 'libraries', 'commit')  # provenance that may change the last bits
 
 
 @final
@@ -30,15 +30,15 @@ class ChannelDifference:
     path : str
         The field.
     count : int
-        Messages in which it differs.
+        Number of messages in which it differs.
     first : int
         Row of the first of them.
     largest : float
         Largest difference, in the field's unit; NaN for text.
     recorded, again : object
-        The two values of the first.
+        Both values at the first difference.
     close : bool
-        Whether it agrees within the tolerance for a bag made elsewhere.
+        Whether it agrees within the tolerance for a bag from elsewhere.
 
     """
 
@@ -55,20 +55,20 @@ class ChannelDifference:
 @dataclass(frozen=True, slots=True)
 class TopicComparison:
     """
-    One topic compared.
+    The comparison of one topic.
 
     Attributes
     ----------
     topic : str
         Relative name.
-    recorded, again : Heard
-        The messages that belong together, row by row.
+    recorded, again : TopicMessages
+        The paired messages, row by row.
     differing : int
-        Messages that differ in any field.
+        Number of messages that differ in any field.
     unmatched : tuple of int
-        Messages of the recording, and of the replay, without a partner.
-    channels : tuple of Channel
-        What differs, what differed first in front.
+        Messages of the recording, and of the replay, without a counterpart.
+    channels : tuple of ChannelDifference
+        The fields that differ, in the order of their first difference.
 
     """
 
@@ -81,12 +81,12 @@ class TopicComparison:
 
     @property
     def count(self) -> int:
-        """Pairs of messages."""
+        """Number of message pairs."""
         return len(self.recorded.keys)
 
     @property
     def is_close(self) -> bool:
-        """Whether all agrees within the tolerance for a bag made elsewhere."""
+        """Whether all fields agree within the tolerance for a bag from elsewhere."""
         return all(channel.close for channel in self.channels)
 
 
@@ -100,16 +100,17 @@ def compare_topic(
     ----------
     topic : str
         Relative name.
-    recorded, again : Heard
+    recorded, again : TopicMessages
         All messages of the recording and of the replay.
     stamped : bool
-        Whether they belong together by stamp.
+        Whether messages are paired by stamp.
 
     """
     a, b = pair_messages(recorded, again, stamped)
     unmatched = len(recorded.keys) - len(a.keys), len(again.keys) - len(b.keys)
     wrong = np.zeros(len(a.keys), dtype=bool)
     channels = []
+    # A field that only one run has differs in every row
     for first, second, empty in ((a.numbers, b.numbers, np.nan), (a.texts, b.texts, '')):
         for path in dict.fromkeys((*first, *second)):
             x, y = (select_column(each, path, len(a.keys), empty) for each in (first, second))
@@ -124,13 +125,14 @@ def compare_topic(
 def select_column(
     columns: Mapping[str, NDArray[Any]], path: str, length: int, empty: object
 ) -> NDArray[Any]:
-    """Return a column; one that a run does not have is empty in every row."""
+    """Return a column; a missing one is empty in every row."""
     return columns[path] if path in columns else np.full(length, empty)
 
 
 def find_differences(x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.bool_]:
-    """Return where two columns, shape (n,), differ in any bit; one NaN is as another."""
+    """Return where two columns, shape (n,), differ in any bit; all NaN are equal."""
     if x.dtype.kind == 'f' and y.dtype.kind == 'f':
+        # Compare the bits, so that 0.0 and -0.0 differ
         bits = x.astype(np.float64).view(np.int64) != y.astype(np.float64).view(np.int64)
         return np.asarray(bits & ~(np.isnan(x) & np.isnan(y)), dtype=bool)
     return np.asarray(x != y, dtype=bool)
@@ -146,6 +148,7 @@ def compare_channel(
         u, v = x.astype(np.float64), y.astype(np.float64)
         with np.errstate(invalid='ignore'):
             gaps = np.abs(u - v)[differs]
+        # A NaN in one run only is an infinite difference
         largest = float(np.max(np.where(np.isnan(gaps), np.inf, gaps)))
         close = 'f' in x.dtype.kind + y.dtype.kind and largest <= channel_tolerance(u, v)
     count = int(differs.sum())
@@ -155,16 +158,17 @@ def compare_channel(
 
 
 def channel_tolerance(x: NDArray[np.float64], y: NDArray[np.float64]) -> float:
-    """Return by how much a channel may differ between machines, in the channel's unit."""
+    """Return the tolerance of a channel between machines, in its unit."""
     both = np.concatenate((x, y))
     both = both[np.isfinite(both)]
     if not both.size:
         return 0.0
     with np.errstate(over='ignore'):
+        # All values are exact in single precision, so the channel is sent in it
         single = bool((both.astype(np.float32).astype(np.float64) == both).all())
     return max(TOLERANCE, SINGLE if single else 0.0) * float(np.abs(both).max())
 
 
 def find_origin_differences(provenance: Mapping[str, str], here: Mapping[str, str]) -> list[str]:
-    """Return in what a recording's origin differs from here, of what may move the last bit."""
+    """Return the provenance entries in which a recording and this machine differ."""
     return [name for name in PLACE if provenance.get(name) != here.get(name)]

@@ -1,4 +1,4 @@
-"""What a change of the nodes would have changed in flight: setpoints, duties, lamp, reserve."""
+"""Compare decisions of a replay with the recording: setpoints, duties, lamp and reserve."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from lta_flight.replay.topic_messages import TopicMessages
 import numpy as np
 from numpy.typing import NDArray
 
-SAME = 1e-9  # rad, m, m/s, 1: a decision that moves by less is the same
+SAME = 1e-9  # rad, m, m/s or 1; smaller changes do not count
 
 Column = NDArray[np.float64]
 
@@ -23,13 +23,13 @@ class DecisionComparison:
     Attributes
     ----------
     name, unit : str
-        What is decided.
+        The decision.
     keys : ndarray of int64, shape (n,)
-        When. [ns]
+        Times. [ns]
     recorded, again : ndarray, shape (n,)
-        What was decided then and now; truths are 0 and 1.
+        Values in both runs; booleans are 0 and 1.
     gaps : ndarray, shape (n,)
-        How far apart they are; headings on the shorter side.
+        Absolute differences; of headings along the shorter arc.
 
     """
 
@@ -42,7 +42,7 @@ class DecisionComparison:
 
     @property
     def change_count(self) -> int:
-        """How often it was decided otherwise."""
+        """Number of changed decisions."""
         return int((self.gaps > SAME).sum())
 
     @property
@@ -57,7 +57,7 @@ class DecisionComparison:
 
 
 class DecisionKind(NamedTuple):
-    """Where a decision stands: topic, name, unit, how to read it, and whether it is a heading."""
+    """Where a decision is: topic, name, unit, reader function, and whether it is a heading."""
 
     topic: str
     name: str
@@ -67,24 +67,27 @@ class DecisionKind(NamedTuple):
 
 
 def build_field_reader(path: str) -> Callable[[TopicMessages], Column]:
-    """Return what reads one field."""
+    """Return a function that reads one field."""
 
     def read(messages: TopicMessages) -> Column:
-        found = messages.numbers.get(path)
-        return np.full(len(messages.keys), np.nan) if found is None else found.astype(np.float64)
+        column = messages.numbers.get(path)
+        if column is None:
+            return np.full(len(messages.keys), np.nan)
+        return column.astype(np.float64)
 
     return read
 
 
 def read_heading(messages: TopicMessages) -> Column:
-    """Return the heading of a pose whose axis is up. [rad]"""
+    """Return the heading of a pose that is rotated about z only. [rad]"""
     parts: Mapping[str, NDArray[Any]] = messages.numbers
     z, w = (parts[f'pose.orientation.{axis}'].astype(np.float64) for axis in 'zw')
+    # q = (0, 0, sin(yaw/2), cos(yaw/2))
     return np.unwrap(2.0 * np.arctan2(z, w)) if len(z) else z
 
 
 def read_lamp_visible(messages: TopicMessages) -> Column:
-    """Return 1 where a lamp is seen; a variance of -1 says that none is."""
+    """Return 1 where a lamp is seen, else 0; a variance of -1 means that none is."""
     found: Column = (messages.numbers['pose.covariance[0]'] >= 0.0).astype(np.float64)
     return found
 
@@ -97,13 +100,14 @@ KINDS = (
     DecisionKind('energy/reserve', 'reserve reached', '', build_field_reader('data')),
     *(
         DecisionKind('motors', f'duty {k + 1}', '1', build_field_reader(f'effort[{k}]'))
+        # Missing rotors give NaN columns, which `compare_decisions` drops
         for k in range(8)
     ),
 )
 
 
 def compare_decisions(comparisons: Sequence[TopicComparison]) -> list[DecisionComparison]:
-    """Return the decisions in the topics that were compared."""
+    """Return the comparisons of all decisions in the compared topics."""
     topics = {each.topic: each for each in comparisons if each.count}
     made = []
     for kind in KINDS:
@@ -111,6 +115,7 @@ def compare_decisions(comparisons: Sequence[TopicComparison]) -> list[DecisionCo
         if each is None:
             continue
         recorded, again = kind.read(each.recorded), kind.read(each.again)
+        # Rows that neither run has, as of a rotor that does not exist
         known = ~(np.isnan(recorded) & np.isnan(again))
         if known.any():
             gaps = compute_gaps(recorded, again, kind.turning)
@@ -121,10 +126,11 @@ def compare_decisions(comparisons: Sequence[TopicComparison]) -> list[DecisionCo
 
 
 def compute_gaps(x: Column, y: Column, turning: bool) -> Column:
-    """Return how far apart two columns are; what only one knows is infinitely far."""
+    """Return the differences of two columns; infinite where only one has a value."""
     with np.errstate(invalid='ignore'):
         gaps = np.abs(x - y)
     if turning:
+        # The angle of the unit phasor is the shorter arc
         gaps = np.abs(np.angle(np.exp(1j * (x - y))))
     both = np.isnan(x) & np.isnan(y)
     return np.where(both, 0.0, np.where(np.isnan(gaps), np.inf, gaps))

@@ -1,4 +1,4 @@
-"""Parameters of nodes as they are given on a command line, checked before a node starts."""
+"""Parse and check node parameters from a command line, before a node starts."""
 
 from collections.abc import Sequence
 from importlib import import_module
@@ -11,7 +11,7 @@ from lta_config.validation_errors import format_error
 from lta_graph.ros.parameters import iterate_fields, nest_names
 from pydantic import ValidationError
 
-NODES = {  # where a node declares its parameters; imported when asked for, since it brings rclpy
+NODES = {  # module and model of each node's parameters, imported late because of rclpy
     'estimator': ('lta_control.nodes.estimator', 'EstimatorParameters'),
     'controller': ('lta_control.nodes.controller', 'ControllerSettings'),
     'demodulator': ('lta_vlc.nodes.demodulator', 'DemodulatorParameters'),
@@ -21,7 +21,7 @@ NODES = {  # where a node declares its parameters; imported when asked for, sinc
 
 
 def load_settings_model(node: str) -> type[Settings]:
-    """Return the parameters of a node as a model."""
+    """Return the parameter model of a node."""
     module, name = NODES[node]
     found: type[Settings] = getattr(import_module(module), name)
     return found
@@ -33,15 +33,15 @@ def parse_settings(assignments: Sequence[str], nodes: Sequence[str]) -> dict[str
 
     Parameters
     ----------
-    given : sequence of str
+    assignments : sequence of str
         Each NODE.PARAMETER=VALUE.
     nodes : sequence of str
-        Those that are run again.
+        The nodes that are run again.
 
     Raises
     ------
     BadInput
-        If a node is not run again, has no such parameter, or cannot take the value.
+        If a node is not run again, the parameter does not exist, or the value is invalid.
 
     """
     found: dict[str, dict[str, Any]] = {}
@@ -49,12 +49,13 @@ def parse_settings(assignments: Sequence[str], nodes: Sequence[str]) -> dict[str
         path, equals, value = text.partition('=')
         node, dot, name = path.strip().partition('.')
         if not (equals and dot and name):
-            raise BadInput(f"'{text}' sets nothing; write NODE.PARAMETER=VALUE.")
+            raise BadInput(f"'{text}' is not an assignment; write NODE.PARAMETER=VALUE.")
         if node not in nodes:
             raise unknown_name('node that is run again', node, list(nodes))
         found.setdefault(node, {})[name] = parse_typed_value(node, name, value)
     for node, values in found.items():
         try:
+            # Not strict, as in `NodeParameters`
             load_settings_model(node).model_validate(nest_names(values), strict=False)
         except ValidationError as error:
             raise BadInput(f'{node}: parameter {format_error(error)}') from None
@@ -62,11 +63,12 @@ def parse_settings(assignments: Sequence[str], nodes: Sequence[str]) -> dict[str
 
 
 def parse_typed_value(node: str, name: str, text: str) -> Any:  # noqa: ANN401 - of the parameter's type
-    """Return a parameter's value from text, of the type that the node declares."""
+    """Return a parameter's value from text, with the type that the node declares."""
     known = {key: value for key, _, value in iterate_fields(load_settings_model(node)())}
     if name not in known:
         raise unknown_name(f'parameter of {node}', name, list(known))
     if isinstance(known[name], str):
         return text
     value = parse_yaml(text, f'{node}.{name}')
+    # ROS would reject the integer 1 for a parameter of type double
     return float(value) if isinstance(known[name], float) and type(value) is int else value

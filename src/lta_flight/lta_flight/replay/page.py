@@ -1,4 +1,4 @@
-"""A replay against its recording as one self-contained page, in the look of a flight's page."""
+"""Write the comparison of a replay with its recording as one HTML file."""
 
 from collections.abc import Mapping
 from html import escape
@@ -22,9 +22,9 @@ NAME: Final = 'report.html'
 LISTED: Final = 40  # channels in the table
 MOST: Final = 3000  # points of a line
 METHOD: Final = (
-    'Every message of a node that was run again is held against the recorded one of the same '
-    'stamp, field by field. Differs: in any bit. Largest: over the whole replay, in the unit of '
-    'the field.'
+    'Every message of the replayed nodes is compared with the recorded one of the same stamp, '
+    'field by field. "Differs" means in any bit. "Largest" is the largest difference of the '
+    'replay, in the unit of the field.'
 )
 NAMES: Final = {
     'identical': 'identical to the last bit', 'same': 'the same', 'different': 'different',
@@ -34,7 +34,7 @@ NAMES: Final = {
 def write_page(
     verdict: ReplayVerdict, order: ReplayRequest, provenance: Mapping[str, str], folder: Path
 ) -> Path:
-    """Write the page and return where it is; `BadInput` where it cannot be written."""
+    """Write the page and return its path; raise `BadInput` if that fails."""
     return write_file(render_page(verdict, order, provenance), folder / NAME)
 
 
@@ -46,12 +46,12 @@ def render_page(
 
     Parameters
     ----------
-    verdict : Verdict
-        What came out.
-    order : Order
-        What was asked for.
-    told : mapping of str to str
-        Where the recording comes from.
+    verdict : ReplayVerdict
+        The result.
+    order : ReplayRequest
+        The request.
+    provenance : mapping of str to str
+        Provenance of the recording.
 
     """
     return assemble_page(
@@ -75,18 +75,18 @@ def render_page(
 
 
 def format_about(verdict: ReplayVerdict, order: ReplayRequest) -> str:
-    """Return what was done, in two sentences."""
+    """Return a description of the replay in two sentences."""
     changed = ', '.join(order.changes) or 'nothing'
     pace = 'in lockstep' if order.rate is None else f'at {order.rate:g} times real time'
     place = ', '.join(verdict.elsewhere) or 'nothing'
     return (
-        f'Run again on the recorded sensors, {pace}: {", ".join(order.nodes)}. Changed by order: '
-        f'{changed}. Since the recording, another: {place}.'
+        f'Nodes run again on the recorded sensors, {pace}: {", ".join(order.nodes)}. Requested '
+        f'changes: {changed}. Different from the recording: {place}.'
     )
 
 
 def build_tiles(verdict: ReplayVerdict) -> list[Tile]:
-    """Return the verdict, and each kind of decision."""
+    """Return tiles for the verdict and each kind of decision."""
     total = sum(topic.count for topic in verdict.topics)
     differing = sum(topic.differing for topic in verdict.topics)
     made = [
@@ -110,13 +110,13 @@ def format_largest_change(decision: DecisionComparison) -> str:
     if not decision.change_count:
         return 'all as recorded'
     if not decision.unit:
-        return 'otherwise'
+        return 'changed'
     unit = '' if decision.unit == '1' else f' {decision.unit}'
     return f'by up to {format_value(decision.largest_change, 4)}{unit}'
 
 
 def format_value(value: object, digits: int = 10) -> str:
-    """Return a value short enough to be read, long enough to tell two apart."""
+    """Return a value as short text that still shows small differences."""
     if isinstance(value, float):
         return f'{value:.{digits}g}' if math.isfinite(value) else str(value)
     text = str(value)
@@ -124,7 +124,7 @@ def format_value(value: object, digits: int = 10) -> str:
 
 
 def render_channel_table(verdict: ReplayVerdict) -> str:
-    """Return all channels that differ, or a sentence that there is none."""
+    """Return a table of the fields that differ, or a sentence that none does."""
     heads = ['topic', 'field', 'differs', 'first at [s]', 'recorded', 'replayed', 'largest']
     lines = []
     for topic in verdict.topics:
@@ -139,6 +139,7 @@ def render_channel_table(verdict: ReplayVerdict) -> str:
     if not lines:
         return '<p class="note">No field of any message differs.</p>'
     top = ''.join(f'<th scope="col">{head}</th>' for head in heads)
+    # The page lists the first fields only; JSON has all
     more = len(lines) - LISTED
     rest = (
         f'<p class="note">And {more} more fields; all are in replay.json.</p>' if more > 0 else ''
@@ -150,10 +151,10 @@ def render_channel_table(verdict: ReplayVerdict) -> str:
 
 
 def list_notes(verdict: ReplayVerdict) -> list[str]:
-    """Return how it was compared, and what could not be."""
+    """Return how the runs were compared, and which messages could not be."""
     alone = [
         f'{topic.topic}: {topic.unmatched[0]} recorded messages without a replayed one, '
-        f'{topic.unmatched[1]} replayed without a recorded one; they are not compared.'
+        f'{topic.unmatched[1]} replayed ones without a recorded one; these are not compared.'
         for topic in verdict.topics
         if any(topic.unmatched)
     ]
@@ -161,8 +162,8 @@ def list_notes(verdict: ReplayVerdict) -> list[str]:
 
 
 def format_caption(decision: DecisionComparison, verdict: ReplayVerdict) -> str:
-    """Return what a picture shows, and where the first change is."""
-    lines = 'Wide: as recorded. Thin: as the nodes answer now.'
+    """Return a caption with the time of the first change."""
+    lines = 'Wide line: recording. Thin line: replay.'
     if decision.first_change is None:
         return f'{lines} They agree.'
     at = verdict.relative_time(int(decision.keys[decision.first_change]))
@@ -170,11 +171,13 @@ def format_caption(decision: DecisionComparison, verdict: ReplayVerdict) -> str:
 
 
 def plot_decision(decision: DecisionComparison, verdict: ReplayVerdict) -> Figure:
-    """Return a decision over time, recorded and replayed."""
+    """Return a figure of a decision over time, recorded and replayed."""
     figure = create_figure()
     rows = np.arange(len(decision.keys))
+    # Decisions are held between messages, so skipping rows keeps the picture
     rows = rows[:: max(1, len(rows) // MOST)]
     time = (decision.keys[rows] - verdict.start_ns) * 1e-9
+    # Angles are shown in degrees
     turned = decision.unit == 'rad'
     scale, unit = (180.0 / math.pi, '°') if turned else (1.0, decision.unit)
     pairs = (
@@ -195,14 +198,14 @@ def plot_decision(decision: DecisionComparison, verdict: ReplayVerdict) -> Figur
 
 
 def describe_provenance(provenance: Mapping[str, str]) -> dict[str, str]:
-    """Return where the recording comes from."""
+    """Return the provenance of the recording."""
     names = ('vehicle', 'scenario', 'strategy', 'seed', 'time', 'created', 'commit', 'platform')
     known = {name: provenance[name] for name in names if name in provenance}
-    return known or {'recording': 'tells nothing of its origin'}
+    return known or {'recording': 'has no provenance'}
 
 
 def suggest_commands(order: ReplayRequest) -> dict[str, str]:
-    """Return how to replay it again, and how to go on."""
+    """Return commands for the next steps."""
     words: list[str | Path] = [
         'replay',
         relative_path(order.bag),

@@ -1,4 +1,4 @@
-"""The progress bar of a replay, and what it says above it."""
+"""The progress bar of a replay."""
 
 from typing import final
 
@@ -10,14 +10,14 @@ from rich.progress import BarColumn, TextColumn
 @final
 class ReplayProgress(ProgressBar):
     """
-    Show a replay while it lasts: `with ReplayProgress(console, 60.0) as progress: ...`.
+    Show the progress of a replay: `with ReplayProgress(console, 60.0) as progress: ...`.
 
     Parameters
     ----------
     console : Console
-        Where to; nothing moves where it is no terminal.
+        Output; nothing is shown if it is not a terminal.
     length : float
-        Of the recording. [s]
+        Duration of the recording. [s]
 
     """
 
@@ -27,6 +27,6 @@ class ReplayProgress(ProgressBar):
         super().__init__(console, *columns, begin='starting the nodes', total=length, detail='')
 
     def show_progress(self, time: float, pace: float) -> None:
-        """Show how far the replay is: bag time [s] and bag seconds a wall second."""
+        """Show bag time [s] and bag seconds per wall second."""
         detail = f'{time:.1f} s, {pace:.1f} x real time'
         self.update_bar(description='replaying', completed=time, detail=detail)

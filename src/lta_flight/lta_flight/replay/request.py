@@ -1,4 +1,4 @@
-"""What to replay: which nodes, on which bag, with which of their parameters changed."""
+"""The request of a replay: nodes, bag, and changed parameters."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -23,8 +23,9 @@ from lta_graph.launch_file import LaunchPlan, load_plan
 from lta_graph.launch_node import format_ros_yaml, LaunchProcess
 from lta_model.vehicle import load_vehicle
 
-ROBOT = 'lta1'  # where the bag has no namespace
-OWNERS = {  # whose parameters they are, that `lta simulate --set` calls by these names
+ROBOT = 'lta1'  # for a bag without namespaces
+# Node and parameter prefix of the settings of `lta simulate --set`
+OWNERS = {
     'mission': ('navigator', ''),
     'reserve': ('navigator', 'reserve.'),
     'estimator': ('estimator', ''),
@@ -32,29 +33,29 @@ OWNERS = {  # whose parameters they are, that `lta simulate --set` calls by thes
     'prior': ('demodulator', 'prior.'),
     'energy_monitor': ('energy_monitor', ''),
 }
-VEHICLE, STRATEGY, LAMP_ROOM = 'gtmab', 'bag', 'lamp_room'  # where the bag does not tell
+VEHICLE, STRATEGY, LAMP_ROOM = 'gtmab', 'bag', 'lamp_room'  # for a bag without provenance
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class ReplayRequest:
     """
-    A replay as it was asked for.
+    A requested replay.
 
     Attributes
     ----------
     bag : Path
         The recording.
     nodes : tuple of str
-        What is run again.
+        The nodes to run again.
     settings : mapping of str to mapping
         Changed parameters, by node and name.
     vehicle, gains, strategy : str or None
-        Instead of the recording's own.
+        Replacements of the recording's own.
     rate : float or None
-        Bag seconds a wall second; None for lockstep.
+        Bag seconds per wall second; None for lockstep.
     start, end : float
-        The section. [s]
+        The section of the recording. [s]
 
     """
 
@@ -70,16 +71,16 @@ class ReplayRequest:
 
     @property
     def node_selection(self) -> NodeSelection:
-        """Who is run, and what is played."""
+        """The nodes to run and the topics to play."""
         table = load_topic_table()
         return select_nodes(table, self.nodes, list_supporting_roles(table, self.nodes))
 
     @property
     def changes(self) -> list[str]:
-        """What is not as it was recorded, in words."""
+        """Differences from the recording, in words."""
         files = {'vehicle': self.vehicle, 'gains': self.gains, 'strategy': self.strategy}
-        told = [f'{name} {value}' for name, value in files.items() if value is not None]
-        return told + [
+        replaced = [f'{name} {value}' for name, value in files.items() if value is not None]
+        return replaced + [
             f'{node}.{name} = {value}'
             for node, given in self.settings.items()
             for name, value in given.items()
@@ -87,39 +88,42 @@ class ReplayRequest:
 
 
 def parse_nodes(text: str) -> tuple[str, ...]:
-    """Return the nodes of a list with commas; `BadInput` for one that cannot be run again."""
+    """Return the nodes of a comma-separated list; raise `BadInput` for an unknown one."""
     names = tuple(dict.fromkeys(word.strip() for word in text.split(',') if word.strip()))
     known = list_answering_roles(load_topic_table())
     for name in names:
         if name not in known:
             raise unknown_name('node', name, known)
     if not names:
-        raise BadInput(f'No node is named; give some of {", ".join(known)}.')
+        raise BadInput(f'No node is named; give one or more of {", ".join(known)}.')
     return names
 
 
 def read_recorded_settings(provenance: Mapping[str, str]) -> dict[str, dict[str, Any]]:
-    """Return the nodes' parameters that were set for a flight in one process, by node."""
+    """Return the node parameters that were set for a flight in one process, by node."""
     found: dict[str, dict[str, Any]] = {}
+    # `lta simulate` joins its changes with '; '
     for text in filter(None, provenance.get('set', '').split('; ')):
         path, value = parse_assignment(text)
         root, _, below = path.partition('.')
         if root in OWNERS:
             node, prefix = OWNERS[root]
             quantity = parse_quantity(value)
+            # Node parameters are in SI without units
             plain = value if quantity is None else Quantity.model_validate(quantity).si
             found.setdefault(node, {})[prefix + below] = plain
     return found
 
 
 def check_request(order: ReplayRequest, flight: RecordedFlight) -> None:
-    """Refuse what cannot be replayed from a recording, in one sentence."""
+    """Reject a request that the recording cannot serve."""
     if order.strategy is not None:
         find_strategy(order.strategy)
     table = load_topic_table()
     answers = order.node_selection.answers
     for node in order.nodes:
         trigger = table.trigger_topic(node)
+        # The trigger must come from the recording or from a node that is run again
         if trigger not in answers and trigger not in flight.topics:
             source = table[trigger].source
             remedy = (
@@ -133,33 +137,34 @@ def check_request(order: ReplayRequest, flight: RecordedFlight) -> None:
 
 def build_plan(order: ReplayRequest, flight: RecordedFlight, folder: Path) -> LaunchPlan:
     """
-    Return the processes of a replay: the player and the nodes, as `fly.launch.yaml` has them.
+    Return the processes of a replay: player and nodes, as in `fly.launch.yaml`.
 
     Parameters
     ----------
-    order : Order
-        What is asked for.
-    flight : Flight
+    order : ReplayRequest
+        The request.
+    flight : RecordedFlight
         The recording.
     folder : Path
-        Where the results go; files that the recording carries are put there.
+        Results folder; files from the recording are extracted to it.
 
     """
-    cast, table = order.node_selection, load_topic_table()
+    selection, table = order.node_selection, load_topic_table()
     player: dict[str, str | float] = {
-        'nodes': ' '.join(cast.nodes),
-        'roles': ' '.join(list_supporting_roles(table, cast.nodes)),
+        'nodes': ' '.join(selection.nodes),
+        'roles': ' '.join(list_supporting_roles(table, selection.nodes)),
         'robot': flight.robot,
         'start': order.start,
         'end': order.end,
         'answers': str(folder / 'bag'),
     }
     changed: dict[str, Mapping[str, Any]] = {'player': player}
+    # Requested settings last, since they override those of the recording
     for settings in (read_recorded_settings(flight.provenance), order.settings):
         changed |= {node: {**changed.get(node, {}), **own} for node, own in settings.items()}
     arguments = build_launch_arguments(order, flight, folder)
     plan = load_plan(find_file('launch file', 'fly', '.launch.yaml'), arguments)
-    wanted = ('player', *cast.nodes)
+    wanted = ('player', *selection.nodes)
     return LaunchPlan(
         tuple(
             add_parameters(process, changed.get(process.name, {}))
@@ -172,22 +177,24 @@ def build_plan(order: ReplayRequest, flight: RecordedFlight, folder: Path) -> La
 def build_launch_arguments(
     order: ReplayRequest, flight: RecordedFlight, folder: Path
 ) -> dict[str, str]:
-    """Return a replay as arguments of `fly.launch.yaml`; files go to the folder."""
-    told = flight.provenance
+    """Return a replay as arguments of `fly.launch.yaml`; extract files to the folder."""
+    provenance = flight.provenance
     return {
         'robot': flight.robot or ROBOT,
         'source': 'replay',
         'replay': str(order.bag),
         'time': 'lockstep' if order.rate is None else 'realtime',
         'rate': repr(float(order.rate or 1.0)),
+        # The player records the answers itself
         'record': 'false',
-        'strategy': order.strategy or told.get('strategy', STRATEGY),
-        **select_files(order, told, folder),
+        'strategy': order.strategy or provenance.get('strategy', STRATEGY),
+        **select_files(order, provenance, folder),
     }
 
 
 def add_parameters(process: LaunchProcess, parameters: Mapping[str, Any]) -> LaunchProcess:
-    """Return a process with more parameters; the last of a name counts."""
+    """Return a process with more parameters; later ones override earlier ones."""
+    # Later -p options override earlier ones in ROS
     words = [
         word
         for name, value in parameters.items()
@@ -200,14 +207,15 @@ def select_files(
     order: ReplayRequest, provenance: Mapping[str, str], folder: Path
 ) -> dict[str, str]:
     """
-    Return vehicle, gains and scenario: those that were asked for, else those that the bag carries.
+    Return vehicle, gains and scenario: the requested ones, else those in the bag.
 
-    A scenario tells the course, where there is one.
+    The scenario is needed for its course, if it has one.
     """
     vehicle = order.vehicle or extract_file(provenance, 'vehicle', folder) or VEHICLE
     control = load_vehicle(vehicle).file.control
     named = control.gains if control else None
     gains = str(find_file('gains', order.gains)) if order.gains else None
+    # The recorded gains belong to the recorded vehicle
     if gains is None and order.vehicle is None:
         gains = extract_file(provenance, 'gains', folder)
     if gains is None and named:
@@ -221,7 +229,7 @@ def select_files(
 
 
 def extract_file(provenance: Mapping[str, str], name: str, folder: Path) -> str | None:
-    """Return the path of a file that the recording carries, written to the folder."""
+    """Write a file from the recording's provenance to the folder and return its path, if any."""
     text = provenance.get(f'{name}_file')
     if text is None:
         return None

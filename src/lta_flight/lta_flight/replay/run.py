@@ -1,4 +1,4 @@
-"""One replay: its processes started, watched and put away."""
+"""Run one replay: start, supervise and stop its processes."""
 
 from collections.abc import Iterable
 from contextlib import suppress
@@ -18,19 +18,19 @@ from lta_graph.child_process import ProcessExit
 from lta_graph.launcher import Launcher
 from lta_graph.ros.listener import DiagnosticsListener
 
-PATIENCE = 15.0  # wall seconds that the graph may stand still before the replay is given up
-LOOK = 0.05  # wall seconds between looks at the processes and the diagnostics
+PATIENCE = 15.0  # wall seconds of a stall after which the replay is stopped
+LOOK = 0.05  # wall seconds between polls of the processes and the diagnostics
 
 
 class ReplayObserver(Protocol):
-    """Whoever shows the replay to a person."""
+    """Shows a replay to the user."""
 
     def show_progress(self, time: float, pace: float) -> None:
-        """Show how far it is: bag time [s], and bag seconds a wall second."""
+        """Show bag time [s] and bag seconds per wall second."""
         ...
 
     def show_message(self, sentence: str) -> None:
-        """Tell something that happened."""
+        """Show a message."""
         ...
 
 
@@ -38,14 +38,14 @@ class ReplayObserver(Protocol):
 @dataclass(frozen=True, slots=True)
 class ReplayRun:
     """
-    How a replay went.
+    The result of a replay.
 
     Attributes
     ----------
     bag : Path
-        What the nodes answered.
+        Outputs of the nodes.
     standing : dict of str to str or None
-        The player's last word; None where the graph broke.
+        The player's final status; None if the graph broke.
 
     """
 
@@ -66,14 +66,14 @@ def run_replay(
 
     Parameters
     ----------
-    order : Order
-        What is asked for.
-    flight : Flight
+    order : ReplayRequest
+        The request.
+    flight : RecordedFlight
         The recording.
     folder : Path
-        Where the results go; made, and refused if it holds anything.
-    watcher : Watcher
-        Who is shown how it goes.
+        Results folder; created, and rejected if it is not empty.
+    watcher : ReplayObserver
+        Shows the progress.
 
     Raises
     ------
@@ -97,26 +97,28 @@ def run_replay(
 def supervise_replay(
     launcher: Launcher, listener: DiagnosticsListener, watcher: ReplayObserver
 ) -> None:
-    """Follow a replay until a process ends it, or the graph has stood still for too long."""
+    """Follow a replay until a process ends it, or it has stalled for too long."""
     lookout = StallMonitor(watcher.show_message, listener.publish_error)
     while launcher.outcome is None:
         facts = listener.poll(LOOK)
         launcher.poll()
         fact = facts.get(PLAYBACK)
-        if fact is not None and (told := fact.parse_numbers('time_s', 'pace')):
-            watcher.show_progress(*told)
+        if fact is not None and (numbers := fact.parse_numbers('time_s', 'pace')):
+            watcher.show_progress(*numbers)
         running = launcher.running
         lookout.update(facts, listener.find_silent(running), listener.find_pending(running))
+        # Leaving the context stops all processes
         if lookout.stall_time > PATIENCE:
             watcher.show_message(f'The graph has stood still for {PATIENCE:.0f} s and is stopped.')
             return
 
 
 def collect_result(bag: Path, launcher: Launcher, watcher: ReplayObserver) -> ReplayRun:
-    """Return how the replay went, from how its processes ended; a refusal is a `BadInput`."""
+    """Return the result from the exits of the processes; raise `BadInput` for a refusal."""
     end = launcher.outcome
     broken = end is None or not end.success
     for item in launcher.ended:
+        # Processes stopped after a failure may not exit cleanly
         if not item.status or (broken and item.stopped):
             continue
         if is_refusal(item):
@@ -126,7 +128,7 @@ def collect_result(bag: Path, launcher: Launcher, watcher: ReplayObserver) -> Re
 
 
 def parse_final_status(ended: Iterable[ProcessExit]) -> dict[str, str] | None:
-    """Return the player's last word, None where it died without one."""
+    """Return the player's final status; None if it died without one."""
     for item in ended:
         if item.name == 'player' and item.stdout:
             with suppress(ValueError):

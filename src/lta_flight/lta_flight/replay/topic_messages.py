@@ -1,4 +1,4 @@
-"""The messages of one topic as columns that can be held against those of another run."""
+"""The messages of one topic as columns, and their pairing between two runs."""
 
 from collections.abc import Mapping
 from typing import Any, cast, final, NamedTuple
@@ -17,14 +17,14 @@ CLOUD = 'sensor_msgs/msg/PointCloud2'
 @final
 class TopicMessages(NamedTuple):
     """
-    One topic's messages.
+    The messages of one topic.
 
     Attributes
     ----------
     keys : ndarray of int64, shape (n,)
-        What says which message it is: its stamp, else its log time. [ns]
+        Identifies each message: its stamp, or its log time. [ns]
     numbers, texts : mapping of str to ndarray, shape (n,)
-        By field path.
+        Columns by field path.
 
     """
 
@@ -43,14 +43,14 @@ class TopicMessages(NamedTuple):
 
 def read_topic(bag: Bag, name: str, row: Topic) -> TopicMessages:
     """
-    Return a topic of a bag.
+    Read a topic of a bag.
 
     Parameters
     ----------
     bag : Bag
         The recording.
     name : str
-        Absolute name; a topic that is not there has no messages.
+        Absolute name; a missing topic has no messages.
     row : Topic
         Its row of the table.
 
@@ -61,11 +61,13 @@ def read_topic(bag: Bag, name: str, row: Topic) -> TopicMessages:
     messages = []
     for _, log_time, data in bag.iterate_messages([name]):
         message = bag.decode(name, data)
+        # The stamp survives a replay, the log time does not
         stamp = extract_stamp(message) if row.stamped else None
         keys.append(log_time if stamp is None else stamp)
         messages.append(message)
     numbers, texts = build_columns(messages)
     if row.type == CLOUD:
+        # The data of a cloud are packed bytes; compare its fields instead
         clouds = stack_point_clouds(cast('list[PointCloud]', messages))
         numbers |= {
             f'{field}[{k}]': column
@@ -75,6 +77,7 @@ def read_topic(bag: Bag, name: str, row: Topic) -> TopicMessages:
     found = TopicMessages(np.array(keys, np.int64), numbers, texts)
     if not row.stamped:
         return found.select_rows(np.argsort(found.keys, kind='stable'))
+    # Sort by stamp and drop repeated messages
     _, first = np.unique(found.keys, return_index=True)
     return found.select_rows(first)
 
@@ -83,9 +86,10 @@ def pair_messages(
     recorded: TopicMessages, again: TopicMessages, stamped: bool
 ) -> tuple[TopicMessages, TopicMessages]:
     """
-    Return those messages of two runs that belong together, in the same order.
+    Return the corresponding messages of two runs, in the same order.
 
-    What has no stamp is matched by its turn where both have as many, else by log time.
+    Messages without a stamp are paired by order if both runs have the same number, else by log
+    time.
     """
     if not stamped and len(recorded.keys) == len(again.keys):
         return recorded, again

@@ -1,4 +1,4 @@
-"""Whether a replay is the recording: to the last bit, as near as machines get, or not."""
+"""Judge whether a replay equals its recording: in every bit, within tolerance, or not."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -25,16 +25,16 @@ Word = Literal['identical', 'same', 'different']
 @dataclass(frozen=True, slots=True)
 class ReplayVerdict:
     """
-    A replay against its recording.
+    The comparison of a replay with its recording.
 
     Attributes
     ----------
-    topics : tuple of Compared
-        What the nodes answered, topic by topic.
-    decisions : tuple of Decision
-        What was decided.
+    topics : tuple of TopicComparison
+        The outputs of the nodes, topic by topic.
+    decisions : tuple of DecisionComparison
+        The decisions.
     elsewhere : tuple of str
-        In what the recording's origin differs from here: platform, libraries, commit.
+        Differences in provenance: platform, libraries, commit.
     start_ns : int
         Time 0. [ns]
 
@@ -47,16 +47,17 @@ class ReplayVerdict:
 
     @property
     def word(self) -> Word:
-        """The verdict in a word."""
+        """The verdict as one word."""
         if not any(topic.differing for topic in self.topics):
             return 'identical'
         changed = any(decision.change_count for decision in self.decisions)
         close = all(topic.is_close for topic in self.topics)
+        # The tolerance applies only to a recording from elsewhere
         return 'same' if self.elsewhere and close and not changed else 'different'
 
     @property
     def sentence(self) -> str:
-        """The verdict in a sentence, without a full stop."""
+        """The verdict as a sentence, without a full stop."""
         total = sum(topic.count for topic in self.topics)
         if self.word == 'identical':
             each = ', '.join(f'{topic.count} of {topic.topic}' for topic in self.topics)
@@ -76,7 +77,7 @@ class ReplayVerdict:
         return (key_ns - self.start_ns) * 1e-9
 
     def to_dict(self) -> dict[str, Any]:
-        """Return everything but the columns, for JSON."""
+        """Return everything except the columns, for JSON."""
         return {
             'verdict': self.word,
             'sentence': self.sentence,
@@ -118,7 +119,7 @@ class ReplayVerdict:
 
 
 def resolve_topic(robot: str, name: str) -> str:
-    """Return a topic's name in a bag, which may be without namespaces."""
+    """Return a topic's name in a bag, which may have no namespaces."""
     return robot_topic(robot, name) if robot else f'/{name}'
 
 
@@ -130,15 +131,15 @@ def compare_flights(
 
     Parameters
     ----------
-    recorded, again : Flight
-        The recording and what the nodes answered.
+    recorded, again : RecordedFlight
+        The recording, and the outputs of the replay.
     topics : sequence of str
-        What they answer.
+        The topics to compare.
 
     Raises
     ------
     BadInput
-        If the recording has none of it.
+        If the recording has none of these topics.
 
     """
     table = load_topic_table()
@@ -147,8 +148,10 @@ def compare_flights(
         row = table[name]
         then = read_topic(recorded.bag, resolve_topic(recorded.robot, name), row)
         now = read_topic(again.bag, resolve_topic(again.robot, name), row)
+        # Without stamps, equal numbers of messages mean that the whole recording was replayed
         whole = not row.stamped and len(then.keys) == len(now.keys)
-        if len(now.keys) and not whole:  # of a section, only what lies in it
+        if len(now.keys) and not whole:  # compare only the replayed section
+            # Recorded messages outside the section have no counterpart
             inside = (then.keys >= now.keys[0]) & (then.keys <= now.keys[-1])
             then = then.select_rows(inside.nonzero()[0])
         found.append(compare_topic(name, then, now, row.stamped))

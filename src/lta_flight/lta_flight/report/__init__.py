@@ -1,4 +1,4 @@
-"""The page of a flight: results, pictures, and one HTML file that holds them all."""
+"""Results, figures and HTML page of a flight."""
 
 from lta_flight.report.page import write_page
 from lta_flight.report.results import FlightResults

@@ -1,4 +1,4 @@
-"""What the results of a flight are drawn from: a recording, or a flight in this process."""
+"""The data that the results of a flight need, from a recording or a simulation."""
 
 from typing import Protocol
 
@@ -9,10 +9,10 @@ from lta_report.curves import DirectionCurve, ElectricalCurve, MotionCurve, Time
 
 
 class FlightEvidence(Protocol):
-    """A flight as `View` tells it; `has_topics` says which of it there is."""
+    """Data of a flight as in `FlightView`; `has_topics` reports what is available."""
 
     def has_topics(self, *topics: str) -> bool:
-        """Tell whether there is something of all these topics."""
+        """Return whether all these topics have data."""
         ...
 
     @property
@@ -22,12 +22,12 @@ class FlightEvidence(Protocol):
 
     @property
     def span(self) -> tuple[float, float]:
-        """First and last instant of the motion. [s]"""
+        """First and last time of the motion. [s]"""
         ...
 
     @property
     def goal(self) -> FlightGoal:
-        """The lamps to be reached, and when each was."""
+        """The target lamps, and when each was reached."""
         ...
 
     @property
@@ -37,7 +37,7 @@ class FlightEvidence(Protocol):
 
     @property
     def estimate(self) -> MotionCurve:
-        """The drone's own idea of its motion."""
+        """The motion that the drone estimated."""
         ...
 
     @property
@@ -52,20 +52,20 @@ class FlightEvidence(Protocol):
 
     @property
     def peaks(self) -> PointSeries:
-        """SNR and frequency of each diode's peak, at the middle of its block."""
+        """SNR and frequency of each diode's peak, at the middle of each block."""
         ...
 
     @property
     def sighting(self) -> DirectionCurve:
-        """Direction to the lamp that the drone steers by, at the middle of its block."""
+        """Direction to the lamp that the drone steers by, at the middle of each block."""
         ...
 
     @property
     def bearing(self) -> DirectionCurve:
-        """The paper's direction to the lamp, at the middle of its block."""
+        """The paper's bearing of the lamp, at the middle of each block."""
         ...
 
     @property
     def battery(self) -> ElectricalCurve:
-        """The cell as measured."""
+        """The battery as measured."""
         ...

@@ -1,4 +1,4 @@
-"""The goal of a flight: the lamps to be reached, in their order, and when each was."""
+"""The goal of a flight: the target lamps in order, and when each was reached."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -19,9 +19,9 @@ class FlightGoal:
     Parameters
     ----------
     scenario : Scenario or None
-        Where the lamps are; None where it is not known.
-    truth : Motion or None
-        The true motion; None where it is not known.
+        The scene with its lamps, if known.
+    truth : MotionCurve or None
+        The true motion, if known.
 
     """
 
@@ -30,83 +30,87 @@ class FlightGoal:
 
     @cached_property
     def places(self) -> list[FloorPoint]:
-        """The lamps to be reached in their order: none on a course, or where none is known."""
+        """The target lamps in order; empty on a course, or if unknown."""
         if self.scenario is None or self.scenario.course is not None:
             return []
         return [FloorPoint(*lamp.position.vector[:2]) for lamp in self.scenario.target_lamps]
 
     @property
     def radius(self) -> float:
-        """How near counts as reached; NaN where it is not known. [m]"""
+        """Distance that counts as reached; NaN if unknown. [m]"""
         return np.nan if self.scenario is None else self.scenario.goal.radius.si
 
     @cached_property
     def arrivals(self) -> list[float]:
         """
-        When each lamp was truly reached, one after the other, as far as they were. [s]
+        Times at which the lamps were reached, in order, as far as they were. [s]
 
-        A lamp counts in its turn only: a round that ends where it began is not over at the start.
+        A lamp counts only after those before it, so a round trip is not complete at its start.
         """
-        found, since = list[float](), 0
+        times, since = list[float](), 0
         if self.truth is None:
-            return found
+            return times
         time, x, y = self.truth.time, self.truth.x, self.truth.y
         for lamp in self.places:
             there = np.hypot(lamp.x - x[since:], lamp.y - y[since:]) <= self.radius
+            # Later lamps cannot have been reached either
             if not there.any():
                 break
+            # Search the next lamp only after this sample
             since += int(there.argmax()) + 1
-            found.append(float(time[since - 1]))
-        return found
+            times.append(float(time[since - 1]))
+        return times
 
     @property
     def is_reached(self) -> bool:
-        """Whether all lamps were; False where there are none."""
+        """Whether all target lamps were reached; False if there are none."""
         return len(self.arrivals) == len(self.places) > 0
 
     @property
     def shortest_length(self) -> float:
-        """The shortest way from the start through all goal circles; NaN where unknown. [m]"""
+        """Length of the shortest path from the start through all goal circles. [m]"""
         if self.truth is None or not self.places:
             return np.nan
         way = np.array([(self.truth.x[0], self.truth.y[0]), *self.places])
+        # Each leg is shorter than the distance of the lamps by a radius at both ends
         legs = np.hypot(*np.diff(way, axis=0).T) - 2.0 * self.radius
         legs[0] += self.radius  # the start is a point
         return float(np.maximum(legs, 0.0).sum())
 
     def leg_index(self, time: Array) -> NDArray[np.intp]:
-        """Return which of the lamps is next at each instant [s], from 0."""
+        """Return the index of the next lamp at each time [s]."""
         return np.minimum(np.searchsorted(self.arrivals, time), len(self.places) - 1)
 
     def lamp_distance(self, motion: MotionCurve) -> Array:
-        """Return the horizontal distance to the lamp that is next, NaN where none is. [m]"""
+        """Return the horizontal distance to the next lamp; NaN if there is none. [m]"""
         return np.hypot(*self._place_offset(motion, self.leg_index(motion.time), self.places))
 
     def lamp_direction(self, motion: MotionCurve) -> Array:
-        """Return the direction to the lamp that is next, body frame; NaN where none is. [rad]"""
+        """Return the direction to the next lamp in the body frame; NaN if there is none. [rad]"""
         return self._body_direction(motion, self.leg_index(motion.time), self.places)
 
     def beacon_direction(self, motion: MotionCurve, frequency: Array) -> Array:
         """
-        Return the direction to the lamp that the drone listens for, which follows its own belief.
+        Return the direction to the lamp that the drone tracks, by its frequency.
 
         Parameters
         ----------
-        motion : Motion
-            The true one.
+        motion : MotionCurve
+            The true motion.
         frequency : ndarray, shape (instants,)
-            What is listened for: the lamp of the nearest frequency is meant. [Hz]
+            Tracked frequency, which selects the lamp with the nearest one. [Hz]
 
         Returns
         -------
         ndarray, shape (instants,)
-            Body frame; NaN where there is no lamp. [rad]
+            Body frame; NaN if there is no lamp. [rad]
 
         """
         if self.scenario is None or not self.places:
             return np.full(len(motion.time), np.nan)
         lamps = list(self.scenario.lamps.values())
         own = np.array([lamp.frequency.si for lamp in lamps])
+        # The lamp with the nearest frequency
         meant = np.abs(frequency[:, None] - own).argmin(axis=1)
         return self._body_direction(
             motion, meant, [FloorPoint(*lamp.position.vector[:2]) for lamp in lamps]
@@ -123,7 +127,7 @@ class FlightGoal:
     def _place_offset(
         motion: MotionCurve, which: NDArray[np.intp], places: list[FloorPoint]
     ) -> tuple[Array, Array]:
-        """Return the way to one of some places at each instant, along x and y. [m, map]"""
+        """Return the vector to the selected place at each time, along x and y. [m, map]"""
         if not places:
             unknown = np.full(len(motion.time), np.nan)
             return unknown, unknown

@@ -1,4 +1,4 @@
-"""The outcome in words: one sentence, the figures on the tiles, and the table beside the paper."""
+"""The outcome of a flight in words: a sentence, tiles, and a table with the paper's values."""
 
 import math
 from typing import Final, NamedTuple
@@ -10,7 +10,7 @@ DEGREES: Final = 180.0 / math.pi
 
 
 class OutcomeRow(NamedTuple):
-    """One line of the table: what, this flight, the paper."""
+    """One row of the table: quantity, this flight, the paper."""
 
     name: str
     here: str
@@ -20,7 +20,7 @@ class OutcomeRow(NamedTuple):
 def describe_outcome(results: FlightResults) -> str:
     """Return the outcome in one sentence."""
     if results.success is None:
-        return 'A flight was recorded; whether it reached a lamp, its bag does not tell'
+        return 'A recorded flight; the bag does not show whether it reached a lamp'
     count, near = int(results.lamps or 1), format_amount(results.closest, 'm', 1)
     time, path = (
         format_amount(results.search_time, 's', 1),
@@ -28,6 +28,7 @@ def describe_outcome(results: FlightResults) -> str:
     )
     if count > 1 and results.success:
         return f'The drone reached all {count} lamps of its route in {time} over {path}'
+    # A route that was not completed
     if count > 1:
         reached = f'{results.lamps_reached:.0f} of the {count} lamps of its route'
         return f'The drone reached {reached}, and came no nearer to the next than {near}'
@@ -37,7 +38,7 @@ def describe_outcome(results: FlightResults) -> str:
 
 
 def build_tiles(results: FlightResults) -> list[Tile]:
-    """Return the figures that matter most."""
+    """Return tiles with the main results."""
     r = results
     paper = format_amount(r.bearing_error, '°', 1, DEGREES)
     return [
@@ -65,9 +66,9 @@ def build_tiles(results: FlightResults) -> list[Tile]:
 
 def build_table(results: FlightResults) -> list[OutcomeRow]:
     """
-    Return this flight beside the indoor flight of the paper with the same strategy.
+    Return a table of this flight and the indoor flight of the paper.
 
-    The paper prints the power of all its strategies together.
+    The paper prints one power for all its strategies.
     """
     r = results
     reached = {None: MISSING, True: 'yes', False: 'no'}[r.success]
@@ -84,9 +85,9 @@ def build_table(results: FlightResults) -> list[OutcomeRow]:
             format_amount(r.altitude_error, 'cm', 1, 100.0)),
         OutcomeRow('nose off the lamp, RMS, cruise',
             format_amount(r.heading_error, '°', 1, DEGREES)),
-        OutcomeRow('direction of the lamp that it steers by, RMS error',
+        OutcomeRow('direction of the lamp used for steering, RMS error',
             format_amount(r.lamp_error, '°', 1, DEGREES)),
-        OutcomeRow("the paper's bearing beside it, RMS error",
+        OutcomeRow("the paper's bearing, RMS error",
             format_amount(r.bearing_error, '°', 1, DEGREES)),
         OutcomeRow('power, cruise', format_amount(r.cruise_power, 'W'), '1.52 to 1.54 W'),
         OutcomeRow('energy from leaving the ground to the goal', format_amount(r.energy, 'J', 1)),
@@ -97,4 +98,5 @@ def build_table(results: FlightResults) -> list[OutcomeRow]:
         OutcomeRow('estimated heading, RMS error',
             format_amount(r.heading_estimate_error, '°', 1, DEGREES)),
     ]  # fmt: skip
+    # Leave out rows with no value at all
     return [row for row in rows if row.here != MISSING or row.paper != MISSING]

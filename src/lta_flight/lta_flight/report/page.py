@@ -1,4 +1,4 @@
-"""One flight as one self-contained HTML file."""
+"""Write the page of a flight as one HTML file."""
 
 from collections.abc import Mapping
 from html import escape
@@ -21,12 +21,12 @@ FILES: Final = ('vehicle_file', 'scenario_file', 'gains_file')
 CHOSEN: Final = ('vehicle', 'scenario', 'strategy', 'seed', 'time')
 MOVED: Final = ('offset_x', 'offset_y')
 SIMULATED: Final = (
-    'A simulated flight. "Truth" is the state of the simulator, which no part of the drone ever '
-    'sees; "estimate" is what the drone made of its simulated sensors.'
+    'A simulated flight. "Truth" is the state of the simulator, which the drone cannot access; '
+    '"estimate" is what the drone computed from its simulated sensors.'
 )
 MEASURED: Final = (
-    'The recording brings no scenario. "Truth" is its ground truth, from wherever that came; '
-    '"estimate" is what the drone made of its sensors.'
+    'The recording has no scenario. "Truth" is its recorded ground truth; "estimate" is what '
+    'the drone computed from its sensors.'
 )
 
 
@@ -39,15 +39,14 @@ def write_page(bag: Path, out: Path, robot: str | None = None) -> FlightResults:
     bag : Path
         rosbag2 folder or .mcap file.
     out : Path
-        HTML file to write; replaced if it is there.
+        HTML file to write; an existing one is replaced.
     robot : str, optional
-        Namespace of the robot; needed only where the bag holds several.
+        Namespace of the robot; needed only for a bag with several.
 
     Raises
     ------
     BadInput
-        If there is no recording, the robot is unknown or not the only one, or the page cannot be
-        written.
+        If there is no recording, the robot is unknown or ambiguous, or the page cannot be written.
 
     """
     flight = open_flight(bag, robot)
@@ -68,6 +67,7 @@ def render_page(view: FlightView, results: FlightResults, bag: Path) -> str:
         tiles='\n'.join(render_tile(*tile) for tile in build_tiles(results)),
         track=build_track(view),
         table='\n'.join(render_row(*row) for row in build_table(results)),
+        # The path gets its own place next to the table
         hero=sections.pop('path'),
         panels='\n'.join(sections.values()),
         facts=describe_provenance(view.flight),
@@ -81,7 +81,8 @@ def render_page(view: FlightView, results: FlightResults, bag: Path) -> str:
 
 
 def render_panel(panel: FlightPanel, view: FlightView) -> str:
-    """Return one picture with heading and caption, or a sentence on why there is none."""
+    """Return one figure with heading and caption, or a sentence on what is missing."""
+    # A recording of other robots may lack topics
     missing = [topic for topic in panel.needs if not view.has_topics(topic)]
     names = ' and '.join(f'<code>{escape(topic)}</code>' for topic in missing)
     absent = f'<p class="absent">The recording has nothing on {names}.</p>'
@@ -97,7 +98,7 @@ def format_kicker(provenance: Mapping[str, str]) -> str:
 
 
 def format_origin(view: FlightView) -> str:
-    """Return what is simulated, what is estimated, and where the truth comes from."""
+    """Return the explanation of "truth" and "estimate"."""
     if view.scene.scenario is None:
         return MEASURED
     return SIMULATED
@@ -112,16 +113,17 @@ def render_row(name: str, here: str, paper: str) -> str:
 
 
 def describe_provenance(flight: RecordedFlight) -> dict[str, str]:
-    """Return where the data come from."""
+    """Return the provenance of the data."""
     found = {key: value for key, value in flight.provenance.items() if key not in FILES}
     return found | {
+        # Losses are shown, because they may explain gaps in the figures
         'recording': 'complete' if flight.bag.is_complete else ' '.join(flight.bag.losses)
     }
 
 
 def suggest_commands(view: FlightView, bag: Path) -> dict[str, str]:
-    """Return how to look further, and how to fly it again."""
-    # A bag with a /clock brings the time itself; a second one would contradict it.
+    """Return commands for the next steps."""
+    # A bag with /clock publishes the time itself; --clock would add a second source
     clock = [] if '/clock' in view.flight.bag.topics else ['--clock']
     return {
         'List what was recorded': format_lta_command('bag', 'info', bag),
@@ -129,13 +131,13 @@ def suggest_commands(view: FlightView, bag: Path) -> dict[str, str]:
         'Plot any topic': shlex.join(['plotjuggler', '-d', str(find_bag_files(bag)[0])]),
         'Replay in ROS 2': shlex.join(['ros2', 'bag', 'play', str(bag), *clock]),
         'Look at every channel': format_lta_command('bag', 'plot', bag),
-        'Decide again on what was sensed': format_lta_command('replay', bag, '--against'),
+        'Run the nodes again on the sensor data': format_lta_command('replay', bag, '--against'),
         'Fly it again': format_repeat_command(view.provenance),
     }
 
 
 def format_repeat_command(provenance: Mapping[str, str]) -> str:
-    """Return the command that makes a flight again; a moved start is an argument of the launch."""
+    """Return the command that repeats a flight; a moved start needs `lta launch`."""
     given = {key: provenance[key] for key in CHOSEN if key in provenance}
     moved = {key: provenance[key] for key in MOVED if key in provenance}
     if moved:

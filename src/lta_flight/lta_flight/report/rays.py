@@ -1,4 +1,4 @@
-"""The measured bearings on the floor plan, one a second."""
+"""Draw the measured bearings on the floor plan, one per second."""
 
 from lta_flight.report.results import find_phases
 from lta_flight.report.view import FlightView
@@ -8,23 +8,24 @@ import numpy as np
 from numpy.typing import NDArray
 from plotly.graph_objects import Figure, Scatter
 
-LENGTH = 0.75  # m; long enough to see a direction, short enough not to hide the next
+LENGTH = 0.75  # m; long enough to show a direction, short enough not to hide the next
 PERIOD = 1.0  # s
 
 
 def select_per_period(time: Array, start: float, end: float) -> NDArray[np.intp]:
-    """Return the first sample of each period between two times, where it has one."""
+    """Return the first sample of each period between two times, if there is one."""
     inside = np.flatnonzero((time >= start) & (time < end))
     _, first = np.unique(np.floor((time[inside] - start) / PERIOD), return_index=True)
     return inside[first]
 
 
 def draw_rays(figure: Figure, view: FlightView) -> None:
-    """Draw short rays towards where the drone saw the lamp, darker with a better SNR."""
+    """Draw short rays along the measured bearings, darker for a better SNR."""
     time, angle = view.bearing
     phases = find_phases(view)
     start = phases.search if np.isfinite(phases.search) else view.span[0]
     chosen = select_per_period(time, start, phases.end)
+    # Blocks without a bearing have no ray
     chosen = chosen[np.isfinite(angle[chosen])]
     if not len(chosen):
         return
@@ -34,7 +35,9 @@ def draw_rays(figure: Figure, view: FlightView) -> None:
     )
     peak_time, parts = view.peaks
     snr = interpolate(time[chosen], peak_time, parts['snr'].max(axis=1))
+    # Bearings are in the body frame, the plan is in map
     course = yaw + angle[chosen]
+    # The SNR spans orders of magnitude, so grade its logarithm
     shades = grade_values(np.log(np.maximum(snr, 1.0)))
     for grade, colour in enumerate(STRENGTH):
         strong = shades == grade
@@ -56,14 +59,16 @@ def draw_rays(figure: Figure, view: FlightView) -> None:
 
 
 def grade_values(values: Array) -> Array:
-    """Return which of the shades each value has, from the least to the greatest."""
+    """Return the index of the shade of each value, from least to greatest."""
+    # Equal values all get the first shade
     span = float(np.ptp(values)) or 1.0
     share = (values - values.min()) / span
     return np.asarray(np.minimum(share * len(STRENGTH), len(STRENGTH) - 1).astype(int))
 
 
 def build_rays(x: Array, y: Array, course: Array, colour: str) -> Scatter:
-    """Return rays of one colour as a single broken line."""
+    """Return rays of one colour as a single line with gaps."""
+    # A NaN after each ray interrupts the line; one trace draws faster than many
     gap = np.full(len(x), np.nan)
     return Scatter(
         x=np.stack([x, x + LENGTH * np.cos(course), gap], axis=1).ravel().astype(np.float32),

@@ -1,11 +1,10 @@
 """
-What a flight came to, in numbers.
+Compute the results of a flight as numbers.
 
-The flight starts when the drone leaves the ground, the search when a forward speed is first asked
-for, the cruise when 90 % of that speed is first flown, less the rests at the lamps of a route. All
-end when the hull centre is within the goal radius of the lamp, horizontally, or with the
-recording; on a route, of the last lamp, after all before it. Truth comes from the simulator or a
-tracker.
+The flight starts at lift-off, the search at the first forward setpoint, and the cruise when 90 %
+of that speed is first reached; rests at lamps of a route are not part of the cruise. All end when
+the hull centre is within the goal radius of the lamp, horizontally, or with the recording. On a
+route this is the last lamp, after all others. Truth comes from the simulator or a tracking system.
 """
 
 from dataclasses import asdict, dataclass, field, fields
@@ -19,20 +18,20 @@ from numpy.typing import NDArray
 
 Flags = NDArray[np.bool_]
 
-LIFTED = 0.01  # m above where it stood: the drone has left the ground
-CRUISING = 0.9  # of the set speed, whose first reaching begins the cruise
+LIFTED = 0.01  # m above the start that count as lift-off
+CRUISING = 0.9  # share of the set speed at which the cruise begins
 ENDS = 5  # blocks whose median is the SNR at the start or the end
 
 
 def result_field(unit: str, about: str) -> Any:  # noqa: ANN401 - a field of any type
-    """Return a field of the results: None unless the bag tells it."""
+    """Return a field of the results, which is None if the bag does not have the data."""
     return field(default=None, metadata={'unit': unit, 'about': about})
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class FlightResults:
-    """The results of one flight; None is what its bag cannot tell. SI units, angles in rad."""
+    """The results of one flight; None if the data are missing. SI units, angles in rad."""
 
     success: bool | None = result_field(
         '', 'came within the goal radius, of each lamp of the route'
@@ -85,17 +84,17 @@ class FlightResults:
     cruise_power: float | None = result_field('W', 'out of the cell, mean over the cruise')
 
     def to_dict(self) -> dict[str, float | bool | None]:
-        """Return the figures by name, ready for JSON."""
+        """Return the results by name, ready for JSON."""
         return asdict(self)
 
     @classmethod
     def list_units(cls) -> dict[str, str]:
-        """Return the unit of each figure that has one, by name."""
+        """Return the unit of each result that has one, by name."""
         return {item.name: item.metadata['unit'] for item in fields(cls) if item.metadata['unit']}
 
 
 class FlightPhases(NamedTuple):
-    """When the flight, search and cruise start and all end; NaN where they never do. [s]"""
+    """Start times of flight, search and cruise, and their common end; NaN if never. [s]"""
 
     lift_off: float
     search: float
@@ -117,6 +116,7 @@ def compute_results(view: FlightEvidence) -> FlightResults:
         **compute_energy_figures(view, phases),
     }
     known: dict[str, Any] = {
+        # Keeps bools and counts as they are
         name: value if isinstance(value, int) else float(value)
         for name, value in found.items()
         if np.isfinite(value)
@@ -125,7 +125,7 @@ def compute_results(view: FlightEvidence) -> FlightResults:
 
 
 def find_phases(view: FlightEvidence) -> FlightPhases:
-    """Return when the parts of the flight start and end."""
+    """Return the start and end times of the phases."""
     lift_off = search = np.nan
     end = view.span[1]
     if view.has_topics('ground_truth/odom'):
@@ -139,44 +139,48 @@ def find_phases(view: FlightEvidence) -> FlightPhases:
 
 
 def find_cruise_start(view: FlightEvidence, search: float) -> float:
-    """Return when the true forward speed is first near the one asked for. [s]"""
+    """Return when the true forward speed first comes near the setpoint. [s]"""
     if not view.has_topics('ground_truth/odom') or not np.isfinite(search):
         return np.nan
     truth = view.truth
     asked = hold_last(truth.time, view.speed_setpoint)
+    # A setpoint of 0 would be reached by standing still
     fast = (truth.time >= search) & (asked > 0.0) & (truth.speed >= CRUISING * asked)
     return find_first_time(truth.time, fast)
 
 
 def find_first_time(time: Array, holds: Flags) -> float:
-    """Return the first instant at which a condition holds, NaN if it never does. [s]"""
+    """Return the first time at which a condition is true; NaN if it never is. [s]"""
+    # argmax gives the first True, but also 0 if there is none
     return float(time[np.argmax(holds)]) if np.any(holds) else np.nan
 
 
 def is_within(time: Array, start: float, end: float) -> Flags:
-    """Tell which instants [s] lie in a closed interval; none if it has no start."""
+    """Return which times [s] are in a closed interval; none if its start is NaN."""
     return (time >= start) & (time <= end)
 
 
 def rms(errors: Array) -> float:
-    """Return the root mean square of what is finite, in its unit; NaN of nothing."""
+    """Return the root mean square of the finite values; NaN if there are none."""
     finite = errors[np.isfinite(errors)]
     return float(np.sqrt(np.mean(finite**2))) if len(finite) else np.nan
 
 
 def mean_or_nan(values: Array) -> float:
-    """Return the mean, NaN of nothing."""
+    """Return the mean; NaN of no values."""
     return float(np.mean(values)) if len(values) else np.nan
 
 
 def compute_goal_figures(view: FlightEvidence, phases: FlightPhases) -> dict[str, float]:
-    """Return whether, when and over which path the lamp was reached."""
+    """Return whether, when and over which path the goal was reached."""
     goal = view.goal
     if goal.truth is None or not goal.places:
         return {}
     truth = goal.truth
+    # The lamp that was next at the end; after a success it is the last one
     next_lamp = min(len(goal.arrivals), len(goal.places) - 1)
     away = goal.lamp_distance(truth)[goal.leg_index(truth.time) == next_lamp]
+    # The path ends at the goal, even if the recording goes on
     flown = truth.time <= phases.end
     path = float(np.hypot(np.diff(truth.x[flown]), np.diff(truth.y[flown])).sum())
     end = phases.end if goal.is_reached else np.nan
@@ -213,7 +217,7 @@ def compute_cruise_figures(view: FlightEvidence, phases: FlightPhases) -> dict[s
 
 
 def is_cruising(view: FlightEvidence, phases: FlightPhases, time: Array) -> Flags:
-    """Tell which instants [s] are of the cruise: a rest at a lamp of the route is not."""
+    """Return which times [s] are part of the cruise, without rests at lamps of a route."""
     if not view.has_topics('setpoint/velocity'):
         return np.zeros(len(time), dtype=bool)
     return is_within(time, phases.cruise, phases.end) & (
@@ -222,7 +226,7 @@ def is_cruising(view: FlightEvidence, phases: FlightPhases, time: Array) -> Flag
 
 
 def compute_light_figures(view: FlightEvidence, phases: FlightPhases) -> dict[str, float]:
-    """Return what the photodiodes were worth during the search."""
+    """Return the quality of the light measurements during the search."""
     found = {}
     if view.has_topics('light/estimate'):
         found['lamp_error'], found['lamp_share'] = compute_direction_error(
@@ -244,8 +248,9 @@ def compute_light_figures(view: FlightEvidence, phases: FlightPhases) -> dict[st
 def compute_direction_error(
     view: FlightEvidence, phases: FlightPhases, arrow: DirectionCurve
 ) -> tuple[float, float]:
-    """Return how far directions to the lamp were off, RMS [rad], and the part that there was."""
+    """Return the RMS error of directions to the lamp [rad], and the share of blocks with one."""
     time, angle = arrow
+    # Before the search the drone stands or climbs and does not steer by the lamp
     searched = is_within(time, phases.search, phases.end)
     share = mean_or_nan(np.isfinite(angle[searched]))
     if not view.has_topics('ground_truth/odom'):
@@ -257,23 +262,26 @@ def compute_direction_error(
 
 
 def beacon_direction(view: FlightEvidence, motion: MotionCurve) -> Array:
-    """Return the direction to the lamp that the drone listens for, body frame. [rad]"""
+    """Return the direction to the lamp that the drone tracks, body frame. [rad]"""
+    # Older bags have no frequency: use the next lamp
     if not view.has_topics('light/peaks') or 'frequency' not in view.peaks.fields:
         return view.goal.lamp_direction(motion)
     time, parts = view.peaks
     best = parts['snr'].argmax(axis=1)
+    # The tracked frequency is that of the diode with the best SNR
     frequency = parts['frequency'][np.arange(len(time)), best]
     newest = np.searchsorted(time, motion.time, side='right') - 1
     return view.goal.beacon_direction(motion, frequency[np.maximum(newest, 0)])
 
 
 def compute_estimate_errors(view: FlightEvidence, phases: FlightPhases) -> dict[str, float]:
-    """Return how far the estimator was from the truth in flight. [m, rad, m/s]"""
+    """Return the errors of the estimator in flight. [m, rad, m/s]"""
     if not view.has_topics('ground_truth/odom', 'odom'):
         return {}
     estimate, truth = view.estimate, view.truth
     flown = is_within(estimate.time, phases.lift_off, phases.end)
     time = estimate.time[flown]
+    # Both are unwrapped and equal at the start, so no wrapping here
     yaw = estimate.yaw[flown] - interpolate(time, truth.time, truth.yaw)
     height = estimate.z[flown] - interpolate(time, truth.time, truth.z)
     speed = estimate.speed[flown] - interpolate(time, truth.time, truth.speed)
@@ -286,13 +294,16 @@ def compute_estimate_errors(view: FlightEvidence, phases: FlightPhases) -> dict[
 
 
 def compute_energy_figures(view: FlightEvidence, phases: FlightPhases) -> dict[str, float]:
-    """Return what the flight cost. [J, W]"""
+    """Return the energy consumption of the flight. [J, W]"""
     if not view.has_topics('battery'):
         return {}
     time, voltage, current = view.battery
+    # A discharging current is negative
     power = -voltage * current
     inside = time[(time > phases.lift_off) & (time < phases.end)]
+    # Include the exact ends, which lie between two messages
     instants = np.array([phases.lift_off, *inside, phases.end])
+    # Trapezoidal rule over the samples of the battery
     energy = float(np.trapezoid(interpolate(instants, time, power), instants))
     return {
         'energy': energy,

@@ -1,4 +1,4 @@
-"""The room from above: walls, the lamps and their light, the goals and the start."""
+"""Draw the room from above: walls, lamps with their light, goals and start."""
 
 import math
 
@@ -10,15 +10,15 @@ from lta_report.palette import build_color_scale, GLOW, GOOD, INK, LAMP, PAPER, 
 import numpy as np
 from plotly.graph_objects import Contour, Figure, Scatter
 
-CELL = 0.1  # m
-MOST_CELLS = 160  # along a side; a hall is drawn in larger ones
-FAINTEST, BRIGHTEST = 3.0, 12.0  # log2 of lx, the ends of the shading
+CELL = 0.1  # m, grid of the shading
+MOST_CELLS = 160  # per side; a hall gets larger cells
+FAINTEST, BRIGHTEST = 3.0, 12.0  # log2 of lx: the shading covers 8 to 4096 lx
 
 
 def draw_label(
     figure: Figure, place: tuple[float, float], text: str, colour: str, across: float, up: float
 ) -> None:
-    """Write a word some px beside a place on the floor."""
+    """Write a word at some distance in px from a point on the floor."""
     figure.add_annotation(
         x=place[0],
         y=place[1],
@@ -32,7 +32,7 @@ def draw_label(
 
 
 def draw_room(figure: Figure, scenario: Scenario, height: float) -> None:
-    """Draw the room of a scenario, with the light at a height. [m]"""
+    """Draw the room of a scenario, with the light at some height. [m]"""
     figure.add_trace(build_light_contour(scenario, height))
     length, width, _ = scenario.room.size.vector
     figure.add_shape(
@@ -53,7 +53,7 @@ def draw_room(figure: Figure, scenario: Scenario, height: float) -> None:
 
 
 def draw_goals(figure: Figure, scenario: Scenario) -> None:
-    """Draw the circle within which each lamp that is to be reached counts as reached."""
+    """Draw the goal circle of each target lamp."""
     radius = scenario.goal.radius.si
     for x, y in scenario.goal_places:
         figure.add_shape(
@@ -64,7 +64,7 @@ def draw_goals(figure: Figure, scenario: Scenario) -> None:
 
 
 def draw_lamp(figure: Figure, name: str, lamp: LampScene) -> None:
-    """Draw a lamp as it faces."""
+    """Draw a lamp with its orientation."""
     x, y, _ = lamp.position.vector
     ahead, left, _ = lamp.facing.vector
     facing, frequency = math.degrees(math.atan2(left, ahead)), lamp.frequency.si
@@ -73,6 +73,7 @@ def draw_lamp(figure: Figure, name: str, lamp: LampScene) -> None:
             x=[x], y=[y], mode='markers', name=name,
             marker={
                 'symbol': 'triangle-up', 'size': 15, 'color': LAMP,
+                # Plotly rotates clockwise from up, facing is counter-clockwise from x
                 'angle': 90.0 - facing, 'line': {'color': PAPER, 'width': 1.5},
             },
             hovertemplate=f'{name}, {frequency:g} Hz<extra></extra>',
@@ -82,13 +83,14 @@ def draw_lamp(figure: Figure, name: str, lamp: LampScene) -> None:
 
 
 def build_light_contour(scenario: Scenario, height: float) -> Contour:
-    """Return the direct light of all lamps at a height, a shade for each factor of two."""
+    """Return the direct light of all lamps at some height, with a shade per factor of two."""
     length, width, _ = scenario.room.size.vector
     x, y = (
         np.linspace(-side / 2, side / 2, min(round(side / CELL), MOST_CELLS) + 1)
         for side in (length, width)
     )
     points = np.stack([*np.meshgrid(x, y), np.full((len(y), len(x)), height)], axis=-1)
+    # Direct light only; reflections would hide the pattern of the lamps
     light = sum(lamp_illuminance(lamp, points) for lamp in scenario.light_field.lamps)
     return Contour(
         x=x.astype(np.float32),
@@ -99,6 +101,7 @@ def build_light_contour(scenario: Scenario, height: float) -> Contour:
         showscale=False,
         zmin=FAINTEST,
         zmax=BRIGHTEST,
+        # One contour per factor of two
         contours={'start': FAINTEST + 1, 'end': BRIGHTEST, 'size': 1, 'coloring': 'fill'},
         line={'width': 0},
         hoverinfo='skip',
@@ -107,14 +110,14 @@ def build_light_contour(scenario: Scenario, height: float) -> Contour:
 
 def lamp_illuminance(lamp: BeaconLamp, points: Array) -> Array:
     """
-    Return the light of a lamp on planes that face it.
+    Return the illuminance by a lamp on planes that face it.
 
     Parameters
     ----------
-    lamp : Lamp
+    lamp : BeaconLamp
         The lamp.
     points : ndarray, shape (..., 3)
-        Where. [m, map]
+        Positions. [m, map]
 
     Returns
     -------
@@ -123,5 +126,6 @@ def lamp_illuminance(lamp: BeaconLamp, points: Array) -> Array:
 
     """
     towards = np.array(lamp.position) - points
+    # The minimum avoids a division by zero in the lamp itself
     towards /= np.maximum(np.linalg.norm(towards, axis=-1, keepdims=True), CELL)
     return direct_illuminance(lamp, points, towards)

@@ -1,4 +1,4 @@
-"""The two blocks of samples worth a look: the first and the last of the search."""
+"""Select two blocks of samples for figures: the first and the last of the search."""
 
 from typing import Final, NamedTuple
 
@@ -13,7 +13,7 @@ COLOURS: Final = (TRUTH, ESTIMATE)
 
 
 class SampleBlock(NamedTuple):
-    """One block of the diode that flickers most: samples over time, and in words where."""
+    """Samples over time of one diode in a block, and a label with the place."""
 
     where: str
     colour: str
@@ -22,18 +22,21 @@ class SampleBlock(NamedTuple):
 
 
 def select_sample_blocks(view: FlightView) -> list[SampleBlock]:
-    """Return the block at the start of the search, and that at its end."""
+    """Return the blocks at the start and at the end of the search."""
     time = view.read_series('photodiodes').time
     phases = find_phases(view)
     searched = np.flatnonzero(
+        # A block must lie within the search as a whole
         (time >= phases.search) & (time <= phases.end - 2 * view.half_block_time)
     )
+    # A flight without a search shows the ends of the recording
     chosen = searched if len(searched) else np.arange(len(time))
     rate = load_topic_table().light.sample_rate.si
     found = []
     ends = (int(chosen[0]), int(chosen[-1]))
     for k, samples, colour in zip(ends, view.read_blocks(ends), COLOURS, strict=True):
         block = samples.astype(np.float64)
+        # The lamp modulates the light, so its diode has the largest deviation
         brightest = block[:, block.std(axis=0).argmax()]
         found.append(
             SampleBlock(
@@ -47,7 +50,7 @@ def select_sample_blocks(view: FlightView) -> list[SampleBlock]:
 
 
 def format_lamp_distance(view: FlightView, time: float) -> str:
-    """Return in words how far from the lamp the drone is."""
+    """Return the distance of the drone from the lamp, in words."""
     if not view.goal.places or not view.has_topics('ground_truth/odom'):
         return f'at {time:.1f} s'
     away = view.goal.lamp_distance(view.truth)

@@ -1,4 +1,4 @@
-"""Pictures over the time of a flight: their axis, and where its phases begin."""
+"""Figures over the time of a flight, with marks at its phases."""
 
 from collections.abc import Sequence
 
@@ -12,7 +12,7 @@ from plotly.graph_objects import Figure
 def create_time_figure(
     view: FlightView, rows: int = 1, heights: Sequence[float] | None = None
 ) -> Figure:
-    """Return an empty picture over the time of the flight, its phases marked."""
+    """Return an empty figure over the time of the flight, with its phases marked."""
     figure = create_figure(rows, heights)
     figure.update_xaxes(range=list(view.span), hoverformat='.2f', unifiedhovertitle_text='%{x} s')
     figure.update_xaxes(title_text='time [s]', row=rows)
@@ -23,6 +23,7 @@ def create_time_figure(
         (phases.end, 'at the lamp', 'right'),
     ]
     for time, text, side in marks:
+        # False for NaN, a phase that never began
         if view.span[0] < time < view.span[1]:
             figure.add_shape(
                 type='line', x0=time, x1=time, y0=0.0, y1=1.0, yref='paper', layer='below',

@@ -1,4 +1,4 @@
-"""The flight as the page replays it: a few numbers at even instants."""
+"""The curves that a page needs to replay a flight, at uniform times."""
 
 from lta_flight.report.results import find_phases
 from lta_flight.report.view import FlightView
@@ -6,26 +6,26 @@ from lta_model.hull import half_axes
 from lta_report.curves import Array, interpolate
 import numpy as np
 
-RATE = 20.0  # instants a second; a screen shows no more of a blimp
-MOST = 3000
-DECIMALS = 3
+RATE = 20.0  # samples per second, enough for a slow blimp
+MOST = 3000  # samples, to limit the size of the page
+DECIMALS = 3  # mm and mrad
 
 
 def build_track(view: FlightView) -> dict[str, list[float | None]]:
     """
-    Return time, place, yaw, speed, distance, bearing and SNR at even instants.
+    Return time, position, yaw, speed, distance, bearing and SNR at uniform times.
 
     Returns
     -------
     dict of str to list
-        Columns of one length in SI units, None where unknown; empty without a true motion. `start`
-        is the one instant to show first, `radius` that of the hull.
+        Columns of equal length in SI units, None where unknown; empty without a true motion.
+        `start` is the time to show first, `radius` the radius of the hull.
 
     """
     if not view.has_topics('ground_truth/odom'):
         return {}
     first, last = view.span
-    time = np.linspace(first, last, min(MOST, int((last - first) * RATE) + 2))
+    time = np.linspace(first, last, min(MOST, int((last - first) * RATE) + 2))  # 2 points at least
     truth = view.truth
     columns = {
         part: interpolate(time, truth.time, getattr(truth, part))
@@ -44,6 +44,7 @@ def build_track(view: FlightView) -> dict[str, list[float | None]]:
     vehicle = view.scene.vehicle
     columns |= {
         'time': time,
+        # Late in the search, when the drone is near the lamp
         'start': np.array([begin + 0.75 * (phases.end - begin)]),
         'radius': np.array([0.5 if vehicle is None else half_axes(vehicle.hull)[0]]),
     }
@@ -51,11 +52,11 @@ def build_track(view: FlightView) -> dict[str, list[float | None]]:
 
 
 def hold_latest(time: Array, when: Array, values: Array) -> Array:
-    """Return the newest value at each instant, NaN before the first."""
+    """Return the last value at each time; NaN before the first."""
     index = np.searchsorted(when, time, side='right') - 1
     return np.asarray(np.where(index < 0, np.nan, values[np.maximum(index, 0)]))
 
 
 def to_json_numbers(values: Array) -> list[float | None]:
-    """Return numbers as JSON knows them."""
+    """Return numbers for JSON, with None for NaN."""
     return [round(float(value), DECIMALS) if np.isfinite(value) else None for value in values]

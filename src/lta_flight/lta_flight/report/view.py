@@ -1,8 +1,8 @@
 """
-A flight as the report looks at it: each part read once, everything in one frame.
+The data of a recorded flight for results and figures, read once and in one frame.
 
-Time runs in seconds from the first message, positions are in the map frame. The estimator's own
-frame starts at zero; it is laid on the truth where both begin.
+Time is in seconds from the first message, positions are in the map frame. The estimator's frame
+starts at zero and is aligned with the truth at the start.
 """
 
 from collections.abc import Sequence
@@ -31,7 +31,7 @@ from lta_report.curves import (
 import numpy as np
 from numpy.typing import NDArray
 
-# What the page is made of besides point lists: read together, in one pass over the bag.
+# Topics of the page that are read together, in one pass over the bag
 TOGETHER: Final = (
     'ground_truth/odom',
     'odom',
@@ -52,10 +52,11 @@ def select_primary_beacon(fields: dict[str, Array]) -> dict[str, Array]:
     """
     Return the points of the wanted beacon, which come first in each cloud.
 
-    On a route a cloud has a row of diodes for each beacon that is listened for, so that its points
-    begin again with the first diode's axis; clouds of fewer beacons end in NaN.
+    On a route a cloud has one row of diodes per tracked beacon, so the first diode's axis repeats.
+    Clouds with fewer beacons are padded with NaN.
     """
     axes = np.stack([fields['x'], fields['y'], fields['z']], axis=-1)
+    # Columns, after the first, whose axis equals that of the first diode in some cloud
     again = np.flatnonzero((axes[:, 1:] == axes[:, :1]).all(axis=-1).any(axis=0))
     diodes = int(again[0]) + 1 if len(again) else axes.shape[1]
     return {name: values[:, :diodes] for name, values in fields.items()}
@@ -70,17 +71,17 @@ def half_block_time() -> float:
 @final
 class FlightView:
     """
-    What the pictures and results are made of.
+    The data of a recorded flight.
 
     Parameters
     ----------
-    flight : Flight
+    flight : RecordedFlight
         The recording of one robot.
 
     Raises
     ------
     BadInput
-        If the bag carries a scenario or vehicle file that cannot be read.
+        If the scenario or vehicle file in the bag cannot be read.
 
     """
 
@@ -92,13 +93,14 @@ class FlightView:
         self._blocks: dict[tuple[int, ...], NDArray[Any]] = {}
 
     def has_topics(self, *topics: str) -> bool:
-        """Tell whether the bag has messages of all these topics."""
+        """Return whether the bag has messages of all these topics."""
         bag, robot = self.flight.bag, self.flight.robot
         names = [f'/{robot}/{topic}' if robot else f'/{topic}' for topic in topics]
         return all(name in bag.topics and bag.topics[name].count > 0 for name in names)
 
     def read_series(self, topic: str) -> TopicSeries:
-        """Return a topic's fields, read once."""
+        """Return the fields of a topic; each is read once."""
+        # Reading a bag is slow, so fetch all usual topics with the first one
         if topic not in self._read:
             here = [each for each in TOGETHER if self.has_topics(each) and each not in self._read]
             self._read |= self.flight.read_topics({topic, *here})
@@ -106,7 +108,7 @@ class FlightView:
 
     @cached_property
     def span(self) -> tuple[float, float]:
-        """First and last instant of the motion, or of the bag where there is none. [s]"""
+        """First and last time of the motion, or of the bag if there is none. [s]"""
         for topic in ('ground_truth/odom', 'odom'):
             if self.has_topics(topic):
                 time = self.read_series(topic).time
@@ -116,14 +118,14 @@ class FlightView:
 
     @cached_property
     def goal(self) -> FlightGoal:
-        """The lamps to be reached, and when each was."""
+        """The target lamps, and when each was reached."""
         return FlightGoal(
             self.scene.scenario, self.truth if self.has_topics('ground_truth/odom') else None
         )
 
     @cached_property
     def truth(self) -> MotionCurve:
-        """The true motion; the wind is taken off the speed."""
+        """The true motion, with the speed relative to the air."""
         motion = self._read_motion('ground_truth/odom')
         if not self.has_topics('wind'):
             return motion
@@ -132,39 +134,40 @@ class FlightView:
 
     @cached_property
     def estimate(self) -> MotionCurve:
-        """The drone's own idea of its motion, laid on the truth at the start."""
+        """The estimated motion, aligned with the truth at the start."""
         motion = self._read_motion('odom')
         return align_start(motion, self.truth) if self.has_topics('ground_truth/odom') else motion
 
     @cached_property
     def frame_rotation(self) -> float:
-        """Angle from the estimator's x to map's. [rad]"""
+        """Angle from the estimator's x axis to that of map. [rad]"""
         return float(self.estimate.yaw[0] - self._read_motion('odom').yaw[0])
 
     @cached_property
     def heading_setpoint(self) -> TimeCurve:
-        """Heading to hold, in map, without jumps. [rad]"""
+        """Heading setpoint in map, unwrapped. [rad]"""
         series = self.read_series('setpoint/pose')
         yaw = to_euler_angles(series.vector('pose.orientation')).yaw
         return TimeCurve(series.time, np.unwrap(np.nan_to_num(yaw)) + self.frame_rotation)
 
     @cached_property
     def altitude_setpoint(self) -> TimeCurve:
-        """Altitude to hold. [m]"""
+        """Altitude setpoint. [m]"""
         series = self.read_series('setpoint/pose')
         return TimeCurve(series.time, series['pose.position.z'])
 
     @cached_property
     def speed_setpoint(self) -> TimeCurve:
-        """Forward airspeed to hold. [m/s]"""
+        """Forward airspeed setpoint. [m/s]"""
         series = self.read_series('setpoint/velocity')
         return TimeCurve(series.time, series['twist.linear.x'])
 
     @cached_property
     def range_altitude(self) -> TimeCurve:
-        """Measured range plus the sensor's distance below the hull centre. [m]"""
+        """Altitude of the hull centre from the range finder. [m]"""
         series = self.read_series('range')
         vehicle = self.scene.vehicle
+        # Depth of the sensor below the hull centre; body z points up
         below = 0.0 if vehicle is None else -vehicle.sensors.range_position.vector[2]
         return TimeCurve(
             series.time, np.where(np.isfinite(series['range']), series['range'], np.nan) + below
@@ -172,8 +175,9 @@ class FlightView:
 
     @cached_property
     def duties(self) -> DutyCurves:
-        """Commands to the rotors."""
+        """Commanded duties of the rotors."""
         series = self.read_series('motors')
+        # Fields name[0], name[1], ... of JointState
         names = [
             str(series.texts[f'name[{k}]'][-1])
             for k in range(len(series.texts))
@@ -183,9 +187,10 @@ class FlightView:
         return DutyCurves(series.time, names, np.stack(efforts, axis=1))
 
     def read_blocks(self, chosen: Sequence[int]) -> NDArray[Any]:
-        """Return some ADC blocks, shape (chosen, samples, diodes), read once."""
+        """Return some ADC blocks, shape (chosen, samples, diodes); each is read once."""
         which = tuple(chosen)
         if which not in self._blocks:
+            # The bag is read in order; `places` restores the requested order
             order, places = np.unique(which, return_inverse=True)
             found = self.flight.read_blocks('photodiodes', order.tolist())
             self._blocks[which] = found.samples[places]
@@ -193,12 +198,12 @@ class FlightView:
 
     @cached_property
     def half_block_time(self) -> float:
-        """From a light message's stamp, its block's first sample, to the block's middle. [s]"""
+        """Time from a block's stamp, that of its first sample, to its middle. [s]"""
         return half_block_time()
 
     @cached_property
     def peaks(self) -> PointSeries:
-        """Amplitude [counts], SNR and frequency [Hz] of each diode, wanted lamp, mid-block."""
+        """Amplitude [counts], SNR and frequency [Hz] of the wanted lamp per diode, mid-block."""
         points = self.flight.read_points('light/peaks')
         return PointSeries(
             points.time + self.half_block_time, select_primary_beacon(points.fields)
@@ -209,6 +214,7 @@ class FlightView:
         """Direction to the lamp that the drone steers by, body frame, mid-block."""
         series = self.read_series('light/estimate')
         place = series.vector('pose.pose.position')
+        # The variance marks a block without a lamp
         seen = series['pose.covariance[0]'] != UNKNOWN
         return DirectionCurve(
             series.time + self.half_block_time,
@@ -217,7 +223,7 @@ class FlightView:
 
     @cached_property
     def bearing(self) -> DirectionCurve:
-        """The paper's direction to the lamp in the body frame, at the middle of its block."""
+        """The paper's bearing of the lamp, body frame, mid-block."""
         series = self.read_series('light/bearing')
         return DirectionCurve(
             series.time + self.half_block_time, vector_directions(series.vector('vector'))
@@ -225,12 +231,12 @@ class FlightView:
 
     @cached_property
     def battery(self) -> ElectricalCurve:
-        """The cell as measured."""
+        """The battery as measured."""
         return self._read_electricity('battery')
 
     @cached_property
     def panel(self) -> ElectricalCurve:
-        """The harvesting branch as measured."""
+        """Voltage and current of the solar panel as measured."""
         return self._read_electricity('panel')
 
     def _read_electricity(self, topic: str) -> ElectricalCurve:
@@ -238,7 +244,7 @@ class FlightView:
         return ElectricalCurve(series.time, series['voltage'], series['current'])
 
     def _read_motion(self, topic: str) -> MotionCurve:
-        """Return a topic of nav_msgs/Odometry as it is written."""
+        """Return a topic of nav_msgs/Odometry as a motion."""
         series = self.read_series(topic)
         place, attitude = (
             series.vector('pose.pose.position'),

@@ -1,1 +1,1 @@
-"""Many flights of one design: planned, flown by many processes, kept, tabled and drawn."""
+"""Sweeps of many flights: plan, fly in parallel, log, tabulate and plot."""

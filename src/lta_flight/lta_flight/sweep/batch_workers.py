@@ -1,10 +1,9 @@
 """
-A sweep flown as one batch: closed or open loops by the thousand, on all cores or on a GPU.
+Fly a sweep as batches of closed or open loops, on all CPU cores or on a GPU.
 
-The flights are those of `lta_flight.batch`: the same vehicle, sensors, estimator, control and
-mission as one by one, with the lamp heard from geometry and noise instead of ADC blocks. They
-agree with the others in distribution, not seed by seed. Flights that differ by their seed alone
-are built once.
+Batch flights use the same vehicle, sensors, estimator, control and mission as single ones, but
+sample the lamp's signal without ADC blocks (`lta_flight.batch`). They agree in distribution, not
+seed by seed. Flights that differ only in their seed are built once.
 """
 
 from collections.abc import Iterator
@@ -30,7 +29,7 @@ from lta_sim.readings import FlightOutcome
 from lta_sim.termination import distance_to_goal, GoalProgress, OUTCOMES
 import numpy as np
 
-# Flights kept together as they end: more fill a GPU, fewer are lost with a batch.
+# Flights per batch: more use a GPU better, fewer are lost when a sweep is interrupted
 BATCH: dict[str, int] = {'cpu-batch': 512, 'gpu': 65_536}
 
 
@@ -41,17 +40,17 @@ class BatchWorkers:
 
     Parameters
     ----------
-    base : Ingredients
+    base : FlightSpec
         What all flights have in common.
     device : str
         'cpu-batch' or 'gpu'.
     duties : tuple of float
-        Of each rotor in an open loop; empty where the drone decides.
+        Constant duties of the rotors for an open loop; empty for a closed one.
 
     Raises
     ------
     BadInput
-        If the base is nothing that a batch can fly, or there is no GPU.
+        If a batch does not support the base, or there is no GPU.
 
     """
 
@@ -73,7 +72,7 @@ class BatchWorkers:
         plan.check(lambda spec, _: self._build_flight(spec))
 
     def __enter__(self) -> Self:
-        """Be ready."""
+        """Return this object."""
         return self
 
     def __exit__(
@@ -82,7 +81,7 @@ class BatchWorkers:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Leave nobody behind: there is nobody."""
+        """Do nothing; there are no processes to stop."""
 
     def run_jobs(self, jobs: Iterator[SweepJob]) -> Iterator[SweepRow]:
         """Yield the rows of all jobs, batch by batch."""
@@ -93,12 +92,13 @@ class BatchWorkers:
         return build_flight(*build_parts(spec), self._table, self._duties)
 
     def _fly_batch(self, jobs: list[SweepJob]) -> Iterator[SweepRow]:
-        """Yield the rows of one batch; what cannot be built is a failed flight."""
+        """Yield the rows of one batch; a flight that cannot be built has failed."""
         begun = time.monotonic()
         places: dict[str, int | str] = {}
         made: list[BatchFlight] = []
         which, seeds, flyable = [], [], []
         for job in jobs:
+            # Jobs that differ only in their seed have equal changes
             name = repr(job.changes)
             if name not in places:
                 try:
@@ -107,6 +107,7 @@ class BatchWorkers:
                 except BadInput as error:
                     places[name] = str(error)
             place = places[name]
+            # The stored reason why this kind of flight cannot be built
             if isinstance(place, str):
                 yield build_failed_row(job, place)
                 continue
@@ -116,6 +117,7 @@ class BatchWorkers:
         if not flyable:
             return
         flown = fly_many(made, seeds, self._device, closed=not self._duties, which=np.array(which))
+        # All flights run at once, so each gets an equal share of the time
         wall = (time.monotonic() - begun) / len(jobs)
         for job, place, numbers in zip(flyable, which, flown.tolist(), strict=True):
             yield build_row(job, made[place], dict(zip(FIGURES, numbers, strict=True)), wall)
@@ -124,7 +126,7 @@ class BatchWorkers:
 def build_row(
     job: SweepJob, flight: BatchFlight, outputs: dict[str, float], wall: float
 ) -> SweepRow:
-    """Return the row of a flight from what it came to; a failed one if its numbers ran away."""
+    """Return the row of a flight from its outputs; a failed one if the integration diverged."""
     if int(outputs['outcome']) == RAN_AWAY:
         return build_failed_row(job, str(divergence_error(flight.name, outputs['end'])))
     outcome = OUTCOMES[int(outputs['outcome'])]
@@ -138,8 +140,9 @@ def build_row(
 def compute_figures(
     flight: BatchFlight, outputs: dict[str, float], *, success: bool
 ) -> dict[str, Any]:
-    """Return what a batch knows of `Results`, None where it does not or nothing happened."""
+    """Return the `FlightResults` that a batch computes; None for NaN."""
     goal, (x, y, _) = flight.craft.goal, flight.craft.place
+    # Times to the goal exist only for successful flights
     end = outputs['end'] if success else math.nan
     aloft = outputs['end'] - outputs['lift_off']
     numbers = {
@@ -158,5 +161,5 @@ def compute_figures(
 
 
 def divide_or_nan(a: float, b: float) -> float:
-    """Return a / b, NaN where b is not above 0."""
+    """Return a / b; NaN unless b is positive."""
     return a / b if b > 0.0 else math.nan

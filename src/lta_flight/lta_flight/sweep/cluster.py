@@ -1,8 +1,8 @@
 """
-A Dask cluster that flies a sweep.
+Fly a sweep on a Dask cluster.
 
-The machines of the cluster need LTA and the same files of configuration only as far as they are
-shipped: what a flight is made of travels with it.
+The machines of the cluster need LTA with its shipped files only, because the flight's own files
+are sent to them.
 """
 
 from collections.abc import Iterator
@@ -15,7 +15,7 @@ from lta_flight.sweep.job_runner import build_failed_row, fly_job, SweepRow
 from lta_flight.sweep.plan import SweepJob
 from lta_report.cluster import connect_cluster
 
-AHEAD = 4  # jobs a thread of the cluster has waiting
+AHEAD = 4  # jobs queued per thread, so that none waits for the network
 
 
 @final
@@ -25,25 +25,25 @@ class SweepCluster:
 
     Parameters
     ----------
-    base : Ingredients
+    base : FlightSpec
         What all flights have in common.
     address : str
-        Of the scheduler, such as tcp://10.0.0.1:8786.
+        Address of the scheduler, such as tcp://10.0.0.1:8786.
 
     Raises
     ------
     BadInput
-        If dask.distributed is not installed, or nobody answers there.
+        If dask.distributed is not installed, or no scheduler answers.
 
     """
 
     def __init__(self, base: FlightSpec, address: str) -> None:
         self._dask, self._client = connect_cluster(address)
         self._base = base
-        self.deaths = 0  # Dask replaces workers by itself and does not tell
+        self.deaths = 0  # flights given up; Dask replaces lost workers silently
 
     def __enter__(self) -> Self:
-        """Send once what all flights have in common."""
+        """Send the common part of all flights once."""
         self._common = self._client.scatter(self._base, broadcast=True, hash=False)
         return self
 
@@ -53,21 +53,24 @@ class SweepCluster:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Take back what has not been flown, and leave the cluster as it was."""
+        """Cancel pending flights and disconnect."""
         with suppress(OSError):
             self._client.close()
 
     def run_jobs(self, jobs: Iterator[SweepJob]) -> Iterator[SweepRow]:
-        """Yield the rows of all jobs as they come; what a lost worker had is flown again."""
+        """Yield the rows of jobs as they finish; Dask repeats jobs of lost workers."""
         given: dict[Any, SweepJob] = {}
+        # At least one, if the workers have just been lost
         threads = sum(self._client.nthreads().values()) or 1
         flying = self._dask.as_completed([], loop=self._client.loop)
         for _ in range(AHEAD * threads):
             self._submit_next(jobs, given, flying)
         for future in flying:
             job = given.pop(future.key)
+            # Only infrastructure fails here; errors of a flight are in its row
             error = future.exception()
             yield future.result() if error is None else self._build_failed_row(job, error)
+            # Frees the result on the cluster
             future.release()
             self._submit_next(jobs, given, flying)
 
@@ -79,6 +82,7 @@ class SweepCluster:
     ) -> None:
         job = next(jobs, None)
         if job is not None:
+            # pure=False: equal arguments must not return an earlier result
             future = self._client.submit(fly_job, self._common, job, pure=False)
             pending[future.key] = job
             flying.add(future)

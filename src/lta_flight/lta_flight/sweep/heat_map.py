@@ -1,4 +1,4 @@
-"""A sweep over two parameters as a map: how many flights reached their goal, and how fast."""
+"""Plot a sweep over two parameters as maps of the success rate and the median time."""
 
 from collections.abc import Mapping, Sequence
 from itertools import product
@@ -10,15 +10,16 @@ from lta_flight.sweep.statistics import is_number, REACHED
 from lta_report.drawing import create_figure
 from plotly.graph_objects import Figure, Heatmap
 
-LEAST = 3  # values of a parameter that make a map of it
+LEAST = 3  # values of a parameter; a map of fewer shows nothing
 MARGIN = {'l': 64, 'r': 24, 't': 12}
 
 
 def find_map_parameters(plan: SweepPlan) -> tuple[str, str] | None:
-    """Return the two parameters of a map, None where the sweep is none."""
+    """Return the two parameters of a map; None if the sweep has others."""
     if len(plan.lists) != 2 or len(plan.units) != 2:
         return None
     first, second = plan.lists
+    # Names have no order and make no map
     fits = all(
         len(values) >= LEAST and all(is_number(convert_to_si(value)) for value in values)
         for values in plan.lists.values()
@@ -29,10 +30,11 @@ def find_map_parameters(plan: SweepPlan) -> tuple[str, str] | None:
 def plot_heat_map(
     rows: Sequence[SweepRow], both: tuple[str, str], units: Mapping[str, str]
 ) -> Figure:
-    """Return the share that reached and the median time over two parameters."""
+    """Return a figure of the reached share and the median time over two parameters."""
     across, up = both
     cells: dict[tuple[float, float], list[SweepRow]] = {}
     for row in rows:
+        # Failed flights say nothing about the parameters
         if row.outcome != FAILED:
             cells.setdefault((row.values[across], row.values[up]), []).append(row)
     xs, ys = (sorted({row.values[path] for row in rows}) for path in both)
@@ -44,6 +46,7 @@ def plot_heat_map(
             share[j][i] = 100.0 * len(reached) / len(found)
             spent = [row.figures.get('search_time') for row in reached]
             known = [value for value in spent if value is not None]
+            # None leaves the cell empty
             times[j][i] = median(known) if known else None
     figure = create_figure(2, [0.5, 0.5])
     for line, (grid, words) in enumerate(((share, 'reached [%]'), (times, 'time [s]')), start=1):
@@ -61,7 +64,8 @@ def add_map(
     words: str,
     line: int,
 ) -> None:
-    """Add one map with its scale beside it."""
+    """Add one map with its colour bar."""
+    # One colour bar next to each of the two maps
     bar = {'title': {'text': words}, 'len': 0.5, 'y': 0.77 if line == 1 else 0.23}
     figure.add_trace(
         Heatmap(
@@ -74,7 +78,8 @@ def add_map(
 
 
 def format_axis_title(path: str, units: Mapping[str, str]) -> str:
-    """Return the end of a parameter's path with its unit: two of them stand one over the other."""
+    """Return the last word of a parameter's path with its unit, since axes have little space."""
     *_, before, last = path.split('.')
+    # An index alone, as in air.wind.0, would not identify the parameter
     short = f'{before}.{last}' if last.isdecimal() else last
     return f'{short} [{units[path]}]' if units.get(path) else short

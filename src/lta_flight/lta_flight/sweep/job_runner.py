@@ -1,4 +1,4 @@
-"""One flight of a sweep, from its job to its row; whatever goes wrong is in the row."""
+"""Fly one job of a sweep and return its row; errors are stored in the row."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
@@ -20,22 +20,22 @@ FAILED = 'failed'
 @dataclass(frozen=True, slots=True)
 class SweepRow:
     """
-    What is kept of a flight.
+    The stored result of a flight.
 
     Attributes
     ----------
     index, seed : int
-        Its place in the sweep, and its seed.
+        Position in the sweep, and seed.
     values : dict
-        What was varied, by path, in SI.
+        Varied parameters by path, in SI.
     outcome : str
-        'reached', 'timeout', 'escaped', or 'failed' where it could not be flown.
+        'reached', 'timeout', 'escaped', or 'failed' if it could not be flown.
     sentence : str
-        The same in words, or why not.
+        The outcome in words, or the reason of a failure.
     wall : float
-        Time that it took. [s]
+        Computing time. [s]
     figures : dict
-        `Results` by name; None is what the flight does not tell.
+        `FlightResults` by name; None if unknown.
 
     """
 
@@ -49,7 +49,7 @@ class SweepRow:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the row ready for JSON."""
-        # Not `asdict`: its deep copy takes as long as a short flight in a batch.
+        # Not `asdict`, whose deep copy takes as long as a short flight in a batch
         return {item.name: getattr(self, item.name) for item in fields(self)}
 
 
@@ -60,14 +60,15 @@ def build_failed_row(job: SweepJob, sentence: str, wall: float = 0.0) -> SweepRo
 
 
 def fly_job(base: FlightSpec, job: SweepJob) -> SweepRow:
-    """Fly one flight to its end; see `fly_to_row`."""
+    """Fly one job to its end; see `fly_to_row`."""
     return fly_to_row(job, lambda: build_loop(base.with_values(job.changes), job.seed))
 
 
 def fly_to_row(job: SweepJob, begin: Callable[[], ClosedLoop]) -> SweepRow:
-    """Fly what begins; an error of any kind is a failed flight, not the end of all others."""
+    """Fly a loop; an error of any kind gives a failed flight and does not stop the sweep."""
     begun = time.monotonic()
     try:
+        # Built inside the try, because an invalid combination of values fails here
         loop = begin()
         view = LoopView(loop)
         for _ in loop.iterate_steps():
@@ -86,5 +87,6 @@ def fly_to_row(job: SweepJob, begin: Callable[[], ClosedLoop]) -> SweepRow:
         outcome.name.lower(),
         str(outcome),
         time.monotonic() - begun,
+        # JSON has no NaN
         replace_nonfinite(figures),
     )

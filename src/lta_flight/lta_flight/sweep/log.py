@@ -1,4 +1,4 @@
-"""The log of a sweep: one line a flight, written as it ends, so that a killed sweep goes on."""
+"""The log of a sweep: one line per finished flight, so that a killed sweep can resume."""
 
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -14,26 +14,26 @@ KIND = LogKind('flights.jsonl', 'sweep', 'sweep', '--out')
 @final
 class SweepLog(AbstractContextManager['SweepLog', None]):
     """
-    Open the log in a folder, or begin it; use it as a context manager.
+    Open or create the log in a folder; use it as a context manager.
 
     Parameters
     ----------
     folder : Path
-        Of the sweep's results; made if missing.
+        Results folder; created if missing.
     identity : str
         Hash of the sweep.
     retry : bool
-        Whether flights that failed count as not flown.
+        Whether to fly failed flights again.
 
     Attributes
     ----------
     rows : dict
-        What has been flown, by index.
+        Finished flights by index.
 
     Raises
     ------
     BadInput
-        If the folder holds something else, or another process writes to it.
+        If the folder has other contents, or another process writes to it.
 
     """
 
@@ -42,11 +42,12 @@ class SweepLog(AbstractContextManager['SweepLog', None]):
             raise BadInput(f"'{folder}' holds something else; choose another folder.")
         self._lines = LineLog(folder, KIND, identity, _parse_row)
         self.rows = {row.index: row for row in self._lines.pieces}
+        # The failed rows stay in the file; a later line for the same flight replaces them
         if retry:
             self.rows = {k: row for k, row in self.rows.items() if row.outcome != FAILED}
 
     def add(self, row: SweepRow) -> None:
-        """Keep a row; it outlives this process from now on."""
+        """Log a row, which then survives the end of this process."""
         self.rows[row.index] = row
         self._lines.append(row.to_dict())
 
@@ -61,11 +62,11 @@ class SweepLog(AbstractContextManager['SweepLog', None]):
 
 
 def _is_foreign(folder: Path) -> bool:
-    """Tell whether a folder holds something, and no log."""
+    """Return whether a folder has contents but no log."""
     try:
         return folder.is_dir() and not (folder / KIND.file).exists() and any(folder.iterdir())
     except OSError:
-        return False  # the log says why it cannot be used
+        return False  # opening the log reports the reason
 
 
 def _parse_row(content: dict[str, Any]) -> SweepRow:

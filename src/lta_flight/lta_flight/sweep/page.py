@@ -1,4 +1,4 @@
-"""A sweep as one self-contained HTML file, in the look of a flight's page."""
+"""Write the page of a sweep as one HTML file."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -22,14 +22,14 @@ from lta_report.page_parts import render_section, render_tile
 import yaml
 
 NAME = 'report.html'
-SMALL = 0.5  # kg; masses below are shown in grams
-LISTED = 25  # flights that did not reach their goal, by name
+SMALL = 0.5  # kg; smaller masses are shown in grams
+LISTED = 25  # most flights in the table of those that did not reach their goal
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class SweepPageData:
-    """What the page is made of: the plan, its rows, where they are kept, and their origin."""
+    """Content of the page: the plan, its rows, their folder, and their provenance."""
 
     plan: SweepPlan
     rows: Sequence[SweepRow]
@@ -41,7 +41,7 @@ class SweepPageData:
 
 
 def write_page(data: SweepPageData) -> Path:
-    """Write the page of a sweep and return where it is; `BadInput` where it cannot be written."""
+    """Write the page of a sweep and return its path; raise `BadInput` if that fails."""
     return write_file(render_page(data), data.folder / NAME)
 
 
@@ -66,10 +66,11 @@ def render_page(data: SweepPageData) -> str:
 
 
 def format_title(plan: SweepPlan, rows: Sequence[SweepRow]) -> str:
-    """Return what came out, in a sentence."""
+    """Return the result in a sentence."""
     share = reached_share(rows)
     failed = sum(row.outcome == FAILED for row in rows)
     flown = len(rows) - failed
+    # An interrupted sweep states how many flights it has
     begun = '' if len(rows) == plan.count else f' (of {plan.count} planned)'
     if not flown:
         return f'{len(rows)} flights{begun}: none could be flown.'
@@ -83,7 +84,7 @@ def format_title(plan: SweepPlan, rows: Sequence[SweepRow]) -> str:
 
 
 def build_tiles(rows: Sequence[SweepRow]) -> list[Tile]:
-    """Return the figures that matter most."""
+    """Return tiles with the main results."""
     share = reached_share(rows)
     ends = f'{100 * share.low:.1f} to {100 * share.high:.1f} % (Wilson, 95 %)'
     broken = sum(row.outcome == FAILED for row in rows)
@@ -101,8 +102,9 @@ def build_tiles(rows: Sequence[SweepRow]) -> list[Tile]:
 def build_summary_tile(
     rows: Sequence[SweepRow], name: str, words: str, unit: str, digits: int
 ) -> Tile:
-    """Return the median of a figure with the middle half of the flights that reached."""
+    """Return a tile with the median and quartiles of a result over successful flights."""
     values = collect_figures(rows, name)
+    # Quartiles need two values
     if len(values) < 2:
         return Tile(
             words, format_number(values[0] if values else None, digits), unit, 'one flight or none'
@@ -113,7 +115,8 @@ def build_summary_tile(
 
 
 def render_spreads(rows: Sequence[SweepRow]) -> list[str]:
-    """Return the pictures over all flights."""
+    """Return the figures over all flights."""
+    # In ascending order, which puts the most frequent outcome at the top
     counts = Counter(row.outcome for row in rows)
     ordered = dict(sorted(counts.items(), key=lambda item: item[1]))
     first = render_section('outcomes', 'How the flights ended', '', plot_outcomes(ordered))
@@ -130,7 +133,7 @@ def render_spreads(rows: Sequence[SweepRow]) -> list[str]:
 def render_panels(
     plan: SweepPlan, rows: Sequence[SweepRow], units: Mapping[str, str]
 ) -> list[str]:
-    """Return a picture for each parameter."""
+    """Return a figure for each parameter."""
     caption = (
         'Share that reached the goal with its 95 % Wilson interval, and time and path of those '
         'that did. Failed flights do not count.'
@@ -142,6 +145,7 @@ def render_panels(
         found.append(render_section('heat', words, about, plot_heat_map(rows, both, units)))
     for k, (path, unit) in enumerate(units.items() if rows else ()):
         how = plan.file.vary.get(path)
+        # A log-uniform parameter is even on a logarithmic axis
         even_in_log = isinstance(how, Distribution) and how.loguniform is not None
         picture = plot_by_parameter(*convert_to_grams(rows, path, unit), even_in_log)
         found.append(render_section(f'by-{k}', path, caption, picture))
@@ -151,7 +155,7 @@ def render_panels(
 def convert_to_grams(
     rows: Sequence[SweepRow], path: str, unit: str
 ) -> tuple[Sequence[SweepRow], str, str]:
-    """Return rows, path and unit with small masses in grams, as everybody weighs a blimp."""
+    """Return rows, path and unit with small masses in grams."""
     values = [row.values[path] for row in rows]
     small = all(isinstance(value, int | float) and abs(value) < SMALL for value in values)
     if unit != 'kg' or not small:
@@ -161,10 +165,11 @@ def convert_to_grams(
 
 
 def render_lost_flights(plan: SweepPlan, rows: Sequence[SweepRow], *, batch: bool = False) -> str:
-    """Return the flights that did not reach their goal, the failed first."""
+    """Return a table of the flights that did not reach their goal, failed ones first."""
     lost = [row for row in rows if row.outcome != REACHED]
     if not lost:
-        return '<p class="note">There is none.</p>'
+        return '<p class="note">None.</p>'
+    # False sorts before True
     lost.sort(key=lambda row: (row.outcome != FAILED, row.index))
     heads = ['flight', 'seed', *plan.units, 'outcome', 'why']
     lines = [
@@ -174,7 +179,7 @@ def render_lost_flights(plan: SweepPlan, rows: Sequence[SweepRow], *, batch: boo
         ]
         for row in lost[:LISTED]
     ]  # fmt: skip
-    like = 'one like the first, with other chance' if batch else 'one'
+    like = 'one like the first, with other random numbers' if batch else 'the first one'
     more = f' The first {LISTED} of {len(lost)}.' if len(lost) > LISTED else ''
     head = ''.join(f'<th scope="col">{escape(cell)}</th>' for cell in heads)
     body = ''.join(
@@ -188,33 +193,34 @@ def render_lost_flights(plan: SweepPlan, rows: Sequence[SweepRow], *, batch: boo
 
 
 def format_repeat_command(plan: SweepPlan, index: int) -> str:
-    """Return the command that flies one flight of a sweep again, with a bag."""
+    """Return the command that repeats one flight of a sweep, with a bag."""
     job = plan.build_job(index)
-    made_of = plan.base.with_values(job.changes)
-    names = made_of.names
-    changes = [word for text in to_cli_args(made_of.replaced) for word in ('--set', text)]
+    spec = plan.base.with_values(job.changes)
+    names = spec.names
+    changes = [word for text in to_cli_args(spec.replaced) for word in ('--set', text)]
     return format_lta_command(
         'simulate', '--vehicle', names['vehicle'], '--scenario', names['scenario'], '--strategy',
-        made_of.strategy, '--gains', names['gains'], '--seed', str(job.seed), *changes,
+        spec.strategy, '--gains', names['gains'], '--seed', str(job.seed), *changes,
     )  # fmt: skip
 
 
 def describe_provenance(data: SweepPageData) -> dict[str, str]:
-    """Return where the flights come from."""
+    """Return the provenance of the flights."""
     plan = data.plan
     return {
         **data.origin,
-        'varied': ', '.join(plan.units) or 'the seed alone',
+        'varied': ', '.join(plan.units) or 'the seed only',
         'flights': f'{len(data.rows)} of {plan.count}',
         'identity': plan.identity[:16],
     }
 
 
 def suggest_commands(data: SweepPageData) -> dict[str, str]:
-    """Return how to go on."""
+    """Return commands for the next steps."""
+    # The path is typed in the folder where the command was run
     table = relative_path(data.folder / 'flights.parquet')
     return {
-        'Go on, or fly it again': format_lta_command(
+        'Resume or repeat the sweep': format_lta_command(
             'sweep', data.typed_file, *data.options, '--out', relative_path(data.folder)
         ),
         'Read the table': f'python -c "import pandas; print(pandas.read_parquet(\'{table}\'))"',

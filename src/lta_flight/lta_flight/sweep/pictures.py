@@ -1,4 +1,4 @@
-"""The pictures of a sweep: how flights spread, and how that goes with each parameter."""
+"""Plot the results of a sweep: distributions, and results by parameter."""
 
 from collections.abc import Sequence
 from statistics import median
@@ -10,14 +10,14 @@ from lta_report.drawing import create_figure
 from lta_report.palette import ESTIMATE, GOOD, GRID, INK, TRUTH
 from plotly.graph_objects import Box, Figure, Histogram, Scatter
 
-FEWEST_BINS, MOST_BINS = 8, 40
-FEW: Final = 20  # flights, of which each is one mark of the axis
+FEWEST_BINS, MOST_BINS = 8, 40  # of a histogram
+FEW: Final = 20  # flights; up to here the axis has a tick for each
 CLEAR: Final = 'rgba(0,0,0,0)'
-DOTS: Final = 1500  # flights shown as dots; more would only blacken the picture
+DOTS: Final = 1500  # flights shown as dots; more would overlap
 
 
 class SweepMeasure(NamedTuple):
-    """One figure of the results that is drawn: its name, title, unit and colour."""
+    """One plotted result: name, title, unit and colour."""
 
     name: str
     title: str
@@ -32,7 +32,7 @@ MEASURES: Final = (
 
 
 def plot_spread(rows: Sequence[SweepRow], measure: SweepMeasure) -> Figure:
-    """Return the distribution of one figure over all flights that reached their goal."""
+    """Return a histogram of one result over all flights that reached their goal."""
     figure = create_figure()
     values = collect_figures(rows, measure.name)
     bins = min(MOST_BINS, max(FEWEST_BINS, len(values) // 4))
@@ -44,17 +44,19 @@ def plot_spread(rows: Sequence[SweepRow], measure: SweepMeasure) -> Figure:
     )  # fmt: skip
     figure.update_layout(bargap=0.06, margin={'r': 24})
     figure.update_xaxes(title_text=f'{measure.title} [{measure.unit}]')
-    # Flights are whole: no marks between them.
+    # Ticks at whole numbers of flights only
     return figure.update_yaxes(
         title_text='flights', rangemode='tozero', dtick=1 if len(values) <= FEW else None
     )
 
 
 def plot_by_parameter(rows: Sequence[SweepRow], path: str, unit: str, even_in_log: bool) -> Figure:
-    """Return the reached share, time and path along one parameter, on a logarithm if told."""
+    """Return a figure of reached share, time and path over one parameter."""
     figure = create_figure(3, [0.3, 0.35, 0.35])
     found = group_rows(rows, path)
+    # Names, such as strategies, need a categorical axis
     words = any(isinstance(group.place, str) for group in found)
+    # There are fewer groups than values, so the parameter was drawn at random
     drawn = len(found) < len({str(row.values[path]) for row in rows})
     add_shares(figure, found)
     for line, measure in enumerate(MEASURES, start=2):
@@ -70,7 +72,7 @@ def plot_by_parameter(rows: Sequence[SweepRow], path: str, unit: str, even_in_lo
 
 
 def add_shares(figure: Figure, groups: Sequence[ParameterGroup]) -> None:
-    """Draw the reached share of each group with its interval."""
+    """Add the reached share of each group with its confidence interval."""
     shares = [reached_share(group.rows) for group in groups]
     figure.add_trace(
         Scatter(
@@ -78,6 +80,7 @@ def add_shares(figure: Figure, groups: Sequence[ParameterGroup]) -> None:
             y=[share.value for share in shares],
             error_y={
                 'type': 'data', 'symmetric': False, 'thickness': 1.2, 'width': 4, 'color': GOOD,
+                # Plotly takes distances from the value, not the ends
                 'array': [share.high - share.value for share in shares],
                 'arrayminus': [share.value - share.low for share in shares],
             },
@@ -96,7 +99,8 @@ def add_shares(figure: Figure, groups: Sequence[ParameterGroup]) -> None:
 def add_dots(
     figure: Figure, rows: Sequence[SweepRow], path: str, measure: SweepMeasure, line: int
 ) -> None:
-    """Draw each flight that reached its goal as a dot."""
+    """Add each flight that reached its goal as a dot."""
+    # Rounded up, so that at most DOTS are shown
     step = -(-len(rows) // DOTS)
     shown = [row for row in rows[::step] if collect_figures([row], measure.name)]
     figure.add_trace(
@@ -115,7 +119,8 @@ def add_dots(
 def add_boxes(
     figure: Figure, groups: Sequence[ParameterGroup], measure: SweepMeasure, line: int, dots: bool
 ) -> None:
-    """Draw each group's quartiles: a box for each value, a line along stretches."""
+    """Add the distribution in each group: boxes for single values, a median line for ranges."""
+    # Few values: a box for each
     if dots:
         for group in groups:
             values = collect_figures(group.rows, measure.name)
@@ -130,6 +135,7 @@ def add_boxes(
                 row=line, col=1,
             )  # fmt: skip
         return
+    # Ranges of a random parameter: a line through the medians
     parts = [collect_figures(group.rows, measure.name) for group in groups]
     middle = [median(part) if part else None for part in parts]
     figure.add_trace(
@@ -143,7 +149,7 @@ def add_boxes(
 
 
 def plot_outcomes(counts: dict[str, int]) -> Figure:
-    """Return how many flights ended how."""
+    """Return a bar chart of the outcomes."""
     figure = create_figure()
     colours = {'reached': GOOD, 'failed': INK}
     for name, count in counts.items():

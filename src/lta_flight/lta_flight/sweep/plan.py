@@ -1,8 +1,7 @@
 """
-A sweep's flights: which there are, what each is made of, and that all can be flown.
+The flights of a sweep: their number, their parameters, and the check that they can be flown.
 
-Flight k of a sweep is always the same flight: its point in the grid, its sample and its seed
-follow from k alone.
+Flight k is always the same: its grid point, its sample and its seed follow from k.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -20,7 +19,7 @@ from lta_config.schema.sweep_file import CASE, Distribution, SweepFile
 from lta_flight.flight_spec import build_loop, FILES, FlightSpec, load_spec
 from lta_flight.sweep.sampling import draw_value
 
-MOST = 10_000_000  # flights; more do not fit a table that one machine reads
+MOST = 10_000_000  # flights; the table of more does not fit into memory
 
 
 @final
@@ -32,11 +31,11 @@ class SweepJob:
     Attributes
     ----------
     index, seed : int
-        Its place in the sweep, and its seed.
+        Position in the sweep, and seed.
     values : mapping
-        What is varied, by path; the name of its case, where there are cases.
+        Varied parameters by path, and the name of the case if there are cases.
     case : mapping
-        What its case sets, by path.
+        Parameters that the case sets, by path.
 
     """
 
@@ -47,7 +46,7 @@ class SweepJob:
 
     @property
     def changes(self) -> dict[str, Any]:
-        """What the flight changes of what all have in common, by path."""
+        """All parameters that differ from the base, by path."""
         varied = {path: value for path, value in self.values.items() if path != CASE}
         return {**self.case, **varied}
 
@@ -60,20 +59,22 @@ class SweepPlan:
     Parameters
     ----------
     file : SweepFile
-        What is varied how.
+        The sweep file.
 
     Raises
     ------
     BadInput
-        If a file cannot be read, a path leads nowhere or a value does not fit.
+        If a file cannot be read, a path does not exist or a value is invalid.
 
     """
 
     def __init__(self, file: SweepFile) -> None:
         self.file = file
         read = load_spec(file.vehicle, file.scenario, file.strategy, file.gains)
+        # Settings hold for all flights, so they are part of the base
         fixed = {path: parse_value(value, path) for path, value in file.settings.items()}
         self.base: FlightSpec = read.with_values(fixed)
+        # The name of the case is a column like a varied parameter
         named = {CASE: ''} if file.cases else {}
         varied = {path: self.base.find_unit(path) or self._find_unit(path) for path in file.vary}
         self.units = named | varied
@@ -87,28 +88,32 @@ class SweepPlan:
             if isinstance(how, list)
         }
         self.lists = ({CASE: list(self.cases)} if named else {}) | lists
+        # Grids multiply, so a few long lists are enough to exceed the limit
         if self.count > MOST:
             raise BadInput(f'The sweep has {self.count} flights; at most {MOST} can be flown.')
 
     @property
     def count(self) -> int:
-        """How many flights there are."""
+        """Number of flights."""
+        # Distributions do not multiply the grid; they are drawn at each of its points
         return math.prod(map(len, self.lists.values())) * self.file.draws_per_point
 
     @cached_property
     def identity(self) -> str:
-        """Hash of all that decides the flights."""
+        """Hash of everything that determines the flights."""
         content = {
             'strategy': self.base.strategy,
             'contents': self.base.contents,
             'named': self._collect_file_contents(),
+            # The description may change without making old flights invalid
             'sweep': self.file.model_dump(exclude={'about'}),
         }
+        # Sorted keys, so that the order in a file does not matter
         text = json.dumps(content, sort_keys=True, default=str)
         return hashlib.sha256(text.encode()).hexdigest()
 
     def _collect_file_contents(self) -> dict[str, Any]:
-        """Return what the files hold that are varied as a whole."""
+        """Return the contents of files that are varied as a whole."""
         ways = self.file.vary.items()
         drawn = {path: how.choice or [] for path, how in ways if isinstance(how, Distribution)}
         single = [{path: value} for path in FILES for value in (self.lists | drawn).get(path, ())]
@@ -120,9 +125,11 @@ class SweepPlan:
         }
 
     def build_job(self, index: int) -> SweepJob:
-        """Return one flight, from 0; the samples or seeds of a grid point follow each other."""
+        """Return one flight by index; the samples or seeds of a grid point are consecutive."""
+        # `turn` selects the sample and the seed within a grid point
         point, turn = divmod(index, self.file.draws_per_point)
         values = {}
+        # A mixed-radix number: the last list varies fastest
         for path in reversed(self.units):
             how = self.file.vary.get(path)
             if isinstance(how, Distribution):
@@ -135,21 +142,22 @@ class SweepPlan:
         return SweepJob(index, self.file.seeds.first + turn, ordered, case)
 
     def iterate_jobs(self, done: set[int]) -> Iterator[SweepJob]:
-        """Yield the flights that are not done yet."""
+        """Yield the flights that have not been flown yet."""
         for index in range(self.count):
             if index not in done:
                 yield self.build_job(index)
 
     def check(self, build: Callable[[FlightSpec, int], object] = build_loop) -> None:
         """
-        Build every kind of flight once, each value alone: the ends of what is drawn, too.
+        Build a flight for each value separately, and for the extremes of each distribution.
 
-        Values that fit alone can still not fit together; such a flight is kept as failed.
+        Values that are valid separately can still be invalid together; such a flight fails on its
+        own.
 
         Raises
         ------
         BadInput
-            If one cannot be flown; nothing has been flown then.
+            If one cannot be built; nothing has been flown then.
 
         """
         build(self.base, self.file.seeds.first)
@@ -169,6 +177,7 @@ class SweepPlan:
 
     def _select_check_values(self, path: str) -> list[Any]:
         how = self.file.vary[path]
+        # Every value of a list is built
         if not isinstance(how, Distribution):
             return list(self.lists[path])
         if how.choice is not None:
@@ -178,10 +187,11 @@ class SweepPlan:
             for k in range(self.file.draws_per_point)
         ]
         numbers = [convert_to_si(value) for value in drawn]
+        # The least and the greatest number that will really be drawn
         return [drawn[numbers.index(end(numbers))] for end in (min, max)]
 
     def _find_unit(self, path: str) -> str:
-        """Return the SI unit in which a parameter is given that the files leave out."""
+        """Return the SI unit of a parameter that the files omit."""
         how = self.file.vary[path]
         given = how if isinstance(how, list) else list(iterate_numbers(how))
         found = parse_quantity(parse_value(given[0], path))
@@ -189,7 +199,7 @@ class SweepPlan:
 
 
 def iterate_numbers(how: Distribution) -> Iterator[Any]:
-    """Yield what a distribution is given by."""
+    """Yield the values that define a distribution."""
     for name in type(how).model_fields:
         kind = getattr(how, name)
         if isinstance(kind, list):
@@ -199,7 +209,7 @@ def iterate_numbers(how: Distribution) -> Iterator[Any]:
 
 
 def convert_to_si(value: Any) -> Any:  # noqa: ANN401 - what YAML holds
-    """Return a value as it stands in the table: numbers in SI, anything else as it is."""
+    """Return a value as in the table: numbers in SI, anything else unchanged."""
     found = parse_quantity(value)
     if found is None:
         return value

@@ -1,4 +1,4 @@
-"""The progress bar of a sweep: how many flights, how fast, how long still, and what was lost."""
+"""The progress bar of a sweep: flights, rate, remaining time and outcomes."""
 
 from collections import Counter
 import time
@@ -15,21 +15,21 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-LOOK = 0.1  # wall s between two movements of the bar
-RECENT = 60.0  # s over which the rate is told
+LOOK = 0.1  # wall s between two updates of the bar
+RECENT = 60.0  # s over which the rate is averaged
 
 
 @final
 class SweepProgress(ProgressBar):
     """
-    Show a sweep while it lasts.
+    Show the progress of a sweep.
 
     Parameters
     ----------
     console : Console
-        Where to; nothing moves where it is no terminal.
+        Output; nothing is shown if it is not a terminal.
     total, done : int
-        Flights of the sweep, and of them those flown before.
+        Number of flights, and of those already flown.
 
     """
 
@@ -48,6 +48,7 @@ class SweepProgress(ProgressBar):
             detail='',
         )
         self._counts: Counter[str] = Counter()
+        # `_shown` starts in the past, so that the first flight is shown at once
         self._pending, self._deaths, self._shown = 0, 0, -LOOK
 
     def __exit__(
@@ -56,12 +57,12 @@ class SweepProgress(ProgressBar):
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Show the last of it, and take the bar away."""
+        """Update the bar a last time and remove it."""
         self._update_bar()
         super().__exit__(kind, error, trace)
 
     def count_flight(self, row: SweepRow, deaths: int) -> None:
-        """Count one more flight; `deaths` is how many workers have been lost so far."""
+        """Count a flight; `deaths` is the number of workers lost so far."""
         self._counts[row.outcome] += 1
         self._pending += 1
         self._deaths = deaths
@@ -69,7 +70,7 @@ class SweepProgress(ProgressBar):
             self._update_bar()
 
     def _update_bar(self) -> None:
-        """Move the bar by what has been flown since; a batch ends by the thousand."""
+        """Advance the bar by the flights counted since the last update."""
         self._shown = time.monotonic()
         words = [f'{count} {outcome}' for outcome, count in sorted(self._counts.items())]
         if self._deaths:

@@ -1,4 +1,4 @@
-"""A sweep from its file to its table and page: checked first, flown, kept whatever happens."""
+"""Run a sweep: check it, fly it, and write its table and page."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -26,7 +26,7 @@ from rich.console import Console
 @final
 @dataclass(frozen=True, slots=True)
 class SweepRequest:
-    """What to sweep and how."""
+    """What to sweep, and how."""
 
     file: str
     out: Path | None = None
@@ -39,12 +39,12 @@ class SweepRequest:
 
     @property
     def options(self) -> tuple[str, ...]:
-        """What decides the flights beside the file, as it is typed."""
+        """Command-line options that determine the flights in addition to the file."""
         device = ('--device', self.device) if self.device else ()
         return device + (('--duties', ','.join(map(str, self.duties))) if self.duties else ())
 
     def compute_identity(self, plan: SweepPlan) -> str:
-        """Return the hash of all that decides the flights."""
+        """Return the hash of everything that determines the flights."""
         if not self.options:
             return plan.identity
         return hashlib.sha256(' '.join((plan.identity, *self.options)).encode()).hexdigest()
@@ -54,22 +54,22 @@ class SweepRequest:
 @dataclass(frozen=True, slots=True)
 class SweepRun:
     """
-    How a sweep went.
+    The result of a sweep.
 
     Attributes
     ----------
-    plan : Plan
-        What was to be flown.
-    rows : list of Row
-        All flights, those of earlier runs included.
+    plan : SweepPlan
+        The planned flights.
+    rows : list of SweepRow
+        All flights, including those of earlier runs.
     folder, table : Path
-        Where the results are.
+        The results.
     page : Path or None
-        The page, if one was asked for.
+        The page, if requested.
     flown, deaths : int
         Flights and lost workers of this run.
     wall : float
-        Time of this run's flights. [s]
+        Duration of this run's flights. [s]
 
     """
 
@@ -84,38 +84,42 @@ class SweepRun:
 
 
 def count_cores() -> int:
-    """Return how many processors this process may use."""
+    """Return the number of processors that this process may use."""
     return len(os.sched_getaffinity(0))
 
 
 def sweep_once(order: SweepRequest, console: Console) -> SweepRun:
     """
-    Fly what a sweep file asks for and has not been flown yet; write its table and page.
+    Fly the flights of a sweep file that have not been flown yet; write table and page.
 
-    Table and page are written as well when Ctrl-C or an error ends it, from what has been flown.
+    Table and page are also written after Ctrl-C or an error, from the finished flights.
 
     Raises
     ------
     BadInput
-        If the sweep cannot be flown as it is designed: nothing has been flown then. Or if the
-        machine or the cluster gives up; what has been flown is kept.
+        If the sweep is invalid; nothing has been flown then. Or if the machine or cluster fails;
+        the finished flights are kept.
 
     """
     file = load_sweep(order.file)
     plan = SweepPlan(file)
     plan.check()
     identity = order.compute_identity(plan)
+    # The name contains the identity, so the same command resumes its own sweep
     folder = (order.out or Path('runs') / f'sweep-{file.name}-{identity[:8]}').absolute()
     far: SweepWorkers | None = None
     if order.device is not None:
         far = BatchWorkers(plan.base, order.device, order.duties)
+        # Before the first flight: a batch supports fewer features than a single flight
         far.check(plan)
     elif order.scheduler is not None:
         far = SweepCluster(plan.base, order.scheduler)
     with SweepLog(folder, identity, order.retry) as log:
         before = len(log.rows)
+        # A batch or a cluster replaces the local workers
         crew: SweepWorkers = far or LocalWorkers(
             partial(fly_job, plan.base),
+            # No more workers than flights are left
             min(order.workers or count_cores(), max(1, plan.count - before)),
         )
         begun = time.monotonic()
@@ -123,13 +127,14 @@ def sweep_once(order: SweepRequest, console: Console) -> SweepRun:
             fly_missing(plan, log, crew, console)
         finally:
             wall = time.monotonic() - begun
+            # Also after Ctrl-C, from the flights in the log
             written = write_results(plan, log.sorted_rows, folder, order)
         flown = len(log.rows) - before
         return SweepRun(plan, log.sorted_rows, folder, *written, flown, crew.deaths, wall)
 
 
 def fly_missing(plan: SweepPlan, log: SweepLog, workers: SweepWorkers, console: Console) -> None:
-    """Fly what is not in the log."""
+    """Fly all flights that are not in the log."""
     done = set(log.rows)
     with SweepProgress(console, plan.count, len(done)) as progress, workers:
         for row in workers.run_jobs(plan.iterate_jobs(done)):
@@ -140,7 +145,7 @@ def fly_missing(plan: SweepPlan, log: SweepLog, workers: SweepWorkers, console: 
 def write_results(
     plan: SweepPlan, rows: list[SweepRow], folder: Path, order: SweepRequest
 ) -> tuple[Path, Path | None]:
-    """Write table and page; return where they are."""
+    """Write table and page; return their paths."""
     path = folder / table.NAME
     origin = {
         'sweep': str(find_file('sweep', order.file)),

@@ -1,8 +1,8 @@
 """
-Chance in a sweep: one number of a distribution for each path and sample.
+Draw the random parameters of a sweep, by path and sample.
 
-Each path has its own stream, by its name, so that one more parameter leaves the others' draws as
-they were; and each sample its own, so that more samples only add to those there are.
+Each path has its own random stream, seeded by its name, so a further parameter does not change the
+others. Each sample has its own as well, so more samples only extend the list.
 """
 
 from typing import Any
@@ -15,7 +15,7 @@ from lta_config.schema.sweep_file import Distribution, NormalDistribution, Unifo
 import numpy as np
 from numpy.random import Generator
 
-TRIES = 10_000  # of a bounded normal distribution, before its bounds are called out of reach
+TRIES = 10_000  # draws of a bounded normal distribution before it is an error
 
 
 def draw_value(how: Distribution, path: str, seed: int, sample: int) -> Any:  # noqa: ANN401 - YAML's
@@ -25,20 +25,21 @@ def draw_value(how: Distribution, path: str, seed: int, sample: int) -> Any:  # 
     Parameters
     ----------
     how : Distribution
-        What it is drawn from.
+        The distribution.
     path : str
-        Whose it is.
+        Path of the parameter.
     seed : int
-        Of the sweep.
+        Seed of the sweep.
     sample : int
-        Which, from 0.
+        Index of the sample.
 
     Raises
     ------
     BadInput
-        If the distribution is none.
+        If the distribution is invalid.
 
     """
+    # CRC-32, because Python's own hash of a text differs between processes
     chance = np.random.default_rng([seed, zlib.crc32(path.encode()), sample])
     if how.choice is not None:
         return parse_value(how.choice[int(chance.integers(len(how.choice)))], path)
@@ -48,10 +49,11 @@ def draw_value(how: Distribution, path: str, seed: int, sample: int) -> Any:  # 
         low, high, unit = _parse_bounds(how.uniform, path)
         return _build_quantity(float(chance.uniform(low, high)), unit)
     if how.loguniform is None:
-        raise BadInput(f'{path} names no distribution; see a shipped sweep file.')
+        raise BadInput(f'{path} has no distribution; see a shipped sweep file.')
     low, high, unit = _parse_bounds(how.loguniform, path)
     if low <= 0.0:
         raise BadInput(f'{path} is loguniform from {low:g} {unit}; its low end must be above 0.')
+    # Uniform in the logarithm
     return _build_quantity(float(np.exp(chance.uniform(np.log(low), np.log(high)))), unit)
 
 
@@ -67,7 +69,7 @@ def _draw_normal(how: NormalDistribution, path: str, chance: Generator) -> Any: 
         if (low is None or found >= low) and (high is None or found <= high):
             return _build_quantity(found, unit)
     raise BadInput(
-        f'{path} is never drawn between its low and high end; move its mean or its ends.'
+        f'{path} is practically never between its low and high ends; move its mean or its ends.'
     )
 
 
@@ -76,8 +78,7 @@ def _parse_bounds(how: UniformDistribution, path: str) -> tuple[float, float, st
     if low is None or high is None or not low < high:
         raise BadInput(
             f'{path} is drawn from {format_value(how.low)} to {format_value(how.high)}; the low '
-            f'end must be '
-            'below the high one.'
+            'end must be below the high one.'
         )
     return low, high, unit
 
@@ -100,14 +101,14 @@ def _convert_number(value: Any, unit: str, path: str) -> float:  # noqa: ANN401 
     plain = isinstance(number, int | float) and not isinstance(number, bool)
     if not plain or (found is None) != (unit == ''):
         raise BadInput(
-            f'{path} has {format_value(value)} in its distribution; give all its numbers alike, '
-            f'with or '
-            'without a unit.'
+            f'{path} has {format_value(value)} in its distribution; give all numbers '
+            'either with or without a unit.'
         )
+    # No conversion, to avoid a rounding error
     if found is None or found['unit'] == unit:
         return float(number)
     if found['unit'] not in UNITS or UNITS[found['unit']][0] != UNITS[unit][0]:
-        raise BadInput(f'{path} is in {unit} and in {found["unit"]}; give its numbers alike.')
+        raise BadInput(f'{path} is in {unit} and in {found["unit"]}; use one kind of unit.')
     return float(number) * UNITS[found['unit']][1] / UNITS[unit][1]
 
 

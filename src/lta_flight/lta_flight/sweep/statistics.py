@@ -1,4 +1,4 @@
-"""What many flights say together: shares with their uncertainty, and groups along a parameter."""
+"""Statistics of many flights: success rate with its uncertainty, and groups by parameter."""
 
 from collections.abc import Sequence
 import math
@@ -8,14 +8,14 @@ from lta_flight.sweep.job_runner import FAILED, SweepRow
 import numpy as np
 
 NORMAL_95: Final = 1.959963984540054  # two-sided 95 % quantile of the normal distribution
-GROUPS: Final = 8  # of a drawn parameter, with as many flights each
-GRID: Final = 40  # values at most that stand for themselves,
-EACH: Final = 5  # if there are so many flights of each on average
+GROUPS: Final = 8  # of a randomly drawn parameter, with equal numbers of flights
+GRID: Final = 40  # up to so many values form a group each,
+EACH: Final = 5  # if they have at least so many flights on average
 REACHED: Final = 'reached'
 
 
 class ShareInterval(NamedTuple):
-    """A share of flights, with the ends of its 95 % interval. [1]"""
+    """A share of flights with its 95 % confidence interval. [1]"""
 
     value: float
     low: float
@@ -23,7 +23,7 @@ class ShareInterval(NamedTuple):
 
 
 class ParameterGroup(NamedTuple):
-    """Flights that are alike in one parameter: what it is called, where it lies, and they."""
+    """Flights with similar values of a parameter: label, position on the axis, rows."""
 
     name: str
     place: float | str
@@ -37,13 +37,15 @@ def wilson_interval(hits: int, count: int) -> ShareInterval:
     Parameters
     ----------
     hits, count : int
-        Of how many, how many; NaN of none.
+        Number of successes and of trials; the share of 0 trials is NaN.
 
     """
+    # Nothing is known, so the interval covers everything
     if count == 0:
         return ShareInterval(math.nan, 0.0, 1.0)
     z2 = NORMAL_95 * NORMAL_95
     share = hits / count
+    # Centre and half width of the interval, which stays within 0 and 1 even for few flights
     middle = (share + z2 / (2 * count)) / (1 + z2 / count)
     half = (
         NORMAL_95
@@ -54,23 +56,24 @@ def wilson_interval(hits: int, count: int) -> ShareInterval:
 
 
 def reached_share(rows: Sequence[SweepRow]) -> ShareInterval:
-    """Return the share of the flights flown that reached their goal; failed ones do not count."""
+    """Return the share of flights that reached their goal; failed ones are left out."""
     flown = [row for row in rows if row.outcome != FAILED]
     return wilson_interval(sum(row.outcome == REACHED for row in flown), len(flown))
 
 
 def collect_figures(rows: Sequence[SweepRow], name: str) -> list[float]:
-    """Return one figure of every flight that reached its goal and tells it."""
+    """Return one result of every successful flight that has it."""
     found = [row.figures.get(name) for row in rows if row.outcome == REACHED]
     return [float(value) for value in found if value is not None]
 
 
 def group_rows(rows: Sequence[SweepRow], path: str) -> list[ParameterGroup]:
-    """Return the flights by the value of one parameter: each value, or stretches of many."""
+    """Return flights grouped by a parameter: one group per value, or ranges of many values."""
     values = [row.values[path] for row in rows]
     distinct = list(dict.fromkeys(map(format_value, values)))
-    # A grid's value is never cut in two: its flights are in the order of the other parameters.
+    # Do not split the flights of a grid value, which are sorted by the other parameters
     grid = len(distinct) <= GRID and EACH * len(distinct) <= len(rows)
+    # Up to GROUPS values each get their own group anyway
     few = grid or len(distinct) <= GROUPS
     if few or not all(map(is_number, values)):
         found = [ParameterGroup(name, name, []) for name in distinct]
@@ -81,6 +84,7 @@ def group_rows(rows: Sequence[SweepRow], path: str) -> list[ParameterGroup]:
             found = [g._replace(place=float(g.rows[0].values[path])) for g in found]
             found.sort(key=lambda group: float(group.place))
         return found
+    # A stable sort keeps equal values in the order of their flights
     order = np.argsort(np.array(values, dtype=np.float64), kind='stable')
     return [
         build_range_group([rows[k] for k in part], path) for part in np.array_split(order, GROUPS)
@@ -88,14 +92,14 @@ def group_rows(rows: Sequence[SweepRow], path: str) -> list[ParameterGroup]:
 
 
 def build_range_group(rows: list[SweepRow], path: str) -> ParameterGroup:
-    """Return flights of neighbouring values as one group, at the median of these."""
+    """Return flights with neighbouring values as a group, placed at their median."""
     values = [float(row.values[path]) for row in rows]
     name = f'{min(values):.3g} to {max(values):.3g}'
     return ParameterGroup(name, float(np.median(values)), rows)
 
 
 def is_number(value: Any) -> bool:  # noqa: ANN401 - what YAML holds
-    """Tell whether a value is one number."""
+    """Return whether a value is a single number."""
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 

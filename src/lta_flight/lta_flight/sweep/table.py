@@ -1,4 +1,4 @@
-"""The table of a sweep: one row a flight, Parquet, every column with its unit and meaning."""
+"""Write a sweep as a Parquet table: a row per flight, columns with unit and description."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
@@ -15,10 +15,10 @@ from pyarrow import parquet
 NAME = 'flights.parquet'
 FIXED: Final = (
     ('index', arrow.int64(), '', 'place in the sweep, from 0'),
-    ('seed', arrow.int64(), '', 'seed of all chance in the flight'),
+    ('seed', arrow.int64(), '', 'random seed of the flight'),
     ('outcome', arrow.string(), '', 'reached, timeout, escaped, or failed: could not be flown'),
-    ('sentence', arrow.string(), '', 'the same in words, or why it failed'),
-    ('wall', arrow.float64(), 's', 'time that the flight took to simulate'),
+    ('sentence', arrow.string(), '', 'outcome in words, or reason of a failure'),
+    ('wall', arrow.float64(), 's', 'computing time of the flight'),
 )
 
 
@@ -30,12 +30,12 @@ def write_table(
 
     Parameters
     ----------
-    rows : sequence of Row
+    rows : sequence of SweepRow
         The flights.
     units : mapping
-        SI unit of each varied path; '' where it has none.
+        SI unit of each varied path; '' if it has none.
     about : mapping
-        What the file says of its origin.
+        Metadata of the file: its provenance.
     path : Path
         Parquet file; replaced as a whole.
 
@@ -55,11 +55,13 @@ def write_table(
         columns.append(arrow.array(values, kind))
         declared.append(_build_field(varied, kind, unit, 'varied'))
     for item in fields(FlightResults):
+        # All other results are numbers, or null if unknown
         kind = arrow.bool_() if item.name == 'success' else arrow.float64()
         columns.append(arrow.array([row.figures.get(item.name) for row in rows], kind))
         declared.append(
             _build_field(item.name, kind, item.metadata['unit'], item.metadata['about'])
         )
+    # Units and descriptions are stored in the schema
     table = arrow.table(columns, schema=arrow.schema(declared, metadata=dict(about)))
     try:
         with replace_atomically(path) as part:
@@ -73,7 +75,8 @@ def _build_field(name: str, kind: Any, unit: str, meaning: str) -> Any:  # noqa:
 
 
 def _column_type(values: Sequence[Any]) -> Any:  # noqa: ANN401 - pyarrow's
-    """Return the type of a varied column: numbers, lists of them, flags, or texts."""
+    """Return the type of a varied column: number, list of numbers, bool, or text."""
+    # A path may have no value in the rows of other cases
     first = next((value for value in values if value is not None), 0.0)
     if isinstance(first, list):
         return arrow.list_(arrow.float64())

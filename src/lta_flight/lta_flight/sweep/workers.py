@@ -1,8 +1,8 @@
 """
-Processes of this machine that fly a sweep, one flight at a time each.
+Fly a sweep in worker processes of this machine, one flight at a time each.
 
-A worker that dies takes nothing with it: its flight is given to another one, once, and a new
-worker takes its place. Workers end by themselves when whoever gave them work is gone.
+If a worker dies, its flight is repeated once by another one, and a new worker is started. Workers
+exit when the main process is gone.
 """
 
 from collections import deque
@@ -21,21 +21,21 @@ from lta_flight.sweep.job_runner import build_failed_row, SweepRow
 from lta_flight.sweep.plan import SweepJob
 
 Fly = Callable[[SweepJob], SweepRow]
-CHANCES = 2  # workers that may die over one flight
-STILLBORN = 3  # workers in a row that die before they have flown anything
+CHANCES = 2  # attempts of a flight whose worker dies
+STILLBORN = 3  # consecutive deaths per worker, without a flight, that stop the sweep
 
 
 class SweepWorkers(Protocol):
-    """Whoever flies jobs; `deaths` counts workers lost."""
+    """Workers that fly jobs; `deaths` counts lost workers."""
 
     deaths: int
 
     def run_jobs(self, jobs: Iterator[SweepJob]) -> Iterator[SweepRow]:
-        """Yield the rows of all jobs as they come."""
+        """Yield the rows of jobs as they finish."""
         ...
 
     def __enter__(self) -> Self:
-        """Be ready."""
+        """Start the workers."""
         ...
 
     def __exit__(
@@ -44,12 +44,12 @@ class SweepWorkers(Protocol):
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Leave nobody behind."""
+        """Stop the workers."""
         ...
 
 
 def run_worker(connection: Connection, fly: Fly) -> None:
-    """Fly jobs until there are no more, or nobody is there to give any."""
+    """Fly jobs until there are no more, or the main process is gone."""
     with suppress(EOFError, OSError):
         while (job := connection.recv()) is not None:
             connection.send(fly(job))
@@ -57,28 +57,31 @@ def run_worker(connection: Connection, fly: Fly) -> None:
 
 @final
 class WorkerProcess:
-    """One process and the job that it is at."""
+    """One process and its current job."""
 
     def __init__(self, fly: Fly) -> None:
+        # A fork would copy numba's threads in an undefined state
         context = get_context('spawn')
+        # Two-way: jobs go out, rows come back
         self.connection, theirs = context.Pipe()
         self.process: SpawnProcess = context.Process(
             target=run_worker, args=(theirs, fly), daemon=True
         )
-        # The child keeps this mask: a Ctrl-C is for whoever gives the work to answer. Python's
-        # tracker of resources takes it off where it starts, with the first child at the latest.
+        # The child inherits the blocked SIGINT, since the main process handles Ctrl-C. Start
+        # Python's resource tracker before that, because it would unblock the signal
         resource_tracker.ensure_running()
         before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         try:
             self.process.start()
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        # Otherwise our copy would keep the pipe open after the child has died
         theirs.close()
         self.job: SweepJob | None = None
         self.flown = 0
 
     def send_job(self, job: SweepJob) -> bool:
-        """Hand a job over; False if nobody is there to take it."""
+        """Send a job; return False if the process is gone."""
         self.job = job
         try:
             self.connection.send(job)
@@ -87,10 +90,11 @@ class WorkerProcess:
         return True
 
     def kill(self) -> str:
-        """Make sure that it has ended; return how."""
+        """Kill the process and return how it ended."""
         self.process.kill()
         self.process.join()
         self.connection.close()
+        # Negative for a signal
         code = self.process.exitcode or 0
         return signal.Signals(-code).name if code < 0 else f'exit status {code}'
 
@@ -103,10 +107,9 @@ class LocalWorkers:
     Parameters
     ----------
     fly : callable
-        Returns the row of a job, whatever happens; a function that a new process can find, or a
-        `partial` of one.
+        Returns the row of a job and never raises; must be picklable.
     size : int
-        Workers.
+        Number of workers.
 
     """
 
@@ -114,13 +117,13 @@ class LocalWorkers:
         self._fly = fly
         self._size = size
         self._workers: list[WorkerProcess] = []
-        self._losses: dict[int, int] = {}  # by flight
+        self._losses: dict[int, int] = {}  # lost workers by index of the flight
         self._again: deque[SweepJob] = deque()
         self._stillborn = 0
         self.deaths = 0
 
     def __enter__(self) -> Self:
-        """Be ready; workers start with the first job. One thread of BLAS each."""
+        """Limit BLAS to one thread per worker; workers start with their first job."""
         for name in ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS'):
             os.environ.setdefault(name, '1')
         return self
@@ -131,22 +134,23 @@ class LocalWorkers:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """End all workers, whatever they are at."""
+        """Kill all workers."""
         while self._workers:
             self._workers.pop().kill()
 
     def run_jobs(self, jobs: Iterator[SweepJob]) -> Iterator[SweepRow]:
         """
-        Yield the rows of all jobs as they come.
+        Yield the rows of jobs as they finish.
 
         Raises
         ------
         BadInput
-            If workers die before they fly anything: something is wrong with the machine.
+            If workers die before they fly anything, which indicates a problem of the machine.
 
         """
         while self._assign_jobs(jobs):
             places: dict[object, WorkerProcess] = {each.connection: each for each in self._workers}
+            # A closed connection counts as ready, so a death is noticed at once
             for ready in wait(list(places)):  # type: ignore[arg-type]
                 worker = places[ready]
                 try:
@@ -158,9 +162,10 @@ class LocalWorkers:
                 yield row
 
     def _assign_jobs(self, jobs: Iterator[SweepJob]) -> bool:
-        """Give every idle worker a job, starting workers as needed; False if all is done."""
+        """Give a job to every idle worker, starting workers as needed; return False at the end."""
         while True:
             idle = next((worker for worker in self._workers if worker.job is None), None)
+            # All workers are busy
             if idle is None and len(self._workers) >= self._size:
                 return True
             job = self._again.popleft() if self._again else next(jobs, None)
@@ -169,22 +174,24 @@ class LocalWorkers:
             if idle is None:
                 idle = WorkerProcess(self._fly)
                 self._workers.append(idle)
-            idle.send_job(job)  # if nobody takes it, its connection says so at the next look
+            idle.send_job(job)  # if the worker is dead, the next `recv` from it fails
 
     def _remove_dead_worker(self, worker: WorkerProcess) -> Iterator[SweepRow]:
-        """Take a dead worker out; its job goes to another, or is given up."""
+        """Remove a dead worker; repeat its job, or yield it as failed."""
         how = worker.kill()
         self._workers.remove(worker)
         self.deaths += 1
+        # A worker that never finished a flight points to the machine, not to a flight
         self._stillborn += not worker.flown
         if self._stillborn >= STILLBORN * self._size:
             raise BadInput(
                 f'{self._stillborn} workers in a row died before they flew anything, the last by '
-                f'{how}; see whether memory is short, or use fewer --workers.'
+                f'{how}; check whether memory ran out, or use fewer --workers.'
             )
         if (job := worker.job) is None:
             return
         losses = self._losses[job.index] = self._losses.get(job.index, 0) + 1
+        # A flight that kills workers again is given up
         if losses < CHANCES:
             self._again.append(job)
             return

@@ -1,1 +1,1 @@
-"""The part of LTA that knows rclpy, shared by all nodes."""
+"""The modules that import rclpy, shared by all nodes."""

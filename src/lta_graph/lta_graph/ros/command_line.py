@@ -1,4 +1,4 @@
-"""The command line of a node: started with it or refused in one sentence, nothing swallowed."""
+"""Check the command line of a node and initialise ROS with it."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -11,31 +11,31 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
-LOG_FOLDER = 'ROS_LOG_DIR'  # whoever sets it wants ROS's log files
+LOG_FOLDER = 'ROS_LOG_DIR'  # a user who sets it wants ROS's log files
 OPTIONS = ('-p', '--param')
+# Declared by rclpy in every node, so not worth listing in an error message
 ROS_OWN = ('use_sim_time', 'start_type_description_service')
 ROS_PREFIX = 'qos_overrides.'
 
 
 def initialize_ros(arguments: Sequence[str], context: Context | None = None) -> None:
     """
-    Initialise ROS in this process: without its signal handlers, and without its log files.
+    Initialise ROS in this process, without its signal handlers and log files.
 
-    rclpy's handlers would tear the context down before the last messages are out. A flight would
-    leave a log file of each process in ~/.ros/log, with what stands on its streams already.
+    rclpy's handlers would shut the context down before the last messages are sent. The log files
+    in ~/.ros/log would only repeat what the processes print.
 
     Parameters
     ----------
     arguments : sequence of str
         The command line, with the program's name first.
     context : Context or None
-        What to initialise; the default context unless given.
+        The context to initialise; None for the default one.
 
     Raises
     ------
     BadInput
-        If ROS cannot start with these arguments, or does not take all of them: a node has no
-        options of its own.
+        If ROS rejects an argument, or an argument is left over: a node has no options of its own.
 
     """
     words = list(arguments)
@@ -48,25 +48,25 @@ def initialize_ros(arguments: Sequence[str], context: Context | None = None) -> 
             signal_handler_options=SignalHandlerOptions.NO,
         )
     except RuntimeError as error:
-        # Behind it stands where in ROS's sources it was raised.
+        # rcl appends the place in its sources (', at /...'), which does not help the user
         why = str(error).partition(', at /')[0].rstrip('.')
         raise BadInput(f'ROS cannot start: {" ".join(why.split())}.') from None
     if strays:
         raise BadInput(
-            f"The node does not know '{strays[0]}'; give parameters as --ros-args -p NAME:=VALUE."
+            f"The node does not know '{strays[0]}'; set parameters with --ros-args -p NAME:=VALUE."
         )
 
 
 def reject_unknown_parameters(node: Node, arguments: Sequence[str]) -> None:
     """
-    Refuse parameters that were given on the command line and that a node does not have.
+    Reject command-line parameters that a node does not have.
 
-    A parameter file may hold those of other nodes and is not looked at.
+    Parameter files are not checked, because they may hold parameters of other nodes.
 
     Raises
     ------
     BadInput
-        If there is one; the node's own are listed.
+        If there is one; the message lists the node's own.
 
     """
     known = node.get_parameters_by_prefix('')
@@ -77,7 +77,8 @@ def reject_unknown_parameters(node: Node, arguments: Sequence[str]) -> None:
 
 
 def list_parameter_names(arguments: Sequence[str], node: str) -> list[str]:
-    """Return the names of the parameters that a command line gives to a node."""
+    """Return the names of the parameters that a command line sets on a node."""
     rules = [rule.partition(':=')[0] for option, rule in pairwise(arguments) if option in OPTIONS]
     split = [rule.rpartition(':') for rule in rules]
+    # A rule is `name:=value` or `node:name:=value`, where `**` stands for every node
     return [name for target, _, name in split if target.strip('/') in ('', '**', node)]

@@ -1,8 +1,9 @@
 """
-Whose setpoints count: the navigator's, or those of a person who has taken over.
+Select the setpoints to follow: the navigator's, or a teleoperator's after a takeover.
 
-A person has the helm until they hand it back. One who falls silent keeps it: their last word ages,
-and whoever flies by it holds and lands, where the navigator's would have flown on unseen.
+The teleoperator keeps control until they return it, even if they stop sending. Their last
+setpoint then ages, and the node that follows it holds position and lands. The navigator's
+setpoints would let the vehicle fly on unnoticed.
 """
 
 from collections.abc import Callable
@@ -11,26 +12,26 @@ from typing import Any, Final, final
 from lta_graph.health import HealthLevel
 from lta_graph.ros.node import GraphNode
 
-HELM: Final = 'helm'  # the task in which whoever flies by setpoints tells whose count
-HELD: Final = 'held'  # there: whether a person's
+HELM: Final = 'helm'  # health task with the active source of setpoints
+HELD: Final = 'held'  # its value: whether that is the teleoperator
 
 
 @final
 class CommandMux:
     """
-    Listen to the person at the helm, if there is one.
+    Receive the teleoperator's setpoints and select the active ones.
 
     Parameters
     ----------
     node : GraphNode
-        Whoever flies by setpoints. In lockstep there is no person.
+        The node that follows setpoints. In lockstep there is no teleoperation.
     then : callable
-        Called at each new word of the person.
+        Called at each new velocity setpoint of the teleoperator.
 
     Attributes
     ----------
     held : bool
-        Whether a person has the helm.
+        Whether the teleoperator is in control.
 
     """
 
@@ -40,10 +41,11 @@ class CommandMux:
         self._pose: Any = None
         self._velocity: Any = None
         self._then = then
+        # A person acts in real time, so a lockstep run could not be repeated
         if node.lockstep:
             return
         self._report_source()
-        # What is made last is taken first: a word is there before the helm changes hands.
+        # `spin_node` takes the newest subscription first: setpoints arrive before the takeover
         for name, callback in (
             ('teleop/held', self._on_takeover),
             ('teleop/velocity', self._on_velocity),
@@ -52,14 +54,14 @@ class CommandMux:
             node.subscribe_topic(name, callback)
 
     def select_setpoint(self, pose: Any, velocity: Any) -> tuple[Any, Any]:  # noqa: ANN401 - messages
-        """Return the pose and velocity that count; the person's in place of the navigator's."""
+        """Return the active pose and velocity, of the teleoperator or as given."""
         return (self._pose, self._velocity) if self.held else (pose, velocity)
 
     def _on_takeover(self, held: Any) -> None:  # noqa: ANN401 - a message
         if held.data != self.held:
             self.held = held.data
             self._report_source()
-            self._node.publish_health()  # at once: a teleop that starts now must know
+            self._node.publish_health()  # immediately: a starting teleop node reads it
 
     def _report_source(self) -> None:
         whose = 'of a person' if self.held else 'of the navigator'

@@ -1,4 +1,4 @@
-"""A node that holds a device, which it gives back on every way out but SIGKILL."""
+"""A lifecycle node that owns a device and releases it on every exit except SIGKILL."""
 
 from lta_config.errors import BadInput
 from lta_graph.ros.node import GraphNode
@@ -9,40 +9,41 @@ class DeviceNode(LifecycleNodeMixin, GraphNode):
     """
     A lifecycle node that plays the vehicle, or a part of it, with real hardware.
 
-    A subclass opens its link in `on_configure` and gives it back in `release_device`.
+    A subclass opens its link in `on_configure` and closes it in `release_device`.
 
     Parameters
     ----------
     name : str
-        Of the node.
+        Name of the node.
     device : str
-        What it holds, in words.
+        The device in words, for error messages.
 
     Attributes
     ----------
     active : bool
         Whether the state is active.
     autostart : bool
-        Whether to configure and activate by itself; off until a subclass says otherwise.
+        Whether `run` configures and activates the node; False unless a subclass sets it.
     refusal : str
-        Why it could not be configured, for whoever started it.
+        Why the last configuration failed.
 
     Raises
     ------
     BadInput
-        In lockstep, which no hardware keeps. In `run`, what refused to be configured.
+        In lockstep, which hardware cannot follow. From `run`, if the configuration fails.
 
     """
 
     def __init__(self, name: str, device: str) -> None:
+        # Explicit calls: the mixin's constructor does not call the next one in the MRO
         GraphNode.__init__(self, name, role='vehicle')
         LifecycleNodeMixin.__init__(self)
         if self.lockstep:
-            raise BadInput(f'A real {device} keeps real time: leave time:=lockstep out.')
+            raise BadInput(f'A real {device} runs in real time; leave out time:=lockstep.')
         self.active, self.autostart, self.refusal = False, False, ''
 
     def run(self) -> None:
-        """Start by itself where that is wanted, and work."""
+        """Configure and activate if `autostart` is set, then spin."""
         if self.autostart:
             if self.trigger_configure() != TransitionCallbackReturn.SUCCESS:
                 raise BadInput(self.refusal)
@@ -50,35 +51,36 @@ class DeviceNode(LifecycleNodeMixin, GraphNode):
         super().run()
 
     def release_device(self) -> None:
-        """Give the device back, in a safe state; again is harmless."""
+        """Release the device in a safe state; safe to call again."""
         raise NotImplementedError
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Work from now on."""
+        """Set `active`."""
         self.active = True
         return super().on_activate(state)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Keep the link, and do nothing."""
+        """Clear `active`; the link stays open."""
         self.active = False
         return super().on_deactivate(state)
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Give the device back."""
+        """Release the device."""
         self.release_device()
         return super().on_cleanup(state)
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Give the device back, whatever the state was."""
+        """Release the device from any state."""
         self.release_device()
         return super().on_shutdown(state)
 
     def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Give the device back: a transition has failed."""
+        """Release the device after a failed transition."""
         self.release_device()
         return super().on_error(state)
 
     def close(self) -> None:
-        """Give the device back, then leave the graph."""
+        """Release the device, then leave the graph."""
+        # First, because leaving the graph waits for acknowledgements while motors may still turn
         self.release_device()
         super().close()

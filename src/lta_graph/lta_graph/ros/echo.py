@@ -1,8 +1,8 @@
 """
-Ask and answer over DDS: the two processes with which `lta doctor` proves that nodes can talk.
+Exchange messages over DDS: the two processes by which `lta doctor` checks that nodes can talk.
 
-`python -m lta_graph.ros.echo answer` returns what it hears; `... ask` sends until one answer is
-there, then times round trips and prints one line of JSON. Both end by themselves.
+`python -m lta_graph.ros.echo answer` echoes what it receives. `... ask` sends until the first
+echo arrives, then times round trips and prints one line of JSON. Both exit by themselves.
 """
 
 import argparse
@@ -20,12 +20,12 @@ from std_msgs.msg import String
 
 QUESTION = 'lta_doctor/question'
 ANSWER = 'lta_doctor/answer'
-ROUND_TRIPS = 20
+ROUND_TRIPS = 20  # for the median; the first are slow while caches are cold
 RETRY = 0.05  # s between questions until the first answer
 
 
 def answer_questions(node: Node, executor: SingleThreadedExecutor, deadline: float) -> None:
-    """Send every question back until the last one, or until a time of the steady clock. [s]"""
+    """Echo every message until 'end' arrives or the monotonic clock reaches `deadline` [s]."""
     heard: list[str] = []
     publisher = node.create_publisher(String, ANSWER, 10)
 
@@ -41,7 +41,7 @@ def answer_questions(node: Node, executor: SingleThreadedExecutor, deadline: flo
 def measure_round_trip(
     node: Node, executor: SingleThreadedExecutor, deadline: float
 ) -> dict[str, float] | None:
-    """Return the times of discovery and of a round trip [s], or None at the deadline."""
+    """Return the discovery time and median round trip [s], or None at the deadline."""
     heard: set[str] = set()
     publisher = node.create_publisher(String, QUESTION, 10)
     node.create_subscription(String, ANSWER, lambda message: heard.add(message.data), 10)
@@ -57,6 +57,7 @@ def measure_round_trip(
         return time.perf_counter() - sent
 
     began = time.monotonic()
+    # A message sent before the endpoints have matched is lost, so repeat it
     while round_trip('begin', RETRY) is None:
         if time.monotonic() >= deadline:
             return None
@@ -64,13 +65,14 @@ def measure_round_trip(
     trips = [round_trip(str(count), 1.0) for count in range(ROUND_TRIPS)]
     publisher.publish(String(data='end'))
     times = [trip for trip in trips if trip is not None]
+    # A lost trip on the same machine is a fault, not noise
     if len(times) < ROUND_TRIPS:
         return None
     return {'discovery_s': found, 'round_trip_s': statistics.median(times)}
 
 
 def main() -> None:
-    """Play one of the two roles; exit status 1 if nobody was heard in time."""
+    """Run one of the two roles; exit with status 1 if no echo arrived in time."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('role', choices=('ask', 'answer'))
     parser.add_argument('--seconds', type=float, default=8.0, help='give up after [s]')

@@ -1,4 +1,4 @@
-"""Hear /diagnostics from outside the graph, and speak there: for bars and for naming faults."""
+"""Read /diagnostics from outside the graph, and publish faults there, for the launcher."""
 
 from collections.abc import Iterable
 from contextlib import ExitStack
@@ -12,10 +12,10 @@ from lta_graph.interrupts import hold_interrupts
 from lta_graph.ros.temporary_node import join_graph
 
 DEPTH = 100  # messages of all nodes together that may wait until the next look
-DISCOVERY = 10.0  # wall seconds after the first node in which DDS finds all, on a busy machine
-LOADING = 300.0  # and in which all have spoken: they compile the model first, half a minute alone
-TASK = 'launcher: processes'  # what is told of the nodes by whoever started them
-SILENCE = 0.85  # wall seconds after which a node is missed: two of its reports, and some delay
+DISCOVERY = 10.0  # wall s after the first report for DDS to find all nodes of a busy machine
+LOADING = 300.0  # wall s for all to report once; compiling the model takes half a minute alone
+TASK = 'launcher: processes'  # task under which the launcher reports faults of its nodes
+SILENCE = 0.85  # wall s after which a node counts as silent: two reports and some delay
 
 
 @final
@@ -26,17 +26,18 @@ class DiagnosticsListener:
     Parameters
     ----------
     robots : str
-        Namespaces of the nodes to hear; /diagnostics is of all robots on the domain.
+        Namespaces to listen to; /diagnostics is shared by all robots of a domain.
 
     Attributes
     ----------
-    facts : dict of str to Fact
-        By 'NODE: TASK', or 'ROBOT/NODE: TASK' where several robots are heard.
+    facts : dict of str to HealthFact
+        By 'NODE: TASK', or 'ROBOT/NODE: TASK' with several robots.
 
     """
 
     def __init__(self, *robots: str) -> None:
         heard = robots or ('lta1',)
+        # The prefix is empty with one robot, so that messages name its nodes alone
         self._prefix = {name: f'{name}/' if name and len(heard) > 1 else '' for name in heard}
         self._robot = heard[0]
         self.facts: dict[str, HealthFact] = {}
@@ -46,6 +47,7 @@ class DiagnosticsListener:
 
     def __enter__(self) -> Self:
         """Join the graph."""
+        # If a step fails the node is destroyed; otherwise `__exit__` does that
         with ExitStack() as stack:
             node, self._executor = stack.enter_context(join_graph('lta_listener'))
             self._subscription = node.create_subscription(
@@ -67,20 +69,22 @@ class DiagnosticsListener:
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         ours = [status for status in message.status if status.hardware_id in self._prefix]
         if ours:
+            # Time of the first report of any node; discovery is allowed DISCOVERY from then
             self._begun = self._begun or time.monotonic()
         for status in ours:
             values = {item.key: item.value for item in status.values}
-            # Anybody may speak on /diagnostics; a level that there is not counts as the worst.
+            # Any node may publish here: an undefined level is capped at the worst one
             level = HealthLevel(min(int.from_bytes(status.level, 'little'), HealthLevel.STALE))
             task = self._prefix[status.hardware_id] + status.name
             self.facts[task] = HealthFact(task, level, status.message, values)
             self._heard[task.partition(':')[0]] = time.monotonic()
 
     def poll(self, timeout: float) -> dict[str, HealthFact]:
-        """Listen for a while [s] and return the newest fact of each 'NODE: TASK'."""
+        """Listen for at most `timeout` [s] and return the newest fact of each task."""
+        # A Ctrl-C raised within rclpy's C code could get lost
         with hold_interrupts():
             self._executor.spin_once(timeout_sec=timeout)
-            # The executor hands out one message at a time, and more may have come.
+            # `spin_once` takes one message; take the others that have arrived too
             while (
                 taken := self._subscription.handle.take_message(DiagnosticArray, False)
             ) is not None:
@@ -88,34 +92,36 @@ class DiagnosticsListener:
         return self.facts
 
     def publish_error(self, sentence: str) -> None:
-        """Say at the level of an error what is wrong with a node: who records must hear it."""
+        """Report a fault of a node at level ERROR, so that the recorder stores it."""
         status = DiagnosticStatus(
             level=DiagnosticStatus.ERROR, name=TASK, message=sentence, hardware_id=self._robot
         )
         self._publisher.publish(DiagnosticArray(status=[status]))
 
     def find_silent(self, nodes: Iterable[str]) -> list[str]:
-        """Return which of some nodes are no longer heard, or never were, in alphabetical order."""
+        """Return the nodes that no longer report or never did, in alphabetical order."""
         now = time.monotonic()
         begun = self._begun or now
         return sorted(
             name
             for name in nodes
+            # A node that never reported counts as silent only once LOADING is over
             if now - self._heard.get(name, begun + LOADING - SILENCE) > SILENCE
         )
 
     def find_pending(self, nodes: Iterable[str]) -> list[str]:
-        """Return which of some nodes have not been heard yet: they load, or are still sought."""
+        """Return the nodes that have not reported yet: still loading, or not discovered."""
         return sorted(set(nodes) - self._heard.keys())
 
     def is_settled(self, nodes: Iterable[str]) -> bool:
         """
-        Tell whether silence means something.
+        Return whether silence of a node indicates a fault.
 
-        While others still load, a node that runs may get no turn for a second. So all of some
-        nodes must have been heard, and have had the time to report again.
+        A running node may get no processor time for a second while others still load. So all given
+        nodes must have reported once, and have had time to report again.
         """
         now = time.monotonic()
+        # After DISCOVERY a node that never reported no longer delays the others
         patient = self._begun is not None and now - self._begun > DISCOVERY
         if self._complete is None and (patient or not self.find_pending(nodes)):
             self._complete = now

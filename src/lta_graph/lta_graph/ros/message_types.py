@@ -1,4 +1,4 @@
-"""The Python classes of the messages that the topic table names."""
+"""Look up the Python classes of the messages in the topic table."""
 
 from importlib import import_module
 from typing import Any

@@ -1,9 +1,8 @@
 """
-Whether a message can be meant: numbers that are numbers, and lengths that agree.
+Validate messages: finite numbers, consistent lengths and continuous stamps.
 
-What it says is for /diagnostics. A message that is not sound is handed on all the same: in
-lockstep somebody waits for its answer, and each node knows what it must not believe. So this is
-no guard.
+The results are for /diagnostics only. An invalid message is passed on nevertheless, because in
+lockstep some node waits for the answer to it. Each node must protect itself.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -16,8 +15,9 @@ from builtin_interfaces.msg import Time
 from lta_config.topics import Topic
 from lta_graph.rejections import RejectionCount
 
-MESSAGES: Final = 'messages'  # the task in which a node tells it
-NUMBERS: Final[Mapping[str, tuple[str, ...]]] = {  # by type, the fields that must hold numbers
+MESSAGES: Final = 'messages'  # health task with the number of invalid messages
+# Fields that must hold finite numbers, by message type
+NUMBERS: Final[Mapping[str, tuple[str, ...]]] = {
     'Imu': ('angular_velocity', 'linear_acceleration'),
     'FluidPressure': ('fluid_pressure',),
     'Illuminance': ('illuminance',),
@@ -32,12 +32,13 @@ NUMBERS: Final[Mapping[str, tuple[str, ...]]] = {  # by type, the fields that mu
     'Joy': ('axes',),
 }
 Numbers = Callable[[Any], Sequence[float]]
-LARGEST: Final = 1e9  # in any unit of ours; more was not measured
-JUMP_NS: Final = 2_000_000_000  # from one stamp of a topic to the next
+LARGEST: Final = 1e9  # in the unit of any field; no sensor measures more
+JUMP_NS: Final = 2_000_000_000  # largest step between two stamps of a periodic topic
 
 
 def _iterate_number_paths(value: object, path: str) -> Iterator[str]:
-    """Yield where the numbers of a part of a message are, an array as one."""
+    """Yield the attribute paths of the numbers in a part of a message; an array is one path."""
+    # Only generated message classes have it: anything else is a number or an array
     if not hasattr(value, 'get_fields_and_field_types'):
         yield path
         return
@@ -46,7 +47,8 @@ def _iterate_number_paths(value: object, path: str) -> Iterator[str]:
 
 
 def _build_reader(empty: object, path: str) -> Numbers:
-    """Return what reads all numbers of a part of a message."""
+    """Return a function that reads all numbers of a part of a message."""
+    # Built once per type from an empty message, because every message of a flight is read
     get = attrgetter(*_iterate_number_paths(attrgetter(path)(empty), path))
     part = get(empty)
     if isinstance(part, tuple):
@@ -58,20 +60,20 @@ def _build_reader(empty: object, path: str) -> Numbers:
 
 @cache
 def _list_numeric_parts(kind: Callable[[], object]) -> list[tuple[str, Numbers]]:
-    """Return the parts of a type that must hold numbers; worked out once, as all are looked at."""
+    """Return the checked parts of a message type and their readers; cached."""
     name = getattr(kind, '__name__', '')
     return [(path, _build_reader(kind(), path)) for path in NUMBERS.get(name, ())]
 
 
 def _is_plausible(numbers: Sequence[float]) -> bool:
-    # A sum is quick, and no number where one of its terms is none; NaN compares false.
+    # The sum is a fast first test. It is NaN if any term is, and NaN compares false
     return sum(map(abs, numbers)) <= LARGEST or all(abs(number) <= LARGEST for number in numbers)
 
 
 def _find_range_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
-    # Infinite is what is not in reach (REP-117).
+    # REP-117: infinite stands for an object out of range
     meant = math.isinf(message.range) or abs(message.range) <= LARGEST
-    return '' if meant else 'its range is not a number, or none that is measured'
+    return '' if meant else 'its range is not a number, or too large to be measured'
 
 
 def _find_image_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
@@ -83,7 +85,7 @@ def _find_cloud_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
     if not wrong and message.row_step != message.width * message.point_step:
         wrong = 'its points do not fit its rows'
     if not wrong and len({field.name for field in message.fields}) < len(message.fields):
-        wrong = 'its fields have one name'
+        wrong = 'two of its fields have the same name'
     return wrong
 
 
@@ -105,10 +107,10 @@ LENGTHS: Final[Mapping[str, Callable[[Any], str]]] = {
 
 
 def find_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
-    """Return why a message cannot be meant; empty where it can."""
+    """Return why a message is invalid, or an empty string."""
     for path, numbers in _list_numeric_parts(type(message)):
         if not _is_plausible(numbers(message)):
-            return f'its {path} holds what is not a number, or none that is measured'
+            return f'its {path} holds a value that is not a number, or too large to be measured'
     kind = type(message).__name__
     return LENGTHS[kind](message) if kind in LENGTHS else ''
 
@@ -116,20 +118,20 @@ def find_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
 @final
 class MessageValidator:
     """
-    What a node has heard that cannot be meant.
+    Count the invalid messages that a node receives.
 
-    A clock that was set and somebody who speaks of another time look the same, so a stamp that
-    jumps is told and no more.
+    A jump in the stamps may come from a changed clock or from a wrong sender. They look alike, so
+    a jump is only reported.
 
     Parameters
     ----------
     stamps : bool
-        Whether to look at the stamps of topics that have a rhythm.
+        Whether to check the stamps of periodic topics.
 
     Attributes
     ----------
-    unsound : Refused
-        How much that was.
+    unsound : RejectionCount
+        The invalid messages.
 
     """
 
@@ -139,7 +141,7 @@ class MessageValidator:
         self._newest: dict[str, int] = {}
 
     def validate(self, row: Topic, name: str, message: Any) -> None:  # noqa: ANN401 - see above
-        """Count a message of a topic if it cannot be meant."""
+        """Count a message of a topic if it is invalid."""
         why = find_fault(message)
         if not why and self._stamps and row.stamped and row.period_ns:
             why = self._find_stamp_jump(name, message.header.stamp)
@@ -147,8 +149,9 @@ class MessageValidator:
             self.unsound.add(f'{name}: {why}')
 
     def _find_stamp_jump(self, name: str, stamp: Time) -> str:
-        """Return by how much a topic's stamp has jumped, in words; empty where it has not."""
+        """Return a description of a jump in a topic's stamps, or an empty string."""
         now = int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
         by = now - self._newest.get(name, now)
+        # Also after a jump, so that a changed clock is reported once
         self._newest[name] = now
         return f'its stamp jumps by {1e-9 * by:.1f} s' if abs(by) > JUMP_NS else ''

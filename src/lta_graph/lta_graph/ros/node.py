@@ -1,10 +1,9 @@
 """
-The base of every LTA node: wired by the topic table, kept in step, and watched.
+The base class of LTA nodes: topics from the table, stepped inputs and health reports.
 
-A node says which role it plays and which topic it answers; types, names and quality of service
-come from `topics.yaml`. `on_step` gets everything that belongs to one answer (see
-`lta_graph.inbox`). Health goes to /diagnostics at every change
-and every `REPORT_PERIOD`.
+A node has a role in `topics.yaml`, which defines the types, names and quality of service of its
+topics. `on_step` gets all inputs of one step (see `lta_graph.inbox`). Health is published on
+/diagnostics at every change of a level and every `REPORT_PERIOD`.
 """
 
 from collections.abc import Callable, Iterable
@@ -32,16 +31,16 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
 
-WATCH_PERIOD = 0.1  # wall seconds between looks at what is missing
-REPORT_PERIOD = 0.3  # wall seconds between two /diagnostics without news
+WATCH_PERIOD = 0.1  # wall seconds between checks for missing inputs
+REPORT_PERIOD = 0.3  # wall seconds between two unchanged /diagnostics
 FAREWELL = 0.2  # wall seconds for the last messages to be acknowledged
-WHOLE = 5.0  # the same where all went well, and nobody is dead: a recorder may be far behind
-PATIENCE = 0.5  # wall seconds of waiting after which the missing input is named
-LONELY = 5.0  # wall seconds without any input after which a person at the terminal is told
+WHOLE = 5.0  # the same after a successful flight, when a live recorder may be far behind
+PATIENCE = 0.5  # wall seconds of waiting after which the missing input is reported
+LONELY = 5.0  # wall seconds without any input after which the node logs a warning
 
 
 class GraphSettings(Settings):
-    """What every node of one graph must agree on."""
+    """Settings that all nodes of a graph must share."""
 
     time: Literal['realtime', 'lockstep'] = setting(
         'realtime', 'Pace: the wall clock, or as fast as the graph answers.', fixed=True
@@ -60,9 +59,9 @@ class GraphNode(Node):
     Parameters
     ----------
     name : str
-        Node name, and the role unless another is given.
+        Name of the node.
     role : str or None
-        The role in the topic table.
+        Role in the topic table; None if it is the name.
 
     """
 
@@ -75,13 +74,12 @@ class GraphNode(Node):
         self.replayed = self.lockstep and graph.source == 'replay'
         self.running = True
         self.farewell = FAREWELL
-        self.hurried = False  # told to end once more, while it was ending
-        self.begun = False  # whether the first message has gone or come
+        self.hurried = False  # a second stop signal came during the shutdown
+        self.begun = False  # whether a first message was sent or received
         self.health = Health()
         self.health.report('state', HealthLevel.OK, 'starting')
-        self.soundness = MessageValidator(
-            stamps=not self.lockstep
-        )  # there the inbox counts stamps
+        # In lockstep the inbox checks the stamps
+        self.soundness = MessageValidator(stamps=not self.lockstep)
         self._inbox: Inbox | None = None
         self._inputs: dict[str, Subscription] = {}
         self._writers: dict[str, Publisher] = {}
@@ -91,6 +89,7 @@ class GraphNode(Node):
         self._reported = 0.0
         self._lonely_from: float | None = time.monotonic() + LONELY
         self._diagnostics = self.create_output('/diagnostics')
+        # The ROS clock may jump or stand still; health needs wall time that only grows
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(WATCH_PERIOD, self._monitor_inputs, clock=steady)
 
@@ -98,9 +97,9 @@ class GraphNode(Node):
         """
         Return a publisher on a topic of the table.
 
-        A node makes its outputs first of all. In real time what is said before a reader has found
-        the writer is lost, and the flight begins when the last node listens: the files that are
-        read in between are the time in which they find each other.
+        Create the outputs before anything else. In real time a message is lost until its reader
+        has matched, and a flight begins when the last node listens. Discovery then runs while
+        files load.
         """
         topic = self.table[name]
         publisher = self.create_publisher(
@@ -110,7 +109,7 @@ class GraphNode(Node):
         return publisher
 
     def count_readers(self) -> dict[str, int]:
-        """Return how many readers each output has found."""
+        """Return the number of matched readers of each output."""
         return {name: item.get_subscription_count() for name, item in self._writers.items()}
 
     def subscribe_inputs(
@@ -122,18 +121,18 @@ class GraphNode(Node):
         Parameters
         ----------
         topics : list of str
-            Relative names; the trigger is one of them.
+            Relative names, including the trigger.
         trigger : str
-            The topic that is answered.
+            The topic whose messages start a step.
         on_step : callable
-            Gets a `InboxStep` with ROS messages.
+            Gets an `InboxStep` with ROS messages.
 
         """
         inbox = self._inbox = Inbox(
             self.table, self.role, topics, trigger, self.lockstep, self.replayed
         )
-        # The trigger first: `spin_node` takes what was made first last, when all else has been
-        # taken.
+        # Create the trigger first: `spin_node` takes the oldest subscription last, after all
+        # other inputs
         for name in sorted(topics, key=lambda topic: topic != trigger):
             topic = self.table[name]
             self._inputs[name] = self.create_subscription(
@@ -148,7 +147,7 @@ class GraphNode(Node):
             self._told = subscribe_turns(self, self.table, inbox, then)
 
     def subscribe_raw(self, name: str, callback: Callable[[bytes], None]) -> Subscription:
-        """Return a subscription that gets a topic's messages as they come on the wire."""
+        """Return a subscription that gets a topic's messages in serialised form."""
         row = self.table[name]
         return self.create_subscription(
             find_message_type(row), name, callback, select_profile(row, self.lockstep), raw=True
@@ -168,7 +167,7 @@ class GraphNode(Node):
         return receive
 
     def subscribe_topic(self, name: str, callback: Callable[[Any], None]) -> Subscription:
-        """Return a subscription to a topic that belongs to no step: each message as it comes."""
+        """Return a subscription outside the steps: the callback gets each message on arrival."""
         row = self.table[name]
 
         def receive(message: Any) -> None:  # noqa: ANN401 - whatever the topic carries
@@ -179,15 +178,16 @@ class GraphNode(Node):
         return self.create_subscription(find_message_type(row), name, receive, quality)
 
     def _answer_steps(self, inbox: Inbox, on_step: Callable[[InboxStep], None]) -> None:
-        """Answer whatever can be answered."""
+        """Run all steps whose inputs are complete."""
         while (step := inbox.pop()) is not None:
             on_step(step)
             self._waiting_since = time.monotonic()
 
     def list_wakeups(self) -> Iterable[Subscription]:
-        """Return what to wake up for: in lockstep only what can complete the next answer."""
+        """Return the subscriptions to wake up for; in lockstep only those still needed."""
         if not self.lockstep or self._inbox is None:
             return self.subscriptions
+        # A replay cannot step before its player has sent the due times
         if self._inbox.turns is None:
             return [self._told]
         return [
@@ -195,13 +195,15 @@ class GraphNode(Node):
         ]
 
     def list_missing(self) -> list[str]:
-        """Return the inputs that this node is waiting for; a node may add its own."""
+        """Return the inputs that this node waits for; a subclass may add its own."""
         if self.lockstep:
+            # Before the first message the graph is still starting
             if self._inbox is None or not self.begun:
                 return []
             if self._inbox.turns is None:
                 return [DUE]
             return self._inbox.list_missing_topics() or [self._trigger]
+        # In real time an input is missing if it is overdue by more than PATIENCE
         now = time.monotonic()
         return [
             name
@@ -210,20 +212,21 @@ class GraphNode(Node):
         ]
 
     def find_source(self, name: str) -> str:
-        """Return the role that a topic comes from, absolute (`/lta2/vehicle`) like its name."""
+        """Return the role that publishes a topic; absolute (`/lta2/vehicle`) if the name is."""
         if name in self.table.topics:
             return self.table[name].source
         robot, _, relative = name.strip('/').partition('/')
         return f'/{robot}/{self.table[relative].source}'
 
     def _monitor_inputs(self) -> None:
-        """Name what is missing once patience is over, and publish health when it is due."""
+        """Report inputs that are missing for too long, and publish health when due."""
         now = time.monotonic()
         missing = self.list_missing()
         if not missing:
             self._waiting_since = None
         elif self._waiting_since is None:
             self._waiting_since = now
+        # `list_missing` has already allowed for PATIENCE in real time
         patience = PATIENCE if self.lockstep else 0.0
         if self._waiting_since is not None and now - self._waiting_since >= patience:
             suspects = sorted({self.find_source(name) for name in missing})
@@ -250,7 +253,7 @@ class GraphNode(Node):
             self.publish_health()
 
     def _warn_missing_inputs(self, now: float) -> None:
-        """Log once which inputs have never come, for whoever started this node alone."""
+        """Log once which inputs have never arrived, for a user who started this node alone."""
         if self._lonely_from is None or now < self._lonely_from:
             return
         self._lonely_from = None
@@ -262,13 +265,14 @@ class GraphNode(Node):
             )
 
     def publish_health(self) -> None:
-        """Publish all facts now."""
+        """Publish all facts immediately."""
         self._reported = time.monotonic()
         self.health.changed = False
         array = DiagnosticArray()
         array.header.stamp = self.get_clock().now().to_msg()
         array.status = [
             DiagnosticStatus(
+                # The level is a `byte`, which rclpy represents as a bytes object of length 1
                 level=bytes([fact.level]),
                 name=f'{self.get_name()}: {fact.task}',
                 message=fact.message,
@@ -280,13 +284,14 @@ class GraphNode(Node):
         self._diagnostics.publish(array)
 
     def run(self) -> None:
-        """Answer inputs until told to stop; a node with a rhythm of its own adds to this."""
+        """Process inputs until `running` is False; a subclass may override this."""
         self.health.report('state', HealthLevel.OK, 'running')
         spin_node(self, lambda: self.running, self.list_wakeups)
 
     def close(self) -> None:
-        """Leave everything outside in order; called once on every way out but SIGKILL."""
+        """Wait for the acknowledgement of the last messages; called on every exit but SIGKILL."""
         deadline = time.monotonic() + self.farewell
         for publisher in self.publishers:
+            # All publishers share one time limit
             left = max(0.0, deadline - time.monotonic())
             publisher.wait_for_all_acked(Duration(seconds=left))

@@ -1,9 +1,9 @@
 """
-ROS parameters declared by a pydantic model.
+Declare ROS parameters from a pydantic model.
 
-The frozen model is the one declaration: type, default, bounds, unit and meaning. The node's
-parameter descriptors follow from it, and a change at run time is accepted only if the whole model
-still validates; the reason of a refusal is the model's own sentence.
+The frozen model defines type, default, bounds, unit and description; the parameter descriptors
+follow from it. A change at run time is accepted only if the whole model still validates.
+Otherwise the model's error message is the reason given.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -26,7 +26,7 @@ Model = TypeVar('Model', bound=BaseModel)
 
 
 def iterate_fields(settings: BaseModel, prefix: str = '') -> Iterator[tuple[str, FieldInfo, Any]]:
-    """Yield every parameter of a model: its dotted name, its field and its value."""
+    """Yield the dotted name, the field and the value of every parameter of a model."""
     for name, info in type(settings).model_fields.items():
         value = getattr(settings, name)
         if isinstance(value, BaseModel):
@@ -36,19 +36,21 @@ def iterate_fields(settings: BaseModel, prefix: str = '') -> Iterator[tuple[str,
 
 
 def build_descriptor(info: FieldInfo, default: Any) -> ParameterDescriptor:  # noqa: ANN401
-    """Return the descriptor of one field: meaning with unit, range, and whether it is fixed."""
+    """Return the descriptor of one field: description with unit, range and read-only flag."""
     extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
     unit = extra.get('unit')
+    # pydantic keeps `ge=` and `le=` as annotated_types.Ge and .Le in the metadata
     bounds = {type(item).__name__: item for item in info.metadata}
     low = getattr(bounds.get('Ge'), 'ge', None)
     high = getattr(bounds.get('Le'), 'le', None)
     descriptor = ParameterDescriptor(
         description=f'{info.description or ""}{f" [{unit}]" if unit else ""}',
         read_only=bool(extra.get('read_only', False)),
-        # An empty list does not tell rclpy what it is a list of.
+        # rclpy cannot infer the element type of an empty list
         dynamic_typing=isinstance(default, tuple),
     )
     if low is not None and high is not None:
+        # bool is a subclass of int, but has no range
         if isinstance(default, int) and not isinstance(default, bool):
             descriptor.integer_range = [IntegerRange(from_value=low, to_value=high, step=0)]
         else:
@@ -65,6 +67,7 @@ def nest_names(flat: Mapping[str, Any]) -> dict[str, Any]:
         branch = tree
         for part in path:
             branch = branch.setdefault(part, {})
+        # Strict models take lists from YAML, and ROS has no tuples either
         branch[last] = list(value) if isinstance(value, tuple) else value
     return tree
 
@@ -82,9 +85,8 @@ class NodeParameters(Generic[Model]):
     changed : callable
         Called with the new model after an accepted change.
     check : callable
-        Called with a model that is valid in itself before it is accepted, at the start as well;
-        raises ValueError (`BadInput`) with the sentence of the refusal where the node cannot work
-        with it.
+        Called with each valid model before it is accepted, also at start-up. It raises ValueError
+        (`BadInput`) if the node cannot work with the values.
 
     Raises
     ------
@@ -109,6 +111,7 @@ class NodeParameters(Generic[Model]):
             descriptor = build_descriptor(info, default)
             try:
                 node.declare_parameter(name, default, descriptor)
+            # rclpy raises several classes, among them for a value of the wrong type
             except Exception as error:
                 raise BadInput(f'{node.get_name()}: parameter {name}: {error}.') from None
             self._names.append(name)
@@ -118,12 +121,13 @@ class NodeParameters(Generic[Model]):
             raise BadInput(f'{node.get_name()}: parameter {format_error(error)}') from None
         except ValueError as error:
             raise BadInput(f'{node.get_name()}: {error}') from None
+        # rclpy first asks whether a change is valid, and calls the second hook once it is set
         node.add_on_set_parameters_callback(self._validate_changes)
         node.add_post_set_parameters_callback(self._apply_changes)
 
     def _build_model(self, changes: Mapping[str, Any]) -> Model:
         current = {name: self._node.get_parameter(name).value for name in self._names}
-        # Lax, because ROS hands an array where the model has a tuple.
+        # Not strict, because a ROS array must be accepted for a tuple
         built = self._model.model_validate(nest_names({**current, **changes}), strict=False)
         if self._usable is not None:
             self._usable(built)
@@ -142,6 +146,7 @@ class NodeParameters(Generic[Model]):
         return SetParametersResult(successful=True)
 
     def _apply_changes(self, parameters: list[Parameter]) -> None:
+        # The node may have further parameters, such as qos_overrides
         if not self._select_own(parameters):
             return
         self.value = self._build_model({})

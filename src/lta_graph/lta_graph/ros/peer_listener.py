@@ -1,4 +1,4 @@
-"""Hear the other robots of a launch: where in time they are, and when they have ended."""
+"""Track the simulation time of the other robots of a launch, and when they end."""
 
 from collections.abc import Callable, Sequence
 import time
@@ -13,29 +13,29 @@ from lta_graph.ros.node import GraphNode, PATIENCE
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import from_stamp
 
-PULSE = 'wind'  # small, regular, and of the vehicle alone; its period is how far one may lead
-ENDING = (': flight', ': playback')  # facts in which simulator and player tell how it stands
-OVER = 'over'  # and the value in it
+PULSE = 'wind'  # small, periodic and only of the vehicle; its period is the largest lead
+ENDING = (': flight', ': playback')  # tasks in which simulator and player report their state
+OVER = 'over'  # the value in these tasks
 
 
 @final
 class PeerListener:
     """
-    The other robots, for a node that must keep step with them.
+    The other robots of a launch, for a node that must not run ahead of them.
 
     Parameters
     ----------
     node : GraphNode
-        Who listens.
+        The node of the own robot.
     names : sequence of str
-        Namespaces of the others; nothing is heard and nobody waited for where there are none.
+        Namespaces of the others; without any, nothing is subscribed and nothing delayed.
     on_news : callable
-        Called at every pulse and every end.
+        Called at every pulse and when a robot ends.
 
     Raises
     ------
     BadInput
-        If a name cannot be a namespace, or is the node's own.
+        If a name is not a valid namespace, or is the node's own.
 
     """
 
@@ -44,8 +44,8 @@ class PeerListener:
         for name in names:
             if not is_name(name) or name == own:
                 raise BadInput(
-                    f"The peer '{name}' of '{own}' is no other namespace; give those of the other "
-                    'robots, with spaces between.'
+                    f"The peer '{name}' of '{own}' is not the namespace of another robot; "
+                    'give those of the other robots, separated by spaces.'
                 )
         table = node.table
         self.names = list(names)
@@ -56,6 +56,7 @@ class PeerListener:
         rows = [
             (robot_topic(name, PULSE), PULSE, self._build_pulse_callback(name)) for name in names
         ]
+        # The topic is absolute, so it carries the reports of all robots
         if names:
             rows.append(('/diagnostics', '/diagnostics', self._on_diagnostics))
         self.subscriptions = [
@@ -70,7 +71,7 @@ class PeerListener:
 
     @property
     def has_active_peers(self) -> bool:
-        """Whether any of the others has not ended."""
+        """Whether any of the others is still running."""
         return bool(self._peers.active)
 
     @property
@@ -79,7 +80,7 @@ class PeerListener:
         return bool(self._held)
 
     def may_advance(self, stamp_ns: int) -> bool:
-        """Tell whether the node may go on to a time, and remember if it has to wait. [ns]"""
+        """Return whether the node may advance to a time [ns]; record if it has to wait."""
         held = self._peers.find_lagging(stamp_ns)
         if held and not self._held:
             self._since = time.monotonic()
@@ -87,14 +88,14 @@ class PeerListener:
         return not held
 
     def list_missing(self) -> list[str]:
-        """Return the pulses for which the node has been waiting longer than patience lasts."""
+        """Return the pulses that the node has been waiting for longer than `PATIENCE`."""
         if not self._held or time.monotonic() - self._since < PATIENCE:
             return []
-        # Who has not begun may still load: the launcher and its own silence tell more.
+        # A robot without a pulse may still load; the launcher reports it if it is silent
         return [robot_topic(name, PULSE) for name in self._held if self._peers.has_started(name)]
 
     def launch_time(self, own_ns: int) -> int:
-        """Return the time of the launch once the node's own has stopped. [ns]"""
+        """Return the common time of the launch after the own robot has stopped. [ns]"""
         return self._peers.launch_time(own_ns)
 
     def _build_pulse_callback(self, name: str) -> Callable[[Any], None]:
@@ -112,6 +113,6 @@ class PeerListener:
 
 
 def is_over(status: DiagnosticStatus) -> bool:
-    """Tell whether a simulator or a player says that it has ended and all have answered."""
+    """Return whether a status reports the end of a simulator or player."""
     facts = {item.key: item.value for item in status.values}
     return status.name.endswith(ENDING) and facts.get(OVER) == str(True)

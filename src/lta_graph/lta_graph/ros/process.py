@@ -1,4 +1,4 @@
-"""One node as a process: the `main` of every executable, and every way out of it."""
+"""Run one node as a process: the `main` of every executable."""
 
 from contextlib import ExitStack
 import faulthandler
@@ -22,20 +22,21 @@ TEARDOWN: Final = 5.0  # s for DDS to shut down; less than the launcher's grace
 
 def run_node(node_class: type[GraphNode], args: list[str] | None = None) -> NoReturn:
     """
-    Run one node as a process, and end that.
+    Run one node and exit the process.
 
-    Exit status 0 after a shut-down, 2 with one sentence on bad input, 130 after Ctrl-C before the
-    node was made, 1 after a crash with its traceback.
+    The exit status is 0 after a shutdown, 2 with one sentence after bad input, 130 after Ctrl-C
+    before the node exists, and 1 with a traceback after a crash.
     """
     words = sys.argv if args is None else args
     status = 0
     teardown = ExitStack()
     teardown.callback(rclpy.try_shutdown)
     try:
-        # `lta run` holds Ctrl-C back while Python starts; one that came meanwhile comes now.
+        # `lta run` blocks SIGINT while Python starts; a pending one is delivered here
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
         run_until_stopped(node_class, words, teardown)
     except KeyboardInterrupt:  # before the node was made
+        # The convention of shells for a process ended by a signal
         status = 128 + signal.SIGINT
     except BadInput as error:
         sys.stderr.write(f'{error}\n')
@@ -43,6 +44,7 @@ def run_node(node_class: type[GraphNode], args: list[str] | None = None) -> NoRe
     except Exception:
         traceback.print_exc()
         status = 1
+    # After the report of the result, which must not be lost if DDS hangs
     limit = _limit_teardown(status)
     teardown.close()
     limit.cancel()
@@ -51,18 +53,19 @@ def run_node(node_class: type[GraphNode], args: list[str] | None = None) -> NoRe
 
 def run_until_stopped(node_class: type[GraphNode], words: list[str], teardown: ExitStack) -> None:
     """
-    Join the graph, make a node, let it work until it should stop, and close it in any case.
+    Initialise ROS, create a node, run it until a stop signal, and close it in any case.
 
-    The node is destroyed by `teardown`, after the caller has reported how it ended.
+    `teardown` destroys the node after the caller has reported the result.
     """
     held: list[int] = []
-    # A C extension may drop a KeyboardInterrupt raised within it, and the node would run on:
-    # a Ctrl-C is only noted here, and acts once the node can close.
+    # A C extension may swallow a KeyboardInterrupt, and the node would run on. So Ctrl-C is only
+    # recorded here, and takes effect once the node can close
     signal.signal(signal.SIGINT, lambda number, _: held.append(number))
     initialize_ros(words)
     node = node_class()  # type: ignore[call-arg]
 
     def stop(*_: object) -> None:
+        # A second signal during the shutdown asks to skip, for example, a landing
         node.hurried = not node.running
         node.running = False
 
@@ -71,13 +74,15 @@ def run_until_stopped(node_class: type[GraphNode], words: list[str], teardown: E
         for number in STOPS:
             if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # by nohup
                 signal.signal(number, stop)
+        # Ctrl-C arrived while the node was created
         if held:
             raise KeyboardInterrupt
         node.run()
+    # Reported by the caller in one sentence; it is not a crash
     except BadInput:
         raise
     except Exception as error:
-        # Leaving in order may take a landing; and who records must hear why.
+        # Publish the reason before `close`, which may take a landing; the recorder stores it
         words = f'broke: {type(error).__name__}: {error}'.removesuffix(': ')
         node.health.report('state', HealthLevel.ERROR, words)
         node.publish_health()
@@ -91,10 +96,10 @@ def run_until_stopped(node_class: type[GraphNode], words: list[str], teardown: E
 
 def _limit_teardown(status: int) -> threading.Timer:
     """
-    Start a timer that ends the process with its status if shutting down DDS hangs.
+    Start a timer that exits the process if shutting down DDS hangs.
 
-    A demodulator once hung there after a flight that had reached its goal, until the launcher
-    killed it. The stacks of all threads on stderr show where it hung.
+    A demodulator once hung there after a successful flight until the launcher killed it. The
+    stacks of all threads on stderr show where.
     """
 
     def give_up() -> None:
@@ -104,6 +109,7 @@ def _limit_teardown(status: int) -> threading.Timer:
         os._exit(status)
 
     timer = threading.Timer(TEARDOWN, give_up)
+    # Must not keep the process alive itself
     timer.daemon = True
     timer.start()
     return timer

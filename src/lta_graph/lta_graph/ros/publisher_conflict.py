@@ -1,4 +1,4 @@
-"""Who else publishes what a node does: one topic of two minds steers nobody well."""
+"""Detect other publishers on a node's outputs."""
 
 from collections.abc import Mapping
 from typing import final
@@ -7,21 +7,21 @@ from lta_graph.health import Health, HealthLevel
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 
-OTHERS = 'others'  # the task in which a node tells it
-COMMON = '/diagnostics'  # of every node
+OTHERS = 'others'  # the health task
+COMMON = '/diagnostics'  # shared by all nodes on purpose
 
 
 @final
 class PublisherConflict:
     """
-    Looks at who else publishes the outputs of a node.
+    Report other publishers on the outputs of a node.
 
     Parameters
     ----------
     node : Node
-        Whose outputs they are.
+        The node.
     writers : mapping of str to Publisher
-        Its outputs, by what they are called.
+        Its outputs by relative name.
 
     """
 
@@ -30,10 +30,11 @@ class PublisherConflict:
         self._writers = writers
 
     def report(self, health: Health) -> None:
-        """Report it; nothing until there was somebody."""
+        """Report a conflict, or that it has ended; nothing if there never was one."""
         shared = [
             name
             for name, writer in self._writers.items()
+            # The node's own publisher counts as one
             if name != COMMON and self._node.count_publishers(writer.topic_name) > 1
         ]
         if shared:
@@ -43,12 +44,13 @@ class PublisherConflict:
             health.report(OTHERS, HealthLevel.OK, 'nobody else publishes the same')
 
     def _name_strangers(self, shared: list[str]) -> str:
-        """Return which nodes they are; a namesake is another."""
+        """Return the names of the other nodes; a second node of the own name counts."""
         own, strangers = self._node.get_fully_qualified_name(), set[str]()
         for name in shared:
             known = self._node.get_publishers_info_by_topic(self._writers[name].topic_name)
             names = [f'{each.node_namespace.rstrip("/")}/{each.node_name}' for each in known]
             if own in names:
-                names.remove(own)  # once
+                names.remove(own)  # one only: a second is a namesake
             strangers.update(names)
+        # The count may be newer than the discovery of the node's name
         return ', '.join(sorted(strangers)) or 'not yet known'

@@ -1,9 +1,8 @@
 """
-Quality of service by the topic table: one profile a topic in real time, another in lockstep.
+Quality of service by topic: one profile in real time, another in lockstep.
 
-In real time these are the profiles ROS 2 users expect. In lockstep nothing may be lost and a node
-that joins late must still get the first message, so every repeatable topic is reliable, transient
-local and deep.
+Real time uses the usual ROS 2 profiles. In lockstep no message may be lost, and a node that joins
+late must still get the first one. So every repeatable topic is reliable, transient local and deep.
 """
 
 from lta_config.topics import Qos, Topic
@@ -20,7 +19,8 @@ LOCKSTEP_HISTORY_NS = 20_000_000_000  # of graph time: how far a slow reader may
 
 
 def select_profile(topic: Topic, lockstep: bool) -> QoSProfile:
-    """Return the profile that both ends of a topic use."""
+    """Return the profile that publishers and subscribers of a topic use."""
+    # Other topics are one-off events that a late node must not get again
     if not (lockstep and topic.repeatable):
         return PROFILES[topic.qos]
     depth = LOCKSTEP_HISTORY_NS // topic.period_ns if topic.period_ns else 100

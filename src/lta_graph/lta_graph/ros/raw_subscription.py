@@ -1,4 +1,4 @@
-"""A raw subscription that takes what the publishers of a topic offer, and tells what was lost."""
+"""Subscribe to serialised messages with a compatible quality of service, and count losses."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, final
@@ -10,7 +10,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 
 def match_profile(preferred: QoSProfile, offered: Sequence[QoSProfile]) -> QoSProfile:
-    """Return the profile nearest to `asked` that no publisher's is incompatible with."""
+    """Return the profile nearest to `preferred` that is compatible with all publishers."""
     reliable = all(each.reliability != ReliabilityPolicy.BEST_EFFORT for each in offered)
     latched = all(each.durability != DurabilityPolicy.VOLATILE for each in offered)
     return QoSProfile(
@@ -23,30 +23,30 @@ def match_profile(preferred: QoSProfile, offered: Sequence[QoSProfile]) -> QoSPr
 @final
 class RawSubscription:
     """
-    One topic, taken as bytes.
+    A subscription to one topic that passes messages on as bytes.
 
-    Of publishers that offer less than is asked, nothing would come and nobody would say so: then
-    less is asked. More is never asked later, because that would bring latched messages twice.
+    A request for more than a publisher offers would silently receive nothing, so the request is
+    lowered. It is never raised again, because that would deliver latched messages twice.
 
     Parameters
     ----------
     node : Node
-        Who listens.
+        The subscribing node.
     name : str
         Absolute name of the topic.
     kind : type
         Class of its messages.
-    asked : QoSProfile
-        What to ask for where the publishers offer it.
+    preferred : QoSProfile
+        The profile to request if the publishers offer it.
     callback : callable
         Gets each message as bytes.
 
     Attributes
     ----------
     lost : int
-        Messages that the middleware has counted as lost on the way.
+        Messages that the middleware reports as lost.
     publishers : int
-        Publishers at the last look.
+        Publishers at the last poll.
 
     """
 
@@ -74,13 +74,15 @@ class RawSubscription:
             self._callback,
             profile,
             raw=True,
+            # rclpy's default callbacks would only log; losses are counted in `poll_changes`
             event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
         )
         kind = QoSSubscriptionEventType.RCL_SUBSCRIPTION_MESSAGE_LOST
+        # A loss event of DDS, polled directly since rclpy offers only callbacks
         self._losses = _rclpy.EventHandle(self._subscription.handle, kind)
 
     def list_offered_profiles(self) -> list[QoSProfile]:
-        """Return the profiles of the publishers that are known, each once."""
+        """Return the distinct profiles of the known publishers."""
         found: list[QoSProfile] = []
         for info in self._node.get_publishers_info_by_topic(self.name):
             if info.qos_profile not in found:
@@ -88,18 +90,20 @@ class RawSubscription:
         return found
 
     def poll_changes(self) -> bool:
-        """Count what was lost, and tell whether publishers have come or gone."""
+        """Count losses, and return whether the number of publishers has changed."""
+        # The handle must not be destroyed while it is read
         with self._losses:
             self.lost += self._losses.take_event().total_count_change
+        # The number changes with every publisher that comes or goes
         before, self.publishers = self.publishers, self._node.count_publishers(self.name)
         return before != self.publishers
 
     def has_mismatch(self) -> bool:
-        """Tell whether a publisher offers less than is asked, so that nothing comes from it."""
+        """Return whether a publisher offers less than requested and is therefore not received."""
         return match_profile(self._asked, self.list_offered_profiles()) != self._asked
 
     def resubscribe(self) -> None:
-        """Ask for what all publishers offer; not while the node spins."""
+        """Subscribe anew with what all publishers offer; not while the node spins."""
         self._losses.destroy_when_not_in_use()
         self._node.destroy_subscription(self._subscription)
         self._subscribe(match_profile(self._asked, self.list_offered_profiles()))

@@ -1,10 +1,10 @@
 """
-Tell whether the nodes of a drone have found each other, before what they say counts.
+Check that the publishers and subscribers of a drone have matched, before a flight begins.
 
-That we see a writer and its reader does not say that they have found each other: on a busy machine
-that takes each pair up to seconds, and what is said before is lost in real time. Only the writer
-knows. So every node tells in /diagnostics how many readers each of its topics has found, and
-whoever begins a flight holds that against the graph that it sees itself.
+Seeing both ends of a topic does not mean that they have matched. On a busy machine each pair takes
+up to seconds, and in real time messages are lost until then. Only the publisher knows. So every
+node reports in /diagnostics how many readers each output has matched, and the node that begins a
+flight compares that with the graph.
 """
 
 from collections.abc import Mapping
@@ -15,25 +15,25 @@ from diagnostic_msgs.msg import DiagnosticArray
 from lta_config.topics import TopicTable
 from rclpy.node import Node
 
-LINKS = 'links'  # the task in which a node tells the readers of its topics
-DIGITS = 10  # of a count that somebody tells
-DEPTH = 100  # messages of all nodes together that may wait until the next look
+LINKS = 'links'  # health task with the number of readers of each output
+DIGITS = 10  # a reported count must have fewer; more is not a count of readers
+DEPTH = 100  # messages of all nodes together that may wait until the next poll
 
 
 @final
 class ReaderLinks:
     """
-    Hear how many readers a drone's nodes have found, from now on.
+    Collect the numbers of matched readers that a drone's nodes report.
 
-    `with Links(node, table) as links: ...` listens only so long; not while the node spins, since
-    the subscription goes.
+    Use it as `with ReaderLinks(node, table) as links: ...`, not while the node spins: the
+    subscription is destroyed on exit.
 
     Parameters
     ----------
     node : Node
-        Who listens; its namespace is that of the drone.
+        The listening node; its namespace is that of the drone.
     table : TopicTable
-        Tells which topics have a rhythm, and therefore a writer.
+        Gives the periodic topics, which always have a publisher.
 
     """
 
@@ -47,7 +47,7 @@ class ReaderLinks:
         )
 
     def __enter__(self) -> Self:
-        """Listen for as long as the context lasts."""
+        """Return this object."""
         return self
 
     def __exit__(
@@ -56,35 +56,35 @@ class ReaderLinks:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Listen no more."""
+        """Destroy the subscription."""
         self._node.destroy_subscription(self._subscription)
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
             if status.hardware_id == self._robot and status.name.endswith(f': {LINKS}'):
                 counts = {item.key: item.value for item in status.values}
-                # Anybody may speak on /diagnostics, and anything.
+                # Any node may publish on /diagnostics, so take only plausible counts
                 self._found |= {
                     k: int(v) for k, v in counts.items() if v.isdecimal() and len(v) < DIGITS
                 }
 
     def find_unready_topics(self, own: Mapping[str, int]) -> list[str]:
         """
-        Return the topics that not all of their readers would hear now, or that nobody writes.
+        Return the topics without a known publisher, or whose readers have not all matched.
 
         Parameters
         ----------
         own : mapping of str to int
-            Readers that the node itself has found, by topic.
+            Matched readers of the node's own outputs, by topic.
 
         """
         short = self.find_unmatched_topics(own)
-        told = self._found | dict(own)
-        return [name for name in self._topics if name not in told or name in short]
+        reported = self._found | dict(own)
+        return [name for name in self._topics if name not in reported or name in short]
 
     def find_unmatched_topics(self, own: Mapping[str, int]) -> list[str]:
         """
-        Return the topics whose writer knows of fewer readers than there are.
+        Return the topics whose publisher has matched fewer readers than the graph has.
 
         Parameters
         ----------
@@ -92,12 +92,13 @@ class ReaderLinks:
             As for `find_unready_topics`.
 
         """
+        # The node does not spin here, so take the waiting messages directly
         take = self._subscription.handle.take_message
         while (taken := take(DiagnosticArray, False)) is not None:
             self._on_diagnostics(taken[0])
-        found = self._found | dict(own)
+        matched = self._found | dict(own)
         return [
             name
             for name in self._topics
-            if name in found and found[name] < self._node.count_subscribers(name)
+            if name in matched and matched[name] < self._node.count_subscribers(name)
         ]

@@ -1,4 +1,4 @@
-"""The turns of a replay on the wire: one array of all topics, labelled by its dimensions."""
+"""Publish and receive the due times of a replay: one array with a labelled dimension per topic."""
 
 import array
 from collections.abc import Callable, Mapping, Sequence
@@ -15,7 +15,8 @@ DUE = 'replay/due'  # the topic
 
 
 def from_due(due: Mapping[str, Sequence[int]]) -> Int64MultiArray:
-    """Return when each message of each topic is due [ns]: a dimension a topic, in a row."""
+    """Return the message with the due times of each topic [ns], one topic after the other."""
+    # 'q' is a signed 64-bit integer; rclpy takes such an array without conversion
     times = array.array('q')
     for topic in due.values():
         times.extend(topic)
@@ -26,19 +27,19 @@ def from_due(due: Mapping[str, Sequence[int]]) -> Int64MultiArray:
 
 
 def to_due(message: Int64MultiArray) -> dict[str, Sequence[int]]:
-    """Return when each message of each topic is due, as a player told it. [ns]"""
-    found: dict[str, Sequence[int]] = {}
+    """Return the due times of each topic from a player's message. [ns]"""
+    times: dict[str, Sequence[int]] = {}
     at = 0
     for row in message.layout.dim:
-        found[row.label] = message.data[at : at + row.size]
+        times[row.label] = message.data[at : at + row.size]
         at += row.size
-    return found
+    return times
 
 
 def subscribe_due(
     node: Node, table: TopicTable, then: Callable[[dict[str, Sequence[int]]], None]
 ) -> Subscription:
-    """Return a subscription by which a node learns what is due."""
+    """Return a subscription that calls `then` with the due times of a replay."""
 
     def receive(message: Int64MultiArray) -> None:
         then(to_due(message))
@@ -51,7 +52,7 @@ def subscribe_due(
 def subscribe_turns(
     node: Node, table: TopicTable, inbox: Inbox, then: Callable[[], None]
 ) -> Subscription:
-    """Return a subscription by which an inbox learns what is due, and do something then."""
+    """Return a subscription that gives an inbox its due times and then calls `then`."""
 
     def set_turns(due: dict[str, Sequence[int]]) -> None:
         inbox.turns = RecordedTurns(table, due)

@@ -11,11 +11,11 @@ from std_srvs.srv import SetBool, Trigger
 KINDS: Final = {'std_srvs/srv/SetBool': SetBool, 'std_srvs/srv/Trigger': Trigger}
 PATIENCE: Final = 5.0  # wall seconds in which DDS finds a service on a busy machine
 ANSWER: Final = 30.0  # wall seconds for the answer: a snapshot is written first
-LOOK: Final = 0.05  # wall seconds between looks at what has been found
+LOOK: Final = 0.05  # wall seconds between polls of the discovered services
 
 
 class ServiceResponse(NamedTuple):
-    """What a service said."""
+    """The response of a service."""
 
     success: bool
     message: str
@@ -23,7 +23,7 @@ class ServiceResponse(NamedTuple):
 
 def call_service(name: str, data: bool | None) -> ServiceResponse:
     """
-    Call a service of std_srvs, and return what it says.
+    Call a service of std_srvs, and return its response.
 
     Parameters
     ----------
@@ -35,15 +35,17 @@ def call_service(name: str, data: bool | None) -> ServiceResponse:
     Raises
     ------
     BadInput
-        If there is no such service, it wants something else, or it does not answer.
+        If the service does not exist, has another type, or does not respond.
 
     """
     with join_graph('lta_call') as (node, executor):
         kind = find_service_class(node, name)
+        # A SetBool without a value, or a Trigger with one
         if (kind is SetBool) is (data is None):
-            wanted = 'true or false' if kind is SetBool else 'nothing'
-            raise BadInput(f"Service '{name}' wants {wanted} behind its name; give it so.")
+            wanted = 'true or false' if kind is SetBool else 'no value'
+            raise BadInput(f"Service '{name}' takes {wanted} after its name.")
         client = node.create_client(kind, name)
+        # The name was seen already, but the endpoints still have to match
         client.wait_for_service(PATIENCE)
         request = kind.Request() if data is None else kind.Request(data=data)
         future = client.call_async(request)
@@ -55,7 +57,7 @@ def call_service(name: str, data: bool | None) -> ServiceResponse:
 
 
 def find_service_class(node: Node, name: str) -> Any:  # noqa: ANN401 - a generated class
-    """Return the class of a service, once DDS has found it."""
+    """Return the class of a service, waiting up to `PATIENCE` for discovery."""
     deadline = time.monotonic() + PATIENCE
     while True:
         there = dict(node.get_service_names_and_types())
@@ -64,6 +66,8 @@ def find_service_class(node: Node, name: str) -> Any:  # noqa: ANN401 - a genera
             return kinds[0]
         if time.monotonic() > deadline:
             known = sorted(one for one, types in there.items() if set(types) & KINDS.keys())
-            words = f'there are {", ".join(known)}' if known else 'there is none; start a graph'
-            raise BadInput(f"Nobody offers the service '{name}'; {words}.")
+            words = (
+                f'available: {", ".join(known)}' if known else 'none is available; start a graph'
+            )
+            raise BadInput(f"No node offers the service '{name}'; {words}.")
         time.sleep(LOOK)

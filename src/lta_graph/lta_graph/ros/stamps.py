@@ -1,4 +1,4 @@
-"""Integer nanoseconds as ROS stamps, and back."""
+"""Convert between integer nanoseconds and ROS stamps."""
 
 from builtin_interfaces.msg import Time
 

@@ -1,4 +1,4 @@
-"""Wait for a graph to come up, before a flight or a replay begins."""
+"""Wait until all nodes of a graph are ready, before a flight or a replay begins."""
 
 from collections.abc import Callable, Sequence
 import time
@@ -8,29 +8,29 @@ from lta_graph.health import HealthLevel
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.reader_links import ReaderLinks
 
-LOOK = 0.02  # wall seconds between two looks
-SETTLED = 1.0  # wall seconds without a newcomer after which a flight begins in real time
+LOOK = 0.02  # wall seconds between two polls
+SETTLED = 1.0  # wall seconds without a new endpoint after which a real-time flight begins
 
 
 def wait_until_complete(
     node: GraphNode, list_missing: Callable[[], Sequence[str]], patience: float
 ) -> None:
     """
-    Wait until nobody is missing.
+    Wait until no subscriber is missing.
 
     Parameters
     ----------
     node : GraphNode
-        Who waits, as long as it runs.
-    lonely : callable
-        Returns whom it still waits for.
+        The waiting node; a stop signal ends the wait.
+    list_missing : callable
+        Returns the names of those missing.
     patience : float
-        Wall time. [s]
+        Longest wait in wall time. [s]
 
     Raises
     ------
     BadInput
-        If somebody is still missing then.
+        If some are still missing then.
 
     """
     deadline = time.monotonic() + patience
@@ -38,29 +38,30 @@ def wait_until_complete(
         if time.monotonic() > deadline:
             raise BadInput(
                 f'After {patience:g} s the {node.get_name()} still waits for '
-                f'{", ".join(missing)}; start them, or see "lta doctor" on discovery between '
-                'processes.'
+                f'{", ".join(missing)}; start them, or check discovery with "lta doctor".'
             )
         time.sleep(LOOK)
 
 
 def wait_until_settled(node: GraphNode, patience: float) -> None:
     """
-    Wait until the graph has stayed as it is for a while, and all hear each other.
+    Wait until the graph has not changed for `SETTLED`, and all endpoints have matched.
 
-    A node that tells nothing of its readers, a user's own, is waited for in vain: then the flight
-    begins, and says in `start` whom it may not reach.
+    A user's own node does not report its readers. Then the flight begins after `patience` and
+    warns in the task `start` which topics may not reach all readers.
 
     Parameters
     ----------
     node : GraphNode
-        Who waits, as long as it runs.
+        The waiting node; a stop signal ends the wait.
     patience : float
-        Wall time. [s]
+        Longest wait in wall time. [s]
 
     """
     deadline = time.monotonic() + patience
+    # Endpoints of a drone that still starts keep appearing; a stable number means all are there
     seen, since = count_endpoints(node), time.monotonic()
+    # The node does not spin yet, so the temporary subscription is safe
     with ReaderLinks(node, node.table) as links:
         while node.running and time.monotonic() - since < SETTLED:
             time.sleep(LOOK)
@@ -69,10 +70,11 @@ def wait_until_settled(node: GraphNode, patience: float) -> None:
                 words = f'begun before all readers of {", ".join(loose)} were found'
                 node.health.report('start', HealthLevel.WARN, words)
                 return
+            # Any change starts the quiet time again
             if loose or now != seen:
                 seen, since = now, time.monotonic()
 
 
 def count_endpoints(node: GraphNode) -> list[tuple[int, int]]:
-    """Return how many publish and how many read each topic of the table."""
+    """Return the numbers of publishers and subscribers of each topic in the table."""
     return [(node.count_publishers(n), node.count_subscribers(n)) for n in node.table.topics]

@@ -1,4 +1,4 @@
-"""Join a running graph from outside it, and leave it again."""
+"""Join a running graph with a temporary node."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,14 +12,14 @@ from rclpy.node import Node
 @contextmanager
 def join_graph(name: str, namespace: str = '') -> Iterator[tuple[Node, SingleThreadedExecutor]]:
     """
-    Join the graph as a node of no role, in a context of its own, and leave it.
+    Yield a node without a role and its executor, in a separate context; leave at the end.
 
     Parameters
     ----------
     name : str
-        What the node is called.
+        Name of the node.
     namespace : str
-        Of a robot, so that relative names are its topics.
+        Namespace of a robot, so that relative names are its topics.
 
     """
     context = Context()
@@ -28,6 +28,7 @@ def join_graph(name: str, namespace: str = '') -> Iterator[tuple[Node, SingleThr
         name,
         namespace=namespace,
         context=context,
+        # Fewer endpoints, so that discovery of the node takes less time
         enable_rosout=False,
         start_parameter_services=False,
     )

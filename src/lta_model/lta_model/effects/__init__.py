@@ -77,11 +77,12 @@ def merge_installed(library: dict[str, Effect]) -> dict[str, Effect]:
     Raises
     ------
     BadInput
-        If an installed effect takes a name that exists, is no effect, or has a parameter in a
-        unit that no file could give it in.
+        If an installed effect has an existing or invalid name, is not an effect, or has a
+        parameter that is not in an SI unit known to files.
 
     """
     effects = dict(library)
+    # Sorted, so that the memory layout is independent of the installation order
     for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
         effect = point.load()
         if not isinstance(effect, Effect):
@@ -100,6 +101,7 @@ def merge_installed(library: dict[str, Effect]) -> dict[str, Effect]:
                 'rename or uninstall it.'
             )
         for parameter in effect.parameters:
+            # Factor 1: the kernel computes in SI units, so 'g' or 'deg' are refused
             if UNITS.get(parameter.unit) != (parameter.unit, 1.0):
                 raise BadInput(
                     f'The parameter {effect.name}.{parameter.name} of {point.value} is in '
@@ -119,20 +121,12 @@ EFFECTS: dict[str, Effect] = merge_installed(
 
 
 def select_built_in() -> dict[str, Effect]:
-    """Return the effects of the library, without those that others installed."""
+    """Return the built-in effects, without those installed by others."""
     return {name: EFFECTS[name] for name in BUILT_IN}
 
 
 def get_effect(name: str) -> Effect:
-    """
-    Return an effect by name.
-
-    Raises
-    ------
-    BadInput
-        If there is none; the sentence names the known ones.
-
-    """
+    """Return an effect by name; raise `BadInput` with the known names if there is none."""
     if name not in EFFECTS:
         raise unknown_name('effect', name, list(EFFECTS))
     return EFFECTS[name]
@@ -144,6 +138,7 @@ def initial_memory() -> tuple[float, ...]:
         value
         for effect in EFFECTS.values()
         if isinstance(effect, KernelEffect)
+        # An actuator effect has a memory for each rotor
         for _ in range(ACTUATORS if isinstance(effect, ActuatorEffect) else 1)
         for _, value in effect.memory
     )

@@ -30,12 +30,13 @@ Wrench = tuple[float, float, float, float, float, float]
 Values = tuple[float, ...]
 Names = tuple[tuple[str, float], ...]
 
+# Six components of a wrench or of a diagonal matrix, in this order
 AXES = ('surge', 'sway', 'heave', 'roll', 'pitch', 'yaw')
 
 
 class VehicleMotion(NamedTuple):
     """
-    What a wrench effect sees of the vehicle; the layouts are those of `lta_model.state`.
+    State of the vehicle as a wrench effect sees it, in the layouts of `lta_model.state`.
 
     Parameters
     ----------
@@ -43,18 +44,14 @@ class VehicleMotion(NamedTuple):
         Hull centre in `map`. [m]
     rotation : 9-tuple
         Rotation matrix body -> map, row by row.
-    velocity : 3-tuple
-        Velocity over the ground, body frame. [m/s]
-    rates : 3-tuple
-        Body rates. [rad/s]
+    velocity, rates : 3-tuple
+        Velocity over the ground and body rates, body frame. [m/s, rad/s]
     airspeed : 3-tuple
         Velocity relative to the air, body frame. [m/s]
-    body : BODY numbers
-        What the vehicle is: mass, inertia, displaced air, rotors.
-    command : COMMAND numbers
-        What it is told.
-    surroundings : SURROUNDINGS numbers
-        Light on the hull, voltage of the battery; the wind in them is in `airspeed` already.
+    body, command : tuple of float
+        Mass properties and rotors; the command.
+    surroundings : tuple of float
+        Light on the hull, battery voltage; `airspeed` already includes the wind.
 
     """
 
@@ -70,19 +67,9 @@ class VehicleMotion(NamedTuple):
 
 class AirEffectInput(NamedTuple):
     """
-    What an air effect sees.
+    Input of an air effect, in `map`: hull centre [m], ground velocity and wind [m/s].
 
-    Parameters
-    ----------
-    position : 3-tuple
-        Hull centre in `map`. [m]
-    velocity : 3-tuple
-        Velocity of the hull over the ground, in `map`. [m/s]
-    wind : 3-tuple
-        Sum of the wind of the surroundings and of the air effects before this one, `map`. [m/s]
-    surroundings : SURROUNDINGS numbers
-        As in `VehicleMotion`; noise for turbulence.
-
+    `wind` is the sum of the surroundings' wind and of the air effects before this one.
     """
 
     position: Vector
@@ -93,12 +80,12 @@ class AirEffectInput(NamedTuple):
 
 class RigidBody(NamedTuple):
     """
-    What a body effect changes, about the hull centre, body frame.
+    Mass properties that a body effect changes, about the hull centre, body frame.
 
     Parameters
     ----------
     mass : float
-        Of everything solid and of the gas. [kg]
+        Mass of all solid parts and of the gas. [kg]
     moment : 3-tuple
         Mass times centre of gravity. [kg m]
     inertia : 6-tuple
@@ -118,25 +105,23 @@ class RigidBody(NamedTuple):
 @dataclass(frozen=True, slots=True)
 class EffectParameter:
     """
-    One number of an effect.
+    One parameter of an effect.
 
     Parameters
     ----------
-    name : str
-        Name within the effect.
     unit : str
         SI unit; '1' for a pure number.
     null : float
-        The value that, with all others of the effect at theirs, makes it change nothing.
+        Neutral value: with all parameters at theirs, the effect changes nothing.
     low, high : float
         Bounds for any vehicle; the null value is always allowed.
     spread : float
-        Prior standard deviation of a plausible deviation, for identification.
+        Prior standard deviation for identification.
     source : str
-        Where bounds and spread come from.
+        Source of bounds and spread.
     beside : float, optional
-        What it is taken to be where identification tries the other numbers of an effect that a
-        vehicle lacks, which alone would do nothing; then it is not tried itself.
+        Value held while identification tries other parameters of an effect that a vehicle lacks
+        and that alone would do nothing; this one is then not tried itself.
 
     """
 
@@ -152,6 +137,7 @@ class EffectParameter:
 
 def no_check(values: Mapping[str, float]) -> str:
     """Return no objection: the bounds of each parameter suffice."""
+    # The signature is fixed by the protocol
     del values
     return ''
 
@@ -170,13 +156,11 @@ class WrenchEffect:
 
     Parameters
     ----------
-    name : str
-        Name in vehicle files and topics.
-    parameters : tuple of Parameter
-        Their order is the order of `p`.
+    parameters : tuple of EffectParameter
+        In the order of `p`.
     wrench : callable
         `wrench(p, memory, motion, thrust) -> (fx, fy, fz, tx, ty, tz)`: body frame, about the hull
-        centre; `thrust` of each rotor after all actuator effects [N]. [N, N m]
+        centre [N, N m]; `thrust` of each rotor after all actuator effects [N].
     linear_in : tuple of str
         Parameters in which the wrench is jointly linear, the others held.
     memory : tuple of (str, float)
@@ -184,9 +168,9 @@ class WrenchEffect:
     rate : callable
         `rate(p, memory, motion) -> tuple`: d/dt of the memory. [1/s]
     placed : bool
-        Whether it knows places or directions of the map, as walls do.
+        Whether it depends on the world pose, as walls do.
     check : callable
-        Returns why a combination of values is impossible, or ''.
+        Returns an objection to a combination of values, or ''.
 
     """
 
@@ -204,15 +188,13 @@ class WrenchEffect:
 @dataclass(frozen=True, slots=True)
 class AirEffect:
     """
-    Motion of the air at the hull.
+    Motion of the air at the hull; other fields as in `WrenchEffect`.
 
     Parameters
     ----------
-    name, parameters, memory, check
-        As for WrenchEffect.
     air : callable
-        `air(p, memory, place) -> (u, v, w, a_u, a_v, a_w)`: velocity of the air and its
-        acceleration DU/Dt, following the air, in `map`. [m/s, m/s^2]
+        `air(p, memory, place) -> (u, v, w, a_u, a_v, a_w)`: velocity of the air and its material
+        acceleration DU/Dt in `map`. [m/s, m/s^2]
     rate : callable
         `rate(p, memory, place) -> tuple`: d/dt of the memory. [1/s]
 
@@ -232,9 +214,11 @@ def no_rotor_rate(p: Values, memory: Values, value: float, surroundings: Values)
     return ()
 
 
+# Registry and kernel read the same tuple many times
 @cache
 def _expand_rotor_parameters(each: tuple[EffectParameter, ...]) -> tuple[EffectParameter, ...]:
     """Return the parameters of all rotors, parameter by parameter."""
+    # Parameter by parameter, not rotor by rotor: the layout of the parameter vector
     return tuple(replace(p, name=f'{p.name}_{i}') for p in each for i in range(1, ACTUATORS + 1))
 
 
@@ -242,21 +226,17 @@ def _expand_rotor_parameters(each: tuple[EffectParameter, ...]) -> tuple[EffectP
 @dataclass(frozen=True, slots=True)
 class ActuatorEffect:
     """
-    What becomes of a commanded duty on its way to a thrust; applied in registry order.
+    A stage from commanded duty to thrust; applied in registry order.
 
-    A duty goes in at the first and newtons come out of the last. `p` holds the shared parameters
-    and then the rotor's own.
+    The first stage takes a duty, the last returns newtons. `p` holds the shared parameters and
+    then those of the rotor. Other fields as in `WrenchEffect`.
 
     Parameters
     ----------
-    name, check
-        As for WrenchEffect.
-    shared : tuple of Parameter
-        Of all rotors alike.
-    each : tuple of Parameter
-        Of each rotor; in files `<name>_1` to `<name>_8`.
+    shared, each : tuple of EffectParameter
+        Of all rotors alike, and of each rotor: in files `<name>_1` to `<name>_8`.
     output : callable
-        `output(p, memory, value, surroundings) -> value` of one rotor; `memory` is a tuple.
+        `output(p, memory, value, surroundings) -> value` of one rotor.
     memory : tuple of (str, float)
         Names and initial values of its states, for each rotor.
     rate : callable
@@ -282,15 +262,13 @@ class ActuatorEffect:
 @dataclass(frozen=True, slots=True)
 class InertiaEffect:
     """
-    Inertia of the air that moves with the hull.
+    Inertia of the air that moves with the hull; other fields as in `WrenchEffect`.
 
     Parameters
     ----------
-    name, parameters, check
-        As for WrenchEffect.
     diagonal : callable
-        `diagonal(p) -> 6-tuple` added to the diagonal of the mass matrix; its momentum follows
-        the air-relative velocity. [kg, kg m^2]
+        `diagonal(p) -> 6-tuple` added to the diagonal of the mass matrix; its momentum follows the
+        air-relative velocity. [kg, kg m^2]
 
     """
 
@@ -304,15 +282,9 @@ class InertiaEffect:
 @dataclass(frozen=True, slots=True)
 class BodyEffect:
     """
-    A change of what the vehicle weighs or displaces; mass, inertia, weight and balance follow.
+    A change of the mass properties or the displaced air; other fields as in `WrenchEffect`.
 
-    Parameters
-    ----------
-    name, parameters, check
-        As for WrenchEffect.
-    change : callable
-        `change(p, rigid) -> rigid`; applied in registry order when a model is built.
-
+    `change(p, rigid) -> rigid` is applied in registry order when a model is built.
     """
 
     name: str
@@ -338,17 +310,10 @@ CHANNELS = {
 @dataclass(frozen=True, slots=True)
 class MeasurementEffect:
     """
-    What becomes of the truth on its way to a reading; effects of a channel act in registry order.
+    A stage from the true value to a reading; effects of a channel act in registry order.
 
-    Parameters
-    ----------
-    name, parameters, check
-        As for WrenchEffect.
-    channel : str
-        A key of `CHANNELS`.
-    reading : callable
-        `reading(p, values, time) -> values`; `time` is that of the flight. [s]
-
+    `channel` is a key of `CHANNELS`; `reading(p, values, time) -> values` gets the flight time
+    [s]. Other fields as in `WrenchEffect`.
     """
 
     name: str

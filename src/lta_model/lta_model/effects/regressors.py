@@ -20,26 +20,10 @@ def compute_regressors(
     memory: Numbers = (),
 ) -> NDArray[np.float64]:
     """
-    Return the wrench per unit of each linear parameter.
+    Return the wrench per unit of each linear parameter, shape (6, len(effect.linear_in)).
 
-    Parameters
-    ----------
-    effect : WrenchEffect
-        The effect.
-    values : mapping
-        The parameters in which it is not linear; those left out are at their null value.
-    motion : Motion
-        State of the vehicle.
-    thrust : tuple of float
-        Thrust of each rotor. [N]
-    memory : tuple of float
-        Memory of the effect.
-
-    Returns
-    -------
-    ndarray, shape (6, len(effect.linear_in))
-        Columns in the order of `effect.linear_in`. [N, N m per unit of the parameter]
-
+    `values` are the parameters in which the effect is not linear (null if left out); `thrust` is
+    in N.
     """
     names = [parameter.name for parameter in effect.parameters]
     held = [values.get(parameter.name, parameter.null) for parameter in effect.parameters]
@@ -47,6 +31,7 @@ def compute_regressors(
     columns = np.empty((6, len(places)))
     for column, place in enumerate(places):
         unit = list(held)
+        # Unit vector e_j in the linear parameters, the others held
         for other in places:
             unit[other] = float(other == place)
         columns[:, column] = effect.wrench(tuple(unit), memory, motion, thrust)

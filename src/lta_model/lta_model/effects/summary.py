@@ -25,5 +25,6 @@ def describe_effect(effect: Effect) -> str:
         MeasurementEffect: 'reading',
     }[type(effect)]
     module = sys.modules[getattr(effect, function).__module__]
+    # Up to the first blank line
     text = ' '.join((inspect.getdoc(module) or '').split('\n\n')[0].split())
     return text.rstrip('.')

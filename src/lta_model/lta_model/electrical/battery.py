@@ -3,10 +3,10 @@ One LiPo cell: open-circuit voltage by state of charge, a series resistance and 
 
     V = E(charge) + U + R I          charge' = I / capacity          U' = (R1 I - U) / tau
 
-Signs as in sensor_msgs/BatteryState: a positive current or power charges the cell. What changes is
-the charge and the relaxation voltage U; the cell keeps its temperature and age. The functions take
-and return scalars and make nothing on the heap, so that numba compiles them. Limits of voltage and
-current are not here: see `lta_model.electrical.charger`.
+Signs as in sensor_msgs/BatteryState: positive current or power charges the cell. The states are
+the charge and the relaxation voltage U; temperature and age are constant. The functions take and
+return scalars and allocate nothing, so that numba compiles them. `electrical.charger` has the
+limits of voltage and current.
 """
 
 import math
@@ -38,7 +38,7 @@ Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 @final
 class BatteryModel(StrictModel):
     """
-    One cell, as warm and as old as it is. Without more than the first two it relaxes at once.
+    One cell at its temperature and age.
 
     Attributes
     ----------
@@ -46,16 +46,12 @@ class BatteryModel(StrictModel):
         Charge of the full cell. [C]
     resistance : float
         Series resistance R. [ohm]
-    relaxation_resistance : float
-        Resistance R1 of the RC pair. [ohm]
-    relaxation_time : float
-        Time constant tau of the RC pair. [s]
+    relaxation_resistance, relaxation_time : float
+        Resistance R1 [ohm] and time constant tau [s] of the RC pair; none by default.
     discharge_cutoff : float
         Voltage under load below which the supply fails. [V]
-    charge_cutoff : float
-        Voltage that charging does not exceed. [V]
-    charge_current : float
-        Current that charging does not exceed. [A]
+    charge_cutoff, charge_current : float
+        Largest charging voltage [V] and current [A].
 
     """
 
@@ -71,6 +67,7 @@ class BatteryModel(StrictModel):
     def from_energy(cls, energy: EnergyBlock) -> Self:
         """Return the cell of a vehicle file."""
         data = energy.battery
+        # Resistance doubles at the loss of capacity that counts as worn out
         worse = (1.0 + data.age.si / WORN) * resistance_factor(data.temperature.si)
         left = (1.0 - data.age.si) * capacity_factor(data.temperature.si)
         return cls(
@@ -85,18 +82,20 @@ class BatteryModel(StrictModel):
 
 
 def resistance_factor(celsius: float) -> float:
-    """Return the resistance at a temperature [degC] by that at 25 degC (Arrhenius). [1]"""
+    """Return the resistance at a temperature [degC] relative to 25 degC (Arrhenius). [1]"""
+    # Arrhenius: exp(E / R (1/T - 1/T0))
     there, here = 1.0 / (celsius + ZERO_CELSIUS), 1.0 / (ROOM + ZERO_CELSIUS)
     return math.exp(ACTIVATION / GAS_CONSTANT * (there - here))
 
 
 def capacity_factor(celsius: float) -> float:
-    """Return the capacity at a temperature [degC] by that at 25 degC; warmth adds none. [1]"""
+    """Return the capacity at a temperature [degC] relative to 25 degC, at most 1. [1]"""
     return 1.0 - COLD_LOSS * max(ROOM - celsius, 0.0)
 
 
 def open_circuit_voltage(charge: float) -> float:
-    """Return the resting voltage at a state of charge, 0 to 1 and clipped there. [V]"""
+    """Return the resting voltage at a state of charge, clipped to 0 and 1. [V]"""
+    # Linear interpolation in the table; at 1.0 the last interval is used
     place = min(max(charge, 0.0), 1.0) * INTERVALS
     below = min(int(place), INTERVALS - 1)
     rise = OPEN_CIRCUIT[below + 1] - OPEN_CIRCUIT[below]
@@ -116,43 +115,36 @@ def state_of_charge(voltage: float) -> float:
 
 def stored_energy(charge: float, capacity: float) -> float:
     """
-    Return the energy that the cell holds: the integral of its resting voltage over its charge.
+    Return the energy above empty: the integral of the resting voltage over the charge. [J]
 
-    Parameters
-    ----------
-    charge : float
-        State of charge, 0 to 1. [1]
-    capacity : float
-        Charge of the full cell. [C]
-
-    Returns
-    -------
-    float
-        Energy above empty, before losses in the resistances. [J]
-
+    Losses in the resistances are not subtracted; `charge` is 0 to 1, `capacity` in C.
     """
     place = min(max(charge, 0.0), 1.0) * INTERVALS
     below = min(int(place), INTERVALS - 1)
+    # Trapezoidal rule is exact, because the curve is piecewise linear
     area = 0.0
     for k in range(below):
         area += 0.5 * (OPEN_CIRCUIT[k] + OPEN_CIRCUIT[k + 1])
     rest = place - below
     rise = OPEN_CIRCUIT[below + 1] - OPEN_CIRCUIT[below]
+    # Part of the last interval, up to the state of charge
     area += rest * (OPEN_CIRCUIT[below] + 0.5 * rest * rise)
     return area * capacity / INTERVALS
 
 
 def mean_open_circuit_voltage(before: float, after: float) -> float:
     """Return the mean resting voltage between two states of charge, exactly. [V]"""
+    # Same interval: the curve is linear between the two, and no division by their difference
     if int(before * INTERVALS) == int(after * INTERVALS):
         return 0.5 * (open_circuit_voltage(before) + open_circuit_voltage(after))
     return (stored_energy(after, 1.0) - stored_energy(before, 1.0)) / (after - before)
 
 
 def relaxation_energy(cell: BatteryModel, relaxation: float) -> float:
-    """Return what the capacitor of the RC pair holds at a relaxation voltage [V]. [J]"""
+    """Return the energy in the capacitor of the RC pair at a relaxation voltage [V]. [J]"""
     if cell.relaxation_resistance <= 0.0:
         return 0.0
+    # C U^2 / 2 with C = tau / R1
     return 0.5 * cell.relaxation_time / cell.relaxation_resistance * relaxation * relaxation
 
 
@@ -163,68 +155,33 @@ def terminal_voltage(open_circuit: float, current: float, resistance: float) -> 
 
 def current_for_power(open_circuit: float, power: float, resistance: float) -> float:
     """
-    Return the current at which the terminals take up a power.
+    Return the current at which the terminals take up a power. [A]
 
-    Parameters
-    ----------
-    open_circuit : float
-        Voltage E behind the series resistance. [V]
-    power : float
-        Power P into the cell; negative where it is drawn. [W]
-    resistance : float
-        Series resistance R. [ohm]
-
-    Returns
-    -------
-    float
-        The smaller root of R I^2 + E I = P, in the form that holds for R = 0. Beyond the largest
-        power the cell can give, E^2 / 4R, it is the current of that power. [A]
-
+    It is the smaller root of R I^2 + E I = P with E the voltage behind the series resistance [V],
+    in the form that holds for R = 0. Beyond the largest power the cell can give, E^2 / 4R, it is
+    the current of that power. Negative power and current discharge.
     """
+    # Negative below the largest power the cell can give: clipped there
     root: float = max(0.0, open_circuit * open_circuit + 4.0 * resistance * power) ** 0.5
+    # Maximum power transfer, E^2 / 4R, at half of the voltage
     held = max(power, -0.25 * open_circuit * open_circuit / resistance) if resistance else power
+    # Rationalised quadratic formula: no cancellation for small R
     return 2.0 * held / (open_circuit + root)
 
 
 def count_charge(charge: float, current: float, capacity: float, dt: float) -> float:
-    """
-    Return the state of charge after a current has flowed; clipped to 0 and 1.
-
-    Parameters
-    ----------
-    charge : float
-        State of charge before. [1]
-    current : float
-        Mean current; positive charges. [A]
-    capacity : float
-        Charge of the full cell. [C]
-    dt : float
-        Time. [s]
-
-    """
+    """Return the state of charge after a mean current [A] during dt [s], clipped to 0 and 1."""
     return min(max(charge + current * dt / capacity, 0.0), 1.0)
 
 
 def relax_voltage(
     cell: BatteryModel, relaxation: float, current: float, dt: float
 ) -> tuple[float, float]:
-    """
-    Return the relaxation voltage after a constant current, and its mean on the way. [V]
-
-    Parameters
-    ----------
-    cell : Battery
-        The cell.
-    relaxation : float
-        Relaxation voltage before. [V]
-    current : float
-        Positive charges. [A]
-    dt : float
-        Time, above 0. [s]
-
-    """
+    """Return the relaxation voltage after a constant current [A] for dt > 0 [s], and its mean."""
+    # Voltage that the RC pair approaches
     final_ = cell.relaxation_resistance * current
     x = dt / cell.relaxation_time
+    # 1 - exp(-x) without cancellation for short steps
     gone = -math.expm1(-x)
     return (
         relaxation + (final_ - relaxation) * gone,
@@ -239,6 +196,7 @@ def resistive_heat(cell: BatteryModel, relaxation: float, current: float, dt: fl
         return warmth
     last = cell.relaxation_resistance * current
     first, x = relaxation - last, dt / cell.relaxation_time
+    # Mean of (last + first exp(-t / tau))^2 over the step
     square = (
         last * last
         - 2.0 * last * first * math.expm1(-x) / x
@@ -251,23 +209,10 @@ def advance_cell(
     cell: BatteryModel, charge: float, relaxation: float, power: float, dt: float
 ) -> tuple[float, float, float, float]:
     """
-    Take up a constant power for a while: one midpoint step.
+    Advance the cell at constant power [W] by one midpoint step dt [s].
 
-    The power is met to second order in dt; voltage, current and what the cell then holds agree
-    exactly, so that books balance at any step. The current ends where the cell is empty or full.
-
-    Parameters
-    ----------
-    cell : Battery
-        The cell.
-    charge : float
-        State of charge. [1]
-    relaxation : float
-        Relaxation voltage. [V]
-    power : float
-        Power into the cell; negative where it is drawn. [W]
-    dt : float
-        Time step. [s]
+    The power is met to second order in dt; voltage, current and stored energy agree exactly, so
+    that the energy balance closes at any step. The current stops where the cell is empty or full.
 
     Returns
     -------
@@ -277,11 +222,13 @@ def advance_cell(
 
     """
     resistance, capacity = cell.resistance, cell.capacity
+    # Euler half step to the middle, for second order
     begin = current_for_power(open_circuit_voltage(charge) + relaxation, power, resistance)
     middle = open_circuit_voltage(count_charge(charge, begin, capacity, 0.5 * dt))
     middle += relax_voltage(cell, relaxation, begin, dt)[1]
     wanted = current_for_power(middle, power, resistance)
     after = count_charge(charge, wanted, capacity, dt)
+    # Clipped at empty or full: the mean current that really flowed
     current = (after - charge) * capacity / dt if after <= 0.0 or after >= 1.0 else wanted
     relaxed, mean = relax_voltage(cell, relaxation, current, dt)
     voltage = terminal_voltage(

@@ -1,15 +1,15 @@
 """
-The power path: array -> charger -> loads and cell, and what limits it.
+The power path: array -> charger -> loads and cell, with its limits.
 
-The charger tracks the array's maximum to some share, converts with some efficiency, and draws
-power of its own from the array while it works; in light too dim for that it is off. Loads come
-first; what is left charges the cell at no more than its charging current and voltage, and light
-that nobody takes is not harvested. Below the cell's cut-off, or with the cell empty, the supply
-fails: nothing is fed until light has charged the cell a little.
+The charger tracks a share of the array's maximum power, converts it with some efficiency, and
+draws power of its own while it works; in too dim light it is off. Loads come first; the rest
+charges the cell within its charging current and voltage, and excess light is not harvested. Below
+the cell's cut-off, or with an empty cell, the supply fails: the loads are off until light has
+charged the cell a little.
 
 Plain functions of scalars and named tuples, which compile. At every step
 
-    harvested = consumed + lost + what the cell stores.
+    harvested = consumed + lost + change of the stored energy.
 """
 
 from typing import Annotated, final, NamedTuple, Self
@@ -33,12 +33,12 @@ Share = Annotated[float, Field(ge=0.0, le=1.0)]
 @final
 class ChargerModel(StrictModel):
     """
-    What lies between array and cell.
+    The charger between array and cell.
 
     Attributes
     ----------
     tracking : float
-        Share of the array's largest power at which it is held. [1]
+        Share of the array's largest power that it tracks. [1]
     conversion : float
         Power out by power in. [1]
     idle : float
@@ -52,7 +52,7 @@ class ChargerModel(StrictModel):
 
     @classmethod
     def from_energy(cls, energy: EnergyBlock) -> Self:
-        """Return the charger of a vehicle file; one that gives nothing if it has none."""
+        """Return the charger of a vehicle file, or one without output if it has none."""
         data = energy.charger
         if data is None:
             return cls(tracking=0.0, conversion=0.0, idle=0.0)
@@ -65,20 +65,14 @@ class PowerFlow(NamedTuple):
 
     Attributes
     ----------
-    charge : float
-        State of charge. [1]
-    relaxation : float
-        Relaxation voltage of the cell. [V]
+    charge, relaxation : float
+        State of charge [1] and relaxation voltage [V].
     voltage, current : float
         At the cell's terminals; a positive current charges. [V, A]
-    harvested : float
-        Taken from the array. [W]
-    consumed : float
-        By the loads. [W]
-    lost : float
-        As heat in cell and charger. [W]
+    harvested, consumed, lost : float
+        From the array, by the loads, and as heat in cell and charger. [W]
     fed : bool
-        Whether the supply holds; otherwise no load gets anything.
+        Whether the supply holds; otherwise the loads are off.
 
     """
 
@@ -98,15 +92,17 @@ def resting_flow(charge: float) -> PowerFlow:
 
 
 def charger_output(charger: ChargerModel, available: float) -> float:
-    """Return what a charger can give of the array's largest power; 0 while it is off. [W]"""
+    """Return the output power at the array's largest power; 0 while the charger is off. [W]"""
     return max(0.0, available * charger.tracking * charger.conversion - charger.idle)
 
 
 def charge_power_limit(cell: BatteryModel, charge: float, relaxation: float, dt: float) -> float:
-    """Return the largest power with which a cell may be charged for a while [s]. [W]"""
+    """Return the largest power with which a cell may be charged during dt [s]. [W]"""
     behind = open_circuit_voltage(charge) + relaxation
+    # Constant-current phase, and no more than the cell can hold
     current = min(cell.charge_current, (1.0 - charge) * cell.capacity / dt)
     room = cell.charge_cutoff - behind
+    # Constant-voltage phase: terminals at the charge cut-off
     if room < cell.resistance * current:
         current = room / cell.resistance if cell.resistance > 0.0 else 0.0
     current = max(0.0, current)
@@ -122,35 +118,26 @@ def advance_power_path(
     dt: float,
 ) -> PowerFlow:
     """
-    Return the power path after a while of constant light and load.
+    Return the power path after dt [s] of constant light and load.
 
-    Parameters
-    ----------
-    cell : Battery
-        The cell.
-    charger : Charger
-        What lies between it and the array.
-    before : Flow
-        How it was.
-    available : float
-        Largest power of the array in this light. [W]
-    asked : float
-        What the loads want. [W]
-    dt : float
-        Time. [s]
-
+    `available` is the largest power of the array in this light, `demand` that of the loads. [W]
     """
     bright = charger_output(charger, available)
+    # A failed supply feeds no loads
     load = demand if before.fed else 0.0
+    # Surplus light is not harvested once the charge limit is reached
     power = min(bright - load, charge_power_limit(cell, before.charge, before.relaxation, dt))
     given = power + load
+    # Back through the converter to the array's side
     harvested = (given + charger.idle) / charger.conversion if bright > 0.0 else 0.0
     charge, relaxation, voltage, current = advance_cell(
         cell, before.charge, before.relaxation, power, dt
     )
     if before.fed:
+        # Under-voltage lockout
         fed = voltage >= cell.discharge_cutoff and charge > 0.0
     else:
+        # Hysteresis: comes back only while light charges, above the restart charge
         fed = current > 0.0 and charge >= RESTART
     return PowerFlow(
         charge,
@@ -158,7 +145,7 @@ def advance_power_path(
         voltage,
         current,
         harvested,
-        given - voltage * current,  # less than asked where the cell cannot give so much
+        given - voltage * current,  # less than the demand where the cell cannot supply it
         resistive_heat(cell, before.relaxation, current, dt) + harvested - given,
         fed,
     )

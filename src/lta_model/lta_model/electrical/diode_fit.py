@@ -1,9 +1,9 @@
 """
-The single diode behind a data sheet.
+Fit a single-diode model to a solar cell's data sheet.
 
-With the ideality given, three currents of the data sheet (short circuit, open circuit, maximum
+With the ideality given, the three points of the data sheet (short circuit, open circuit, maximum
 power) are linear in light current, saturation current and shunt conductance for any series
-resistance; the resistance is the one at which the power has its maximum where the sheet says.
+resistance. The resistance is the one that puts the maximum of the power at the given point.
 """
 
 from functools import lru_cache
@@ -28,10 +28,8 @@ class SingleDiode(NamedTuple):
         Currents. [A]
     thermal : float
         Ideality times thermal voltage of all junctions. [V]
-    series : float
-        Series resistance. [ohm]
-    shunt : float
-        Shunt conductance. [S]
+    series, shunt : float
+        Series resistance [ohm] and shunt conductance [S].
 
     """
 
@@ -45,16 +43,17 @@ class SingleDiode(NamedTuple):
 @lru_cache(maxsize=16)  # the fit takes longer than the rest of loading a vehicle
 def fit_diode(cell: CellFile) -> SingleDiode:
     """
-    Return the diode whose curve has the points of a data sheet.
+    Return the diode whose curve passes the points of a data sheet.
 
     Raises
     ------
     BadInput
-        If no diode has: the curve between the points is too square or too round.
+        If there is none: the curve between the points is too square or too round.
 
     """
     data = cell.electrical
     # From `high` on the junction would be above the open-circuit voltage at the maximum.
+    # Bisection on the series resistance
     low, high = 0.0, (1.0 - MARGIN) * (data.open_circuit.si - data.voltage.si) / data.current.si
     if _slope_at_maximum(data, low) < 0.0:
         raise BadInput(
@@ -82,7 +81,9 @@ def _solve_three_points(data: CellRatings, resistance: float) -> SingleDiode:
     voltages = np.array([0.0, data.open_circuit.si, data.voltage.si])
     currents = np.array([data.short_circuit.si, 0.0, data.current.si])
     junction = voltages + resistance * currents
+    # Diode equation at short circuit, open circuit and maximum power
     dark = np.expm1(junction / a)
+    # Scaled by dark[1]: the exponential is huge, and the system would be ill-conditioned
     matrix = np.stack([np.ones(3), -dark / dark[1], -junction], axis=1)
     light, open_, shunt = np.linalg.solve(matrix, currents).tolist()
     return SingleDiode(light, open_ / float(dark[1]), a, resistance, shunt)
@@ -93,5 +94,6 @@ def _slope_at_maximum(data: CellRatings, resistance: float) -> float:
     diode = _solve_three_points(data, resistance)
     junction = data.voltage.si + resistance * data.current.si
     conductance = diode.saturation / diode.thermal * np.exp(junction / diode.thermal) + diode.shunt
+    # dI/dV at the terminals: junction conductance in series with the resistance
     slope = conductance / (1.0 + resistance * conductance)
     return data.current.si - data.voltage.si * float(slope)

@@ -1,9 +1,8 @@
 """
-What the drone consumes: electronics and rotors.
+Power of the consumers: electronics and rotors.
 
-A turning rotor takes a power that is affine in its thrust. That fits Bitcraze's bench table of
-four 7 mm coreless motors with an rmse of 63 mW of all four. `lta_energy.rotor` has the same by
-duty and voltage.
+The power of a turning rotor is affine in its thrust. That fits Bitcraze's bench table of four 7 mm
+coreless motors with an rmse of 63 mW for all four. `lta_energy.rotor` has it by duty and voltage.
 """
 
 from collections.abc import Sequence
@@ -23,14 +22,10 @@ class LoadModel(StrictModel):
 
     Attributes
     ----------
-    idle : float
-        Electronics without radio. [W]
-    transmitting : float
-        What the radio adds while it sends. [W]
-    rotor_offset : float
-        A turning rotor at vanishing thrust. [W]
-    rotor_slope : float
-        Rotor power by thrust. [W/N]
+    idle, transmitting : float
+        Electronics without radio, and addition while the radio sends. [W]
+    rotor_offset, rotor_slope : float
+        A turning rotor at vanishing thrust [W], and its power by thrust [W/N].
 
     """
 
@@ -52,15 +47,9 @@ class LoadModel(StrictModel):
 
 def navigation_power(energy: EnergyBlock, strategy: str) -> float:
     """
-    Return what finding lamps takes beside controller and radio: sensing and computing. [W]
+    Return the power of sensing and computing for a navigation strategy, '' for none. [W]
 
-    Parameters
-    ----------
-    energy : Energy
-        Of the vehicle's file; what it does not say takes nothing.
-    strategy : str
-        Navigation strategy by name; '' where nobody looks.
-
+    Entries missing in the file count as 0.
     """
     given = (energy.loads.sensing, energy.loads.computing.get(strategy))
     return sum(power.si for power in given if power is not None) if strategy else 0.0
@@ -68,45 +57,15 @@ def navigation_power(energy: EnergyBlock, strategy: str) -> float:
 
 def rotor_power(thrust: float, offset: float, slope: float) -> float:
     """
-    Return the electrical power of one rotor.
+    Return the electrical power of one rotor [W] at a thrust of either sign [N].
 
-    Parameters
-    ----------
-    thrust : float
-        Thrust of either sign; at exactly 0 the rotor stands still and takes nothing. [N]
-    offset : float
-        Power of a turning rotor at vanishing thrust. [W]
-    slope : float
-        Power by thrust. [W/N]
-
-    Returns
-    -------
-    float
-        Power. [W]
-
+    At exactly 0 the rotor is off and takes nothing.
     """
     return offset + slope * abs(thrust) if thrust != 0.0 else 0.0
 
 
 def power_demand(loads: LoadModel, thrusts: Sequence[float], transmitting: bool) -> float:
-    """
-    Return the power that the whole drone draws.
-
-    Parameters
-    ----------
-    loads : Loads
-        Power of each consumer.
-    thrusts : sequence of float
-        Thrust of each rotor. [N]
-    transmitting : bool
-        Whether the radio sends.
-
-    Returns
-    -------
-    float
-        Power. [W]
-
-    """
+    """Return the power of the whole drone [W] at the thrust of each rotor [N]."""
     rotors, offset, slope = 0.0, loads.rotor_offset, loads.rotor_slope
     for thrust in thrusts:
         rotors += rotor_power(thrust, offset, slope)

@@ -29,32 +29,29 @@ STEPS = 60  # of bisection: more than the bits of a voltage
 POSITIVE = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NOT_NEGATIVE = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 
+# The five parameters of the single-diode equation
 Curve = tuple[float, float, float, float, float]  # L, S, a, R, G
 
 
 @final
 class SolarArrayModel(StrictModel):
     """
-    All solar cells of a vehicle, in one plane; the numbers are those of the whole array.
+    All solar cells of a vehicle, in one plane; the values are those of the whole array.
 
     Attributes
     ----------
-    light : float
-        Light current at standard conditions; 0 where there is no array. [A]
-    saturation : float
-        Saturation current at standard conditions. [A]
+    light, saturation : float
+        Light current (0 without an array) and saturation current at standard conditions. [A]
     thermal : float
         Ideality times thermal voltage of all junctions in series, at 25 degC. [V]
-    series : float
-        Series resistance. [ohm]
-    shunt : float
-        Shunt conductance at standard conditions. [S]
+    series, shunt : float
+        Series resistance [ohm] and shunt conductance at standard conditions [S].
     gap : float
         Band gap by ideality. [eV]
     drift : float
-        Of the light current with temperature, relative. [1/K]
+        Relative change of the light current with temperature. [1/K]
     warming : float
-        How much warmer than the air the cells are, by irradiance. [K m2/W]
+        Temperature of the cells above that of the air, by irradiance. [K m2/W]
 
     """
 
@@ -92,20 +89,12 @@ class SolarArrayModel(StrictModel):
 
 
 def compute_curve(panel: SolarArrayModel, irradiance: float) -> Curve:
-    """
-    Return the five numbers of the curve in some light: L, S, a, R and G.
-
-    Parameters
-    ----------
-    panel : Panel
-        The array.
-    irradiance : float
-        Radiant power on its plane by area. [W/m2]
-
-    """
+    """Return L, S, a, R and G of the curve at an irradiance on the array's plane. [W/m2]"""
+    # Absolute temperature relative to 25 degC
     warm = (AIR_TEMPERATURE + panel.warming * irradiance) / STANDARD_TEMPERATURE
     kelvin = STANDARD_TEMPERATURE * (warm - 1.0)
     share = irradiance / STANDARD_IRRADIANCE
+    # Exponent of the saturation current's temperature dependence
     freed = panel.gap * (1.0 - 1.0 / warm) / (BOLTZMANN * STANDARD_TEMPERATURE)
     return (
         share * panel.light * (1.0 + panel.drift * kelvin),
@@ -125,6 +114,7 @@ def junction_current(numbers: Curve, u: float) -> float:
 def voltage_bound(numbers: Curve) -> float:
     """Return a junction voltage at which no current is left: above the open circuit's. [V]"""
     light, saturation, a, _, _ = numbers
+    # The shunt is neglected, so this is above the open-circuit voltage
     return a * math.log1p(light / saturation) if saturation > 0.0 else 0.0
 
 
@@ -133,37 +123,25 @@ def power_slope(numbers: Curve, u: float) -> float:
     _, saturation, a, resistance, shunt = numbers
     current = junction_current(numbers, u)
     slope = -saturation / a * math.exp(u / a) - shunt
+    # d/du of (u - I R) I
     return current + (u - 2.0 * resistance * current) * slope
 
 
 def find_max_power(panel: SolarArrayModel, irradiance: float) -> tuple[float, float]:
-    """
-    Return the point of largest power in some light.
-
-    Parameters
-    ----------
-    panel : Panel
-        The array.
-    irradiance : float
-        Radiant power on its plane by area. [W/m2]
-
-    Returns
-    -------
-    tuple of float
-        Voltage [V] and current [A]; zeros in the dark.
-
-    """
+    """Return voltage [V] and current [A] of maximum power at an irradiance [W/m2], or zeros."""
     if irradiance <= 0.0 or panel.light <= 0.0:
         return 0.0, 0.0
     numbers = compute_curve(panel, irradiance)
     low, high = 0.0, voltage_bound(numbers)
     for _ in range(STEPS):
         u = 0.5 * (low + high)
+        # Below the maximum the power still rises
         if power_slope(numbers, u) > 0.0:
             low = u
         else:
             high = u
     current = junction_current(numbers, low)
+    # Terminal voltage: junction voltage less the drop in the series resistance
     return low - numbers[3] * current, current
 
 
@@ -183,4 +161,5 @@ def current_at_voltage(panel: SolarArrayModel, irradiance: float, voltage: float
             low = u
         else:
             high = u
+    # No reverse current: the charger blocks it
     return max(0.0, junction_current(numbers, high))

@@ -1,8 +1,7 @@
 """
-Light that is no beacon's: from all sides alike, a steady part and the flicker of the mains.
+Ambient light, the same from all sides: a steady part and mains flicker.
 
-Lamps on the mains flicker at twice its frequency, and at multiples of that as their light does not
-follow the voltage's square.
+Mains lamps flicker at twice the mains frequency and at its multiples.
 """
 
 from dataclasses import dataclass
@@ -16,7 +15,7 @@ from lta_model.light.light_checks import require, require_efficacy, require_lux
 @dataclass(frozen=True, slots=True)
 class Ambient:
     """
-    Light that is not the lamps', the same from all sides.
+    Ambient light, the same from all sides.
 
     Parameters
     ----------
@@ -25,14 +24,12 @@ class Ambient:
     steady : float
         Mean illuminance. [lx]
     mains : float
-        Amplitude of the flicker of lamps on the mains; with its harmonics at most `steady`. [lx]
-    mains_frequency : float
-        Frequency of that flicker, twice that of the mains. [Hz]
-    mains_phase : float
-        Its phase at time zero. [cycles]
+        Amplitude of the mains flicker; with its harmonics at most `steady`. [lx]
+    mains_frequency, mains_phase : float
+        Frequency of that flicker, twice that of the mains [Hz], and its phase at time zero
+        [cycles].
     mains_harmonics : tuple of float
-        Amplitudes at twice the frequency of the flicker, three times and so on, as parts of
-        `mains`, all in phase with it.
+        Amplitudes at two, three, ... times that frequency relative to `mains`, in phase with it.
 
     """
 
@@ -44,7 +41,7 @@ class Ambient:
     mains_harmonics: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        """Refuse negative or endless light."""
+        """Refuse negative or infinite light."""
         require_efficacy(self.efficacy)
         require_lux('The ambient light', self.steady)
         require(
@@ -53,6 +50,7 @@ class Ambient:
             'part of it from 0 to 1.',
         )
         require(
+            # The sum must not become negative at any time of the flicker
             0.0 <= self.mains <= self.steady / (1.0 + sum(self.mains_harmonics)),
             f'The mains flicker by {self.mains} lx around {self.steady} lx; give an amplitude '
             'from 0 to that mean, harmonics included.',

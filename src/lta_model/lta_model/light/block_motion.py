@@ -1,10 +1,8 @@
 """
-What the photodiodes of a vehicle read on its way through a block of samples.
+Compute the photodiode readings of a moving vehicle during a block of samples.
 
-Direct light is taken at every pose on the way, past the vehicle's own hull; what is gathered from
-all around (`lta_model.light.ray_integration`) at the two ends alone, and between them it is taken
-to change evenly.
-
+Direct light is computed at every pose, with shading by the vehicle's own hull; indirect light
+(`lta_model.light.ray_integration`) only at both ends, with linear interpolation between them.
 Plain functions of numbers and arrays, which compile.
 """
 
@@ -30,12 +28,14 @@ DIRECT = 0.5  # rad: wider than this the disc of a lamp is never seen from a veh
 def unobstructed_light(
     s: SceneGeometry, lamp: LampBeam, point: Vector
 ) -> tuple[float, Vector, float]:
-    """Return the direct light on a facing plane [lx], the way to it, and its half width [rad]."""
+    """Return the direct light on a facing plane [lx], its direction, and its half width [rad]."""
     light, towards = direct_light(lamp, point)
     x, y, z = lamp.x - point[0], lamp.y - point[1], lamp.z - point[2]
     distance = math.sqrt(x * x + y * y + z * z)
     if light == 0.0 or not is_path_clear(s, point, towards, distance):
+        # The width is not used without light; any positive one avoids a division by zero
         return 0.0, towards, DIRECT
+    # Half the angular width of the lamp's disc, as seen from the point
     return light, towards, min(math.sqrt(lamp.square) / distance, DIRECT)
 
 
@@ -51,26 +51,20 @@ def add_direct_readings(
     first: int,
 ) -> None:
     """
-    Add what each diode reads directly of each lamp to some rows of a table.
+    Add each diode's reading of each lamp's direct light to rows of a table.
 
     Parameters
     ----------
-    s : Surround
-        The scene.
     lamps : ndarray, shape (l, 11), or tuples
-        A row each in the order of `LampBeam`.
-    eye : Eye
-        Of the diodes.
+        Rows in the order of `LampBeam`.
     hull : tuple of float
         Half axes of the hull. [m]
     position, q : tuple of float
-        Of the hull. [m, map]
+        Pose of the hull. [m, map]
     planes : ndarray, shape (d, 6), or tuples
-        Points [m] and unit axes, body frame.
+        Points [m] and unit axes of the diodes, body frame.
     out : ndarray, shape (r, d)
-        From row `first` on, a row a lamp while it is on. [lx]
-    first : int
-        Which.
+        From row `first` on, a row for each lamp while it is on. [lx]
 
     """
     r = rotation_matrix(q)
@@ -84,6 +78,7 @@ def add_direct_readings(
             if light > 0.0:
                 way = to_body(r, towards)
                 part = angular_response(eye, axis, way)
+                # Shading by the hull is computed only for light that the diode sees
                 if part > 0.0:
                     out[first + k, i] += light * part * visible_fraction(hull, spot, way, width)
 
@@ -103,7 +98,7 @@ def write_pose_readings(
     mains: Array,
 ) -> None:
     """
-    Write what each diode reads at several poses, one after the other.
+    Write each diode's readings at several poses.
 
     Parameters
     ----------
@@ -112,10 +107,9 @@ def write_pose_readings(
     poses : ndarray, shape (k, 7)
         Position [m] and quaternion x y z w, body -> map.
     before, later : ndarray, shape (LAMPS + l, d)
-        What was gathered at the first and at the last of them.
+        Indirect light at the first and at the last pose.
     ambient : tuple of float
-        The ambient light and the amplitude of its flicker [lx], and how many lux of it are worth
-        one of daylight.
+        Ambient light, amplitude of its flicker [lx], and lux of it that equal one lux of daylight.
     modulated : ndarray, shape (l, k, d)
         Light of each lamp while it is on. [lx]
     steady, mains : ndarray, shape (k, d)
@@ -123,6 +117,7 @@ def write_pose_readings(
 
     """
     for k in range(len(poses)):
+        # Position in the block, 0 to 1
         part = k / max(len(poses) - 1, 1)
         for i in range(len(planes)):
             share = before[SHARE, i] + part * (later[SHARE, i] - before[SHARE, i])
@@ -130,6 +125,7 @@ def write_pose_readings(
             steady[k, i] = ambient[0] * share + ambient[2] * day
             mains[k, i] = ambient[1] * share
             for lamp in range(len(lamps)):
+                # Indirect light of the lamp, interpolated between the two ends
                 echo = later[LAMPS + lamp, i] - before[LAMPS + lamp, i]
                 modulated[lamp, k, i] = before[LAMPS + lamp, i] + part * echo
         position = (poses[k, 0], poses[k, 1], poses[k, 2])

@@ -1,9 +1,9 @@
 """
-A clock that is off: by a constant part, and by one that grows.
+Clock error with a constant offset and a drift.
 
 With the nominal frequency f, offset o and drift d the wave's phase after t is f ((1 + o) t + d t^2
 / 2). Around a time t0 that is a wave of the frequency f (1 + o + d t0) whose phase at time zero is
-less by f d t0^2 / 2; the rest of d t^2, some 1e-8 of a cycle in 0.1 s at 1 ppm/s, is left out.
+less by f d t0^2 / 2; the rest of d t^2, some 1e-8 of a cycle in 0.1 s at 1 ppm/s, is neglected.
 """
 
 from dataclasses import dataclass, replace
@@ -25,7 +25,7 @@ class DriftingClock:
     drift: float = 0.0
 
     def __post_init__(self) -> None:
-        """Refuse what is no clock."""
+        """Refuse an impossible clock error."""
         require(
             abs(self.offset) <= MOST_OFFSET,
             f'The clock is off by {1e6 * self.offset:g} ppm; give at most {1e6 * MOST_OFFSET:g}.',
@@ -36,13 +36,15 @@ class DriftingClock:
         )
 
     def distort_wave(self, wave: SquareWave, time: int) -> SquareWave:
-        """Return a wave that this clock times, as it is around a time. [ns]"""
+        """Return a wave as timed by this clock around a time. [ns]"""
         if self.offset == 0.0 and self.drift == 0.0:
             return wave
         seconds = time / NANOSECONDS
         return replace(
             wave,
+            # Instantaneous frequency at that time
             frequency=wave.frequency * (1.0 + self.offset + self.drift * seconds),
+            # Keeps the phase continuous at that time
             phase=wave.phase - 0.5 * wave.frequency * self.drift * seconds * seconds,
         )
 

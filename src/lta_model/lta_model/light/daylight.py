@@ -1,9 +1,9 @@
 """
 Light of sun and sky over level ground.
 
-The sky is as bright everywhere, the ground throws back its part of what falls on it, and the sun
-is a small disc. On a plane that faces it the sun alone gives up to some 100 klx, a clear sky 10 to
-20 klx on level ground; daylight has 105 lm/W (all from memory).
+The sky is uniformly bright, the ground reflects its albedo, and the sun is a small disc. The sun
+gives up to some 100 klx on a facing plane, a clear sky 10 to 20 klx on level ground; daylight has
+105 lm/W (all from memory).
 """
 
 from dataclasses import dataclass
@@ -23,12 +23,10 @@ class Daylight:
 
     Parameters
     ----------
-    sun : float
-        Illuminance by the sun on a plane that faces it. [lx]
+    sun, sky : float
+        Illuminance by the sun on a facing plane, and by the sky on level ground. [lx]
     azimuth, elevation : float
-        Where it stands: from map x towards y, and over the horizon. [rad]
-    sky : float
-        Illuminance by the sky on level ground. [lx]
+        Of the sun: from map x towards y, and above the horizon. [rad]
     ground : float
         Albedo of the ground, 0 to below 1.
     efficacy : float
@@ -44,7 +42,7 @@ class Daylight:
     efficacy: float
 
     def __post_init__(self) -> None:
-        """Refuse what no day has."""
+        """Refuse impossible daylight."""
         require_lux('The light of the sun', self.sun)
         require_lux('The light of the sky', self.sky)
         require_efficacy(self.efficacy)
@@ -61,6 +59,7 @@ class Daylight:
     @property
     def sun_direction(self) -> Vector:
         """Unit vector to the sun. [map]"""
+        # Horizontal component of the unit vector
         level = math.cos(self.elevation)
         return (
             level * math.cos(self.azimuth),
@@ -71,4 +70,5 @@ class Daylight:
     @property
     def ground_illuminance(self) -> float:
         """Illuminance of level ground. [lx]"""
+        # Lambert's cosine law on level ground
         return self.sun * math.sin(self.elevation) + self.sky

@@ -1,13 +1,12 @@
 """
-All light of a scene.
+All light of a scene, in the map frame.
 
-Map frame. On each small plane lie
+On each small plane falls
 
-- the direct light of each lamp, by the inverse square (`first_lamp`), and its echo from the
-surfaces of
-  a room, the first by place and the rest from all sides (`gather`, `room`): it flickers;
-- ambient light, from all sides: a steady part and the flicker of the mains (`ambient`);
-- sun and sky (`daylight`), over all of the scene or beyond a door (`outside`).
+- the direct light of each lamp by the inverse square, and its reflections from a room
+  (`ray_integration`, `room`): modulated;
+- ambient light from all sides: a steady part and mains flicker (`ambient`);
+- sun and sky (`daylight`), over the whole scene or beyond a door (`outside`).
 
 Lux over the luminous efficacy of the light (white LED 300 lm/W, sun 105) is irradiance.
 """
@@ -35,16 +34,16 @@ class LightField:
 
     Parameters
     ----------
-    lamps : tuple of Lamp
+    lamps : tuple of BeaconLamp
         The beacons, at least one.
     ambient : Ambient
         Light from all sides; in the room only, where there is an outside.
     room : Room or None
-        What reflects around the lamps; None where nothing does.
+        Reflecting surfaces around the lamps.
     daylight : Daylight or None
-        Over all of the scene, through whatever surrounds it.
-    outside : Outside or None
-        What is beyond a door of the room.
+        Over the whole scene.
+    outside : OutdoorArea or None
+        The area beyond a door of the room.
 
     """
 
@@ -55,7 +54,7 @@ class LightField:
     outside: OutdoorArea | None = None
 
     def __post_init__(self) -> None:
-        """Refuse a scene without a lamp, and a door to nowhere."""
+        """Refuse a scene without a lamp, and a door that does not fit."""
         require(len(self.lamps) > 0, 'The scene has no lamp; give one.')
         door = self.outside
         if door is None:
@@ -67,6 +66,7 @@ class LightField:
         )
         _, width, height = self.room.size if self.room is not None else (0.0, 0.0, 0.0)
         require(
+            # The whole door must lie in the wall at the high end of x
             abs(door.middle) + 0.5 * door.width <= 0.5 * width and door.height <= height,
             f'The door of {door.width:g} by {door.height:g} m at y = {door.middle:g} m does not '
             f'fit into a wall of {width:g} by {height:g} m; move it or make it smaller.',

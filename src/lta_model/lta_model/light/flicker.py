@@ -1,13 +1,11 @@
 """
-The waves of lamps and mains at the samples of a converter.
+Waves of lamps and mains at the samples of a converter.
 
-A lamp rises and falls as one pole whose 10 to 90 % time is `BeaconLamp.rise`; the amplifier behind
-it is
-another. With the answers y1, y2 of the two poles alone to the square wave, both together give
+A lamp rises and falls as one pole whose 10 to 90 % time is `BeaconLamp.rise`; the amplifier is
+another. With the responses y1, y2 of the two poles alone to the square wave, both together give
 (t1 y1 - t2 y2) / (t1 - t2).
 
-With frequencies of few digits there are few times from which a wave looks different, and it is
-computed once for each.
+With frequencies of few digits a wave repeats after few starts, and is computed once for each.
 """
 
 from dataclasses import dataclass
@@ -30,17 +28,7 @@ APART = 1e-3  # two poles nearer to each other than this part are moved apart
 @final
 @dataclass(frozen=True, slots=True)
 class BlockSampling:
-    """
-    The samples of a block.
-
-    Parameters
-    ----------
-    rate : float
-        Samples a second, by a right clock. [Hz]
-    samples : int
-        In a block.
-
-    """
+    """Sample rate by an exact clock [Hz], and number of samples in a block."""
 
     rate: float
     samples: int
@@ -48,6 +36,7 @@ class BlockSampling:
     def sample_offsets(self) -> NDArray[np.int64]:
         """Return the times of the samples after the start, with one sample before it. [ns]"""
         times: NDArray[np.int64] = np.rint(
+            # From -1: the first sample needs the state of the low pass before it
             np.arange(-1, self.samples) * (NANOSECONDS / self.rate)
         ).astype(np.int64)
         return times
@@ -63,30 +52,23 @@ def sample_lamp_wave(
     """
     Return a lamp's wave behind the amplifier's pole, from one sample before the start on.
 
-    Parameters
-    ----------
-    lamp : Lamp
-        The lamp.
-    start : int
-        Time of the first sample. [ns]
-    sampling : Sampling
-        The samples.
-    time_constant : float
-        Of the amplifier. [s]
-    shaken : ndarray of float64, shape (n,), optional
-        By how much each sample is late. [s]
-
+    `start` is the time of the first sample [ns], `time_constant` the amplifier's [s], `shaken` the
+    delay of each sample by jitter, shape (n,) [s].
     """
     wave = lamp.clock.distort_wave(lamp.wave, start)
     times = start + sampling.sample_offsets()
     if shaken is not None:
+        # Not times[0], which belongs to the block before
         times[1:] += np.rint(shaken * NANOSECONDS).astype(np.int64)
     behind = wave.sample_filtered(times, time_constant)
     if not lamp.rise:
         return behind
+    # Time constant of the lamp's own pole
     own = lamp.rise / TEN_TO_NINETY
     if abs(own / time_constant - 1.0) < APART:
+        # Equal poles would divide by zero in the sum below
         own = time_constant * (1.0 + APART)
+    # Partial fractions of two poles in series
     return (own * wave.sample_filtered(times, own) - time_constant * behind) / (
         own - time_constant
     )
@@ -95,6 +77,7 @@ def sample_lamp_wave(
 def sample_mains_wave(ambient: Ambient, start: int, sampling: BlockSampling) -> Array:
     """Return the mains' flicker at the samples of a block, shape (n,); the fundamental's is 1."""
     times = start + sampling.sample_offsets()[1:]
+    # Angle of the fundamental at each sample [rad]
     turn = 2.0 * math.pi * phase_in_cycles(times, ambient.mains_frequency, ambient.mains_phase)
     values: Array = np.sin(turn)
     for k, part in enumerate(ambient.mains_harmonics):
@@ -103,7 +86,8 @@ def sample_mains_wave(ambient: Ambient, start: int, sampling: BlockSampling) -> 
 
 
 def repeat_period(frequency: float) -> int:
-    """Return after how many whole nanoseconds a wave looks the same again. [ns]"""
+    """Return after how many whole nanoseconds a wave repeats. [ns]"""
+    # Exact: the shortest integer time that holds a whole number of periods
     top, bottom = frequency.as_integer_ratio()
     bottom *= NANOSECONDS
     return bottom // math.gcd(top, bottom)
@@ -111,21 +95,7 @@ def repeat_period(frequency: float) -> int:
 
 @final
 class FlickerWaves:
-    """
-    The waves of all lamps and of the mains, block by block.
-
-    Parameters
-    ----------
-    lamps : tuple of Lamp
-        The lamps.
-    ambient : Ambient
-        The mains.
-    sampling : Sampling
-        The samples of a block.
-    time_constant : float
-        Of the amplifier. [s]
-
-    """
+    """Waves of all lamps and of the mains, block by block; `time_constant` in s."""
 
     def __init__(
         self,
@@ -139,27 +109,17 @@ class FlickerWaves:
         frequencies = *(lamp.wave.frequency for lamp in lamps), ambient.mains_frequency
         self._turns = tuple(map(repeat_period, frequencies))
         self._steady = all(lamp.clock == RIGHT for lamp in lamps)
+        # Waves repeat after few starts; a cache on the instance, so that it dies with it
         self._kept = lru_cache(maxsize=64)(self._compute_waves)
 
     def sample_block(self, start: int, shaken: Array | None = None) -> tuple[Array, Array]:
         """
-        Return the waves of a block.
+        Return the waves of a block; see `sample_lamp_wave` and `sample_mains_wave`.
 
-        Parameters
-        ----------
-        start : int
-            Time of the first sample. [ns]
-        shaken : ndarray of float64, shape (n,), optional
-            By how much each sample is late. [s]
-
-        Returns
-        -------
-        lamps : ndarray of float64, shape (l, n + 1)
-            See `sample_lamp_wave`.
-        mains : ndarray of float64, shape (n,)
-            See `sample_mains_wave`.
-
+        `start` is the time of the first sample [ns], `shaken` the delay of each sample [s]. The
+        lamps have shape (l, n + 1), the mains (n,).
         """
+        # Drift or jitter make each block different, so caching would not help
         if shaken is None and self._steady:
             return self._kept(tuple(start % turn for turn in self._turns))
         return self._compute_waves((start,) * len(self._turns), shaken)
@@ -167,7 +127,7 @@ class FlickerWaves:
     def _compute_waves(
         self, starts: tuple[int, ...], shaken: Array | None = None
     ) -> tuple[Array, Array]:
-        """Return the waves from a start each."""
+        """Return the waves, each from its own start."""
         sampling, behind = self._sampling, self._time_constant
         lamps = zip(self._lamps, starts[:-1], strict=True)
         waves = [sample_lamp_wave(lamp, start, sampling, behind, shaken) for lamp, start in lamps]

@@ -1,8 +1,8 @@
 """
-Select the feedback resistor for a scene's light, as a person does before the flight.
+Select the feedback resistor for a scene's light, as an operator does before the flight.
 
-By the steady light on the ring as it stands in the open or, in a scene with a door, beyond it. Who
-selects it tells the drone as well: it could not say how bright a lamp is otherwise.
+By the steady light on the ring, in the room or, in a scene with a door, beyond it. The drone knows
+the selection: it needs it to interpret the strength of a lamp.
 """
 
 from lta_model.hull import half_axes
@@ -17,28 +17,25 @@ ABOVE = 1.0  # m over the ground, where the steady light is evaluated
 
 def select_diode_gain(field: LightField, vehicle: Vehicle) -> PhotodiodeArray:
     """Return the diodes of a vehicle with the resistor for the light of a scene."""
+    # Nothing to select
     if len(vehicle.diodes.resistors) < 2:
         return vehicle.diodes
     x = 0.0
     if field.outside is not None and field.room is not None:
+        # Outside of the door, clear of the wall by the hull and a metre
         x = field.room.size[0] / 2 + 2.0 * max(half_axes(vehicle.file.hull)) + ABOVE
     pose = (x, 0.0, ABOVE, 0.0, 0.0, 0.0, 1.0)
     light = LightView(field, vehicle).compute_illuminance([pose])
+    # Brightest diode, at the crest of the flicker
     lux = float((light.steady + light.mains).max())
     return vehicle.diodes.select_resistor(lux / field.ambient.efficacy)
 
 
 def read_gain_scale(scenario: str, vehicle: str) -> float:
     """
-    Return what a diode reads in a scenario over what it would by the largest resistor. [1]
+    Return a diode's reading in a scenario relative to that with the largest resistor. [1]
 
-    Parameters
-    ----------
-    scenario : str
-        Name or path; 1 without one.
-    vehicle : str
-        Name or path.
-
+    Scenario and vehicle are names or paths; 1 without a scenario.
     """
     if not scenario:
         return 1.0

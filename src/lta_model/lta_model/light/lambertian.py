@@ -1,8 +1,8 @@
 """
 Compute a lamp's direct light with plain functions of numbers.
 
-The same light as `lta_model.light.lamp.direct_illuminance`, which takes whole arrays and says what
-is behind it; this one serves what looks at few planes many times, and compiles.
+The same light as `lta_model.light.lamp.direct_illuminance`, which takes whole arrays and documents
+the model; this form is for few planes many times, and compiles.
 """
 
 import math
@@ -26,7 +26,7 @@ class LampBeam(NamedTuple):
     Attributes
     ----------
     x, y, z : float
-        Its place. [m, map]
+        Position. [m, map]
     i, j, k : float
         Unit axis. [map]
     intensity : float
@@ -35,10 +35,8 @@ class LampBeam(NamedTuple):
         Lambertian order.
     square : float
         Square of its radius. [m2]
-    diffuse : float
-        What the room throws back, as if it were the same everywhere. [lx]
-    beyond : float
-        Of that what has been thrown back more than once. [lx]
+    diffuse, beyond : float
+        Reflected light, taken as uniform: in total, and reflected more than once. [lx]
 
     """
 
@@ -56,25 +54,17 @@ class LampBeam(NamedTuple):
 
 
 class DiodeResponse(NamedTuple):
-    """
-    How a photodiode's reading falls off with the angle between light and axis.
-
-    Attributes
-    ----------
-    exponent : float
-        Of the cosine.
-    least : float
-        Cosine at the edge of the field of view; nothing beyond it is seen.
-
-    """
+    """Angular response of a photodiode: exponent of the cosine, cosine at the edge of the view."""
 
     exponent: float
     least: float
 
 
 def build_beam(lamp: BeaconLamp, room: Room | None = None, thrown: float = 0.0) -> LampBeam:
-    """Return a lamp, of whose light the surfaces of a room throw back so much at once. [lm]"""
+    """Return a lamp as numbers; `thrown` is its flux reflected once by a room [lm]."""
+    # Integrating sphere: the sum over all further reflections
     diffuse = 0.0 if room is None else thrown / (room.surface_area * (1.0 - room.mean_albedo))
+    # All but the first reflection
     beyond = 0.0 if room is None else diffuse * room.mean_albedo
     place, axis = lamp.position, lamp.direction
     return LampBeam(*place, *axis, lamp.intensity, lamp.order, lamp.radius**2, diffuse, beyond)
@@ -82,41 +72,32 @@ def build_beam(lamp: BeaconLamp, room: Room | None = None, thrown: float = 0.0) 
 
 def direct_light(lamp: LampBeam, point: Vector) -> tuple[float, Vector]:
     """
-    Return the direct light of a lamp on a plane that faces it, and the direction to it.
+    Return the light [lx] of a lamp on a facing plane at a point, and the unit vector to it. [map]
 
-    Parameters
-    ----------
-    lamp : Beam
-        The lamp.
-    point : tuple of float
-        Where. [m, map]
-
-    Returns
-    -------
-    light : float
-        Illuminance while the lamp is on. [lx]
-    towards : tuple of float
-        Unit vector from the point to the lamp, zeros at the lamp itself. [map]
-
+    The vector is zero at the lamp itself.
     """
     x, y, z = lamp.x - point[0], lamp.y - point[1], lamp.z - point[2]
     squared = x * x + y * y + z * z
+    # Distance times the cosine at the lamp
     leaving = -(x * lamp.i + y * lamp.j + z * lamp.k)
     if squared == 0.0:
         return 0.0, (0.0, 0.0, 0.0)
     distance = math.sqrt(squared)
     towards = (x / distance, y / distance, z / distance)
+    # Behind the lamp
     if leaving <= 0.0:
         return 0.0, towards
     cosine = leaving / distance
     if lamp.order != 1.0:  # skip the power function for order 1
         cosine = cosine**lamp.order
+    # Inverse square with the radius of the disc, finite at the lamp
     return lamp.intensity * cosine / (squared + lamp.square), towards
 
 
 def angular_response(eye: DiodeResponse, axis: Vector, towards: Vector) -> float:
-    """Return which part of the light from a direction a diode with an axis reads. [1]"""
+    """Return the share of the light from a direction that a diode with an axis reads. [1]"""
     cosine = axis[0] * towards[0] + axis[1] * towards[1] + axis[2] * towards[2]
+    # Outside of the field of view, or behind the diode
     if cosine <= eye.least or cosine <= 0.0:
         return 0.0
     part: float = cosine**eye.exponent
@@ -124,30 +105,13 @@ def angular_response(eye: DiodeResponse, axis: Vector, towards: Vector) -> float
 
 
 def plane_illuminance(lamp: LampBeam, point: Vector, normal: Vector) -> float:
-    """
-    Return the light of the lamp on a small plane while it is on, the room's echo included.
-
-    Parameters
-    ----------
-    lamp : Beam
-        The lamp.
-    point : tuple of float
-        Where. [m, map]
-    normal : tuple of float
-        Unit normal of the plane. [map]
-
-    Returns
-    -------
-    float
-        Illuminance. [lx]
-
-    """
+    """Return the light [lx] of a lamp on a small plane while it is on, reflections included."""
     light, towards = direct_light(lamp, point)
     return light * angular_response(DiodeResponse(1.0, 0.0), normal, towards) + lamp.diffuse
 
 
 def direct_reading(lamp: LampBeam, eye: DiodeResponse, point: Vector, axis: Vector) -> float:
-    """Return what a diode reads of the direct light of a lamp while it is on. [lx]"""
+    """Return a diode's reading of a lamp's direct light while it is on. [lx]"""
     light, towards = direct_light(lamp, point)
     return light * angular_response(eye, axis, towards)
 

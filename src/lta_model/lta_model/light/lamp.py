@@ -35,10 +35,8 @@ class BeaconLamp:
 
     Parameters
     ----------
-    position : tuple of 3 floats
-        Centre of the emitting disc. [m, map]
-    axis : tuple of 3 floats
-        Direction of the beam's middle, of any length but zero. [map]
+    position, axis : tuple of 3 floats
+        Centre of the emitting disc [m], and direction of the beam, of any length but zero. [map]
     flux : float
         Luminous flux while on. [lm]
     wave : SquareWave
@@ -51,8 +49,8 @@ class BeaconLamp:
         Radius of the emitting disc, which bounds the light close by. [m]
     rise : float
         Time from 10 % to 90 % of its light at switching on, and back at switching off. [s]
-    clock : Clock
-        How wrong its flicker is timed.
+    clock : DriftingClock
+        Timing error of its flicker.
 
     """
 
@@ -67,7 +65,7 @@ class BeaconLamp:
     clock: DriftingClock = RIGHT
 
     def __post_init__(self) -> None:
-        """Refuse what cannot shine."""
+        """Refuse an impossible lamp."""
         numbers = (*self.position, *self.axis, self.flux, self.order, self.radius, self.rise)
         require(
             all(map(math.isfinite, numbers)),
@@ -80,6 +78,7 @@ class BeaconLamp:
         require(self.flux >= 0.0, f'The lamp has a flux of {self.flux} lm; give 0 or more.')
         require(self.order > 0.0, f'The lamp has the order {self.order}; give one above 0.')
         require(self.radius > 0.0, f'The lamp has a radius of {self.radius} m; make it positive.')
+        # The lamp must reach full light within each phase of its period
         shortest = min(self.wave.duty, 1.0 - self.wave.duty) / self.wave.frequency
         require(
             0.0 <= self.rise <= shortest,
@@ -91,6 +90,7 @@ class BeaconLamp:
     @property
     def intensity(self) -> float:
         """Luminous intensity on the axis while on. [cd]"""
+        # Integrates to the flux over the half space
         return (self.order + 1.0) / (2.0 * math.pi) * self.flux
 
     @property
@@ -103,30 +103,15 @@ class BeaconLamp:
 
 def direct_illuminance(lamp: BeaconLamp, points: Array, normals: Array) -> Array:
     """
-    Return the illuminance by the lamp alone, while it is on, without any reflection.
+    Return the illuminance by the lamp alone while it is on, without reflections. [lx]
 
-    Parameters
-    ----------
-    lamp : Lamp
-        The lamp.
-    points : ndarray of float64, shape (..., 3)
-        Where. [m, map]
-    normals : ndarray of float64, shape (..., 3)
-        Unit normals of the planes lit. [map]
-
-    Returns
-    -------
-    ndarray of float64, shape (...)
-        Illuminance, zero behind the lamp and behind the plane. [lx]
-
-    Notes
-    -----
-    The distance enters as d^2 + radius^2: exact on the axis of a Lambertian disc, and finite
-    where a drone touches the lamp.
-
+    `points` [m] and unit `normals` of the planes are in `map`, shape (..., 3). The result is zero
+    behind lamp and plane. The distance enters as d^2 + radius^2: exact on the axis of a Lambertian
+    disc, and finite at the lamp.
     """
     ray = points - np.array(lamp.position)
     squared = np.einsum('...k,...k->...', ray, ray)
+    # The tiny summand avoids 0 / 0 at the lamp itself
     distance = np.sqrt(squared) + np.finfo(np.float64).tiny
     leaving = np.maximum(ray @ np.array(lamp.direction) / distance, 0.0) ** lamp.order
     arriving = np.maximum(-np.einsum('...k,...k->...', ray, normals) / distance, 0.0)

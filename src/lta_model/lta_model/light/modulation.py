@@ -21,30 +21,14 @@ def phase_in_cycles(
     times: NDArray[np.int64], frequency: float, phase: float = 0.0
 ) -> NDArray[np.float64]:
     """
-    Return how far into its period a periodic signal is.
+    Return the position within the period, in [0, 1), at int64 times [ns], at least one. [cycles]
 
-    Parameters
-    ----------
-    times : ndarray of int64, shape (n,)
-        Times, at least one. [ns]
-    frequency : float
-        Frequency. [Hz]
-    phase : float
-        Position in the period at time zero. [cycles]
-
-    Returns
-    -------
-    ndarray of float64, shape (n,)
-        Position in the period, in [0, 1). [cycles]
-
-    Notes
-    -----
-    Only differences to the first time are multiplied in floating point: over a span of one second
-    the error is some 1e-14 of the cycles in it.
-
+    `phase` is the position at time zero. Only differences to the first time are multiplied in
+    floating point: over a span of one second the error is some 1e-14 of the cycles in it.
     """
     top, bottom = frequency.as_integer_ratio()
     bottom *= NANOSECONDS
+    # Exact integer arithmetic, whatever the age of the clock
     start = (int(times[0]) * top % bottom) / bottom + phase
     position: NDArray[np.float64] = (start + (times - times[0]) * (frequency / NANOSECONDS)) % 1.0
     # A tiny negative position is rounded up to one whole cycle by the modulo.
@@ -61,9 +45,9 @@ class SquareWave:
     Parameters
     ----------
     frequency : float
-        Frequency, positive. [Hz]
+        Positive. [Hz]
     duty : float
-        Part of the period that it is on, between 0 and 1, both excluded.
+        Share of the period that it is on, between 0 and 1, both excluded.
     phase : float
         Position in the period at time zero. [cycles]
 
@@ -74,7 +58,7 @@ class SquareWave:
     phase: float = 0.0
 
     def __post_init__(self) -> None:
-        """Refuse what is not a wave."""
+        """Refuse an invalid wave."""
         if not (math.isfinite(self.frequency) and self.frequency > 0.0):
             raise BadInput(f'The lamp flickers at {self.frequency} Hz; give a positive frequency.')
         if not 0.0 < self.duty < 1.0:
@@ -120,9 +104,12 @@ class SquareWave:
         """
         position = self.phase_in_cycles(times)
         rate = 1.0 / (self.frequency * time_constant)
+        # expm1 keeps the digits for long time constants
         whole = -math.expm1(-rate)
+        # Distance from 1 at the rising edge, and from 0 at the falling edge, in the periodic state
         missing = -math.expm1(-rate * (1.0 - self.duty)) / whole
         left = -math.expm1(-rate * self.duty) / whole
         on = position < self.duty
+        # Since the last edge
         decay = np.exp(-rate * np.where(on, position, position - self.duty))
         return np.where(on, 1.0 - missing * decay, left * decay)

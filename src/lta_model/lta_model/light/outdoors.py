@@ -19,7 +19,7 @@ class OutdoorArea:
     Parameters
     ----------
     daylight : Daylight
-        Light out there.
+        Light outdoors.
     middle : float
         Middle of the door along map y. [m]
     width, height : float
@@ -33,7 +33,7 @@ class OutdoorArea:
     height: float
 
     def __post_init__(self) -> None:
-        """Refuse what is no door."""
+        """Refuse an impossible door."""
         require(
             math.isfinite(self.middle) and self.width > 0.0 and self.height > 0.0,
             f'The door is {self.width} m wide and {self.height} m high; make both positive.',

@@ -1,7 +1,7 @@
 """
-The light on the solar panel of a vehicle, its own hull's shade included.
+Compute the light on a vehicle's solar panel, with shading by its own hull.
 
-The hull hides lamps and the sun or not; of diffuse light it leaves a constant share at any pose.
+The hull may hide lamps and the sun; of diffuse light it leaves a constant share at any pose.
 """
 
 from typing import NamedTuple
@@ -24,12 +24,10 @@ class PanelPlane(NamedTuple):
     ----------
     hull : tuple of float
         Half axes of the hull. [m]
-    spot : tuple of float
-        Middle of the panel. [m, body]
-    normal : tuple of float
-        Where it looks, unit length. [body]
+    spot, normal : tuple of float
+        Middle [m] and unit normal of the panel, body frame.
     share : float
-        Part of light from all sides that the hull leaves. [1]
+        Share of light from all sides that the hull leaves. [1]
 
     """
 
@@ -40,8 +38,9 @@ class PanelPlane(NamedTuple):
 
 
 def build_panel_plane(hull: Vector, spot: Vector, normal: Vector) -> PanelPlane:
-    """Return a panel; the share is summed over the pencils of `lta_model.light.ray_bundles`."""
+    """Return a panel; the share is summed over the bundles of `lta_model.light.ray_bundles`."""
     free = whole = 0.0
+    # Directions of the body frame: the share is taken as the same at any attitude
     for size, half_height, up, out, *_ in RINGS:
         for c, d in PENCILS:
             way = (out * c, out * d, up)
@@ -67,19 +66,9 @@ def lamp_light_on_panel(
     plane: PanelPlane, s: SceneGeometry, lamp: LampBeam, position: Vector, q: Quaternion
 ) -> float:
     """
-    Return the light of a lamp on the panel while it is on, the room's echo included. [lx]
+    Return the light of a lamp on the panel while it is on, reflections included. [lx]
 
-    Parameters
-    ----------
-    plane : Plane
-        The panel.
-    s : Surround
-        The scene.
-    lamp : Beam
-        The lamp.
-    position, q : tuple of float
-        Of the hull. [m, map]
-
+    `position` [m] and `q` are those of the hull in `map`.
     """
     light, towards, width = unobstructed_light(s, lamp, panel_center(plane, position, q))
     if light > 0.0:
@@ -87,6 +76,7 @@ def lamp_light_on_panel(
         light *= incidence_cosine(plane, way) * visible_fraction(
             plane.hull, plane.spot, way, width
         )
+    # Diffuse light comes from all sides; the hull takes a constant share
     return light + plane.share * lamp.diffuse
 
 
@@ -97,12 +87,14 @@ def daylight_on_panel(
     r = rotation_matrix(q)
     point, normal = panel_center(plane, position, q), to_map(r, plane.normal)
     day = daylight_illuminance(s, point, normal)
+    # Only diffuse daylight is left
     if not is_sunlit(s, point):
         return plane.share * day
     way = to_body(r, (s.sun_x, s.sun_y, s.sun_z))
     sun = s.sun * incidence_cosine(plane, way)
     if sun <= 0.0:
         return plane.share * day
+    # `day` contains the sun; the hull hides it or not
     return plane.share * (day - sun) + sun * visible_fraction(
         plane.hull, plane.spot, way, SUN_RADIUS
     )

@@ -1,11 +1,9 @@
 """
-Compute the indirect light on a vehicle's photodiodes, including its own hull's shade.
+Compute the indirect light on a vehicle's photodiodes, with shading by its own hull.
 
-The light is integrated over the sphere, as the sum over ray bundles
-(`lta_model.light.ray_bundles`); light reflected more than once is uniform over the room.
-
-Plain functions of numbers and arrays, which compile. Left out: the shade that the hull throws on
-surfaces, and daylight that a room throws on.
+The light is integrated over the sphere as a sum over ray bundles (`lta_model.light.ray_bundles`);
+light reflected more than once is uniform over the room. Plain functions of numbers and arrays,
+which compile. Not modelled: the hull's shadow on surfaces, and daylight reflected by a room.
 """
 
 from lta_model.effects.protocol import Matrix3, Quaternion, Vector
@@ -46,10 +44,12 @@ def compute_ring_weights(
     for step in range(ROUND):
         c, d = scratch[COSINE + step], scratch[SINE + step]
         way = to_body(r, (ring[3] * c, ring[3] * d, ring[2]))
+        # Share of the bundle that the hull leaves free
         scratch[UNHIDDEN + step] = (
             fraction_past_hull(hull, spot, way, ring[1]) if hull[0] > 0.0 else 1.0
         )
         scratch[WEIGHT + step] = axis[0] * way[0] + axis[1] * way[1] + axis[2] * way[2]
+    # Separate loop: the power and the branches would stop the one above from vectorising
     used = False
     for step in range(ROUND):
         cosine, free = scratch[WEIGHT + step], scratch[UNHIDDEN + step]
@@ -72,7 +72,7 @@ def dot_rows(scratch: Scratch, a: int, b: int) -> float:
 
 
 def diodes_center(position: Vector, q: Quaternion, planes: Rows) -> Vector:
-    """Return the middle of the diodes, which sees what all of them see. [m, map]"""
+    """Return the middle of the diodes, from which rays are traced for all of them. [m, map]"""
     x, y, z = 0.0, 0.0, 0.0
     for i in range(len(planes)):
         x += planes[i][0] / len(planes)
@@ -95,10 +95,12 @@ def gather_indirect_light(
 ) -> None:
     """Write each diode's reading of all light except the lamps' direct light."""
     r, point = rotation_matrix(q), diodes_center(position, q, planes)
+    # The array is reused; sums start at zero
     for row in range(len(out)):
         for i in range(len(planes)):
             out[row, i] = 0.0
     write_azimuths(scratch)
+    # Rays are traced once from the middle of the diodes, and weighted for each diode
     for ring in RINGS:
         trace_ring(s, lamps, point, ring, scratch)
         for i in range(len(planes)):
@@ -110,6 +112,7 @@ def gather_indirect_light(
     if is_in_room(s, point[0], point[1], point[2]):
         for k in range(len(lamps)):
             for i in range(len(planes)):
+                # Second and further reflections: uniform over the room
                 out[LAMPS + k, i] += unpack_beam(lamps[k]).beyond * out[SHARE, i]
     if is_sunlit(s, point):
         way = to_body(r, (s.sun_x, s.sun_y, s.sun_z))

@@ -18,7 +18,7 @@ Vector = tuple[float, float, float]
 
 
 class Albedo(NamedTuple):
-    """Part of the light that floor, walls and ceiling throw back, each 0 to below 1."""
+    """Reflected share of the light on floor, walls and ceiling, each 0 to below 1."""
 
     floor: float
     walls: float
@@ -33,23 +33,13 @@ def uniform_albedo(albedo: float) -> Albedo:
 @final
 @dataclass(frozen=True, slots=True)
 class Room:
-    """
-    A box that stands on the floor around the origin of the map.
-
-    Parameters
-    ----------
-    size : tuple of 3 floats
-        Length, width and height. [m]
-    albedo : Albedo
-        Of its surfaces.
-
-    """
+    """A box on the floor around the map's origin: length, width and height [m], and albedo."""
 
     size: Vector
     albedo: Albedo
 
     def __post_init__(self) -> None:
-        """Refuse what is no room."""
+        """Refuse an impossible room."""
         require(
             all(math.isfinite(side) and side > 0.0 for side in self.size),
             f'The room measures {self.size} m; make every side positive.',
@@ -76,4 +66,5 @@ class Room:
 
     def diffuse_illuminance(self, flux: float) -> float:
         """Return the illuminance by light between the surfaces, by a flux on them in lm. [lx]"""
+        # Sum of the geometric series of reflections
         return flux * self.mean_albedo / (self.surface_area * (1.0 - self.mean_albedo))

@@ -1,9 +1,9 @@
 """
 Scene geometry for ray tracing: the surface that a ray hits, and whether a path is clear.
 
-Plain functions of numbers, which compile. A scene is a box that stands on the floor, with or
-without a door in its wall at the high end of x, and level ground beyond that door. A box without a
-door has no outside: its surfaces are the end of the world.
+Plain functions of numbers, which compile. A scene is a box on the floor, with or without a door in
+its wall at the high end of x, and level ground beyond that door. A box without a door has no
+outside.
 """
 
 import math
@@ -25,8 +25,7 @@ class SceneGeometry(NamedTuple):
     Attributes
     ----------
     x, y, height : float
-        Half length, half width and height of the room; nothing is reflected if the height is 0.
-        [m]
+        Half length, half width and height of the room; no room if the height is 0. [m]
     floor, walls, ceiling : float
         Albedos.
     middle, half_width, top : float
@@ -34,9 +33,9 @@ class SceneGeometry(NamedTuple):
     sun_x, sun_y, sun_z : float
         Unit vector to the sun. [map]
     sun : float
-        On a plane that faces it. [lx]
+        Illuminance by the sun on a facing plane. [lx]
     sky, ground : float
-        Luminance of the sky and of the ground under it, times pi. [lx]
+        Luminance of sky and ground, times pi. [lx]
     beyond : float
         Albedo of the ground beyond the door.
 
@@ -61,7 +60,7 @@ class SceneGeometry(NamedTuple):
 
 
 class RayHit(NamedTuple):
-    """Where a ray meets a surface, its normal towards the ray, and its albedo; 0 is the sky."""
+    """Point where a ray hits a surface, normal towards the ray, and albedo; 0 is the sky."""
 
     x: float
     y: float
@@ -100,6 +99,7 @@ def is_in_door(s: SceneGeometry, x: float, y: float, z: float) -> bool:
 
 def slab_crossing(low: float, high: float, at: float, step: float) -> tuple[float, float]:
     """Return between which distances a ray is between two planes. [m]"""
+    # Parallel to the planes: always between them, or never
     if step == 0.0:
         return (-FAR, FAR) if low <= at <= high else (FAR, -FAR)
     first, second = (low - at) / step, (high - at) / step
@@ -111,6 +111,7 @@ def box_crossing(s: SceneGeometry, point: Vector, u: Vector) -> tuple[float, flo
     a, b = slab_crossing(-s.x, s.x, point[0], u[0])
     c, d = slab_crossing(-s.y, s.y, point[1], u[1])
     e, f = slab_crossing(0.0, s.height, point[2], u[2])
+    # Slab method: inside the box while inside of all three pairs of planes
     return max(a, c, e), min(b, d, f)
 
 
@@ -118,6 +119,7 @@ def distance_to_wall(s: SceneGeometry, point: Vector, u: Vector) -> float:
     """Return at which distance a ray from within leaves the room's box. [m]"""
     t = FAR
     if u[0] != 0.0:
+        # From within, only the plane ahead matters
         t = (math.copysign(s.x, u[0]) - point[0]) / u[0]
     if u[1] != 0.0:
         t = min(t, (math.copysign(s.y, u[1]) - point[1]) / u[1])
@@ -127,35 +129,28 @@ def distance_to_wall(s: SceneGeometry, point: Vector, u: Vector) -> float:
 
 
 def is_path_clear(s: SceneGeometry, point: Vector, u: Vector, distance: float) -> bool:
-    """
-    Return whether the way from a point along a ray is free of the walls.
-
-    Parameters
-    ----------
-    s : Surround
-        The scene.
-    point, u : tuple of float
-        Where it begins [m, map] and its unit vector.
-    distance : float
-        How long it is. [m]
-
-    """
+    """Return whether a path from a point [m, map] along a unit vector is free of walls."""
+    # Without a door there is nothing outside, and a box is convex
     if s.top == 0.0:
         return True
     enter, leave = box_crossing(s, point, u)
+    # The path misses the box, or ends before it
     if enter > leave or leave <= NEAR or enter >= distance - NEAR:
         return True
     x, y, z = point
+    # From outside it must enter through the door
     if enter > NEAR and not is_in_door(s, x + enter * u[0], y + enter * u[1], z + enter * u[2]):
         return False
+    # From inside it must leave through the door
     if leave < distance - NEAR:
         return is_in_door(s, x + leave * u[0], y + leave * u[1], z + leave * u[2])
     return True
 
 
 def find_room_hit(s: SceneGeometry, point: Vector, u: Vector, t: float) -> RayHit:
-    """Return the room's surface from within, at the distance where a ray leaves it."""
+    """Return the room's surface at the distance t where a ray from within leaves it."""
     x, y, z = point[0] + t * u[0], point[1] + t * u[1], point[2] + t * u[2]
+    # The face that is nearest to the point is the one hit, whatever the rounding
     across, along = abs(abs(x) - s.x), abs(abs(y) - s.y)
     flat = min(abs(z), abs(s.height - z))
     if flat <= across and flat <= along:
@@ -169,8 +164,10 @@ def find_room_hit(s: SceneGeometry, point: Vector, u: Vector, t: float) -> RayHi
 
 def find_outdoor_hit(s: SceneGeometry, point: Vector, u: Vector) -> RayHit:
     """Return the ground beyond the door, or the sky."""
+    # Albedo 0 stands for the sky
     if u[2] >= 0.0 or s.top == 0.0:
         return RayHit(0.0, 0.0, FAR, 0.0, 0.0, 1.0, 0.0)
+    # Level ground at z = 0
     t = -point[2] / u[2]
     return RayHit(point[0] + t * u[0], point[1] + t * u[1], 0.0, 0.0, 0.0, 1.0, s.beyond)
 
@@ -198,21 +195,22 @@ def find_first_hit(s: SceneGeometry, point: Vector, u: Vector) -> tuple[RayHit, 
 
 
 def daylight_luminance(s: SceneGeometry, indoors: bool, up: float) -> float:
-    """Return the luminance of daylight along a ray that goes up or down, times pi. [lx]"""
+    """Return the luminance of daylight along an upward or downward ray, times pi. [lx]"""
+    # Daylight reflected in the room is not modelled
     if s.top > 0.0 and indoors:
         return 0.0
     return s.sky if up > 0.0 else s.ground
 
 
 def is_sunlit(s: SceneGeometry, point: Vector) -> bool:
-    """Return whether the sun shines on a point, hull apart."""
+    """Return whether the sun shines on a point, without the hull's shade."""
     if s.sun == 0.0:
         return False
     return is_path_clear(s, point, (s.sun_x, s.sun_y, s.sun_z), FAR)
 
 
 def daylight_illuminance(s: SceneGeometry, point: Vector, normal: Vector) -> float:
-    """Return the light of sun, sky and ground on a plane, hull apart. [lx]"""
+    """Return the light of sun, sky and ground on a plane, without the hull's shade. [lx]"""
     inside = is_in_room(s, point[0], point[1], point[2])
     up = 0.5 * (1.0 + normal[2])  # share of the sky in the plane's field of view
     day = up * daylight_luminance(s, inside, 1.0) + (1.0 - up) * daylight_luminance(

@@ -1,8 +1,8 @@
 """
-The light that falls on one vehicle: on its photodiodes, its panel and its hull.
+Light on one vehicle: on its photodiodes, its panel and its hull.
 
-What is called at every step is scalar or compiled; `lta_model.light.field` says what the light is.
-Direct light is taken at every control step, everything else at the ends of a block.
+Code called at every step is scalar or compiled; `lta_model.light.field` describes the light.
+Direct light is computed at every control step, everything else at the ends of a block.
 """
 
 from collections.abc import Sequence
@@ -32,17 +32,9 @@ Pose = tuple[float, ...]  # position and quaternion x y z w
 @final
 class LightView:
     """
-    The light of a scene as one vehicle meets it.
+    The light of a scene as one vehicle receives it.
 
-    Parameters
-    ----------
-    field : LightField
-        The scene.
-    vehicle : Vehicle
-        Its hull, and where the panel is.
-    diodes : PhotodiodeArray, optional
-        Its diodes with gains as drawn for this flight; those of its file if left out.
-
+    `diodes` have the gains drawn for this flight; by default they are those of the vehicle's file.
     """
 
     def __init__(
@@ -60,6 +52,7 @@ class LightView:
             gather_indirect_light, write_pose_readings
         )
         self._poses: list[Pose] = []
+        # Reused at every block
         self._scratch = np.empty(scratch_size(len(self._beams)))
         self._around: Array | None = None  # what was gathered at the end of the block before
         ambient = field.ambient
@@ -69,6 +62,7 @@ class LightView:
 
     def prepare(self, sample_rate: float, samples: int) -> None:
         """Compile the block sampling (sample rate in Hz) before the first block."""
+        # The first call compiles; its results are discarded
         kept = self._poses, self._around, self._amplifier
         self._poses = [(0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)] * 2
         self.read_block(0, sample_rate, samples, np.random.default_rng(0))
@@ -83,8 +77,10 @@ class LightView:
     ) -> NDArray[np.uint16]:
         """Return the block that began at a time [ns], shape (samples, diodes). [Hz; counts]"""
         light = self.compute_illuminance(self._poses)
+        # The next block starts where this one ended
         self._poses = [self._poses[-1]]
         board = self._board
+        # Rebuilt only if the block format changes
         if board is None or board.sampling != (sample_rate, samples):
             board = self._board = PhotodiodeBoard(self._diodes, self.field, sample_rate, samples)
         block, self._amplifier = board.sample_block(light, start_ns, chance, self._amplifier)
@@ -92,6 +88,7 @@ class LightView:
 
     def compute_illuminance(self, poses: Sequence[Pose]) -> PlaneIlluminance:
         """Return the diodes' readings at a sequence of poses."""
+        # The end of the last block is the start of this one
         before = self._gather_light(poses[0]) if self._around is None else self._around
         self._around = after = self._gather_light(poses[-1])
         shape = len(poses), self._diodes.count
@@ -112,18 +109,19 @@ class LightView:
         return 0.0 if daylight is None else field.ambient.efficacy / daylight.efficacy
 
     def _gather_light(self, pose: Pose) -> Array:
-        """Return what is gathered at a pose, with no ambient light beyond a door."""
+        """Return the indirect light at a pose, without ambient light beyond a door."""
         x, y, z, i, j, k, w = pose
         out = np.empty((LAMPS + len(self._beams), self._diodes.count))
         self._gather(
             *self._scene, (x, y, z), (i, j, k, w), self._diodes.planes, out, self._scratch
         )
         if not self._is_indoors(pose):
+            # Ambient light is the room's; outdoors there is daylight instead
             out[SHARE] = 0.0
         return out
 
     def _is_indoors(self, pose: Pose) -> bool:
-        """Return whether the ambient light is there."""
+        """Return whether ambient light reaches a pose."""
         return self.field.outside is None or is_in_room(self._surround, *pose[:3])
 
     def panel_light(self, pose: Pose) -> tuple[float, float]:
@@ -138,6 +136,7 @@ class LightView:
     def hull_irradiance(self, pose: Pose) -> float:
         """Return the irradiance at the hull centre on planes that face each light. [W/m2]"""
         x, y, z = pose[:3]
+        # The hull is taken as facing every light, without shade
         facing = [direct_light(each, (x, y, z))[0] + each.diffuse for each in self._beams]
         s = self._surround
         return self._average_flicker(
@@ -148,7 +147,7 @@ class LightView:
         self, pose: Pose, modulated: Sequence[float], day: float, share: float = 1.0
     ) -> tuple[float, float]:
         """
-        Return illuminance and irradiance over the flicker.
+        Return illuminance [lx] and irradiance [W/m2], averaged over the flicker.
 
         From each lamp's light while it is on, daylight [lx], and the share of ambient light.
         """
@@ -157,6 +156,7 @@ class LightView:
         lux = steady + day
         watts = (steady + self._daylight_share * day) / ambient.efficacy
         for lamp, light in zip(self.field.lamps, modulated, strict=True):
+            # Mean over the period of the lamp
             lux += light * lamp.wave.duty
             watts += light * (lamp.wave.duty / lamp.efficacy)
         return lux, watts

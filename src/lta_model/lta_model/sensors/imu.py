@@ -1,9 +1,9 @@
 """
-BMI088 inertial sensor: specific force and angular rate with offset, scale error, noise and steps.
+BMI088 inertial sensor: specific force and angular rate with offset, scale error, noise and counts.
 
 Noise and offsets: Bosch BMI088 data sheet. The white noise of a sample is density *
-sqrt(bandwidth), with the bandwidths of the 100 Hz output settings taken as ideal low-passes. They
-leave the signal itself as it is: an airship moves far below them.
+sqrt(bandwidth), with the bandwidths of the 100 Hz output settings taken as ideal low-passes. The
+signal itself is not filtered: an airship moves far below these bandwidths.
 """
 
 from collections.abc import Sequence
@@ -22,12 +22,13 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
+# rad
 DEGREE = math.pi / 180.0
 
 
 @final
 class ImuSettings(Settings):
-    """What the data sheet says of the sensor; offsets and scale errors bound uniform draws."""
+    """Data sheet values of the sensor; offsets and scale errors bound uniform draws."""
 
     acceleration_noise: Vector = setting(
         (160e-6, 160e-6, 190e-6), 'Noise density of the accelerometer.', unit='g/sqrt(Hz)'
@@ -68,17 +69,7 @@ class ImuErrors:
 
 
 def draw_errors(settings: ImuSettings, rng: Generator) -> ImuErrors:
-    """
-    Return the errors of one flight; offset and scale error are uniform within their bounds.
-
-    Parameters
-    ----------
-    settings : ImuSettings
-        What the data sheet says.
-    rng : Generator
-        Source of chance.
-
-    """
+    """Return the errors of one flight; offset and scale error are uniform within their bounds."""
     bounds = error_bounds(settings)
     return ImuErrors(
         gain=tuple(1.0 + bound * x for bound, x in zip(bounds.gain, _draw_six(rng), strict=True)),
@@ -106,6 +97,7 @@ def error_bounds(settings: ImuSettings) -> ImuErrors:
 
 def _draw_six(rng: Generator) -> list[float]:
     """Return six numbers uniform in [-1, 1)."""
+    # Plain floats are faster than NumPy scalars in the loops that use them
     numbers: list[float] = rng.uniform(-1.0, 1.0, 6).tolist()
     return numbers
 
@@ -138,22 +130,9 @@ def measure_imu(
     errors: ImuErrors, force: Vector, rates: Vector, rng: Generator
 ) -> tuple[Vector, Vector]:
     """
-    Return one sample.
+    Return one sample of specific force [m/s^2] and angular rate [rad/s] from the true values.
 
-    Parameters
-    ----------
-    errors : ImuErrors
-        The errors of this flight.
-    force, rates : tuple of float
-        True specific force [m/s^2] and angular rate [rad/s] at the sensor, body frame.
-    rng : Generator
-        Source of chance.
-
-    Returns
-    -------
-    tuple
-        Specific force [m/s^2] and angular rate [rad/s], rounded to counts, clipped at full scale.
-
+    At the sensor, in the body frame; rounded to counts, clipped at full scale.
     """
     chance = rng.standard_normal(6)
     _apply_errors((*force, *rates), _pack_errors(errors), chance)
@@ -162,22 +141,24 @@ def measure_imu(
 
 
 def _pack_errors(errors: ImuErrors) -> Array:
-    """Return the errors as compiled code takes them, a row for each kind."""
+    """Return the errors as an array for compiled code, a row for each kind."""
     kinds = (errors.gain, errors.offset, errors.noise, errors.step, errors.full_scale)
     return np.array(kinds)
 
 
 def _apply_errors(truth: Sequence[float] | Array, errors: Array, chance: Array) -> None:
-    """Put readings of the truth into the place of the normal deviates in them."""
+    """Replace the normal deviates in `chance` by readings of the truth."""
     for i in range(6):
         step, end = errors[3, i], errors[4, i]
         raw = errors[0, i] * truth[i] + errors[1, i] + errors[2, i] * chance[i]
+        # Quantise first, then saturate
         value = round(raw / step) * step
         chance[i] = end if value > end else -end if value < -end else value
 
 
 def _write_truth(state: Array, rate: Array, place: Array, truth: Array) -> None:
     """Write true specific force and rates at the sensor; `place` ends with gravity."""
+    # State layout: quaternion 3:7, velocity 7:10, rates 10:13
     turn = rotation_matrix((state[3], state[4], state[5], state[6]))
     w = (state[10], state[11], state[12])
     truth[0], truth[1], truth[2] = imu_specific_force(
@@ -185,6 +166,7 @@ def _write_truth(state: Array, rate: Array, place: Array, truth: Array) -> None:
         w,
         (rate[7], rate[8], rate[9]),
         (rate[10], rate[11], rate[12]),
+        # Third row: the vertical in the body frame
         (turn[6], turn[7], turn[8]),
         (place[0], place[1], place[2]),
         place[3],
@@ -195,7 +177,7 @@ def _write_truth(state: Array, rate: Array, place: Array, truth: Array) -> None:
 def _write_reading(
     state: Array, rate: Array, place: Array, truth: Array, errors: Array, chance: Array
 ) -> None:
-    """Do both, where no effect comes between them."""
+    """Write the truth and apply the errors, where no effect comes between them."""
     _write_truth(state, rate, place, truth)
     _apply_errors(truth, errors, chance)
 
@@ -203,18 +185,18 @@ def _write_reading(
 @final
 class Imu:
     """
-    The sensor of one flight, compiled: it is read at every control step.
+    The compiled sensor of one flight, read at every control step.
 
     Parameters
     ----------
     errors : ImuErrors
-        Of this flight.
+        Errors of this flight.
     position : tuple of 3 floats
         Place in the body frame. [m]
     gravity : float
         Acceleration of free fall. [m/s^2]
     rng : Generator
-        Source of chance.
+        Random generator.
     on_force, on_rates : Chain
         Measurement effects of the vehicle.
 
@@ -246,6 +228,7 @@ class Imu:
     def read(self, state: Array, rate: Array, elapsed: float) -> tuple[Vector, Vector]:
         """Return measured specific force [m/s^2] and angular rate [rad/s]."""
         truth, told = self._truth, self._rng.standard_normal(6)
+        # Measurement effects are Python functions, so the compiled path is split around them
         if self._on_force or self._on_rates:
             self._feel(state, rate, self._place, truth)
             numbers = truth.tolist()

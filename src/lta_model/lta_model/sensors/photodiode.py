@@ -1,20 +1,19 @@
 """
-A ring of photodiodes with amplifiers (OPT101): directions, and volts from light.
+A ring of photodiodes with amplifiers (OPT101): directions, and voltage by light.
 
 Irradiance on a diode's plane times area and responsivity is the photocurrent; times the feedback
-resistor, volts. The responsivity is the data sheet's at 650 nm: white light holds shorter waves
-that count for less, so real currents are lower.
+resistor, volts. The responsivity is the data sheet's at 650 nm; it is lower at shorter
+wavelengths, so real currents in white light are lower.
 
-Noise is the amplifier's, the converter's and the shot noise sqrt(2 q I B), B = pi/2 f_3dB of the
+Noise is that of amplifier and converter and the shot noise sqrt(2 q I B), B = pi/2 f_3dB of the
 amplifier's pole. The data sheet's 300 uV rms (0.1 Hz to 20 kHz, 1 Mohm) is taken as all of the
-amplifier's noise and scaled with the root of the resistor, as a resistor's own noise does: an
-assumption.
+amplifier's noise and scaled with the root of the resistor, as thermal noise: an assumption.
 
 A reading falls off as a power of the cosine between light and axis, out to the edge of the field
 of view: 1 is a flat plane, 1.2 the package of the OPT101. Gains differ from diode to diode.
 
 Source: OPT101 data sheet, Texas Instruments SBBS002; the exponent is from memory of its plot of
-responsivity by angle, to be measured. The amplifier's own limits of swing are left out.
+responsivity by angle, to be measured. Not modelled: the amplifier's output swing.
 """
 
 from functools import cached_property
@@ -42,33 +41,26 @@ class PhotodiodeArray(StrictModel):
     """
     A ring of photodiodes under the hull.
 
-    The ring is the vehicle's; what has a default is the part's own, by its data sheet, or nothing.
+    The vehicle file describes the ring; defaults are data sheet values of the part, or neutral.
 
     Attributes
     ----------
-    count : int
-        Diodes.
     axes : tuple of tuple of float
-        Unit axis of each in the body frame; horizontal, evenly spread and the first forward if
-        left out.
-    depth : float
-        Height of the ring below the hull centre. [m]
-    radius : float
-        Radius of the ring: each diode sits so far out along its axis. [m]
+        Unit axes in the body frame; by default horizontal, evenly spread, the first forward.
+    depth, radius : float
+        Ring below the hull centre, and distance of each diode along its axis. [m]
     response : float
         Exponent of the cosine.
     field_of_view : float
         Full angle. [rad]
     gain_spread : float
-        Standard deviation of the gains, as part of their mean.
+        Relative standard deviation of the gains.
     gains : tuple of float
-        Of each diode, as part of the nominal; all 1 if left out.
+        Of each diode, relative to the nominal; all 1 by default.
     dead : tuple of int
-        Diodes that read nothing, from 0.
-    feedback_resistance : float
-        Feedback resistor of the amplifiers. [ohm]
-    resistors : tuple of float
-        Those that may be selected instead, the largest first. [ohm]
+        Indices of dead diodes, from 0.
+    feedback_resistance, resistors : float, tuple of float
+        Feedback resistor, and those that may be selected, the largest first. [ohm]
     area : float
         Sensitive area of a diode. [m2]
     responsivity : float
@@ -76,17 +68,15 @@ class PhotodiodeArray(StrictModel):
     dark_offset : float
         Output in the dark. [V]
     bandwidth : float
-        Frequency at which the output has lost 3 dB. [Hz]
+        3 dB frequency. [Hz]
     noise : float
         Standard deviation of the amplifier's noise with a feedback resistor of 1 Mohm. [V]
-    adc_bits : int
-        Resolution of the converter.
     adc_range : float
-        Voltage of the converter at full scale. [V]
+        Voltage at full scale. [V]
     adc_noise : float
         Standard deviation of the converter's own noise, in its steps.
     clock_error : float
-        Part by which the converter samples too fast.
+        Relative error of the sampling rate, positive if too fast.
     jitter : float
         Standard deviation of the sampling instants, the same for all diodes. [s]
 
@@ -123,18 +113,21 @@ class PhotodiodeArray(StrictModel):
         else:
             angles = np.array(spread_azimuths(self.count))
             axes = np.stack([np.cos(angles), np.sin(angles), np.zeros(self.count)], axis=-1)
+        # Each diode sits along its axis, below the hull centre
         points = self.radius * axes - np.array([0.0, 0.0, self.depth])
         return np.concatenate([points, axes], axis=1)
 
     @property
     def edge_cosine(self) -> float:
         """Cosine at the edge of the field of view."""
+        # A full half space: nothing is cut off but the back
         return math.cos(0.5 * self.field_of_view) if self.field_of_view < math.pi else 0.0
 
     @property
     def diode_gains(self) -> Array:
-        """Gain of each diode as it is, shape (count,): nothing where it is dead."""
+        """Gain of each diode, shape (count,); 0 where it is dead."""
         factors = np.array(self.gains) if self.gains else np.ones(self.count)
+        # A dead diode reads nothing, whatever its gain
         factors[list(self.dead)] = 0.0
         return factors
 
@@ -149,31 +142,23 @@ class PhotodiodeArray(StrictModel):
             resistor * self.area * self.responsivity * irradiance for resistor in self.resistors
         ]
         for resistor, reached in zip(self.resistors, volts, strict=True):
+            # The smallest resistor is the fallback in very bright light
             if reached <= ROOM * self.adc_range or resistor == self.resistors[-1]:
                 return self.model_copy(update={'feedback_resistance': resistor})
         return self
 
     def draw_gains(self, chance: np.random.Generator) -> 'PhotodiodeArray':
         """Return these diodes with gains drawn by their spread, none below zero."""
+        # A normal distribution has no lower bound, a gain does
         gains = np.maximum(1.0 + self.gain_spread * chance.standard_normal(self.count), 0.0)
         return self.model_copy(update={'gains': tuple(gains.tolist())})
 
     def place_in_map(self, position: Array, rotation: Array) -> tuple[Array, Array]:
         """
-        Return where the diodes are and where they look.
+        Return positions [m] and unit axes of the diodes in `map`, shape (..., count, 3).
 
-        Parameters
-        ----------
-        position : ndarray of float64, shape (..., 3)
-            Hull centre. [m, map]
-        rotation : ndarray of float64, shape (..., 3, 3)
-            Body to map.
-
-        Returns
-        -------
-        points, axes : ndarray of float64, shape (..., count, 3)
-            Positions [m, map] and unit axes [map].
-
+        `position` is the hull centre [m, map], shape (..., 3); `rotation` body -> map, shape (...,
+        3, 3).
         """
         points, axes = self.planes[:, :3], self.planes[:, 3:]
         turn = np.swapaxes(rotation, -1, -2)
@@ -188,7 +173,9 @@ def voltage_sensitivity(array: PhotodiodeArray) -> float:
 def noise_variances(array: PhotodiodeArray) -> tuple[float, float]:
     """Return the variance of noise without light [V2] and that of the shot noise by volt [V]."""
     step = array.adc_range / 2**array.adc_bits
+    # Noise power is taken as proportional to the resistor
     amplifier = array.noise**2 * array.feedback_resistance / NOISE_RESISTANCE
     amplifier += (array.adc_noise * step) ** 2
+    # Equivalent noise bandwidth of a single pole
     noise_bandwidth = math.pi / 2.0 * array.bandwidth
     return amplifier, 2.0 * ELEMENTARY_CHARGE * noise_bandwidth * array.feedback_resistance

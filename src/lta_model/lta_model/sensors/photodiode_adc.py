@@ -33,42 +33,21 @@ WHOLE = 2.0**52
 @final
 @dataclass(frozen=True, slots=True)
 class AmplifierState:
-    """
-    What the amplifiers carry from one block to the next.
-
-    Parameters
-    ----------
-    volts : ndarray of float64, shape (d,)
-        Output at the last sample, without the offset in the dark. [V]
-
-    """
+    """Amplifier output at the last sample of a block, without dark offset, shape (d,). [V]"""
 
     volts: Array
 
 
 @final
 class PhotodiodeBoard:
-    """
-    Diodes, amplifiers and converter in the light of a scene.
-
-    Parameters
-    ----------
-    array : PhotodiodeArray
-        The diodes.
-    field : LightField
-        When its lamps are on, and the mains' frequency and phase.
-    sample_rate : float
-        Samples a second of each diode. [Hz]
-    samples : int
-        Samples in a block.
-
-    """
+    """Diodes, amplifiers and converter in the light of a scene; sample rate in Hz."""
 
     def __init__(
         self, array: PhotodiodeArray, field: LightField, sample_rate: float, samples: int
     ) -> None:
         self.sampling = sample_rate, samples
         self._time_constant = 1.0 / (2.0 * math.pi * array.bandwidth)
+        # What remains of the old output after one sample
         keep = math.exp(-1.0 / (sample_rate * self._time_constant))
         self._waves = FlickerWaves(
             field.lamps,
@@ -82,9 +61,11 @@ class PhotodiodeBoard:
         steps = 2**array.adc_bits
         self._numbers = (
             keep,
+            # Keeps the variance of the autoregression independent of the rate
             math.sqrt(1.0 - keep * keep),
             *noise_variances(array),
             array.dark_offset,
+            # Counts per volt, and the largest count
             steps / array.adc_range,
             steps - 1.0,
         )
@@ -101,29 +82,21 @@ class PhotodiodeBoard:
         state: AmplifierState | None = None,
     ) -> tuple[NDArray[np.uint16], AmplifierState]:
         """
-        Return one block of converter counts.
+        Return one block of converter counts, shape (samples, d), and the state for the next block.
 
         Parameters
         ----------
-        light : Illuminance
-            Light as the diodes read it at instants evenly spread over the block, arrays of shape
-            (k, d), with that of each lamp apart (l, k, d): the first at `start`, the last one
-            sample after the block's last. Between them it is taken to change linearly; a single
-            instant holds throughout.
+        light : PlaneIlluminance
+            Light at k instants evenly spread over the block, shape (k, d), of each lamp (l, k, d):
+            the first at `start`, the last one sample after the block's last. It is interpolated
+            linearly; a single instant holds throughout.
         start : int
             Time of the first sample. [ns]
         generator : numpy.random.Generator
-            Source of the noise; samples times d normal deviates are drawn, and as many as there
-            are samples before them if the instants jitter.
+            Samples times d normal deviates are drawn, after one for each sample if the instants
+            jitter.
         state : AmplifierState or None
-            Where the block before ended; None for amplifiers that have long been on.
-
-        Returns
-        -------
-        block : ndarray of uint16, shape (samples, d)
-            Counts in time order, one column a diode.
-        state : AmplifierState
-            For the next block.
+            End of the previous block; None for amplifiers that have long been on.
 
         """
         samples = self.sampling[1]
@@ -132,8 +105,11 @@ class PhotodiodeBoard:
         modulated, steady = light.modulated * self._bright, light.steady * self._dim
         crest = light.mains * self._dim
         if state is None:
+            # Stationary output for amplifiers that have long been on
             rest = crest[0] * flicker[0] + steady[0]
+            # Column 0 is the sample before the block
             state = AmplifierState(wave[:, 0] @ modulated[:, 0] + rest)
+        # The compiled function writes into it; the state of the caller stays
         volts = state.volts.copy()
         generator.standard_normal(out=self._chance)
         block = np.empty(self._chance.shape, dtype=np.uint16)
@@ -142,6 +118,7 @@ class PhotodiodeBoard:
             self._scratch,
         )  # fmt: skip
         if self._dead:
+            # Dead diodes have no noise and no dark offset either
             block[:, self._dead] = 0
         return block, AmplifierState(volts)
 
@@ -159,14 +136,14 @@ def convert_to_counts(
     scratch: Array,
 ) -> None:
     """
-    Write the counts of one block, sample by sample; for the compiler.
+    Write the counts of one block, sample by sample; compiled.
 
     Parameters
     ----------
     modulated : ndarray of float64, shape (l, k, d)
         Volts by each lamp while it is on, at instants evenly spread over the block.
     steady, mains : ndarray of float64, shape (k, d)
-        Volts by steady light and by the crest of the mains' flicker.
+        Volts by steady light and by the crest of the mains flicker.
     wave : ndarray of float64, shape (l, n + 1)
         The lamps' waves behind the pole, from one sample before the block on.
     flicker : ndarray of float64, shape (n,)
@@ -174,18 +151,19 @@ def convert_to_counts(
     chance : ndarray of float64, shape (n, d)
         Normal deviates.
     numbers : tuple of float
-        What the pole keeps from sample to sample and the root of 1 less its square, the two terms
-        of the noise, offset in the dark [V], counts by volt, largest count.
+        Decay of the pole per sample and the root of 1 less its square, the two noise terms, dark
+        offset [V], counts per volt, largest count.
     volts : ndarray of float64, shape (d,)
-        Output at the sample before the block; left at that of its last. [V]
+        Output at the sample before the block; on return at its last. [V]
     block : ndarray of uint16, shape (n, d)
         The counts.
     scratch : ndarray of float64, shape (2, d)
-        To write on.
+        Work space.
 
     """
     keep, fresh, amplifier, shot, dark, scale, top = numbers
     last = steady.shape[0] - 1
+    # Light instants per sample
     pitch = last / block.shape[0]
     level, rise = scratch[0], scratch[1]
     for n in range(block.shape[0]):
@@ -207,6 +185,7 @@ def convert_to_counts(
                 level[i] += lamp * now
                 rise[i] += lamp * more
         for i in range(volts.size):
+            # Shot noise grows with the light
             noise = math.sqrt(amplifier + shot * level[i]) * fresh
             volts[i] = keep * volts[i] + (rise[i] + noise * chance[n, i])
             counts = min(max((volts[i] + dark) * scale, 0.0), top)

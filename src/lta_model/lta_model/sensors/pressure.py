@@ -17,6 +17,7 @@ from numpy.random import Generator
 # ICAO standard atmosphere (Doc 7488) below 11 km.
 LAPSE = 0.0065  # K/m
 SEA_TEMPERATURE = 288.15  # K
+# g M / (R L): molar mass of air [kg/mol], gas constant [J/(mol K)]
 EXPONENT = STANDARD_GRAVITY * 0.0289644 / (8.31446 * LAPSE)
 
 
@@ -48,26 +49,16 @@ class PressureErrors:
 
 def draw_errors(settings: PressureSettings, rng: Generator) -> PressureErrors:
     """Return the errors of one flight."""
+    # Uniform within the bounds of the data sheet
     offset, drift = rng.uniform(-1.0, 1.0, 2).tolist()
     return PressureErrors(offset=settings.offset * offset, drift=settings.drift * drift)
 
 
 def air_pressure(floor: float, height: float) -> float:
     """
-    Return the pressure at a height in the standard atmosphere.
+    Return the pressure [Pa] at a height above the floor [m] in the standard atmosphere.
 
-    Parameters
-    ----------
-    floor : float
-        Pressure at height 0. [Pa]
-    height : float
-        Height above the floor. [m]
-
-    Returns
-    -------
-    float
-        p = p_floor (1 - L h / T0)^(g M / (R L)), with the floor at the standard's 288.15 K. [Pa]
-
+    p = p_floor (1 - L h / T0)^(g M / (R L)), with the floor at the standard's 288.15 K.
     """
     return floor * float((1.0 - LAPSE * height / SEA_TEMPERATURE) ** EXPONENT)
 
@@ -80,25 +71,7 @@ def measure_pressure(
     rng: Generator,
     chain: Chain = (),
 ) -> float:
-    """
-    Return one reading. [Pa]
-
-    Parameters
-    ----------
-    settings : PressureSettings
-        The air at the floor, noise and resolution.
-    errors : PressureErrors
-        The errors of this flight.
-    height : float
-        Height of the sensor above the floor. [m]
-    elapsed : float
-        Time since the start of the flight. [s]
-    rng : Generator
-        Source of chance.
-    chain : Chain
-        Measurement effects of the vehicle.
-
-    """
+    """Return one reading [Pa] at a sensor height above the floor [m] and a flight time [s]."""
     truth = air_pressure(settings.floor, height)
     if chain:
         truth = apply_chain(chain, (truth,), elapsed)[0]

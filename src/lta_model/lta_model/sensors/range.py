@@ -59,33 +59,14 @@ def draw_errors(settings: RangeSettings, rng: Generator) -> RangeErrors:
 
 
 def noise_deviation(noise: float, distance: float) -> float:
-    """
-    Return the standard deviation of one reading.
-
-    Parameters
-    ----------
-    noise : float
-        Standard deviation near the floor; at 2.5 m it has doubled. [m]
-    distance : float
-        True distance, within the sensor's reach. [m]
-
-    """
+    """Return the standard deviation of a reading at a distance; twice `noise` at 2.5 m. [m]"""
     return noise * (1.0 + math.exp(GROWTH * (distance - KNEE)))
 
 
 def height_and_tilt(state: Sequence[float], position: Vector) -> tuple[float, float]:
-    """
-    Return the height of the sensor and the cosine of its tilt.
-
-    Parameters
-    ----------
-    state : sequence of float
-        Layout of `lta_model.state`.
-    position : tuple of float
-        Place of the sensor in the body frame. [m]
-
-    """
+    """Return the height [m] of the sensor at a body position, and the cosine of its tilt."""
     x, y, z, w = state[3:7]
+    # Third row of R: the vertical in the body frame; c is the cosine of the tilt
     a, b, c = rotation_matrix((x, y, z, w))[6:]
     return state[2] + (a * position[0] + b * position[1] + c * position[2]), c
 
@@ -100,35 +81,17 @@ def measure_range(
     elapsed: float = 0.0,
 ) -> float:
     """
-    Return one reading.
+    Return one distance in whole mm; +Inf without return, -Inf below minimum (REP-117). [m]
 
-    Parameters
-    ----------
-    settings : RangeSettings
-        Limits and noise.
-    errors : RangeErrors
-        The errors of this flight.
-    height : float
-        Height of the sensor above the floor. [m]
-    up : float
-        Cosine of the tilt: z of the body's z axis in the map.
-    rng : Generator
-        Source of chance; one number is drawn whatever the reading, to keep seeds comparable.
-    chain : Chain
-        Measurement effects of the vehicle; they change what is told, not whether there is a
-        return.
-    elapsed : float
-        Time since the start of the flight, for them. [s]
-
-    Returns
-    -------
-    float
-        Distance in whole millimetres; +Inf without a return, -Inf below the minimum (REP-117). [m]
-
+    `height` is that of the sensor above the floor [m], `up` the cosine of the tilt. One random
+    number is drawn whatever the reading, to keep seeds comparable. The effects in `chain` change
+    the reading, not whether there is a return.
     """
     chance = float(rng.standard_normal())
+    # Looking up, or the slant range height / up is beyond the reach
     if up <= 0.0 or height > settings.maximum * up:
         return math.inf
+    # Slant range of a single ray
     distance = max(height, 0.0) / up
     noise = noise_deviation(settings.noise, distance) * chance
     if chain:

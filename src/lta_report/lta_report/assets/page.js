@@ -1,5 +1,5 @@
 'use strict';
-// Draws the pictures, keeps one instant marked in all of them, and switches the paper.
+// Draws the figures, marks the same time in all of them, and switches the theme.
 const json = (id) => JSON.parse(document.getElementById(id).textContent);
 const dark = json('dark');
 const track = json('track');
@@ -9,7 +9,7 @@ const figures = new Map(plots.map((plot) => [plot, json('figure-' + plot.dataset
 const config = { displayModeBar: false, responsive: true, doubleClick: 'reset' };
 const touch = matchMedia('(pointer: coarse)').matches;
 
-// --- paper -----------------------------------------------------------------------------------
+// --- theme -----------------------------------------------------------------------------------
 
 function recoloured(value) {
   if (typeof value === 'string') return dark[value] ?? value.replace(/#[0-9a-f]{6}/g, (colour) => dark[colour] ?? colour);
@@ -31,7 +31,7 @@ function draw(theme) {
   })).then(() => mark(now));
 }
 
-// --- one instant everywhere ------------------------------------------------------------------
+// --- cursor in all figures -------------------------------------------------------------------
 
 const times = track.time ?? [];
 const slider = document.getElementById('time');

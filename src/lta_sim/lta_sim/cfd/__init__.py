@@ -1,6 +1,6 @@
 """
-The virtual wind tunnel: a vehicle's drag and rotor wrenches, computed from its shape.
+Virtual wind tunnel: compute a vehicle's drag and rotor wrenches from its shape.
 
-Shape -> mesh -> sweep -> fit -> `<vehicle>.aero.yaml`. `analytic` has the estimates by hand.
-OpenFOAM solves the flow; `engine` runs its programs as separate processes.
+Pipeline: shape, mesh, sweep, fit, `<vehicle>.aero.yaml`. `analytic` has the estimates by hand.
+OpenFOAM solves the flow; `openfoam.engine` runs its programs as separate processes.
 """

@@ -18,18 +18,20 @@ LIKE: Final[dict[Axis, Axis]] = {'sway': 'surge', 'pitch': 'roll'}  # after a qu
 NOTICED: Final = 0.05  # of the drag: smallest side force that is reported
 MESHED: Final = 0.1  # of the drag: largest change on a coarser mesh without a warning
 JOINED: Final = 0.05  # largest error of a fit through steady and transient points
+# Spins are solved as steady rotation, but a flying hull oscillates about its attitude
 UNSTEADY: Final = 'the damping of small fast swings is under-predicted: the air turns along'
 
 
 def drag_values(axis: Axis, points: Sequence[SweepPoint]) -> list[float]:
     """Return the drag along or about an axis, positive where it opposes the motion. [N or N m]."""
     if axis in ALONG:
+        # The vehicle moves along +axis, so that drag is negative
         return [-point.force[ALONG[axis]] for point in points]
     return [-point.moment[ABOUT[axis]] for point in points]
 
 
 def fit_axes(sweep: TunnelSweep) -> dict[Axis, DragFit]:
-    """Return the drag fit of each axis; estimates by hand where no flow was solved."""
+    """Return the drag fit of each axis, from estimates by hand where no flow was solved."""
     fits: dict[Axis, DragFit] = {}
     for axis in AXES:
         fits[axis] = _fit_points(axis, select_fit_points(sweep, axis))
@@ -44,10 +46,11 @@ def select_fit_points(sweep: TunnelSweep, axis: Axis) -> Sequence[SweepPoint]:
     """
     Return the points for the fit of an axis.
 
-    The slow point of a reference comes from the steady model, whose wake does not shed. Where no
-    drag fit matches both points, the slow one is left out.
+    The slow point of a reference sweep comes from the steady model, whose wake does not shed. It
+    is left out if no drag fit matches both points.
     """
     points = select_points(sweep, axis)
+    # Only reference sweeps mix steady (slow) and transient (fast) points
     if sweep.fidelity != 'reference' or not select_solved_points(sweep, axis) or axis in ABOUT:
         return points
     return points if _fit_points(axis, points).error <= JOINED else points[-1:]
@@ -62,7 +65,8 @@ def select_solved_points(sweep: TunnelSweep, axis: Axis) -> Sequence[SweepPoint]
 
 
 def _rotate_point(point: SweepPoint) -> SweepPoint:
-    """Return a point of a vehicle that moves along or about y, from one along or about x."""
+    """Rotate a point of a motion along or about x to the same motion along or about y."""
+    # A quarter turn about z maps x to y
     wrench = transform_wrench(np.array([*point.force, *point.moment]), QUARTER).tolist()
     return point.model_copy(update={'force': wrench[:3], 'moment': wrench[3:]})
 
@@ -71,12 +75,12 @@ def select_points(sweep: TunnelSweep, axis: Axis) -> Sequence[SweepPoint]:
     """Return the solved points of an axis, or else the estimates by hand."""
     points = select_solved_points(sweep, axis) or sweep.by_hand.get(axis)
     if not points:
-        raise BadInput(f'The sweep of {sweep.name} has nothing about {axis}; run it again.')
+        raise BadInput(f'The sweep of {sweep.name} has no results for {axis}; run it again.')
     return points
 
 
 def collect_warnings(sweep: TunnelSweep) -> list[str]:
-    """Return warnings for users of the fitted numbers."""
+    """Return warnings for users of the fitted coefficients."""
     warnings: list[str] = []
     for axis in AXES:
         points = select_solved_points(sweep, axis)
@@ -102,6 +106,7 @@ def collect_warnings(sweep: TunnelSweep) -> list[str]:
         if select_solved_points(sweep, axis)
     ]
     if sweep.fidelity == 'reference' and tops:
+        # A reference solves two speeds; the faster one bounds the range of the fit
         warnings.append(f'drag above {min(tops):g} m/s is extrapolated')
         warnings += [_format_unjoined(sweep, axis) for axis in ALONG if _is_unjoined(sweep, axis)]
     for pattern in sweep.blows:
@@ -167,15 +172,16 @@ def sum_processor_time(sweep: TunnelSweep) -> float:
 
 
 def interpolate_estimate(sweep: TunnelSweep, axis: Axis, speed: float) -> float:
-    """Return the estimate by hand for an axis at a speed. [N or N m]."""
+    """Interpolate the estimate by hand for an axis at a speed. [N or N m]"""
     points = sweep.by_hand[axis]
+    # Drag is close to a power law, which is a straight line in logarithms
     speeds = np.log([point.speed for point in points])
     return math.exp(float(np.interp(math.log(speed), speeds, np.log(drag_values(axis, points)))))
 
 
 def describe_side_loads(sweep: TunnelSweep) -> dict[str, str]:
     """Return force and moment of each direction at its middle speed, unless negligible."""
-    told: dict[str, str] = {}
+    loads: dict[str, str] = {}
     for axis, k in ALONG.items():
         points = select_solved_points(sweep, axis)
         if not points:
@@ -186,5 +192,5 @@ def describe_side_loads(sweep: TunnelSweep) -> dict[str, str]:
         if math.hypot(*sides) > NOTICED * drag:
             force = ', '.join(f'{each:.3g}' for each in point.force)
             moment = ', '.join(f'{each:.3g}' for each in point.moment)
-            told[axis] = f'at {point.speed:g} m/s force ({force}) N, moment ({moment}) N m'
-    return told
+            loads[axis] = f'at {point.speed:g} m/s force ({force}) N, moment ({moment}) N m'
+    return loads

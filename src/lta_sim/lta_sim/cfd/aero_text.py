@@ -25,12 +25,12 @@ NOTHING = 1e-9  # any coefficient below is zero by symmetry, except for rounding
 
 
 def _round_to_four(number: float) -> float:
-    """Return a number with four digits; a rounding error becomes zero."""
+    """Round to four digits; values that are zero by symmetry become exactly zero."""
     return float(f'{number:.4g}') if abs(number) > NOTHING else 0.0
 
 
 def format_quantity(value: float | Sequence[float], unit: str, source: str) -> dict[str, Any]:
-    """Return a quantity as YAML has it, with four digits."""
+    """Return a quantity for YAML, with four digits."""
     numbers = [_round_to_four(each) for each in value] if isinstance(value, Sequence) else value
     return {'value': numbers, 'unit': unit, 'source': source}
 
@@ -39,8 +39,8 @@ def _describe_source(sweep: TunnelSweep, axes: Sequence[Axis]) -> str:
     """Return the source of the coefficients of three axes."""
     flown = [axis for axis in axes if select_solved_points(sweep, axis)]
     hand = [axis for axis in axes if axis not in flown]
-    told = [f'{sweep.engine}, {sweep.fidelity}: {", ".join(flown)}'] if flown else []
-    return '; '.join(told + ([f'by hand: {", ".join(hand)}'] if hand else []))
+    sources = [f'{sweep.engine}, {sweep.fidelity}: {", ".join(flown)}'] if flown else []
+    return '; '.join(sources + ([f'by hand: {", ".join(hand)}'] if hand else []))
 
 
 def _format_drag(
@@ -67,18 +67,19 @@ def _format_wrench(column: TunnelColumn, engine: str) -> dict[str, Any]:
 
 
 def _format_columns(sweep: TunnelSweep) -> dict[str, Any]:
-    told: dict[str, Any] = {}
+    columns: dict[str, Any] = {}
     for name in sweep.rotors:
-        if (found := find_column(sweep, name)) is None:
+        if (column := find_column(sweep, name)) is None:
             continue
-        told[name] = _format_wrench(found, sweep.engine)
+        columns[name] = _format_wrench(column, sweep.engine)
+        # A reversed rotor blows the other way over the hull, so it has its own column
         if (back := find_column(sweep, name, backward=True)) is not None:
-            told[name]['reverse'] = _format_wrench(back, sweep.engine)
-    return told
+            columns[name]['reverse'] = _format_wrench(back, sweep.engine)
+    return columns
 
 
 def build_aero(sweep: TunnelSweep) -> dict[str, Any]:
-    """Return the content of the aero file of a sweep, as YAML has it."""
+    """Return the content of the aero file of a sweep, for YAML."""
     fits = fit_axes(sweep)
     aero: dict[str, Any] = {
         'linear_drag': _format_drag(sweep, fits, lambda fit: fit.linear, ''),
@@ -112,7 +113,7 @@ def build_aero(sweep: TunnelSweep) -> dict[str, Any]:
 
 def _format_fit(sweep: TunnelSweep, axis: Axis, fit: DragFit) -> dict[str, Any]:
     points = select_fit_points(sweep, axis)
-    told = {
+    entries = {
         'points': len(points),
         'error': _round_to_three(
             round(fit.error, 9)
@@ -124,7 +125,8 @@ def _format_fit(sweep: TunnelSweep, axis: Axis, fit: DragFit) -> dict[str, Any]:
         'mesh': _round_to_three(mesh_share(sweep, axis)),
         'hull': _round_to_three(hull_share(sweep, axis)),
     }
-    return {name: each for name, each in told.items() if each is not None}
+    # Optional evidence is omitted rather than written as null
+    return {name: each for name, each in entries.items() if each is not None}
 
 
 def _round_to_three(number: float | None) -> float | None:

@@ -1,21 +1,21 @@
 """
 Estimate drag by hand: Hoerner for the hull, plates for boxes, discs for rotation.
 
-The fallback without a flow solver, and the check of solved flows: the two should agree within a
-factor of two. Hulls are treated as spheroids of the model's sizes.
+Used without a flow solver, and to check solved flows: the two should agree within a factor of two.
+Hulls are treated as spheroids of the same size.
 
-Along an axis, with l the length along it, d the size across it, on the frontal area (Hoerner
-1965, Fluid-Dynamic Drag, 6-19; of bodies of revolution in axial flow, so an approximation for
-a balloon that flies edge-on; quoted after later texts):
+Along an axis, with l the length along it and d the size across it, relative to the frontal area
+(Hoerner 1965, Fluid-Dynamic Drag, 6-19; for bodies of revolution in axial flow, so an
+approximation for a balloon that flies edge-on; quoted after later texts):
 
     C_D = 0.44 d / l + 4 C_f l / d + 4 C_f sqrt(d / l),   C_f = 1.328 / sqrt(Re_l)   (Blasius)
 
-About the axis of revolution, friction of a laminar turning disc, both sides (Karman 1921), and of
-a sphere 1.67 times as much (Howarth 1951); between them by the height over the diameter:
+About the axis of revolution: friction of a laminar rotating disc, both sides (Karman 1921); a
+sphere has 1.67 times as much (Howarth 1951), interpolated by the height over the diameter:
 
     M = 0.616 pi rho R^4 sqrt(nu w^3) (1 + 0.67 h / d)
 
-About other axes, the same friction plus the drag of a plate moved broadside, zero for a sphere:
+About other axes: the same friction plus the drag of a plate moved broadside, zero for a sphere:
 C_D rho R^5 (2 / 15) 2 (1 - h / d)^2 w^2 (an assumption). Boxes count as plates.
 """
 
@@ -33,9 +33,9 @@ PLATE: Final = 1.17  # square plate across the flow (Aeronautical Engineer's Dat
 
 def hull_drag_coefficient(along: float, across: float, speed: float, viscosity: float) -> float:
     """
-    Return the drag coefficient of a hull on its frontal area. [1].
+    Return the drag coefficient of a hull relative to its frontal area. [1]
 
-    `along` and `across` are its sizes; of two unequal ones across, the smaller [m]. `speed` is in
+    `along` and `across` are its sizes, of two unequal ones across the smaller [m]; `speed` is in
     m/s and `viscosity` kinematic [m2/s].
     """
     friction = 1.328 / math.sqrt(speed * along / viscosity)
@@ -51,6 +51,7 @@ def drag_force(model: TunnelModel, axis: int, speed: float, air: tuple[float, fl
     """
     density, viscosity = air
     sizes = model.hull.extents
+    # Negative indices wrap around: the two other axes
     across = min(float(sizes[axis - 1]), float(sizes[axis - 2]))
     hull = hull_drag_coefficient(
         float(sizes[axis]), across, speed, viscosity
@@ -66,6 +67,7 @@ def damping_moment(model: TunnelModel, axis: int, rate: float, air: tuple[float,
     # The axis of revolution is the one whose size differs most from the median.
     revolution = int(np.argmax(np.abs(sizes - np.median(sizes))))
     height, diameter = float(sizes[revolution]), float(sizes[revolution - 1])
+    # About a transverse axis, the largest dimension sweeps the air
     radius = 0.5 * (diameter if axis == revolution else max(height, diameter))
     flat = float(np.min(sizes) / np.max(sizes))
     disc = 0.616 * math.pi * density * radius**4 * math.sqrt(viscosity * rate**3)
@@ -94,6 +96,7 @@ def _box_damping(model: TunnelModel, axis: int, density: float) -> float:
             continue
         for face in (each for each in range(3) if each != axis):
             # Moved along `face` at the distance along the third axis.
+            # The three axis indices sum to 3
             arm = 3 - axis - face
             low, high = mesh.bounds[:, arm]
             # 21 points suffice for the cubic integrand.

@@ -29,7 +29,7 @@ class DragFit:
     error : float
         Largest relative error of the points. [1]
     exponent : float
-        Of the power law through the points; NaN for one point. [1]
+        Exponent of a power law through the points; NaN for one point. [1]
 
     """
 
@@ -45,17 +45,12 @@ class DragFit:
 
 def fit_drag(speeds: Sequence[float], drags: Sequence[float]) -> DragFit:
     """
-    Return the linear and quadratic drag through some points.
-
-    Parameters
-    ----------
-    speeds, drags : sequences of float
-        Positive: m/s and N, or rad/s and N m.
+    Fit linear and quadratic drag to points of speed (m/s or rad/s) and drag (N or N m).
 
     Raises
     ------
     BadInput
-        If a point is not positive: drag opposes the motion.
+        If a speed or a drag is not positive.
 
     """
     v, f = np.array(speeds, dtype=float), np.array(drags, dtype=float)
@@ -70,5 +65,6 @@ def fit_drag(speeds: Sequence[float], drags: Sequence[float]) -> DragFit:
         matrix[:, 0] = 0.0  # one point cannot determine two terms; use the quadratic one
     (linear, quadratic), _ = nnls(matrix, np.ones(len(v)))
     error = float(np.max(np.abs(matrix @ (linear, quadratic) - 1.0)))
+    # Slope in logarithms: 1 for linear, 2 for quadratic drag
     exponent = float(np.polyfit(np.log(v), np.log(f), 1)[0]) if len(v) > 1 else float('nan')
     return DragFit(float(linear), float(quadratic), error, exponent)

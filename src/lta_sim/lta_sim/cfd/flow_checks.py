@@ -19,9 +19,11 @@ WINDOW: Final = 50  # iterations that are averaged
 def check_mesh(name: str, facts: Mapping[str, float | Mapping[str, int]]) -> None:
     """Raise `CaseFailed` for an invalid mesh; facts as in `read_mesh`."""
     cells, angle, negative = facts['cells'], facts['non_orthogonality'], facts['negative']
+    # The mapping also holds the zones; these asserts only narrow the type
     assert isinstance(cells, float)
     assert isinstance(angle, float)
     assert isinstance(negative, float)
+    # "not >" also rejects NaN, which stands for a missing number in the log
     if not cells > 1000:
         raise CaseFailed(f'The {name} has no cells; check that its shape is closed.')
     if not angle <= ANGLE:
@@ -83,7 +85,7 @@ def check_mean(error: float, lengths: float) -> None:
     if not error <= ERROR:
         raise CaseFailed(
             f'The mean force is uncertain by {100 * error:.0f} % (over {100 * ERROR:.0f} %); '
-            'its wake swings too slowly for the flow that was solved.'
+            'its wake swings too slowly for the simulated time.'
         )
 
 

@@ -1,4 +1,4 @@
-"""Plan the flows of a sweep by fidelity."""
+"""Plan the flows of a sweep for a fidelity."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -40,13 +40,11 @@ class TunnelFlow:
     kind : str
         'wind', 'coarse' (a wind on a coarser mesh), 'transient', 'spin' or 'blow'.
     about : str
-        Axis, or pattern.
-    case : Case
-        What is solved.
+        Axis or rotor pattern.
     speeds : sequence of float
-        That it gives, m/s or rad/s.
+        Speeds of the results. [m/s or rad/s]
     shares : mapping of str to float
-        Rotors that are on.
+        Thrust of the running rotors, relative to full thrust.
 
     """
 
@@ -61,13 +59,14 @@ def list_patterns(model: TunnelModel) -> dict[str, Mapping[str, float]]:
     """
     Return the rotor patterns to solve: each rotor forward and reversed, and those of the file.
 
-    A rotor that is equivalent to an earlier one by symmetry is left out, as is its column.
+    A rotor that is equivalent to an earlier one by symmetry is left out.
     """
     singles: dict[str, Mapping[str, float]] = {}
     changes = model.find_symmetries()
     for name in model.rotors:
         if not _is_symmetric_twin(model, name, singles, changes):
             singles[name] = {name: 1.0}
+    # Listed last: the most informative flows are solved first
     back = {f'{name}{REVERSED}': {name: -1.0} for name in singles}
     return {**model.patterns, **singles, **back}
 
@@ -78,6 +77,7 @@ def _is_symmetric_twin(
     """Return whether a symmetry maps an earlier rotor to this one."""
     one = model.rotors[name]
     return any(
+        # [m] and [1]; far below the tolerance of a drawing
         np.allclose(change @ model.rotors[other].place, one.place, atol=1e-6)
         and np.allclose(change @ model.rotors[other].axis, one.axis, atol=1e-6)
         for other in before
@@ -100,17 +100,17 @@ def plan_flows(
     air : (float, float)
         Density [kg/m3] and kinematic viscosity [m2/s].
     only : sequence of str
-        Axes and patterns, all by default.
+        Axes and patterns to solve; by default all.
 
     """
-    found = [
+    flows = [
         *_plan_winds(model, fidelity, air[1]),
         *_plan_spins(model, air[1]),
         *_plan_blows(model, air),
     ]
     if fidelity == 'preview':
-        found += _plan_coarse(model, air[1])
-    return [flow for flow in found if not only or flow.about in only]
+        flows += _plan_coarse(model, air[1])
+    return [flow for flow in flows if not only or flow.about in only]
 
 
 def _wind_directions(model: TunnelModel) -> Sequence[str]:
@@ -124,6 +124,7 @@ def _plan_winds(model: TunnelModel, fidelity: str, viscosity: float) -> Iterator
             yield TunnelFlow('wind', axis, case, SPEEDS)
             continue
         fine = choose_fineness(model, viscosity, MIDDLE)
+        # One transient per axis, at the middle speed; the slow point is steady, see `SLOW`
         eddies = build_transient_wind(model, axis, viscosity, fine, MIDDLE, LENGTHS)
         yield TunnelFlow('transient', axis, eddies, (MIDDLE,))
         slow = build_steady_wind(model, axis, viscosity, PREVIEW, (SLOW,))

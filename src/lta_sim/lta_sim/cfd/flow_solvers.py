@@ -1,5 +1,5 @@
 """
-Solve flows in threads of this machine, each with a program on one core.
+Solve flows in parallel threads, each running a program on one core.
 
 On two cores this is faster than one flow on both, and a failing flow does not affect the others.
 """
@@ -74,11 +74,12 @@ class ThreadedFlowSolver:
         """Yield each flow with its result; arguments as in `solve_flow`."""
         with ThreadPoolExecutor(self._jobs) as pool:
             try:
+                # Each mesh once, before all flows that share it
                 meshes = {
                     mesh.key: pool.submit(solve_mesh, self._stages, mesh)
                     for mesh in list_meshes(flows)
                 }
-                coming = [
+                pending = [
                     (
                         flow,
                         pool.submit(
@@ -92,11 +93,12 @@ class ThreadedFlowSolver:
                     for flow in flows
                 ]
                 # In submission order, so that results do not depend on timing.
-                for flow, future in coming:
+                for flow, future in pending:
                     try:
                         yield flow, future.result()
                     except CaseFailed as error:
                         yield flow, error
+            # Also for KeyboardInterrupt and a closed generator: leave no solver running
             except BaseException:
                 self._programs.stop()
                 pool.shutdown(wait=False, cancel_futures=True)
@@ -116,7 +118,7 @@ def flow_mesh(flow: TunnelFlow) -> FoamCase:
 
 
 def list_meshes(flows: Sequence[TunnelFlow]) -> list[FoamCase]:
-    """Return the meshes of some flows, each once."""
+    """Return the distinct meshes of some flows."""
     return list({flow_mesh(flow).key: flow_mesh(flow) for flow in flows}.values())
 
 
@@ -128,11 +130,7 @@ def solve_mesh(stages: CaseRunner, mesh: FoamCase) -> Path:
 
 
 def solve_flow(stages: CaseRunner, model: TunnelModel, flow: TunnelFlow, density: float) -> Found:
-    """
-    Solve a flow, its mesh first if needed, and return the result.
-
-    `density` is that of the air. [kg/m3]
-    """
+    """Solve a flow, after its mesh if needed, and return the result; density in kg/m3."""
     mesh = solve_mesh(stages, flow_mesh(flow))
     if flow.kind != 'coarse':  # a coarse mesh may lose thin bodies: it only shows the mesh error
         patches = read_patches(mesh)
@@ -140,6 +138,7 @@ def solve_flow(stages: CaseRunner, model: TunnelModel, flow: TunnelFlow, density
             flow_mesh(flow).name, patches, list_solved_bodies(flow_mesh(flow), patches)
         )
     place = stages.solve(flow.case)
+    # From the logs, so that a cached case keeps its original time
     spent = round(stages.processor_time(flow.case), 1)
     if flow.kind == 'blow':
         return reduce.reduce_blow(model, flow.shares or {}, place, mesh, spent, density)
@@ -158,5 +157,5 @@ def solve_flow(stages: CaseRunner, model: TunnelModel, flow: TunnelFlow, density
 
 
 def split_result(flow: TunnelFlow, result: Points | CaseFailed) -> Points:
-    """Return the points of a flow and its refused ones, or the reason of a complete failure."""
+    """Return the points of a flow and its failed ones, or the reason of a complete failure."""
     return ([], {flow.case.name: str(result)}) if isinstance(result, CaseFailed) else result

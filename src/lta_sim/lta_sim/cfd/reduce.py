@@ -1,4 +1,4 @@
-"""Reduce solved cases to numbers: averages over the last iterations, in body axes and SI units."""
+"""Reduce solved cases to mean forces and moments, in body axes and SI units."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -28,7 +28,7 @@ def _averaging_window(wrench: WrenchHistory) -> slice:
 
 
 def _mean_outflow(place: Path, begin: str, patches: Sequence[str]) -> Array:
-    """Return what the air takes along, mean of the window, at 1 kg/m3: momentum and pressure."""
+    """Return the mean momentum and pressure flux out of the domain, at 1 kg/m3."""
     outer = read_forces(place, 'outer', begin)
     rows = [
         read_momentum(place, patch, begin)[-flow_checks.WINDOW :].mean(axis=0) for patch in patches
@@ -39,8 +39,9 @@ def _mean_outflow(place: Path, begin: str, patches: Sequence[str]) -> Array:
 
 def _read_residual(place: Path, step: str) -> float | None:
     text = (place / f'log.{step}').read_text(encoding='utf-8', errors='replace')
-    found = RESIDUAL.findall(text[-8000:])
-    return float(found[-1]) if found else None
+    # The end of a log of many megabytes
+    residuals = RESIDUAL.findall(text[-8000:])
+    return float(residuals[-1]) if residuals else None
 
 
 def _count_cells(mesh: Path) -> int:
@@ -52,13 +53,14 @@ def _count_cells(mesh: Path) -> int:
 def _unfold_symmetry(
     force: Array, moment: Array, planes: tuple[bool, bool]
 ) -> tuple[Array, Array]:
-    """Return the wrench on the whole body from that on the half or quarter that was solved."""
+    """Return the wrench on the whole body from that on the solved half or quarter."""
     force, moment = force.copy(), moment.copy()
     for axis, is_one in zip((1, 2), planes, strict=True):
         if is_one:  # antisymmetric components cancel, the others double
             force *= 2.0
             moment *= 2.0
             force[..., axis] = 0.0
+            # A plane of symmetry allows only the moment about its normal
             moment[..., [k for k in range(3) if k != axis]] = 0.0
     return force, moment
 
@@ -68,29 +70,15 @@ def reduce_wind(
     seconds: float, density: float,
 ) -> SweepPoint:  # fmt: skip
     """
-    Return one speed of a steady wind tunnel.
+    Return the result of one speed [m/s] of a steady wind tunnel.
 
-    Parameters
-    ----------
-    model : Model
-        What stood in it.
-    axis : str
-        How it moves.
-    step : Step
-        That solved this speed.
-    speed : float
-        Which. [m/s]
-    place, mesh : Path
-        Folders of the case and of its mesh.
-    seconds : float
-        That the case took. [s]
-    density : float
-        Of the air. [kg/m3]
+    `place` and `mesh` are the folders of the case and of its mesh, `seconds` is its processor time
+    and `density` that of the air. [kg/m3]
 
     Raises
     ------
     CaseFailed
-        If a gate does not hold.
+        If a check of the flow fails.
 
     """
     planes = symmetry_planes(model, axis)
@@ -123,12 +111,17 @@ def reduce_transient(
     model: TunnelModel, axis: str, step: ProgramStep, speed: float, place: Path, mesh: Path,
     seconds: float, density: float,
 ) -> SweepPoint:  # fmt: skip
-    """Return a transient wind tunnel, its spread the standard error; as `reduce_wind`."""
+    """
+    Return the result of a transient wind tunnel; its spread is the standard error of the mean.
+
+    Arguments as for `reduce_wind`.
+    """
     wrenches = {name: read_forces(place, name, step.begin) for name in model.bodies}
     first = next(iter(wrenches.values()))
     # Skip the start: the wake needs time to develop.
     late = first.time >= SETTLING + STARTING * model.length
     drags = np.sum([each.force[late, 0] for each in wrenches.values()], axis=0)
+    # Time steps vary: weight each value with its duration
     weights = np.gradient(first.time[late])
     error = standard_error(drags, weights, BATCH * model.length)
     flow_checks.check_mean(error, float(weights.sum()) / model.length)
@@ -156,18 +149,20 @@ def reduce_transient(
 
 def standard_error(values: Array, weights: Array, batch: float) -> float:
     """
-    Return the standard error of the mean of a history over its mean. [1].
+    Return the standard error of the mean of a history, relative to its mean. [1]
 
-    By the means of overlapping batches (Meketon and Schmeiser 1984), since neighbours are alike.
+    Uses overlapping batch means (Meketon and Schmeiser 1984), because neighbouring values are
+    correlated.
 
     Parameters
     ----------
     values, weights : array (n,)
-        A value and how long it held. [s]
+        Values and their durations. [s]
     batch : float
-        Beyond which values are independent; nothing is known of a shorter history. [s]
+        Correlation length; for a shorter history the error is infinite. [s]
 
     """
+    # Integrals by interpolation, because batches need not end at a time step
     ends = np.concatenate(([0.0], np.cumsum(weights)))
     sums = np.concatenate(([0.0], np.cumsum(values * weights)))
     whole = ends[-1]
@@ -196,6 +191,7 @@ def _mean_body_wrench(
         moment += np.average(each.moment[rows], axis=0, weights=weights)
     force, moment = _unfold_symmetry(force, moment, planes)
     # Transposed: from tunnel axes back to body axes.
+    # A rotation matrix: its transpose is its inverse
     turn = TURNS[axis].T
     return scale * (turn @ force), scale * (turn @ moment)
 
@@ -218,7 +214,7 @@ def _viscous_share(wrenches: Mapping[str, WrenchHistory], weights: Array | None 
 
 
 def _average_window(wrench: WrenchHistory, values: Array, weights: Array | None) -> float:
-    """Return the mean of the window of a steady flow, or of all of a transient."""
+    """Return the mean over the window of a steady flow, or over all of a transient."""
     if weights is None:
         return float(np.mean(values[_averaging_window(wrench)]))
     return float(np.average(values, weights=weights))
@@ -228,13 +224,14 @@ def reduce_spin(
     model: TunnelModel, about: str, step: ProgramStep, rate: float, place: Path, mesh: Path,
     seconds: float, density: float,
 ) -> SweepPoint:  # fmt: skip
-    """Return one rate of a turning vehicle; as `reduce_wind`."""
+    """Return the result of one rate of a rotating vehicle; arguments as for `reduce_wind`."""
     axis = np.array(AXES[about])
     wrenches = {name: read_forces(place, name, step.begin) for name in model.bodies}
     rows = {name: each.moment[_averaging_window(each)] @ axis for name, each in wrenches.items()}
     total = np.sum(list(rows.values()), axis=0)
     spread = float(np.std(total) / abs(np.mean(total)))
     flow_checks.check_spread(spread, len(total))
+    # The moment must oppose the positive rotation
     flow_checks.check_brakes(-float(np.mean(total)))
     scale = density * rate**2
     force = sum(
@@ -260,7 +257,7 @@ def reduce_blow(
     model: TunnelModel, shares: Mapping[str, float], place: Path, mesh: Path, seconds: float,
     density: float,
 ) -> Blow:  # fmt: skip
-    """Return the net wrench of rotors that are on; as `reduce_wind`."""
+    """Return the net wrench of running rotors; arguments as for `reduce_wind`."""
     zones = read_mesh(mesh)['zones']
     assert isinstance(zones, dict)
     flow_checks.check_zones(zones, shares)
@@ -283,6 +280,7 @@ def reduce_blow(
     )
     spread = float(np.linalg.norm(np.std(walls, axis=0)) / loudness)
     flow_checks.check_spread(spread, len(walls))
+    # Momentum balance of the box: outflow, forces on the walls, and the thrust
     lost = density * _mean_outflow(place, '0', ('far',)) + walls.mean(axis=0) + thrust
     balance = float(np.linalg.norm(lost) / loudness)
     flow_checks.check_balance(balance)

@@ -15,15 +15,10 @@ TOUCH: Final = 1e-9  # of an edge's length: touching is not crossing
 
 def find_crossing(triangles: Array) -> tuple[int, int] | None:
     """
-    Return two triangles that cross, or None.
+    Return the indices of two crossing triangles, or None.
 
-    Neighbours, which share a corner, are not looked at; nor are triangles that lie in one plane.
-
-    Parameters
-    ----------
-    triangles : array (n, 3, 3)
-        Corners. [m]
-
+    Neighbours that share a corner, and coplanar triangles, are not tested. `triangles` has shape
+    (n, 3, 3). [m]
     """
     for one, other in _iterate_near_pairs(triangles):
         for first, second in ((one, other), (other, one)):
@@ -41,6 +36,7 @@ def _iterate_near_pairs(triangles: Array) -> Iterator[tuple[Index, Index]]:
     low, high = triangles.min(axis=1), triangles.max(axis=1)
     # Sweep along x: only triangles whose x ranges overlap are compared.
     order = np.argsort(low[:, 0])
+    # In the sorted order, partners of triangle k are k + 1 .. last - 1
     last = np.searchsorted(low[order, 0], high[order, 0], side='right')
     counts = np.maximum(last - np.arange(len(order)) - 1, 0)
     ends = np.cumsum(counts)
@@ -50,6 +46,7 @@ def _iterate_near_pairs(triangles: Array) -> Iterator[tuple[Index, Index]]:
         end = max(int(np.searchsorted(ends, base + CHUNK, side='right')), begin + 1)
         sizes = counts[begin:end]
         first = np.repeat(np.arange(begin, end), sizes)
+        # 0, 1, 2 ... within each triangle's partners
         step = np.arange(len(first)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
         one, other = order[first], order[first + 1 + step]
         apart = (low[one] > high[other]) | (low[other] > high[one])
@@ -67,6 +64,7 @@ def _find_pierced(begin: Array, end: Array, triangle: Array) -> NDArray[np.bool_
     side, other = triangle[:, 1] - triangle[:, 0], triangle[:, 2] - triangle[:, 0]
     normal = np.cross(way, other)
     scale = np.einsum('ij,ij->i', side, normal)
+    # Parallel to the triangle's plane: no intersection, and no division by zero
     flat = np.abs(scale) < 1e-300
     scale = np.where(flat, 1.0, scale)
     away = begin - triangle[:, 0]
@@ -74,6 +72,7 @@ def _find_pierced(begin: Array, end: Array, triangle: Array) -> NDArray[np.bool_
     turned = np.cross(away, side)
     v = np.einsum('ij,ij->i', way, turned) / scale
     t = np.einsum('ij,ij->i', other, turned) / scale
+    # Barycentric coordinates u, v and the position t on the segment, all strictly inside
     within = (u > TOUCH) & (v > TOUCH) & (u + v < 1.0 - TOUCH)
     through: NDArray[np.bool_] = ~flat & within & (t > TOUCH) & (t < 1.0 - TOUCH)
     return through

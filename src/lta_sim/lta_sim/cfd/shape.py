@@ -1,13 +1,13 @@
 """
-Surfaces of hulls: the mylar balloon, spheroids and spheres.
+Build hull surfaces: the mylar balloon, spheroids and spheres.
 
-A mylar balloon is two flat foil discs, joined at the rim and inflated (Paulsen 1994, Am.
-Math. Monthly 101:953):
+A mylar balloon is two flat foil discs, joined at the rim and inflated (Paulsen 1994, Am. Math.
+Monthly 101:953):
 
     z(r) = integral from r to R of t^2 / sqrt(R^4 - t^4) dt,   R the inflated radius
 
-With t = R sin u the integrand is R sin^2 u / sqrt(1 + sin^2 u), which has no pole. A balloon that
-is not full is the same curve pressed flat to the height that its file gives: an approximation.
+With t = R sin u the integrand is R sin^2 u / sqrt(1 + sin^2 u), which has no pole. A partly filled
+balloon is approximated by the same curve, scaled to the height in its file.
 """
 
 from typing import Final
@@ -32,18 +32,9 @@ TURNED: Final = {  # z to x, and z to y
 
 def mylar_profile(points: int = POINTS) -> Array:
     """
-    Return the upper half of a full mylar balloon of radius 1 [1].
+    Return the upper half of a full mylar balloon of radius 1: radius and height, (points, 2). [1]
 
-    Parameters
-    ----------
-    points : int
-        From the pole to the rim, closer together towards the rim, where the curve stands upright.
-
-    Returns
-    -------
-    array (points, 2)
-        Radius and height.
-
+    Points are denser towards the rim, where the curve is steep.
     """
     # Integrate on a 20 times finer grid than the result.
     angle = np.linspace(0.0, 0.5 * np.pi, 20 * (points - 1) + 1)
@@ -53,24 +44,25 @@ def mylar_profile(points: int = POINTS) -> Array:
 
 
 def ellipse_profile(points: int = POINTS) -> Array:
-    """Return a quarter of a circle of radius 1, from pole to rim, as `mylar_profile`. [1]."""
+    """Return a quarter of a unit circle, from pole to rim, as `mylar_profile`. [1]"""
     angle = np.linspace(0.0, 0.5 * np.pi, points)
     return np.column_stack((np.sin(angle), np.cos(angle)))
 
 
 def revolve_profile(half: Array, radius: float, height: float) -> trimesh.Trimesh:
     """
-    Return the closed surface of revolution about z of a half profile.
+    Return the closed surface of revolution of a half profile about z.
 
     Parameters
     ----------
     half : array (n, 2)
-        Radius and height from the pole to the rim, of any size. [1]
+        Radius and height from the pole to the rim, in any scale.
     radius, height : float
-        Of the surface, the height from pole to pole. [m]
+        Size of the surface; the height is from pole to pole. [m]
 
     """
     upper = half * (radius / half[-1, 0], 0.5 * height / half[0, 1])
+    # Exact zeros close the surface at the poles and at the rim
     upper[0, 0], upper[-1, 1] = 0.0, 0.0
     around = np.vstack((upper[:-1] * (1.0, -1.0), upper[::-1]))
     mesh = trimesh.creation.revolve(around, sections=SECTIONS)
@@ -82,12 +74,12 @@ def revolve_profile(half: Array, radius: float, height: float) -> trimesh.Trimes
 
 def build_envelope(hull: HullBlock) -> trimesh.Trimesh:
     """
-    Return the surface of a hull about its centre, body axes. [m].
+    Return the surface of a hull about its centre, body axes. [m]
 
     Raises
     ------
     BadInput
-        If the vehicle has none.
+        If the vehicle has no hull.
 
     """
     if hull.shape == 'none':

@@ -21,16 +21,16 @@ POINTS: Final = 220  # along the longer side
 @dataclass(frozen=True, slots=True)
 class FlowSlice:
     """
-    The speed of the air in a plane.
+    Air speed in a plane.
 
     Parameters
     ----------
     about : str
         Axis or pattern.
     across, up : array
-        Places along the two sides of the picture. [m]
+        Coordinates along the two sides of the picture. [m]
     names : (str, str)
-        What the sides are.
+        Labels of the sides.
     speed : array (len(up), len(across))
         NaN inside the bodies. [m/s]
 
@@ -44,13 +44,14 @@ class FlowSlice:
 
 
 def read_flow_slice(model: TunnelModel, flow: TunnelFlow, place: Path) -> FlowSlice | None:
-    """Return the slice of a solved flow; None where none was written."""
+    """Return the slice of a solved flow, or None if none was written."""
     rows = read_slice(place)
     if rows is None or len(rows) < 100:
         return None
     size = model.length
     speed = np.linalg.norm(rows[:, 3:6], axis=1)
     if flow.kind == 'blow':
+        # The slice contains z and either x or y: the one that varies
         across = int(np.argmax(np.ptp(rows[:, :2], axis=0)))
         window = ((-1.0, 1.0), (-1.5, 0.6))
         names = ('xyz'[across] + ' [m]', 'z [m]')
@@ -60,9 +61,11 @@ def read_flow_slice(model: TunnelModel, flow: TunnelFlow, place: Path) -> FlowSl
         window = ((-0.9, 2.2), (-0.9, 0.9))
         names = ('along the wind [m]', 'across it [m]')
         turn = TURNS.get(flow.about, np.eye(3))
+        # The flow was solved at 1 m/s
         speed = speed * flow.speeds[-1]
     points = rows[:, [across, 2]]
     if flow.kind == 'wind' and symmetry_planes(model, flow.about)[1]:
+        # Mirror the solved half
         points = np.vstack((points, points * (1.0, -1.0)))
         speed = np.concatenate((speed, speed))
     ends = size * np.array(window)
@@ -77,7 +80,7 @@ def read_flow_slice(model: TunnelModel, flow: TunnelFlow, place: Path) -> FlowSl
 def _mask_bodies(
     model: TunnelModel, turn: Array, across: int, sides: list[Array], grid: Array
 ) -> Array:
-    """Return the grid with NaN inside the bodies, which are cut in the plane of the slice."""
+    """Return the grid with NaN inside the cross-sections of the bodies."""
     grid = grid.copy()
     normal = np.eye(3)[1 - across]
     for mesh in model.bodies.values():
@@ -85,6 +88,7 @@ def _mask_bodies(
         whole = np.eye(4)
         whole[:3, :3] = turn
         turned.apply_transform(whole)
+        # Close to the plane of the slice, which is 0.002 lengths off the centre
         origin = 0.0023 * model.length * normal
         cut = trimesh.intersections.mesh_plane(turned, normal, origin)  # type: ignore[no-untyped-call]
         if len(cut):
@@ -93,7 +97,7 @@ def _mask_bodies(
 
 
 def _find_inside(lines: Array, sides: list[Array]) -> NDArray[np.bool_]:
-    """Return which points of a grid are inside closed lines (crossings of a ray)."""
+    """Return which points of a grid are inside closed lines, by counting ray crossings."""
     x, y = np.meshgrid(*sides)
     odd = np.zeros(x.shape, dtype=bool)
     for (x1, y1), (x2, y2) in lines:

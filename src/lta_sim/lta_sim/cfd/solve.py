@@ -31,13 +31,14 @@ def check_memory(
     flows: Sequence[TunnelFlow], jobs: int, limit: float,
     remedy: str = 'use --jobs 1, a coarser fidelity, or more --memory',
 ) -> None:  # fmt: skip
-    """Raise `BadInput` before any work if meshes would not fit into a limit [bytes]."""
+    """Raise `BadInput` before any work if the meshes would exceed a limit. [bytes]"""
     largest = max((flow.case.cells for flow in flows), default=0)
+    # Worst case: all jobs mesh the largest case at once
     need = largest * BYTES_A_CELL * jobs
     if need > limit:
         raise BadInput(
-            f'A mesh of {largest} cells, {jobs} at a time, needs about {need / 1e9:.1f} GB and '
-            f'there are {limit / 1e9:.1f}; {remedy}.'
+            f'A mesh of {largest} cells, {jobs} at a time, needs about {need / 1e9:.1f} GB, but '
+            f'only {limit / 1e9:.1f} GB are available; {remedy}.'
         )
 
 
@@ -58,12 +59,12 @@ def solve_sweep(
     blows: dict[str, Blow] = {}
     refused: dict[str, str] = {}
     coarse: dict[str, SweepPoint] = {}
-    with closing(solver.solve_flows(model, flows, air[0])) as coming:
-        for flow, found in coming:
-            if isinstance(found, Blow):
-                blows[flow.about] = found
+    with closing(solver.solve_flows(model, flows, air[0])) as results:
+        for flow, result in results:
+            if isinstance(result, Blow):
+                blows[flow.about] = result
                 continue
-            points, reasons = split_result(flow, found)
+            points, reasons = split_result(flow, result)
             if flow.kind == 'coarse':
                 for point in points:  # one, or none
                     coarse[flow.about] = point
@@ -73,13 +74,14 @@ def solve_sweep(
             for name, reason in reasons.items():
                 report(f'{name}: {reason}')
     for each in axes.values():
+        # Slow and fast points of an axis may come from different flows
         each.sort(key=lambda point: point.speed)
     return axes, blows, refused, coarse
 
 
 def estimate_drag(model: TunnelModel, air: Air) -> dict[Axis, list[SweepPoint]]:
     """Return the estimate by hand for each axis."""
-    found: dict[Axis, list[SweepPoint]] = {}
+    estimates: dict[Axis, list[SweepPoint]] = {}
     for k, axis in enumerate(AXES):
         turning = k >= 3
         points = []
@@ -93,8 +95,8 @@ def estimate_drag(model: TunnelModel, air: Air) -> dict[Axis, list[SweepPoint]]:
                     evidence=HAND,
                 )
             )  # fmt: skip
-        found[axis] = points
-    return found
+        estimates[axis] = points
+    return estimates
 
 
 def build_sweep(
@@ -102,7 +104,7 @@ def build_sweep(
     blows: dict[str, Blow], refused: dict[str, str], coarse: dict[str, SweepPoint] | None = None,
     engine: str = BY_HAND,
 ) -> TunnelSweep:  # fmt: skip
-    """Return a whole sweep from the results of `solve_sweep` and the solver's name."""
+    """Build a sweep from the results of `solve_sweep` and the solver's name."""
     return TunnelSweep.model_validate({
         'schema_version': 1,
         'name': model.name,

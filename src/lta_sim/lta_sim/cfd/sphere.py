@@ -3,7 +3,7 @@ Measured drag of a smooth sphere, for the validation of the tunnel.
 
 Morrison 2013, An Introduction to Fluid Mechanics, fits all Reynolds numbers up to 1e6 in one
 formula; Achenbach 1972 (J. Fluid Mech. 54:565) measured 0.45 to 0.50 between 5e4 and 1.2e5, where
-Morrison's formula says 0.41. The truth of a real sphere is within that scatter.
+Morrison's formula gives 0.41. A real sphere lies within that scatter.
 """
 
 from typing import Final
@@ -27,9 +27,9 @@ def morrison_drag_coefficient(reynolds: float) -> float:
 
 def relative_deviation(coefficient: float, reynolds: float) -> float:
     """
-    Return by which share a coefficient misses what was measured, 0 within the scatter. [1].
+    Return the relative deviation of a coefficient from measurements, 0 within their scatter. [1]
 
-    The scatter spans from Morrison's formula to the top of what was measured.
+    The scatter spans from Morrison's formula to the highest measured value.
     """
     low = high = morrison_drag_coefficient(reynolds)
     if SCATTER_RANGE[0] <= reynolds <= SCATTER_RANGE[1]:

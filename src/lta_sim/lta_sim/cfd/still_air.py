@@ -1,9 +1,9 @@
 """
-A box of still air: rotors blow in it, and the vehicle turns in it.
+Build cases in a box of still air: running rotors, and a rotating vehicle.
 
-A rotor is a source of momentum in its disk, without swirl. What the body feels is its thrust,
-and what the air that it moves does to the walls. Turning is solved in a frame that turns along
-within a ball (MRF), at 1 rad/s with the viscosity divided by the rate that is meant.
+A rotor is a momentum source in its disk, without swirl. The body is loaded by its thrust, and by
+the forces of the moving air on the walls. Rotation is solved in a ball with a rotating reference
+frame (MRF), at 1 rad/s with the viscosity divided by the intended rate.
 """
 
 from collections.abc import Mapping
@@ -39,12 +39,12 @@ JETS: Final = ((1.34, 1.27, 0), (2.34, 12.8, 1), (5.1, 34.0, 2), (10.6, 76.6, 3)
 
 
 def disk_refinement_level(model: TunnelModel, rotor: RotorDisk) -> int:
-    """Return the level at which the disk of a rotor has enough cells across."""
+    """Return the level at which a rotor's disk has enough cells across."""
     return math.ceil(math.log2(BASE * model.length * CELLS_ACROSS / (2.0 * rotor.radius)) - 1e-9)
 
 
 def build_still_mesh(model: TunnelModel, most: int = 3_000_000) -> FoamCase:
-    """Return the mesh of the box, with a zone for each rotor's disk and one that turns."""
+    """Return the mesh of the box, with cell zones for the rotors' disks and the rotating ball."""
     size = model.length
     regions: dict[str, tuple[Mapping[str, Entry], int]] = {}
     finest = 4
@@ -57,6 +57,7 @@ def build_still_mesh(model: TunnelModel, most: int = 3_000_000) -> FoamCase:
         {name: 3 if name == HULL else min(finest, 5) for name in model.bodies},
         BASE * size,
         regions,
+        # A point in the air that lies on no cell face
         [-2.613 * size, 2.137 * size, 2.071 * size],
         (0.12 * size, 3),
         6,
@@ -71,6 +72,7 @@ def build_still_mesh(model: TunnelModel, most: int = 3_000_000) -> FoamCase:
             'source': 'cylinderToCell', 'p1': ends[0], 'p2': ends[1], 'radius': rotor.radius,
         })  # fmt: skip
     actions += _zone_actions(BALL, {
+        # Encloses the hull, which extends half a length from the centre
         'source': 'sphereToCell', 'centre': [0, 0, 0], 'radius': 1.2 * size
     })  # fmt: skip
     return build_mesh_case(
@@ -87,7 +89,7 @@ def build_still_mesh(model: TunnelModel, most: int = 3_000_000) -> FoamCase:
 
 
 def _jet_region(rotor: RotorDisk, wide: float, long: float) -> dict[str, Entry]:
-    """Return a cylinder about a rotor and its jet, to both sides as rotors may be reversed."""
+    """Return a cylinder around a rotor and its jet, to both sides as rotors may be reversed."""
     reach = long * rotor.radius * np.array(rotor.axis)
     ends = (np.array(rotor.place) - reach, np.array(rotor.place) + reach)
     return {
@@ -99,7 +101,7 @@ def _jet_region(rotor: RotorDisk, wide: float, long: float) -> dict[str, Entry]:
 
 
 def _zone_actions(name: str, source: Mapping[str, Entry]) -> list[Entry]:
-    """Return the actions that make a zone of cells."""
+    """Return the topoSet actions that create a cell zone."""
     return [
         {'name': f'{name}_set', 'type': 'cellSet', 'action': 'new', **source},
         {'name': name, 'type': 'cellZoneSet', 'action': 'new', 'source': 'setToCellZone',
@@ -119,16 +121,14 @@ def build_blowing_case(
     model: TunnelModel, pattern: str, shares: Mapping[str, float], air: tuple[float, float]
 ) -> FoamCase:
     """
-    Return the flow of some rotors.
+    Return the case of running rotors.
 
     Parameters
     ----------
-    model : Model
-        The vehicle.
     pattern : str
-        Its name.
+        Name of the pattern.
     shares : mapping of str to float
-        Thrust of each rotor that is on, in shares of its full thrust; negative is reversed. [1]
+        Thrust of the running rotors, relative to full thrust; negative is reversed. [1]
     air : (float, float)
         Density [kg/m3] and kinematic viscosity [m2/s].
 
@@ -137,6 +137,7 @@ def build_blowing_case(
     sources: dict[str, Entry] = {}
     for name, share in shares.items():
         rotor = model.rotors[name]
+        # The air is pushed opposite to the thrust; kinematic units (divided by the density)
         push = -share * rotor.thrust / density * np.array(rotor.axis)
         sources[name] = {
             'type': 'vectorSemiImplicitSource', 'active': True,
@@ -173,17 +174,9 @@ def build_blowing_case(
 
 def build_spinning_case(model: TunnelModel, about: str, viscosity: float) -> FoamCase:
     """
-    Return the flow around a vehicle that turns, at several rates.
+    Return the case of a vehicle that rotates about its hull centre, at several rates.
 
-    Parameters
-    ----------
-    model : Model
-        The vehicle.
-    about : str
-        'roll', 'pitch' or 'yaw', about the hull centre.
-    viscosity : float
-        Kinematic, of the air. [m2/s]
-
+    `about` is 'roll', 'pitch' or 'yaw'; the viscosity is kinematic. [m2/s]
     """
     mesh = build_still_mesh(model)
     steps, begin = [], 0
@@ -193,6 +186,7 @@ def build_spinning_case(model: TunnelModel, about: str, viscosity: float) -> Foa
             'system/controlDict': format_control(
                 'simpleFoam', begin, end, _build_functions(model, (0, 1, 0))
             ),
+            # Reynolds similarity: 1 rad/s at viscosity / rate equals `rate` at the real viscosity
             'constant/transportProperties': format_transport(viscosity / rate),
         }  # fmt: skip
         steps.append(ProgramStep(f'{rate:g}', ('simpleFoam',), files, end - begin, str(begin)))

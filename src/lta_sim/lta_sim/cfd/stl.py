@@ -15,19 +15,17 @@ LARGEST, SMALLEST = 30.0, 2e-3  # m; size limits of a drone's part
 
 def read_stl(path: Path, unit: str) -> trimesh.Trimesh:
     """
-    Return the closed surface in an STL file. [m].
+    Read the closed surface in an STL file, binary or text. [m]
 
     Parameters
     ----------
-    path : Path
-        Binary or text.
     unit : str
-        Of its numbers, which the format does not say: 'm', 'cm', 'mm'.
+        Unit of the file, which the format does not store: 'm', 'cm', 'mm'.
 
     Raises
     ------
     BadInput
-        If it cannot be read, is open, crosses itself, is inside out in places, or has the size of
+        If it cannot be read, is open, intersects itself, has mixed normals, or has the size of
         another unit.
 
     """
@@ -53,19 +51,20 @@ def read_stl(path: Path, unit: str) -> trimesh.Trimesh:
 
 
 def validate_closed(mesh: trimesh.Trimesh, name: str, unit: str) -> trimesh.Trimesh:
-    """Return a surface that encloses a volume, its normals outwards; else `BadInput`."""
+    """Return a surface that encloses a volume, with outward normals; else raise `BadInput`."""
     size = float(np.max(mesh.extents))
     if not SMALLEST <= size <= LARGEST:
+        # Too large: probably millimetres read as metres; too small: the opposite
         other = 'mm' if size > LARGEST else 'm'
         raise BadInput(
-            f'{name} is {size:.4g} m long read as {unit}, which is no part of a drone; '
-            f'if it was drawn in {other}, say "unit: {other}".'
+            f'{name} is {size:.4g} m long when read in {unit}, which is no size of a drone part; '
+            f'if it was drawn in {other}, set "unit: {other}".'
         )
     if not mesh.is_watertight:
         edges = np.unique(mesh.edges_sorted, axis=0, return_counts=True)[1]
         raise BadInput(
             f'{name} is open: {int(np.sum(edges != 2))} edges do not join exactly two triangles; '
-            'close the holes where it was drawn, and export it again.'
+            'close the holes in the CAD program, and export it again.'
         )
     if not mesh.is_winding_consistent:
         raise BadInput(
@@ -76,8 +75,9 @@ def validate_closed(mesh: trimesh.Trimesh, name: str, unit: str) -> trimesh.Trim
         place = mesh.triangles[pair[0]].mean(axis=0)
         raise BadInput(
             f'{name} intersects itself near ({place[0]:.3g}, {place[1]:.3g}, {place[2]:.3g}) m; '
-            'unite its solids where it was drawn, or give each as a body of its own.'
+            'unite its solids in the CAD program, or give each as a separate body.'
         )
+    # Consistently inward normals are harmless: flip them
     if mesh.volume < 0.0:
         mesh.invert()
     return mesh

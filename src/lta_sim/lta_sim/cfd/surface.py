@@ -15,19 +15,7 @@ CELLS: Final = 41  # of the map, along a side
 
 
 def read_surface_pressure(folder: Path, body: str, density: float) -> SurfacePressure:
-    """
-    Return the pressure on a body at the end of a flow.
-
-    Parameters
-    ----------
-    folder : Path
-        Of the case.
-    body : str
-        Its patch.
-    density : float
-        Of the air, which OpenFOAM divides pressures by. [kg/m3]
-
-    """
+    """Return the pressure on a body (a patch of the case) at the end of a flow."""
     places = sorted(
         (folder / 'postProcessing' / 'pressure').glob(f'*/p_{body}.raw'),
         key=lambda place: float(place.parent.name),
@@ -38,14 +26,14 @@ def read_surface_pressure(folder: Path, body: str, density: float) -> SurfacePre
 
 def reduce_pressure(places: Array, pressure: Array) -> SurfacePressure:
     """
-    Return what is kept of the pressure on a body.
+    Reduce the pressure on a body to its extremes and a map.
 
     Parameters
     ----------
     places : array (n, 3)
-        Middles of its faces, body axes. [m]
+        Face centres, body axes. [m]
     pressure : array (n,)
-        There, over that far away. [Pa]
+        Relative to the far field. [Pa]
 
     """
     low, high = int(pressure.argmin()), int(pressure.argmax())
@@ -59,15 +47,18 @@ def reduce_pressure(places: Array, pressure: Array) -> SurfacePressure:
 
 
 def _map_from_below(places: Array, pressure: Array, side: float) -> list[list[float | None]]:
-    """Return the pressure of the nearest face below the middle, on a grid of x and y."""
+    """Return the pressure on the lower half, on a grid of x and y, from the nearest face."""
     under = places[:, 2] <= float(places[:, 2].mean())
     flat = places[under, :2]
+    # Centres of the map's cells
     steps = side * ((np.arange(CELLS) + 0.5) / CELLS - 0.5)
     x, y = np.meshgrid(steps, steps)
     values = NearestNDInterpolator(flat, pressure[under])(x, y)
+    # Cells outside the body's outline would get the value of a far face
     outline = Delaunay(flat[ConvexHull(flat).vertices])
     inside = outline.find_simplex(np.stack((x, y), axis=-1)) >= 0
     rows: list[list[float]] = np.where(inside, values, np.nan).tolist()
+    # NaN is the only value unequal to itself; JSON has no NaN
     return [[None if value != value else _round_short(value) for value in row] for row in rows]
 
 

@@ -1,5 +1,5 @@
 """
-The raw sweep: the result of each flow, in SI units and body axes about the hull centre.
+Define the raw sweep: the result of each flow, in SI units and body axes about the hull centre.
 
 `refit` fits coefficients and columns again from this file alone, without a flow solver.
 """
@@ -20,12 +20,12 @@ AXES: tuple[Axis, ...] = ('surge', 'sway', 'heave', 'roll', 'pitch', 'yaw')
 
 class FlowEvidence(StrictModel):
     """
-    How good a flow is.
+    Quality of a flow.
 
-    spread: standard deviation of drag or thrust in the window over its mean, of a transient the
-    standard error of the mean [1]; window: rounds, or seconds of a transient, that are averaged;
-    residual: of the pressure at the end; balance: momentum that is not accounted for, over the
-    force [1]; cells: of the mesh.
+    spread: relative standard deviation of drag or thrust in the window, for a transient the
+    standard error of the mean [1]; window: averaged iterations, or seconds of a transient;
+    residual: of the pressure at the end; balance: momentum residual over the force [1]; cells: of
+    the mesh.
     """
 
     spread: float
@@ -37,7 +37,7 @@ class FlowEvidence(StrictModel):
 
 
 class SweepPoint(StrictModel):
-    """One speed [m/s] or rate [rad/s]: what the air does to the vehicle. [N, N m]."""
+    """Aerodynamic wrench on the vehicle at one speed [m/s] or rate [rad/s]. [N, N m]"""
 
     speed: Annotated[float, Field(gt=0.0)]
     force: Vector
@@ -49,11 +49,11 @@ class SweepPoint(StrictModel):
 
 class SurfacePressure(StrictModel):
     """
-    Pressure on a body relative to the far air. [Pa].
+    Pressure on a body relative to the far field. [Pa]
 
-    least, most: extremes over its faces, with their places [m]; below: map seen from below, rows
-    along y from the least, columns along x, None outside the body, empty if no map was kept;
-    side: of that square. [m]
+    least, most: extremes over its faces, with their positions [m]; below: map seen from below,
+    rows along y from the lowest, columns along x, None outside the body, empty if no map was
+    stored; side: edge of that square. [m]
     """
 
     least: float
@@ -66,9 +66,9 @@ class SurfacePressure(StrictModel):
 
 class Blow(StrictModel):
     """
-    Some rotors running: the net wrench, including their own thrust. [N, N m].
+    Net wrench with some rotors running, including their own thrust. [N, N m]
 
-    pressed: the pressure of their jets on each body; missing in older sweeps.
+    pressed: pressure of their jets on each body; missing in older sweeps.
     """
 
     shares: Mapping[str, float]
@@ -113,7 +113,7 @@ class TunnelSweep(StrictModel):
 
 
 def read_sweep(path: Path) -> TunnelSweep:
-    """Return a sweep from its file; anything wrong is a `BadInput` sentence."""
+    """Read a sweep from its file; raise `BadInput` for any error."""
     try:
         return TunnelSweep.model_validate_json(path.read_bytes())
     except OSError as error:
@@ -139,5 +139,5 @@ def drop_maps(sweep: TunnelSweep) -> TunnelSweep:
 
 
 def format_sweep(sweep: TunnelSweep) -> str:
-    """Return a sweep as it is kept."""
+    """Format a sweep as JSON."""
     return sweep.model_dump_json(indent=1) + '\n'

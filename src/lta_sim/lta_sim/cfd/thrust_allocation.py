@@ -1,8 +1,8 @@
 """
 Compute the columns of B from flows with running rotors, and the coupling of their jets.
 
-A column is the net wrench per newton of a rotor's full thrust. Where a pattern of all its rotors
-is not the sum of its columns, the rest is a coupling, per newton of the weakest of them.
+A column is the net wrench per newton of a rotor's full thrust. If the wrench of all rotors
+together is not the sum of their columns, the rest is a coupling, per newton of the weakest rotor.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,7 +22,7 @@ SUPERPOSED: Final = 0.10  # of one rotor's thrust: below this the columns superp
 @final
 @dataclass(frozen=True, slots=True)
 class TunnelColumn:
-    """A wrench per newton, about the hull centre [1, m], and how it was found."""
+    """A wrench per newton about the hull centre [1, m], and its origin."""
 
     wrench: Array
     found: str
@@ -59,6 +59,7 @@ def _is_symmetry_of(
     change = np.array(rows)
     return all(
         any(
+            # Both rotors must also run at the same share
             shares[other] == share and _maps_onto(change, sweep.rotors[name], sweep.rotors[other])
             for other in shares
         )
@@ -72,38 +73,39 @@ def _maps_onto(change: Array, one: RotorPlacement, other: RotorPlacement) -> boo
 
 
 def find_twins(sweep: TunnelSweep, name: str) -> list[tuple[str, Array]]:
-    """Return the rotors that a symmetry of the bodies maps to this one, and that symmetry."""
-    one, found = sweep.rotors[name], []
+    """Return the rotors that a symmetry of the bodies maps to this one, with that symmetry."""
+    one, twins = sweep.rotors[name], []
     for rows in sweep.symmetries:
         change = np.array(rows)
         for other, rotor in sweep.rotors.items():
             if other != name and _maps_onto(change, rotor, one):
-                found.append((other, change))
-    return found
+                twins.append((other, change))
+    return twins
 
 
 def transform_wrench(wrench: Array, change: Array) -> Array:
-    """Return a rotated or reflected wrench; a reflection reverses the sense of a moment."""
+    """Rotate or reflect a wrench; a reflection also reverses the moment."""
+    # A moment is a pseudovector; the determinant of a reflection is -1
     moment = np.linalg.det(change) * (change @ wrench[3:])
     return np.concatenate((change @ wrench[:3], moment))
 
 
 def find_column(sweep: TunnelSweep, name: str, backward: bool = False) -> TunnelColumn | None:
     """
-    Return the column of a rotor or of its symmetric twin; None where neither was solved.
+    Return the column of a rotor or of its symmetric twin; None if neither was solved.
 
-    A backward column is for a negative thrust: minus the wrench, per newton.
+    A backward column is for negative thrust: minus the wrench, per newton.
     """
     sign, word = (-1.0, REVERSED) if backward else (1.0, '')
-    if (blown := sweep.blows.get(name + word)) is not None:
+    if (blow := sweep.blows.get(name + word)) is not None:
         return TunnelColumn(
-            sign * symmetrize_wrench(sweep, blown) / sweep.rotors[name].thrust, 'rotor on'
+            sign * symmetrize_wrench(sweep, blow) / sweep.rotors[name].thrust, 'rotor on'
         )
     for twin, change in find_twins(sweep, name):
-        if (blown := sweep.blows.get(twin + word)) is not None:
+        if (blow := sweep.blows.get(twin + word)) is not None:
             wrench = (
                 sign
-                * transform_wrench(symmetrize_wrench(sweep, blown), change)
+                * transform_wrench(symmetrize_wrench(sweep, blow), change)
                 / sweep.rotors[twin].thrust
             )
             return TunnelColumn(wrench, f'as {twin}, by symmetry')
@@ -111,37 +113,38 @@ def find_column(sweep: TunnelSweep, name: str, backward: bool = False) -> Tunnel
 
 
 def sum_columns(sweep: TunnelSweep, shares: Mapping[str, float]) -> Array | None:
-    """Return the sum of a pattern's columns, None where one is missing. [N, N m]."""
+    """Return the sum of a pattern's columns, or None if one is missing. [N, N m]"""
     total = np.zeros(6)
     for name, share in shares.items():
-        found = find_column(sweep, name, share < 0.0)
-        if found is None:
+        column = find_column(sweep, name, share < 0.0)
+        if column is None:
             return None
-        total += share * sweep.rotors[name].thrust * found.wrench
+        total += share * sweep.rotors[name].thrust * column.wrench
     return total
 
 
 def compute_coupling(sweep: TunnelSweep) -> JetCoupling | None:
     """Return the wrench of all rotors beyond their columns, unless negligible."""
-    blown = sweep.blows.get(FULL)
-    if blown is None or (sum_ := sum_columns(sweep, blown.shares)) is None:
+    blow = sweep.blows.get(FULL)
+    if blow is None or (sum_ := sum_columns(sweep, blow.shares)) is None:
         return None
-    weakest = min(sweep.rotors[name].thrust for name in blown.shares)
-    rest = (symmetrize_wrench(sweep, blown) - sum_) / weakest
+    weakest = min(sweep.rotors[name].thrust for name in blow.shares)
+    rest = (symmetrize_wrench(sweep, blow) - sum_) / weakest
     if np.linalg.norm(rest[:3]) <= SUPERPOSED:
         return None
-    return JetCoupling(tuple(blown.shares), rest)
+    return JetCoupling(tuple(blow.shares), rest)
 
 
 def linearity_ratio(sweep: TunnelSweep, pattern: str) -> float | None:
     """
-    Return the wrench of a pattern at part thrust over its share of that at full thrust. [1].
+    Return the wrench at part thrust over its share of that at full thrust. [1]
 
-    1 where the wrench is linear in thrust. None where `<pattern>_quarter` did not blow.
+    1 where the wrench is linear in thrust; None if `<pattern>_quarter` was not solved.
     """
     full, part = sweep.blows.get(pattern), sweep.blows.get(f'{pattern}_quarter')
     if full is None or part is None:
         return None
     share = next(iter(part.shares.values())) / next(iter(full.shares.values()))
+    # The largest component is the least affected by mesh noise
     most = int(np.argmax(np.abs(full.force)))
     return part.force[most] / (share * full.force[most])

@@ -1,9 +1,9 @@
 """
 Build the cases of the wind tunnel: air along the tunnel's x, the vehicle rotated into it.
 
-The air always comes with 1 m/s, and the viscosity is divided by the speed that is meant (Reynolds'
-similarity): so one mesh serves all speeds, and each starts from the flow of the one before.
-Forces are then those at 1 m/s and 1 kg/m3, and grow by rho U^2.
+The air speed is always 1 m/s, and the viscosity is divided by the intended speed (Reynolds
+similarity): one mesh then serves all speeds, and each starts from the previous flow. Forces are
+those at 1 m/s and 1 kg/m3, and scale with rho U^2.
 
 For a mirror-symmetric vehicle, half or a quarter of the domain is solved. This also helps the
 steady solver, because an unconstrained steady wake does not settle.
@@ -58,22 +58,22 @@ TURNS: Final = {
 @dataclass(frozen=True, slots=True)
 class MeshFineness:
     """
-    How finely a tunnel is meshed.
+    Resolution of a tunnel mesh.
 
     Parameters
     ----------
     hull, parts : int
         Levels on the hull and on other bodies.
     trail : int
-        Level behind the hull, to 1.5 lengths; one less on to 3.
+        Level behind the hull, up to 1.5 lengths; one less up to 3.
     shell : float
-        How far around the hull the air is refined to level 3. [lengths]
-    layers, expansion : int, float
-        Of prisms on the hull.
-    cells : int
-        Expected of the whole domain.
-    most : int
-        Cells that there may be.
+        Distance around the hull that is refined to level 3. [lengths]
+    layers : int
+        Number of prism layers on the hull.
+    expansion : float
+        Thickness ratio of successive layers. [1]
+    cells, most : int
+        Expected and maximum number of cells of the whole domain.
 
     """
 
@@ -99,7 +99,7 @@ MODELLED: Final = 1e5
 
 
 def has_eddy_model(model: TunnelModel, viscosity: float, speed: float) -> bool:
-    """Return whether a transient models eddies; viscosity in m2/s, speed in m/s."""
+    """Return whether a transient needs a model of eddies; viscosity in m2/s, speed in m/s."""
     return speed * model.length / viscosity > MODELLED
 
 
@@ -111,8 +111,8 @@ def choose_fineness(model: TunnelModel, viscosity: float, speed: float) -> MeshF
 def symmetry_planes(model: TunnelModel, axis: str) -> tuple[bool, bool]:
     """Return whether the tunnel's planes y = 0 and z = 0 are planes of symmetry."""
     turn = TURNS[axis]
-    found = [bool(model.is_mirror_symmetric(int(np.argmax(np.abs(turn[k]))))) for k in (1, 2)]
-    return found[0], found[1]
+    planes = [bool(model.is_mirror_symmetric(int(np.argmax(np.abs(turn[k]))))) for k in (1, 2)]
+    return planes[0], planes[1]
 
 
 def build_tunnel_mesh(
@@ -123,12 +123,8 @@ def build_tunnel_mesh(
 
     Parameters
     ----------
-    model : Model
-        What stands in it.
     axis : str
-        How the vehicle moves: 'surge', 'sway' or 'heave'.
-    fine : Fineness
-        How fine.
+        Direction of motion: 'surge', 'sway' or 'heave'.
     planes : (bool, bool)
         Whether only y > 0 and only z > 0 are solved.
 
@@ -139,6 +135,7 @@ def build_tunnel_mesh(
     surfaces = {name: mesh.copy() for name, mesh in model.bodies.items()}
     for mesh in surfaces.values():
         mesh.apply_transform(turn)
+    # Four lengths of air ahead and to the sides, eight for the wake
     low = size * np.array([-4.0, 0.0 if planes[0] else -4.0, 0.0 if planes[1] else -4.0])
     high = size * np.array([8.0, 4.0, 4.0])
     halves = [f'symmetry{name}' for name, is_one in zip('YZ', planes, strict=True) if is_one]
@@ -160,6 +157,7 @@ def build_tunnel_mesh(
         {name: fine.hull if name == HULL else fine.parts for name in surfaces},
         BASE * size,
         regions,
+        # A point in the air that lies on no cell face
         [-2.913 * size, 1.137 * size, 1.071 * size],
         (fine.shell * size, 3),
         fine.layers,
@@ -181,14 +179,14 @@ def _refinement_box(low: Sequence[float], high: Sequence[float]) -> Mapping[str,
 
 
 def format_transport(viscosity: float) -> str:
-    """Return transportProperties. [m2/s]."""
+    """Return transportProperties; kinematic viscosity in m2/s."""
     return format_dictionary(
         'transportProperties', {'transportModel': 'Newtonian', 'nu': viscosity}
     )
 
 
 def format_turbulence(model: str | None) -> str:
-    """Return turbulenceProperties of a RANS model, or of none."""
+    """Return turbulenceProperties of a RANS model, or of a laminar flow."""
     if model is None:
         return format_dictionary('turbulenceProperties', {'simulationType': 'laminar'})
     return format_dictionary('turbulenceProperties', {
@@ -198,7 +196,7 @@ def format_turbulence(model: str | None) -> str:
 
 
 def format_detached_eddies() -> str:
-    """Return turbulenceProperties of DDES, which resolves eddies as large as its cells."""
+    """Return turbulenceProperties of DDES, which resolves eddies larger than its cells."""
     return format_dictionary('turbulenceProperties', {
         'simulationType': 'LES',
         'LES': {
@@ -223,17 +221,9 @@ def build_steady_wind(
     speeds: Sequence[float] = SPEEDS,
 ) -> FoamCase:
     """
-    Return the steady flow around a vehicle at several speeds.
+    Return the steady flow around a vehicle at several speeds [m/s], in the order given.
 
-    Parameters
-    ----------
-    model, axis, fine
-        As `build_tunnel_mesh`.
-    viscosity : float
-        Kinematic, of the air. [m2/s]
-    speeds : sequence of float
-        In the order in which they are solved. [m/s]
-
+    The viscosity is kinematic. [m2/s] Other parameters as for `build_tunnel_mesh`.
     """
     planes = symmetry_planes(model, axis)
     mesh = build_tunnel_mesh(model, axis, fine, planes)
@@ -274,17 +264,9 @@ def build_transient_wind(
     lengths: float,
 ) -> FoamCase:
     """
-    Return the transient flow around a vehicle at one speed, in the whole tunnel.
+    Return the transient flow around a vehicle at one speed [m/s], in the whole tunnel.
 
-    Parameters
-    ----------
-    model, axis, viscosity, fine
-        As `build_steady_wind`.
-    speed : float
-        That is meant. [m/s]
-    lengths : float
-        Of the hull, that the air goes past it. [1]
-
+    `lengths` is the simulated flow in hull lengths. Other parameters as for `build_steady_wind`.
     """
     mesh = build_tunnel_mesh(model, axis, fine, (False, False))
     walls = tuple(model.bodies)
@@ -294,6 +276,7 @@ def build_transient_wind(
     begin = SETTLING + round(BEGINNING * model.length, 4)
     end = SETTLING + lengths * model.length
     modelled = has_eddy_model(model, viscosity, speed)
+    # [s] At 1 m/s; twice as long for each coarser level of the hull
     longest = 0.03 * model.length * 2.0 ** (4 - fine.hull)
     eddies = {
         'constant/turbulenceProperties': (
@@ -312,6 +295,7 @@ def build_transient_wind(
         }, SETTLING),
         ProgramStep('begin', ('pimpleFoam',), {
             **eddies,
+            # The steady solver counted iterations: reset the time step for the transient one
             f'{SETTLING}/uniform/time': format_time_file(SETTLING, 0.05 * longest),
             'system/controlDict': format_control(
                 'pimpleFoam', SETTLING, begin, {}, longest, CAREFUL

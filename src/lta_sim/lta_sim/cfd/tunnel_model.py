@@ -1,4 +1,4 @@
-"""The model in the wind tunnel: closed surfaces by name, and the rotor disks."""
+"""Define the model in the wind tunnel: closed surfaces by name, and the rotor disks."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -34,7 +34,7 @@ ALIKE: Final = 1e-3  # of the length: how well a mirrored surface must lie on it
 @final
 @dataclass(frozen=True, slots=True)
 class RotorDisk:
-    """The disk of a rotor: centre from the hull's [m], direction, size [m], full thrust [N]."""
+    """The disk of a rotor: centre from the hull centre [m], axis, size [m], full thrust [N]."""
 
     place: Three
     axis: Three
@@ -45,6 +45,7 @@ class RotorDisk:
     def rim_points(self, count: int = 16) -> Array:
         """Return points of the disk: centre and rim of both faces. [m]."""
         axis = np.array(self.axis)
+        # Any vector across the axis; the least parallel base vector is numerically safe
         side = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
         side /= np.linalg.norm(side)
         turn = np.linspace(0.0, 2.0 * math.pi, count, endpoint=False)[:, None]
@@ -68,16 +69,17 @@ class TunnelModel:
 
     @property
     def hull(self) -> trimesh.Trimesh:
-        """The envelope."""
+        """Surface of the hull."""
         return self.bodies[HULL]
 
     @property
     def length(self) -> float:
-        """The largest size of the hull, by which the tunnel is scaled. [m]."""
+        """Largest dimension of the hull, to which the tunnel is scaled. [m]"""
         return float(np.max(self.hull.extents))
 
     def frontal_area(self, axis: int) -> float:
-        """Area of the shadow along an axis of a hull without hollows. [m2]."""
+        """Return the projected area of a convex hull along an axis. [m2]"""
+        # Front and back faces both project onto the shadow, hence the half
         return 0.5 * float(np.abs(self.hull.area_faces * self.hull.face_normals[:, axis]).sum())
 
     def is_mirror_symmetric(self, axis: int) -> bool:
@@ -94,9 +96,10 @@ class TunnelModel:
         return bool(self._select_symmetries([QUARTER]))
 
     def _select_symmetries(self, changes: Sequence[Array]) -> list[Array]:
-        """Return which of some transforms map the bodies onto themselves."""
-        asked = [((each + 0.0).tobytes(), each) for each in changes]
-        new = {key: each for key, each in asked if key not in self._alike}
+        """Return those transforms that map the bodies onto themselves."""
+        # Adding 0.0 turns -0.0 into 0.0, which has other bytes
+        keyed = [((each + 0.0).tobytes(), each) for each in changes]
+        new = {key: each for key, each in keyed if key not in self._alike}
         if new:
             corners = np.vstack([mesh.vertices for mesh in self.bodies.values()])
             tree, near = cKDTree(corners), ALIKE * self.length
@@ -104,19 +107,19 @@ class TunnelModel:
                 # A corner without a neighbour within reach is infinitely far: that ends it early.
                 off, _ = tree.query(corners @ each.T, distance_upper_bound=near)
                 self._alike[key] = bool(np.isfinite(off).all())
-        return [each for key, each in asked if self._alike[key]]
+        return [each for key, each in keyed if self._alike[key]]
 
     @property
     def fingerprint(self) -> str:
         """Hash of the whole geometry."""
-        told = sha256()
+        digest = sha256()
         for name, mesh in self.bodies.items():
             # Adding 0.0 removes -0.0, so that the hash is the same on every machine.
-            told.update(name.encode() + (np.round(mesh.triangles, 7) + 0.0).tobytes())
+            digest.update(name.encode() + (np.round(mesh.triangles, 7) + 0.0).tobytes())
         # Stored sweeps have the hash of the class name `Rotor`.
         rotors = repr(sorted(self.rotors.items())).replace('RotorDisk(', 'Rotor(')
-        told.update(rotors.encode())
-        return told.hexdigest()[:16]
+        digest.update(rotors.encode())
+        return digest.hexdigest()[:16]
 
 
 def load_tunnel_model(name: str, mount: MountFile | None = None) -> TunnelModel:
@@ -126,7 +129,7 @@ def load_tunnel_model(name: str, mount: MountFile | None = None) -> TunnelModel:
     Raises
     ------
     BadInput
-        If a file is wrong, a surface is open, or a rotor is inside a body.
+        If a file is invalid, a surface is open, or a rotor is inside a body.
 
     """
     file, path = load_tunnel_file(name)
@@ -172,6 +175,7 @@ def _build_rotor_disk(vehicle: VehicleFile, name: str, disk: TunnelRotorDisk) ->
         (float(axis[0]), float(axis[1]), float(axis[2])),
         0.5 * disk.diameter.si,
         disk.thickness.si,
+        # Thrust curve a u^2 + b u at full duty, u = 1
         curve.a.si + curve.b.si,
     )
 
@@ -190,6 +194,7 @@ def _check_patterns(
         for other, mesh in bodies.items():
             low, high = mesh.bounds
             near = rotor.rim_points()
+            # Test only points in the bounding box: the winding number is slow
             near = near[np.all((near >= low) & (near <= high), axis=1)]
             if np.any(winding_number(mesh.triangles, near) > 0.5):
                 x, y, z = rotor.place
@@ -203,15 +208,8 @@ def winding_number(triangles: Array, points: Array) -> Array:
     """
     Return the winding number of a closed surface about each point: 1 inside, 0 outside.
 
-    The solid angle of each triangle is that of van Oosterom and Strackee (1983).
-
-    Parameters
-    ----------
-    triangles : array (n, 3, 3)
-        Corners. [m]
-    points : array (m, 3)
-        Where. [m]
-
+    The solid angle of each triangle is that of van Oosterom and Strackee (1983). `triangles` has
+    shape (n, 3, 3), `points` (m, 3). [m]
     """
     around = []
     for point in points:

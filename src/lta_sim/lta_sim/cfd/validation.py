@@ -30,7 +30,7 @@ TRANSIENTS: Final = ((2.0, 41.0), (MIDDLE, LENGTHS))
 @final
 @dataclass(frozen=True, slots=True)
 class SphereComparison:
-    """A drag coefficient of the tunnel and the measured one. [1]."""
+    """A drag coefficient from the tunnel and the measured one. [1]"""
 
     setting: str
     cells: int
@@ -44,7 +44,7 @@ class SphereComparison:
 
 
 def build_sphere() -> TunnelModel:
-    """Return a sphere of 1 m."""
+    """Return a sphere of 1 m diameter."""
     return TunnelModel('sphere', {HULL: revolve_profile(ellipse_profile(), 0.5, 1.0)}, {}, {})
 
 
@@ -63,12 +63,12 @@ def plan_validation(model: TunnelModel, fidelity: str, air: Air) -> list[TunnelF
     wanted = [
         (speed, choose_fineness(model, viscosity, speed), long) for speed, long in TRANSIENTS
     ]
-    found = []
+    flows = []
     for speed, fine, lengths in (*wanted, (MIDDLE, ROUGH, LENGTHS)):
         case = build_transient_wind(model, 'surge', viscosity, fine, speed, lengths)
         named = replace(case, name=f'{case.name}, hull at level {fine.hull}')
-        found.append(TunnelFlow('transient', 'surge', named, (speed,)))
-    return found
+        flows.append(TunnelFlow('transient', 'surge', named, (speed,)))
+    return flows
 
 
 def compare_flows(
@@ -78,23 +78,24 @@ def compare_flows(
     air: Air,
     report: Callable[[str], None],
 ) -> list[SphereComparison]:
-    """Return all points of some flows with the measured drag; report failed flows."""
-    found = []
-    with closing(solver.solve_flows(model, planned, air[0])) as coming:
-        for flow, came in coming:
-            assert not isinstance(came, Blow)
-            points, reasons = split_result(flow, came)
+    """Solve flows and compare all points with measured drag; report failed flows."""
+    comparisons = []
+    with closing(solver.solve_flows(model, planned, air[0])) as results:
+        for flow, result in results:
+            assert not isinstance(result, Blow)
+            points, reasons = split_result(flow, result)
             for name, reason in reasons.items():
                 report(f'{name}: {reason}')
             for point in points:
                 setting = SETTINGS[flow.kind].format(point.evidence.cells)
-                found.append(compare_point(setting, point, air))
-    return found
+                comparisons.append(compare_point(setting, point, air))
+    return comparisons
 
 
 def compare_point(setting: str, point: SweepPoint, air: Air) -> SphereComparison:
-    """Return a point of the sphere with the measured drag."""
+    """Compare a point of the sphere with measured drag."""
     density, viscosity = air
+    # The diameter is 1 m
     reynolds = point.speed / viscosity
     area = 0.25 * math.pi
     coefficient = -point.force[0] / (0.5 * density * point.speed**2 * area)

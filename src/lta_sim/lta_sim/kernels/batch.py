@@ -1,8 +1,8 @@
 """
-Advance many vehicles on the CPU, in vector registers and on all cores.
+Advance many vehicles on the CPU, with SIMD instructions and on all cores.
 
-A vehicle's state equals the scalar kernel's to the last bit: the compiler may do the same
-arithmetic for several vehicles at once, but may not change it.
+Each state equals that of the scalar kernel to the last bit: the compiler may run the same
+arithmetic for several vehicles at once, but may not reorder it.
 """
 
 from concurrent.futures import ThreadPoolExecutor
@@ -74,6 +74,7 @@ def advance_blocks(fixed, on, states, dt, steps):
 FORM = KernelForm(
     'from numba import njit\nimport numpy as np\n',
     f'@njit({OWN}, forceinline=True)',
+    # No fastmath, which would reorder arithmetic; nogil lets the thread pool run in parallel
     "@njit(error_model='numpy', fastmath=False, nogil=True, cache=True)",
     ColumnAccess('WIDTH', 'trial'),
     Template(ENTRIES),
@@ -82,13 +83,14 @@ FORM = KernelForm(
 
 @cache
 def _load_kernel() -> ModuleType:
-    """Return the kernel of all effects."""
+    """Load the kernel with all effects."""
     return load_kernel(write_kernel_source(EFFECTS, FORM))
 
 
 def _pack_blocks(rows: NDArray[np.float64], width: int) -> NDArray[np.float64]:
-    """Return blocks of vehicles from columns; the last vehicle fills up the last block."""
+    """Split columns into blocks of vehicles; copies of the last vehicle fill the last block."""
     filled = np.pad(rows, ((0, 0), (0, -rows.shape[1] % width)), mode='edge')
+    # Shape (blocks, numbers, width), each block contiguous
     blocks = filled.reshape(len(rows), -1, width).swapaxes(0, 1)
     return np.ascontiguousarray(blocks).reshape(len(blocks), -1)
 
@@ -108,21 +110,17 @@ def advance_many(
     ----------
     states : array_like, shape (V, N)
         Layout of `lta_model.state`, SI.
-    fleet : Fleet
-        The vehicles.
     commands : array_like, shape (V, up to COMMAND)
-        Duties and the place of the moving mass.
+        Duties and the position of the moving mass.
     surroundings : array_like, shape (V, up to SURROUNDINGS)
         Wind, noise, irradiance, voltage.
     dt : float
         Length of a step; below about 2.7 times the shortest time constant. [s]
-    steps : int
-        Number of steps.
 
     Returns
     -------
     ndarray, shape (V, N)
-        The later states, each as `kernel.advance` gives it, to the last bit.
+        New states, equal to those of `kernel.advance` to the last bit.
 
     Raises
     ------
@@ -133,17 +131,21 @@ def advance_many(
     kernel = _load_kernel()
     fixed, state = pack_columns(states, vehicles, commands, surroundings)
     size, count = state.shape
-    kept, moving = _pack_blocks(fixed, kernel.WIDTH), _pack_blocks(state, kernel.WIDTH)
+    constants, moving = _pack_blocks(fixed, kernel.WIDTH), _pack_blocks(state, kernel.WIDTH)
     starts = np.arange(0, count, kernel.WIDTH)
+    # An effect runs for a whole block if any of its vehicles has it on
     on = np.maximum.reduceat(vehicles.on, starts, axis=0)
+    # Respects CPU sets (taskset, containers), unlike os.cpu_count
     cores = len(os.sched_getaffinity(0))
     # More pieces than cores, so that a delayed core does not hold up the rest.
     pieces = min(len(moving), 4 * cores)
     with ThreadPoolExecutor(cores) as pool:
         done = pool.map(
             lambda part: kernel.advance_blocks(*part, float(dt), int(steps)),
-            zip(*(np.array_split(part, pieces) for part in (kept, on, moving)), strict=True),
+            zip(*(np.array_split(part, pieces) for part in (constants, on, moving)), strict=True),
         )
+        # Raises exceptions of the workers
         list(done)
     columns_now = moving.reshape(-1, size, kernel.WIDTH).swapaxes(0, 1).reshape(size, -1)
+    # Drop the padding of the last block
     return np.ascontiguousarray(columns_now[:, :count].T)

@@ -1,9 +1,9 @@
 """
-Many vehicles side by side: a vehicle is column i of a block, number k of it at k * width + i.
+Store many vehicles side by side: number k of vehicle i is at k * width + i of a block.
 
-On the CPU a block is as wide as WIDTH and every stage of the model is a loop over its columns,
-which the compiler turns into vector instructions; an effect that no vehicle of the block has on is
-skipped whole. On a GPU the block is as wide as the fleet and a thread is a column.
+On the CPU a block is WIDTH vehicles wide, and every stage of the model is a loop over its columns,
+which the compiler vectorises; an effect that is off for the whole block is skipped. On a GPU the
+block is as wide as the batch and each thread handles one column.
 """
 
 from collections.abc import Iterator
@@ -27,22 +27,23 @@ LOOP = f'@njit({OWN})'
 
 
 def _row_offset(name: str, layout: EffectLayout) -> int:
-    """Return the first row of what a vehicle keeps."""
+    """Return the first row of a constant input in a block."""
     counts = {'parameters': layout.parameters, **FIXED}
     names = list(counts)
     return sum(counts[known] for known in names[: names.index(name)])
 
 
 def _format_column(block: str, first: int, count: int, width: str) -> str:
-    """Return the source of the tuple of some numbers of a vehicle in a block."""
+    """Return the source of a tuple of consecutive numbers of vehicle i."""
     return format_tuple(f'{block}[{first + k} * {width} + i]' for k in range(count))
 
 
 def build_thread_parts(parts: list[ModelStage], layout: EffectLayout) -> dict[str, str]:
-    """Return the stages one after the other and the arithmetic of states that are tuples."""
+    """Return the source of all stages in sequence, and the arithmetic of states held as tuples."""
     size = range(layout.size)
     return {
         'ahead': format_tuple(f'state[{k}] + dt * rate[{k}]' for k in size),
+        # Same order of operations as in the scalar kernel, so that results agree
         'mean': format_tuple(f'(a[{k}] + 2.0 * (b[{k}] + c[{k}]) + d[{k}]) / 6.0' for k in size),
         'bare': indent_lines(line for stage in parts for line in stage.lines),
         'rate': layout.rate_source,
@@ -53,12 +54,12 @@ def build_thread_parts(parts: list[ModelStage], layout: EffectLayout) -> dict[st
 @dataclass(frozen=True, slots=True)
 class ColumnAccess:
     """
-    Reach the numbers of vehicle i in blocks.
+    Access the numbers of vehicle i in blocks.
 
     Parameters
     ----------
     width : str
-        Source of the width of a block.
+        Source of the block width.
     state : str
         Source of the block of states; '' where a state is a local tuple.
 
@@ -69,7 +70,7 @@ class ColumnAccess:
 
     @property
     def loops(self) -> bool:
-        """Whether the rotors are in a loop: not where a vehicle is a local tuple."""
+        """Whether the rotors are handled in a loop; unrolled where a vehicle is a local tuple."""
         return bool(self.state)
 
     def format_item(self, name: str, place: int, layout: EffectLayout, each: int = 0) -> str:
@@ -126,6 +127,7 @@ class ColumnAccess:
             for known in stage.writes:
                 lines += self._format_stores(known)
             lines += [f'rate[{k} * {self.width} + i] = {value}' for k, value in stage.memory]
+            # Vehicles in the inner loop: neighbouring columns are contiguous in memory
             rotors = [f'    for j in range({ACTUATORS}):'] if stage.each else []
             depth = len(rotors) + 1
             columns = '    ' * depth + f'for i in range({self.width}):'

@@ -1,10 +1,10 @@
 """
-Write the source of one kernel that sums all effects.
+Generate the source of one kernel that sums all effects.
 
-The text contains the effects' own functions (`extract`), the rigid body's, and the glue below,
-which knows the place of each effect in the parameter vector and in the state. All effects are
-always included: an effect at its null values costs one check of its flag, and switching it on
-needs no compilation.
+The source contains the functions of the effects and of the rigid body (`extract`), and the glue
+code below, which uses each effect's offset in the parameter vector and in the state. All effects
+are always included: an inactive effect costs one check of its flag, and switching it on needs no
+compilation.
 """
 
 from collections.abc import Mapping
@@ -36,18 +36,18 @@ import math
 @dataclass(frozen=True, slots=True)
 class KernelForm:
     """
-    What the model is compiled for.
+    Compilation target of the model.
 
     Parameters
     ----------
     imports : str
-        What the text needs beside `math` and `namedtuple`.
+        Import statements in addition to `math` and `namedtuple`.
     inline, entry : str
-        Decorators of the model's own functions and of those that are called from outside.
-    access : Access
-        How the numbers of a vehicle are reached.
+        Decorators of internal functions and of entry points.
+    access : KernelAccess
+        How the source accesses the numbers of a vehicle.
     entries : Template
-        The functions that know the form; `write_kernel_source` fills in the layout.
+        Entry points of this target; `write_kernel_source` fills in the layout.
 
     """
 
@@ -63,12 +63,13 @@ SCALAR = KernelForm('from numba import njit\n', INLINE, ENTRY, RowAccess(), Temp
 
 
 def build_layout(effects: Mapping[str, Effect]) -> EffectLayout:
-    """Return where everything of these effects is."""
+    """Return the layout of those effects that act inside the kernel."""
     return EffectLayout({n: e for n, e in effects.items() if isinstance(e, KernelEffect)})
 
 
 def _build_parts(layout: EffectLayout, form: KernelForm, extract: SourceExtract) -> dict[str, str]:
-    """Return the parts of the text that know the layout."""
+    """Return the template parts that depend on the layout."""
+    # The glue calls these functions by name
     for function in rigid_body.TAKEN:
         extract.add_function(function, 'rigid_body')
     parts = build_stages(layout, form.access, extract)
@@ -77,21 +78,10 @@ def _build_parts(layout: EffectLayout, form: KernelForm, extract: SourceExtract)
 
 def write_kernel_source(effects: Mapping[str, Effect], form: KernelForm = SCALAR) -> str:
     """
-    Return the kernel of these effects as Python source.
+    Return the kernel of these effects as the source of a module that needs only numba.
 
-    Parameters
-    ----------
-    effects : mapping of str to Effect
-        Their order is the layout of the parameter vector and of the memory; those that act
-        outside the kernel are passed over.
-    form : Form
-        What it is compiled for; by default one vehicle, with `derivative` and `advance`.
-
-    Returns
-    -------
-    str
-        A module that needs only numba.
-
+    The order of the effects defines the layout of parameter vector and memory. Effects that act
+    outside the kernel are ignored.
     """
     extract = SourceExtract()
     layout = build_layout(effects)

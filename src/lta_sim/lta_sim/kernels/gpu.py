@@ -1,8 +1,8 @@
 """
 Advance many vehicles on a GPU, one per thread, compiled with numba-cuda.
 
-Needs an NVIDIA GPU and the packages in requirements-gpu.txt. Double precision; the GPU may fuse
-products and sums, so that a flight differs from the CPU's in the last bits.
+Needs an NVIDIA GPU and the packages in requirements-gpu.txt. Uses double precision; the GPU may
+fuse multiplications and additions, so results differ from the CPU's in the last bits.
 """
 
 from functools import cache
@@ -80,12 +80,12 @@ FORM = KernelForm(
 
 def require_cuda() -> ModuleType:
     """
-    Return numba's CUDA target with a GPU that it can use.
+    Return numba's CUDA target.
 
     Raises
     ------
     BadInput
-        If there is none.
+        If numba-cuda or a usable GPU is missing.
 
     """
     # numba-cuda 0.30 still uses a function that numpy 2.5 removed.
@@ -107,7 +107,7 @@ def require_cuda() -> ModuleType:
 
 @cache
 def _load_kernel(names: tuple[str, ...]) -> ModuleType:
-    """Return the kernel of some effects; unused ones are left out, since registers are scarce."""
+    """Load the kernel of the given effects only, because registers are scarce."""
     return load_kernel(write_kernel_source({name: EFFECTS[name] for name in names}, FORM))
 
 
@@ -122,25 +122,7 @@ def advance_many(
     """
     Return the states after `steps` classical Runge-Kutta steps under constant commands.
 
-    Parameters
-    ----------
-    states : array_like, shape (V, N)
-        Layout of `lta_model.state`, SI.
-    fleet : Fleet
-        The vehicles.
-    commands : array_like, shape (V, up to COMMAND)
-        Duties and the place of the moving mass.
-    surroundings : array_like, shape (V, up to SURROUNDINGS)
-        Wind, noise, irradiance, voltage.
-    dt : float
-        Length of a step. [s]
-    steps : int
-        Number of steps.
-
-    Returns
-    -------
-    ndarray, shape (V, N)
-        The later states, their quaternions normalised after each step.
+    Parameters and shapes as for `batch.advance_many`.
 
     Raises
     ------
@@ -155,11 +137,14 @@ def advance_many(
     count = len(vehicles)
     names = tuple(name for name in LAYOUT.effects if vehicles.on[:, LAYOUT.flag_index(name)].any())
     parameters, moving = LAYOUT.find_places(names)
-    kept = np.concatenate([fixed[parameters], fixed[LAYOUT.parameters :]])
+    # The reduced kernel has its own layout: pack only the rows of its effects
+    constants = np.concatenate([fixed[parameters], fixed[LAYOUT.parameters :]])
     there = cuda.to_device(state[moving].ravel())
+    # Rounded up; surplus threads of the last block do nothing
     blocks = -(-count // THREADS)
     _load_kernel(names).advance_many[blocks, THREADS](
-        cuda.to_device(kept.ravel()), there, count, float(dt), int(steps)
+        cuda.to_device(constants.ravel()), there, count, float(dt), int(steps)
     )
+    # Memory of effects that are off stays unchanged
     state[moving] = there.copy_to_host().reshape(len(moving), count)
     return np.ascontiguousarray(state.T)

@@ -1,10 +1,10 @@
 """
 Vehicle dynamics: the state derivative, its integration, and the wrench of each effect.
 
-Compiled once per content of the effects and cached on disk (`kernel_cache`). States, commands and
+Compiled once per version of the effects and cached on disk (`kernel_cache`). States, commands and
 surroundings are float64 arrays in the layouts of `lta_model.state`; shorter commands or
-surroundings are padded with zeros, so that four duties or a wind suffice. The functions do not
-check their input: a `VehicleModel` is checked when it is built.
+surroundings are padded with zeros. The functions check shapes only, because a `VehicleModel` is
+checked when it is built.
 """
 
 from collections.abc import Mapping
@@ -35,12 +35,12 @@ class ModelSnapshot:
 
 def _fill_array(what: str, values: ArrayLike, room: State) -> None:
     """
-    Write numbers into room that is all zeros; it may be longer.
+    Copy numbers into the front of a zeroed array.
 
     Raises
     ------
     ValueError
-        If there are more numbers, or not one row of them.
+        If there are too many numbers, or more than one dimension.
 
     """
     array = np.asarray(values, dtype=np.float64)
@@ -52,7 +52,7 @@ def _fill_array(what: str, values: ArrayLike, room: State) -> None:
 def _build_vehicle(
     state: ArrayLike, model: VehicleModel, command: ArrayLike, surroundings: ArrayLike
 ) -> SimulatedVehicle:
-    """Return the vehicle with what all functions take."""
+    """Return a simulated vehicle with state, command and surroundings set."""
     start = np.asarray(state, dtype=np.float64)
     if start.shape != (LAYOUT.size,):
         raise ValueError(f'The state has shape {start.shape}; it must be ({LAYOUT.size},).')
@@ -73,10 +73,8 @@ def state_derivative(
     ----------
     state : array_like, shape (N,)
         Layout of `lta_model.state`, SI.
-    model : Model
-        The vehicle.
     command : array_like, shape (up to COMMAND,)
-        Commanded duty of each rotor, -1 to 1, and the place of the moving mass.
+        Duty of each rotor, -1 to 1, and the position of the moving mass.
     surroundings : array_like, shape (up to SURROUNDINGS,)
         Wind, noise, irradiance, voltage, rate of the wind.
 
@@ -93,6 +91,7 @@ def state_derivative(
     """
     flown = _build_vehicle(state, model, command, surroundings)
     flown.evaluate_state()
+    # A copy, because the row is reused
     return flown.rate.copy()
 
 
@@ -107,20 +106,8 @@ def advance(
     """
     Return the state after `steps` classical Runge-Kutta steps under a constant command.
 
-    Parameters
-    ----------
-    state, model, command, surroundings
-        As for `state_derivative`.
-    dt : float
-        Length of a step; below about 2.7 times the shortest time constant. [s]
-    steps : int
-        Number of steps.
-
-    Returns
-    -------
-    ndarray, shape (N,)
-        The later state, its quaternion normalised after each step.
-
+    The quaternion is normalised after each step. The step `dt` [s] must be below about 2.7 times
+    the shortest time constant. Other parameters are as for `state_derivative`.
     """
     flown = _build_vehicle(state, model, command, surroundings)
     flown.advance(float(dt), int(steps))

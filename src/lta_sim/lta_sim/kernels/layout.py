@@ -1,7 +1,7 @@
 """
-Layout of the effects' numbers, and the parts of a stage of the model.
+Layout of parameters, memory and flags of the effects, and the stages of the model.
 
-A form of the model defines how its source accesses a number (`KernelAccess`): in a row for one
+A compilation target defines how its source accesses a number (`KernelAccess`): in a row for one
 vehicle (`row`), in columns for many (`columns`).
 """
 
@@ -13,6 +13,7 @@ from lta_model.effects.protocol import ActuatorEffect, KernelEffect, WrenchEffec
 from lta_model.state import ACTUATORS, BODY, COMMAND, RIGID, SURROUNDINGS
 
 # Variables passed between stages, with their sizes.
+# r: rotation matrix; ground: velocity in the map; flow: rate of the wind; u: duties, then thrusts
 VARIABLES = {'r': 9, 'ground': 3, 'wind': 3, 'flow': 3, 'airspeed': 3, 'u': ACTUATORS, 'total': 6}
 
 # Values that stay constant during a call, after the parameters, with their sizes.
@@ -45,7 +46,7 @@ def format_offset(each: int) -> str:
 @dataclass(frozen=True, slots=True)
 class ModelStage:
     """
-    One part of the sum.
+    One stage of the state derivative.
 
     Parameters
     ----------
@@ -54,13 +55,13 @@ class ModelStage:
     reads, writes : tuple of str
         Which of VARIABLES it needs and sets.
     effect : str
-        The effect whose flag lets it be skipped; '' for what is always done.
+        Effect whose flag controls it; '' if it always runs.
     memory : tuple of (int, str)
         Places in the state and the source of their rates.
     prelude : tuple of str
-        What must stand before its lines where no earlier stage's locals are left.
+        Lines needed first where the locals of earlier stages are not available.
     each : bool
-        Whether its lines are those of rotor j.
+        Whether its lines are for one rotor j.
 
     """
 
@@ -75,15 +76,7 @@ class ModelStage:
 
 @final
 class EffectLayout:
-    """
-    Where the parameters, the memory and the flag of each effect of the kernel are.
-
-    Parameters
-    ----------
-    effects : mapping of str to KernelEffect
-        In registry order.
-
-    """
+    """Offsets of parameters, memory and flag of each effect, in registry order."""
 
     def __init__(self, effects: Mapping[str, KernelEffect]) -> None:
         self.effects = dict(effects)
@@ -91,18 +84,20 @@ class EffectLayout:
         self.remembers: dict[str, int] = {}
         parameters, size = 0, RIGID
         for name, effect in self.effects.items():
+            # Offsets of the effect's parameters and of its memory in the state
             self.first[name], self.remembers[name] = parameters, size
             parameters += len(effect.parameters)
             size += self.memory_size(name)
         self.parameters, self.size = parameters, size
 
     def memory_size(self, name: str) -> int:
-        """Return how many numbers of the state are an effect's memory."""
+        """Return the size of an effect's memory in the state."""
         effect = self.effects[name]
+        # An actuator effect has one memory per rotor
         return len(effect.memory) * (ACTUATORS if isinstance(effect, ActuatorEffect) else 1)
 
     def find_places(self, names: Iterable[str]) -> tuple[list[int], list[int]]:
-        """Return where in the parameters and in the state a kernel of some effects lives."""
+        """Return the indices of some effects in the parameters and in the state."""
         parameters: list[int] = []
         state = list(range(RIGID))
         for name in names:
@@ -112,7 +107,7 @@ class EffectLayout:
         return parameters, state
 
     def flag_index(self, name: str) -> int:
-        """Return the place of an effect's flag."""
+        """Return the index of an effect's flag."""
         return list(self.effects).index(name)
 
     @property
@@ -122,24 +117,25 @@ class EffectLayout:
 
     @property
     def rate_source(self) -> str:
-        """Source of d/dt of the whole state, from what the stages leave behind."""
+        """Source of d/dt of the whole state, from the results of the stages."""
         memory = [f'R_{name}[{k}]' for name in self.effects for k in range(self.memory_size(name))]
+        # f, g, a: rates of position, quaternion and velocities, from the last stage
         return f'f + g + a + {format_tuple(memory)}'
 
 
 class KernelAccess(Protocol):
-    """Access of a form's source to the numbers of a vehicle."""
+    """How the generated source of a compilation target accesses the numbers of a vehicle."""
 
     @property
     def loops(self) -> bool:
-        """Whether the rotors are in a loop over j."""
+        """Whether the rotors are handled in a loop over j."""
         ...
 
     def format_item(self, name: str, place: int, layout: EffectLayout, each: int = 0) -> str:
         """
         Return the source of a number of `state`, `rate_source`, `parameters`, `u` or FIXED.
 
-        Where `each` is not 0 it is that of rotor j, `each` places on from rotor to rotor.
+        With `each` nonzero it is the number of rotor j, `each` places apart from rotor to rotor.
         """
         ...
 
@@ -148,5 +144,5 @@ class KernelAccess(Protocol):
         ...
 
     def build_parts(self, parts: list[ModelStage], layout: EffectLayout) -> dict[str, str]:
-        """Return the template parts of this form, in addition to the common ones."""
+        """Return the template parts of this target, in addition to the common ones."""
         ...

@@ -1,7 +1,7 @@
 """
-The stages of the rotors: a loop over all, or unrolled lines where a form has no arrays.
+Generate the stages of the rotors: a loop, or unrolled lines for targets without arrays.
 
-A loop has an eighth of the text to compile, and the compiler vectorises over one vehicle's
+A loop needs an eighth of the source to compile, and the compiler vectorises it over one vehicle's
 rotors.
 """
 
@@ -28,6 +28,7 @@ def _format_rotor_inputs(
 ) -> list[str]:
     """Return the lines that load an effect's inputs of one rotor: of rotor j in a loop."""
     size, j = len(effect.memory), int(access.loops)
+    # Parameter layout: shared ones first, then each per-rotor parameter for all rotors
     first, shared = layout.first[name], len(effect.shared)
     each = [first + shared + k * ACTUATORS + rotor for k in range(len(effect.each))]
     memory = [layout.remembers[name] + rotor * size + k for k in range(size)]
@@ -44,7 +45,7 @@ def build_actuator_stage(
     access: KernelAccess,
     extract: SourceExtract,
 ) -> ModelStage:
-    """Return the stage of an actuator effect: all rotors."""
+    """Return the stage of an actuator effect for all rotors."""
     output = extract.add_function(effect.output, name)
     rate = '' if effect.rate is no_rotor_rate else extract.add_function(effect.rate, name)
     around = access.format_whole('surroundings', layout)

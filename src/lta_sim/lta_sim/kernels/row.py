@@ -1,8 +1,8 @@
 """
-One vehicle as one row of numbers, which the scalar kernel reads and writes in place.
+Store one vehicle as one row of numbers, which the scalar kernel reads and writes in place.
 
-Every number has a fixed place in the row. The compiler therefore knows that stores of one stage
-do not alias loads of the next, a call passes one array, and a long flight keeps its row
+Every number has a fixed index in the row. The compiler therefore knows that stores of one stage do
+not alias loads of the next, a call passes one array, and a long flight reuses its row
 (`lta_sim.simulated_vehicle`).
 """
 
@@ -78,18 +78,19 @@ def advance(row, on, dt, steps):
 
 def row_parts(layout: EffectLayout) -> dict[str, int]:
     """
-    Return the parts of a row in their order, and how many numbers each has.
+    Return the parts of a row in order, with their sizes.
 
-    The state comes first; `begin`, `first` and `middle` are what a Runge-Kutta step keeps, `told`
-    says whether what follows `rate` is asked for.
+    `begin`, `first` and `middle` hold intermediate results of a Runge-Kutta step; `told` is the
+    flag that requests the outputs after `rate`.
     """
     size = layout.size
-    kept = {'state': size, 'parameters': layout.parameters, **FIXED}
+    inputs = {'state': size, 'parameters': layout.parameters, **FIXED}
     scratch = dict.fromkeys(('begin', 'first', 'middle'), size)
     return {
-        **kept,
+        **inputs,
         **scratch,
         'told': 1,
+        # From here on: outputs, which `derivative` zeroes first
         'rate': size,
         'wrenches': 6 * len(layout.wrench_names),
         'thrusts': ACTUATORS,
@@ -98,7 +99,7 @@ def row_parts(layout: EffectLayout) -> dict[str, int]:
 
 
 def row_places(layout: EffectLayout) -> dict[str, slice]:
-    """Return where in a row each part is."""
+    """Return the slice of each part of a row."""
     out, first = {}, 0
     for name, count in row_parts(layout).items():
         out[name] = slice(first, first + count)
@@ -113,7 +114,7 @@ class RowAccess:
     loops = True
 
     def format_item(self, name: str, place: int, layout: EffectLayout, each: int = 0) -> str:
-        """Return the source of one number; what the rotors do is kept with their thrusts."""
+        """Return the source of one number; `u` is stored in the place of the thrusts."""
         first = row_places(layout)['thrusts' if name == 'u' else name].start
         return f'row[{first + place}{format_offset(each)}]'
 
@@ -124,7 +125,7 @@ class RowAccess:
         return format_tuple(self.format_item('u', i, layout) for i in range(ACTUATORS))
 
     def build_parts(self, stages: list[ModelStage], layout: EffectLayout) -> dict[str, str]:
-        """Return the stages one after the other, and where the parts of a row are."""
+        """Return the source of all stages in sequence, and the offsets of the parts of a row."""
         where = row_places(layout)
         head = [
             f'{name} = '
@@ -144,6 +145,7 @@ class RowAccess:
     def _write_body(self, stages: list[ModelStage], layout: EffectLayout) -> Iterator[str]:
         """Write each stage behind the flag of its effect, then the reported values."""
         where = row_places(layout)
+        # Wrenches are stored in the order of the stages, which is the registry order
         row = where['wrenches'].start
         for stage in stages:
             lines = [*stage.lines, *self._format_stores(where['rate'].start, stage.memory)]
@@ -161,5 +163,5 @@ class RowAccess:
         yield from self._format_stores(where['wind'].start, ((k, f'wind[{k}]') for k in range(3)))
 
     def _format_stores(self, first: int, values: Iterable[tuple[int, str]]) -> list[str]:
-        """Return the lines that store values from a place on."""
+        """Return the lines that store values from an index on."""
         return [f'row[{first + k}] = {value}' for k, value in values]

@@ -1,9 +1,9 @@
 """
-The stages of the state derivative: a few lines of source per effect, in physical order.
+Generate the stages of the state derivative: a few lines of source per effect.
 
-Air, then actuators, then wrenches, then the acceleration of the body. A stage declares the
-variables that it reads and writes, so that the same lines serve one vehicle in local variables
-and many vehicles in arrays.
+The order is physical: air, actuators, wrenches, then the acceleration of the body. A stage
+declares the variables that it reads and writes, so that the same lines work for one vehicle in
+local variables and for many vehicles in arrays.
 """
 
 from typing import final
@@ -17,7 +17,7 @@ from lta_sim.kernels.rotor_stages import build_actuator_stage, build_command_sta
 
 @final
 class _StageWriter:
-    """Write the stages of one form."""
+    """Generate the stages for one compilation target."""
 
     def __init__(self, layout: EffectLayout, access: KernelAccess, extract: SourceExtract) -> None:
         self._layout = layout
@@ -25,14 +25,15 @@ class _StageWriter:
         self._extract = extract
 
     def format_numbers(self, name: str, first: int, count: int) -> str:
-        """Return the source of the tuple of some numbers of a name."""
+        """Return the source of a tuple of consecutive numbers."""
         items = (self._access.format_item(name, first + k, self._layout) for k in range(count))
         return format_tuple(items)
 
     def format_motion(self, user: str = '') -> str:
-        """Return the source of what wrench effects see, or of what one of them looks at."""
+        """Return the source of the motion for wrench effects, or only what `user` reads of it."""
         body, command, around = (
             self._access.format_whole(name, self._layout)
+            # Omit the tuples that `user` does not read
             if not user or self._extract.has_text(user, f'.{name}')
             else '()'
             for name in ('body', 'command', 'surroundings')
@@ -48,6 +49,7 @@ class _StageWriter:
     def build_attitude_stage(self) -> ModelStage:
         """Return the first stage: attitude and initial values."""
         lines = (
+            # State: position 0..2, quaternion 3..6, velocity 7..9, rates 10..12
             f'r = rigid_body_rotation_matrix({self.format_numbers("state", 3, 4)})',
             f'ground = rigid_body_to_map(r, {self.format_numbers("state", 7, 3)})',
             f'wind = {self.format_numbers("surroundings", WIND, 3)}',
@@ -87,7 +89,7 @@ class _StageWriter:
         ]
 
     def _memory_rates(self, name: str, count: int) -> tuple[tuple[int, str], ...]:
-        """Return the destination of the rates of an effect's memory."""
+        """Return the destinations and sources of the rates of an effect's memory."""
         first = self._layout.remembers[name]
         return tuple((first + k, f'R_{name}[{k}]') for k in range(count))
 
@@ -101,6 +103,7 @@ class _StageWriter:
             *self._format_inputs(name, effect),
             f'place = rigid_body_build_air_input({position}, ground, wind, {around})',
             f'U = {self._extract.add_function(effect.air, name)}(p, m, place)',
+            # Air effects return velocity (0..2) and its rate (3..5), both in the map
             'wind = (wind[0] + U[0], wind[1] + U[1], wind[2] + U[2])',
             'flow = (flow[0] + U[3], flow[1] + U[4], flow[2] + U[5])',
         ]
@@ -143,17 +146,9 @@ def build_stages(
     layout: EffectLayout, access: KernelAccess, extract: SourceExtract
 ) -> list[ModelStage]:
     """
-    Return the stages of d/dt of a state, in the order in which they are computed.
+    Return the stages of the state derivative in the order of computation.
 
-    Parameters
-    ----------
-    layout : Layout
-        Of the effects.
-    access : Access
-        How the numbers of a vehicle are reached.
-    extract : Extract
-        Takes up the functions of the effects.
-
+    `extract` collects the functions of the effects.
     """
     writer = _StageWriter(layout, access, extract)
     kinds = layout.effects.items()

@@ -19,18 +19,18 @@ Numbers = NDArray[np.float64]
 @dataclass(frozen=True, slots=True, eq=False)
 class VehicleBatch:
     """
-    The models of V vehicles, a row each, as in `VehicleModel`.
+    Models of V vehicles, one row each, as in `VehicleModel`.
 
     Parameters
     ----------
     parameters : ndarray, shape (V, P)
-        Parameters of the effects of the kernel in registry order.
+        Parameters of the kernel's effects in registry order.
     on : ndarray of uint8, shape (V, K)
-        Which of these effects are on.
+        Flags of these effects.
     body : ndarray, shape (V, BODY)
-        What each vehicle is.
+        Rigid-body properties.
     inverse : ndarray, shape (V, 36)
-        Inverse of its mass matrix.
+        Inverse of the mass matrix.
 
     """
 
@@ -42,7 +42,7 @@ class VehicleBatch:
     @classmethod
     def from_models(cls, models: Sequence[VehicleModel]) -> Self:
         """
-        Return the fleet of some models, one a vehicle.
+        Build a batch from at least one model.
 
         Raises
         ------
@@ -64,19 +64,20 @@ class VehicleBatch:
         return len(self.parameters)
 
     def select_vehicles(self, which: NDArray[np.int64]) -> 'VehicleBatch':
-        """Return some of the vehicles, by number; one may be taken more than once."""
+        """Return the vehicles with these indices, which may repeat."""
         return VehicleBatch(
             self.parameters[which], self.on[which], self.body[which], self.inverse[which]
         )
 
 
 def _to_rows(what: str, values: ArrayLike, vehicles: int, count: int, *, fill: bool) -> Numbers:
-    """Return a float64 array of that many rows and columns, filled with zeros where allowed."""
+    """Return a float64 array of the given shape, padded with zeros where allowed."""
     array = np.asarray(values, dtype=np.float64)
     fits = array.ndim == 2 and array.shape[0] == vehicles
     if not (fits and (array.shape[1] == count or (fill and array.shape[1] < count))):
         # Compiled code has no bounds check: a short array would be read beyond its end.
         raise ValueError(f'The {what} have shape {array.shape}; it must be ({vehicles}, {count}).')
+    # Missing columns are zero: no moving mass, no noise, no light
     return np.pad(array, ((0, 0), (0, count - array.shape[1])))
 
 
@@ -84,25 +85,14 @@ def pack_columns(
     states: ArrayLike, vehicles: VehicleBatch, commands: ArrayLike, surroundings: ArrayLike
 ) -> tuple[Numbers, Numbers]:
     """
-    Return what a kernel takes, a column a vehicle, so that neighbours lie side by side.
-
-    Parameters
-    ----------
-    states : array_like, shape (V, N)
-        Layout of `lta_model.state`, SI.
-    fleet : Fleet
-        The vehicles.
-    commands : array_like, shape (V, up to COMMAND)
-        Duties and the place of the moving mass.
-    surroundings : array_like, shape (V, up to SURROUNDINGS)
-        Wind, noise, irradiance, voltage.
+    Return the input of a batched kernel, one column per vehicle.
 
     Returns
     -------
-    fixed : ndarray, shape (`columns.rows(LAYOUT)`, V)
-        What each vehicle keeps: parameters, then in the order of `stages.FIXED`.
+    fixed : ndarray, shape (rows, V)
+        Constants of each vehicle: parameters, then `layout.FIXED` in order.
     state : ndarray, shape (N, V)
-        Its state.
+        States.
 
     Raises
     ------

@@ -1,12 +1,12 @@
 """
-Simulator node: simulates the vehicle in place of the hardware.
+Simulate the vehicle in a ROS node, in place of the hardware.
 
-In lockstep it publishes a state, waits for the duties in answer, and advances; in real time it
-follows the wall clock. It also decides the end of the flight: the process exits with status 0 and
-reports the outcome when the flight has reached its goal, run out of time or left the room.
+In lockstep the node publishes a state, waits for the duties in answer, and advances; in real time
+it follows the wall clock. It also decides when the flight ends: it exits with status 0 and reports
+the outcome when the flight has reached its goal, run out of time or left the room.
 
-Simulators of one launch stay synchronised (see `lta_graph.peers`), and one of them publishes
-/clock for all. A finished vehicle stands still and waits until the others have finished.
+The simulators of one launch stay synchronised (see `lta_graph.peers`), and one of them publishes
+/clock for all. A finished vehicle stops and waits until the others have finished.
 """
 
 from collections.abc import Iterable
@@ -44,7 +44,7 @@ PATIENCE = 20.0  # wall seconds for the graph of one drone to come up
 
 
 class Simulator(GraphNode):
-    """Publish the sensor readings of a `World` and fly the duties in answer."""
+    """Publish the sensor readings of a `World` and apply the duties received in answer."""
 
     def __init__(self) -> None:
         super().__init__('simulator', role='vehicle')
@@ -73,6 +73,7 @@ class Simulator(GraphNode):
         if not self.lockstep:
             steady = Clock(clock_type=ClockType.STEADY_TIME)
             self._pacer = self.create_timer(self.table.control_ns * 1e-9, self._tick, clock=steady)
+            # Started in `run`, when all subscribers are there
             self._pacer.cancel()
 
     def run(self) -> None:
@@ -95,6 +96,7 @@ class Simulator(GraphNode):
         words, robot = self._settings.topics, self.get_namespace().strip('/')
         for name, publisher in self._outputs.items():
             readers = set(self.table[name].subscribers)
+            # Every other simulator of the launch listens to this one's pulse
             if name == PULSE:
                 readers |= {f'{peer}/vehicle' for peer in self._peers.names}
             if publisher.get_subscription_count() < len(readers):
@@ -105,7 +107,7 @@ class Simulator(GraphNode):
         return sorted(waiting)
 
     def _is_subscribed(self, node: str, name: str) -> bool:
-        """Return whether a node is among the readers of a topic; viewers do not count."""
+        """Return whether a node subscribes to a topic."""
         known = self.get_subscriptions_info_by_topic(name)
         return node in {reader.node_name for reader in known}
 
@@ -121,7 +123,7 @@ class Simulator(GraphNode):
             self._fly_step()
 
     def _on_peers(self) -> None:
-        """Continue when the other simulators allow it, or leave with them."""
+        """Continue when the other simulators are ready, or exit with them."""
         if self._finished is None:
             if self.lockstep and self._peers.is_waiting:
                 self._fly_step()
@@ -153,6 +155,7 @@ class Simulator(GraphNode):
                 self._refused = False
                 self.health.report('command', HealthLevel.OK, 'accepted')
             return
+        # An invalid command must not leave the last one active
         self._duties = [0.0] * len(expected)
         self._refused = True
         self.health.report(
@@ -166,11 +169,13 @@ class Simulator(GraphNode):
     def _tick(self) -> None:
         """Follow the wall clock: catch up after a late tick, skip and report a long delay."""
         period = self.table.control_ns * 1e-9
+        # Steps that should have been flown by now
         due = round((time.monotonic() - self._anchor) / period)
         if due - self._world.steps > SLIP:
             self._skip_delay((due - self._world.steps - 1) * period)
             due = self._world.steps + 1
         while self._world.steps < due and self.running:
+            # Without fresh commands the motors stop, as on the real vehicle
             if self._world.stamp_ns - self._commanded_ns > STALE_NS:
                 self._duties = [0.0] * len(self._duties)
             if not self._fly_step():
@@ -231,6 +236,7 @@ class Simulator(GraphNode):
 
     def _publish_step(self) -> None:
         """Publish a control step; the outputs that the next command waits for go first."""
+        # The estimator can work while light and energy are still computed
         readings = self._world.sense_motion()
         self._publish_motion(readings)
         self._world.sense_rest(readings)
@@ -280,6 +286,7 @@ class Simulator(GraphNode):
         world = self._world
         now = self._finished or time.monotonic()
         wall = now - self._began if self._began else 0.0
+        # Simulated seconds per wall second
         pace = world.elapsed / wall if wall else 0.0
         return {
             'outcome': world.outcome.name.lower(),
@@ -302,6 +309,7 @@ class Simulator(GraphNode):
     def close(self) -> None:
         """Report the outcome, also to the launcher, and let the last messages leave."""
         self._monitor_inputs()
+        # One line of JSON, which the launcher parses
         sys.stdout.write(json.dumps(self._summarize_flight()) + '\n')
         sys.stdout.flush()
         super().close()

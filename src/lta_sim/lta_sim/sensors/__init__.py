@@ -1,1 +1,1 @@
-"""What the sensors report of the true state of the world."""
+"""Sensor models of the simulation that are not in `lta_model.sensors`."""

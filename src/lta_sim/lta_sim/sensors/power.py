@@ -2,9 +2,9 @@
 INA219 power meter on a 0.1 ohm shunt: voltage and current of the cell or of the panel.
 
 TI's data sheet: bus voltage in steps of 4 mV, shunt voltage in steps of 10 uV up to 320 mV,
-typical errors of 0.2 % and, at the widest gain, 40 uV of shunt offset. The 10 uV are reached by
-averaging 128 conversions in 68 ms, which fits a period of 100 ms. The data sheet gives no noise:
-half a step is assumed.
+typical errors of 0.2 % and, at the widest gain, 40 uV of shunt offset. The resolution of 10 uV
+needs an average over 128 conversions in 68 ms, which fits a period of 100 ms. The data sheet
+states no noise: half a step is assumed.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from numpy.random import Generator
 
 @final
 class PowerMeterSettings(Settings):
-    """Steps, limits and errors of the meter; errors bound uniform draws."""
+    """Steps, limits and errors of the meter; errors are bounds of uniform distributions."""
 
     voltage_step: float = setting(4e-3, 'Size of a count.', unit='V', low=1e-6, high=1.0)
     voltage_noise: float = setting(
@@ -38,7 +38,7 @@ class PowerMeterSettings(Settings):
 @final
 @dataclass(frozen=True, slots=True)
 class PowerMeterErrors:
-    """Errors that stay constant during a flight: two factors, and the current's offset. [A]"""
+    """Errors that stay constant during a flight: two gains, and the current offset. [A]"""
 
     voltage_gain: float
     current_gain: float
@@ -63,26 +63,9 @@ def measure_power(
     rng: Generator,
 ) -> tuple[float, float]:
     """
-    Return one reading.
+    Return one reading of a true voltage [V] and a signed current [A].
 
-    Parameters
-    ----------
-    settings : PowerMeterSettings
-        Steps, noise and range.
-    errors : PowerMeterErrors
-        The errors of this flight.
-    voltage : float
-        True voltage. [V]
-    current : float
-        True current; the sign is kept. [A]
-    rng : Generator
-        Source of chance.
-
-    Returns
-    -------
-    tuple of float
-        Voltage [V], never below 0, and current [A], clipped at the range.
-
+    The measured voltage is never below 0 and the current is clipped at the range.
     """
     x, y = rng.standard_normal(2).tolist()
     volts = errors.voltage_gain * voltage + settings.voltage_noise * x

@@ -69,6 +69,7 @@ class FlowCluster:
         trace: TracebackType | None,
     ) -> None:
         """Cancel flows that have not started; running ones finish and stay cached."""
+        # The scheduler may have gone already.
         with suppress(OSError):
             self._client.close()
 
@@ -89,9 +90,11 @@ class FlowCluster:
         meshes = {
             mesh.key: self._submit(mesh, build_mesh_on_worker, mesh) for mesh in list_meshes(flows)
         }
+        # Send the model once rather than with every task.
         there = self._client.scatter(model, hash=False)
         coming = [
             (flow, self._submit(flow.case, solve_flow_on_worker, there, flow, density,
+                               # The future of the mesh makes Dask wait for it.
                                meshes[flow_mesh(flow).key]))
             for flow in flows
         ]  # fmt: skip
@@ -99,6 +102,7 @@ class FlowCluster:
             try:
                 yield flow, future.result()
             except CaseFailed as error:
+                # A failed flow is a result too; the others go on.
                 yield flow, error
             except Exception as error:  # a lost worker can raise anything
                 reason = ' '.join(str(error).split())
@@ -111,6 +115,7 @@ class FlowCluster:
                 )
 
     def _submit(self, case: FoamCase, work: Any, *given: Any) -> Any:  # noqa: ANN401 - Dask has no types
+        # pure=False: Dask must not reuse the result of an earlier call with equal arguments.
         future = self._client.submit(work, self._folder, *given, pure=False)
         future.add_done_callback(lambda _: self._tell(case, case.steps[-1], 1.0, float('nan')))
         return future

@@ -118,6 +118,7 @@ def build_tiles(sweep: TunnelSweep) -> list[Tile]:
         f'{_describe_source(sweep, axis)}')
         for axis in ABOUT
     ]  # fmt: skip
+    # A vehicle without rotors has no such flow.
     if (blown := sweep.blows.get('all')) is not None:
         made.append(Tile('all rotors on', f'{blown.force[2]:.3f}', 'N', 'net, upwards'))
     return made

@@ -43,6 +43,7 @@ def draw_drag(sweep: TunnelSweep, turning: bool) -> Figure:
                 showlegend=False,
             )
         )  # fmt: skip
+        # The spread is relative to the value.
         spread = [p.evidence.spread * v for p, v in zip(points, values, strict=True)]
         figure.add_trace(
             Scatter(
@@ -78,6 +79,7 @@ def draw_slice(plane: FlowSlice) -> Figure:
     bare = {'constrain': 'domain', 'showgrid': False}
     figure.update_xaxes(title_text=plane.names[0], **bare)
     figure.update_yaxes(title_text=plane.names[1], scaleanchor='x', **bare)
+    # Cells without a value (solid) show the background.
     figure.update_layout(plot_bgcolor=WALL)
     return figure
 

@@ -35,6 +35,7 @@ class TunnelProgress(ProgressBar):
             TimeRemainingColumn(),
         )
         self._cases = list_cases(flows)
+        # A bar with a total of 0 would never complete.
         work = sum(case.work for case in self._cases) or 1.0
         super().__init__(console, *columns, begin='meshes', total=work, period=600.0)
         self._done: dict[str, float] = {}
@@ -47,13 +48,15 @@ class TunnelProgress(ProgressBar):
 
     def update(self, case: FoamCase, step: ProgramStep, share: float, residual: float) -> None:
         """Update the progress of a case."""
+        # Programs without iterations count as 20 rounds, so that they advance the bar too.
         rounds = [max(each.rounds, 20) for each in case.steps]
         before = sum(rounds[: list(case.steps).index(step)])
         done = (before + share * rounds[list(case.steps).index(step)]) / sum(rounds)
         self._done[case.key] = done * case.work
-        told = '' if math.isnan(residual) else f' {residual:.0e}'
-        self._telling[case.key] = f'{case.name} {100 * done:.0f} %{told}'
+        suffix = '' if math.isnan(residual) else f' {residual:.0e}'
+        self._telling[case.key] = f'{case.name} {100 * done:.0f} %{suffix}'
         if done >= 1.0:
             del self._telling[case.key]
+        # Three running cases fit on a line.
         words = ', '.join(list(self._telling.values())[:3])
         self.update_bar(completed=sum(self._done.values()), description=words)

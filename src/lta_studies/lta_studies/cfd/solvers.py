@@ -35,6 +35,7 @@ def check_solver(jobs: int | None, scheduler: str | None) -> None:
     if scheduler is None:
         require_openfoam()
     elif jobs is not None:
+        # An ignored option would be misleading.
         raise BadInput('A cluster solves one flow per worker thread; leave --jobs out.')
 
 
@@ -63,11 +64,13 @@ def open_solver(
 
     """
     if scheduler is not None:
+        # The workers have other working directories, so the path must be absolute.
         with FlowCluster(scheduler, cache and cache.absolute(), bar.update) as cluster:
             cluster.check_memory(flows)
             yield cluster
         return
     folder, side_by_side = resolve_cache_folder(cache), jobs or len(os.sched_getaffinity(0))
+    # The limit is an option in GB; memory is counted in bytes.
     check_memory(flows, side_by_side, 1e9 * limit if limit else machine_memory())
     bar.skip_solved(CaseRunner(folder, FoamPrograms(), bar.update))
     yield ThreadedFlowSolver(folder, side_by_side, bar.update)

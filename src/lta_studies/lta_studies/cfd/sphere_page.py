@@ -73,5 +73,6 @@ def build_tiles(results: Sequence[SphereComparison]) -> list[Tile]:
             f'measured {each.measured:.2f}',
         )
         for each in results
+        # m/s: slowest, middle and fastest of the sweep
         if each.speed in (0.2, 1.0, 2.0)
     ]  # fmt: skip

@@ -89,7 +89,7 @@ def build_sphere_table(results: list[SphereComparison]) -> TextTable:
         for each in results
     ]  # fmt: skip
     heads = [
-        'setting', 'Re', 'Cd', 'error [%]', 'Morrison', 'off it [%]', 'off scatter [%]',
+        'setting', 'Re', 'Cd', 'error [%]', 'Morrison', 'from Morrison [%]', 'from scatter [%]',
         'CPU s',
     ]  # fmt: skip
     note = (

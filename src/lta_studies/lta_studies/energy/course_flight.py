@@ -53,6 +53,7 @@ class FlightTrack:
 
     def crop(self, begin: float, end: float) -> 'FlightTrack':
         """Return the part of the flight in [begin, end). [s]"""
+        # 1e-9 s absorbs rounding of the accumulated time.
         keep = (self.time >= begin - 1e-9) & (self.time < end - 1e-9)
         return FlightTrack(*(getattr(self, name)[keep] for name in self.__slots__))
 
@@ -61,6 +62,7 @@ def build_loop(spec: FlightSpec, course: Course | None, seed: int) -> ClosedLoop
     """Return the closed loop along a course, or with its own strategy if that is None."""
     vehicle, scenario, policy = build_parts(spec)
     table = load_topic_table()
+    # The light board draws power only while a strategy uses it.
     looking = spec.strategy if course is None else ''
     world = World(vehicle, scenario, table, seed, looking)
     return ClosedLoop(world, table, replace(policy, course=course))
@@ -83,11 +85,13 @@ def fly_until(loop: ClosedLoop, until: Callable[[ClosedLoop], bool]) -> FlightTr
              world.supply.cell_electrics[0], world.charge)
         )  # fmt: skip
         loop.apply_command()
+    # The copy makes each column contiguous.
     return FlightTrack(*np.array(rows).T.copy())
 
 
 def pitch_angle(quaternion: tuple[float, float, float, float]) -> float:
     """Return the pitch, nose up positive. [rad]"""
+    # x component of the world's up axis in the body frame, clamped against rounding
     return math.asin(max(-1.0, min(1.0, up_in_body(quaternion)[0])))
 
 

@@ -14,5 +14,6 @@ def run_with_progress(
 ) -> Result:
     """Run `work` with a callback that advances a bar of `todo` flights."""
     with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
+        # On anything but a terminal the bar is off, as it would fill a log.
         task = progress.add_task('flying', total=todo)
         return work(lambda: progress.advance(task))

@@ -54,12 +54,14 @@ def print_table(table: TextTable, console: Console) -> None:
     heads = [head.replace(' ', '\n') for head in table.heads]
     columns = zip(heads, *table.rows, strict=True)
     width = sum(max(len(line) for cell in each for line in cell.split('\n')) for each in columns)
+    # Columns are separated by 2 spaces, or by 1 if the table would not fit.
     gap = 2 if width + 2 * len(heads) <= console.width else 1
     printed = Printed(
         title=table.heading, title_justify='left', title_style='bold', box=None, pad_edge=False,
         padding=(0, gap, 0, 0),
     )  # fmt: skip
     for place, (head, *cells) in enumerate(zip(heads, *table.rows, strict=True)):
+        # Only columns of words may wrap; a wrapped number is unreadable.
         words = place > 0 and any(' ' in cell for cell in cells)
         printed.add_column(
             Text(head), justify='left' if place == 0 else 'right', no_wrap=not words

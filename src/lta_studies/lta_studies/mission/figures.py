@@ -76,6 +76,7 @@ def compute_figures(diary: MissionLog, beacons: int) -> MissionFigures:
     flights, flow = diary.flights, diary.spent
     flown = sum(each.duration for each in flights)
     spent = sum(each.spent.consumed for each in flights)
+    # Failed flights by ending, then the counts of the log.
     failures = Counter(FAILED[each.ending] for each in flights if each.ending != 'home')
     failures.update({'came home in the dark': diary.dark, 'empty on the perch': diary.outages})
     apart = [abs(a - b) for a, b in zip(diary.charge, diary.told, strict=True)]
@@ -103,6 +104,7 @@ def compute_figures(diary: MissionLog, beacons: int) -> MissionFigures:
 def time_share(diary: MissionLog, state: int) -> float:
     """Return the share of the time that the drone spent in a state. [1]"""
     spans = zip(diary.time[:-1], diary.time[1:], diary.state[:-1], strict=True)
+    # At least 1 s, so that an empty log gives 0 rather than a division by zero.
     whole = max(diary.time[-1] - diary.time[0], 1.0) if diary.time else 1.0
     return sum(end - begin for begin, end, own in spans if own == state) / whole
 
@@ -111,6 +113,7 @@ def flight_minutes_by_hour(diary: MissionLog, light: IrradianceSeries) -> list[f
     """Return the time flown in each hour of the mission. [min]"""
     hours = [0.0] * round(light.end / 3600.0)
     for flight in diary.flights:
+        # A flight counts in the hour in which it starts; the last hour takes one at the very end.
         hours[min(int(flight.start / 3600.0), len(hours) - 1)] += flight.duration / 60.0
     return hours
 
@@ -123,6 +126,7 @@ def to_json(diary: MissionLog) -> dict[str, Any]:
 def from_json(content: Mapping[str, Any]) -> MissionLog:
     """Convert the output of `to_json` to a mission log."""
     flights = [
+        # JSON turned the named tuples into lists; field 4 of a flight is `spent`.
         MissionFlight._make(each)._replace(spent=EnergyTotals._make(each[4]))
         for each in content['flights']
     ]

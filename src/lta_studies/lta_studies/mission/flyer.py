@@ -109,10 +109,12 @@ class MissionFlyer:
         outcome = self._fly_round(going)
         if outcome in (DONE, RESERVE, LATE):
             outcome = self._fly_home(going)
+        # Half the reserve is reached or the perch is not found: land on the spot.
         if outcome in (RESERVE, LATE):
             self._fly_leg(going, self._mission.perch, self._leg._replace(kind=LAND, limit=60.0))
         memory, supply = going.memory, going.memory.supply
         flight = MissionFlight(
+            # A step is one control period of 10 ms.
             departure.time, memory.step * 0.01, going.visits, memory.path,
             EnergyTotals(supply.harvested, 0.0, supply.consumed, supply.lost),
             departure.store.charge, supply.flow.charge, memory.charge, memory.lowest,
@@ -122,6 +124,7 @@ class MissionFlyer:
 
     def _start_flight(self, departure: Departure) -> OngoingFlight:
         """Place the drone near the perch's lantern, with a random heading."""
+        # One independent 32-bit seed per flight of the mission
         seed = int(np.random.SeedSequence([self._seed, departure.number]).generate_state(1)[0])
         heading = 2.0 * math.pi * (seed / 2**32)
         x, y, _ = self._scenes.lamp(self._mission.perch).position
@@ -136,6 +139,7 @@ class MissionFlyer:
         """Fly to each beacon and dwell there; return the outcome."""
         mission = self._mission
         payload = mission.payload
+        # The payload is on during the dwell only. [W]
         drawn = payload.sensing.si + payload.radio.si if payload else 0.0
         for name in mission.round:
             outcome = self._fly_leg(
@@ -156,12 +160,14 @@ class MissionFlyer:
         perch, leg = self._mission.perch, self._leg
         x, y, _ = self._scenes.lamp(perch).position
         left = HOMEWARD
+        # Homing may report arrival outside the reach of the dock; then it approaches again.
         while left > 0.0:
             begun = going.memory.step
             going_home = leg._replace(limit=left, reserve=0.5 * leg.reserve)
             outcome = self._fly_leg(going, perch, going_home)
             if outcome != DONE or going.distance_to(x, y) <= self._mission.dock.si:
                 return outcome
+            # Steps of 10 ms
             left -= (going.memory.step - begun) * 0.01
         return LATE
 
@@ -176,7 +182,7 @@ class MissionFlyer:
         made = self._scenes.build_flight(name, going.light, going.lux)
         mission = memory.mission
         if leg.kind == GO:
-            # On the ground it has to climb first.
+            # On the ground it has to climb first; dwelling and landing keep the lamp.
             phase = Phase.SEEK if mission.phase == Phase.ARRIVED else mission.phase
             mission = mission._replace(phase=phase, memory=STRATEGY.onward(mission.memory))
         begin = memory._replace(outcome=FLYING, begun=memory.step, mission=mission)

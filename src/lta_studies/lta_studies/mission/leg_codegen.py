@@ -72,7 +72,7 @@ OWN: dict[str, tuple[Callable[..., Any], ...]] = {
 LEG = Template('''
 $INLINE
 def fly(fixed, c, g, m, s, seed, scratch, lights, echoes, pencils):
-    """Fly one leg; what is remembered stands in m, the state of the model in s."""
+    """Fly one leg; m holds the leg state, s the state of the model."""
     craft = $craft
     leg = $leg
     memory = $memory
@@ -150,7 +150,7 @@ ON_CPU = CompileTarget(
     f'''
 {ENTRY.replace('cache=True', 'nogil=True, cache=True')}
 def fly_leg(fixed, c, g, m, s, seed):
-    """Fly one leg and write what is remembered over what was."""
+    """Fly one leg and write the new leg state to m, the state of the model to s."""
     scratch, lights = np.empty({SCRATCH}), np.empty(({LAMPS + 1}, $diodes))
     echoes, pencils = np.empty_like(lights), np.empty({PENCILS})
     fly(fixed, c, g, m, s, seed, scratch, lights, echoes, pencils)
@@ -200,6 +200,7 @@ def generate_source(
     size = RIGID + len(initial_effect_memory(names))
     hearing = format_light_reading(diodes)
     told = hearing['heard'].replace(f'{PREFIX}_', 'hearing_').splitlines()
+    # A leg adds the light of its lamp itself, from stored reflections.
     hearing['heard'] = '\n'.join(line for line in told if 'write_ring_light' not in line)
     parts = {
         'craft': constants.render_expression('c'),

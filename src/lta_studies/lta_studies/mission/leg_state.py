@@ -143,8 +143,11 @@ def unreachable_pose() -> tuple[float, float, float, float, float, float, float]
 def has_moved(pose: State, gathered: State) -> bool:
     """Return whether reflections must be computed again (direct light always is)."""
     x, y, z = pose[0] - gathered[0], pose[1] - gathered[1], pose[2] - gathered[2]
+    # Negated, so that an infinite or NaN distance counts as motion.
     if not x * x + y * y + z * z < MOVED * MOVED:
         return True
+    # The dot product of two quaternions is the cosine of half the angle between them;
+    # squared, because q and -q are the same attitude.
     same = 0.0
     for k in range(3, 7):
         same += pose[k] * gathered[k]
@@ -177,10 +180,10 @@ def step_leg_supply(
     dt: float,
 ) -> SupplyState:
     """Advance the supply by a control period; light in W/m2, thrusts in N, time in s."""
-    asked = (
+    demand = (
         power_demand(constants.power.loads, thrusts, True) + constants.power.looking + leg.payload
     )
-    meantime = SupplyInputs(irradiance, asked, dt, False, False)
+    meantime = SupplyInputs(irradiance, demand, dt, False, False)
     return advance_supply(constants.power.parts, supply, meantime, 0.0)
 
 
@@ -204,12 +207,14 @@ def assess_leg(
     spent: float,
 ) -> int:
     """Return the outcome of a leg after a time. [s]"""
+    # The order matters: the first condition that holds names the outcome.
     if not fed:
         return EMPTY
     if not is_indoors(constants.goal, state[0], state[1], state[2]):
         return ESCAPED
     if onboard.stopped or not is_plausible(state):
         return STOPPED
+    # A landing goes on below the reserve, so it is assessed before the charge.
     if leg.kind == LAND:
         down = state[2] <= constants.place[2] + ON_FOOT and onboard.duties == NONE
         return DONE if down else LATE if spent >= leg.limit else FLYING
@@ -219,6 +224,7 @@ def assess_leg(
         return RESERVE
     if spent < leg.limit:
         return FLYING
+    # A dwell ends by its time; every other leg that reaches its limit is late.
     return DONE if leg.kind == DWELL else LATE
 
 

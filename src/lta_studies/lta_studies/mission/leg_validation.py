@@ -38,8 +38,10 @@ def iterate_starts(count: int, lamp: tuple[float, float, float]) -> Iterator[Leg
     """Yield starts 3 to 8 m from the lamp, in all directions."""
     for k in range(count):
         # Multiples of irrational numbers modulo 1 spread evenly for any count.
+        # 0.618 is the golden ratio - 1, and 0.414 is sqrt(2) - 1.
         away, side = 3.0 + 5.0 * ((k * 0.618) % 1.0), 2.0 * math.pi * ((k * 0.414) % 1.0)
         x, y = lamp[0] + away * math.cos(side), lamp[1] + away * math.sin(side)
+        # Towards the lamp, within 0.5 rad
         heading = side + math.pi + 0.5 * math.sin(2.0 * k)
         yield LegStart(x, y, heading, 0.4 + 0.55 * ((k * 0.733) % 1.0))
 
@@ -55,6 +57,7 @@ def measure_leg(
     state = pilot.ground_state(start.x, start.y, height, start.heading, seed)
     memory = initial_leg_state(start.charge, start.charge)
     memory, _ = pilot.fly_leg(pilot.pack_constants(made), leg, memory, state, seed)
+    # A step is one control period of 10 ms.
     return memory.supply.consumed, memory.step * 0.01
 
 
@@ -72,12 +75,14 @@ def build_loop(scenes: MissionScene, beacon: str, start: LegStart, seed: int) ->
     scene = scenes.scenario.model_copy(
         update={'several': {beacon: lamp}, 'alone': None, 'route': (), 'start': begin}
     )
+    # The leg homes on the brightness of this beacon; give the full loop the same one.
     known = scenes.build_flight(beacon, DARK, 1.0).craft.mission.homing.brightness
     homing = policy.mission.homing.model_copy(update={'brightness': known})
     policy = replace(
         policy,
         mission=policy.mission.model_copy(update={'homing': homing}),
         demodulation=policy.demodulation.model_copy(update={'frequency': lamp.frequency.si}),
+        # Without a reserve the loop does not return early, like the leg.
         energy=policy.energy.model_copy(update={'reserve': 0.0, 'hysteresis': 0.0}),
     )
     world = World(scenes.vehicle, scene, load_topic_table(), seed, policy.strategy.name)
@@ -101,6 +106,7 @@ def compare_flights(
     for start in iterate_starts(count, scenes.lamp(beacon).position):
         yield (
             start,
+            # Column 0 is the energy [J], column 1 the time [s].
             np.array([measure_leg(scenes, beacon, start, seed) for seed in range(seeds)]),
             np.array([measure_loop(scenes, beacon, start, seed) for seed in range(seeds)]),
         )

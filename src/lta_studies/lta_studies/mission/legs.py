@@ -46,6 +46,7 @@ class LegPilot:
 
     def __init__(self, flight: BatchFlight, leg: LegPlan) -> None:
         model = flight.model
+        # Only the effects of this vehicle are compiled in; the source is cached by their names.
         self.names = tuple(n for n in LAYOUT.effects if model.on[LAYOUT.flag_index(n)])
         parameters, _ = LAYOUT.find_places(self.names)
         self._fixed = np.array([*model.parameters[parameters], *model.body, *model.inverse])
@@ -61,7 +62,9 @@ class LegPilot:
     def ground_state(self, x: float, y: float, z: float, heading: float, seed: int) -> Array:
         """Return the state of the model on the ground. [m, rad]"""
         memory = initial_effect_memory(self.names)
+        # Rigid-body state, then the memory of the active effects only.
         state = np.array([*pack_state((x, y, z), heading)[:RIGID], *memory])
+        # The memory of turbulence is at the end of the state.
         if 'turbulence' in self.names:
             state[-len(draw_turbulence_memory(seed)) :] = draw_turbulence_memory(seed)
         return state
@@ -86,6 +89,7 @@ class LegPilot:
             Random seed of the flight; only 32 bits are used.
 
         """
+        # The kernel writes into both arrays; the copy keeps the caller's state intact.
         numbers, after = MEMORY.write(memory), state.copy()
         self._fly(self._fixed, constants, self._leg.write(leg), numbers, after, seed & 0xFFFFFFFF)
         return MEMORY.read(numbers), after

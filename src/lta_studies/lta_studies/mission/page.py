@@ -64,6 +64,7 @@ def render_page(
 ) -> str:
     """Return the HTML of the page; `again` holds follow-up commands."""
     seed = request.seeds[0]
+    # The plots show the first seed only; tiles and tables average over all.
     shown = [each for each in results if each.seed == seed]
     light = request.simulate_light(seed)
     pictures = (
@@ -102,10 +103,10 @@ def format_title(request: MissionRequest, results: Sequence[MissionResult]) -> s
     first = select_main_result(results)
     own = mean_daily_minutes(filter_by_schedule(results, first.schedule), request.days)
     more = schedule_gain(results)
-    told = f'{request.mission.name} flies {own.value:.0f} minutes a day'
+    sentence = f'{request.mission.name} flies {own.value:.0f} minutes a day'
     if more is None:
-        return f'{told}.'
-    return f'{told}, {more.value:.2f} times as many as with a fixed duty cycle.'
+        return f'{sentence}.'
+    return f'{sentence}, {more.value:.2f} times as many as with a fixed duty cycle.'
 
 
 def build_tiles(request: MissionRequest, results: Sequence[MissionResult]) -> list[Tile]:
@@ -139,12 +140,14 @@ def build_tiles(request: MissionRequest, results: Sequence[MissionResult]) -> li
     ]
     more = schedule_gain(results)
     if more is not None:
+        # Directly after the flown minutes, to which it refers
         made.insert(1, Tile('gain', format_mean(more, 2), 'times', 'flown time of duty cycle'))
     return made
 
 
 def format_mean(value: BootstrapMean, digits: int) -> str:
     """Format a mean, with its interval if there is one."""
+    # One seed gives no interval.
     if value.flights < 2:
         return f'{value.value:.{digits}f}'
     return f'{value.value:.{digits}f} ({value.low:.{digits}f} to {value.high:.{digits}f})'
@@ -153,7 +156,9 @@ def format_mean(value: BootstrapMean, digits: int) -> str:
 def build_tables(request: MissionRequest, results: Sequence[MissionResult]) -> list[TextTable]:
     """Return all tables of the page."""
     vehicle, first = request.scenes.vehicle, select_main_result(results)
+    # If no drone took off, use the paper's flight power.
     power = first.figures.in_flight or paper.NAVIGATE
+    # Charging time per flight time, which the paper states for some kinds of light
     ratios = paper.compute_ratios(
         HarvestCurve(vehicle.panel), vehicle.charger, vehicle.loads.idle, power
     )
@@ -165,12 +170,13 @@ def build_schedule_table(request: MissionRequest, results: Sequence[MissionResul
     rows = []
     for name in request.schedules:
         alike = filter_by_schedule(results, name)
+        # Simulated days of this schedule over all seeds
         per = len(alike) * request.days
         kinds: dict[str, int] = {}
         for each in alike:
             for kind, count in each.figures.failures.items():
                 kinds[kind] = kinds.get(kind, 0) + count
-        told = ', '.join(f'{count} {kind}' for kind, count in kinds.items()) or 'none'
+        failures = ', '.join(f'{count} {kind}' for kind, count in kinds.items()) or 'none'
         figures = [each.figures for each in alike]
         rows.append(
             [
@@ -181,8 +187,9 @@ def build_schedule_table(request: MissionRequest, results: Sequence[MissionResul
                 f'{sum(f.harvested for f in figures) / per / 1e3:.1f}',
                 f'{sum(f.curtailed for f in figures) / per / 1e3:.1f}',
                 f'{100.0 * sum(f.asleep for f in figures) / len(figures):.0f}',
+                # The worst seed: a mean could hide an error of the energy balance.
                 f'{max(abs(f.imbalance) for f in figures):.0e}',
-                told,
+                failures,
             ]
         )
     heads = [

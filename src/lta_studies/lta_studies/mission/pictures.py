@@ -26,6 +26,7 @@ def draw_charge(
     """Plot the light and the state of charge of each schedule for one seed."""
     figure = create_figure(2, (0.36, 0.64))
     lux = light.illuminance()
+    # Each value is the mean of one minute, plotted at its middle.
     hours = (np.arange(len(lux)) + 0.5) * MINUTE / 3600.0
     figure.add_trace(
         Scatter(
@@ -36,11 +37,11 @@ def draw_charge(
         row=1,
         col=1,
     )  # fmt: skip
-    for k, life in enumerate(results):
+    for k, result in enumerate(results):
         figure.add_trace(
             Scatter(
-                x=np.array(life.diary.time) / 3600.0, y=100.0 * np.array(life.diary.charge),
-                name=life.schedule, mode='lines', hovertemplate='%{y:.0f} %',
+                x=np.array(result.diary.time) / 3600.0, y=100.0 * np.array(result.diary.charge),
+                name=result.schedule, mode='lines', hovertemplate='%{y:.0f} %',
                 line={'color': COLOURS[k], 'width': 1.3}, showlegend=True,
             ),
             row=2,
@@ -65,10 +66,11 @@ def draw_timeline(results: Sequence[MissionResult], light: IrradianceSeries) -> 
     for state, (name, colour) in STATES.items():
         x: list[float | None] = []
         y: list[str | None] = []
-        for life in results:
-            for begin, end in find_state_intervals(life, state):
+        for result in results:
+            for begin, end in find_state_intervals(result, state):
+                # None breaks the line, so one trace can draw all intervals of a state.
                 x += [begin, end, None]
-                y += [life.schedule, life.schedule, None]
+                y += [result.schedule, result.schedule, None]
         if x:
             figure.add_trace(
                 Scatter(
@@ -88,6 +90,7 @@ def find_state_intervals(result: MissionResult, state: int) -> list[tuple[float,
     for begin, end, own in zip(diary.time[:-1], diary.time[1:], diary.state[:-1], strict=True):
         if own != state:
             continue
+        # Adjacent up to rounding (1e-6 h is 4 ms): extend the interval before.
         if found and begin / 3600.0 - found[-1][1] < 1e-6:
             found[-1] = (found[-1][0], end / 3600.0)
         else:
@@ -98,11 +101,11 @@ def find_state_intervals(result: MissionResult, state: int) -> list[tuple[float,
 def draw_flight_hours(results: Sequence[MissionResult], light: IrradianceSeries) -> Figure:
     """Plot the minutes flown in each hour."""
     figure = create_figure()
-    for k, life in enumerate(results):
-        flown = flight_minutes_by_hour(life.diary, light)
+    for k, result in enumerate(results):
+        flown = flight_minutes_by_hour(result.diary, light)
         figure.add_trace(
             Bar(
-                x=[hour + 0.5 for hour in range(len(flown))], y=flown, name=life.schedule,
+                x=[hour + 0.5 for hour in range(len(flown))], y=flown, name=result.schedule,
                 marker={'color': COLOURS[k]}, hovertemplate='%{y:.1f} min', showlegend=True,
             )
         )  # fmt: skip
@@ -125,6 +128,7 @@ def draw_energy_use(results: Sequence[MissionResult]) -> Figure:
         'flight': (TRUTH, [flight_energy(each) for each in results]),
         'perch': (LAMP, [each.figures.consumed - flight_energy(each) for each in results]),
         'heat in the cell': (ESTIMATE, [each.figures.lost for each in results]),
+        # A mission that ends with less charge stored nothing; a stacked bar cannot go below 0.
         'stored': (GOOD, [max(each.figures.stored, 0.0) for each in results]),
         'not harvested, cell full': (SETPOINT, [each.figures.curtailed for each in results]),
     }

@@ -76,6 +76,7 @@ class MissionRequest:
             each.model_dump_json()
             for each in (self.mission, self.day, self.scenes.vehicle.file, self.scenes.scenario)
         ]
+        # Seeds and schedules name the result files instead, so more can be added to a folder.
         return hashlib.sha256('\n'.join([*parts, str(self.days)]).encode()).hexdigest()[:16]
 
 
@@ -109,11 +110,13 @@ def run_missions(
     """
     claim_folder(request, folder)
     jobs = [(schedule, seed) for seed in request.seeds for schedule in request.schedules]
+    # Threads suffice: the compiled kernel releases the GIL (`nogil`).
     cores = len(os.sched_getaffinity(0))
     found: dict[tuple[str, int], MissionLog] = {}
     stopping = Event()
 
     def report_progress(gone: float) -> None:
+        # A thread cannot be killed; it stops at its next progress report.
         if stopping.is_set():
             raise CancelledError
         on_progress(gone)
@@ -141,8 +144,8 @@ def claim_folder(request: MissionRequest, folder: Path) -> None:
     """Mark a results folder with its mission; raise `BadInput` if it belongs to another."""
     note = folder / KEPT
     if note.exists():
-        kept = json.loads(note.read_text(encoding='utf-8')).get('digest')
-        if kept != request.digest:
+        stored = json.loads(note.read_text(encoding='utf-8')).get('digest')
+        if stored != request.digest:
             raise BadInput(
                 f"'{folder}' holds another mission's results; choose another folder with --out."
             )
@@ -155,6 +158,7 @@ def claim_folder(request: MissionRequest, folder: Path) -> None:
 
 def result_path(folder: Path, schedule: str, seed: int) -> Path:
     """Return the file of a result."""
+    # 'duty cycle, asleep' becomes 'duty_cycle_asleep'.
     return folder / f'{schedule.replace(",", "").replace(" ", "_")}_{seed}.json'
 
 
@@ -174,19 +178,21 @@ def load_or_simulate(
     """Return one mission log, from its file if it exists."""
     path = result_path(folder, schedule, seed)
     if path.exists():
+        # A loaded result counts as a whole mission in the progress bar. [s]
         on_progress(DAY * request.days)
         return from_json(json.loads(path.read_text(encoding='utf-8')))
-    life, _ = build_simulation(
+    simulation, _ = build_simulation(
         request.mission, request.day, request.scenes, schedule, request.days, seed
     )
     last = 0.0
 
     def report_progress(now: float) -> None:
         nonlocal last
+        # The bar counts simulated seconds over all missions, so report differences.
         on_progress(now - last)
         last = now
 
-    diary = life.run(report_progress)
+    diary = simulation.run(report_progress)
     write_json(to_json(diary), path)
     return diary
 
@@ -204,6 +210,7 @@ def mean_daily_minutes(results: Sequence[MissionResult], days: int) -> Bootstrap
 def schedule_gain(results: Sequence[MissionResult]) -> BootstrapMean | None:
     """Return the ratio of flown time, light-aware to duty cycle, over the same seeds."""
     ours, naive = filter_by_schedule(results, AWARE), filter_by_schedule(results, NAIVE)
+    # The ratio does not exist for a schedule that never flew.
     if not (ours and naive and all(each.figures.flown for each in naive)):
         return None
     return bootstrap_ratio(

@@ -52,17 +52,18 @@ def build_flight_spec(mission: MissionFile) -> FlightSpec:
 def add_payload(spec: FlightSpec, payload: InspectionPayload) -> FlightSpec:
     """Return the spec with a payload below the sensors; it replaces ballast."""
     vehicle = dict(spec.contents['vehicle'])
-    given = vehicle.get('layers')
-    if not isinstance(given, dict):
+    own = vehicle.get('layers')
+    if not isinstance(own, dict):
         raise BadInput('A payload needs a vehicle file with layers; leave the payload out.')
     source = payload.mass.source or ''
     part = {
         'shape': 'box',
         'mass': {'value': payload.mass.si, 'unit': 'kg', 'source': source},
+        # Relative to the hull centre, z up
         'position': {'value': [0, 0, -36], 'unit': 'cm', 'source': 'below the sensors'},
         'size': {'value': [2, 2, 1], 'unit': 'cm', 'source': source},
     }
-    layers = {**given, 'inspection': {'payload': part}}
+    layers = {**own, 'inspection': {'payload': part}}
     return replace(spec, contents={**spec.contents, 'vehicle': {**vehicle, 'layers': layers}})
 
 
@@ -90,6 +91,7 @@ class MissionScene:
                 f'Missions need the control law cascade; {mission.vehicle} has another.'
             )
         self._table = load_topic_table()
+        # The model needs only one lamp; the links of the others are built per leg.
         alone = {mission.perch: self.scenario.lamps[mission.perch]}
         scene = self.scenario.model_copy(update={'several': alone, 'alone': None, 'route': ()})
         self._model = build_model(self.vehicle, scene, self.policy)
@@ -102,6 +104,7 @@ class MissionScene:
 
     def build_flight(self, beacon: str, light: PanelIrradiance, lux: float) -> BatchFlight:
         """Return the flight to a beacon in panel light and ambient light [lx]; cached."""
+        # Half-octave steps: within a step the link hardly changes, so it is built once.
         level = round(STEPS * math.log2(max(lux, 1.0)))
         known = self._known.get((beacon, level))
         if known is None:
@@ -113,6 +116,7 @@ class MissionScene:
                 STRATEGY,
             )
             self._known[beacon, level] = known
+        # Only the panel's light is exact for each call; the rest of the constants is cached.
         irradiance = light.sun + light.lamps
         craft = known.craft._replace(power=known.craft.power._replace(ambient=irradiance))
         return flight_from_constants(self._model, craft, self.vehicle, STRATEGY)
@@ -120,6 +124,7 @@ class MissionScene:
     def _build_link(self, beacon: str, lux: float) -> LightLink:
         """Build the light link of one beacon in steady ambient light."""
         whole = self.scenario.light_field
+        # Daylight adds to the ambient light of the scene.
         ambient = replace(whole.ambient, steady=whole.ambient.steady + lux)
         field = LightField((self.lamp(beacon),), ambient, whole.room, whole.daylight)
         frequency = self.scenario.lamps[beacon].frequency.si
@@ -145,5 +150,6 @@ class MissionScene:
 def lamp_brightness(listening: LightLink, lamp: BeaconLamp) -> float:
     """Return the signal strength of a lantern at one metre, as homing expects it. [counts]"""
     order = lamp.order
+    # Generalised Lambertian source: I = flux (m + 1) / (2 pi) cos^m; at 1 m lux equals candela.
     lux = lamp.flux * (order + 1.0) / (2.0 * math.pi) * math.cos(OFF_AXIS) ** order
     return float(listening.gain * listening.counts * lux)

@@ -30,7 +30,9 @@ def build_perch_config(mission: MissionFile, scenes: MissionScene, seed: int) ->
     """Return the configuration on the perch, with meter errors drawn from the seed."""
     vehicle = scenes.vehicle
     meter = draw_errors(
-        PowerMeterSettings(), np.random.default_rng(np.random.SeedSequence([seed, 219]))
+        # 219 (the meter is an INA219) only keeps this stream independent of other draws.
+        PowerMeterSettings(),
+        np.random.default_rng(np.random.SeedSequence([seed, 219])),
     )
     begin, end = mission.work.vector
     return PerchConfig(
@@ -45,9 +47,11 @@ def guess_flight_need(mission: MissionFile, scenes: MissionScene) -> tuple[float
     places = [scenes.lamp(name).position for name in (mission.perch, *mission.round)]
     way = sum(
         float(np.hypot(a[0] - b[0], a[1] - b[1]))
+        # Closed tour: perch, beacons in order, and back to the perch
         for a, b in zip(places, [*places[1:], places[0]], strict=True)
     )
     speed = scenes.policy.mission.speed
+    # Assumed: 20 s for start and landing, and 30 % detours. The first flight replaces the guess.
     lasts = 20.0 + 1.3 * way / speed + len(mission.round) * mission.dwell.si
     return CRUISE * lasts, lasts
 
@@ -59,11 +63,11 @@ def build_simulation(
     light = simulate_irradiance(day, days, seed)
     upkeep = build_perch_config(mission, scenes, seed)
     flyer = MissionFlyer(mission, scenes, light, seed, upkeep.gain, upkeep.offset)
-    life = MissionSimulation(
+    simulation = MissionSimulation(
         upkeep,
         light,
         build_schedule(schedule, mission),
         flyer.fly_mission,
         guess_flight_need(mission, scenes),
     )
-    return life, light
+    return simulation, light

@@ -37,6 +37,7 @@ def build_entrant(
         If it cannot be built, or its control law cannot fly it.
 
     """
+    # An ablation builds on the changes of its contestant, in this order.
     steps: list[EntryChange] = [contestant] if change is None else [contestant, change]
     content = load_yaml(find_file('vehicle', contestant.vehicle))
     for step in steps:
@@ -80,6 +81,7 @@ def _apply_changes(content: Any, changes: Mapping[str, Any], root: str) -> Any: 
     """Apply the changes under `root` to the content of a file."""
     for path, value in changes.items():
         begin, _, below = path.partition('.')
+        # Checked for every path, also one that belongs to the other root.
         if begin not in ROOTS or not below:
             raise unknown_name('parameter', path, [f'{name}. ...' for name in ROOTS])
         if begin == root:

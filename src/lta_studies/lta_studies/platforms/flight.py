@@ -22,6 +22,7 @@ from lta_sim.world import World
 from lta_studies.platforms.metrics import Array, compute_metrics, TrackingMetrics
 import numpy as np
 
+# Columns of the recorded tables; column 0 is the time
 ALTITUDE, HEADING, SPEED = 1, 2, 3
 COLUMN = {'altitude': ALTITUDE, 'heading': HEADING, 'speed': SPEED}
 HEIGHT_BAND = 0.2  # m of height error allowed in heading and speed manoeuvres (assumed)
@@ -78,8 +79,8 @@ def build_course(manoeuvre: ManeuverFile, base: float) -> Callable[[float], Setp
     """Return the setpoint as a function of time, relative to a base height [m]."""
 
     def setpoint_at(time: float) -> Setpoint:
-        asked = manoeuvre.setpoint_at(time)
-        return Setpoint(base + asked.rise, asked.heading, asked.speed)
+        target = manoeuvre.setpoint_at(time)
+        return Setpoint(base + target.rise, target.heading, target.speed)
 
     return setpoint_at
 
@@ -92,6 +93,7 @@ def prepare_flight(
     world = World(vehicle, scenario, table, seed)
     base = vehicle.height_on_floor
     if entrant.release is not None:
+        # State 2 is the height; rises of the course count from the release.
         base = world.state[2] = entrant.release
     course = build_course(manoeuvre, base)
     policy = FlightStack(find_strategy('bag'), entrant.gains, law=entrant.law, course=course)
@@ -106,14 +108,17 @@ def fly_manoeuvre(
     world, course = loop.world, loop.policy.course
     assert course is not None
     flown, duties, tilts = [], [], []
+    # Record the state between decision and command, when both refer to the same time.
     while world.elapsed <= manoeuvre.until.si:
         loop.decide()
         state = world.state.tolist()
         flown.append((world.elapsed, *_read_truth(state, course(world.elapsed).heading)))
+        # Clamped, because rounding can leave the cosine outside [-1, 1].
         tilts.append(math.acos(max(-1.0, min(1.0, up_in_body(_extract_quaternion(state))[2]))))
         duties.append(loop.duties)
         loop.apply_command()
     pilot = loop.autopilot
+    # The cascade keeps the flag in its memory, other laws in the autopilot.
     stopped = pilot.stopped if isinstance(pilot, LawAutopilot) else pilot.memory.stopped
     return _evaluate_flight(
         manoeuvre, course, np.array(flown), np.array(duties), np.array(tilts), stopped
@@ -127,6 +132,7 @@ def _extract_quaternion(state: list[float]) -> tuple[float, float, float, float]
 
 def _read_truth(state: list[float], course: float) -> tuple[float, float, float]:
     """Return the true height, heading and ground speed along a course."""
+    # States 7 to 9: velocity in the body frame
     attitude, (u, v, w) = _extract_quaternion(state), state[7:10]
     x, y, _ = to_world(attitude, (u, v, w))
     return state[2], yaw_from_quaternion(attitude), math.cos(course) * x + math.sin(course) * y
@@ -141,10 +147,11 @@ def _evaluate_flight(
     stopped: bool,
 ) -> ManoeuvreFlight:
     """Compute the metrics of a flight."""
-    asked = np.array([(time, *course(time)) for time in response[:, 0].tolist()])
-    asked[:, HEADING] = np.unwrap(asked[:, HEADING])
+    setpoints = np.array([(time, *course(time)) for time in response[:, 0].tolist()])
+    setpoints[:, HEADING] = np.unwrap(setpoints[:, HEADING])
     response[:, HEADING] = np.unwrap(response[:, HEADING])
     begin = manoeuvre.judged_from.si
+    # 1e-9 s absorbs rounding of the recorded times.
     part = response[:, 0] >= begin - 1e-9
     column = COLUMN[manoeuvre.judge]
     # The setpoint just before the rated interval: the step starts from there.
@@ -152,13 +159,14 @@ def _evaluate_flight(
     first = Setpoint(before.altitude, wrap_angle(before.heading), before.speed)[column - 1]
     time = response[part, 0]
     metrics = compute_metrics(
-        time, asked[part, column], response[part, column], manoeuvre.band.si, first
+        time, setpoints[part, column], response[part, column], manoeuvre.band.si, first
     )
     rising = manoeuvre.judge == 'altitude'
+    # An altitude manoeuvre is rated by its height already.
     height = metrics if rising else compute_metrics(
-        time, asked[part, ALTITUDE], response[part, ALTITUDE], HEIGHT_BAND, before.altitude
+        time, setpoints[part, ALTITUDE], response[part, ALTITUDE], HEIGHT_BAND, before.altitude
     )  # fmt: skip
     lost = 'turned over' if stopped else ''
     return ManoeuvreFlight(
-        metrics, height, float(tilts[part].max()), lost, asked, response, duties
+        metrics, height, float(tilts[part].max()), lost, setpoints, response, duties
     )

@@ -60,6 +60,7 @@ def compute_metrics(
         settling = float(time[outside[-1] + 1]) - begin
     step = float(setpoint[-1]) - before
     constant = bool(np.all(setpoint == setpoint[0]))
+    # Positive beyond the goal, for steps up and down.
     excess = math.copysign(1.0, step) * (response - setpoint)
     overshoot = max(0.0, float(excess.max())) / abs(step) if constant and step else math.nan
     return TrackingMetrics(
@@ -68,5 +69,6 @@ def compute_metrics(
         float(error[last].mean()),
         math.sqrt(float(np.mean(error**2))),
         float(error[last].std()),
+        # A NaN settling time compares as False: not held.
         bool(settling <= END * (end - begin)),
     )

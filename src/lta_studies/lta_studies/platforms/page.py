@@ -40,7 +40,7 @@ HEADS = ('platform', 'manoeuvre', 'held', 'overshoot', 'settles', 'steady error'
 DASHED = 'Dashed: setpoint. Flights with seed 1.'
 LIMITED = (
     'One flight for each commanded speed. Dashed: speed reached equals speed commanded. The '
-    'changes are listed below, under "What decides".'
+    'changes are listed below, under "What causes the differences".'
 )
 METHOD = (
     'Held: settles before the last quarter, height within 0.2 m, not turned over. Steady error '
@@ -134,11 +134,13 @@ def draw_pictures(comparison: ComparisonFile, rows: Sequence[PlatformResult]) ->
         manoeuvre = load_maneuver(name)
         found.append(
             render_section(f'changed-{name}', f'{name.capitalize()}, one thing changed',
-                    f'The changes are listed below, under "What decides". {DASHED}',
+                    f'The changes are listed below, under "What causes the differences". {DASHED}',
                     draw_ablations(rows, comparison, manoeuvre))
         )  # fmt: skip
     if comparison.limits:
-        found.append(render_section('limits', 'How fast', LIMITED, draw_limits(rows, comparison)))
+        found.append(
+            render_section('limits', 'Speed limits', LIMITED, draw_limits(rows, comparison))
+        )
     return found
 
 
@@ -164,6 +166,7 @@ def format_figures(part: ComparisonCell, name: str) -> list[str]:
     manoeuvre = load_maneuver(name)
     held = sum(row.held for row in part.rows)
     unit, factor = UNIT[manoeuvre.judge], find_unit_factor(manoeuvre)
+    # The tilt is always shown in degrees.
     degrees = 180.0 / math.pi
     return [
         name,
@@ -188,8 +191,11 @@ def format_mean(value: SeedMean, unit: str, factor: float, digits: int) -> str:
     if math.isnan(value.value):
         return '\N{EN DASH}'
     text = format_number(value.value, digits, factor)
+    # The interval is NaN for a single seed.
     half = 0.0 if math.isnan(value.high) else (value.high - value.value) * factor
+    # Without an interval if it rounds to zero, so as not to claim an exact mean.
     spread = f' \N{PLUS-MINUS SIGN} {half:.{digits}f}' if round(half, digits) else ''
+    # No space before the degree sign
     return f'{text}{spread}{"" if unit == UNIT["heading"] else " "}{unit}'
 
 
@@ -212,7 +218,7 @@ def format_open_loop_inputs(
     comparison: ComparisonFile, rows: Sequence[PlatformResult]
 ) -> list[str]:
     """Return the duty inputs of open-loop platforms in the climb manoeuvre."""
-    told = []
+    sentences = []
     for name, contestant in comparison.contestants.items():
         flying = rebuild_entrant(comparison, name)
         for row in rows:
@@ -223,17 +229,18 @@ def format_open_loop_inputs(
                     for time, duties in find_duty_intervals(row)
                 ]
                 order = ', '.join(flying.vehicle.rotor_names)
-                told.append(
+                sentences.append(
                     f'{contestant.title}: its input in climb, the duties of {order}, is '
                     f'{"; ".join(steps)}.'
                 )
-    return told
+    return sentences
 
 
 def find_duty_intervals(row: PlatformResult) -> list[tuple[float, list[float]]]:
     """Return the start time and the duties of each interval; at most eight."""
     found: list[tuple[float, list[float]]] = []
     for time, duties in zip(row.flown[:, 0].tolist(), row.duties.tolist(), strict=True):
+        # A new interval begins where any duty changes by over 0.1 %.
         if not found or max(abs(p - q) for p, q in zip(found[-1][1], duties, strict=True)) > 1e-3:
             found.append((time, duties))
     return found[:8]

@@ -39,10 +39,10 @@ def draw_tracking(
         values = scale_column(manoeuvre, row.flown, row.flown[0, column], column)
         lines.append(values)
         if index == 0:
-            asked = scale_column(manoeuvre, row.asked, row.asked[0, column], column)
-            lines.append(asked)
+            setpoint = scale_column(manoeuvre, row.asked, row.asked[0, column], column)
+            lines.append(setpoint)
             figure.add_trace(
-                build_line('setpoint', row.asked[:, 0], asked, SETPOINT,
+                build_line('setpoint', row.asked[:, 0], setpoint, SETPOINT,
                 unit=UNIT[manoeuvre.judge],
                      dash='4px,3px', steps=manoeuvre.between == 'step')
             )  # fmt: skip
@@ -94,23 +94,24 @@ def draw_limits(rows: Sequence[PlatformResult], comparison: ComparisonFile) -> F
     labels = []
     for index, (name, limit) in enumerate(comparison.limits.items()):
         colour = COLOURS[index % len(COLOURS)]
-        asked = list(limit.speeds.vector)
-        most = max(most, asked[-1])
-        cells = [select_cell(rows, LIMIT, name, limit.manoeuvre, speed) for speed in asked]
+        commanded = list(limit.speeds.vector)
+        most = max(most, commanded[-1])
+        cells = [select_cell(rows, LIMIT, name, limit.manoeuvre, speed) for speed in commanded]
         reached = [part.final_speed.value for part in cells]
         lost = [part.mean_figure('steady_error', 'height').value for part in cells]
-        top = max(top, asked[-1], *(value for value in reached if math.isfinite(value)))
+        # The speed reached is NaN if no flight was recorded.
+        top = max(top, commanded[-1], *(value for value in reached if math.isfinite(value)))
         spread = [part.final_speed.high - part.final_speed.value for part in cells]
         title = format_entry_name(comparison, name)
         mode = {'mode': 'lines+markers', 'line': {'color': colour, 'width': 1.4}, 'name': title}
         figure.add_trace(
-            Scatter(x=asked, y=reached, error_y={'type': 'data', 'array': spread, 'width': 3},
+            Scatter(x=commanded, y=reached, error_y={'type': 'data', 'array': spread, 'width': 3},
                     hovertemplate='%{y:.3f} m/s', **mode),
             row=1, col=1,
         )  # fmt: skip
         figure.add_trace(
             # Steady error is setpoint - response, so its negative is the height gained.
-            Scatter(x=asked, y=[-value for value in lost], hovertemplate='%{y:.3f} m', **mode),
+            Scatter(x=commanded, y=[-value for value in lost], hovertemplate='%{y:.3f} m', **mode),
             row=2, col=1,
         )  # fmt: skip
         labels.append(EndLabel(title, reached[-1], colour))

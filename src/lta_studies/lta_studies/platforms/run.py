@@ -80,6 +80,7 @@ def _load_files(file: str) -> tuple[ComparisonFile, Any]:
 
 
 @cache
+# Cached in each worker, as all seeds and manoeuvres share the entrant.
 def _build_entrant(file: str, kind: str, name: str) -> Any:  # noqa: ANN401 - an Entrant
     comparison, scenario = _load_files(file)
     density = scenario.air.density
@@ -102,6 +103,7 @@ def change_speed(manoeuvre: ManeuverFile, speed: float | None) -> ManeuverFile:
         return manoeuvre
     rows = [
         row.model_copy(update={'speed': row.speed.model_copy(update={'value': speed})})
+        # Rows with speed 0 are the hover before or after, which stays.
         if row.speed.si > 0.0 else row
         for row in manoeuvre.course
     ]  # fmt: skip
@@ -130,10 +132,12 @@ def build_loop(job: PlatformJob) -> ClosedLoop:
 def summarize_flight(job: PlatformJob, flight: ManoeuvreFlight) -> PlatformResult:
     """Return the result of a flight with decimated traces."""
     count = len(flight.flown)
+    # Column 3 is the speed along the course.
     last = flight.flown[3 * count // 4 :, 3]
     traces = {}
     if job.seed == 1:
         for name in ('flown', 'asked', 'duties'):
+            # Decimated and in single precision: results travel between processes.
             traces[name] = getattr(flight, name)[::SHOWN].astype(np.float32)
     return PlatformResult(
         job, flight.is_held, flight.metrics, flight.height, flight.tilt, flight.lost,
@@ -163,4 +167,5 @@ def result_to_json(row: PlatformResult) -> dict[str, Any]:
         **{f'height_{name}': value for name, value in row.height._asdict().items()},
     }
     del content['file']
+    # Only NaN differs from itself; JSON has no NaN.
     return {name: None if value != value else value for name, value in content.items()}

@@ -76,7 +76,7 @@ def select_cell(
 
 def describe_reversals(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> list[str]:
     """Return a sentence for each ablation: which manoeuvres it reverses."""
-    told = []
+    sentences = []
     for name, ablation in comparison.ablations.items():
         title = comparison.contestants[ablation.of].title
         turned: list[str] = []
@@ -96,8 +96,8 @@ def describe_reversals(comparison: ComparisonFile, rows: Sequence[PlatformResult
             *([f'reverses {", ".join(turned)}'] if turned else []),
             *([f'does not reverse {", ".join(same)}'] if same else []),
         ]
-        told.append(f'{title}; {ablation.why}: {" and ".join(parts)}.')
-    return told
+        sentences.append(f'{title}; {ablation.why}: {" and ".join(parts)}.')
+    return sentences
 
 
 def find_top_speed(
@@ -109,6 +109,7 @@ def find_top_speed(
     unbroken = True
     for speed in limit.speeds.vector:
         found = select_cell(rows, LIMIT, name, limit.manoeuvre, speed)
+        # A speed held above one that failed does not count: the range must be continuous.
         unbroken = unbroken and bool(found.rows) and all(row.held for row in found.rows)
         held = speed if unbroken else held
         reached = max(reached, found.final_speed.value)
@@ -118,5 +119,6 @@ def find_top_speed(
 def compute_lift_margin(vehicle: Vehicle) -> tuple[float, float]:
     """Return the lift at full thrust and the weight it must carry. [N]"""
     own, per_newton = select_lifting_rotors(vehicle.rotors, vehicle.file.aero.coupling)
+    # The lifting rotors share the load, so the weakest limits all.
     full = min((rotor.full_thrust for rotor in own), default=0.0)
     return full * per_newton, vehicle.heaviness * STANDARD_GRAVITY

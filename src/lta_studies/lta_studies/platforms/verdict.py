@@ -29,12 +29,14 @@ def format_title(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> 
 
 def join_names(names: Sequence[str]) -> str:
     """Join names to the subject of 'does' or 'do'."""
+    # 'A does', 'A and B do', 'A, B and C do'
     *others, last = names
     return f'{", ".join(others)} and {last} do' if others else f'{last} does'
 
 
 def render_ablation_table(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> str:
     """Return the table of ablations: flights held before and after the change."""
+    # One column for every manoeuvre that any ablation flies
     flown = list(
         dict.fromkeys(each for part in comparison.ablations.values() for each in part.manoeuvres)
     )
@@ -69,6 +71,7 @@ def format_before_after(base: ComparisonCell, changed: ComparisonCell) -> str:
         return '\N{EN DASH}'
     held = [sum(row.held for row in part.rows) for part in (base, changed)]
     counts = [len(part.rows) for part in (base, changed)]
+    # Whether the majority of flights held
     most = [2 * few > all_of for few, all_of in zip(held, counts, strict=True)]
     ends = [f'{few}/{all_of}' for few, all_of in zip(held, counts, strict=True)]
     text = ' \N{RIGHTWARDS ARROW} '.join(ends)

@@ -88,6 +88,7 @@ def fly_group(
             }
         )
     )
+    # One after the other: the rows of the reproduction already run in parallel.
     rows = [fly_task(complete_job(plan, plan.build_job(k), k)) for k in range(plan.count)]
     return FlightGroup(plan, build_cells(part, plan, rows))
 
@@ -129,6 +130,7 @@ def build_request(
 ) -> SimulationRequest:
     """Return the simulation request of one flight of a cell."""
     base, row = group.plan.base, cell.rows[seed]
+    # The changes of the flight override those of the plan.
     changes = {**base.replaced, **group.plan.build_job(row.index).changes}
     strategy = str(changes.pop(STRATEGY))
     return SimulationRequest(
@@ -142,6 +144,7 @@ def thin_annotations(figure: Figure) -> Figure:
     figure.layout.annotations = [
         each for each in figure.layout.annotations if not each.text.startswith('goal')
     ]
+    # px to the left, where no track begins
     figure.for_each_annotation(lambda word: word.update(xshift=-24), {'text': 'start'})
     return figure.update_xaxes(dtick=10).update_yaxes(dtick=10)
 

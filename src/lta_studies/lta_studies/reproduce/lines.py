@@ -29,6 +29,7 @@ SUMMARY_HEADS: Final = ('row', *ClaimVerdict)
 DEFECT_HEADS: Final = ('row', 'the paper says', 'arithmetic', 'here')
 SERIES_HEADS: Final = ('row', 'figure', 'printed numbers', 'conclusion')
 MEASURE_HEADS: Final = ('measure', 'here', 'seeds')
+# Remark after the place of a claim, by the source of its number
 SOURCES: Final = {
     'printed': '',
     'read': ' (read from text)',
@@ -63,6 +64,7 @@ def count_all_verdicts(rows: Sequence[PaperRow], stored_rows: Kepts) -> dict[Cla
 def format_title(rows: Sequence[PaperRow], stored_rows: Kepts) -> str:
     """Return the headline with the counts of the verdicts."""
     found = count_all_verdicts(rows, stored_rows)
+    # Results beyond the paper are not claims of the paper.
     count = sum(found.values()) - found[ClaimVerdict.BEYOND]
     text = (
         f"Of the paper's {count} claims, {found[ClaimVerdict.AGREES]} agree, "
@@ -120,15 +122,17 @@ def build_notes(row: PaperRow, stored: StoredRow) -> list[tuple[str, str, str]]:
     found = judge_claims(row, stored.values)
     lines = []
     for name, claim in row.claims.items():
+        # Why it cannot be tested, else what was found
         words = claim.untested or claim.finding
+        # Only a difference has a gap to close.
         gap = claim.gap if found[name] is ClaimVerdict.DIFFERS else ''
-        told = [
+        texts = [
             fill_measures(text, row, stored.values)
             if find_measure_names(text) <= stored.values.keys()
             else ''
             for text in (words, gap)  # --quick leaves measures out
         ]
-        lines.append((claim.says, told[0], told[1]))
+        lines.append((claim.says, texts[0], texts[1]))
     return lines
 
 

@@ -51,6 +51,7 @@ class ComparisonFlights:
     def hold_share(self, name: str, manoeuvre: str) -> MeasuredValue:
         """Return the share of flights that held a manoeuvre."""
         cell = self.find_cell(name, manoeuvre)
+        # One flight gives no interval.
         if len(cell.rows) == 1:
             return MeasuredValue(cell.success_share.value, seeds=1)
         return MeasuredValue(*cell.success_share, seeds=len(cell.rows))
@@ -95,16 +96,17 @@ def fly_entries(pairs: Iterable[tuple[str, str]], seeds: int) -> ComparisonFligh
 def find_speed_limit(name: str, seeds: int) -> MeasuredValue:
     """Return the highest speed up to which an entry held all commanded speeds. [m/s]"""
     comparison = load_comparison(FILE)
-    asked = comparison.limits[name]
+    limit = comparison.limits[name]
     rows = [
-        fly_cached(PlatformJob(FILE, LIMIT, name, asked.manoeuvre, seed, speed))
-        for speed in asked.speeds.vector
+        fly_cached(PlatformJob(FILE, LIMIT, name, limit.manoeuvre, seed, speed))
+        for speed in limit.speeds.vector
         for seed in range(1, seeds + 1)
     ]
     return MeasuredValue(find_top_speed(comparison, rows, name)[0], seeds=seeds)
 
 
 @cache
+# Deterministic by its seed, so a cached result equals a new one.
 def fly_cached(job: PlatformJob) -> PlatformResult:
     """Fly a job, once for all rows that share it."""
     return fly_job(job)

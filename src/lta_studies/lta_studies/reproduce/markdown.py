@@ -38,7 +38,7 @@ def format_page(rows: Sequence[PaperRow], stored_rows: Kepts) -> str:
         f'**{lines.format_title(rows, stored_rows)}** {lines.METHOD}\n',
         format_table(lines.SUMMARY_HEADS, lines.build_summary_lines(rows, stored_rows)),
         *(format_row(row, stored_rows[row.name]) for row in rows),
-        "## What the paper's figures let discovery say\n",
+        "## What discovery concludes from the paper's figures\n",
         f'{lines.DISCOVERY}\n',
         format_table(lines.SERIES_HEADS, lines.build_series_lines(rows, stored_rows)),
         '## Where the paper does not add up\n',
@@ -51,11 +51,13 @@ def format_page(rows: Sequence[PaperRow], stored_rows: Kepts) -> str:
 
 def format_row(row: PaperRow, stored: StoredRow) -> str:
     """Return the section of a row."""
-    told = [
+    findings = [
         f'- *{says}* {" ".join(filter(None, [finding, f"**{gap}**" if gap else ""]))}'
         for says, finding, gap in lines.build_notes(row, stored)
+        # Claims that simply agree need no note.
         if finding or gap
     ]
+    # Several pictures share a command: each once, in order.
     commands = list(dict.fromkeys(each.command for each in stored.pictures if each.command))
     typed = '; '.join(f'`{each}`' for each in commands)
     bags = list(dict.fromkeys(each.bag for each in stored.pictures if each.bag))
@@ -64,7 +66,7 @@ def format_row(row: PaperRow, stored: StoredRow) -> str:
         f'## {row.number}. {row.title}\n',
         f'{row.scenario}\n',
         format_table(lines.CLAIM_HEADS, lines.build_claim_lines(row, stored)),
-        *told,
+        *findings,
         '',
         *format_image(row, stored),
         *([f'Commands for its pictures: {typed}.', ''] if typed else []),

@@ -65,6 +65,7 @@ def render_page(rows: Sequence[PaperRow], stored_rows: Kepts, commands: Mapping[
 def build_tiles(rows: Sequence[PaperRow], stored_rows: Kepts) -> list[Tile]:
     """Return a tile for each verdict, and one for the defects."""
     found = lines.count_all_verdicts(rows, stored_rows)
+    # Results beyond the paper are not claims of the paper.
     total = sum(found.values()) - found[ClaimVerdict.BEYOND]
     made = [
         Tile(
@@ -91,6 +92,7 @@ def render_row(row: PaperRow, stored: StoredRow) -> str:
         f'{render_table("claims", lines.CLAIM_HEADS, lines.build_claim_lines(row, stored))}'
         f'{render_findings(row, stored)}'
         f'<details><summary>All measurements ({len(stored.values)} figures, '
+        # Rounded up, so that no row takes 0 s.
         f'{math.ceil(stored.seconds)} s)</summary>'
         f'{render_table("measures", lines.MEASURE_HEADS, lines.build_measure_lines(row, stored))}'
         f'{"".join(render_text_table(each) for each in stored.tables)}</details>'
@@ -133,5 +135,6 @@ def render_table(kind: str, heads: Sequence[str], body: Lines) -> str:
 
 def verdict_class(cell: str) -> str:
     """Return the class attribute of a verdict cell; '' for any other cell."""
+    # `ClaimVerdict` is a StrEnum, so its members equal their words.
     found = next((name for verdict, name in MARKS.items() if cell == verdict), None)
     return f' class="{found}"' if found else ''

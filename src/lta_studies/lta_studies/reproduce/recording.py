@@ -56,12 +56,14 @@ def record_flight(
                 loop.decide()
                 recorder.record_step()
                 loop.apply_command()
+    # A full disk is a problem of the user's input (the folder), not of the program.
     except StorageFault as fault:
         raise BadInput(str(fault)) from None
 
 
 def relative_bag_path(folder: Path) -> str:
     """Return the path of a folder of bags relative to the page: bags/ROW/FIGURE."""
+    # The last three parts of the path
     return str(Path(*folder.parts[-3:]))
 
 
@@ -82,6 +84,7 @@ def dump_model(model: BaseModel) -> Any:  # noqa: ANN401 - what YAML holds
     return {
         file_key(field, name): held[name]
         for name, field in type(model).model_fields.items()
+        # Empty mappings are defaults that the file left out.
         if name in held and held[name] != {}
     }
 

@@ -18,6 +18,7 @@ from lta_studies.reproduce.studies import (
 )
 from lta_studies.reproduce.study_result import Study
 
+# In the order of the paper
 STUDIES: Final[dict[str, Study]] = {
     'platforms': platforms.run_study,
     'forces': forces.run_study,

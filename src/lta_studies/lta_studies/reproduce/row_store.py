@@ -40,6 +40,7 @@ class StoredRow:
 
 def hash_row(row: PaperRow, seeds: int, quick: bool, code: str) -> str:
     """Return a hash of the inputs of a row: its file, the effort, and the hash of the code."""
+    # Sorted keys, so that the order in the file does not matter.
     text = json.dumps([row.model_dump(mode='json'), seeds, quick, code], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()
 
@@ -71,8 +72,10 @@ def read_row(place: Path, name: str) -> StoredRow | None:
     """Read the row stored under a hash; None if there is none."""
     try:
         content = json.loads(place.read_text(encoding='utf-8'))
+    # A missing or damaged file only means that the row is studied again.
     except (OSError, ValueError):
         return None
+    # Stored by an older version of the code or with other options
     if content.get('identity') != name:
         return None
     return StoredRow(
@@ -97,5 +100,6 @@ def decode_values(content: Mapping[str, Sequence[Any]]) -> dict[str, MeasuredVal
 
 def decode_value(content: Sequence[Any]) -> MeasuredValue:
     """Convert a JSON list to a value, with null as NaN."""
+    # Order of the fields: value, low, high, seeds
     value, low, high = (math.nan if each is None else each for each in content[:3])
     return MeasuredValue(value, low, high, content[3])

@@ -65,7 +65,7 @@ def read_stored_rows(order: ReproductionRequest, rows: Sequence[PaperRow]) -> di
         row.name: read_row(order.row_path(row.name), compute_row_key(row, order.quick))
         for row in rows
     }
-    return {name: kept for name, kept in found.items() if kept is not None}
+    return {name: stored for name, stored in found.items() if stored is not None}
 
 
 def study_row(name: str, quick: bool, folder: Path) -> StoredRow:
@@ -78,6 +78,7 @@ def study_row(name: str, quick: bool, folder: Path) -> StoredRow:
     found = STUDIES[name](RowStudyRequest(seeds, quick, bags))
     undeclared = found.values.keys() - row.measures.keys()
     lacking = row.measures.keys() - found.values.keys()
+    # --quick may leave out measures, but no study may add undeclared ones.
     if undeclared or (lacking and not quick):
         names = ', '.join(sorted(undeclared or lacking))
         raise BadInput(f'The study of {name} and its file disagree on these measures: {names}.')
@@ -88,13 +89,14 @@ def study_all(
     order: ReproductionRequest, todo: Sequence[PaperRow]
 ) -> Iterator[tuple[str, StoredRow]]:
     """Study rows in worker processes; store each row before yielding it."""
-    asked = [(row.name, order.quick, order.folder) for row in todo]
+    tasks = [(row.name, order.quick, order.folder) for row in todo]
+    # Hashed before the studies: a file edited meanwhile must invalidate the result.
     keys = {row.name: compute_row_key(row, order.quick) for row in todo}
-    for name, kept in run_in_workers(
-        _study_with_name, asked, order.workers, '--workers', goes_on=True
+    for name, stored in run_in_workers(
+        _study_with_name, tasks, order.workers, '--workers', goes_on=True
     ):
-        write_row(order.row_path(name), keys[name], kept)
-        yield name, kept
+        write_row(order.row_path(name), keys[name], stored)
+        yield name, stored
 
 
 def _study_with_name(name: str, quick: bool, folder: Path) -> tuple[str, StoredRow]:

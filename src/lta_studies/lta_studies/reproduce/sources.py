@@ -26,6 +26,7 @@ def hash_sources(name: str) -> str:
     """Return a hash that changes whenever the results of a row may change."""
     found = hashlib.sha256()
     for path in iterate_sources(name):
+        # Folder and name rather than the full path, which differs between machines
         found.update(f'{path.parent.name}/{path.name}'.encode())
         found.update(path.read_bytes())
     return found.hexdigest()
@@ -63,6 +64,7 @@ def parse_imports(path: Path) -> tuple[str, ...]:
         if isinstance(node, ast.Import):
             names += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom) and node.module:
+            # An imported name may itself be a module.
             names += [node.module, *(f'{node.module}.{alias.name}' for alias in node.names)]
     return tuple(names)
 
@@ -71,6 +73,7 @@ def parse_imports(path: Path) -> tuple[str, ...]:
 def find_module_file(module: str) -> Path | None:
     """Return the file of a module outside the cores, or None."""
     package, *below = module.split('.')
+    # Cores are hashed as a whole; packages of others are not hashed.
     if not package.startswith('lta_') or package in CORES:
         return None
     place = package_folder(package).joinpath(*below)

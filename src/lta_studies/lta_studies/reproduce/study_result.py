@@ -20,6 +20,7 @@ class MeasuredValue(NamedTuple):
     arrives.
     """
 
+    # A word for claims such as an order of strategies
     value: float | str
     low: float = math.nan
     high: float = math.nan
@@ -79,6 +80,7 @@ def average_over_seeds(values: Sequence[float]) -> MeasuredValue:
     count, middle = len(values), float(np.mean(values))
     if count < 2:
         return MeasuredValue(middle, seeds=count)
+    # Two-sided 95 %: the 97.5 % quantile of Student's t
     half = float(stdtrit(count - 1, 0.975) * np.std(values, ddof=1) / math.sqrt(count))
     return MeasuredValue(middle, middle - half, middle + half, count)
 

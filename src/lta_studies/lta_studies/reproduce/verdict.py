@@ -33,6 +33,7 @@ class ClaimVerdict(StrEnum):
 
 def judge_claim(claim: PaperClaim, values: Mapping[str, MeasuredValue]) -> ClaimVerdict:
     """Return the verdict on a claim."""
+    # Without a measure nothing was measured; without a rule the paper made no claim.
     if claim.measure is None:
         return ClaimVerdict.UNTESTED
     if claim.rule is None:
@@ -52,6 +53,7 @@ def is_satisfied(rule: AgreementRule, printed: Quantity | None, value: float | s
     if isinstance(value, str):
         return value == rule.word
     low, high = agreement_bounds(rule, printed)
+    # An open bound is infinite and gives no scale.
     slack = PLAIN * max(abs(bound) for bound in (low, high, 0.0) if math.isfinite(bound))
     return low - slack <= value <= high + slack
 
@@ -59,6 +61,7 @@ def is_satisfied(rule: AgreementRule, printed: Quantity | None, value: float | s
 def agreement_bounds(rule: AgreementRule, printed: Quantity | None) -> tuple[float, float]:
     """Return the bounds within which a value agrees. [SI]"""
     if rule.within is not None and printed is not None:
+        # `within` is relative to the printed number.
         half = rule.within.si * abs(printed.si)
         return printed.si - half, printed.si + half
     low = -math.inf if rule.least is None else rule.least.si
@@ -103,6 +106,7 @@ def format_value(
         return 'never'
     texts = [format_rounded(measure, each) for each in (value.value, value.low, value.high)]
     text = texts[0]
+    # Without the interval if all three round to the same number
     if interval and not math.isnan(value.low) and len(set(texts)) > 1:
         text += f' ({texts[1]} to {texts[2]})'
     return append_unit(text, measure.unit)
@@ -118,6 +122,7 @@ def format_rounded(measure: PaperMeasure, value: float) -> str:
     scaled = value / measure.factor
     if not math.isfinite(scaled):
         return MISSING
+    # Negative digits round to tens or hundreds.
     return format_number(round(scaled, measure.digits), max(0, measure.digits))
 
 

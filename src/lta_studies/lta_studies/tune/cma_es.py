@@ -48,6 +48,7 @@ class CmaEsSearch:
         n = self._n = len(self.mean)
         # Below, with Hansen's symbols: `mass` is mu_eff, `_keep_path` c_c, `_keep_step` c_sigma,
         # `_one` c_1, `_many` c_mu, `_damping` d_sigma, and `_length` the expected norm of N(0, I).
+        # Population size lambda and logarithmic weights of the better half.
         self.size = 4 + int(3.0 * math.log(n))
         half = self.size // 2
         raw = math.log(half + 0.5) - np.log(np.arange(1, half + 1))
@@ -57,6 +58,7 @@ class CmaEsSearch:
         self._keep_step = (mass + 2.0) / (n + mass + 5.0)
         self._one = 2.0 / ((n + 1.3) ** 2 + mass)
         many = 2.0 * (mass - 2.0 + 1.0 / mass) / ((n + 2.0) ** 2 + mass)
+        # The learning rates must not add to more than 1, or old covariance would count negatively.
         self._many = min(1.0 - self._one, many)
         self._damping = (
             1.0 + 2.0 * max(0.0, math.sqrt((mass - 1.0) / (n + 1.0)) - 1.0) + self._keep_step
@@ -77,6 +79,7 @@ class CmaEsSearch:
 
     def tell(self, candidates: Sequence[Vector], costs: Sequence[float]) -> None:
         """Update mean, step size and covariance from the costs of a generation."""
+        # A stable sort keeps equal costs in the order drawn, so runs are reproducible.
         order = np.argsort(np.array(costs), kind='stable')[: len(self._weights)]
         best = np.array([candidates[k] for k in order])
         moves = (best - self.mean) / self.step
@@ -84,18 +87,22 @@ class CmaEsSearch:
         self.mean = self.mean + self.step * move
         self._generation += 1
         self._update_paths(move)
+        # Rank-one update from the evolution path, rank-mu update from the best candidates.
         outer = np.outer(self._path, self._path)
         several = (self._weights[:, None] * moves).T @ moves
-        kept = 1.0 - self._one - self._many
-        self._covariance = kept * self._covariance + self._one * outer + self._many * several
+        retained = 1.0 - self._one - self._many
+        self._covariance = retained * self._covariance + self._one * outer + self._many * several
+        # A path longer than that of a random walk means consistent moves, so the step grows.
         growth = float(np.linalg.norm(self._step_path)) / self._length - 1.0
         self.step *= math.exp(self._keep_step / self._damping * growth)
 
     def _update_paths(self, move: Vector) -> None:
         """Update the evolution paths."""
         c, mass = self._keep_step, self._mass
+        # C^(-1/2) times the mean's move: whitened, its norm is that of N(0, I) without selection.
         white = self._axes @ ((self._axes.T @ move) / self._lengths)
         self._step_path = (1.0 - c) * self._step_path + math.sqrt(c * (2.0 - c) * mass) * white
+        # The path starts at zero; the root corrects its expected norm in the first generations.
         expected = math.sqrt(1.0 - (1.0 - c) ** (2 * self._generation)) * self._length
         # Hansen's h_sigma: pause the rank-one path while the step size grows fast.
         calm = float(np.linalg.norm(self._step_path)) < (1.4 + 2.0 / (self._n + 1.0)) * expected

@@ -67,6 +67,7 @@ class GainEvaluation:
 
     def settling_share(self, step: int) -> ShareInterval:
         """Return the share of flights in which a step settled, with its 95 % interval."""
+        # A step that never settles has an infinite time.
         times = [report.marks[step].settle for report in self.reports if report.marks]
         return wilson_interval(sum(map(math.isfinite, times)), len(self.reports))
 
@@ -95,8 +96,10 @@ def compute_quartiles(values: Sequence[float]) -> QuartileSpread:
 def compare_costs(old: GainEvaluation, new: GainEvaluation) -> CostDifference:
     """Return the mean paired cost difference with Student's 95 % interval."""
     pairs = zip(old.reports, new.reports, strict=True)
+    # Both sides flew the same draws; the pairing removes the variance between draws.
     gaps = np.array([b.cost - a.cost for a, b in pairs])
     count = len(gaps)
+    # One draw gives no spread, hence an infinite interval.
     half = math.inf
     if count > 1:
         quantile = float(stdtrit(count - 1, 0.975))
@@ -119,6 +122,7 @@ def fly_comparison(
     workers: WorkerPool,
 ) -> tuple[GainEvaluation, GainEvaluation]:
     """Fly the old and the new gains in the same cases."""
+    # One task list for both sides, so that no worker waits between them.
     tasks = [EvaluationJob(scene, gains, case) for gains in both for case in cases]
     reports = evaluate_all(tasks, workers)
     losses = tuple(case.loss for case in cases)

@@ -24,7 +24,9 @@ class CandidateCosts(NamedTuple):
 
 def hash_search(content: Any) -> str:  # noqa: ANN401 - what JSON holds
     """Return a hash that identifies a search by its inputs."""
+    # Sorted keys: the hash must not depend on the order in which the inputs were built.
     text = json.dumps(content, sort_keys=True)
+    # 64 bits are enough to tell the searches of one folder apart.
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
@@ -53,6 +55,7 @@ class EvaluationLog(AbstractContextManager['EvaluationLog', None]):
 
     def find_costs(self, place: int, numbers: list[float]) -> list[float] | None:
         """Return the costs by case of the candidate at an index; None if it was not flown."""
+        # Exact comparison of floats is right: JSON restores them exactly, and the seed fixes them.
         if place >= len(self._entries) or self._entries[place].numbers != numbers:
             return None
         return self._entries[place].costs

@@ -84,6 +84,7 @@ def search_gains(
     stopped = False
     try:
         start = np.log([number.value for number in numbers])
+        # The start gains count as the first candidate, so the result is never worse than them.
         judge.evaluate_costs([start])
         search = CmaEsSearch(start.tolist(), STEP, seed)
         while len(judge.history) < budget:
@@ -91,6 +92,7 @@ def search_gains(
             costs = judge.evaluate_costs(points)
             if len(points) == search.size:  # the budget may cut the last generation short
                 search.tell(points, costs)
+    # Ctrl-C ends the search with the best candidate so far.
     except KeyboardInterrupt:
         stopped = True
         if judge.best is None:
@@ -122,14 +124,15 @@ class _CandidateEvaluator:
         inside = [np.clip(point, self._ends[:, 0], self._ends[:, 1]) for point in points]
         values = [dict(zip(self._paths, np.exp(p).tolist(), strict=True)) for p in inside]
         costs = []
-        told = _fly_candidates(values, self._fly, self._book, len(self.history))
-        for value, cases in zip(values, told, strict=True):
+        evaluations = _fly_candidates(values, self._fly, self._book, len(self.history))
+        for value, cases in zip(values, evaluations, strict=True):
             cost = robust_cost(cases)
             costs.append(cost)
             if self.best is None or cost < self.best[0]:
                 self.best = (cost, value)
             self.history.append(self.best[0])
             self._tell(len(self.history), self.best[0])
+        # Only the search sees the penalty; history and result hold the flown cost.
         beyond = [float(((a - b) ** 2).sum()) for a, b in zip(points, inside, strict=True)]
         return [cost + OUTSIDE * far for cost, far in zip(costs, beyond, strict=True)]
 

@@ -22,13 +22,16 @@ def format_gains(gains: BaseModel, about: Sequence[str]) -> str:
     lines = [f'# {line}' for line in about]
     lines += ['/**/controller:', '  ros__parameters:', '    gains:']
     for name, value in gains.model_dump().items():
+        # Flow style puts each loop on one line; the large width prevents a line break.
         text = yaml.safe_dump(value, default_flow_style=True, sort_keys=False, width=1000)
+        # For a bare number `safe_dump` adds a second line '...', which is dropped.
         lines.append(f'      {name}: {text.splitlines()[0]}')
     return '\n'.join(lines) + '\n'
 
 
 def write_gains(gains: BaseModel, about: Sequence[str], path: Path) -> None:
     """Write a parameter file; raise `BadInput` if that fails."""
+    # An interrupt leaves either the old file or the whole new one.
     with _ensure_folder(path), replace_atomically(path) as part:
         part.write_text(format_gains(gains, about), encoding='utf-8')
 
@@ -37,6 +40,7 @@ def check_writable(path: Path) -> None:
     """Raise `BadInput` if a file cannot be written; leave the path unchanged."""
     with _ensure_folder(path):
         was = path.exists()
+        # Append mode does not truncate an existing file.
         path.open('a', encoding='utf-8').close()
         if not was:
             path.unlink()

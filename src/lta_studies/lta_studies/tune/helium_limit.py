@@ -59,6 +59,7 @@ def rotor_loss_limit(vehicle: Vehicle) -> float:
     own, per_newton = select_lifting_rotors(vehicle.rotors, vehicle.file.aero.coupling)
     if not own or per_newton <= 0.0:
         raise BadInput(f'{vehicle.file.name} has no rotor that lifts, so it cannot hover.')
+    # The weakest rotor limits the rest: more of one alone would tilt the vehicle.
     full = min(rotor.full_thrust for rotor in own) * per_newton
     return full / STANDARD_GRAVITY - vehicle.heaviness
 
@@ -105,12 +106,14 @@ def find_helium_limit(
         return held
 
     low, high = bracket_limit(holds, most)
+    # The permeation of the film is known as a range, hence two durations.
     least, largest = daily_lift_loss(known.file.hull, known.air_density)
     lasts = 0.0 if low is None else low
     return HeliumLimit(
         grams=None if low is None else 1e3 * low,
         fails=1e3 * high,
         rotors=1e3 * most,
+        # The force limit in kg of lift, less what the vehicle already weighs. [g]
         demand=1e3 * (gains.climb.limit / STANDARD_GRAVITY - known.heaviness),
         days=(lasts / largest, lasts / least) if largest > 0.0 else (0.0, 0.0),
     )
@@ -120,12 +123,14 @@ def bracket_limit(holds: Callable[[float], bool], most: float) -> tuple[float | 
     """Return the largest tried value that holds and the smallest that does not."""
     low: float | None = None
     high = float('inf')
+    # Coarse steps first: the smallest failing loss counts, even if a larger one held again.
     for step in range(TRIED + 1):
         at = most * step / TRIED
         if not holds(at):
             high = at
             break
         low = at
+    # Without a bracket there is nothing to bisect.
     if low is None or high == float('inf'):
         return low, high
     for _ in range(HALVINGS):

@@ -73,15 +73,17 @@ def linearize_loop(cut: LoopCut, setpoint: Setpoint) -> LinearLoop:
     """Linearise a loop about the steady flight at a setpoint."""
     state, memory = cut.find_steady_flight(setpoint)
     first, second = len(state), len(state) + MEMORY.size
+    # In steady flight all commands that are still on their way are equal.
     past = np.tile(np.array(memory.duties), (cut.ages, 1))
     _, trim = cut.step_controller(state, memory, past, None)
 
     def step_period(x: Array, u: Array) -> tuple[Array, Array]:
         own, known, before = x[:first], MEMORY.read(x[first:second]), x[second:].reshape(-1, SLOTS)
-        after, asked = cut.step_controller(own, known, before, WrenchDemand(*u.tolist()))
+        after, demanded = cut.step_controller(own, known, before, WrenchDemand(*u.tolist()))
+        # Shift register of the command delay, newest first
         commands = np.vstack([np.array(after.duties), before[:-1]])
         flown = cut.advance_vehicle(own, commands)
-        return np.concatenate([flown, MEMORY.write(after), commands.ravel()]), np.array(asked)
+        return np.concatenate([flown, MEMORY.write(after), commands.ravel()]), np.array(demanded)
 
     numbers, u = np.concatenate([state, MEMORY.write(memory), past.ravel()]), np.array(trim)
     # Flags and counters of the memory have no derivative.
@@ -89,10 +91,13 @@ def linearize_loop(cut: LoopCut, setpoint: Setpoint) -> LinearLoop:
     everything = [*np.arange(first).tolist(), *turned, *np.arange(second, len(numbers)).tolist()]
     a, c = _compute_jacobians(lambda x: step_period(x, u), numbers, everything)
     b, _ = _compute_jacobians(lambda v: step_period(numbers, v), u, [0, 1, 2])
+    # Drop states that cannot matter, such as the horizontal position: they hold eigenvalues 1.
     keep = _find_connected_states(a, b, c)
     a, b, c = a[np.ix_(keep, keep)], b[keep], c[:, keep]
+    # In flight u = y, so the closed loop is x' = (A + B C) x.
     modes = np.linalg.eigvals(a + b @ c)
     worst = modes[np.abs(modes).argmax()]
+    # Discrete eigenvalue: its modulus is the growth per period, its angle the frequency.
     radius, swing = float(np.abs(worst)), float(abs(np.angle(worst))) / cut.period
     up = up_in_body(memory.estimate.attitude)[2]
     tilt = math.acos(min(1.0, up))
@@ -123,14 +128,17 @@ def _compute_jacobians(
         step = np.zeros(len(at))
         step[place] = DIFFERENCE * max(1.0, abs(at[place]))
         for table, high, low in zip(tables, function(at + step), function(at - step), strict=True):
+            # Central difference: the error is of second order in the step.
             table[:, place] = (high - low) / (2.0 * step[place])
     return tables
 
 
 def _find_connected_states(a: Array, b: Array, c: Array) -> NDArray[np.intp]:
     """Return the states that are both reachable from an input and visible in an output."""
+    # links[i, j]: state j influences state i after one period.
     links = (np.abs(a) > 0.0) & ~np.isnan(a)
     reached, seen = np.abs(b).max(axis=1) > 0.0, np.abs(c).max(axis=0) > 0.0
+    # A path through n states has at most n steps.
     for _ in np.arange(len(a)):
         reached |= links[:, reached].any(axis=1)
         seen |= links[seen].any(axis=0)

@@ -55,6 +55,7 @@ class LoopCut:
     def __init__(self, true: Vehicle, nominal: Vehicle, gains: CascadeGains) -> None:
         table = load_topic_table()
         self.period = table.control_ns * 1e-9
+        # Integration steps per control period, rounded up.
         self._steps = -(-table.control_ns // STEP_NS)
         self._true, self._model = true, true.build_model()
         self._floor = PressureSettings().floor
@@ -95,8 +96,10 @@ class LoopCut:
         sensors = self._true.file.sensors
         numbers = state.tolist()
         orders = self._rotor_command(past[self._whole])
+        # The accelerometer needs the linear and angular acceleration of the state.
         rate = kernel.state_derivative(state, model or self._model, orders).tolist()
         ix, iy, iz = sensors.imu_position.vector
+        # Quaternion, body velocity and body rates
         x, y, z, w, u, v, h, p, q, r = numbers[3:13]
         turn = rotation_matrix((x, y, z, w))
         force = imu_specific_force(
@@ -104,6 +107,7 @@ class LoopCut:
             (p, q, r),
             (rate[7], rate[8], rate[9]),
             (rate[10], rate[11], rate[12]),
+            # The bottom row of body-to-world: the world's up axis in the body frame.
             (turn[6], turn[7], turn[8]),
             (ix, iy, iz),
             STANDARD_GRAVITY,
@@ -113,6 +117,7 @@ class LoopCut:
         return EstimatorInputs(
             (p, q, r),
             force,
+            # The range sensor measures along the tilted body axis.
             height / up,
             air_pressure(self._floor, numbers[2] + iz),
             pad_to_slots(past[0].tolist()),
@@ -122,12 +127,19 @@ class LoopCut:
         self, state: Array, past: Array, model: VehicleModel | None = None
     ) -> Array:
         """Return the vehicle state one period later; `past[0]` is this period's command."""
+        # With a fractional delay the older command still acts in the first part of the period.
         for share, age in ((self._part, self._whole + 1), (1.0 - self._part, self._whole)):
             if share > 0.0:
                 step = share * self.period / self._steps
                 orders = self._rotor_command(past[age])
                 state = kernel.advance(
-                    state, model or self._model, orders, (0.0, 0.0, 0.0), step, self._steps
+                    # Still air
+                    state,
+                    model or self._model,
+                    orders,
+                    (0.0, 0.0, 0.0),
+                    step,
+                    self._steps,
                 )
         return state
 
@@ -143,8 +155,8 @@ class LoopCut:
         The rotors get `imposed` if given, else the demand of the cascade.
         """
         drone = self.drone
-        heard = self.simulate_sensors(state, past)
-        estimate = estimator_step(drone.estimator, drone.body, memory.estimate, heard, drone.dt)
+        readings = self.simulate_sensors(state, past)
+        estimate = estimator_step(drone.estimator, drone.body, memory.estimate, readings, drone.dt)
         height, speed = estimate.altitude.height, air_relative_velocity(estimate)
         measured = build_measurement(estimate.attitude, height, speed, estimate.rates)
         demand, cascade = cascade_step(
@@ -165,6 +177,7 @@ class LoopCut:
             memory.control.thrusts,
             create_scratch(),
         )
+        # What the rotors could not deliver, for the anti-windup of the next step.
         missing = WrenchDemand(done[0] - given.surge, done[2] - given.heave, done[5] - given.yaw)
         after = memory._replace(
             estimate=estimate,
@@ -185,26 +198,34 @@ class LoopCut:
         state = pack_state((0.0, 0.0, self._true.height_on_floor), memory=initial_memory())
         past = np.zeros((self.ages, SLOTS))
         for tick in np.arange(round((REST + SETTLING) / self.period)):
+            # No setpoint before the bias calibration on the ground has ended.
             if tick * self.period > REST:
                 autopilot.set_setpoint(setpoint)
-            heard = self.simulate_sensors(state, past, self._still)
-            given = autopilot.step(heard.rates, heard.force, heard.range, heard.pressure)
-            past[:, : len(given)] = given
+            readings = self.simulate_sensors(state, past, self._still)
+            duties = autopilot.step(
+                readings.rates, readings.force, readings.range, readings.pressure
+            )
+            # Every age gets the present command, which removes the delay.
+            past[:, : len(duties)] = duties
             state = self.advance_vehicle(state, past, self._still)
         return state, autopilot.memory
 
 
 def _build_damped_model(vehicle: Vehicle) -> VehicleModel:
     """Return a model of the vehicle with critically damped roll and pitch."""
-    given = vehicle.collect_effects()
-    own = dict(given.get('rotational_drag', {}))
+    effects = vehicle.collect_effects()
+    own = dict(effects.get('rotational_drag', {}))
+    # Pendulum stiffness m g z per radian about the centre of buoyancy.
     stiffness = abs(vehicle.mass * STANDARD_GRAVITY * float(vehicle.cg[2]))
+    # Yaw has no stiffness, hence no critical damping.
     for axis, name in enumerate(('roll', 'pitch')):
         inertia = float(vehicle.inertia[axis, axis]) + vehicle.added_mass[3 + axis]
+        # Parallel axes: the inertia of the file is about the centre of gravity.
         inertia += vehicle.mass * float(vehicle.cg[2]) ** 2
+        # Critical damping of a second-order system: 2 sqrt(k J)
         own[name] = own.get(name, 0.0) + 2.0 * math.sqrt(stiffness * inertia)
     return VehicleModel.build(
-        {**given, 'rotational_drag': own},
+        {**effects, 'rotational_drag': own},
         mass=vehicle.mass,
         cg=vehicle.cg,
         inertia=vehicle.inertia,

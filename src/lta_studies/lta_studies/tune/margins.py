@@ -69,12 +69,14 @@ def compute_margins(frequency: Array, response: Complex) -> StabilityMargins:
     up, down = _gain_margins(frequency, response)
     least, last = _phase_margin(frequency, response)
     return StabilityMargins(
+        # `and` passes None on for a margin that does not exist.
         gain=up and up[0],
         gain_down=down,
         phase=least and least[0],
         delay=least and least[0] / least[1],
         crossover=last,
         oscillation=up and up[1],
+        # Peak of the sensitivity: inverse of the smallest distance to the point -1
         peak=float(1.0 / np.abs(1.0 + response).min()),
     )
 
@@ -87,7 +89,9 @@ def _gain_margins(
     up: tuple[float, float] | None = None
     down: float | None = None
     for place, share in _find_phase_crossings(phase):
+        # Logarithms interpolate |L| well, as it follows powers of the frequency.
         factor = math.exp(-_interpolate(size, place, share))
+        # Above 1: the gain may rise by it. Below 1: it may fall to it. Keep the closest to 1.
         if factor > 1.0 and (up is None or factor < up[0]):
             up = (factor, math.exp(_interpolate(log_w, place, share)))
         elif factor < 1.0 and (down is None or factor > down):
@@ -105,6 +109,7 @@ def _phase_margin(
     for place, share in _find_gain_crossings(size):
         last = math.exp(_interpolate(log_w, place, share))
         above = (_interpolate(phase, place, share) + math.pi) % (2.0 * math.pi)
+        # Instability can also be reached from the other side, by phase lead.
         left = min(above, 2.0 * math.pi - above)
         if least is None or left < least[0]:
             least = (left, last)
@@ -117,11 +122,13 @@ def _unwrap_phase(response: Complex) -> Array:
 
 def _find_phase_crossings(phase: Array) -> list[tuple[int, float]]:
     """Return the index and fraction of each crossing of -180 degrees modulo 360."""
+    # Whole numbers where the phase is -180 degrees modulo 360
     turns = (phase + math.pi) / (2.0 * math.pi)
     found = []
     for k in range(len(turns) - 1):
         a, b = turns[k], turns[k + 1]
         if math.floor(a) != math.floor(b):
+            # The whole number between a and b
             whole = max(math.floor(a), math.floor(b))
             found.append((k, float((whole - a) / (b - a))))
     return found
@@ -129,6 +136,7 @@ def _find_phase_crossings(phase: Array) -> list[tuple[int, float]]:
 
 def _find_gain_crossings(size: Array) -> list[tuple[int, float]]:
     """Return the index and fraction of each zero crossing of log |L|."""
+    # |L| crosses 1 where log |L| changes its sign.
     changes = np.flatnonzero((size[:-1] > 0.0) != (size[1:] > 0.0))
     return [(int(k), float(size[k] / (size[k] - size[k + 1]))) for k in changes]
 

@@ -105,6 +105,7 @@ class ResponseMetrics:
     def cost(self) -> float:
         """Total cost of the flight; lower is better."""
         mean = sum(mark.cost for mark in self.marks) / len(self.marks)
+        # The altitude error, capped, ranks lost flights, so that a search can improve on them.
         missing = LOST + min(self.adrift, LOST) if self.lost else 0.0
         rest = self.altitude / ALTITUDE_SCALE + self.swing / SWING_SCALE + EFFORT * self.effort
         rest += GROWTH * max(0.0, self.growth)
@@ -120,6 +121,7 @@ def compute_step_metrics(time: Array, value: Array, step: SetpointStep) -> StepM
     settle = 0.0
     if len(outside):
         last = int(outside[-1])
+        # Outside the band at the last sample: the step never settled.
         settle = math.inf if last == len(time) - 1 else float(time[last + 1] - step.start)
     tail = off[-max(1, int(TAIL * len(off))) :]
     assert size > 0.0
@@ -148,11 +150,14 @@ def compute_response_metrics(
             altitude = step.after
         else:
             others.append(trace.altitude[during] - altitude)
+        # The mean over 2 s averages out a swing around the setpoint.
         last = trace.altitude[during & (trace.time >= step.end - 2.0)]
         ends.append(abs(float(last.mean()) - altitude))
+    # Rms altitude error while another channel steps
     held = math.sqrt(float(np.mean(np.concatenate(others) ** 2))) if others else 0.0
     flying = trace.time >= steps[0].start
     adrift = max(ends)
+    # The standard deviation ignores a constant lean.
     swing = float(trace.tilt[trace.time >= steps[-1].end - SWINGING].std())
     lost = trace.stopped or not adrift <= ADRIFT  # NaN counts as lost
     return ResponseMetrics(

@@ -94,10 +94,12 @@ def build_tiles(tuned: TuningResult) -> list[Tile]:
         a, b = (side.flights.summarize_flights(name).median * factor for side in (old, new))
         return Tile(words, f'{b:.{digits}f}', unit, f'median; before {a:.{digits}f}')
 
+    # Overshoot of one step with old and new gains [%]
     def over(step: int) -> tuple[float, float]:
         a, b = (100 * side.flights.summarize_step(step, 'overshoot').median for side in (old, new))
         return a, b
 
+    # Step 0 is the climb.
     climb = over(0)
     held = new.limit.grams
     return [
@@ -120,6 +122,7 @@ def build_tiles(tuned: TuningResult) -> list[Tile]:
             'Flights',
             str(len(tuned.found.history) * len(tuned.losses)),
             '',
+            # Each draw is flown with both sets of gains.
             f'and {2 * len(old.flights.reports)} for the comparison',
         ),
     ]
@@ -156,6 +159,7 @@ def describe_provenance(tuned: TuningResult) -> dict[str, str]:
         'vehicle': order.vehicle,
         'gains before': tuned.gains_name,
         'losses in the search': ', '.join(f'{1e3 * loss:.2g} g' for loss in tuned.losses),
+        # 1000 is `compare.FRESH`.
         'seeds': f'{order.seed} to {order.seed + len(tuned.losses) - 1}; fresh draws from 1000',
         'commit': read_commit(),
     }

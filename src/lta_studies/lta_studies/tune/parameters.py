@@ -58,6 +58,7 @@ def iterate_parameters(settings: BaseModel, above: str = '') -> Iterator[Tunable
         value = getattr(settings, name)
         if isinstance(value, BaseModel):
             yield from iterate_parameters(value, f'{above}{name}.')
+        # Integers and switches have no logarithmic scale, so they are not tuned.
         elif isinstance(value, float):
             extra = field.json_schema_extra
             unit = str(extra.get('unit', '')) if isinstance(extra, dict) else ''
@@ -70,6 +71,7 @@ def iterate_parameters(settings: BaseModel, above: str = '') -> Iterator[Tunable
 def _declared_bounds(field: FieldInfo) -> tuple[float, float]:
     """Return the declared closed bounds; infinite where none is declared."""
     low, high = -math.inf, math.inf
+    # Pydantic stores bounds as annotated-types `Ge` and `Le`; other rules have neither name.
     for rule in field.metadata:
         low, high = getattr(rule, 'ge', low), getattr(rule, 'le', high)
     return low, high
@@ -103,6 +105,7 @@ def select_parameters(settings: BaseModel, names: Sequence[str] = ()) -> list[Tu
                 f'{name} starts at {found[name].value:g}. The search varies it by factors; start '
                 'from a value above 0.'
             )
+    # Duplicates removed, order kept: the order defines the axes of the search.
     return [found[name] for name in dict.fromkeys(names)]
 
 
@@ -115,4 +118,5 @@ def replace_parameters(settings: Model, values: Mapping[str, float]) -> Model:
         for name in above:
             place = place[name]
         place[last] = float(value)
+    # Validation also checks rules between fields, which single bounds cannot.
     return type(settings).model_validate(content)

@@ -38,6 +38,7 @@ def plot_responses(
             shown.append(values)
             words = f'{name}, {1e3 * loss:.1f} g lost'
             drawn = build_line(words, trace.time[part] - begin, values, colour, unit='', width=1.2)
+            # From 1 for the smallest loss to 0.4 for the largest
             opacity = 1.0 - 0.6 * k / max(1, len(traces) - 1)
             figure.add_trace(drawn.update(opacity=opacity))
     time, values = setpoint_line(steps, begin, end)
@@ -55,6 +56,7 @@ def setpoint_line(steps: Sequence[SetpointStep], begin: float, end: float) -> tu
     """Return time and value of the setpoint as a stepped line."""
     time, values = [0.0], [steps[0].before]
     for step in steps:
+        # Two points at the same time draw the vertical edge of the step.
         time += [step.start - begin, step.start - begin]
         values += [values[-1], step.after]
     return np.array([*time, end - begin]), np.array([*values, values[-1]])

@@ -35,6 +35,7 @@ class TuneProgress(ProgressBar):
 
     def show_candidate(self, count: int, best: float) -> None:
         """Count one more candidate."""
+        # `count` is the number of candidates, each with several flights.
         words = f'{count * self._cases} flights, best cost {best:.3f}'
         self.update_bar(completed=count, detail=words)
 

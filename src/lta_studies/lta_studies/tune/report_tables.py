@@ -15,6 +15,7 @@ from lta_studies.tune.run import TuningResult
 from lta_studies.tune.stability_margins import LoopMargins
 
 Row = list[str]
+# Field of the metrics, row label, factor to the displayed unit, digits
 OF_STEP: Final = (
     ('settle', 'time to settle [s]', 1.0, 1),
     ('overshoot', 'overshoot [%]', 100.0, 0),
@@ -36,6 +37,7 @@ def format_title(tuned: TuningResult) -> str:
     gap = compare_costs(old, new)
     before = sum(report.cost for report in old.reports) / len(old.reports)
     interval = f'difference {gap.low:+.3f} to {gap.high:+.3f}'
+    # Differences are new - old, so a negative interval means that the new gains are better.
     if gap.high < 0.0:
         less = f'{-100.0 * gap.mean / before:.0f} % less'
         return f'The new gains cost {less} over {len(old.reports)} fresh draws ({interval}).'
@@ -96,6 +98,7 @@ def format_margins(margins: StabilityMargins | None) -> tuple[str, str, str]:
     return f'{down}, {up}', phase, f'{1e3 * margins.delay:.0f}'
 
 
+# The last column holds remarks.
 MARGIN_HEADS = (
     'loop', 'speed [m/s]', 'lift lost [g]',
     'old: gain [dB]', 'phase [deg] at [rad/s]', 'delay [ms]',
@@ -108,6 +111,7 @@ def build_margin_rows(tuned: TuningResult) -> list[Row]:
     rows = []
     order = {'altitude': 0, 'heading': 1, 'speed': 2}
     pairs = list(zip(tuned.old.steadiness, tuned.new.steadiness, strict=True))
+    # The margins come ordered by loss; the table groups them by loop.
     pairs.sort(key=lambda pair: (order[pair[0].loop], pair[0].speed, pair[0].loss))
     for old, new in pairs:
         if old.margins is None and new.margins is None:
@@ -168,6 +172,7 @@ def build_gain_rows(tuned: TuningResult) -> list[Row]:
     out = []
     for each in tuned.numbers:
         new: object = tuned.new.gains
+        # A path like 'climb.kp' leads through nested settings.
         for name in each.path.split('.'):
             new = getattr(new, name)
         low, high = each.search_bounds()
@@ -177,6 +182,7 @@ def build_gain_rows(tuned: TuningResult) -> list[Row]:
 
 def typeset_signs(text: str) -> str:
     """Replace hyphens by minus signs and 'deg' by the degree sign."""
+    # A hyphen before a number and not after a word character: 'a-1' keeps its hyphen.
     text = re.sub(r'(?<!\w)-(?=[\d∞])', '\N{MINUS SIGN}', text)
     return text.replace(' deg', '\N{DEGREE SIGN}').replace('[deg]', '[\N{DEGREE SIGN}]')
 

@@ -37,8 +37,10 @@ class TuningRequest:
     vehicle: str
     gains: str | None = None
     least: float = 0.0
+    # kg, that is 0 to 6 g of lost lift
     most: float = 6e-3
     cases: int = 4
+    # Candidates, including the start gains
     budget: int = 101
     draws: int = 20
     seed: int = 1
@@ -108,6 +110,7 @@ def select_start_gains(vehicle: str, named: str | None) -> str:
 
 def build_cases(order: TuningRequest) -> list[TuningCase]:
     """Return the cases of the search: evenly spaced losses, one seed each."""
+    # One case alone flies the smallest loss; `max` avoids the division by zero.
     gap = (order.most - order.least) / max(1, order.cases - 1)
     return [TuningCase(order.least + k * gap, order.seed + k) for k in range(order.cases)]
 
@@ -140,10 +143,12 @@ def tune_once(order: TuningRequest, console: Console) -> TuningResult:
     name = select_start_gains(order.vehicle, order.gains)
     check_request(order)
     old = load_gains(name)
+    # Fail before hours of flights rather than when the result is written.
     if order.out:
         check_writable(order.out)
     numbers = select_parameters(old, order.numbers)
     scene, cases = TuningScene(order.vehicle), build_cases(order)
+    # The hash of all inputs names the folder, so the same command resumes its search.
     about = describe_search(order, old, numbers)
     folder = (
         order.folder or Path('runs') / f'tune-{vehicle_name(order)}-{hash_search(about)[:8]}'
@@ -157,6 +162,7 @@ def tune_once(order: TuningRequest, console: Console) -> TuningResult:
         found = search_gains(
             numbers, flown, book, order.budget, order.seed, progress.show_candidate
         )
+        # The rounded gains of the file are also the ones that are compared.
         best = {path: round_gain(value) for path, value in found.numbers.items()}
         new = replace_parameters(old, best)
         file = order.out or folder / GAINS_NAME
@@ -191,7 +197,9 @@ def evaluate_gain_set(
 ) -> GainSetResult:
     """Compute the stability margins and the helium limit of a set of gains."""
     middle = 0.5 * (order.least + order.most)
+    # A set, because the three coincide where the range is a point.
     losses = sorted({order.least, middle, order.most})
+    # Margins in hover and in cruise
     margins = compute_loop_margins(scene, gains, losses, (0.0, CRUISE))
     return GainSetResult(gains, flights, tuple(margins), find_helium_limit(scene.vehicle, gains))
 
@@ -206,6 +214,7 @@ def describe_search(
 ) -> dict[str, object]:
     """Return everything that the costs of a search depend on."""
     return {
+        # The file's text rather than its name: an edited vehicle starts a new search.
         'vehicle': find_file('vehicle', order.vehicle).read_text(encoding='utf-8'),
         'gains': gains.model_dump(),
         'numbers': [asdict(number) for number in numbers],

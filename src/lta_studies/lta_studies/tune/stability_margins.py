@@ -66,6 +66,7 @@ class LoopMargins:
 
 def frequency_grid(period: float) -> Array:
     """Return the evaluated frequencies, up to half the control rate. [rad/s]"""
+    # Just below the Nyquist frequency, where z = -1 can be a pole.
     return np.geomspace(LOWEST, 0.999 * math.pi / period, POINTS)
 
 
@@ -83,8 +84,10 @@ def frequency_response(linear: LinearLoop, loop: Loop, frequency: Array) -> Comp
         inner = (c @ left) * np.linalg.solve(left, b).T  # residues
         plain = (inner / (z[:, None] - values[None, :])).sum(axis=1)
     else:
+        # One linear solve per frequency: slow, but safe with nearly parallel eigenvectors
         eye = np.eye(len(a))
         plain = np.array([(c @ np.linalg.solve(each * eye - a, b))[0, 0] for each in z])
+    # The response has the sign u -> y; L is defined for negative feedback.
     return np.asarray(-plain)
 
 
@@ -104,6 +107,7 @@ def compute_loop_margins(
 def assess_loop(linear: LinearLoop, loop: Loop, loss: float, speed: float) -> LoopMargins:
     """Compute the margins of one loop, or the reason why it has none."""
     why = ''
+    # Rotors 0 and 1 are the vertical ones.
     idle = max(linear.thrusts[:2]) < IDLE
     if loop == 'speed' and speed == 0.0:
         why = 'the forward rotors are stopped'

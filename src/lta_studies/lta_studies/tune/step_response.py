@@ -81,6 +81,7 @@ class TuningScene:
         if loss:
             own = content.get('effects', {}).get('net_lift', {}).get('force')
             before = (parse_quantity(own) or {'value': 0.0})['value']
+            # The net lift points up, so a loss lowers it.
             force = {'value': before - loss * STANDARD_GRAVITY, 'unit': 'N'}
             content = replace_parameter(content, LIFT, force, 'vehicle')
         file = validate_content(VehicleFile, content, str(find_file('vehicle', self.vehicle)))
@@ -89,6 +90,7 @@ class TuningScene:
     @property
     def nominal_vehicle(self) -> Vehicle:
         """The vehicle that the drone assumes: its file, in standard air."""
+        # Without a density: the drone does not know the weather.
         return Vehicle(self.build_true_vehicle(0.0).file)
 
     @property
@@ -150,14 +152,16 @@ def fly_steps(
     autopilot = Autopilot(
         build_drone_constants(scene.nominal_vehicle, EstimatorSettings(), gains, dt)
     )
+    # Limits and readings are rounded like in the ROS message, so that they compare as in flight.
     reach = world.range_settings
     nearest, farthest = (
         message_rounding.round_to_float32(reach.minimum),
         message_rounding.round_to_float32(reach.maximum),
     )
+    # Keyed by control period, because sums of `dt` would miss the start times by rounding.
     changes = {round(step.start / dt): step for step in steps}
     setpoint = {'altitude': FLYING_ALTITUDE, 'heading': 0.0, 'speed': 0.0}
-    kept: list[tuple[float, ...]] = []
+    samples: list[tuple[float, ...]] = []
     work, last = 0.0, autopilot.duties
     for tick in range(round(steps[-1].end / dt)):
         if step := changes.get(tick):
@@ -165,20 +169,23 @@ def fly_steps(
         if tick * dt >= TAKE_OFF:
             autopilot.set_setpoint(Setpoint(**setpoint))
         readings = world.sense_motion()
+        # NaN marks a period without a new reading.
         distance = readings.ranges[-1][1] if readings.ranges else math.nan
         pressure = math.nan if readings.pressure is None else readings.pressure
-        told = message_rounding.mask_out_of_range(
+        height = message_rounding.mask_out_of_range(
             message_rounding.round_to_float32(distance), nearest, farthest
         )
-        duties = autopilot.step(readings.rates, readings.force, told, pressure)
+        duties = autopilot.step(readings.rates, readings.force, height, pressure)
+        # Mean change of duty per rotor, summed over the EVERY periods of a sample
         work += sum(abs(a - b) for a, b in zip(duties, last, strict=True)) / len(duties)
         last = duties
         if tick % EVERY == 0:
-            kept.append((tick * dt, *_measure_state(world.state), work))
+            samples.append((tick * dt, *_measure_state(world.state), work))
             work = 0.0
         world.advance(duties)
-    time, altitude, yaw, speed, drift, tilt, spent = np.array(kept).T
+    time, altitude, yaw, speed, drift, tilt, spent = np.array(samples).T
     heading = np.unwrap(yaw)
+    # Relative to the start, and unwrapped, so that it does not jump at 180 degrees.
     heading -= heading[0]
     stopped = autopilot.memory.stopped
     course = heading + drift
@@ -192,5 +199,6 @@ def _measure_state(state: Array) -> tuple[float, float, float, float, float]:
     x, y, z, w = state[QUATERNION].tolist()
     surge, sway, _ = state[VELOCITY].tolist()
     yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    # Angle between body z and world z; rounding can push the norm above 1.
     tilt = 2.0 * math.asin(min(1.0, math.hypot(x, y)))
     return state.item(2), yaw, surge, math.atan2(sway, surge), tilt

@@ -37,6 +37,7 @@ def evaluate_gains(task: EvaluationJob) -> ResponseMetrics:
     scene, gains, case = task
     try:
         report = compute_response_metrics(fly_steps(scene, gains, case))
+        # A slow instability may not show in one minute of flight, but its eigenvalue does.
         linear = linearize_loop(
             LoopCut(scene.build_true_vehicle(case.loss), scene.nominal_vehicle, gains), CRUISING
         )
@@ -44,6 +45,7 @@ def evaluate_gains(task: EvaluationJob) -> ResponseMetrics:
         return replace(
             report, growth=linear.growth_rate, reached=sought.reached, search=sought.time
         )
+    # An invalid input must stop the search; only a diverged simulation counts as a cost.
     except BadInput:
         raise
     except (ValueError, ArithmeticError):
@@ -65,6 +67,7 @@ def evaluate_all(tasks: Sequence[EvaluationJob], by: WorkerPool) -> list[Respons
     ]
 
 
+# At module level because worker processes must be able to pickle it.
 def _evaluate_indexed(place: int, task: EvaluationJob) -> tuple[int, ResponseMetrics]:
     """Fly one test flight and return its index with the metrics."""
     return place, evaluate_gains(task)

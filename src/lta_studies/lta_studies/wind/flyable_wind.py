@@ -57,7 +57,9 @@ def set_wind(spec: FlightSpec, wind: float, ground: GroundWind) -> FlightSpec:
     _, scenario, _ = build_parts(spec)
     x, y = scenario.goal_places[0]
     u, v = scenario.start.position.vector
+    # Direction from the lamp (x, y) to the start (u, v), into which the wind blows.
     towards = math.atan2(v - y, u - x)
+    # The scene gets either the uniform wind or the profile, never both.
     even = wind if ground.roughness is None else 0.0
     air = {
         **scene['air'],
@@ -87,11 +89,13 @@ def makes_headway(spec: FlightSpec, seed: int) -> bool:
     for _ in loop.iterate_steps():
         # z of the body's up axis in the world, from the quaternion's x and y.
         x, y = world.state[3], world.state[4]
+        # Beyond this tilt the drone stops its motors.
         if 1.0 - 2.0 * (x * x + y * y) < upright:
             return False
         distances.append((world.elapsed, world.goal_distance))
     if world.outcome is not FlightOutcome.TIMEOUT:
         return world.outcome is FlightOutcome.REACHED
+    # After a timeout, compare the last distance with that of LATE seconds before.
     end, last = distances[-1]
     return last < next(at for time, at in distances if time >= end - LATE)
 
@@ -130,20 +134,23 @@ def find_flyable_wind(
     fine = most * 0.5**steps
 
     def is_flyable(wind: float, airspeed: float) -> bool:
-        told = spec.with_values({DEFAULT: airspeed})
-        flight = set_wind(told, wind, ground)
+        commanded = spec.with_values({DEFAULT: airspeed})
+        flight = set_wind(commanded, wind, ground)
         return all(makes_headway(flight, seed) for seed in seeds)
 
     for airspeed in airspeeds:
+        # Only winds above the best so far can improve the result.
         low, high = best.wind, most
         # Skip the bisection if this airspeed cannot beat the best one by one step.
         worth = is_flyable(low + fine if low else 0.0, airspeed)
         tick()
         for _ in range(steps):
+            # A bracket with a raised lower end is narrow earlier; `tick` still completes the bar.
             if worth and high - low > fine:
                 middle = 0.5 * (low + high)
                 low, high = (middle, high) if is_flyable(middle, airspeed) else (low, middle)
             tick()
+        # `best.fine == most` marks that no airspeed has flown yet, so 0 m/s counts as well.
         if worth and (low > best.wind or best.fine == most):
             best = FlyableWind(low, airspeed, high - low)
     return best

@@ -83,6 +83,7 @@ class PlatformWindLimits:
 
 def count_ticks(request: WindStudyRequest) -> int:
     """Return the largest number of ticks of `measure_limits`, for all vehicles."""
+    # Airspeeds, times bisection steps and first try, times uniform wind and each ground.
     each = (len(SHARES) + 1) * (_count_steps(request) + 1) * (1 + len(request.roughness))
     return sum(each for name in request.vehicles if request.fly and _find_gains(name))
 
@@ -105,12 +106,14 @@ def measure_limits(
     height = max(request.height, vehicle.height_on_floor + CLEARANCE)
     try:
         thrust = wind_limits.thrust_speed(vehicle)
+    # No thrusts hold height and heading, so there are no limits; report why.
     except BadInput as error:
         nothing = tuple(
             GroundLimit(z, _hull_wind_share(vehicle, height, request, z), 0.0, None)
             for z in request.roughness
         )
         return PlatformWindLimits(name, height, 0.0, 0.0, 0.0, 0.0, None, nothing, str(error))
+    # Without a hull there is no Munk moment that could tumble the vehicle.
     tumble = math.inf if vehicle.file.hull.shape == 'none' else limits.tumble_speed(vehicle)
     rise = wind_limits.rise_speed(vehicle)
     static = min(thrust, tumble, rise)
@@ -134,9 +137,14 @@ def measure_limits(
         share = _hull_wind_share(vehicle, height, request, z)
         over.append(
             GroundLimit(
-                z, share, static / share, fly_limit(GroundWind(z, request.reference), share)
+                # Division by the share converts wind at the hull to wind at the reference height.
+                z,
+                share,
+                static / share,
+                fly_limit(GroundWind(z, request.reference), share),
             )
         )
+    # Uniform wind: the hull gets all of it.
     even = fly_limit(GroundWind(None), 1.0)
     return PlatformWindLimits(name, height, thrust, tumble, rise, static, even, tuple(over), note)
 
@@ -171,6 +179,7 @@ def _list_airspeeds(
     request: WindStudyRequest, flight: FlightSpec, thrust: float
 ) -> Sequence[float]:
     """Return the airspeeds to try: that of the mission, then shares of the top speed."""
+    # Rounded to cm/s, as the value appears on the page and in commands.
     fast = [round(min(share * thrust, FASTEST), 2) for share in SHARES]
     return [flight.read_value('mission.speed'), *(fast[1:3] if request.quick else fast)]
 

@@ -97,6 +97,7 @@ def build_tiles(results: Sequence[PlatformWindLimits]) -> list[Tile]:
     made = []
     for each in results:
         numbers = format_speed(each.static)
+        # The smallest of the three speeds is the static limit; its name is the cause.
         causes = {each.thrust: 'thrust', each.tumble: 'tumbling', each.rise: 'rising'}
         cause = causes[min(causes)]
         why = f'{cause} allows {numbers}' if math.isfinite(each.static) else 'no known limit'
@@ -113,12 +114,12 @@ def build_tiles(results: Sequence[PlatformWindLimits]) -> list[Tile]:
 
 def format_notes(results: Sequence[PlatformWindLimits]) -> list[str]:
     """Return the notes on single platforms."""
-    told = [
+    notes = [
         f'{each.name}: the best airspeed command in uniform wind was {each.flown.airspeed:g} m/s.'
         for each in results
         if each.flown is not None
     ]
-    return told + [f'{each.name}: {each.note}' for each in results if each.note]
+    return notes + [f'{each.name}: {each.note}' for each in results if each.note]
 
 
 def format_speed(value: float) -> str:
@@ -203,6 +204,7 @@ def draw_limits(results: Sequence[PlatformWindLimits], request: WindStudyRequest
         if not 0.0 < limit.static < math.inf:
             continue
         wind = limit_curve(limit, request)
+        # 20 m/s is the top of the axis.
         labels.append(EndLabel(limit.name, float(np.nan_to_num(wind[-1], nan=20.0)), colour))
         figure.add_trace(
             Scatter(

@@ -1,1 +1,1 @@
-"""The figures that follow from a vehicle file."""
+"""Figures derived from a vehicle file: mass, balance, thrust, speed, stability and helium."""

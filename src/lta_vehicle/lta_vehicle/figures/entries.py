@@ -1,4 +1,4 @@
-"""Every number of a vehicle file, with its place in the file, its unit and its source."""
+"""List the entries of a vehicle file with path, unit and source."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from lta_config.quantity import add_unit, Quantity
 from lta_config.schema.vehicle_file import VehicleFile
 from pydantic import BaseModel
 
-# What says in a source that nobody measured or published the number.
+# Words in a source that mark a number as neither measured nor published
 GUESSED = ('assumed', 'unverified', 'from memory')
 
 
@@ -16,18 +16,18 @@ GUESSED = ('assumed', 'unverified', 'from memory')
 @dataclass(frozen=True, slots=True)
 class VehicleFileEntry:
     """
-    One number, or one choice, of a file.
+    A number or a choice in a vehicle file.
 
     Attributes
     ----------
     place : str
-        Dotted, as in the file: 'layers.top.solar_panels.mass'.
+        Dotted path, such as 'layers.top.solar_panels.mass'.
     value : str
-        As people write it, with its unit.
+        Value as written, with its unit.
     source : str
-        Where it comes from; '' for choices such as the shape of a hull.
+        Source of the number; '' for choices such as the hull shape.
     numbers : tuple of float
-        In SI; empty for choices.
+        SI values; empty for choices.
     unit : str
         SI unit of the numbers.
 
@@ -41,18 +41,19 @@ class VehicleFileEntry:
 
     @property
     def is_assumed(self) -> bool:
-        """Whether the source says that nobody measured it."""
+        """Whether the source marks the number as assumed."""
         return any(word in self.source.lower() for word in GUESSED)
 
 
 def list_entries(file: VehicleFile) -> list[VehicleFileEntry]:
-    """Return every number and choice of a vehicle file, in the order of the file."""
+    """Return all numbers and choices of a vehicle file, in file order."""
     found = list(_walk_entries(file, ''))
+    # The schema version describes the file format and not the vehicle
     return [entry for entry in found if entry.place not in ('schema_version',)]
 
 
 def list_numbers(file: VehicleFile) -> list[VehicleFileEntry]:
-    """Return the numbers alone: what must have a source."""
+    """Return only the numbers, which need a source."""
     return [entry for entry in list_entries(file) if entry.numbers]
 
 
@@ -65,6 +66,7 @@ def _walk_entries(value: object, place: str) -> Iterator[VehicleFileEntry]:
             format_quantity(value),
             value.source or '',
             value.vector,
+            # Dimensionless numbers have no unit symbol
             '' if value.dimension == '1' else value.dimension,
         )
     elif isinstance(value, BaseModel):
@@ -73,6 +75,7 @@ def _walk_entries(value: object, place: str) -> Iterator[VehicleFileEntry]:
     elif isinstance(value, Mapping):
         for name, part in value.items():
             yield from _walk_entries(part, _join_path(place, str(name)))
+    # Lists without units, such as names
     elif isinstance(value, Sequence) and not isinstance(value, str):
         yield VehicleFileEntry(place, ', '.join(str(item) for item in value))
     else:
@@ -86,7 +89,7 @@ def _join_path(place: str, name: str) -> str:
 
 
 def format_quantity(quantity: Quantity) -> str:
-    """Return a quantity as the file has it: '[0, 0, -39.5] cm'."""
+    """Format a quantity in the unit of the file, such as '[0, 0, -39.5] cm'."""
     if isinstance(quantity.value, tuple):
         return add_unit(
             f'[{", ".join(f"{number:.6g}" for number in quantity.value)}]', quantity.unit

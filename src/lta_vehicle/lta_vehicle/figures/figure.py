@@ -1,4 +1,4 @@
-"""One figure that follows from a vehicle file: what, how much, and from what it follows."""
+"""Define a figure derived from a vehicle file, with its source and inputs."""
 
 from dataclasses import dataclass
 import math
@@ -6,7 +6,7 @@ from typing import final
 
 MISSING = '\N{EN DASH}'
 NEVER = 'none'
-LARGE = 1000.0  # from here on the next unit reads better
+LARGE = 1000.0  # from this value on, the next larger unit is shown
 LARGER = {'g': 'kg', 'mN': 'N', 'mN m': 'N m', 'g m²': 'kg m²'}
 
 
@@ -19,23 +19,23 @@ class DerivedFigure:
     Attributes
     ----------
     key : str
-        For scripts and for comparing two vehicles.
+        Identifier, used in JSON and in comparisons.
     group : str
-        Heading under which it stands.
+        Heading of the table that shows it.
     words : str
-        What it is.
+        Label.
     value : float or None
-        In `unit`; None where the vehicle has none, and then `note` says why.
+        Value in `unit`; None if it does not exist, and `note` gives the reason.
     unit : str
-        As it is shown: 'g', 'cm', 'm/s'.
+        Display unit, such as 'g', 'cm' or 'm/s'.
     source : str
-        By what rule it follows.
+        Rule of the derivation.
     rests : tuple of str
-        Places of the file that it rests on, for counting what is assumed of them.
+        Paths of the inputs in the vehicle file.
     digits : int
-        Decimals that mean something.
+        Number of significant decimals.
     note : str
-        What belongs to it.
+        Remark shown with the figure.
 
     """
 
@@ -51,17 +51,20 @@ class DerivedFigure:
 
     @property
     def text(self) -> str:
-        """The number with its unit, as people read it."""
+        """Value and unit as text."""
         if self.value is None:
             return MISSING
+        # An infinite limit, such as a tumbling speed, means that there is none
         if math.isinf(self.value):
             return NEVER
         value, unit, digits = self.value, self.unit, self.digits
         if abs(value) >= LARGE and unit in LARGER:
             value, unit, digits = value / LARGE, LARGER[unit], 3
         text = f'{value:.{digits}f}'
+        # Avoid '-0.0' for values that round to zero
         if float(text) == 0.0:
             text = text.removeprefix('-')
         text = text.replace('-', '\N{MINUS SIGN}')
+        # Degrees follow the number without a space; other units with one
         gap = '' if unit.startswith('°') or not unit else ' '
         return f'{text}{gap}{unit}'

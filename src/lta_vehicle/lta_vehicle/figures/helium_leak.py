@@ -1,12 +1,12 @@
 """
-What the gas loses through the film, in grams of lift a day.
+Estimate the daily loss of lift by helium that permeates the hull film.
 
     rate = q S (rho_air - rho_he)
 
-q is the permeation of the film and S its area. Aerostat laminates let through 0.636 to 0.882
-L/(m2 day atm) when new and 0.20 to 0.22 when aged 18 months (Frontiers in Materials 2022, 992984);
-no figure for the foil of a toy balloon was found, so the band 0.2 to 0.9 is assumed for all hulls.
-A balloon of foil has the surface pi^2 r^2 of the mylar shape (Paulsen 1994); a spheroid its own.
+q is the permeability of the film and S its area. Aerostat laminates have 0.636 to 0.882
+L/(m2 day atm) when new and 0.20 to 0.22 after 18 months (Frontiers in Materials 2022, 992984).
+No value for the foil of toy balloons was found, so 0.2 to 0.9 is assumed for all hulls.
+A foil balloon has the surface pi^2 r^2 of the mylar shape (Paulsen 1994).
 """
 
 import math
@@ -20,33 +20,37 @@ SOURCE = 'assumed for this film: laminates, 0.2 to 0.9 L/(m² day) (Frontiers Ma
 
 
 def film_area(hull: HullBlock) -> float:
-    """Return the area of the film; 0 where there is no hull. [m2]."""
+    """Return the area of the film; 0 without a hull. [m2]"""
     a, b, c = hulls.half_axes(hull)
     if hull.shape == 'balloon':
+        # Area of the smooth shape, without the creases of the foil near the seam
         return (math.pi * a) ** 2
     if hull.shape == 'none':
         return 0.0
     if hull.shape == 'sphere':
         return 4.0 * math.pi * a * a
     lengths = sorted((a, b, c))
-    across = lengths[1]  # the two equal ones
+    across = lengths[1]  # of the three half axes, two are equal
     along = lengths[0] if lengths[1] == lengths[2] else lengths[2]
     return _spheroid_area(across, along)
 
 
 def _spheroid_area(across: float, along: float) -> float:
-    """Return the surface of a spheroid by its half axes. [m2]."""
+    """Return the surface of a spheroid from its half axes. [m2]"""
     if across == along:
         return 4.0 * math.pi * across**2
     if along > across:
+        # Prolate: e is the eccentricity of the meridian
         e = math.sqrt(1.0 - (across / along) ** 2)
         return 2.0 * math.pi * across**2 * (1.0 + along / (across * e) * math.asin(e))
+    # Oblate
     e = math.sqrt(1.0 - (along / across) ** 2)
     return 2.0 * math.pi * across**2 * (1.0 + (1.0 - e * e) / e * math.atanh(e))
 
 
 def daily_lift_loss(hull: HullBlock, air_density: float) -> tuple[float, float]:
-    """Return the least and the most lift that a day takes. [kg/day]."""
+    """Return the lowest and highest expected loss of lift. [kg/day]"""
+    # Lift per volume: each lost cubic metre of helium no longer displaces air
     density = air_density * (1.0 - HELIUM_TO_AIR)
     low, high = (flow * film_area(hull) * density for flow in BAND)
     return low, high

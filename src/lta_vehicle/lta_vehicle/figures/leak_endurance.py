@@ -1,4 +1,4 @@
-"""How long the helium lasts: what leaks, and when the rotors can no longer carry the loss."""
+"""Derive the helium leak and the time until the rotors cannot compensate for it."""
 
 from collections.abc import Iterator
 
@@ -14,27 +14,27 @@ HELIUM = 'Helium'
 
 
 def lift_margin(vehicle: Vehicle) -> float | None:
-    """Return how much lift may be lost before it cannot hover; None if it cannot now. [kg]."""
+    """Return the loss of lift up to which it can hover; None if it cannot hover now. [kg]"""
     up = solve_wrench_limit(vehicle, 'up')
     if up is None:
         return None
+    # `most` is the total upward force [N]; the heaviness [kg] is already carried
     spare = up.most / STANDARD_GRAVITY - vehicle.heaviness
     return spare if spare > 0.0 else None
 
 
 def derive_helium_figures(vehicle: Vehicle, held: float | None = None) -> Iterator[DerivedFigure]:
     """
-    Yield what the hull loses and what that means.
+    Yield the figures of the group 'Helium'.
 
     Parameters
     ----------
-    vehicle : Vehicle
-        The vehicle.
     held : float or None
-        Loss up to which its gains were flown and held, where that was asked for. [kg]
+        Loss of lift up to which simulated flights stayed stable, if this was tested. [kg]
 
     """
     low, high = daily_lift_loss(vehicle.file.hull, vehicle.air_density)
+    # No hull, hence no film
     if high <= 0.0:
         return
     for key, words, rate in (
@@ -50,7 +50,7 @@ def derive_helium_figures(vehicle: Vehicle, held: float | None = None) -> Iterat
         'cannot hover after a loss of',
         None if spare is None else GRAMS * spare,
         'g',
-        'push up less what it carries',
+        'upward thrust minus the carried weight',
         CARRIED,
         1,
         note,
@@ -62,7 +62,7 @@ def derive_helium_figures(vehicle: Vehicle, held: float | None = None) -> Iterat
             'gains hold up to a loss of',
             GRAMS * held,
             'g',
-            'flown in the loop, heavier and heavier',
+            'closed-loop flights with increasing weight',
             (),
             1,
             format_leak_days(held, low, high),
@@ -70,5 +70,5 @@ def derive_helium_figures(vehicle: Vehicle, held: float | None = None) -> Iterat
 
 
 def format_leak_days(loss: float, low: float, high: float) -> str:
-    """Return in how many days a loss comes about, at the most and the least that leaks."""
+    """Return the days until a loss of lift, at the highest and the lowest leak rate."""
     return f'{loss / high:.0f} to {loss / low:.0f} days' if loss > 0.0 else 'at once'

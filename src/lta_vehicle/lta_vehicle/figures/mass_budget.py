@@ -1,4 +1,4 @@
-"""What a vehicle weighs, what carries it, and where its weight hangs."""
+"""Derive mass, lift, centre of gravity and inertia of a vehicle."""
 
 from collections.abc import Iterator
 import math
@@ -16,7 +16,7 @@ ALL = (*PARTS, *HULL, 'trim')
 
 @final
 class MassBudgetItem(NamedTuple):
-    """One line of the mass budget: layer, part, mass [kg], and the source of that mass."""
+    """A part in the mass budget, with its mass in kg."""
 
     layer: str
     part: str
@@ -25,9 +25,10 @@ class MassBudgetItem(NamedTuple):
 
 
 def build_mass_budget(vehicle: Vehicle) -> list[MassBudgetItem]:
-    """Return what the vehicle's mass is made of, in the order of its file."""
+    """Return the parts of the vehicle with their masses, in file order."""
     file = vehicle.file
     rows = []
+    # A vehicle weighed as a whole has no masses of its parts
     if file.measured:
         rows.append(
             MassBudgetItem(
@@ -44,7 +45,7 @@ def build_mass_budget(vehicle: Vehicle) -> list[MassBudgetItem]:
         if vehicle.ballast_mass:
             rows.append(
                 MassBudgetItem(
-                    'ballast', 'ballast', vehicle.ballast_mass, 'what trim.heaviness asks for'
+                    'ballast', 'ballast', vehicle.ballast_mass, 'follows from trim.heaviness'
                 )
             )
     if file.moving_mass:
@@ -56,6 +57,7 @@ def build_mass_budget(vehicle: Vehicle) -> list[MassBudgetItem]:
                 file.moving_mass.mass.source or '',
             )
         )
+    # A weighed vehicle includes its gas
     if not file.measured and vehicle.gas_mass:
         rows.append(
             MassBudgetItem(
@@ -69,7 +71,7 @@ def build_mass_budget(vehicle: Vehicle) -> list[MassBudgetItem]:
 
 
 def derive_weight_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
-    """Yield what it weighs and what carries it."""
+    """Yield the figures of the group 'Weight and lift'."""
     file, weighed = vehicle.file, vehicle.file.measured is not None
     hull = file.hull.shape != 'none'
     rule = 'weighed' if weighed else 'parts, ballast and gas, summed'
@@ -83,15 +85,15 @@ def derive_weight_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
             GRAMS * vehicle.gross_lift,
         )
         yield DerivedFigure('lift', WEIGHT, 'gross lift of the gas', lift, 'g', rule, HULL)
-    rule, heavy = 'mass less displaced air', GRAMS * vehicle.heaviness
+    rule, heavy = 'mass minus displaced air', GRAMS * vehicle.heaviness
     if file.trim.heaviness:
         rule = 'trim.heaviness'
-    note = 'what the rotors carry'
+    note = 'carried by the rotors'
     yield DerivedFigure(
         'heaviness', WEIGHT, 'heavier than air by', heavy, 'g', rule, ('trim',), 2, note
     )
     if file.trim.ballast_position:
-        rule, ballast = 'lift and heaviness less parts', GRAMS * vehicle.ballast_mass
+        rule, ballast = 'lift and heaviness minus parts', GRAMS * vehicle.ballast_mass
         note = 'weigh the finished vehicle: see lta vehicle trim'
         yield DerivedFigure(
             'ballast', WEIGHT, 'ballast to add', ballast, 'g', rule, ALL, note=note
@@ -99,30 +101,32 @@ def derive_weight_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
 
 
 def _derive_displaced_air(vehicle: Vehicle) -> DerivedFigure:
-    """Return the air whose place it takes."""
+    """Return the mass of the displaced air."""
     weighed = vehicle.file.measured is not None
     rests = ALL if weighed else HULL
     rule = f'volume times {vehicle.air_density:.4g} kg/m³ of air'
     if weighed:
-        rule = 'mass less heaviness: filled until it is right'
+        rule = 'mass minus heaviness'
     note, mass = f'hull of {1e3 * vehicle.volume:.0f} l', GRAMS * vehicle.displaced_mass
     return DerivedFigure('displaced', WEIGHT, 'air displaced', mass, 'g', rule, rests, note=note)
 
 
 def derive_balance_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
-    """Yield where the weight hangs, and what it takes to turn and to push it."""
+    """Yield the figures of the group 'Balance': centres, inertia and added mass."""
     x, y, z = (CENTIMETRES * float(number) for number in vehicle.cg)
-    rule = 'swung as a whole' if vehicle.file.measured else 'parts, ballast and gas, summed'
+    rule = 'measured as a whole' if vehicle.file.measured else 'parts, ballast and gas, summed'
     words, note = 'CG below CB', 'CB is the hull centre'
     if vehicle.file.hull.shape == 'none':
-        words, note = 'CG below the origin', 'no hull, so nothing rights it'
+        words, note = 'CG below the origin', 'no hull, so no righting moment'
     yield DerivedFigure('cg_depth', BALANCE, words, -z, 'cm', rule, ALL, 2, note)
     yield DerivedFigure('cg_x', BALANCE, 'CG ahead of the centre', x, 'cm', rule, ALL, 2)
     yield DerivedFigure('cg_y', BALANCE, 'CG left of the centre', y, 'cm', rule, ALL, 2)
     if vehicle.file.hull.shape != 'none':
+        # With the CG above the CB there is no stable attitude, hence no lean
         if z < 0.0:
+            # At rest, the line from CB to CG is vertical
             lean = math.atan2(math.hypot(x, y), -z) * DEGREES
-            rule_of = 'CG and CB above each other'
+            rule_of = 'CG vertically below CB at rest'
             yield DerivedFigure(
                 'lean', BALANCE, 'hangs off the vertical by', lean, '°', rule_of, ALL
             )
@@ -140,12 +144,13 @@ def derive_balance_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
 
 def derive_pressure_center(vehicle: Vehicle) -> DerivedFigure:
     """
-    Return where the force of the air acts.
+    Return the centre of pressure.
 
-    The aero block and the drag of parts act at the hull centre. `hull_lift` has a moment of its
-    own: its centre is the pitch moment by angle of attack over the lift by it (N m a newton).
+    The aero block and the drag of parts act at the hull centre. With `hull_lift`, the centre of
+    pressure is the slope of the pitch moment divided by that of the lift.
     """
     wing = vehicle.collect_effects().get('hull_lift')
+    # Without lift slope the quotient below is undefined
     if wing and wing['lift_alpha']:
         ahead = wing['pitch_alpha'] / wing['lift_alpha']
         rule, place = 'pitch moment by angle of attack over lift', 'effects.hull_lift'

@@ -1,4 +1,4 @@
-"""Everything that follows from a vehicle file, with what it follows from."""
+"""Collect all figures derived from a vehicle file."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -22,18 +22,16 @@ from lta_vehicle.figures.thrust_envelope import derive_rotor_figures, derive_spe
 @dataclass(frozen=True, slots=True)
 class VehicleSheet:
     """
-    What a vehicle is and can do.
+    Properties and performance of a vehicle.
 
     Attributes
     ----------
-    vehicle : Vehicle
-        The vehicle.
-    figures : sequence of Figure
-        What follows, group by group.
-    budget : sequence of Share
-        What its mass is made of.
-    numbers : sequence of Entry
-        Every number of its file.
+    figures : sequence of DerivedFigure
+        Derived figures, ordered by group.
+    budget : sequence of MassBudgetItem
+        Masses of the parts.
+    numbers : sequence of VehicleFileEntry
+        All numbers of the vehicle file.
 
     """
 
@@ -44,28 +42,29 @@ class VehicleSheet:
 
     @property
     def by_key(self) -> Mapping[str, DerivedFigure]:
-        """The figures by name."""
+        """The figures by key."""
         return {figure.key: figure for figure in self.figures}
 
     @property
     def groups(self) -> Mapping[str, list[DerivedFigure]]:
-        """The figures by heading, in order."""
-        found: dict[str, list[DerivedFigure]] = {}
+        """The figures by group, in order."""
+        groups: dict[str, list[DerivedFigure]] = {}
         for figure in self.figures:
-            found.setdefault(figure.group, []).append(figure)
-        return found
+            groups.setdefault(figure.group, []).append(figure)
+        return groups
 
     @property
     def assumed_count(self) -> int:
-        """How many numbers of the file nobody measured or published."""
+        """Number of file entries that are assumed."""
         return sum(entry.is_assumed for entry in self.numbers)
 
     def count_inputs(self, figure: DerivedFigure) -> tuple[int, int]:
-        """Return how many numbers a figure rests on, and how many of them are assumed."""
+        """Return the number of inputs of a figure, and how many of them are assumed."""
         used = [
             entry
             for entry in self.numbers
             if any(
+                # 'hull' covers 'hull.diameter', but not 'hull_lift'
                 entry.place == place or entry.place.startswith(f'{place}.')
                 for place in figure.rests
             )
@@ -75,14 +74,12 @@ class VehicleSheet:
 
 def build_sheet(vehicle: Vehicle, held: float | None = None) -> VehicleSheet:
     """
-    Return what a vehicle is and can do.
+    Derive all figures of a vehicle.
 
     Parameters
     ----------
-    vehicle : Vehicle
-        The vehicle.
     held : float or None
-        Loss of lift up to which its gains held in flight, where that was asked for. [kg]
+        Loss of lift up to which simulated flights stayed stable, if this was tested. [kg]
 
     """
     figures = [

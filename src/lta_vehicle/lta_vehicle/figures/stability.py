@@ -1,4 +1,4 @@
-"""Whether it stays upright: righting, swinging, leaning into a push, tumbling."""
+"""Derive the stability figures: righting moment, pendulum modes, lean and tumbling speed."""
 
 from collections.abc import Iterator
 import math
@@ -16,21 +16,23 @@ SWINGS: tuple[Literal['pitch', 'roll'], ...] = ('pitch', 'roll')
 
 
 def derive_stability_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
-    """Yield what rights it and how it swings."""
+    """Yield the figures of the group 'Stability'."""
     pitch = compute_pendulum_mode(vehicle, 'pitch')
+    # N m/rad to mN m per degree
     per_degree = 1e3 * pitch.stiffness / DEGREES
     rights = pitch.stiffness > 0.0
     yield DerivedFigure(
         'righting',
         STABILITY,
-        'righting moment, a degree',
+        'righting moment per degree',
         per_degree,
         'mN m',
         'weight times CG below CB',
         ALL,
         2,
-        '' if rights else 'nothing rights it: a controller must',
+        '' if rights else 'no righting moment; a controller must stabilise it',
     )
+    # Periods and lean exist only with a positive righting moment
     if not rights:
         return
     for about in SWINGS:
@@ -42,15 +44,14 @@ def derive_stability_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
 def _derive_swing_figures(
     vehicle: Vehicle, about: Literal['pitch', 'roll']
 ) -> Iterator[DerivedFigure]:
-    found = compute_pendulum_mode(vehicle, about)
+    mode = compute_pendulum_mode(vehicle, about)
     rule = 'righting moment, inertia and added mass, free in the air'
     words = f'swings in {about} with a period of'
-    yield DerivedFigure(f'swing_{about}', STABILITY, words, found.period, 's', rule, ALL, 2)
-    damping, note = found.damping_ratio, 'no drag is given'
-    if found.half_amplitude_time is not None:
+    yield DerivedFigure(f'swing_{about}', STABILITY, words, mode.period, 's', rule, ALL, 2)
+    damping, note = mode.damping_ratio, 'no drag is given'
+    if mode.half_amplitude_time is not None:
         note = (
-            'by steady drag alone a swing of 5° loses half in about '
-            f'{found.half_amplitude_time:.0f} s'
+            f'by steady drag alone, a swing of 5° halves in about {mode.half_amplitude_time:.0f} s'
         )
     share = None if damping is None else 100.0 * damping
     rule, words = 'rotational drag, linearised at 5°', f'damping in {about}, of critical'
@@ -63,6 +64,7 @@ def _derive_lean_figure(vehicle: Vehicle, stiffness: float) -> Iterator[DerivedF
     push = find_push_limit(vehicle, 'forward')[0]
     if push is None or push.most <= 0.0:
         return
+    # Balance of the pitching moment of the rotors: M = k sin(lean)
     share = abs(push.wrench[4]) / stiffness
     lean = DEGREES * math.asin(share) if share < 1.0 else None
     yield DerivedFigure(
@@ -82,8 +84,9 @@ def _derive_lean_figure(vehicle: Vehicle, stiffness: float) -> Iterator[DerivedF
 def _derive_tumble_figure(vehicle: Vehicle) -> Iterator[DerivedFigure]:
     tumble = limits.tumble_speed(vehicle)
     level, _ = compute_or_explain(lambda: limits.level_speed(vehicle))
+    # The Munk moment destabilises only hulls whose added mass is larger across than along
     if math.isinf(tumble):
-        note = 'never: it is no wider than long'
+        note = 'never: the added mass across is not larger than along'
     elif level is None:
         note = 'the hull turns across its way above this (Munk)'
     elif level < tumble:

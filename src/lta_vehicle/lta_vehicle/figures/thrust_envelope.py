@@ -1,4 +1,4 @@
-"""What the rotors can do: hover, push along each axis, and how fast that flies."""
+"""Derive rotor and speed figures: hover, thrust along each axis, and top speeds."""
 
 from collections.abc import Callable, Iterator
 import math
@@ -19,8 +19,8 @@ CARRIED = (*THRUST, 'trim')
 DRAG = ('aero.linear_drag', 'aero.quadratic_drag')
 RULE = 'largest push, the other axes held (linear programme)'
 AXES = {
-    'up': 'up, beyond what it carries',
-    'down': 'down, beyond its weight',
+    'up': 'up, beyond hover',
+    'down': 'down',
     'forward': 'forward',
     'backward': 'backward',
     'left': 'to the left',
@@ -30,7 +30,7 @@ CLIMB = 1.0  # m
 
 
 def compute_or_explain(compute: Callable[[], float]) -> tuple[float | None, str]:
-    """Return a number and '', or None and the sentence on why there is none."""
+    """Return a number and '', or None and the reason."""
     try:
         return compute(), ''
     except BadInput as reason:
@@ -38,7 +38,8 @@ def compute_or_explain(compute: Callable[[], float]) -> tuple[float | None, str]
 
 
 def hover_thrust(vehicle: Vehicle) -> tuple[float, int]:
-    """Return thrust and number of the rotors that carry what it weighs. [N]."""
+    """Return the thrust per lifting rotor in hover [N], and the number of these rotors."""
+    # `per_newton`: vertical force if each lifting rotor gives 1 N, jet collision included
     rotors, per_newton = hover.select_lifting_rotors(vehicle.rotors, vehicle.file.aero.coupling)
     if not rotors or per_newton <= 0.0:
         return 0.0, 0
@@ -46,7 +47,7 @@ def hover_thrust(vehicle: Vehicle) -> tuple[float, int]:
 
 
 def derive_rotor_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
-    """Yield hover and the margins on every axis."""
+    """Yield the figures of the group 'Rotors': hover and the margins on each axis."""
     duty, why = compute_or_explain(lambda: vehicle.hover_duty)
     yield DerivedFigure(
         'hover_duty',
@@ -102,6 +103,7 @@ def _derive_hover_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
         cell,
         2,
     )
+    # Capacity is in coulombs, so this is in joules
     energy = vehicle.file.energy.battery.capacity.si * NOMINAL
     yield DerivedFigure(
         'hover_time',
@@ -119,52 +121,56 @@ NOMINAL = 3.7  # V, one lithium cell
 
 
 def _push_margin(vehicle: Vehicle, direction: str) -> tuple[float | None, str]:
-    """Return what can be pushed beyond hover [N, N m], and a note."""
-    found, note = find_push_limit(vehicle, direction)
-    if found is None:
+    """Return the force beyond hover [N], and a note."""
+    limit, note = find_push_limit(vehicle, direction)
+    if limit is None:
         return None, 'the rotors cannot hold the other axes'
     weight = vehicle.heaviness * STANDARD_GRAVITY
     if direction == 'up':
-        beyond = found.most - weight
+        # Upwards, the limit is the total force, which includes the carried weight
+        beyond = limit.most - weight
         more = GRAMS * beyond / STANDARD_GRAVITY
         short = f'{-more:.1f} g short of carrying itself'
         return beyond, f'could carry {more:.1f} g more' if more >= 0.0 else short
     if direction == 'down':
-        return found.most + weight, 'its weight adds to this' if weight > 0.0 else note
-    return found.most, note
+        return limit.most + weight, 'includes its weight' if weight > 0.0 else note
+    return limit.most, note
 
 
 def find_turn_limit(vehicle: Vehicle, direction: str) -> tuple[WrenchLimit | None, str]:
-    """Return the most turning on the spot, or else while it is pushed away, and say which."""
-    found, note = find_push_limit(vehicle, direction)
-    if found is not None and found.most > 1e-9:
-        return found, note
+    """Return the largest yaw moment and a note; without holding position if that needs it."""
+    limit, note = find_push_limit(vehicle, direction)
+    # 1e-9 N m: zero within the tolerance of the solver
+    if limit is not None and limit.most > 1e-9:
+        return limit, note
     away = solve_wrench_limit(vehicle, direction, hold=False, stay=False)
     if away is None or away.most <= 1e-9:
-        return found, note
+        return limit, note
+    # Horizontal force that remains, in mN
     push = 1e3 * math.hypot(*away.wrench[:2])
-    return away, f'not on the spot: it is pushed with {push:.0f} mN meanwhile'
+    return away, f'not on the spot: a horizontal force of {push:.0f} mN remains'
 
 
 def _turn_margin(vehicle: Vehicle, direction: str) -> tuple[float | None, str]:
-    found, note = find_turn_limit(vehicle, direction)
-    return (None, 'the rotors cannot hold altitude') if found is None else (found.most, note)
+    limit, note = find_turn_limit(vehicle, direction)
+    return (None, 'the rotors cannot hold altitude') if limit is None else (limit.most, note)
 
 
 def find_push_limit(vehicle: Vehicle, direction: str) -> tuple[WrenchLimit | None, str]:
-    """Return the most in a direction with altitude held, or else without, and say which."""
-    if (found := solve_wrench_limit(vehicle, direction)) is not None:
-        return found, ''
-    if (found := solve_wrench_limit(vehicle, direction, hold=False)) is not None:
-        return found, 'without holding altitude, which the rotors cannot'
+    """Return the largest force or moment and a note; with altitude held if possible."""
+    if (limit := solve_wrench_limit(vehicle, direction)) is not None:
+        return limit, ''
+    if (limit := solve_wrench_limit(vehicle, direction, hold=False)) is not None:
+        return limit, 'without holding altitude, which the rotors cannot'
     return None, ''
 
 
 def derive_speed_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
-    """Yield how fast it flies, climbs, sinks and turns."""
+    """Yield the figures of the group 'Speed'."""
     level, why = compute_or_explain(lambda: limits.level_speed(vehicle))
+    # Multirotors have no forward thrust while level
     if level == 0.0:
-        why = 'its rotors push nowhere while it is level: it tilts to fly'
+        why = 'no horizontal thrust while it is level; it tilts to fly'
     yield DerivedFigure(
         'level_speed',
         SPEED,
@@ -201,6 +207,7 @@ def _derive_climb_figures(
 ) -> Iterator[DerivedFigure]:
     weight = vehicle.heaviness * STANDARD_GRAVITY
     up = solve_wrench_limit(vehicle, 'up')
+    # Force left to climb [N]
     spare = up.most - weight if up else 0.0
     if vehicle.file.hull.shape != 'none':  # else the drag is that of rotors near hover
         lost = 'no drag along z is given in the aero block' if linear + quadratic <= 0.0 else ''

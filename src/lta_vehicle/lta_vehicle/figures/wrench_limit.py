@@ -1,13 +1,13 @@
 """
-How hard the rotors can push along each axis while they hold the others.
+Compute the largest force or moment along each axis while the other axes are held.
 
-A linear programme over the thrusts, forward and reversed, with the collision of jets as a further
-unknown below the thrust of each rotor that meets:
+A linear programme over the forward and reverse thrusts. The strength of the jet collision is a
+further unknown, at most the thrust of each rotor in the collision:
 
     max s F_k   subject to   F_surge = F_sway = 0, F_heave = weight less buoyancy, M_yaw = 0
 
-where the row of k itself is free. Roll and pitch are left to the righting moment, as in
-`lta_model.limits`, which asks the same of a heading. The vehicle is upright.
+where axis k itself is free. The righting moment balances roll and pitch, as in
+`lta_model.limits`. The vehicle is upright.
 """
 
 from dataclasses import dataclass
@@ -37,14 +37,14 @@ DIRECTIONS = {
 @dataclass(frozen=True, slots=True)
 class WrenchLimit:
     """
-    The most that rotors give in one direction.
+    The largest force or moment in one direction.
 
     Attributes
     ----------
     most : float
-        Force or moment along it; 0 or more, less where the held weight pulls back. [N, N m]
+        Force or moment; negative if the held weight outweighs the thrust. [N, N m]
     wrench : 6-tuple
-        All that these thrusts give. [N, N m]
+        Wrench of these thrusts. [N, N m]
 
     """
 
@@ -56,57 +56,57 @@ def solve_wrench_limit(
     vehicle: Vehicle, direction: str, hold: bool = True, stay: bool = True
 ) -> WrenchLimit | None:
     """
-    Return the most in one direction.
+    Return the limit in one direction; None if no thrusts hold the other axes.
 
     Parameters
     ----------
-    vehicle : Vehicle
-        The vehicle.
     direction : str
         A key of `DIRECTIONS`.
     hold : bool
-        Whether altitude must be held (where the direction is not up or down).
+        Whether altitude must be held (unless the direction is up or down).
     stay : bool
-        Whether it must not be pushed sideways.
-
-    Returns
-    -------
-    Reach or None
-        None where no thrusts hold the others.
+        Whether surge and sway must be zero.
 
     """
     axis, sign = DIRECTIONS[direction]
     wrench, tops = _wrench_columns(vehicle)
     below = _coupling_constraints(vehicle, len(tops))
     weight = vehicle.heaviness * STANDARD_GRAVITY
+    # Axes without an equality constraint
     free = (axis, *(() if hold else (2,)), *(() if stay else (0, 1)))
     rows = [k for k in HELD if k not in free]
-    found = linprog(
+    solution = linprog(
+        # `linprog` minimises, hence the minus
         -sign * wrench[axis],
         A_ub=below if len(below) else None,
         b_ub=np.zeros(len(below)) if len(below) else None,
         A_eq=wrench[rows] if rows else None,
         b_eq=[weight if k == 2 else 0.0 for k in rows] if rows else None,
+        # The last unknown is the collision; without coupling it is fixed at zero
         bounds=[*((0.0, top) for top in tops), (0.0, None if len(below) else 0.0)],
     )
-    if found.status != 0 or found.fun is None or found.x is None:
+    if solution.status != 0 or solution.fun is None or solution.x is None:
         return None
-    return WrenchLimit(-float(found.fun), tuple(float(number) for number in wrench @ found.x))
+    return WrenchLimit(
+        -float(solution.fun), tuple(float(number) for number in wrench @ solution.x)
+    )
 
 
 def _wrench_columns(vehicle: Vehicle) -> tuple[Array, list[float]]:
-    """Return wrenches per newton, (6, unknowns): forward, reversed, together; and their tops."""
+    """Return wrenches per newton, (6, unknowns), and the thrust limits [N]."""
     rotors, coupling = vehicle.rotors, vehicle.file.aero.coupling
     forward = [rotor.column for rotor in rotors]
+    # `reverse` multiplies a negative thrust; the unknown here is its magnitude
     reverse = [tuple(-number for number in rotor.reverse) for rotor in rotors]
     together = coupling.force.vector + coupling.moment.vector if coupling else (0.0,) * 6
     tops = [rotor.full_thrust for rotor in rotors]
+    # A limit of zero removes reverse thrust of rotors that cannot reverse
     tops += [rotor.full_thrust if rotor.reversible else 0.0 for rotor in rotors]
     return np.array([*forward, *reverse, together]).T, tops
 
 
 def _coupling_constraints(vehicle: Vehicle, count: int) -> Array:
-    """Return the rows that keep the collision below each rotor that meets."""
+    """Return the rows that keep the collision below the thrust of each of its rotors."""
     coupling = vehicle.file.aero.coupling
     if coupling is None:
         return np.zeros((0, count + 1))
@@ -114,6 +114,7 @@ def _coupling_constraints(vehicle: Vehicle, count: int) -> Array:
     for i, rotor in enumerate(vehicle.rotors):
         if rotor.name in coupling.rotors:
             row = np.zeros(count + 1)
+            # Row: collision - thrust <= 0; the second half of the columns are the reverse thrusts
             row[i + (count // 2 if coupling.reversed else 0)], row[-1] = -1.0, 1.0
             rows.append(row)
     return np.array(rows)

@@ -1,1 +1,1 @@
-"""A vehicle in words, tables and drawings."""
+"""Vehicle sheets as terminal output, HTML page, drawings and JSON."""

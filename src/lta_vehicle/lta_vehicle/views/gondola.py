@@ -1,4 +1,4 @@
-"""What hangs below the hull, from ahead and enlarged, each layer in its colour and by its name."""
+"""Draw the parts below the hull, enlarged and seen from ahead, with a colour per layer."""
 
 from collections.abc import Iterator, Sequence
 from html import escape
@@ -11,18 +11,18 @@ from lta_vehicle.views.projection import RotorArrow, Two, VIEWS
 from lta_vehicle.views.three_views import draw_rotor
 
 FRONT: Final = VIEWS[1]
-WIDTH: Final = 660.0  # px of the paper
-WIDE, TALL = 400.0, 260.0  # px at most for what is enlarged
-LEFT, TOP, BELOW = 40.0, 64.0, 26.0  # px around it
+WIDTH: Final = 660.0  # px; of the whole drawing
+WIDE, TALL = 400.0, 260.0  # px; limits of the enlarged part
+LEFT, TOP, BELOW = 40.0, 64.0, 26.0  # px; margins
 HEAD: Final = 28.0  # px for the title
 LINE: Final = 19.0  # px from one label to the next
-LARGEST: Final = 0.75  # of the hull's width; what is wider needs no enlarging
+LARGEST: Final = 0.75  # of the hull's width; wider parts are large enough in the three views
 COLOURS: Final = len(TIME)
 
 
 @final
 class GondolaPart(NamedTuple):
-    """A part seen from ahead: middle and half sizes [m], its colour, and what it is."""
+    """A part seen from ahead: centre and half sizes [m], colour index and description."""
 
     middle: Two
     half: Two
@@ -32,7 +32,7 @@ class GondolaPart(NamedTuple):
 
 @final
 class GondolaLabel(NamedTuple):
-    """A layer's label: its words, the place that it points at [m], and its colour."""
+    """The label of a layer: text, end of its leader line [m] and colour index."""
 
     words: str
     at: Two
@@ -40,7 +40,7 @@ class GondolaLabel(NamedTuple):
 
 
 def draw_gondola(vehicle: Vehicle) -> str:
-    """Return an SVG element, or '' where nothing small hangs below a hull."""
+    """Return an SVG element, or '' without small parts below a hull."""
     half = hull.half_axes(vehicle.file.hull)
     boxes, layers = _collect_parts(vehicle)
     if not any(half) or not boxes:
@@ -57,6 +57,7 @@ def draw_gondola(vehicle: Vehicle) -> str:
         if r.place[2] < 0.0
     ]
     low, high = _bounding_box(boxes, [rotor.at for rotor in rotors])
+    # Parts nearly as wide as the hull are legible in the three views already
     if high[0] - low[0] > 2.0 * LARGEST * half[1]:
         return ''
     scale = min(WIDE / (high[0] - low[0]), TALL / max(high[1] - low[1], 1e-3))
@@ -67,9 +68,11 @@ def draw_gondola(vehicle: Vehicle) -> str:
 
     edge = to_pixels(high)[0]
     body = [
+        # A nested SVG clips the hull, which is larger than the picture
         f'<svg x="0" y="{HEAD}" width="{edge + LEFT:.0f}" height="{height - HEAD:.0f}">',
         _draw_hull(to_pixels((0.0, 0.0)), half[1] * scale, half[2] * scale),
         '</svg>',
+        # Large parts first, so that they do not hide small ones
         *(_draw_part(box, to_pixels, scale) for box in sorted(boxes, key=_box_area, reverse=True)),
         *(line for rotor in rotors for line in draw_rotor(rotor, *to_pixels(rotor.at))),
         *_draw_labels(layers, to_pixels, edge + LEFT),
@@ -82,7 +85,7 @@ def draw_gondola(vehicle: Vehicle) -> str:
 
 
 def _collect_parts(vehicle: Vehicle) -> tuple[list[GondolaPart], list[GondolaLabel]]:
-    """Return the parts below the hull centre, and a label for each of their layers."""
+    """Return the parts below the hull centre and a label for each layer."""
     boxes: list[GondolaPart] = []
     layers: list[GondolaLabel] = []
     for name, parts in vehicle.file.layers.items():
@@ -100,6 +103,7 @@ def _collect_parts(vehicle: Vehicle) -> tuple[list[GondolaPart], list[GondolaLab
             about = f'{label.replace("_", " ")}: {1e3 * part.mass.si:.1f} g'
             boxes.append(GondolaPart(middle, half, colour, about))
         end = max(middle[0] + 0.5 * size[0] for _, _, middle, size in own)
+        # The leader line ends at the height of the layer's centre of mass
         depth = sum(part.mass.si * middle[1] for _, part, middle, _ in own) / mass
         here = '' if len(own) == len(parts) else ' here'  # the rest of the layer is above
         words = f'{name.replace("_", " ")}  {1e3 * mass:.1f} g{here}'
@@ -107,6 +111,7 @@ def _collect_parts(vehicle: Vehicle) -> tuple[list[GondolaPart], list[GondolaLab
     place = vehicle.file.trim.ballast_position
     if place is not None and place.vector[2] < 0.0 and boxes:
         middle, colour = FRONT.project(place.vector), len(layers) % COLOURS
+        # Ballast has no size in the file; draw 2 cm by 6 mm
         boxes.append(GondolaPart(middle, (0.01, 0.003), colour, 'ballast'))
         words = f'ballast  {1e3 * vehicle.ballast_mass:.1f} g'
         layers.append(GondolaLabel(words, (middle[0] + 0.01, middle[1]), colour))
@@ -132,6 +137,7 @@ def _draw_hull(middle: Two, wide: float, tall: float) -> str:
 
 def _draw_part(box: GondolaPart, at: object, scale: float) -> str:
     x, y = at(box.middle)  # type: ignore[operator]
+    # At least 2.4 px, so that thin parts stay visible
     a, b = max(box.half[0] * scale, 1.2), max(box.half[1] * scale, 1.2)
     return (
         f'<rect class="part layer{box.colour}" x="{x - a:.1f}" y="{y - b:.1f}" '
@@ -140,10 +146,11 @@ def _draw_part(box: GondolaPart, at: object, scale: float) -> str:
 
 
 def _draw_labels(layers: Sequence[GondolaLabel], at: object, x: float) -> Iterator[str]:
-    """Yield the names of layers beside the picture, from top to bottom, each with its line."""
+    """Yield the labels at the right edge with their leader lines, from top to bottom."""
     ordered = sorted(layers, key=lambda layer: -layer.at[1])
     ends = [at(layer.at) for layer in ordered]  # type: ignore[operator]
     middle = sum(end[1] for end in ends) / len(ends)
+    # Centre the block of labels on the parts, but keep it below the title
     first = max(middle - 0.5 * LINE * (len(ends) - 1), 30.0)
     for k, (layer, (p, q)) in enumerate(zip(ordered, ends, strict=True)):
         y = first + LINE * k

@@ -1,4 +1,4 @@
-"""A vehicle, and where two differ, for scripts: what --json prints."""
+"""Encode vehicle sheets and differences as JSON."""
 
 from collections.abc import Mapping, Sequence
 
@@ -10,7 +10,7 @@ from lta_vehicle.views.summary import describe_vehicle, format_headline
 
 
 def encode_sheet(sheet: VehicleSheet, warnings: Sequence[str]) -> dict[str, object]:
-    """Return a sheet for scripts."""
+    """Return a sheet as plain data."""
     file = sheet.vehicle.file
     return {
         'vehicle': file.name,
@@ -28,8 +28,9 @@ def encode_sheet(sheet: VehicleSheet, warnings: Sequence[str]) -> dict[str, obje
 
 
 def encode_figure(figure: DerivedFigure, sheet: VehicleSheet) -> dict[str, object]:
-    """Return one figure for scripts; infinity is null with its note."""
+    """Return one figure as plain data; infinity becomes None."""
     value = figure.value
+    # JSON has no infinity
     finite = value is not None and abs(value) != float('inf')
     used, guessed = sheet.count_inputs(figure)
     return {
@@ -44,7 +45,7 @@ def encode_figure(figure: DerivedFigure, sheet: VehicleSheet) -> dict[str, objec
 
 
 def encode_entry(entry: VehicleFileEntry | None) -> Mapping[str, object] | None:
-    """Return one number of a file for scripts, in SI."""
+    """Return one file entry as plain data, in SI units."""
     if entry is None:
         return None
     value = entry.numbers[0] if len(entry.numbers) == 1 else list(entry.numbers)
@@ -59,7 +60,7 @@ def encode_entry(entry: VehicleFileEntry | None) -> Mapping[str, object] | None:
 
 
 def encode_difference(difference: VehicleDifference) -> dict[str, object]:
-    """Return where two vehicles differ for scripts."""
+    """Return the differences of two vehicles as plain data."""
     return {
         'vehicles': [sheet.vehicle.file.name for sheet in (difference.before, difference.after)],
         'changes': [

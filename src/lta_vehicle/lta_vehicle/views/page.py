@@ -1,4 +1,4 @@
-"""One vehicle as one self-contained HTML file, in the look of a flight's page."""
+"""Write a vehicle sheet as a self-contained HTML page."""
 
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -22,34 +22,32 @@ COLOURS: Final = {'cg': ESTIMATE, 'lift': TRUTH, 'push': GOOD, 'film': FILL}
 TILES: Final = (
     ('heaviness', 'Heavier than air'), ('ballast', 'Ballast to add'),
     ('hover_duty', 'Hover duty'),
-    ('push_up', 'Push to spare'), ('level_speed', 'Top speed, level'),
+    ('push_up', 'Spare thrust up'), ('level_speed', 'Top speed, level'),
     ('climb_time', 'Climb of 1 m'),
-    ('swing_pitch', 'Swings in'), ('hover_loss', 'Helium to lose'),
+    ('swing_pitch', 'Swing period'), ('hover_loss', 'Lift to lose'),
 )  # fmt: skip
 NOTES: Final = {
-    'heaviness': 'what the rotors carry', 'ballast': 'in the place that the file gives',
+    'heaviness': 'carried by the rotors', 'ballast': 'at the position given in the file',
     'level_speed': 'altitude and heading held', 'climb_time': 'from rest, at full push',
     'swing_pitch': 'pitch, small angles',
 }  # fmt: skip
 
 
 def write_page(sheet: VehicleSheet, warnings: Sequence[str], name: str, out: Path) -> None:
-    """Write the page of a vehicle; `BadInput` where it cannot be written."""
+    """Write the page; raise `BadInput` if it cannot be written."""
     write_file(render_page(sheet, warnings, name), out)
 
 
 def render_page(sheet: VehicleSheet, warnings: Sequence[str], name: str) -> str:
     """
-    Return the whole page.
+    Render the page.
 
     Parameters
     ----------
-    sheet : Sheet
-        What the vehicle is and can do.
     warnings : sequence of str
-        What `lta vehicle check` would say of it.
+        Warnings of `lta vehicle check`.
     name : str
-        As the vehicle was named on the command line.
+        Vehicle name as given on the command line.
 
     """
     file = sheet.vehicle.file
@@ -78,49 +76,50 @@ def render_page(sheet: VehicleSheet, warnings: Sequence[str], name: str) -> str:
 
 
 def format_control_law(sheet: VehicleSheet) -> str:
-    """Return how it is flown, to be put behind its name."""
+    """Return the control law as a suffix of the page's kicker."""
     control = sheet.vehicle.file.control
     return f' · flown by {control.law.replace("_", " ")}' if control else ''
 
 
 def center_of_pressure(sheet: VehicleSheet) -> float:
-    """Return where the centre of pressure is, ahead of the hull centre. [m]."""
-    found = sheet.by_key.get('cp_x')
-    return 0.0 if found is None or found.value is None else found.value / CENTIMETRES
+    """Return the distance of the centre of pressure ahead of the hull centre. [m]"""
+    figure = sheet.by_key.get('cp_x')
+    return 0.0 if figure is None or figure.value is None else figure.value / CENTIMETRES
 
 
 def build_tiles(figures: Mapping[str, DerivedFigure]) -> list[Tile]:
-    """Return the figures that matter most."""
-    found = []
+    """Return the tiles of the most important figures."""
+    tiles = []
     for key, words in TILES:
         figure = figures.get(key)
         if figure is None:
             continue
         value, _, unit = figure.text.partition(' ')
         note = NOTES.get(key) or figure.note
+        # A missing or zero value needs its reason rather than the general note
         if not figure.value:
             note = figure.note or note
-        found.append(Tile(words, value, unit, note))
-    return found
+        tiles.append(Tile(words, value, unit, note))
+    return tiles
 
 
 def render_list(lines: Sequence[str]) -> str:
-    """Return sentences as a list."""
+    """Return sentences as HTML list items."""
     return '\n'.join(f'        <li>{escape(line)}</li>' for line in lines)
 
 
 def render_warnings(warnings: Sequence[str]) -> str:
-    """Return warnings as a list with a heading; nothing where there are none."""
+    """Return the warnings as a list with a heading; '' if there are none."""
     if not warnings:
         return ''
     return (
-        f'      <h2 class="guess">Look at this</h2>\n      <ul class="words">\n'
+        f'      <h2 class="guess">Warnings</h2>\n      <ul class="words">\n'
         f'{render_list(warnings)}\n      </ul>'
     )
 
 
 def render_budget_rows(shares: Sequence[MassBudgetItem]) -> list[str]:
-    """Return the mass budget by layer, each with a bar."""
+    """Return the mass budget by layer, with bars."""
     layers: dict[str, float] = {}
     for share in shares:
         layers[share.layer] = layers.get(share.layer, 0.0) + share.mass
@@ -148,7 +147,7 @@ def render_figure_group(name: str, sheet: VehicleSheet) -> str:
 
 
 def render_figure_row(figure: DerivedFigure, sheet: VehicleSheet) -> str:
-    """Return one derived figure with what it follows from."""
+    """Return the table row of a derived figure, with its source."""
     used, guessed = sheet.count_inputs(figure)
     basis = ''
     if used:
@@ -163,7 +162,7 @@ def render_figure_row(figure: DerivedFigure, sheet: VehicleSheet) -> str:
 
 
 def render_part_row(share: MassBudgetItem) -> str:
-    """Return one part of the mass budget."""
+    """Return the table row of a part in the mass budget."""
     return (
         f'<tr><th scope="row">{escape(share.part.replace("_", " "))}</th>'
         f'<td>{escape(share.layer.replace("_", " "))}</td>'
@@ -173,7 +172,7 @@ def render_part_row(share: MassBudgetItem) -> str:
 
 
 def render_number_row(entry: VehicleFileEntry) -> str:
-    """Return one number of the file."""
+    """Return the table row of a number in the file."""
     kind = 'assumption' if entry.is_assumed else 'known'
     return (
         f'<tr class="{kind}"><th scope="row">{insert_line_breaks(entry.place)}</th>'
@@ -183,12 +182,13 @@ def render_number_row(entry: VehicleFileEntry) -> str:
 
 
 def insert_line_breaks(place: str) -> str:
-    """Return a place in the file that may break behind its points and underscores."""
+    """Return a path with optional line breaks after dots and underscores."""
+    # Long paths would otherwise widen the table beyond a phone's screen
     return escape(place).replace('.', '.<wbr>').replace('_', '_<wbr>')
 
 
 def render_source(source: str) -> str:
-    """Return a source, marked where it is a guess."""
+    """Return a source as HTML, tagged if it is an assumption."""
     words = escape(source)
     if any(word in source.lower() for word in GUESSED):
         return f'<span class="tag">assumed</span> {"" if source == "assumed" else words}'
@@ -196,13 +196,17 @@ def render_source(source: str) -> str:
 
 
 def suggest_commands(name: str) -> dict[str, str]:
-    """Return what to do next."""
+    """Return commands for the next steps."""
     return {
-        'Find what is wrong with it': format_lta_command('vehicle', 'check', name),
-        'Start one of your own': format_lta_command('vehicle', 'new', 'my_blimp', '--from', name),
-        'See what a change does': format_lta_command(
+        'Check the file': format_lta_command('vehicle', 'check', name),
+        'Create your own vehicle': format_lta_command(
+            'vehicle', 'new', 'my_blimp', '--from', name
+        ),
+        'Show the effect of a change': format_lta_command(
             'vehicle', 'diff', name, '--set', 'trim.heaviness=4 g'
         ),
-        'Fly it': format_lta_command('simulate', '--vehicle', name),
-        'Weigh it by a hover': format_lta_command('vehicle', 'trim', 'BAG', '--vehicle', name),
+        'Simulate it': format_lta_command('simulate', '--vehicle', name),
+        'Estimate its weight from a hover': format_lta_command(
+            'vehicle', 'trim', 'BAG', '--vehicle', name
+        ),
     }

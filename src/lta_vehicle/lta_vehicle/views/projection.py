@@ -1,8 +1,8 @@
 """
-The three views of a vehicle as plain shapes, in metres, before anybody draws them.
+Project a vehicle to shapes in three views, in metres.
 
-As on a drawing board: side view with the nose to the right, front view from ahead, so that the
-vehicle's left is on the right, and the view from above, nose to the right, left side up.
+The side view has the nose to the right. The front view is seen from ahead, so that the vehicle's
+left side is on the right. The top view has the nose to the right and the left side up.
 """
 
 from collections.abc import Sequence
@@ -15,13 +15,13 @@ from lta_model.vehicle import Vehicle
 
 Three = tuple[float, float, float]
 Two = tuple[float, float]
-FLATTEST = 0.4  # height by width
+FLATTEST = 0.4  # least height of a view, relative to its width
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class ViewDirection:
-    """One direction to look from: what is to the right, up, and towards the eye (body axes)."""
+    """A viewing direction: body axes that point right, up, and towards the viewer."""
 
     name: str
     title: str
@@ -30,11 +30,11 @@ class ViewDirection:
     towards: Three
 
     def project(self, place: Sequence[float]) -> Two:
-        """Return a place or direction in the plane of the view, right and up."""
+        """Return right and up coordinates of a position or direction."""
         return _dot_product(place, self.right), _dot_product(place, self.up)
 
     def depth(self, place: Sequence[float]) -> float:
-        """Return how far towards the eye something is or points."""
+        """Return the component towards the viewer."""
         return _dot_product(place, self.towards)
 
 
@@ -50,7 +50,7 @@ def _dot_product(a: Sequence[float], b: Sequence[float]) -> float:
 
 
 class PartOutline(NamedTuple):
-    """An ellipse or a box: middle and half sizes in the view, and what it is."""
+    """An ellipse or a box: centre and half sizes in the view [m], name and description."""
 
     kind: str  # 'ellipse' or 'box'
     middle: Two
@@ -60,7 +60,7 @@ class PartOutline(NamedTuple):
 
 
 class RotorArrow(NamedTuple):
-    """A rotor: where, where its thrust points in the view, and towards the eye (-1 to 1)."""
+    """A rotor: position, thrust direction in the view, and towards the viewer (-1 to 1)."""
 
     at: Two
     along: Two
@@ -70,7 +70,7 @@ class RotorArrow(NamedTuple):
 
 
 class CenterMark(NamedTuple):
-    """A centre: its letters, where, and what it is."""
+    """The mark of a centre, such as CG: letters, position and description."""
 
     letters: str
     at: Two
@@ -80,7 +80,7 @@ class CenterMark(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True)
 class ViewShapes:
-    """Everything that stands in one view. [m]."""
+    """All shapes of one view. [m]"""
 
     view: ViewDirection
     hull: PartOutline | None
@@ -91,7 +91,7 @@ class ViewShapes:
 
     @property
     def bounds(self) -> tuple[Two, Two]:
-        """Least and most, right and up. [m]."""
+        """Lower left and upper right corner. [m]"""
         shapes = [*self.parts, *([self.hull] if self.hull else [])]
         across = [
             (s.middle[i] - s.half[i], s.middle[i] + s.half[i]) for i in (0, 1) for s in shapes
@@ -111,16 +111,12 @@ class ViewShapes:
 
 def project_vehicle(vehicle: Vehicle, view: ViewDirection, pressure: float) -> ViewShapes:
     """
-    Return what stands in one view.
+    Return the shapes of one view.
 
     Parameters
     ----------
-    vehicle : Vehicle
-        The vehicle.
-    view : View
-        Where to look from.
     pressure : float
-        Centre of pressure, ahead of the hull centre. [m]
+        Distance of the centre of pressure ahead of the hull centre. [m]
 
     """
     file = vehicle.file
@@ -144,7 +140,7 @@ def project_vehicle(vehicle: Vehicle, view: ViewDirection, pressure: float) -> V
         parts,
         rotors,
         _list_centers(vehicle, view, pressure),
-        () if parts else arms,  # nothing else says what holds the rotors
+        () if parts else arms,  # without parts, arms show what holds the rotors
     )
 
 
@@ -164,6 +160,7 @@ def _part_outline(view: ViewDirection, layer: str, name: str, part: PartBlock) -
 
 def _projected_size(view: ViewDirection, half: Sequence[float]) -> Two:
     across, high = view.project(half)
+    # A view axis may be negative; sizes are not
     return abs(across), abs(high)
 
 
@@ -173,6 +170,7 @@ def _list_centers(vehicle: Vehicle, view: ViewDirection, pressure: float) -> Seq
     marks = [CenterMark('CG', view.project(cg), 'centre of gravity')]
     if file.hull.shape != 'none':
         middle, ahead = (0.0, 0.0, 0.0), (pressure, 0.0, 0.0)
+        # One common mark where both coincide, for example in the front view
         if view.project(ahead) == view.project(middle):
             marks.append(
                 CenterMark('CB, CP', view.project(middle), 'centres of buoyancy and pressure')

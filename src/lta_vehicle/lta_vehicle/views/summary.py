@@ -1,4 +1,4 @@
-"""What a vehicle is and can do, in sentences."""
+"""Summarize a vehicle sheet in sentences."""
 
 from collections.abc import Iterator
 import math
@@ -11,13 +11,14 @@ MANY = ('no', 'one', 'two', 'three', 'four', 'five', 'six', 'seven', 'eight')
 
 
 def format_headline(sheet: VehicleSheet) -> str:
-    """Return the one sentence that matters most."""
+    """Return the headline: weight, heaviness and hover duty."""
     f = sheet.by_key
     name = sheet.vehicle.file.name
     heavy = f['heaviness']
     weight = f['mass'].text
     if sheet.vehicle.file.hull.shape == 'none':
-        first = f'{name} weighs {weight}, all of which its rotors carry'
+        first = f'{name} weighs {weight}, all carried by its rotors'
+    # Exactly zero: trimmed to neutral buoyancy by the file
     elif heavy.value == 0.0:
         first = f'{name} weighs {weight}, gas included, and floats'
     else:
@@ -33,15 +34,14 @@ def format_headline(sheet: VehicleSheet) -> str:
 
 
 def describe_vehicle(sheet: VehicleSheet) -> list[str]:
-    """Return what people ask first, and how much of it is assumed."""
+    """Return the most important properties as sentences, and the share of assumed numbers."""
     return [
         *_describe_weight(sheet),
         *_describe_push(sheet),
         *_describe_stability(sheet),
         *_describe_helium(sheet),
-        f'{sheet.assumed_count} of the {len(sheet.numbers)} numbers in its file are assumed: '
-        f'nobody '
-        'measured or published them.',
+        f'{sheet.assumed_count} of the {len(sheet.numbers)} numbers in its file are assumed, '
+        'neither measured nor published.',
     ]
 
 
@@ -51,18 +51,18 @@ def _describe_weight(sheet: VehicleSheet) -> Iterator[str]:
     if ballast is not None:
         yield (
             f'Add {ballast.text} of ballast to make it {f["heaviness"].text} heavy; '
-            'then let lta vehicle trim tell from a hover what it really weighs.'
+            'then estimate its actual weight from a hover with lta vehicle trim.'
         )
     if 'cg_x' in f and 'lean' in f and (f['lean'].value or 0.0) > 1.0:
         yield (
-            f'It hangs {f["lean"].text} off the vertical, for its centre of gravity is '
+            f'It hangs {f["lean"].text} off the vertical, because its centre of gravity is '
             f'{_format_side(f["cg_x"], "ahead of", "behind")} the hull centre and '
             f'{_format_side(f["cg_y"], "to the left", "to the right")} of it.'
         )
 
 
 def _format_side(figure: DerivedFigure, positive: str, negative: str) -> str:
-    """Return a length with the side that its sign means."""
+    """Return a length with the side that its sign denotes."""
     words = negative if (figure.value or 0.0) < 0.0 else positive
     return f'{figure.text.removeprefix(MINUS)} {words}'
 
@@ -87,7 +87,7 @@ def _format_note(note: str) -> str:
 def _describe_stability(sheet: VehicleSheet) -> Iterator[str]:
     f = sheet.by_key
     if 'swing_pitch' not in f:
-        yield 'Nothing rights it when it is tilted: a controller must.'
+        yield 'It has no righting moment when tilted; a controller must stabilise it.'
         return
     half = f['damping_pitch'].note
     yield f'Tilted, it swings with a period of {f["swing_pitch"].text}; {half}.'
@@ -96,7 +96,7 @@ def _describe_stability(sheet: VehicleSheet) -> Iterator[str]:
         yield f'The hull can tumble above {tumble.text} ({tumble.note}).'
     lean = f.get('push_lean')
     if lean is not None and (lean.value or 0.0) >= 0.5 and level.value:
-        yield f'At full push forward it leans {lean.text}.'
+        yield f'At full forward thrust it leans {lean.text}.'
 
 
 def _describe_helium(sheet: VehicleSheet) -> Iterator[str]:
@@ -104,12 +104,12 @@ def _describe_helium(sheet: VehicleSheet) -> Iterator[str]:
     if 'leak_low' not in f:
         return
     yield (
-        f'A film like those of airships would lose {f["leak_low"].text} to '
+        f'A film like that of airships would lose {f["leak_low"].text} to '
         f'{f["leak_high"].text} of lift (assumed: no figure for this film was found).'
     )
     loss = f['hover_loss']
     if loss.value is not None:
-        yield f'It can hover until {loss.text} are lost: {loss.note}.'
+        yield f'It can hover until {loss.text} of lift are lost: {loss.note}.'
     if 'gains_loss' in f:
         held = f['gains_loss']
-        yield f'Its gains hold until {held.text} are lost: {held.note}.'
+        yield f'Its gains hold until {held.text} of lift are lost: {held.note}.'

@@ -1,4 +1,4 @@
-"""A vehicle on a terminal: its sentences, a picture in braille dots, and tables."""
+"""Print vehicle sheets and differences on a terminal."""
 
 from collections.abc import Sequence
 
@@ -22,12 +22,13 @@ WIDE = 100
 def show_sheet(
     sheet: VehicleSheet, warnings: Sequence[str], console: Console, everything: bool
 ) -> None:
-    """Print what a vehicle is and can do; every number of its file if everything is wanted."""
+    """Print a vehicle sheet; with `everything`, all numbers of the file as well."""
     console.print(Text(f'{format_headline(sheet)}.', HEAD))
     console.print(Text(sheet.vehicle.file.about, QUIET))
     console.print()
     picture = draw_side_view(sheet, PICTURE)
     words = Text('\n'.join(f'• {line}' for line in describe_vehicle(sheet)))
+    # The sentences need about 44 characters beside the picture; otherwise put them below
     if console.width >= PICTURE + 44:
         table = Table.grid(padding=(0, 3))
         table.add_column(no_wrap=True, width=PICTURE)
@@ -50,13 +51,13 @@ def show_sheet(
 
 
 def show_warnings(warnings: Sequence[str], console: Console) -> None:
-    """Print what should be looked at."""
+    """Print the warnings."""
     for line in warnings:
         console.print(Text.assemble(('! ', GUESS), line))
 
 
 def build_budget_table(sheet: VehicleSheet) -> Table:
-    """Return what the mass is made of, by layer."""
+    """Return the mass budget by layer."""
     table = _create_table('What its mass is made of')
     table.add_column('layer', style=HEAD)
     table.add_column('mass', justify='right', no_wrap=True)
@@ -74,7 +75,7 @@ def build_budget_table(sheet: VehicleSheet) -> Table:
 def build_figures_table(
     name: str, figures: Sequence[DerivedFigure], sheet: VehicleSheet, console_width: int
 ) -> Table:
-    """Return one group of derived figures, all groups alike in width where there is room."""
+    """Return the table of a group; all groups have equal widths if the console is wide enough."""
     table = _create_table(name)
     wide = console_width >= WIDE
     table.add_column('figure', width=40 if wide else None)
@@ -96,8 +97,8 @@ def build_figures_table(
 
 
 def build_numbers_table(numbers: Sequence[VehicleFileEntry], wide: bool) -> Table:
-    """Return every number of the file with its source."""
-    table = _create_table('Every number of its file')
+    """Return a table of all numbers of the file with their sources."""
+    table = _create_table('All numbers of the file')
     table.add_column('place', overflow='fold', no_wrap=wide)
     table.add_column('value', justify='right', style=HEAD)
     table.add_column('source')
@@ -111,15 +112,15 @@ def build_numbers_table(numbers: Sequence[VehicleFileEntry], wide: bool) -> Tabl
 def show_difference(
     difference: VehicleDifference, names: tuple[str, str], console: Console
 ) -> None:
-    """Print where two vehicles differ, and what follows."""
+    """Print the differing entries of two vehicles and the changed figures."""
     if not difference.changes:
-        console.print(f'{names[0]} and {names[1]} say the same.', highlight=False)
+        console.print(f'{names[0]} and {names[1]} have the same content.', highlight=False)
         return
     changed = _create_table(f'What differs: {names[0]} → {names[1]}')
     changed.add_column('place', overflow='fold')
     changed.add_column('before', justify='right')
     changed.add_column('after', justify='right', style=HEAD)
-    changed.add_column('source of the newer')
+    changed.add_column('source of the later value')
     for change in difference.changes:
         newer = change.after or change.before
         source = newer.source if newer else ''
@@ -128,20 +129,20 @@ def show_difference(
             change.place,
             change.before.value if change.before else MISSING,
             change.after.value if change.after else MISSING,
-            Text(source if change.after else 'taken away', style),
+            Text(source if change.after else 'removed', style),
         )
     console.print(changed)
     if difference.changed_effects:
         console.print(
-            f'The figures of a vehicle know little of effects: what '
-            f'{", ".join(difference.changed_effects)} '
-            'does is seen where it flies with and without it (lta simulate, lta compare).',
+            'The figures do not include most effects. To see the influence of '
+            f'{", ".join(difference.changed_effects)}, '
+            'simulate both vehicles (lta simulate) and compare the flights (lta compare).',
             highlight=False,
         )
     show_warnings(difference.stale_aero_notes, console)
     if not difference.consequences:
         if not difference.changed_effects and not difference.stale_aero_notes:
-            console.print('Nothing follows from that.')
+            console.print('No derived figure changes.')
         return
     follows = _create_table('What follows')
     follows.add_column('figure')
@@ -153,13 +154,13 @@ def show_difference(
 
 
 def format_figure_change(item: FigureChange) -> tuple[str, str, str, str]:
-    """Return one figure before and after, and by how much it changed."""
+    """Return label, value before and after, and change of a figure."""
     shown = [figure.text if figure else MISSING for figure in (item.before, item.after)]
     return item.figure.words, shown[0], shown[1], format_shift(item)
 
 
 def format_shift(item: FigureChange) -> str:
-    """Return a change as people write it: '+1.2 g (+8 %)'."""
+    """Format a change, such as '+1.2 g (+8 %)'."""
     shift = item.shift
     if shift is None or item.before is None:
         return ''
@@ -167,7 +168,8 @@ def format_shift(item: FigureChange) -> str:
     unit = 'points' if figure.unit == '%' else figure.unit
     text = f'{shift:+.{figure.digits}f} {unit}'.replace('-', '\N{MINUS SIGN}')
     if figure.unit == '%':
-        return text  # a share of a share tells nobody anything
+        return text  # a percentage of a percentage would be confusing
+    # A change of more than 1000 % of a value near zero is not informative
     if not item.before.value or abs(shift / item.before.value) > 10.0:
         return text
     share = f'{100.0 * shift / abs(item.before.value):+.1f}'.replace('-', '\N{MINUS SIGN}')

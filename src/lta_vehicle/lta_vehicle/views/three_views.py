@@ -1,4 +1,4 @@
-"""The three views of a vehicle as one SVG: sharp at any size, in the colours of the page."""
+"""Draw the three views of a vehicle as one SVG, styled by the page."""
 
 from collections.abc import Iterator, Sequence
 from html import escape
@@ -15,18 +15,18 @@ from lta_vehicle.views.projection import (
     ViewShapes,
 )
 
-WIDTH: Final = 640.0  # px of the two views beside each other
+WIDTH: Final = 640.0  # px; of side and front view together
 GAP, TITLE, MARGIN = 64.0, 26.0, 34.0  # px
 ARROW, DISC, HEAD = 34.0, 11.0, 7.0  # px: thrust at full length, half a rotor, its arrow head
-CLOSE: Final = (60.0, 15.0)  # px, across and up; letters of marks nearer than this would touch
-LETTERS: Final = (  # px from a mark, by how many stand near it already
+CLOSE: Final = (60.0, 15.0)  # px, horizontal and vertical; letters of closer marks would touch
+LETTERS: Final = (  # px; offset of the letters, by the number of marks already close by
     (-11.0, 4.0, 'end'),
     (0.0, -11.0, 'middle'),
     (0.0, 19.0, 'middle'),
     (0.0, 34.0, 'middle'),
 )
-LEGEND, KEYS = 214.0, 260.0  # px of height, and of width
-NICE: Final = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  # m
+LEGEND, KEYS = 214.0, 260.0  # px; height and width of the legend
+NICE: Final = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  # m; lengths of the scale bar
 
 
 def draw_three_views(vehicle: Vehicle, pressure: float) -> str:
@@ -35,15 +35,14 @@ def draw_three_views(vehicle: Vehicle, pressure: float) -> str:
 
     Parameters
     ----------
-    vehicle : Vehicle
-        The vehicle.
     pressure : float
-        Centre of pressure, ahead of the hull centre. [m]
+        Distance of the centre of pressure ahead of the hull centre. [m]
 
     """
     side, front, top = (project_vehicle(vehicle, view, pressure) for view in VIEWS)
     wide, deep, high = _view_span(side, 0), _view_span(front, 0), _view_span(side, 1)
     tall = _view_span(top, 1)
+    # One scale for all views: side and front view share the first row
     scale = (WIDTH - 4.0 * MARGIN) / (wide + deep)
     x2 = wide * scale + 2.0 * MARGIN + GAP
     y2 = TITLE + high * scale + 2.0 * MARGIN + GAP / 2
@@ -68,7 +67,7 @@ def _view_span(shapes: ViewShapes, axis: int) -> float:
 
 
 def _draw_view(shapes: ViewShapes, left: float, top: float, scale: float) -> Iterator[str]:
-    """Yield one view whose box begins at a place of the paper. [px]."""
+    """Yield one view with its upper left corner at a position. [px]"""
     low, high = shapes.bounds
 
     def to_pixels(place: Sequence[float]) -> tuple[float, float]:
@@ -86,7 +85,7 @@ def _draw_view(shapes: ViewShapes, left: float, top: float, scale: float) -> Ite
     for rotor in shapes.rotors:
         yield from draw_rotor(rotor, *to_pixels(rotor.at))
     taken: list[tuple[float, float]] = []
-    letters: list[str] = []  # over all signs
+    letters: list[str] = []  # drawn last, on top of all symbols
     for mark in shapes.marks:
         x, y = to_pixels(mark.at)
         near = sum(abs(x - p) < CLOSE[0] and abs(y - q) < CLOSE[1] for p, q in taken)
@@ -114,7 +113,8 @@ def _draw_outline(shape: PartOutline, at: object, scale: float, kind: str) -> st
 
 
 def draw_rotor(rotor: RotorArrow, x: float, y: float) -> Iterator[str]:
-    """Yield a rotor: its disc edge-on and an arrow of thrust, or a ring where it faces the eye."""
+    """Yield a rotor: its disc with a thrust arrow, or a ring if the thrust faces the viewer."""
+    # SVG's y axis points down
     p, q = rotor.along[0], -rotor.along[1]
     seen = math.hypot(p, q)
     kind = ' both' if rotor.reversible else ''
@@ -125,9 +125,11 @@ def draw_rotor(rotor: RotorArrow, x: float, y: float) -> Iterator[str]:
         f'<ellipse class="disc" cx="{x:.1f}" cy="{y:.1f}" rx="{max(flat, 1.3):.1f}" '
         f'ry="{DISC:.1f}" transform="rotate({turn:.1f} {x:.1f} {y:.1f})"/>'
     )
+    # A shorter projected axis has no visible arrow; it is drawn as a ring or a cross
     if seen > 0.15:
         yield _draw_arrow(x, y, p * ARROW, q * ARROW)
         if rotor.reversible:
+            # The shorter arrow marks reverse thrust
             yield _draw_arrow(x, y, -0.6 * p * ARROW, -0.6 * q * ARROW)
     elif rotor.towards > 0.0:
         yield f'<circle class="tip" cx="{x:.1f}" cy="{y:.1f}" r="2.6"/>'
@@ -154,7 +156,7 @@ def _draw_arrow(x: float, y: float, p: float, q: float) -> str:
 
 
 def _draw_mark(mark: CenterMark, x: float, y: float, near: int) -> tuple[str, str]:
-    """Return the sign of a centre, and its letters: before, above or below it."""
+    """Return the symbol of a centre and its letters."""
     kind = {'CG': 'gravity', 'CP': 'pressure'}.get(mark.letters, 'buoyancy')
     if mark.letters == 'moving mass':
         kind = 'moving'
@@ -168,10 +170,10 @@ def _draw_mark(mark: CenterMark, x: float, y: float, near: int) -> tuple[str, st
 
 
 def draw_symbol(kind: str, x: float, y: float) -> Iterator[str]:
-    """Yield the sign of a centre: quartered for gravity, ring for buoyancy, diamond else."""
+    """Yield the symbol of a centre: quartered for gravity, ring for buoyancy, else diamond."""
     if kind == 'gravity':
         yield f'<circle class="ring" cx="{x:.1f}" cy="{y:.1f}" r="7"/>'
-        for r in (7, -7):  # two of its quarters
+        for r in (7, -7):  # px; two opposite quarters are filled
             yield f'<path class="full" d="M{x:.1f} {y:.1f}v{-r}a7 7 0 0 1 {r} {r}Z"/>'
     elif kind == 'buoyancy':
         yield f'<circle class="ring" cx="{x:.1f}" cy="{y:.1f}" r="6"/>'
@@ -181,7 +183,7 @@ def draw_symbol(kind: str, x: float, y: float) -> Iterator[str]:
 
 
 def _draw_legend(x: float, y: float, scale: float, hull: bool) -> Iterator[str]:
-    """Yield what the signs mean, and a bar of a round length."""
+    """Yield the legend and a scale bar."""
     rows = [('gravity', 'CG: centre of gravity')]
     if hull:
         rows.append(('buoyancy', 'CB: centre of buoyancy'))
@@ -196,6 +198,7 @@ def _draw_legend(x: float, y: float, scale: float, hull: bool) -> Iterator[str]:
     yield f'<g class="rotor"><circle class="disc" cx="{x + 8}" cy="{z + 24}" r="8"/>'
     yield f'<circle class="tip" cx="{x + 8}" cy="{z + 24}" r="2.4"/></g>'
     yield f'<text class="key" x="{x + 26:.1f}" y="{z + 28:.1f}">towards you; crossed: away</text>'
+    # The longest round length that fits 160 px
     bar = max(step for step in NICE if step * scale <= 160.0 or step == NICE[0])
     end = x + bar * scale
     name = f'{bar:g} m' if bar >= 1.0 else f'{100 * bar:g} cm'

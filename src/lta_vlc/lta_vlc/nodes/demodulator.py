@@ -21,14 +21,14 @@ from std_msgs.msg import Header
 
 
 class DemodulatorParameters(DemodulationSettings):
-    """The beacon to listen for, and what is known of its lamp."""
+    """The beacon to detect, and the prior on its lamp."""
 
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
     prior: LampPrior = setting(LampPrior(), 'The lamp before it is seen.')
 
 
 class Demodulator(GraphNode):
-    """Answer each ADC block with peaks, the paper's vector and where the lamp is."""
+    """Answer each ADC block with peaks, the paper's bearing vector and the lamp position."""
 
     def __init__(self) -> None:
         super().__init__('demodulator')
@@ -41,10 +41,10 @@ class Demodulator(GraphNode):
         self._apply_settings(self._settings.value)
         self._sequence = BlockSequence(self.table['photodiodes'].period_ns)
         self._refused = 0
-        # After the outputs: what is published before somebody listens is lost in real time.
+        # After the outputs: messages published before a subscriber is there are lost in real time.
         entry = load_vehicle_file(self._settings.value.vehicle).sensors.diodes
         self._finder = LampFinder(build_diode_array(entry))
-        self._listener.prepare()  # who listens must answer at once
+        self._listener.prepare()  # the first block must be answered at once
         self._finder.prepare()
         inputs = self.table.read_by('demodulator')
         self.subscribe_inputs(inputs, trigger='photodiodes', on_step=self._on_step)
@@ -59,16 +59,19 @@ class Demodulator(GraphNode):
     def _on_step(self, step: InboxStep) -> None:
         message: Image = step.last_message('photodiodes')
         try:
+            # Before demodulating: trackers must know of the gap
             self._listener.skip_blocks(self._sequence.accept_block(step.stamp_ns))
+            # The last request wins
             for wish in step.messages['light/beacon']:
                 self._listener.prioritize_beacon(wish.data)
             block = to_block(message)
+            # A block of another vehicle would be fitted with wrong axes
             self._finder.diodes.check_count(block.shape[1])
             hearing = self._listener.demodulate(block)
         except ValueError as error:
             self._refused += 1
             self.health.report(WANTED, HealthLevel.ERROR, str(error), blocks_refused=self._refused)
-            if self.lockstep:  # whoever waits for the answer would wait for ever
+            if self.lockstep:  # otherwise the lockstep would wait forever
                 self._publish_results(message.header, (), LampDetection())
             return
         settings = self._settings.value
@@ -77,7 +80,7 @@ class Demodulator(GraphNode):
         self._report_health(hearing)
 
     def _report_health(self, hearing: DemodulatedBlock) -> None:
-        """Say how the light stands."""
+        """Report the state of the light reception."""
         for fact in describe_beacons(
             hearing,
             self._listener.beacons,
@@ -96,5 +99,5 @@ class Demodulator(GraphNode):
 
 
 def main(args: list[str] | None = None) -> None:
-    """Run the node until it is told to stop."""
+    """Run the node until it is stopped."""
     run_node(Demodulator, args)

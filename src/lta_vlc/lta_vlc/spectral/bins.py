@@ -22,16 +22,16 @@ BESIDE = 1.5  # bins on either side of the flicker of the mains, whose frequency
 @dataclass(frozen=True, slots=True)
 class BeaconBins:
     """
-    Where one beacon is looked for in blocks of one length.
+    Bins of one beacon in blocks of one length.
 
     Parameters
     ----------
     first, last : int
-        Closed range of bins in which its peak is sought.
+        Closed range of bins in which its peak is searched.
     quiet : ndarray of int
         Bins whose mean is the noise: away from the harmonics of every beacon.
     unlit : ndarray of int
-        Those of the quiet bins that hold no flicker of the mains either.
+        The quiet bins without mains flicker.
     width : float
         Width of a bin. [Hz]
     samples : int
@@ -56,24 +56,13 @@ def plan_beacon_bins(
     beacons: Sequence[float], settings: 'DemodulationSettings', sample_rate: float, samples: int
 ) -> tuple[BeaconBins, ...]:
     """
-    Return where each beacon stands in blocks of a given rate and length.
-
-    Parameters
-    ----------
-    beacons : sequence of float
-        Their frequencies. [Hz]
-    settings : Demodulation
-        How to listen.
-    sample_rate : float
-        Samples a second of each diode. [Hz]
-    samples : int
-        Samples in a block.
+    Return the bins of each beacon [Hz] in blocks of a given rate [Hz] and length.
 
     Raises
     ------
     BadInput
-        If a beacon is at or above the Nyquist frequency, too near to zero, or if the block is
-        too short to tell it from the harmonics of all.
+        If a beacon is at or above the Nyquist frequency, too near to zero, or if the block is too
+        short to separate it from the harmonics of all.
 
     """
     block = f'a block of {samples} samples at {sample_rate:g} samples/s'
@@ -82,6 +71,7 @@ def plan_beacon_bins(
         _select_search_range(beacon, settings.window, sample_rate, samples, block)
         for beacon in beacons
     ]
+    # Common to all beacons, so that one noise figure serves all
     quiet = select_quiet_bins(beacons, sample_rate, samples, settings.window, settings.harmonics)
     if quiet.size < QUIET_BINS:
         raise BadInput(
@@ -90,13 +80,14 @@ def plan_beacon_bins(
             f'{quiet.size} bins of {block} to measure the noise in, but {QUIET_BINS} are needed; '
             'take longer blocks, a narrower window or fewer harmonics.'
         )
+    # Mains flicker in bins
     hum = np.array(mains_flicker_frequencies(settings.mains, sample_rate)) / width
     unlit = quiet[np.abs(quiet[:, None] - hum).min(axis=1, initial=samples) > BESIDE]
     return tuple(BeaconBins(first, last, quiet, unlit, width, samples) for first, last in ranges)
 
 
 def _format_beacons(beacons: Sequence[float]) -> str:
-    """Return what a sentence calls the beacons."""
+    """Return the beacons for a message."""
     if len(beacons) == 1:
         return f'The beacon at {beacons[0]:g} Hz'
     return f'The beacons at {", ".join(f"{beacon:g}" for beacon in beacons)} Hz'
@@ -105,7 +96,7 @@ def _format_beacons(beacons: Sequence[float]) -> str:
 def _select_search_range(
     frequency: float, window: int, sample_rate: float, samples: int, block: str
 ) -> tuple[int, int]:
-    """Return the bins in which a beacon is sought, or refuse it."""
+    """Return the bins in which a beacon is searched, or refuse it."""
     beacon = _format_beacons([frequency])
     if not frequency < sample_rate / 2:
         raise BadInput(
@@ -119,6 +110,7 @@ def _select_search_range(
             f'{beacon} stands in bin {target} of {block}, too near to zero for a window of '
             f'{window} bins; take longer blocks or a narrower window.'
         )
+    # The highest bin of a real transform
     if last > samples // 2:
         raise BadInput(
             f'{beacon} stands in bin {target} of {block}, too near to the Nyquist frequency for '

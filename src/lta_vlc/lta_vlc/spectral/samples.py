@@ -9,16 +9,16 @@ from numpy.typing import NDArray
 
 class SampleStatistics(NamedTuple):
     """
-    What the samples of each diode are like.
+    Statistics of each diode's samples, arrays of shape (d,).
 
     Attributes
     ----------
-    level : ndarray of float64, shape (d,)
-        Means; NaN for a diode of which a sample is NaN or infinite.
-    span : ndarray of float64, shape (d,)
+    level : ndarray of float64
+        Means; NaN for a diode with a NaN or infinite sample.
+    span : ndarray of float64
         Highest sample less the lowest.
-    full : ndarray of float64, shape (d,)
-        Part of the samples at the upper end of the scale.
+    full : ndarray of float64
+        Share of the samples at the upper end of the scale.
 
     """
 
@@ -30,18 +30,10 @@ class SampleStatistics(NamedTuple):
 @compile_kernel
 def center_samples(waves: NDArray[np.float64], full_scale: float) -> SampleStatistics:
     """
-    Return what the samples are like, and take the means out of them.
+    Return the statistics of `waves`, shape (d, n), and subtract the means in place.
 
-    Without its mean, bin 0 of a wave is zero and a constant wave reads exactly zero throughout,
-    which rounding would spoil.
-
-    Parameters
-    ----------
-    waves : ndarray, shape (d, n)
-        Samples in time order, changed in place; zero where one of a diode is NaN or infinite.
-    full_scale : float
-        The ADC's largest reading, in the unit of the samples.
-
+    Without its mean, bin 0 of a wave is zero and a constant wave is exactly zero throughout,
+    despite rounding. The row of a diode with a NaN or infinite sample is set to zero.
     """
     diodes, count = waves.shape
     level, span, full = np.zeros(diodes), np.zeros(diodes), np.zeros(diodes)
@@ -55,6 +47,7 @@ def center_samples(waves: NDArray[np.float64], full_scale: float) -> SampleStati
             highest = max(highest, wave[k])
             clipped += wave[k] >= full_scale
         mean = total / count
+        # One NaN or infinite sample makes the mean so
         sane = np.isfinite(mean)
         for k in range(count):
             wave[k] = wave[k] - mean if sane else 0.0

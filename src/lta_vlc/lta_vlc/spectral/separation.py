@@ -15,23 +15,14 @@ MAINS_HARMONICS = 10  # of the flicker at twice the mains' frequency: those of l
 
 
 def mains_flicker_frequencies(mains: float, sample_rate: float) -> list[float]:
-    """
-    Return the frequencies at which lamps on the mains appear to flicker. [Hz]
-
-    Parameters
-    ----------
-    mains : float
-        Frequency of the mains; 0 where there are none. [Hz]
-    sample_rate : float
-        Samples a second. [Hz]
-
-    """
+    """Return the apparent flicker frequencies of lamps on the mains; `mains` is 0 without. [Hz]"""
     orders = range(1, MAINS_HARMONICS + 1) if mains > 0.0 else ()
     return [alias_frequency(2.0 * mains * order, sample_rate) for order in orders]
 
 
 def alias_frequency(frequency: float, sample_rate: float) -> float:
-    """Return where a frequency appears once it is sampled. [Hz]"""
+    """Return the apparent frequency after sampling. [Hz]"""
+    # Fold into the range from 0 to the Nyquist frequency
     return abs((frequency + sample_rate / 2.0) % sample_rate - sample_rate / 2.0)
 
 
@@ -39,30 +30,20 @@ def check_beacons(
     beacons: Sequence[float], settings: 'DemodulationSettings', sample_rate: float, samples: int
 ) -> None:
     """
-    Refuse beacons that cannot be told apart.
-
-    Parameters
-    ----------
-    beacons : sequence of float
-        Their frequencies. [Hz]
-    settings : Demodulation
-        How to listen.
-    sample_rate : float
-        Samples a second of each diode. [Hz]
-    samples : int
-        Samples in a block.
+    Refuse beacons [Hz] that cannot be separated.
 
     Raises
     ------
     BadInput
-        If two are sought in the same bins, or if a strong harmonic of one or the flicker of the
-        mains falls where another is sought, folded back by the sampling as it may be.
+        If the search bins of two overlap, or if a strong harmonic of one or the mains flicker,
+        possibly aliased, falls into those of another.
 
     """
     window, width = settings.window, sample_rate / samples
     places = {beacon: target_bin(beacon, sample_rate, samples) for beacon in beacons}
     apart = (2 * window + 1) * width
     for one, other in combinations(beacons, 2):
+        # Search windows overlap
         if abs(places[one] - places[other]) <= 2 * window:
             raise BadInput(
                 f'The beacons at {one:g} and {other:g} Hz are closer than the resolution of '

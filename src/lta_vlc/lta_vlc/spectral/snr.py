@@ -11,32 +11,29 @@ def select_quiet_bins(
     frequencies: Sequence[float], sample_rate: float, samples: int, window: int, harmonics: int
 ) -> NDArray[np.intp]:
     """
-    Return the bins that hold neither a beacon nor its harmonics.
+    Return the bins without beacons and their harmonics, in rising order, without bin 0.
 
     Parameters
     ----------
     frequencies : sequence of float
         Frequencies of all beacons. [Hz]
     sample_rate : float
-        Samples a second. [Hz]
+        Sampling rate. [Hz]
     samples : int
         Samples in a block.
     window : int
         Bins masked on either side of each harmonic.
     harmonics : int
-        Harmonics masked, the fundamental included; those above Nyquist do not matter.
-
-    Returns
-    -------
-    ndarray of int, shape (q,)
-        Bins in rising order, without bin 0, the mean. May be empty.
+        Harmonics masked, the fundamental included.
 
     """
     bins = np.arange(samples // 2 + 1)
+    # Bin 0 is the mean
     quiet = bins > 0
     for frequency in frequencies:
         for order in range(1, harmonics + 1):
             centre = target_bin(order * frequency, sample_rate, samples)
+            # Beyond Nyquist; higher orders are too
             if centre - window > samples // 2:
                 break
             quiet[max(0, centre - window) : centre + window + 1] = False
@@ -46,14 +43,7 @@ def select_quiet_bins(
 def signal_to_noise_ratio(
     peak: NDArray[np.float64], noise: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """
-    Return peak over noise, with 0 for no signal at all and infinity for no noise.
-
-    Parameters
-    ----------
-    peak, noise : ndarray of float64, shape (d,)
-        Magnitude of the peak, and mean magnitude of the quiet bins, in one unit.
-
-    """
+    """Return peak over noise, 0 without any signal and infinity without noise, shape (d,)."""
+    # Value where the noise is zero
     silent = np.where(peak > 0.0, np.inf, 0.0)
     return np.divide(peak, noise, out=silent, where=noise > 0.0)

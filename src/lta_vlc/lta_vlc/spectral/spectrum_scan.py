@@ -9,18 +9,16 @@ from numpy.typing import NDArray
 
 class SpectrumScan(NamedTuple):
     """
-    What the whole bins hold.
+    Results of the scan of whole bins.
 
     Attributes
     ----------
     highest : ndarray of int, shape (b,)
-        Bin in which each beacon is strongest, over all diodes that have a say.
+        Strongest bin of each beacon, over all weighted diodes.
     peak : ndarray, shape (b, d)
-        Magnitude of each diode's highest bin where a beacon is sought.
-    noise : ndarray, shape (d,)
-        Mean magnitude of the quiet bins.
-    loudest : ndarray, shape (d,)
-        Largest magnitude of a bin in which nothing known stands.
+        Magnitude of each diode's highest bin in the search range.
+    noise, loudest : ndarray, shape (d,)
+        Mean magnitude of the quiet bins, and largest one of the unlit bins.
 
     """
 
@@ -39,18 +37,16 @@ def scan_spectrum(
     weight: NDArray[np.float64],
 ) -> SpectrumScan:
     """
-    Return what the whole bins hold.
+    Return the peaks and the noise in a spectrum of magnitudes, shape (d, n // 2 + 1).
 
     Parameters
     ----------
-    size : ndarray, shape (d, n // 2 + 1)
-        Magnitudes.
     ranges : ndarray of int, shape (b, 2)
-        Closed range of bins in which each beacon is sought.
+        Closed search range of each beacon.
     quiet, unlit : ndarray of int
-        Quiet bins, and those of them that hold nothing known.
+        Quiet bins, and those of them without mains flicker.
     weight : ndarray, shape (d,)
-        1 for each diode that has a say in where a beacon stands, else 0.
+        1 for each diode that decides on the bin of a beacon, else 0.
 
     """
     diodes = size.shape[0]
@@ -66,6 +62,7 @@ def scan_spectrum(
     for beacon in range(len(ranges)):
         most = -1.0
         for k in range(ranges[beacon, 0], ranges[beacon, 1] + 1):
+            # All diodes decide together where the beacon is, by power
             power = 0.0
             for diode in range(diodes):
                 peak[beacon, diode] = max(peak[beacon, diode], size[diode, k])

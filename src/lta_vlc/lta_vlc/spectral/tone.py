@@ -47,14 +47,14 @@ FARTHEST = 1.0  # bins from the highest bin to where the tone can be
 
 class Tones(NamedTuple):
     """
-    What each diode reads of each tone.
+    Frequency and amplitude of each tone.
 
     Attributes
     ----------
     frequency : ndarray, shape (b,)
         Common to all diodes. [bins]
     own : ndarray, shape (b, d)
-        As each diode alone would have it. [bins]
+        Of each diode alone. [bins]
     amplitude : ndarray, shape (b, d)
         At the common frequency, in the unit of the spectrum.
 
@@ -67,17 +67,8 @@ class Tones(NamedTuple):
 
 @compile_kernel
 def dirichlet_kernel(offset: float, samples: int) -> complex:
-    """
-    Return what a bin reads of a complex tone of amplitude 1.
-
-    Parameters
-    ----------
-    offset : float
-        Frequency of the tone over that of the bin. [bins]
-    samples : int
-        Samples in the block.
-
-    """
+    """Return a bin's value for a complex tone of amplitude 1, offset from it. [bins]"""
+    # sin(N h) / (N sin h), with the phase of the block's middle
     half = offset * (math.pi / samples)
     below = samples * math.sin(half)
     size = 1.0 if below == 0.0 else math.sin(samples * half) / below
@@ -93,11 +84,12 @@ def _estimate_frequencies(
     samples: int,
     own: NDArray[np.float64],
 ) -> float:
-    """Write the frequency that each diode has for one tone, and return the common one. [bins]"""
+    """Write each diode's frequency of one tone, and return the common one. [bins]"""
     turn = 2.0 * math.pi / samples
     cosine, sine, off = np.zeros(3), np.zeros(3), np.zeros(3)
     for j in range(3):
         cosine[j], sine[j] = math.cos(turn * (centre - 1 + j)), math.sin(turn * (centre - 1 + j))
+        # cos w_k relative to the middle bin, to keep digits
         off[j] = cosine[j] - math.cos(turn * centre)
     # B_1 is in the real parts alone, and B_0 beyond it, orthogonal: both are projected out.
     mean = (cosine[0] + cosine[1] + cosine[2]) / 3.0
@@ -107,6 +99,7 @@ def _estimate_frequencies(
         length += cosine[j] ** 2 + sine[j] ** 2
     above, below = 0.0, 0.0
     for diode in range(around.shape[1]):
+        # Components along B_1 (mean of the real parts) and B_0
         ends = start = 0.0
         for j in range(3):
             x, y = around[j, diode].real, around[j, diode].imag
@@ -126,7 +119,7 @@ def _estimate_frequencies(
 
 @compile_kernel
 def _solve_frequency(above: float, below: float, centre: int, samples: int) -> float:
-    """Return the frequency whose cosine is off that of a bin by a quotient. [bins]"""
+    """Return the frequency whose cosine differs from that of a bin by a quotient. [bins]"""
     if not below > 0.0 or above == 0.0:
         return float(centre)  # silence, or the tone in the middle of the bin
     turn = 2.0 * math.pi / samples
@@ -143,13 +136,15 @@ def _estimate_amplitudes(
     samples: int,
     amplitude: NDArray[np.float64],
 ) -> None:
-    """Write what each diode reads of a tone of known frequency."""
+    """Write each diode's amplitude of a tone of known frequency."""
     cosine, sine = np.zeros(3, np.complex128), np.zeros(3, np.complex128)
     for j in range(3):
+        # A real tone has lines at +w and -w
         there = dirichlet_kernel(frequency - (centre - 1 + j), samples)
         mirrored = dirichlet_kernel(-frequency - (centre - 1 + j), samples)
         cosine[j] = there + mirrored
         sine[j] = -1j * (there - mirrored)
+    # Normal equations of the two columns, 2 x 2
     a, b, c = 0.0, 0.0, 0.0
     for j in range(3):
         a += (cosine[j] * cosine[j].conjugate()).real
@@ -160,6 +155,7 @@ def _estimate_amplitudes(
         for j in range(3):
             u += (around[j, diode] * cosine[j].conjugate()).real
             v += (around[j, diode] * sine[j].conjugate()).real
+        # Cramer's rule; the determinant is divided out below
         x, y = c * u - b * v, a * v - b * u
         amplitude[diode] = math.hypot(x, y) / (a * c - b * b)
 
@@ -172,7 +168,7 @@ def _subtract_tone(
     k: int,
     samples: int,
 ) -> None:
-    """Take from the numbers of a bin what it reads of a tone elsewhere."""
+    """Subtract the leakage of a tone from the values of a bin."""
     there, mirrored = dirichlet_kernel(place - k, samples), dirichlet_kernel(-place - k, samples)
     for diode in range(len(read)):
         numbers[diode] -= there * read[diode] + mirrored * read[diode].conjugate()
@@ -180,7 +176,7 @@ def _subtract_tone(
 
 @compile_kernel
 def _divide_by_kernel(numbers: NDArray[np.complex128], place: float, k: int, samples: int) -> None:
-    """Make of the numbers of a bin what the tone that stands there must be."""
+    """Convert the values of a bin to the complex amplitude of the tone in it."""
     whole = dirichlet_kernel(place - k, samples)
     for diode in range(len(numbers)):
         numbers[diode] /= whole
@@ -194,29 +190,31 @@ def _remove_leakage(
     centres: NDArray[np.int64],
     samples: int,
 ) -> None:
-    """Take from the bins around each tone what they read of all others, and of harmonics."""
+    """Subtract the leakage of all other tones and of harmonics from the bins around each tone."""
     tones = len(frequency)
     first = np.zeros((tones, spectrum.shape[0]), np.complex128)
     read = np.zeros(spectrum.shape[0], np.complex128)
     for source in range(tones):
+        # The complex amplitude of each tone from its nearest bin
         nearest = round(frequency[source])
         for diode in range(len(read)):
             first[source, diode] = spectrum[diode, nearest]
         _divide_by_kernel(first[source], frequency[source], nearest, samples)
     for source in range(tones):
         for target in range(tones):
-            if target != source:  # the tone itself does not leak, it is read
+            if target != source:  # not the tone itself
                 for j in range(3):
                     k = centres[target] - 1 + j
                     _subtract_tone(around[target, j], frequency[source], first[source], k, samples)
         for order in range(2, LEAKY + 1):
             place = order * frequency[source]
             nearest = round(place)
+            # Aliased harmonics are left out
             if nearest >= samples // 2:
                 break
             for diode in range(len(read)):
                 read[diode] = spectrum[diode, nearest]
-            for other in range(tones):  # what the first harmonics leak there is none of it
+            for other in range(tones):  # without the leakage of the fundamentals
                 _subtract_tone(read, frequency[other], first[other], nearest, samples)
             _divide_by_kernel(read, place, nearest, samples)
             for target in range(tones):
@@ -234,16 +232,16 @@ def estimate_tones(
     samples: int,
 ) -> Tones:
     """
-    Return frequency and amplitude of tones that stand in known bins.
+    Return frequency and amplitude of tones in known bins.
 
     Parameters
     ----------
     spectrum : ndarray of complex128, shape (d, n // 2 + 1)
-        As `lta_vlc.spectral.spectrum.fourier_transform` gives it.
+        From `lta_vlc.spectral.spectrum.fourier_transform`.
     highest : ndarray of int, shape (b,)
         Bin of each tone.
     weight : ndarray, shape (d,)
-        1 for each diode that has a say in the frequency, else 0.
+        1 for each diode that decides on the frequency, else 0.
     samples : int
         Samples in the block.
 
@@ -252,11 +250,12 @@ def estimate_tones(
     centres = np.zeros(tones, np.int64)
     around = np.zeros((tones, 3, diodes), np.complex128)
     for tone in range(tones):
-        # Neither the mean's bin nor the last, whose mirror image it is itself, tells of a tone.
+        # Neither bin 0 (the mean) nor the last one, its own mirror image, contains a usable tone.
         centres[tone] = min(max(highest[tone], 2), samples // 2 - 1)
         for j in range(3):
             for diode in range(diodes):
                 around[tone, j, diode] = spectrum[diode, centres[tone] - 1 + j]
+    # Twice: a first frequency to remove the leakage, a second one without it
     frequency, own = np.zeros(tones), np.zeros((tones, diodes))
     amplitude = np.zeros((tones, diodes))
     for tone in range(tones):

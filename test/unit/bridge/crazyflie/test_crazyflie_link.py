@@ -368,7 +368,7 @@ def test_a_file_that_sets_a_required_parameter_otherwise_is_one_sentence(tmp_pat
         load_crazyflie(mine, 'gtmab')
     assert (
         'sets the parameter supervisor.landedTimeout to 60000, which must be 3000 on every drone '
-        '(a longer one keeps a landed drone armed with nobody watching); remove that line'
+        '(with a longer one a landed drone stays armed unattended); remove that line'
     ) in str(refused.value)
 
 
@@ -409,7 +409,7 @@ def test_every_shipped_file_is_wired_to_rotors_that_exist():
             == 4
         )
     with pytest.raises(
-        BadInput, match='is for multirotor, and gtmab flies; give the Crazyflie file'
+        BadInput, match='is for multirotor, but the vehicle is gtmab; give the Crazyflie file'
     ):
         load_crazyflie('multirotor', 'gtmab')
     with pytest.raises(BadInput, match='m1 is wired to up, which the vehicle does not have'):
@@ -423,7 +423,7 @@ def test_a_vehicle_of_ones_own_has_its_crazyflie_file_beside_it(tmp_path):
         find_crazyflie(str(mine), 'my_blimp')
     shipped = find_file('crazyflie', 'gtmab').read_text()
     (tmp_path / 'my_blimp.crazyflie.yaml').write_text(shipped)
-    with pytest.raises(BadInput, match='is for gtmab, and my_blimp flies'):
+    with pytest.raises(BadInput, match='is for gtmab, but the vehicle is my_blimp'):
         find_crazyflie(str(mine), 'my_blimp')
     own = shipped.replace('vehicle: gtmab', 'vehicle: my_blimp')
     (tmp_path / 'my_blimp.crazyflie.yaml').write_text(own)

@@ -43,7 +43,7 @@ def test_a_cut_compressed_text_is_refused(bring, tmp_path):
 MAPPINGS = {
     'dimension': ('unit: m}', 'unit: m/s}', 'position is in m/s, but must be in m'),
     'no unit': (', unit: m}', '}', 'position has no unit; add "unit: m"'),
-    'unknown unit': ('unit: m}', 'unit: feet}', 'no known unit'),
+    'unknown unit': ('unit: m}', 'unit: feet}', 'not a known unit'),
     'unknown topic': ('ground_truth/odom', 'odometry', "Unknown topic to import into 'odometry'"),
     'unknown part': (
         'position:',
@@ -54,7 +54,7 @@ MAPPINGS = {
     'two times': ('unit: s}', 'unit: s, rate: 50 Hz}', 'needs one of "column", "rate" and "step"'),
     'no time': ('time: {column: t, unit: s}\n', '', 'needs the key "time"'),
     'time unit': ('unit: s}', 'unit: m}', 'must be in s, ms, us or ns'),
-    'two columns': ('[x, y, z]', '[x, y]', 'must have at least 3'),
+    'two columns': ('[x, y, z]', '[x, y]', 'must have 3 or more'),
     'axes': ('topics:', 'world: [x, x, z]\ntopics:', 'each once'),
     'named axes': ('topics:', 'world: DOWN\ntopics:', 'known axes are ENU'),
     'actuators': ('position:', 'actuators: {m1: {}}\n    position:', 'only motors has'),

@@ -160,7 +160,7 @@ def test_page_without_scenario_draws_the_path_alone(tmp_path):
     write_page(write_flight(tmp_path / 'bag', until=6.0, facts={}), tmp_path / 'p.html')
     reading = Reading((tmp_path / 'p.html').read_text(encoding='utf-8'))
     assert set(reading.data) >= {f'figure-{panel.name}' for panel in PANELS}
-    assert 'The recording brings no scenario.' in reading.text
+    assert 'The recording has no scenario.' in reading.text
 
 
 def test_provenance_cannot_inject_anything(tmp_path):

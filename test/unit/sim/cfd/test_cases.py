@@ -194,7 +194,7 @@ def test_without_openfoam_one_sentence_says_how_to_get_it(monkeypatch):
 
 def test_a_mesh_beyond_the_memory_is_refused_before_any_work():
     found = plan_flows(load_tunnel_model('gtmab'), 'preview', AIR, ('surge',))
-    with pytest.raises(BadInput, match=r'needs about 0\.7 GB and there are 0\.5'):
+    with pytest.raises(BadInput, match=r'needs about 0\.7 GB, but only 0\.5 GB are available'):
         check_memory(found, 2, 0.5e9)
 
 

@@ -42,7 +42,7 @@ def test_a_sweep_becomes_forces_in_body_axes(fake):
 
 @pytest.mark.parametrize(
     ('fault', 'reason'),
-    [('killed', 'start again to resume'), ('disk', 'disk full; make room')],
+    [('killed', 'start again to resume'), ('disk', 'disk full; free space')],
 )
 def test_what_befell_a_flow_is_said(fake, monkeypatch, fault, reason):
     monkeypatch.setenv('FAKE_FAULT', f'up_left:{fault}')

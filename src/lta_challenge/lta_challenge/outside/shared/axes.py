@@ -6,7 +6,7 @@ Vector = tuple[float, float, float]
 
 
 def rotate_to_body(rotation: Values, x: float, y: float, z: float) -> Vector:
-    """Return a vector of the map in body axes; `rotation` has its rows one after the other."""
+    """Rotate a vector from map to body axes; `rotation` is row by row."""
     r = rotation
     return (
         r[0] * x + r[3] * y + r[6] * z,
@@ -16,6 +16,7 @@ def rotate_to_body(rotation: Values, x: float, y: float, z: float) -> Vector:
 
 
 def horizontal_components(rotation: Values, a: float, b: float, c: float) -> tuple[float, float]:
-    """Return how far a vector in body axes points east and north."""
+    """Return the map's x and y components of a vector in body axes."""
     r = rotation
+    # First two rows of R
     return (r[0] * a + r[1] * b + r[2] * c, r[3] * a + r[4] * b + r[5] * c)

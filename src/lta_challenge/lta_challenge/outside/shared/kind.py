@@ -11,18 +11,18 @@ from lta_model.effects.protocol import WrenchEffect
 @dataclass(frozen=True, slots=True)
 class OutsideKind:
     """
-    One kind.
+    A kind of force outside the library.
 
     Attributes
     ----------
     effect : WrenchEffect
-        Its first parameter, `size`, is what its strength goes with.
+        The effect; its strength is proportional to its first parameter, `size`.
     about : str
-        What it is, in words.
+        Description.
     usual : mapping of str to pair of float
-        Between which its parameters are drawn; its size is then set by what it comes to.
+        Ranges of the parameters; the size is then scaled to the intended strength.
     late : bool
-        Whether it was kept from discovery until that was finished.
+        Whether it was written independently and not used before discovery was finished.
 
     """
 

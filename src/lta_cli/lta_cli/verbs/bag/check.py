@@ -40,6 +40,7 @@ def check(
 
     Example: lta bag check runs/*/bag
     """
+    # With --json, stdout holds JSON only
     console = plain_console(stderr=json)
     done: list[CheckedRecording] = check_bags(paths, robot, console)
     if json:

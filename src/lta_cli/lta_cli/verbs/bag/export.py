@@ -60,8 +60,10 @@ def export(
 
     Example: lta bag export runs/20261120-lamp_room-1/bag --format mat --rate 50 --method linear
     """
+    # With --json, stdout holds JSON only
     console = plain_console(stderr=json)
     recording = open_recording(bag, robot)
+    # An empty tuple means all topics
     names = tuple(name.strip() for name in topics.split(',') if name.strip())
     target = resolve_folder(out, 'export')
     with ExportProgress(console) as progress:

@@ -51,6 +51,7 @@ def plot(
     Example: lta bag plot BAG motors 'light/peaks/snr*' --from 5 --to 10 --png look.png
     """
     console = plain_console()
+    # Also refuses NaN
     if not begin < end:
         raise BadInput(f'--from ({begin:g} s) is not below --to ({end:g} s); choose a later --to.')
     flight = open_flight(find_bag(bag), robot)
@@ -60,14 +61,17 @@ def plot(
     found = [
         make_readable(crop_channel(item, begin, end)) for item in select_channels(flight, patterns)
     ]
+    # First and last time of each channel that has data
     times = [time for item in found if len(item.time) for time in item.time[[0, -1]]]
     if not times:
         raise BadInput('The channels have no data in that time range; widen it.')
     span, panels = (min(times), max(times)), list(group_by_unit(found))
+    # Without files, draw in the terminal
     if png is None and html is None:
         print_channels(panels, span, console)
         print_remarks(flight.bag.losses, console)
         return
+    # One page for both outputs: the picture is taken of the page
     text = render_page(
         ', '.join(patterns), panels, span, {'bag': str(bag), **select_provenance(flight)}
     )
@@ -88,6 +92,7 @@ def print_overview(flight: RecordedFlight, begin: float, end: float, console: Co
 
 def print_remarks(remarks: Sequence[str], console: Console) -> None:
     """Print remarks on the recording, without duplicates."""
+    # Remove duplicates and keep the order
     for remark in dict.fromkeys(remarks):
         console.print(remark, style='yellow', highlight=False, markup=False, soft_wrap=True)
 
@@ -95,4 +100,5 @@ def print_remarks(remarks: Sequence[str], console: Console) -> None:
 def select_provenance(flight: RecordedFlight) -> dict[str, str]:
     """Return the main provenance entries of a flight."""
     wanted = ('vehicle', 'scenario', 'strategy', 'seed', 'commit', 'created')
+    # Imported bags have only some of these entries
     return {key: flight.provenance[key] for key in wanted if key in flight.provenance}

@@ -52,13 +52,16 @@ def recover(
     """
     bag = find_bag(path)
     place = bag.absolute()
+    # A bag is a folder, or a single .mcap file
     name = place.name if place.is_dir() else place.stem
+    # Next to the original, which is never changed
     target = out or place.parent / f'{name}-recovered'
     try:
         with show_progress() as at:
             found = recover_bag(bag, target, at)
     except StorageFault as fault:
         sys.stderr.write(f'{fault}\n')
+        # Status 1: the disk failed; bad input (2) is raised as BadInput
         raise typer.Exit(1) from None
     if json:
         sys.stdout.write(found.to_json() + '\n')

@@ -28,6 +28,7 @@ def refit(
     Example: lta cfd refit gtmab
     """
     path = Path(sweep)
+    # A plain word is a shipped name, anything else a path
     if '/' not in sweep and not sweep.endswith('.json'):
         path = share_folder() / 'aero' / f'{sweep}.sweep.json'
     text = format_aero_file(read_sweep(path))
@@ -35,6 +36,7 @@ def refit(
         sys.stdout.write(text)
         return
     try:
+        # An interrupted write must not leave half a file that a vehicle refers to
         with replace_atomically(out) as part:
             part.write_text(text, encoding='utf-8')
     except OSError as error:

@@ -104,6 +104,7 @@ def run(
     if fidelity is not Fidelity.analytic:
         check_solver(jobs, scheduler)
         known = plan_flows(model, fidelity, AIR)
+        # Names of axes and patterns depend on the vehicle, so Typer cannot check them
         if strangers := [each for each in only or () if each not in {f.about for f in known}]:
             raise unknown_name('axis or pattern', strangers[0], [f.about for f in known])
         wanted = plan_flows(model, fidelity, AIR, only or ())
@@ -120,13 +121,16 @@ def run(
         sweep = build_sweep(model, file.vehicle, fidelity, AIR, {}, {}, {})
     words = ['cfd', 'run', name, '--fidelity', fidelity.value]
     words += [word for each in only or () for word in ('--only', each)]
+    # The command that repeats the run, shown on the page
     words += ['--mount', mount] if mount else []
     with stage_results(target, 'report.html') as part:
+        # Pressure maps are large; only the blown file contains them
         small = format_sweep(drop_maps(sweep))
         (part / f'{model.name}.sweep.json').write_text(small, encoding='utf-8')
         if sweep.blows:
             (part / f'{model.name}.blown.json').write_text(format_sweep(sweep), encoding='utf-8')
         (part / f'{model.name}.aero.yaml').write_text(format_aero_file(sweep), encoding='utf-8')
+        # The fields are in the cache folder; the sweep holds only coefficients and maps
         drawn = slice_flows(model, sweep, wanted, resolve_cache_folder(cache))
         write_page(
             sweep, drawn, {'Solve it again': format_lta_command(*words)}, part / 'report.html'
@@ -140,6 +144,7 @@ def run(
         print_table(build_rotor_table(sweep), console)
     lines = [format_title(sweep), format_page_line(relative_path(target / 'report.html'))]
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)
+    # Nothing was solved; the files still contain the analytic part
     if wanted and not sweep.axes and not sweep.blows:
         raise typer.Exit(1)
 
@@ -150,8 +155,10 @@ def slice_flows(
     """Return slices through the most informative flows."""
     stages = CaseRunner(folder, FoamPrograms(), lambda *_: None)
     found: list[FlowSlice] = []
+    # False sorts before True: the flows of SHOWN come first, in their order
     for flow in sorted(flows, key=lambda each: each.about not in SHOWN):
         there = flow.about in sweep.blows or flow.about in sweep.axes
+        # Flows that were solved, up to the number of pictures that a page can hold
         if there and len(found) < len(SHOWN) and flow.kind in ('wind', 'blow'):
             piece = read_flow_slice(model, flow, stages.case_folder(flow.case))
             found += [piece] if piece is not None else []

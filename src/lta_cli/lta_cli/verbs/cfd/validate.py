@@ -55,9 +55,11 @@ def validate(
         raise BadInput(
             'The analytic sphere is the reference itself; choose --fidelity preview or reference.'
         )
+    # Fail before any work if OpenFOAM or the scheduler is missing
     check_solver(jobs, scheduler)
     target = resolve_folder(out, 'cfd-sphere')
     check_creatable(target)
+    # The reference includes the preview, to show the effect of the model
     levels = ('preview',) if fidelity is Fidelity.preview else ('preview', 'reference')
     model = build_sphere()
     wanted = [flow for level in levels for flow in plan_validation(model, level, AIR)]
@@ -66,6 +68,7 @@ def validate(
         open_solver(wanted, bar, jobs, cache, scheduler) as crew,
     ):
         found = compare_flows(crew, model, wanted, AIR, bar.show_message)
+    # Every case failed; the progress display has listed the reasons
     if not found:
         raise typer.Exit(1)
     with stage_results(target, 'report.html') as part:

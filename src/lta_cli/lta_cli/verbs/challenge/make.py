@@ -49,6 +49,7 @@ def make(
     Example: lta challenge make --seed 1 --n 20 --out hidden
     """
     console = plain_console()
+    # s; longer flights take hours to analyse
     if not SHORTEST <= seconds[0] <= seconds[1] <= 600.0:
         raise BadInput(
             f'Flights must last {SHORTEST:g} to 600 s; give the shorter duration first.'

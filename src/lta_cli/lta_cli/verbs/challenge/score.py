@@ -55,6 +55,7 @@ def score(
 
     Example: lta challenge score hidden
     """
+    # Otherwise the cases would count twice in the summary
     if len({place.resolve() for place in folders}) < len(folders):
         raise BadInput('A challenge folder is given twice; give each once.')
     console = plain_console(stderr=json)
@@ -65,6 +66,7 @@ def score(
                 place,
                 jobs or count_processors(),
                 most,
+                # The number of cases is known only after the challenge is read
                 lambda now, whole: bar.update_bar(completed=now, total=whole),
             )
         text = write_score(scored, place)
@@ -89,4 +91,5 @@ def _print_score(scored: ChallengeScore, console: Console) -> None:
             table.add_row(*line)
         console.print(table)
     words = f'{format_errors(scored.cases)} {format_cost(scored.cases)}'
+    # Soft wrap leaves line breaks to the terminal, so that the text can be copied
     console.print(words, highlight=False, markup=False, soft_wrap=True)

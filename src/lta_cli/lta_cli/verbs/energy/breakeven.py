@@ -45,7 +45,9 @@ def breakeven(
     """
     console = plain_console(stderr=json)
     check_pictures(pictures)
+    # Remove duplicates and keep the order
     names = list(dict.fromkeys(cell or CELLS))
+    # g to kg
     found = compute_map(load_vehicle(vehicle), names, 1e-3 * budget)
     target = prepare_empty_folder(resolve_folder(out, 'breakeven'))
     content = write_json(found.to_json(), target / 'breakeven.json')

@@ -50,9 +50,11 @@ def budget(
         lambda tick: measure_budget(vehicle, beside, seeds, tick), count_flights(seeds), console
     )
     content = write_json(to_json(found), target / 'budget.json')
+    # The page shows the command that repeats the study
     again = format_lta_command(
         'energy', 'budget', '--vehicle', vehicle, '--beside', beside, '--seeds', str(seeds)
     )
+    # Commands for the next steps, listed on the page
     commands = {
         'Find it again': again,
         'What it means on a cell': format_lta_command('energy', 'hover'),

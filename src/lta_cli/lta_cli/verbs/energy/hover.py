@@ -48,6 +48,7 @@ def hover(
     console = plain_console(stderr=json)
     check_pictures(pictures)
     target = prepare_empty_folder(resolve_folder(out, 'hover'))
+    # Two flights of the same length, one after the other
     with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
         task = progress.add_task('hovering', total=2.0 * seconds)
         found = compare_hovering(vehicle, beside, seconds, lambda s: progress.advance(task, s))

@@ -58,12 +58,18 @@ def mounting(
     check_pictures(pictures)
     names = list(dict.fromkeys(mount or MOUNTS))
     order = MountingRequest(
-        load_yaml(find_file('vehicle', vehicle)), names, misplaced / 100.0, seeds
+        # cm to m; the raw file, because mounts replace one of its layers
+        load_yaml(find_file('vehicle', vehicle)),
+        names,
+        misplaced / 100.0,
+        seeds,
     )
+    # Number of flights, for the progress bar
     todo = seeds * sum(map(len, order.build_vehicles().values()))
     target = prepare_empty_folder(resolve_folder(out, 'mounting'))
     found = run_with_progress(lambda tick: compare_mounts(order, tick), todo, console)
     content = write_json(to_json(found), target / 'mounting.json')
+    # Variants in the vehicle's own hull, or in the fuller one if it cannot carry a mount
     for each in (found.own or found.shared).values():
         text = yaml.safe_dump(dict(each.fitted.content), sort_keys=False)
         (target / f'{each.fitted.mount.name}.yaml').write_text(text, encoding='utf-8')

@@ -55,19 +55,24 @@ def bench(
     file = find_crazyflie(vehicle, craft.file.name)
     if motor not in MOTORS:
         raise unknown_name('motor', motor, list(MOTORS))
+    # Setpoints reach the firmware's controller, which turns several motors
     if file.command != 'motors':
         raise BadInput(
             f'{vehicle} uses the stock firmware, which cannot turn a single motor safely; flash '
             'the app of firmware/crazyflie and name a --vehicle that uses it.'
         )
+    # Not opened yet: the radio stays silent until the user has confirmed
     link = create_link(uri, BLOCKS, time.time_ns)
+    # Nobody else may command the drone meanwhile
     with closing(DroneLock(uri)):
         confirm_motor(motor, file.motors[motor], duty, seconds, console)
         turned = turn_motor(
             MotorBench(link, file, craft, motor), link, (motor, duty, seconds), console
         )
+    # Half the command is enough to show that the motor turned; the others must stand still
     right = turned.duty > 0.5 * duty and turned.others < LEAST
     if json:
+        # JSON has no NaN
         volts = turned.voltage if math.isfinite(turned.voltage) else None
         print_json({**turned._asdict(), 'voltage': volts, 'alone': right})
     console.print(format_outcome(motor, turned, right), highlight=False, soft_wrap=True)
@@ -83,10 +88,12 @@ def turn_motor(
     columns = (TextColumn('{task.description}'), BarColumn())
     with interrupt_on_signals():
         try:
+            # Opened inside the signal handler, so that Ctrl-C closes it
             link.open(DEADLINE)
             with ProgressBar(console, *columns, begin=f'{motor} turns', total=seconds) as bar:
                 return bench.turn_motor(duty, seconds, lambda been: bar.update_bar(completed=been))
         except LinkFailed as error:
+            # A lost link stops the motor: the firmware's time-out disarms the drone
             sys.stderr.write(f'{motor} is stopped: {error}.\n')
             raise typer.Exit(1) from None
         finally:
@@ -105,6 +112,7 @@ def confirm_motor(motor: str, rotor: str, duty: float, seconds: float, console: 
         f"keep fingers and strings away, then type '{wanted}':",
         highlight=False, soft_wrap=True,
     )  # fmt: skip
+    # A closed stdin gives an empty line, which is refused
     if sys.stdin.readline().strip() != wanted:
         raise BadInput(f"Nothing turned: '{wanted}' was not typed.")
 

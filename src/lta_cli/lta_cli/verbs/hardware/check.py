@@ -53,6 +53,7 @@ def check(
     """
     if udev:
         sys.stdout.write(format_udev_rules())
+        # The rules go to stdout for tee, the instructions to stderr
         sys.stderr.write(
             f'Save this as {RULES_FILE}, then run: sudo udevadm control --reload && sudo udevadm '
             'trigger, and reconnect the devices.\n'

@@ -68,6 +68,7 @@ def light(
     Example: lta hardware light bench_bag --step 22.5 --hold 6
     """
     console = plain_console(stderr=json)
+    # Step and hold belong together and exclude a constant rate
     if bool(step) != bool(hold) or (rate and step):
         raise BadInput(
             'The turntable motion is ambiguous or incomplete; give either --rate, or --step with '
@@ -87,6 +88,7 @@ def light(
             entry.largest_reading,
             lambda n: bar.update_bar(advance=n),
         )
+    # Angle between the zero of the turntable and that of the board [rad]
     zero = zero_offset(readings)
     found, blocks = summarize_directions(readings, 'bench', zero if align else 0.0)
     fitted = fit_response(readings, diodes, zero)
@@ -94,6 +96,7 @@ def light(
     content = {
         **found.to_json(), 'blocks': blocks, 'zero': zero, 'aligned': align,
         'response': fitted._asdict(),
+        # The first row is the header
         'claims': [list(each) for each in build_claim_rows(found)[1:]],
     }  # fmt: skip
     write_json(content, target / 'turntable.json')

@@ -71,6 +71,7 @@ def bearing(
         vehicle,
         tuple(dict.fromkeys(place or PLACES)),
         tuple(dict.fromkeys(diodes or (4, 8, 16))),
+        # None stands for random distances
         tuple(dict.fromkeys(map(parse_range, range_ or ('3', '7', ANY)))),
         poses,
         seed,
@@ -78,6 +79,7 @@ def bearing(
     for name in asked.places:
         if name not in PLACES:
             raise unknown_name('place', name, list(PLACES))
+        # Check that the vehicle fits the scene before any work
         build_flight_spec(PLACES[name], vehicle, 1)
     target = prepare_empty_folder(resolve_folder(out, 'bearing'))
     columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
@@ -102,6 +104,7 @@ def parse_range(text: str) -> float | None:
         distance = float(text)
     except ValueError:
         distance = math.nan
+    # NaN fails this test as well
     if not 1.0 <= distance <= 100.0:
         raise BadInput(f'The range is {text}; give 1 to 100 metres, or "{format_range(None)}".')
     return distance

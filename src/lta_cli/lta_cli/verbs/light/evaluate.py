@@ -73,10 +73,12 @@ def evaluate(
 
     Example: lta light evaluate --seeds 10 --sets indoors winds
     """
+    # stdout holds only the JSON or the Markdown page
     console = plain_console(stderr=json or markdown)
     if pictures is not None:
         find_chromium()  # raises BadInput before anything is flown
         prepare_empty_folder(pictures)
+    # No time in the name, so that repeating the command resumes
     target = (out or Path('runs') / 'light-evaluate').absolute()
     order = EvaluationRequest(tuple(sets or SETS), seeds, target, workers, retry)
     done = run_evaluation(order, console)
@@ -92,6 +94,7 @@ def evaluate(
     print_summary(found, done, console)
     console.print(format_page_line(page), highlight=False, markup=False, soft_wrap=True)
     if done.stopped:
+        # As after Ctrl-C, but only now: the page of the finished flights is written first
         raise typer.Exit(STOPPED)
     if found.failed_count:
         raise typer.Exit(1)
@@ -101,6 +104,7 @@ def print_summary(findings: EvaluationFindings, done: EvaluationStatus, console:
     """Print the findings and the computing time."""
     lines = [findings.title, findings.statement]
     if done.flown:
+        # Processor time per flight [s]
         each = done.work / max(findings.flight_count, 1)
         lines.append(
             f'{done.flown} flights in {done.wall:.0f} s: {done.flown / done.wall:.1f} flights/s; '

@@ -64,10 +64,12 @@ def link(
     console = plain_console(stderr=json)
     scenes = list(dict.fromkeys(scenario or SCENES))
     distances = sorted(set(distance or DISTANCES))
+    # Load all before the output folder is created
     read = [load_scenario(name) for name in scenes]
     target = prepare_empty_folder(resolve_folder(out, 'link'))
     found = [
         compute_link(load_vehicle(vehicle, each.air.density), each, distances, altitude, blocks)
+        # The density of the scene's air belongs to the vehicle model
         for each in track(read, 'light link', console=console, transient=True)
     ]
     again = format_lta_command(
@@ -98,4 +100,5 @@ def print_links(links: Sequence[LampLink], console: Console) -> None:
         for at in each.at:
             printed.add_row(*format_row(at))
         console.print(printed)
+    # The statement of the seed paper, for comparison
     console.print('Paper: several tens of lux at 7 m, and an SNR that stays high.')

@@ -94,6 +94,7 @@ def plan(
         prepare_empty_folder(pictures)
     content, receiver = load_inputs(name, vehicle, margin, changes or ())
     floor = build_floor(content, receiver.vehicle, cell)
+    # All possible lamp positions; the light of each is computed once
     mounts = list_mounts(content)
     target = resolve_folder(out, f'{content.name}-lamps')
     check_creatable(target)
@@ -104,6 +105,7 @@ def plan(
             lambda: bar.update_bar(advance=1), lambda words: bar.update_bar(description=words),
         )  # fmt: skip
         bar.update_bar(description='hand-overs')
+        # Needs the whole layout: each lamp must be received where the flight to the last one ends
         handover = plan_handover(found)
     told, scene = encode_layout(found, handover), format_scenario(found, handover)
     words = ['light', 'plan', name, '--vehicle', vehicle, '--overlap', str(overlap)]
@@ -113,6 +115,7 @@ def plan(
     fly = format_lta_command(
         'fly', '--vehicle', vehicle, '--scenario', str(relative_path(target / 'scenario.yaml'))
     )
+    # Write into a temporary folder that is renamed when complete
     with stage_results(target, 'report.html') as part:
         text = write_json(told, part / 'plan.json')
         (part / 'scenario.yaml').write_text(scene, encoding='utf-8')
@@ -134,10 +137,12 @@ def print_plan(result: LampLayout, console: Console) -> None:
     for column in ('lamp', 'x [m]', 'y [m]', 'z [m]', 'Hz', 'coverage [m²]'):
         printed.add_column(column, justify='left' if column == 'lamp' else 'right', no_wrap=True)
     for k, lamp in enumerate(result.lamps):
+        # Number of covered cells times the cell area [m2]
         area = float(result.audible[k].sum()) * result.floor.cell**2
         place = (f'{part:.1f}' for part in lamp.mount.position)
         printed.add_row(lamp.name, *place, f'{lamp.frequency:g}', f'{area:.0f}')
     console.print(printed)
+    # Connected areas without enough lamps
     gaps = find_gaps(result)
     if gaps:
         lost = sum(gap.area for gap in gaps)

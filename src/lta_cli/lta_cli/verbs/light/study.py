@@ -49,9 +49,11 @@ def light_study(
     """
     console = plain_console(stderr=json)
     for place in PLACES.values():
+        # Check that the vehicle fits the scenes before any work
         build_flight_spec(place, vehicle, 1)
     target = prepare_empty_folder(resolve_folder(out, 'study'))
     columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
+    # Steps of the progress bar
     total = len(PLACES) * len(COUNTS) * DIRECTIONS
     with ProgressBar(console, *columns, begin='study', total=total) as bar:
         found = study_rings(vehicle, readings, seed, lambda: bar.update_bar(advance=1))
@@ -60,6 +62,7 @@ def light_study(
         'readings': readings,
         'seed': seed,
         'rings': [each.to_json() for each in found],
+        # Tuples to lists, as JSON returns them
         'claims': [list(each) for each in judge_claims(found)],
     }
     write_json(content, target / 'study.json')

@@ -28,10 +28,12 @@ def check(name: Named, json: Json = False) -> None:
         print_json({'file': str(path), 'faults': found.faults, 'warnings': found.warnings})
     else:
         for fault in found.faults:
+            # PATH: MESSAGE, the format that editors recognise
             sys.stderr.write(f'{path}: {fault}\n')
         console = plain_console()
         terminal.show_warnings(found.warnings, console)
         if not found.faults:
             console.print(f'{path} is a valid vehicle file.', highlight=False, soft_wrap=True)
+    # A faulty file is bad input, status 2
     if found.faults:
         raise typer.Exit(2)

@@ -46,6 +46,7 @@ def diff(
         raise BadInput(
             'There is nothing to compare with; name a second vehicle, or use --set or --swap.'
         )
+    # Without a second vehicle, compare the first with its changed self
     second = other or name
     found = compare_vehicles(
         load_vehicle(name), load_vehicle_variant(second, changes or (), swaps or ())

@@ -35,4 +35,5 @@ def new(
 def _format_path(path: Path) -> str:
     """Format a path so that it cannot be mistaken for a shipped name."""
     text = str(relative_path(path))
+    # A word without slash and ending is taken as the name of a shipped vehicle
     return text if '/' in text or text.endswith(('.yaml', '.yml')) else f'./{text}'

@@ -43,8 +43,10 @@ def show(
     """
     console = plain_console(stderr=json)
     found = load_vehicle(name)
+    # Only on request, since it takes about ten flights
     held = _find_helium_limit(name, console) if gains else None
     sheet = build_sheet(found, held)
+    # Without the note on assumed numbers, which the sheet shows anyway
     noted = find_warnings(sheet)
     if out is not None:
         write_page(sheet, noted, name, out)
@@ -64,4 +66,5 @@ def _find_helium_limit(name: str, console: Console) -> float:
         console.print(f'{1e3 * loss:6.1f} g of lift lost: the gains {word}', highlight=False)
 
     limit = find_helium_limit(name, load_gains(select_start_gains(name, None)), tell=print_step)
+    # g to kg; None means that the gains fail without any loss
     return 0.0 if limit.grams is None else 1e-3 * limit.grams

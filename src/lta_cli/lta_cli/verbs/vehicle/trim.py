@@ -37,6 +37,7 @@ def trim(
     """
     path = find_bag(bag)
     flight = open_flight(path, robot)
+    # Bags of LTA contain the vehicle file that was flown
     own = parse_provenance_file(VehicleFile, flight.bag.provenance, 'vehicle_file')
     if flown is not None:
         known = load_vehicle(flown)
@@ -46,6 +47,7 @@ def trim(
         raise BadInput(f"'{path}' does not contain a vehicle file; name one with --vehicle.")
     where, commands, topic = read_flight_record(flight, known)
     found = estimate_heaviness(known, where, commands)
+    # Only simulated flights store a scenario
     simulated = 'scenario_file' in flight.bag.provenance
     if json:
         facts = {'vehicle': known.file.name, 'poses': topic, 'simulated': simulated}

@@ -25,6 +25,7 @@ def urdf(
     Example: lta vehicle urdf gtmab --out gtmab.urdf
     """
     text = build_urdf(load_vehicle(name))
+    # stdout may be piped to robot_state_publisher
     if out is None:
         sys.stdout.write(text)
         return

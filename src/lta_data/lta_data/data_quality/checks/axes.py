@@ -29,11 +29,13 @@ KIND = 'axes'
 XYZ: Final = 'xyz'
 OTHER = 0.05  # advantage of blaming the sensor's side over the pose
 BETTER = 0.25  # least improvement of the match by an explanation
+# Misreadings of a quaternion, rows of x, y, z, w
 ORDERS: Final[dict[str, Callable[[Array], Array]]] = {
     'the inverse attitude (map to body)': lambda turn: turn * np.array([-1.0, -1.0, -1.0, 1.0]),
     'the order w x y z for x y z w': lambda turn: np.roll(turn, -1, axis=1),
     'the order x y z w for w x y z': lambda turn: np.roll(turn, 1, axis=1),
 }
+# All 48 signed orders of three axes, mirrored ones included
 SIGNED: Final = tuple(product(permutations(range(3)), product((1.0, -1.0), repeat=3)))
 
 
@@ -71,6 +73,7 @@ def explain_mismatch(
         return
     score, channel, words = max(ways, key=lambda way: way[0])
     before = mean_axis_match(alike)
+    # Among 48 orders some match by chance, so the gain must be clear
     if score >= limits.agree and score > before + BETTER:
         begin, end = pair.span
         yield QualityFinding(
@@ -84,6 +87,7 @@ def explain_mismatch(
 def score_axis_orders(pair: MotionPair, alike: PairSimilarity) -> Iterator[tuple[float, str, str]]:
     """Yield score, channel and description of each signed order of the left side's axes."""
     if len(pair.axes) == 1:
+        # A single axis can only be inverted: the correlation after inversion is the negated one
         yield -float(alike.correlation[0, 0]), pair.told, 'The sign is inverted'
         return
     moving = np.flatnonzero(alike.moving)
@@ -126,6 +130,7 @@ def score_pose_readings(
             yield from score_reading(found, attitude.name, words, limits)
     if pair.what != 'velocity' or pose.position is None:
         return
+    # The identity attitude leaves the velocity in the map frame
     level = VectorSeries(
         attitude.name, attitude.time, attitude.values * 0.0 + [0.0, 0.0, 0.0, 1.0]
     )
@@ -133,6 +138,7 @@ def score_pose_readings(
     yield from score_reading(in_map, pair.told, 'The velocity is in the map frame', limits)
     place = pose.position
     for order, signs in SIGNED:
+        # The order as recorded
         if order == (0, 1, 2) and min(signs) > 0:
             continue
         moved = VectorSeries(place.name, place.time, place.values[:, order] * np.array(signs))
@@ -184,6 +190,7 @@ def find_misaligned_gravity(
     """Yield an accelerometer without +g along z at rest (FLU)."""
     if len(force.time) < limits.least_samples:
         return
+    # The median is insensitive to impacts
     mean = np.median(force.values, axis=0)
     size = float(np.linalg.norm(mean))
     spread = float(np.median(np.linalg.norm(force.values, axis=1)))

@@ -53,6 +53,7 @@ def find_pileups(
     levels, counts = np.unique(values, return_counts=True)
     for side, word in ((0, 'lowest'), (-1, 'highest')):
         count = int(counts[side])
+        # np.unique sorts, so the next counts belong to the values next to the extreme
         beside = counts[1 : 1 + NEIGHBOURS] if side == 0 else counts[-1 - NEIGHBOURS : -1]
         if count < limits.clipped_samples or count < limits.clipped_pile * float(
             np.median(beside)
@@ -62,6 +63,7 @@ def find_pileups(
         alone = len(at) == 1
         # A simulated vehicle on the floor is at its extreme, unclipped.
         rests = simulated and alone and (at[0, 0] <= START or at[0, 1] == len(values))
+        # A single run that ends with a jump is a freeze, which another check reports
         stopped = alone and ends_with_jump(values, int(at[0, 1]) - 1)
         if (at[:, 1] - at[:, 0]).max() < limits.clipped_run or rests or stopped:
             continue
@@ -75,6 +77,7 @@ def find_pileups(
 
 def find_railed_blocks(channel: SignalChannel, evidence: CheckContext) -> Iterator[QualityFinding]:
     """Yield the span in which blocks of one diode reach a limit of the ADC."""
+    # Counts; the lower limit of a single-ended ADC is zero
     end = evidence.adc_maximum if channel.field.startswith('max[') else 0.0
     if end is None:
         return

@@ -23,6 +23,7 @@ PARTS = (3, 12)  # least and largest number of parts
 INDEPENDENT = 4.0  # independent values per second after a kernel of 0.25 s
 EVEN = 1.0  # weight of a part's length relative to its motion
 SHORTEST = 1.0  # shortest part whose lag is used [s]
+# Trial drifts over the whole flight [s], for drifts that the parts' lags cannot follow
 DRIFTS = tuple(size * sign for size in (0.2, 0.35, 0.5, 0.65, 0.8, 1.0) for sign in (1.0, -1.0))
 NEAR = 0.6  # largest deviation of a part's lag from the total lag [s]
 NORMAL = 1.4826  # standard deviation over median absolute deviation
@@ -84,6 +85,7 @@ def find_lag(
             Severity.SUSPICIOUS, {'drift': found.drift, 'error': found.drift_error},
         )  # fmt: skip
         return
+    # A large drift blurs the total correlation, so the lag above may be meaningless
     if steady < limits.agree:
         drift, drifting = search_clock_drift(pair, limits)
         if drifting > limits.wander_agree and is_clear_gain(max(steady, 0.0), drifting, limits):
@@ -117,6 +119,7 @@ def search_clock_drift(pair: MotionPair, limits: QualityLimits) -> tuple[float, 
     length = float(np.ptp(pair.grid))
     best = 0.0, 0.0
     for drift in DRIFTS:
+        # Half of the drift before and half after the middle, so that the mean lag is unchanged
         at = pair.grid + drift * ((pair.grid - pair.grid[0]) / length - 0.5)
         moved = np.stack([np.interp(at, pair.grid, column) for column in left.T], axis=1)
         lag = estimate_lag(moved, right, pair.step, limits.clock_search)
@@ -135,6 +138,7 @@ def drift_corrected_correlation(pair: MotionPair, lag: float, slope: float) -> f
     left, right, left_size, right_size = high_pass_pair(pair)
     at = pair.grid + lag + slope * (pair.grid - pair.grid.mean())
     moved = np.stack([np.interp(at, pair.grid, column) for column in left.T], axis=1)
+    # Restore the units that the filter normalised, so that strong motion counts most
     left, right = moved * left_size, right * right_size
     size = float(np.linalg.norm(left) * np.linalg.norm(right))
     return float((left * right).sum()) / size if size > 0.0 else 0.0
@@ -147,6 +151,7 @@ def estimate_pair_lag(pair: MotionPair, alike: PairSimilarity) -> PairLag:
     weight = np.abs(alike.quick_at_lag) ** 2
     left, right = left * weight, right * weight
     step, moved = pair.step, round(alike.lag / pair.step)
+    # Remove the total lag first; the parts then estimate only the remainder
     left = np.roll(left, -moved, axis=0)
     energy = (right**2).sum(axis=1)
     # Cut where the accumulated motion is equal, so that each part determines a lag.
@@ -159,6 +164,7 @@ def estimate_pair_lag(pair: MotionPair, alike: PairSimilarity) -> PairLag:
             continue
         near = estimate_lag(left[part], right[part], step, NEAR)
         rows.append(moved * step + near)
+        # The lag belongs to the time of most motion; 1e-12 avoids weights of zero
         times.append(float(np.average(pair.grid[part], weights=energy[part] + 1e-12)))
     if len(rows) < PARTS[0]:
         return PairLag(alike.lag, lag_standard_error(right, energy, alike, step), 0.0, np.inf,
@@ -184,6 +190,7 @@ def lag_standard_error(right: Array, energy: Array, alike: PairSimilarity, step:
 def fit_lag_drift(parts: Array, times: Array, step: float, center: float) -> PairLag:
     """Fit lag [s] and drift [1] to the lags of the parts."""
     middle = float(np.median(parts))
+    # A tenth of a grid step is the least error of an interpolated peak
     spread = NORMAL * float(np.median(np.abs(parts - middle))) + 0.1 * step
     error = MEDIAN * spread / np.sqrt(len(parts))
     if len(parts) < PARTS[0] + 1:

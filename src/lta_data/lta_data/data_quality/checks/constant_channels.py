@@ -28,6 +28,7 @@ def find_constant_channels(evidence: CheckContext) -> CheckVerdict:
                 for channel in still
                 if len(still) < len(group) and first_finite_value(channel)
             ]
+        # Many senders leave unknown vectors at zero: a note, not a suspicion
         if len(still) == len(group) > 1 and all(
             first_finite_value(channel) == 0.0 for channel in still
         ):

@@ -54,6 +54,7 @@ def find_channel_freezes(
     low, high = np.nanmin(values), np.nanmax(values)
     for (begin, end), length in zip(found.tolist(), lengths.tolist(), strict=True):
         held = values[begin]
+        # A run at an extreme is clipping, which another check reports
         piled = held in {low, high} and not ends_with_jump(values, end)
         rests = (
             simulated
@@ -65,6 +66,7 @@ def find_channel_freezes(
         others = np.delete(lengths, np.flatnonzero(found[:, 0] == begin))
         # Sample-and-hold data have long runs all the time.
         usual = np.percentile(others, USUAL) if len(others) else 0.0
+        # Share of equal neighbours outside this run: how often the sensor repeats a value anyway
         share = (equal.sum() - length) / max(1, len(equal) - length)
         # Probability of such a run at any position, if equal neighbours were independent.
         chance = math.log(len(equal)) + length * math.log(max(share, 1.0 / len(equal)))

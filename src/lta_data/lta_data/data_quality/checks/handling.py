@@ -94,7 +94,9 @@ def measure_tremor(vector: VectorSeries, values: Array, limits: QualityLimits) -
     table, known = interpolate_on_grid(vector.time, values, grid)
     count = round(limits.hold_window / step)
     starts = np.arange(0, len(grid) - count + 1, max(1, count // HOP))
+    # Shape (windows, count)
     index = starts[:, None] + np.arange(count)
+    # Without the zeros at both ends, which would waste two samples
     shape = np.hanning(count + 2)[1:-1]
     # Without the mean, or gravity would leak into the bands.
     pieces = table[index] - table[index].mean(axis=1, keepdims=True)
@@ -104,6 +106,7 @@ def measure_tremor(vector: VectorSeries, values: Array, limits: QualityLimits) -
     whole = known[index].all(axis=1)
 
     def level(low: float, high: float) -> Array:
+        # Near the Nyquist frequency, interpolation has removed the power
         inside = (lines >= low) & (lines <= min(high, 0.9 * lines[-1]))
         # Scaled to the width of the tremor band, so that levels are comparable.
         width = limits.tremor_high - limits.tremor_low
@@ -128,6 +131,7 @@ def find_tremor(
     # The quiet quarter of the flight, even if it was held most of the time.
     usual = float(np.percentile(felt.tremor[felt.tremor > 0.0], 25)) if felt.tremor.any() else 0.0
     hand = (
+        # Tremor is a peak between both flanks; motors and turbulence have wider spectra
         (felt.tremor > limits.tremor_force)
         & (felt.tremor > limits.tremor_flank * felt.above)
         & (felt.tremor > 1.5 * felt.below)
@@ -135,6 +139,7 @@ def find_tremor(
     )
     half = limits.hold_window / 2
     for begin, end in merge_runs(find_runs(hand), HOP):
+        # Fewer windows overlap one another, so a single impact could cause them
         if end - begin < HOP + 1:
             continue
         strength = float(np.median(felt.tremor[begin:end]))
@@ -162,6 +167,7 @@ def find_idle_times(
     idle = np.ones(len(time), dtype=np.bool_)
     for channel, least in told:
         if len(channel.time) == len(time):
+            # Negated, so that NaN counts as idle
             idle &= ~(np.abs(channel.values) > least)
     return time, idle
 

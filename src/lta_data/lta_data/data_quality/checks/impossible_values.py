@@ -62,7 +62,7 @@ def find_out_of_range(
             finite = np.isfinite(values)
             bad = finite & ((values < known.low) | (values > known.high))
             if bad.any():
-                worst = values[bad][np.argmax(np.abs(values[bad]))]
+                worst = values[bad][np.argmax(np.abs(values[bad]))]  # with its sign
                 told = f'up to {worst:.6g} {channel.unit}, but {known.reason}'
                 yield from build_stretch_findings(channel.name, channel.time, bad, told)
 
@@ -106,6 +106,7 @@ def find_unnormalized_quaternions(channels: list[SignalChannel]) -> Iterator[Qua
         topic, time = found['w'].topic, found['w'].time
         length = np.sqrt(sum(found[part].values ** 2 for part in 'xyzw'))
         bad = np.isfinite(length) & (np.abs(length - 1.0) > UNIT_LENGTH)
+        # Many senders leave the attitude unset: a note only
         if bad.all() and not length.any():
             yield QualityFinding(
                 KIND, f'{topic}/{path}', float(time[0]), float(time[-1]),
@@ -125,6 +126,7 @@ def find_position_jumps(pose: PoseSeries, limits: QualityLimits) -> Iterator[Qua
     speed = far / np.diff(time)
     usual = float(np.percentile(speed, 75))
     # If all speeds are too high, the unit is wrong, which another check reports.
+    # A small step within a very short period is noise, not a jump
     bad = (speed > limits.jump_speed) & (far > limits.jump_size) & (speed > 20.0 * usual)
     if bad.any():
         told = f'a jump of {far[bad].max():.2f} m, at {speed[bad].max():.0f} m/s'
@@ -143,6 +145,7 @@ def find_missing_gravity(
     blocks = size[: count * QUIET].reshape(count, QUIET)
     # The limit scales with the reading, so that a wrong unit does not hide rest.
     rest = blocks.std(axis=1) < limits.still_spread * np.median(size) / STANDARD_GRAVITY
+    # A single quiet block may be chance
     if rest.sum() < 3:
         return
     felt = float(np.median(blocks[rest]))

@@ -59,6 +59,7 @@ def find_missing_noise(evidence: CheckContext) -> CheckVerdict:
 def channel_noise(channel: SignalChannel) -> float | None:
     """Return the RMS noise of a channel, in its unit; None if it is too short."""
     _, table = sort_samples(channel.time, channel.values[:, None])
+    # A jump from pi to -pi would look like noise
     values = np.unwrap(table[:, 0]) if channel.angular else table[:, 0]
     if len(values) < 2 * WINDOW:
         return None
@@ -71,8 +72,10 @@ def high_frequency_noise(values: NDArray[np.float64]) -> float:
 
     The spectrum is the median over half-overlapping Blackman windows.
     """
+    # Second differences suppress the slow motion, which would leak into the noise band
     bent = np.diff(values, 2)
     starts = np.arange(0, len(bent) - WINDOW + 1, WINDOW // 2)
+    # Low side lobes, for the same reason
     shape = np.blackman(WINDOW)
     pieces = np.stack([bent[start : start + WINDOW] for start in starts]) * shape
     power = np.abs(np.fft.rfft(pieces, axis=1)) ** 2 / (shape**2).sum()
@@ -80,6 +83,7 @@ def high_frequency_noise(values: NDArray[np.float64]) -> float:
     high = share >= FROM
     # Undo the frequency response of the second difference.
     gain = (2.0 * np.sin(np.pi * share[high])) ** 4
+    # The median over windows ignores those with impacts
     return float(np.sqrt(np.mean(np.median(power, axis=0)[high] / gain)))
 
 

@@ -21,6 +21,7 @@ def find_stamp_errors(evidence: CheckContext) -> CheckVerdict:
     found: list[QualityFinding] = []
     first: dict[str, SignalChannel] = {}
     for channel in evidence.recording.channels.values():
+        # All channels of a topic have the same times, so check one of them
         first.setdefault(channel.topic, channel)
     for topic, channel in first.items():
         if len(channel.time) >= evidence.limits.least_samples:
@@ -60,6 +61,7 @@ def find_gaps(topic: str, time: Array, limits: QualityLimits) -> Iterator[Qualit
         return
     usual = float(np.median(step))
     # Irregular topics have neither gaps nor lost messages.
+    # 1.4826: standard deviation from the median absolute deviation
     if 1.4826 * float(np.median(np.abs(step - usual))) > limits.regular * usual:
         return
     gaps = np.flatnonzero(np.diff(time) > max(limits.gap_periods * usual, limits.gap_time))
@@ -71,6 +73,7 @@ def find_gaps(topic: str, time: Array, limits: QualityLimits) -> Iterator[Qualit
             f'({len(gaps)} such {"gap" if len(gaps) == 1 else "gaps"}).',
             Severity.SUSPICIOUS, {'gap': end - begin, 'gaps': float(len(gaps))},
         )  # fmt: skip
+    # A step of n periods lacks n - 1 messages
     lost = np.round(np.diff(time) / usual) - 1.0
     # Gaps have been reported above.
     lost[gaps] = 0.0
@@ -88,6 +91,7 @@ def find_stamp_jumps(
     topic: str, time: Array, arrived: Array, limits: QualityLimits
 ) -> Iterator[QualityFinding]:
     """Yield where stamps jump relative to the log times."""
+    # A constant offset between both clocks is legitimate; only its changes count
     ahead = (time - time[0]) - (arrived - arrived[0])
     jumped = np.abs(np.diff(ahead)) > limits.log_jump
     for begin, _ in find_runs(jumped)[:SHOWN].tolist():

@@ -74,6 +74,7 @@ SIZES: Final = (
         ((300.0, 1100.0, 'hPa'), (30.0, 110.0, 'kPa'), (0.3, 1.1, 'bar')),
     ),
     UnitSizeRule(re.compile(r'^battery/voltage$'), median_size, ((2500.0, 61000.0, 'mV'),)),
+    # No micro-drone draws 60 A
     UnitSizeRule(re.compile(r'^(battery|panel)/current$'), median_size, ((60.0, 1e5, 'mA'),)),
     UnitSizeRule(
         re.compile(r'^motors/effort[.\[]'), largest_size,
@@ -120,10 +121,12 @@ def find_unit_by_pair(
     pair: MotionPair, likeness: PairSimilarity, limits: QualityLimits
 ) -> Iterator[QualityFinding]:
     """Yield the factor between the sides of a pair if it is that of a unit."""
+    # All axes against all: swapped axes do not hide a wrong unit
     alike = np.abs(likeness.correlation) * likeness.moving[None, :]
     rows, columns = np.nonzero(alike >= limits.agree)
     if len(rows) == 0:
         return
+    # A wrong unit has the same factor on all axes
     ratio = float(np.median(likeness.ratio[rows, columns]))
     for table, name in ((FACTORS, pair.told), (TURNED, pair.made)):
         for factor, unit in table.get(pair.what, {}).items():

@@ -145,6 +145,7 @@ def build_tables(
         All of the bag, in its order; read only if a requested topic exists.
 
     """
+    # '/tf#base_link' selects one child frame of /tf
     topics = {name: name.split(CHILD)[0] for name in names}
     there = {name: topic for name, topic in topics.items() if topic in available}
     met = {name: RowCollector() for name in there}
@@ -152,6 +153,7 @@ def build_tables(
         takers = [name for name, told in there.items() if told == topic]
         if not takers:
             continue
+        # Decode lazily: messages of unused topics are never decoded
         one = DecodedMessage(order, log_time, decode())
         for name in takers:
             _, sign, child = name.partition(CHILD)

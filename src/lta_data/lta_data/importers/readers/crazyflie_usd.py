@@ -31,12 +31,13 @@ import numpy as np
 MAGIC = 0xBC
 HEAD = struct.Struct('<BHH')  # magic, version, event types
 CRC = 4  # bytes
+# Head of an event, by version of the format
 STARTS = {
     1: np.dtype([('id', '<u2'), ('time', '<u4')]),
     2: np.dtype([('id', '<u2'), ('time', '<u8')]),
 }
 TICK = {1: 1_000_000, 2: 1_000}  # ns per unit of time, by version
-KINDS = 'BbHhIiQqefd'
+KINDS = 'BbHhIiQqefd'  # type codes of Python's struct
 VARIABLE = re.compile(rf'(.+)\(([{KINDS}])\)')
 
 
@@ -174,6 +175,7 @@ def _build_table(
 ) -> LogTable:
     """Return the events of one type as a table."""
     size = event.record.itemsize
+    # Records of all types are interleaved, so gather those of one type first
     rows = np.frombuffer(b''.join(data[at : at + size] for _, at in places), dtype=event.record)
     stamps = rows['time'].astype(np.int64) * TICK[version] + load_topic_table().start_ns
     columns = {

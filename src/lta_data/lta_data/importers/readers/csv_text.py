@@ -71,6 +71,7 @@ class CsvLog:
         needed = [name for name in self._names if name in selection['']]
         if absent := [name for name in self.timed if name not in self._names]:
             raise missing_columns_error(self._path, absent, self._names)
+        # Times as text: float64 would round nanoseconds since 1970
         types = dict.fromkeys(needed, pa.float64()) | dict.fromkeys(self.timed, pa.binary())
         size = self._path.stat().st_size
         with self._path.open('rb') as stream:
@@ -114,6 +115,7 @@ class CsvLog:
             texts = list(map(decode_cell, batch.column(time.column).to_pylist()))
             found, zoneless = parse_exact_times(texts, time.unit, time.column, int(rows[0]))
             self._note_zone(zoneless)
+        # The first part decides for the whole file
         if self._shift is None:
             self._shift = self._choose_shift(int(found[0]))
         return found + self._shift
@@ -140,6 +142,7 @@ class CsvLog:
 
     def _translate_error(self, error: str, types: Mapping[str, pa.DataType]) -> BadInput:
         """Return the error for text that pyarrow cannot read."""
+        # pyarrow names neither row nor column reliably, so find the cell by reading again
         if 'conversion error' in error:
             for name, kind in types.items():
                 if kind == pa.float64() and (found := self._find_wrong_cell(name)):
@@ -208,6 +211,7 @@ def read_column_names(path: Path, text: TextFormat) -> list[str]:
     found: list[str] = []
     for index, cell in enumerate(cells):
         name = cell.strip() or f'unnamed {index + 1}'
+        # pyarrow needs unique names
         found.append(name if name not in found else f'{name} ({index + 1})')
     if not found:
         raise BadInput(
@@ -224,6 +228,7 @@ def read_first_line(source: Any) -> str:  # noqa: ANN401 - a stream of pyarrow o
         if not more:
             break
         data += bytes(more)
+    # utf-8-sig drops the byte order mark that spreadsheets write
     text = data.decode('utf-8-sig', errors='replace').lstrip('\r\n')
     return text.splitlines()[0] if text.strip() else ''
 

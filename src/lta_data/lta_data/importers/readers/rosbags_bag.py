@@ -49,6 +49,7 @@ class RosbagsLog(BagTableLog):
     timed: Sequence[str] = ()
 
     def __init__(self, path: Path, mapping: MappingFile | None) -> None:
+        # Before rosbags opens it
         refuse_hostile_bag(path)
         self._path = path
         self.notes: list[str] = []
@@ -71,6 +72,7 @@ class RosbagsLog(BagTableLog):
                 reached(min(1.0, order / self._count))
             try:
                 ours = self._converters[connection.topic](data)
+            # rosbags raises many types for damaged messages
             except Exception as error:
                 raise self._translate_error(error) from None
             yield PassedMessage(order, connection.topic, log_time, ours)
@@ -101,6 +103,7 @@ class RosbagsLog(BagTableLog):
         """Register the topics, once."""
         if self.raw:
             return
+        # At least one, since the progress divides by it
         self._count = max(1, reader.message_count)
         types = reader.typestore if reader.is2 else build_ros2_typestore(reader.typestore)
         for connection in reader.connections:
@@ -148,6 +151,7 @@ def build_converter(theirs: Typestore, types: Typestore, kind: str, ours: str) -
     """Return a function that converts the bytes of a ROS 1 message to ROS 2."""
     if is_same_wireformat(theirs, types, kind, ours):
         return lambda data: bytes(types.ros1_to_cdr(data, ours))
+    # rosbags stores its generated migration functions in it
     cache: dict[str, Any] = {}
     return lambda data: bytes(
         migrate_bytes(theirs, types, kind, ours, cache, data, src_is2=False, dst_is2=True)

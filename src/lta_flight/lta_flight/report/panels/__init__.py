@@ -1,1 +1,1 @@
-"""The pictures of a flight, one a file; `panels.registry` lists them."""
+"""The figures of a flight page, one per module; `registry` lists them."""

@@ -1,4 +1,4 @@
-"""Forward speed through the air."""
+"""Plot the forward airspeed."""
 
 from lta_flight.report.time_figure import create_time_figure
 from lta_flight.report.view import FlightView
@@ -8,7 +8,7 @@ from plotly.graph_objects import Figure
 
 
 def plot_airspeed(view: FlightView) -> Figure:
-    """Return true, estimated and asked-for forward airspeed."""
+    """Return a figure of true, estimated and commanded forward airspeed."""
     figure = create_time_figure(view)
     truth = view.truth
     labels = [EndLabel('truth', truth.speed[-1], TRUTH)]

@@ -1,4 +1,4 @@
-"""Altitude of the hull centre."""
+"""Plot the altitude of the hull centre."""
 
 from lta_flight.report.results import find_phases
 from lta_flight.report.time_figure import create_time_figure
@@ -10,13 +10,14 @@ from plotly.graph_objects import Figure
 
 
 def plot_altitude(view: FlightView) -> Figure:
-    """Return truth, estimate, set-point and the raw range."""
+    """Return a figure of truth, estimate, set-point and raw range."""
     figure = create_time_figure(view)
     truth = view.truth
     labels = [EndLabel('truth', truth.z[-1], TRUTH)]
     shown = [truth.z]
     if view.has_topics('range'):
         measured = view.range_altitude
+        # First, so that the lines are drawn over the dots
         figure.add_trace(build_dots('range', *measured, RAW, unit='m'))
     if view.has_topics('setpoint/pose'):
         asked = view.altitude_setpoint
@@ -24,6 +25,7 @@ def plot_altitude(view: FlightView) -> Figure:
             build_line('set-point', *asked, SETPOINT, unit='m', width=1.2, dash='dot', steps=True)
         )
         labels.append(EndLabel('set-point', asked.value[-1], SETPOINT))
+        # The set-point before lift-off must not widen the axis
         shown.append(hold_last(truth.time[truth.time >= find_phases(view).lift_off], asked))
     if view.has_topics('odom'):
         estimate = view.estimate

@@ -1,4 +1,4 @@
-"""What the controller asks of each rotor."""
+"""Plot the commanded duty of each rotor."""
 
 from lta_flight.report.time_figure import create_time_figure
 from lta_flight.report.view import FlightView
@@ -9,9 +9,10 @@ from plotly.graph_objects import Figure, Scatter
 
 
 def plot_duty(view: FlightView) -> Figure:
-    """Return the commanded duty, a row for each rotor."""
+    """Return a figure of the commanded duties with a row per rotor."""
     time, names, values = view.duties
     figure = create_time_figure(view, len(names))
+    # Show negative duties only if a rotor has reversed
     low = -1.05 if values.min() < 0.0 else -0.03
     for row, name in enumerate(names, start=1):
         x, y = decimate_line(time, values[:, row - 1])
@@ -25,6 +26,7 @@ def plot_duty(view: FlightView) -> Figure:
         figure.update_yaxes(range=[low, 1.05], tickvals=[0, 1], row=row)
         figure.add_annotation(
             x=1.0, xref='x domain', y=0.5, yref='y domain', xanchor='left', xshift=6,
+            # A line per word, because the margin is narrow
             align='left', text=name.replace('_', '<br>'), font={'color': INK, 'size': 11},
             row=row, col=1,
         )  # fmt: skip

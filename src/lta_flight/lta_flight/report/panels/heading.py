@@ -1,4 +1,4 @@
-"""Where the nose points, and where the lamp is."""
+"""Plot the heading and the direction to the lamp."""
 
 from lta_flight.report.goal import wrap_angle
 from lta_flight.report.time_figure import create_time_figure
@@ -11,13 +11,14 @@ from plotly.graph_objects import Figure
 
 
 def plot_heading(view: FlightView) -> Figure:
-    """Return true, estimated and asked-for heading beside the direction to the lamp."""
+    """Return a figure of true, estimated and commanded heading and of the lamp's direction."""
     figure = create_time_figure(view)
     truth = view.truth
     heading = np.degrees(truth.yaw)
     labels = [EndLabel('truth', heading[-1], TRUTH)]
     shown = [heading]
     if view.goal.places:
+        # The direction is in the body frame
         lamp = heading + np.degrees(view.goal.lamp_direction(truth))
         figure.add_trace(build_line('to the lamp', truth.time, lamp, LAMP, unit='°', width=1.2))
         labels.append(EndLabel('to the lamp', lamp[-1], LAMP))
@@ -25,6 +26,7 @@ def plot_heading(view: FlightView) -> Figure:
     if view.has_topics('odom', 'setpoint/pose'):
         time, asked = view.heading_setpoint
         estimate = interpolate(time, view.estimate.time, view.estimate.yaw)
+        # Shift the set-point by full turns to the estimate, so that the lines stay together
         asked = np.degrees(estimate + wrap_angle(asked - estimate))
         figure.add_trace(
             build_line(

@@ -1,4 +1,4 @@
-"""What the ring of photodiodes sees of the lamp."""
+"""Plot what the ring of photodiodes measures of the lamp."""
 
 from lta_flight.report.results import beacon_direction
 from lta_flight.report.time_figure import create_time_figure
@@ -9,15 +9,16 @@ from lta_report.palette import build_color_scale, ESTIMATE, GOOD, HEAT, LAMP, SO
 import numpy as np
 from plotly.graph_objects import Figure, Heatmap, Scatter
 
-MOST_COLUMNS = 1000  # instants on the map; a screen shows no more
-FAINTEST = 0.1  # counts; below one step of the converter there is only noise
+MOST_COLUMNS = 1000  # columns of the map, about the pixels of a panel
+FAINTEST = 0.1  # counts; below it there is only noise of the converter
 
 
 def plot_light(view: FlightView) -> Figure:
-    """Return amplitude by direction of the diode over time, and the SNR of the best diode."""
+    """Return a figure of amplitude by direction and time, and of the best diode's SNR."""
     figure = create_time_figure(view, 2, (0.66, 0.34))
     time, parts = view.peaks
     azimuth = np.degrees(np.arctan2(parts['y'][0], parts['x'][0])).round(1)
+    # A heat map needs its rows in ascending order
     order = np.argsort(azimuth)
     amplitude = parts['amplitude'][:, order].T
     shown = average_stretches(time), azimuth[order], average_stretches(amplitude)
@@ -32,6 +33,7 @@ def plot_light(view: FlightView) -> Figure:
         )
     figure.update_yaxes(title_text='left of the nose [°]', tickvals=[-90, 0, 90, 180], row=1)
     best = parts['snr'].max(axis=1)
+    # The axis is logarithmic, so its range is in decades
     snr = np.log10(np.maximum(best, 0.1))
     figure.add_trace(build_snr_line(time, best), row=2, col=1)
     figure.update_yaxes(title_text='SNR [1]', type='log', row=2)
@@ -42,7 +44,8 @@ def plot_light(view: FlightView) -> Figure:
 
 
 def build_amplitude_map(time: Array, azimuth: Array, amplitude: Array) -> Heatmap:
-    """Return the amplitude of the lamp's light as a map of time and direction, log scale."""
+    """Return a map of the lamp's amplitude over time and direction, on a log scale."""
+    # A dead diode has no amplitude and is drawn as the faintest
     known = np.nan_to_num(amplitude, nan=FAINTEST, posinf=FAINTEST, neginf=FAINTEST)
     shown = np.log10(np.maximum(known, FAINTEST)).astype(np.float32)
     low, high = np.floor(shown.min()), np.ceil(shown.max())
@@ -72,8 +75,9 @@ def build_amplitude_map(time: Array, azimuth: Array, amplitude: Array) -> Heatma
 
 
 def average_stretches(values: Array) -> Array:
-    """Return the mean of each stretch of the last axis, of few enough stretches to be seen."""
+    """Return means over equal intervals of the last axis, at most `MOST_COLUMNS`."""
     count = values.shape[-1]
+    # The length of an interval, rounded up
     starts = np.arange(0, count, -(-count // MOST_COLUMNS))
     lengths = np.diff(np.append(starts, count))
     return np.asarray(np.add.reduceat(values, starts, axis=-1) / lengths)
@@ -98,7 +102,7 @@ def build_snr_line(time: Array, best: Array) -> Scatter:
 
 
 def insert_wrap_gaps(angle: Array) -> Array:
-    """Return an angle in degrees with gaps where it wraps, so that no line crosses the plot."""
+    """Return an angle in degrees with NaN where it wraps, so that no line crosses the plot."""
     result = angle.copy()
     result[1:][np.abs(np.diff(angle)) > 180.0] = np.nan
     return result

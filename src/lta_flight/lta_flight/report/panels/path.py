@@ -1,4 +1,4 @@
-"""The flight from above."""
+"""Plot the path of the flight from above."""
 
 from lta_flight.report.rays import draw_rays
 from lta_flight.report.results import find_phases
@@ -10,17 +10,18 @@ from lta_report.palette import build_color_scale, ESTIMATE, SOFT, TIME
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
-BEADS = 700
-MARGIN = 0.25  # m of paper around the room
-STEPS = (1, 2, 5, 10, 20, 60)  # s between the times written beside the path
-MOST_STEPS = 7
+BEADS = 700  # points of the path, which together look like a ribbon
+MARGIN = 0.25  # m around the room
+STEPS = (1, 2, 5, 10, 20, 60)  # s between the time labels of the path
+MOST_STEPS = 7  # labels
 
 
 def plot_path(view: FlightView) -> Figure:
-    """Return the true path in the room, with the lamp's light and the measured bearings."""
+    """Return a figure of the true path in the room, with light and measured bearings."""
     figure = create_figure()
     figure.update_layout(hovermode='closest', margin={'l': 44, 'r': 12, 't': 8, 'b': 40})
     if view.scene.scenario is not None:
+        # The light is drawn at the median flight height
         draw_room(figure, view.scene.scenario, float(np.median(view.truth.z)))
     if view.has_topics('light/bearing', 'light/peaks'):
         draw_rays(figure, view)
@@ -33,7 +34,7 @@ def plot_path(view: FlightView) -> Figure:
 
 
 def set_axis_ranges(figure: Figure, view: FlightView) -> None:
-    """Show the whole room, or the whole path where there is none, to one scale."""
+    """Show the whole room, or the whole path, with equal scales of both axes."""
     if view.scene.scenario is not None:
         length, width, _ = view.scene.scenario.room.size.vector
         sides = [(-length / 2, length / 2), (-width / 2, width / 2)]
@@ -52,8 +53,9 @@ def set_axis_ranges(figure: Figure, view: FlightView) -> None:
 
 
 def draw_estimate(figure: Figure, view: FlightView) -> None:
-    """Draw where the drone would believe to be, and name it at its end."""
+    """Draw the path by dead reckoning, with a label."""
     estimate, truth = view.estimate, view.truth
+    # Every n-th point, for about BEADS in all
     keep = slice(None, None, max(1, len(estimate.time) // BEADS))
     figure.add_trace(
         Scatter(
@@ -81,12 +83,12 @@ def find_farthest_point(
     Parameters
     ----------
     path, other : ndarray, shape (n, 2) and (m, 2)
-        Places. [m]
+        Points. [m]
 
     Returns
     -------
     place, direction : tuple of 2 floats
-        There is room for a word. [m, 1]
+        Where a label has space. [m, 1]
 
     """
     gaps = path[:, None, :] - other[None, :, :]
@@ -98,7 +100,7 @@ def find_farthest_point(
 
 
 def build_path_ribbon(view: FlightView) -> Scatter:
-    """Return the true path as a ribbon that is coloured by time."""
+    """Return the true path as points coloured by time."""
     truth = view.truth
     keep = slice(None, None, max(1, len(truth.time) // BEADS))
     time = truth.time[keep].astype(np.float32)
@@ -115,21 +117,25 @@ def build_path_ribbon(view: FlightView) -> Scatter:
 
 
 def draw_times(figure: Figure, view: FlightView) -> None:
-    """Write the time beside the path every few seconds, away from the lamp where it turns."""
+    """Label the path with times, on the side away from the lamp."""
     phases = find_phases(view)
     start = phases.search if np.isfinite(phases.search) else view.span[0]
+    # The smallest step that gives few enough labels
     step = next((step for step in STEPS if (phases.end - start) / step <= MOST_STEPS), STEPS[-1])
     truth = view.truth
     for time in np.arange(np.ceil(start / step) * step, phases.end, step):
+        # Position now and half a second later, for the direction of flight
         x, y, ahead_x, ahead_y = (
             float(np.interp(when, truth.time, part))
             for when in (time, time + 0.5)
             for part in (truth.x, truth.y)
         )
         course = np.arctan2(ahead_y - y, ahead_x - x)
+        # Unit vector to the left of the path
         across, up = -np.sin(course), np.cos(course)
         if places := view.goal.places:
             lamp = places[int(view.goal.leg_index(np.array([time]))[0])]
+            # Negative if the left side faces the lamp
             away = -1.0 if across * (lamp.x - x) + up * (lamp.y - y) > 0.0 else 1.0
             across, up = away * across, away * up
         draw_label(figure, (x, y), f'{time:g} s', SOFT, 20.0 * across, 14.0 * up)

@@ -1,4 +1,4 @@
-"""What the flight costs."""
+"""Plot power and energy."""
 
 from lta_flight.report.time_figure import create_time_figure
 from lta_flight.report.view import FlightView
@@ -10,18 +10,20 @@ from scipy.integrate import cumulative_trapezoid
 
 
 def plot_power(view: FlightView) -> Figure:
-    """Return power out of the cell and from the panel, and the energy taken out so far."""
+    """Return a figure of battery power, panel power, and energy drawn from the battery."""
     figure = create_time_figure(view, 2)
     time, voltage, current = view.battery
     power = -voltage * current
     figure.add_trace(build_line('cell', time, power, ESTIMATE, unit='W'), row=1, col=1)
     labels = [EndLabel('out of cell', power[-1], ESTIMATE)]
+    # The axis always includes zero
     shown = [power, np.zeros(1)]
     if view.has_topics('panel'):
         when, volts, amperes = view.panel
         figure.add_trace(build_line('panel', when, volts * amperes, GOOD, unit='W'), row=1, col=1)
         labels.append(EndLabel('from panel', float(volts[-1] * amperes[-1]), GOOD))
         shown.append(volts * amperes)
+    # The first value must be 0 J
     energy = cumulative_trapezoid(power, time, initial=0)
     figure.add_trace(build_line('energy', time, energy, ESTIMATE, unit='J'), row=2, col=1)
     figure.update_yaxes(title_text='power [W]', row=1)

@@ -1,4 +1,4 @@
-"""The pictures of a flight page, in reading order."""
+"""The figures of a flight page, in reading order."""
 
 from collections.abc import Callable
 from typing import Final, final, NamedTuple
@@ -21,22 +21,22 @@ from plotly.graph_objects import Figure
 @final
 class FlightPanel(NamedTuple):
     """
-    One picture of the page.
+    One figure of the page.
 
     Attributes
     ----------
     name : str
-        Identifies it in the page and in file names.
+        Identifier in the page and in file names.
     title : str
-        Its heading.
+        Heading.
     caption : str
-        What is to be seen, in a sentence or two.
+        What the figure shows, in a sentence or two.
     needs : tuple of str
-        Topics without which there is nothing to draw.
+        Required topics.
     picture : callable
-        From the flight to the figure.
+        Builds the figure from the flight.
     timed : bool
-        Whether its x axis is the time of the flight.
+        Whether the x axis is the time of the flight.
 
     """
 
@@ -53,9 +53,9 @@ PANELS: Final = (
         'path',
         'From above',
         'The true path, coloured and labelled by time. Short rays are the bearings to the lamp as '
-        'the drone measured them, stronger in colour with a better signal; the dotted line is '
-        'where it would believe to be by dead reckoning. Shading is the direct light of all lamps '
-        'at flight height, a step for each factor of two.',
+        'the drone measured them, darker with a better signal; the dotted line is the position by '
+        'dead reckoning. Shading is the direct light of all lamps at flight height, with a step '
+        'per factor of two.',
         ('ground_truth/odom',),
         path.plot_path,
         timed=False,
@@ -72,7 +72,7 @@ PANELS: Final = (
         'airspeed',
         'Airspeed',
         'Speed through the air along the nose. The estimate fuses the accelerometer with a drag '
-        'model; it never sees the truth.',
+        'model.',
         ('ground_truth/odom',),
         airspeed.plot_airspeed,
     ),
@@ -95,7 +95,7 @@ PANELS: Final = (
     FlightPanel(
         'duty',
         'Rotors',
-        'Duty that the controller asks of each rotor.',
+        'Duty that the controller commands for each rotor.',
         ('motors',),
         duty.plot_duty,
     ),
@@ -103,15 +103,15 @@ PANELS: Final = (
         'power',
         'Power and energy',
         'Electrical power out of the cell and from the solar panel, and the energy taken from the '
-        'cell since the recording started, standing on the ground included.',
+        'cell since the recording started, including time on the ground.',
         ('battery',),
         power.plot_power,
     ),
     FlightPanel(
         'samples',
-        'What a photodiode hears',
-        'A tenth of a second of raw samples of the brightest diode, when the search starts and '
-        'when it ends.',
+        'Samples of a photodiode',
+        'A tenth of a second of raw samples of the brightest diode, at the start and at the end '
+        'of the search.',
         ('photodiodes',),
         samples.plot_samples,
         timed=False,
@@ -119,9 +119,9 @@ PANELS: Final = (
     FlightPanel(
         'spectrum',
         'The lamp in the spectrum',
-        'The same samples by frequency. The lamp has its own place beside the flicker of the '
-        'mains, its odd harmonics show that it is a square wave, and the small peaks between '
-        'them are high harmonics that the sampling folds back.',
+        'The same samples by frequency. The lamp is separate from the flicker of the mains. Its '
+        'odd harmonics are those of a square wave, and the small peaks between them are higher '
+        'harmonics aliased by the sampling.',
         ('photodiodes',),
         spectrum.plot_spectrum,
         timed=False,

@@ -1,4 +1,4 @@
-"""What the converter delivers: the light as numbers, before anyone has looked for a lamp."""
+"""Plot raw samples of the light."""
 
 from lta_flight.report.sample_blocks import select_sample_blocks
 from lta_flight.report.view import FlightView
@@ -8,12 +8,13 @@ from plotly.graph_objects import Figure, Scatter
 
 
 def plot_samples(view: FlightView) -> Figure:
-    """Return the samples of the brightest diode in two blocks."""
+    """Return a figure of the brightest diode's samples in two blocks."""
     figure = create_figure(2)
     for row, moment in enumerate(select_sample_blocks(view), start=1):
         figure.add_trace(
             Scatter(
                 x=(1e3 * moment.time).astype(np.float32),
+                # ADC counts fit into 16 bits, which keeps the page small
                 y=moment.samples.astype(np.uint16),
                 mode='lines',
                 line={'color': moment.colour, 'width': 1},

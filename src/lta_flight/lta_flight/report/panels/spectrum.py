@@ -1,4 +1,4 @@
-"""Where the lamp stands out from the mains and the noise."""
+"""Plot the spectrum of the light, with lamp and mains."""
 
 from lta_flight.report.sample_blocks import select_sample_blocks
 from lta_flight.report.view import FlightView
@@ -8,12 +8,12 @@ from lta_vlc.spectral.spectrum import amplitude_spectrum
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
-HIGHEST = 1000.0  # Hz; beyond it there are only more harmonics
-FLOOR = 1e-3  # counts
+HIGHEST = 1000.0  # Hz; above it there are only higher harmonics
+FLOOR = 1e-3  # counts, the least value on the logarithmic axis
 
 
 def plot_spectrum(view: FlightView) -> Figure:
-    """Return the spectra of the two blocks, lamp and mains marked."""
+    """Return a figure of the spectra of two blocks, with lamp and mains marked."""
     figure = create_figure()
     labels = []
     peaks = []
@@ -35,6 +35,7 @@ def plot_spectrum(view: FlightView) -> Figure:
         )
         peaks.append(np.log10(values))
         labels.append(EndLabel(moment.where, peaks[-1][-1], moment.colour))
+    # The axis is in decades; 0.45 leaves space for the labels above the peaks
     low = float(np.floor(min(np.quantile(peak, 0.02) for peak in peaks)))
     high = float(max(peak.max() for peak in peaks)) + 0.45
     figure.update_yaxes(title_text='amplitude [counts]', type='log', dtick=1)
@@ -46,7 +47,7 @@ def plot_spectrum(view: FlightView) -> Figure:
 
 
 def label_frequencies(figure: Figure, view: FlightView) -> None:
-    """Name the fundamental of each lamp, the harmonics of one alone, and the mains' flicker."""
+    """Label the fundamental of each lamp, harmonics of a single lamp, and the mains flicker."""
     scenario = view.scene.scenario
     if scenario is None:
         return
@@ -55,6 +56,7 @@ def label_frequencies(figure: Figure, view: FlightView) -> None:
     marks += [(beat, f'{name} {beat:g} Hz', LAMP, 'left') for name, beat in scenario.beacons]
     if len(scenario.beacons) == 1:
         ((_, beat),) = scenario.beacons
+        # The odd harmonics of a square wave
         marks += [(k * beat, f'{k} f', LAMP, 'left') for k in (3, 5) if k * beat <= HIGHEST]
     for frequency, text, colour, side in marks:
         figure.add_vline(

@@ -1,11 +1,11 @@
 """
-Added inertia: the air that must be turned with the hull.
+Added inertia: rotational inertia of the air that turns with the hull.
 
     A_2 = diag(roll, pitch, yaw)
 
-about the hull centre. Nothing for a sphere or about an axis of revolution in an ideal fluid;
-Lamb's closed forms for spheroids are in `mass.spheroid_added_mass`. Left out: coupling terms, and
-the layer that friction drags along.
+about the hull centre. It is zero for a sphere and about an axis of revolution in an ideal fluid;
+`mass_matrix.spheroid_added_mass` has Lamb's closed forms for spheroids. Not modelled: coupling
+terms and the boundary layer.
 """
 
 from lta_model.effects.protocol import AXES, EffectParameter, InertiaEffect, Values, Wrench

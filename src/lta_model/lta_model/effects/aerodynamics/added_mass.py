@@ -1,11 +1,11 @@
 """
-Added mass: the air that must be set in motion with the hull.
+Added mass: inertia of the air that accelerates with the hull.
 
     A_1 = diag(surge, sway, heave)
 
-about the hull centre; its momentum follows the air-relative velocity (`rigid_body`), which brings
-the Munk moment with it. Lamb's closed forms for spheroids are in `mass.spheroid_added_mass`. Left
-out: coupling terms of hulls without three planes of symmetry, walls and floor nearby.
+about the hull centre. Its momentum follows the air-relative velocity (`rigid_body`), which
+includes the Munk moment. `mass_matrix.spheroid_added_mass` has Lamb's closed forms for spheroids.
+Not modelled: coupling terms of hulls without three planes of symmetry, nearby walls and floor.
 """
 
 from lta_model.effects.protocol import AXES, EffectParameter, InertiaEffect, Values, Wrench

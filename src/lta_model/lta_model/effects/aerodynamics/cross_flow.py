@@ -1,17 +1,16 @@
 """
-What the drag axis by axis leaves out: that the flow comes from one side only.
+Additional drag of a round hull in oblique flow, which drag per axis underestimates.
 
     F_i = -D_i (s_i - |v_i|) v_i
     s_x = |v_x| + horizontal (|v_h| - |v_x|) + total (|v| - |v_h|),   s_y alike
     s_z = |v_z| + total (|v| - |v_z|)
 
-about the hull centre; v is the air-relative velocity, v_h its part along surge and sway, D the
-coefficients of `quadratic_drag`. A round hull that flies at 45 degrees to its axes has the drag of
-its axes times |v|, but -D |v_i| v_i gives it only 0.71 of that. `horizontal` = 1 mends it for a
-hull that is round seen from above; `total` = 1 also for one that goes up or down askew: with both,
-F = -D |v| v. A slender hull has neither: there the flow across it is as if there were none along
-it (Allen and Perkins 1951, NACA Report 1048). F slows the vehicle for any share that is not
-negative, since s_i >= |v_i|.
+about the hull centre. v is the air-relative velocity, v_h its part along surge and sway, D the
+coefficients of `quadratic_drag`. At 45 degrees to its axes a round hull has the drag D |v| v, but
+-D |v_i| v_i gives only 0.71 of it. `horizontal` = 1 corrects this for a hull that is round seen
+from above; `total` = 1 also corrects oblique climbs: with both, F = -D |v| v. A slender hull needs
+neither, because its cross flow is independent of the axial flow (Allen and Perkins 1951, NACA
+Report 1048). F dissipates for any share that is not negative, since s_i >= |v_i|.
 """
 
 import math
@@ -32,11 +31,13 @@ PARAMETERS = (
 
 
 def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
-    """Return the missing part of the drag."""
+    """Return the drag missing from `quadratic_drag`."""
     horizontal, total, surge, sway, heave = p
     x, y, z = motion.airspeed
     square = x * x + y * y
+    # |v_h| and |v|
     flat, speed = math.sqrt(square), math.sqrt(square + z * z)
+    # The part that surge and sway share
     rest = total * (speed - flat)
     return (
         -surge * (horizontal * (flat - abs(x)) + rest) * x,

@@ -1,9 +1,8 @@
 """
-Lift, drag, side force and moments of a hull with wings, by angle of attack and side-slip.
+Lift, drag, side force and moments of a winged hull by angle of attack and sideslip.
 
-In axes forward, right, down (z down here only), alpha = atan2(v_z, v_x), beta = asin(v_y / V) and
-q = density V^2 area / 2, the law is that of RGBlimp's authors (zhu-yj/ABNODE@138a1de), with their
-numbers as parameters:
+In axes forward, right, down (z down here only), with alpha = atan2(v_z, v_x), beta = asin(v_y / V)
+and q = density V^2 area / 2, the model is that of RGBlimp's authors (zhu-yj/ABNODE@138a1de):
 
     D = q (drag + drag_alpha2 alpha^2 + drag_beta2 beta^2)
     S = q (side + side_alpha2 alpha^2 + side_beta beta)
@@ -13,32 +12,32 @@ numbers as parameters:
     M3 = q (yaw + yaw_alpha alpha + yaw_beta beta)          - yaw_rate r
     F = R (-D, S, -L),   N = R (M1, M2, M3),   R: wind to body
 
-moments over a length of 1 m, damping by the body rates p, q, r, as published: for forward flight
-at moderate angles, to which it was fitted (|alpha| is below 24 degrees in 99.9 % of the authors'
-data). Beyond, it jumps, its damping drives, and its lift pulls a hull that sinks backwards down.
-So here, with SLOW = 1 mm/s:
+Moments use a reference length of 1 m, damping the body rates p, q, r. The published model was
+fitted to forward flight at moderate angles (|alpha| below 24 degrees in 99.9 % of the data).
+Outside that range it is discontinuous, its damping adds energy, and its lift acts downwards on a
+hull that sinks backwards. So it is extended here, with SLOW = 1 mm/s:
 
     alpha = atan2(v_z, |v_x, SLOW|),     beta = atan2(v_y, |v_x, v_z, SLOW|)
     cos a = v_x / |v_x, v_z, SLOW|,      sin a = v_z / |v_x, v_z, SLOW|
     cos b = |v_x, v_z, SLOW| / |v, SLOW|,    sin b = v_y / |v, SLOW|
 
-in R; alpha is seen from the end of the hull that goes first. Backwards the hull has the law of its
-mirror image, so that L, M1 and M2 are times e, and the damping goes over into body axes between:
+in R; alpha is measured from the leading end of the hull. Flying backwards, the hull behaves as its
+mirror image: L, M1 and M2 are multiplied by e, and the damping blends into body axes between:
 
     e = t (3 - t^2) / 2,   t = 2 f |f| within -1 and 1,   f = cos a cos b
     k = |e| (v_x^2 + v_z^2) / |v_x, v_z, SLOW|^2,    d = -(roll_rate p, pitch_rate q, yaw_rate r)
     N_damping = k R (s d_1, d_2, s d_3) + (1 - k) d,   s the sign of e
 
-e is 1 within 45 degrees of straight ahead. The slope of the wrench has no jump, and there it is
-within a few (SLOW / V)^2 of the published one.
+e is 1 within 45 degrees of straight ahead. The wrench has a continuous slope, and in that range it
+differs from the published one by a few (SLOW / V)^2.
 
-The flow is that at (x, 0, z) from the hull centre, body axes forward and up, and the force acts
-there: 0 in the published law. A wing 10 cm behind the point that is tracked sees another side-slip
-in a turn: 4 degrees at 0.3 rad/s and 0.4 m/s.
+The flow is taken, and the force acts, at (x, 0, z) from the hull centre in body axes (forward and
+up); the published model has 0. A wing 10 cm behind the tracked point meets another sideslip in a
+turn: 4 degrees at 0.3 rad/s and 0.4 m/s.
 
-It has all of the hull's drag, so the drags axis by axis stay at null for the translations. Moments
-that were measured contain the Munk moment: a vehicle that also has an added mass takes that of the
-rigid body away again with `munk_moment`, `lost` 1.
+All translational drag of the hull is included, so the drags per axis stay at null. Measured
+moments include the Munk moment: for a vehicle with added mass, cancel that of the rigid body with
+`munk_moment`, `lost` = 1.
 """
 
 import math
@@ -98,17 +97,18 @@ PARAMETERS = (
     *(EffectParameter(name, 'm', 0.0, -5.0, 5.0, 0.05, _PLACE) for name in ('x', 'z')),
 )
 
+# Keeps angles and slopes finite in still air; far below flight speeds of 0.3 m/s
 SLOW = 1e-3  # [m/s]
 
 
 def rotate_wind_to_body(ca: float, sa: float, cb: float, sb: float, f: Vector) -> Vector:
-    """Return R f: a vector in wind axes, in axes forward, right, down."""
+    """Return R f: a vector from wind axes to axes forward, right, down."""
     flat = cb * f[0] - sb * f[1]
     return (ca * flat - sa * f[2], sb * f[0] + cb * f[1], sa * flat + ca * f[2])
 
 
 def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
-    """Return the published law."""
+    """Return the wrench of the extended model."""
     (
         density, area, drag, drag_alpha2, drag_beta2, side, side_alpha2, side_beta,
         lift, lift_alpha, lift_beta2, roll, roll_alpha, roll_beta,
@@ -116,22 +116,27 @@ def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Val
         roll_rate, pitch_rate, yaw_rate, x, z,
     ) = p  # fmt: skip
     turn_p, turn_q, turn_r = motion.rates
+    # Velocity at (x, 0, z), v + w x r, turned from forward-left-up to forward-right-down
     u = motion.airspeed[0] + turn_q * z
     v = -(motion.airspeed[1] + turn_r * x - turn_p * z)
     w = -(motion.airspeed[2] - turn_q * x)
     level = u * u + w * w
     square = level + v * v
+    # |v_x, v_z, SLOW| and 1 / |v, SLOW|
     flat, scale = math.sqrt(level + SLOW * SLOW), 1.0 / math.sqrt(square + SLOW * SLOW)
     ca, sa, cb, sb = u / flat, w / flat, flat * scale, v * scale
     alpha, beta = math.atan2(w, math.sqrt(u * u + SLOW * SLOW)), math.atan2(v, flat)
     a2, b2 = alpha * alpha, beta * beta
+    # Cosine between the flow and the hull axis, f in the module's equations
     along = ca * cb
     t = min(1.0, max(-1.0, 2.0 * along * abs(along)))
+    # Cubic smoothstep from -1 (backwards) to 1 (forwards)
     e = 0.5 * t * (3.0 - t * t)
     q = 0.5 * density * area * square
     force = (
         -q * (drag + drag_alpha2 * a2 + drag_beta2 * b2),
         q * (side + side_alpha2 * a2 + side_beta * beta),
+        # Lift, roll and pitch change sign for the mirror image that flies backwards
         -q * e * (lift + lift_alpha * alpha + lift_beta2 * b2),
     )
     moment = (
@@ -139,21 +144,26 @@ def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Val
         q * e * (pitch + pitch_alpha * alpha + pitch_beta4 * b2 * b2),
         q * (yaw + yaw_alpha * alpha + yaw_beta * beta),
     )
+    # Forward-right-down: roll keeps its sign, pitch and yaw change it
     damping = (
         -roll_rate * motion.rates[0],
         pitch_rate * motion.rates[1],
         yaw_rate * motion.rates[2],
     )
+    # Near 1; 0 without flow in the plane of x and z, where wind axes are undefined
     share = level / (flat * flat)
     along, wind = share * e, share * abs(e)
     turning = (along * damping[0], wind * damping[1], along * damping[2])
     d = rotate_wind_to_body(ca, sa, cb, sb, turning)
     f, n = rotate_wind_to_body(ca, sa, cb, sb, force), rotate_wind_to_body(ca, sa, cb, sb, moment)
+    # Share of the damping that acts in body axes
     body = 1.0 - wind
     return (
         f[0],
+        # Back to forward-left-up: y and z change sign
         -f[1],
         -f[2],
+        # Moments about the hull centre: r x F of the force at (x, 0, z) is included
         n[0] + d[0] + body * damping[0] + z * f[1],
         -(n[1] + d[1] + body * damping[1]) + z * f[0] + x * f[2],
         -(n[2] + d[2] + body * damping[2]) - x * f[1],
@@ -164,5 +174,6 @@ EFFECT = WrenchEffect(
     'hull_lift',
     PARAMETERS,
     compute_wrench,
+    # All but density and area (they multiply the others), and x, z (the place)
     linear_in=tuple(parameter.name for parameter in PARAMETERS[2:-2]),
 )

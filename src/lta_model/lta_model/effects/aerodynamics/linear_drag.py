@@ -1,10 +1,10 @@
 """
-Drag proportional to the speed through the air, axis by axis.
+Drag proportional to the airspeed, per axis.
 
     F_i = -D_i v_r,i
 
-about the hull centre, v_r the air-relative velocity: skin friction at low Reynolds number. Source:
-the linear part of the diagonal drag of small blimps (Fossen 2011, section 6.4, eq. 6.57).
+about the hull centre; v_r is the air-relative velocity. Skin friction at low Reynolds number: the
+linear part of the diagonal drag of small blimps (Fossen 2011, section 6.4, eq. 6.57).
 """
 
 from lta_model.effects.protocol import (

@@ -1,11 +1,10 @@
 """
-Drag proportional to the square of the speed through the air, axis by axis.
+Drag proportional to the square of the airspeed, per axis.
 
     F_i = -D_i |v_r,i| v_r,i,   D = rho C_D A / 2
 
-about the hull centre, v_r the air-relative velocity, as in the diagonal model of small blimps
-(Fossen 2011, section 6.4, eq. 6.58). Axis by axis, a round hull has 0.71 of its drag at 45
-degrees; `cross_flow` mends that.
+about the hull centre; v_r is the air-relative velocity (Fossen 2011, section 6.4, eq. 6.58). For a
+round hull at 45 degrees this gives 0.71 of the drag; `cross_flow` corrects it.
 """
 
 from lta_model.effects.protocol import (
@@ -29,6 +28,7 @@ def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Val
     surge, sway, heave = p
     v = motion.airspeed
     return (
+        # |v| v instead of v^2 keeps the sign, so that the force always opposes the motion
         -surge * abs(v[0]) * v[0],
         -sway * abs(v[1]) * v[1],
         -heave * abs(v[2]) * v[2],

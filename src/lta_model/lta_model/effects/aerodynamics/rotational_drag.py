@@ -1,13 +1,12 @@
 """
-Damping of the body rates, linear and quadratic.
+Linear and quadratic damping of the body rates.
 
     N_i = -(D_i + D_2i |w_i|) w_i
 
-about the hull centre. Skin friction of a hull of revolution about its axis, form drag of gondola
-and hull about the others; the linear part holds for small rates. Source: the rotational part of
-the diagonal damping of small blimps (Fossen 2011, section 6.4, eqs. 6.57 and 6.58). Steady
-rotation in a wind tunnel lets the air turn along, so small fast swings are damped more than its
-figures say: `strip_damping` has that of frames and panels.
+about the hull centre: skin friction about an axis of revolution, form drag of gondola and hull
+about the others; the linear part is for small rates (Fossen 2011, section 6.4, eqs. 6.57 and
+6.58). Coefficients from steady rotation in a wind tunnel underestimate the damping of fast
+oscillations, because the air turns along; `strip_damping` adds that of frames and panels.
 """
 
 from lta_model.effects.protocol import (
@@ -35,6 +34,7 @@ def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Val
         0.0,
         0.0,
         0.0,
+        # |w| w keeps the sign: both parts oppose the rotation
         -(roll + roll_2 * abs(w[0])) * w[0],
         -(pitch + pitch_2 * abs(w[1])) * w[1],
         -(yaw + yaw_2 * abs(w[2])) * w[2],

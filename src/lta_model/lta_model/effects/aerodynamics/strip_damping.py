@@ -1,31 +1,29 @@
 """
-Damping of a turning vehicle by its frame and panels, by strip theory.
+Rotational damping by frame and panels, by strip theory.
 
-A strip is straight, from c - h to c + h in the body. At s from -1 to 1 along it, the air meets it
-at
+A strip is straight, from c - h to c + h in the body. At s from -1 to 1 along it
 
     u(s) = k v_r + w x (c + s h),    f_i = -D_i |u_i| u_i   per unit of s / 2,
     N = int (c + s h) x f ds / 2,    F = k int f ds / 2
 
 with D = rho C_D A / 2 of the whole strip along each body axis, as in `quadratic_drag`; v_r is the
-airspeed of the hull. The integral is taken at three Gauss points: exact where u keeps its sign
-along the strip, 3.3 % high where the strip turns about its own middle. `strips` in
-`strip_geometry` takes the numbers from the boxes of a vehicle.
+airspeed of the hull. The integral uses three Gauss points: exact where u keeps its sign along the
+strip, 3.3 % high where the strip turns about its middle. `strip_geometry` computes the numbers
+from the boxes of a vehicle.
 
-Translation is in the drag of the whole vehicle already, which is measured or simulated with its
-frame on. So a strip sees the hull's turning only, `translation` k = 0. k = 1 is for parts which
-the vehicle's drag does not know. Force and moment share the factor, so that the power is
-sum f.u <= 0 for every k. Left out at k = 0 is the force that turning makes: at 0.5 rad/s, 0.1 mN
-of a box of 10 x 6 cm 33 cm below the centre.
+The drag of the whole vehicle already covers translation, so a strip sees only the rotation:
+`translation` k = 0. Use k = 1 for parts that the vehicle's drag excludes. Force and moment share
+the factor, so the power sum f.u is <= 0 for every k. At k = 0 the force due to rotation is
+neglected: 0.1 mN at 0.5 rad/s for a box of 10 x 6 cm 33 cm below the centre.
 
-Turning is in `rotational_drag` too where that was measured on the whole vehicle, but hardly where
-it comes from CFD in a rotating frame: there the air turns along with the hull, and the damping of
-small fast swings by what stands out from it is missing. A frame of 10 x 32 x 6 cm 34.5 cm below
-the hull centre adds 5.5e-4 N m s2 in pitch, a quarter of the 2.1e-3 of such CFD, and in yaw 2 %.
+Where `rotational_drag` was measured on the whole vehicle, it already covers rotation. CFD in a
+rotating frame does not: there the air turns with the hull, and the damping of fast oscillations by
+protruding parts is missing. A frame of 10 x 32 x 6 cm 34.5 cm below the hull centre adds
+5.5e-4 N m s2 in pitch, a quarter of the 2.1e-3 of such CFD, and 2 % in yaw.
 
-Left out: shade of one part on another and of the hull's own wake; air that is still moving from
-the swing before (C_D at small amplitudes is larger); the flow along a strip. Source: strip theory
-with the cross-flow principle (Fossen 2011, section 6.4, there for hulls; from memory); C_D as in
+Not modelled: shielding by other parts and the hull's wake; air still moving from the previous
+oscillation (C_D at small amplitudes is larger); flow along a strip. Source: strip theory with the
+cross-flow principle (Fossen 2011, section 6.4, there for hulls; from memory); C_D as in
 `strip_geometry`.
 """
 
@@ -38,6 +36,7 @@ from lta_model.effects.protocol import (
     WrenchEffect,
 )
 
+# Two wide panels, or four slim frame parts
 STRIPS = 4
 
 _CENTRE = 'prior: 1 cm on the place of a part, within a hull of 10 m (assumed)'
@@ -87,32 +86,31 @@ def _strip_drag(drag: Vector, u: Vector, share: float) -> Vector:
 
 def strip_wrench(u: Vector, w: Vector, centre: Vector, half: Vector, drag: Vector) -> Wrench:
     """
-    Return the drag of one strip and its moment about the hull centre.
+    Return the drag of one strip and its moment about the hull centre, body frame. [N, N m]
 
     Parameters
     ----------
     u : 3-tuple
-        Velocity through the air that the strip sees of the hull. [m/s]
+        Velocity of the hull through the air, as the strip sees it. [m/s]
     w : 3-tuple
         Body rates. [rad/s]
     centre, half : 3-tuple
-        Its middle, and from there to its end. [m]
+        Middle of the strip, and vector from there to its end. [m]
     drag : 3-tuple
         Force per squared speed along each axis. [N s2/m2]
 
-    Returns
-    -------
-    6-tuple
-        Force and moment, body frame. [N, N m]
-
     """
+    # Outer Gauss points at +-sqrt(3/5) of the half length
     g = (GAUSS * half[0], GAUSS * half[1], GAUSS * half[2])
+    # Velocity by rotation: at the middle, and its change out to a Gauss point
     c, d = _cross_product(w, centre), _cross_product(w, g)
     m = (u[0] + c[0], u[1] + c[1], u[2] + c[2])
+    # Weights 8/18 in the middle, 5/18 outside: they sum to 1
     f = _strip_drag(drag, m, 8.0 / 18.0)
     a = _strip_drag(drag, (m[0] + d[0], m[1] + d[1], m[2] + d[2]), 5.0 / 18.0)
     b = _strip_drag(drag, (m[0] - d[0], m[1] - d[1], m[2] - d[2]), 5.0 / 18.0)
     total = (f[0] + a[0] + b[0], f[1] + a[1] + b[1], f[2] + a[2] + b[2])
+    # Moment of the sum about the hull centre, and of the difference about the middle
     n, t = (
         _cross_product(centre, total),
         _cross_product(g, (a[0] - b[0], a[1] - b[1], a[2] - b[2])),
@@ -130,6 +128,7 @@ def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Val
         x_4, y_4, z_4, half_x_4, half_y_4, half_z_4, surge_4, sway_4, heave_4,
     ) = p  # fmt: skip
     w, v = motion.rates, motion.airspeed
+    # The whole vehicle's drag already covers the rest of the airspeed
     u = (translation * v[0], translation * v[1], translation * v[2])
     h_1, h_2 = (half_x_1, half_y_1, half_z_1), (half_x_2, half_y_2, half_z_2)
     h_3, h_4 = (half_x_3, half_y_3, half_z_3), (half_x_4, half_y_4, half_z_4)
@@ -138,6 +137,7 @@ def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Val
     c = strip_wrench(u, w, (x_3, y_3, z_3), h_3, (surge_3, sway_3, heave_3))
     d = strip_wrench(u, w, (x_4, y_4, z_4), h_4, (surge_4, sway_4, heave_4))
     return (
+        # The same factor as on the airspeed, so that the power stays negative
         translation * (a[0] + b[0] + c[0] + d[0]),
         translation * (a[1] + b[1] + c[1] + d[1]),
         translation * (a[2] + b[2] + c[2] + d[2]),

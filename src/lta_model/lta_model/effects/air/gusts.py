@@ -1,16 +1,15 @@
 """
-One gust: up, kept, and down again, each way as one minus a cosine.
+One gust with a one-minus-cosine rise and decay.
 
     U = (x, y, z) (1 - cos(pi s / length)) / 2,    DU/Dt = dU/dt
 
-s is the time since the gust began or until it ends, whichever is less, and at most `length`; the
-gust stands for `hold` between. The rise is the discrete gust of MIL-F-8785C, section 3.7.2, over
-the time in which the vehicle flies its length; a `hold` longer than the flight keeps it up as it
-does there, none gives the full wave of certification rules. The gust is the same everywhere, so
-all of its change is a pressure gradient, and an inviscid neutral hull goes with it exactly.
+s is the time since the begin or until the end, whichever is less, and at most `length`; between
+rise and decay the gust lasts for `hold`. The rise is the discrete gust of MIL-F-8785C, section
+3.7.2, over the time in which the vehicle flies its length. A `hold` longer than the flight keeps
+it, as there; 0 gives the full wave of certification rules. The gust is the same everywhere, so all
+of its change is a pressure gradient, and an inviscid neutral hull follows it exactly.
 
-The memory is a clock, so that a state says where in its gust it is; without a gust it stands, as
-the memory of every effect that is off. [s]
+The memory is a clock [s]; it stops while there is no gust.
 """
 
 from collections.abc import Mapping
@@ -34,6 +33,7 @@ def compute_air_motion(p: Values, memory: Values, place: AirEffectInput) -> Wren
     x, y, z, begin, length, hold = p
     since = memory[0] - begin
     until = 2.0 * length + hold - since
+    # Distance from the nearer end; `length` during the hold
     edge = min(since, until, length)
     if edge <= 0.0:
         return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -42,6 +42,7 @@ def compute_air_motion(p: Values, memory: Values, place: AirEffectInput) -> Wren
     phase = math.pi * edge / length
     share = 0.5 - 0.5 * math.cos(phase)
     slope = 0.5 * math.pi / length * math.sin(phase)
+    # Falling in the second half
     slope = slope if since < until else -slope
     return (x * share, y * share, z * share, x * slope, y * slope, z * slope)
 
@@ -49,11 +50,12 @@ def compute_air_motion(p: Values, memory: Values, place: AirEffectInput) -> Wren
 def compute_memory_rate(p: Values, memory: Values, place: AirEffectInput) -> Values:
     """Return the rate of the gust clock."""
     x, y, z, begin, length, hold = p  # noqa: RUF059
+    # The clock counts flight time, only while the effect is on
     return (1.0 if length > 0.0 else 0.0,)
 
 
 def find_conflict(values: Mapping[str, float]) -> str:
-    """Return the reason why a gust needs a length: else its pressure gradient is unbounded."""
+    """Return an objection to a gust without length: its pressure gradient would be unbounded."""
     if values['length'] <= 0.0 and any(values[axis] != 0.0 for axis in ('x', 'y', 'z')):
         return 'a gust needs the time in which it builds up; give length in seconds'
     return ''

@@ -1,9 +1,9 @@
 """
-A wind that blows everywhere and always the same.
+Uniform steady wind.
 
     U = (x, y, z),    DU/Dt = 0
 
-in `map`: where the air goes to, not where it comes from. A neutral hull ends up going with it.
+in `map`, as the direction of the flow (not where the wind comes from).
 """
 
 from lta_model.effects.protocol import AirEffect, AirEffectInput, EffectParameter, Values, Wrench

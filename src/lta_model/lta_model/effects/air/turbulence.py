@@ -1,28 +1,27 @@
 """
-Dryden turbulence: white noise through filters that have the spectra of the atmosphere.
+Dryden turbulence: white noise through filters with the spectra of the atmosphere.
 
     along       H(s) = sigma sqrt(2 T) / (1 + T s)
     across, up  H(s) = sigma sqrt(T) (1 + sqrt(3) T s) / (1 + T s)^2
     T = L / max(V, sigma)
 
-from white noise of unit intensity, with the lengths L as in MIL-F-8785C, section 3.7.1 (those of
-MIL-HDBK-1797 for across and up are half as long for the same spectrum). V is the speed relative
-to the mean wind, the wind of all before this effect. A vehicle at V sees eddies of length L pass
-in L / V. One that drifts stays with its eddy, which turns over in about L / sigma: where this is
-shorter than L / V it takes over, and the spectrum stays defined at rest. Across is horizontal;
-along is the horizontal direction of the mean wind, or map x in still air.
+from white noise of unit intensity, with L as in MIL-F-8785C, section 3.7.1 (MIL-HDBK-1797 halves
+the lengths across and up for the same spectrum). V is the speed relative to the mean wind, the sum
+of the winds before this effect. A vehicle at V passes eddies of length L in L / V. A drifting one
+stays in its eddy, which turns over in about L / sigma; max() takes the shorter, so the spectrum is
+defined at rest. Across is horizontal; along is the horizontal direction of the mean wind, or map x
+in still air.
 
-The noise is that of the surroundings, held during a control period d. This keeps the variance to
-tanh(d / 2T) 2T / d, 1 - (d / T)^2 / 12, of sigma^2. The memory is in units of sigma. At its
-initial values the air is at rest and stationary after a few T; `stationary_memory` draws what it
-is then: of variance 1 along, 1/2 and 1/4 across and up, whose two states have the covariance 1/4.
+The noise comes from the surroundings and is constant during a control period d, which leaves the
+variance tanh(d / 2T) 2T / d, 1 - (d / T)^2 / 12, of sigma^2. The memory is in units of sigma. From
+its initial zeros the turbulence becomes stationary after a few T; `stationary_memory` draws a
+stationary state: variance 1 along, 1/2 and 1/4 across and up, covariance 1/4 of these two states.
 
     DU/Dt = 0
 
-The eddies are frozen: air that goes with the mean wind keeps its velocity, and what the hull sees
-change is its own way through them. So they act by drag and by the added mass's relative velocity;
-the pressure gradient inside of an eddy, of order sigma^2 / L, is left out, as are the gradients
-over the hull, which would rock it: use it for L well above the hull.
+The eddies are frozen: air that moves with the mean wind keeps its velocity. They act by drag and
+by the relative velocity of the added mass. Not modelled: the pressure gradient within an eddy, of
+order sigma^2 / L, and gradients over the hull, which would rock it; use L well above the hull.
 """
 
 from collections.abc import Mapping
@@ -47,6 +46,7 @@ PARAMETERS = (
 
 MEMORY = (('along', 0.0), ('across_1', 0.0), ('across_2', 0.0), ('up_1', 0.0), ('up_2', 0.0))
 
+# Zero of the transverse Dryden filter
 ROOT_3 = math.sqrt(3.0)
 STILL_AIR = 1e-6  # square of the mean wind below which it has no direction [m2/s2]
 
@@ -55,14 +55,17 @@ def compute_air_motion(p: Values, memory: Values, place: AirEffectInput) -> Wren
     """Return the turbulence from the state of the filters."""
     along, across, up, along_length, across_length, up_length = p  # noqa: RUF059
     head = along * memory[0]
+    # (1 + sqrt(3) T s) / (1 + T s)^2 as two poles in series, states 1 and 2
     side = across * (ROOT_3 * memory[1] + (1.0 - ROOT_3) * memory[2])
     w = up * (ROOT_3 * memory[3] + (1.0 - ROOT_3) * memory[4])
     east, north = place.wind[0], place.wind[1]
     square = east * east + north * north
+    # Without a mean wind, along is map x
     if square <= STILL_AIR:
         return (head, side, w, 0.0, 0.0, 0.0)
     scale = 1.0 / math.sqrt(square)
     c, s = east * scale, north * scale
+    # From along/across to map x and y; the vertical stays
     return (c * head - s * side, s * head + c * side, w, 0.0, 0.0, 0.0)
 
 
@@ -74,6 +77,7 @@ def filter_rate(sigma: float, length: float, speed: float) -> float:
 def compute_memory_rate(p: Values, memory: Values, place: AirEffectInput) -> Values:
     """Return d/dt of the filters."""
     along, across, up, along_length, across_length, up_length = p
+    # Speed of the hull relative to the mean wind sets how fast eddies pass
     u = place.velocity[0] - place.wind[0]
     v = place.velocity[1] - place.wind[1]
     w = place.velocity[2] - place.wind[2]
@@ -85,7 +89,9 @@ def compute_memory_rate(p: Values, memory: Values, place: AirEffectInput) -> Val
     )
     noise = place.surroundings
     return (
+        # Unit-intensity noise through one pole: stationary variance 1
         math.sqrt(2.0 * a) * noise[NOISE] - a * memory[0],
+        # Stationary variance 1/2 of the first pole, 1/4 of the second
         math.sqrt(b) * noise[NOISE + 1] - b * memory[1],
         b * (memory[1] - memory[2]),
         math.sqrt(c) * noise[NOISE + 2] - c * memory[3],
@@ -96,13 +102,14 @@ def compute_memory_rate(p: Values, memory: Values, place: AirEffectInput) -> Val
 def stationary_memory(normals: Values) -> Values:
     """Return a memory of stationary turbulence, from five standard normal numbers."""
     head, side, sideways, rise, rising = normals
+    # Cholesky factor of the covariance ((1/2, 1/4), (1/4, 1/4))
     side, rise = side * math.sqrt(0.5), rise * math.sqrt(0.5)
     rest = math.sqrt(0.125)  # standard deviation of the second state, given the first
     return (head, side, 0.5 * side + rest * sideways, rise, 0.5 * rise + rest * rising)
 
 
 def find_conflict(values: Mapping[str, float]) -> str:
-    """Return the reason why turbulence needs a length."""
+    """Return an objection to turbulence without a length."""
     for name in ('along', 'across', 'up'):
         if values[name] > 0.0 and values[f'{name}_length'] <= 0.0:
             return f'turbulence {name} needs its length; give {name}_length in metres'

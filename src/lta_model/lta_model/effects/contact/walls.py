@@ -1,20 +1,19 @@
 """
-Four soft walls and a soft ceiling, so that a room is a room.
+Soft walls and ceiling of a room.
 
 The hull is a spheroid about the hull centre, half axes `radius` (twice) and `half_height`. Towards
-a face with the outward normal n (n_b in the body frame) it reaches
+a face with the outward normal n (n_b in the body frame) it extends by
 
     s = sqrt(radius^2 (n_bx^2 + n_by^2) + half_height^2 n_bz^2)   at   c = diag n_b / s
 
-from its centre, diag the squares of the half axes. With d the depth of that point in the face and
-v its velocity over the ground:
+and with v the velocity of that point over the ground
 
     normal    P = stiffness max(0, d + relaxation d/dt d)   while d > 0, else 0;   force -n P
     friction  Q = -friction P v_t / sqrt(|v_t|^2 + v_s^2),   v_s = 0.05 m/s
 
-the law of `floor_contact`, which holds the vehicle from below. The normal never pulls, and a
-touch gives back at most what went into the spring. Left out: what hangs below the hull, corners,
-and rolling friction. The normal of a soft wall lets an envelope in by weight / stiffness.
+as in `floor_contact`, which is the lower face. The normal force never pulls, and a contact returns
+at most the energy stored in the spring. A soft wall yields by force / stiffness. Not modelled:
+parts below the hull, corners, rolling friction.
 """
 
 from collections.abc import Mapping
@@ -46,6 +45,7 @@ PARAMETERS = (
     EffectParameter('friction', '1', 0.0, 0.0, 3.0, 0.2, _SOURCE),
 )
 
+# m/s; below it friction grows linearly with the speed
 SLIP_SPEED = 0.05
 BELOW = -1e6  # lower face of the vertical pair: the floor belongs to `floor_contact`
 
@@ -61,19 +61,25 @@ def contact_wrench(
 ) -> Wrench:
     """Return the wrench of two opposite faces, of which the hull can touch one."""
     x, y, z = hull[0] * n[0], hull[1] * n[1], hull[2] * n[2]
+    # Support function of the spheroid: how far it extends along n
     reach = math.sqrt(x * n[0] + y * n[1] + z * n[2])
+    # Only the nearer face can touch, since the room is wider than the hull
     side = 1.0 if place - low > high - place else -1.0
     depth = reach - min(place - low, high - place)
     if depth <= 0.0 or reach <= 0.0:
         return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    # Contact point of the spheroid, from the hull centre
     scale = side / reach
     x, y, z = x * scale, y * scale, z * scale
     v, w = motion.velocity, motion.rates
+    # Velocity of the contact point, v + w x c
     u = v[0] + w[1] * z - w[2] * y
     s = v[1] + w[2] * x - w[0] * z
     h = v[2] + w[0] * y - w[1] * x
     into = u * n[0] + s * n[1] + h * n[2]
+    # Kelvin-Voigt: spring plus damper, never pulling
     normal = soft[0] * max(0.0, depth + soft[1] * side * into)
+    # Tangential part, for friction
     u, s, h = u - into * n[0], s - into * n[1], h - into * n[2]
     grip = -soft[2] * normal / math.sqrt(u * u + s * s + h * h + SLIP_SPEED * SLIP_SPEED)
     push = -side * normal
@@ -90,6 +96,7 @@ def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Val
     r, place = motion.rotation, motion.position
     hull = (radius * radius, radius * radius, half_height * half_height)
     soft = (stiffness, relaxation, friction)
+    # Row i of R is the map axis i in the body frame, the normal of that pair of faces
     a = contact_wrench(x_low, x_high, place[0], (r[0], r[1], r[2]), hull, soft, motion)
     b = contact_wrench(y_low, y_high, place[1], (r[3], r[4], r[5]), hull, soft, motion)
     c = contact_wrench(BELOW, ceiling, place[2], (r[6], r[7], r[8]), hull, soft, motion)
@@ -104,7 +111,8 @@ def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Val
 
 
 def find_conflict(values: Mapping[str, float]) -> str:
-    """Return the reason why a hull does not fit into the room."""
+    """Return an objection to a hull that does not fit into the room."""
+    # Without stiffness the effect is off, whatever the sizes
     if values['stiffness'] <= 0.0:
         return ''
     if values['radius'] <= 0.0 or values['half_height'] <= 0.0:

@@ -1,19 +1,19 @@
 """
-Thrust that falls with the voltage of the battery.
+Thrust that decreases with the battery voltage.
 
     u' = u max(0, 1 + sensitivity (V / voltage - 1))
 
-A brushed motor under pulse-width modulation sees the mean voltage V u, so a thrust curve that was
-measured against duty at one battery voltage holds at another with u' = u V / voltage: a
-sensitivity of 1. V is the voltage under load, from the surroundings; 0 there says that nobody
-knows it, and then nothing changes, as with a nominal `voltage` of 0.
+A brushed motor under pulse-width modulation sees the mean voltage V u, so a thrust curve measured
+against duty at one battery voltage holds at another with u' = u V / voltage: a sensitivity of 1.
+V is the voltage under load from the surroundings; if it is unknown (0), or the nominal `voltage`
+is 0, nothing changes.
 
-The sensitivity is d ln u' / d ln V at the nominal voltage, for identification: Crazyflie flights
-gave a force per duty that goes with V^0.7, and with a thrust curve of T ~ u^1.45 near hover that
-is a sensitivity of 0.5. A straight line and not a power: within 20 % of the nominal voltage
-and for sensitivities up to 1 the two differ by 0.7 % at most, and no rotor costs a call of pow.
+The sensitivity is d ln u' / d ln V at the nominal voltage. In Crazyflie flights force per duty
+goes with V^0.7; with a thrust curve of T ~ u^1.45 near hover that is a sensitivity of 0.5. Linear
+instead of a power: within 20 % of the nominal voltage and for sensitivities up to 1 they differ by
+at most 0.7 %, and no call of pow is needed.
 
-Goes before the lag: a rotor takes as long to follow the voltage as to follow the duty.
+Applied before the lag: a rotor follows the voltage as slowly as the duty.
 """
 
 from lta_model.effects.protocol import ActuatorEffect, EffectParameter, Values
@@ -34,6 +34,7 @@ def compute_output(p: Values, memory: Values, value: float, surroundings: Values
     """Return the equivalent duty at the nominal voltage."""
     voltage, sensitivity = p
     present = surroundings[VOLTAGE]
+    # A voltage of 0 means unknown, a nominal one of 0 means off
     if voltage > 0.0 and present > 0.0:
         return value * max(0.0, 1.0 + sensitivity * (present / voltage - 1.0))
     return value

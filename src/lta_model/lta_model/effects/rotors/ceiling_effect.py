@@ -1,14 +1,14 @@
 """
-A rotor under a ceiling sucks itself up.
+Additional thrust of a rotor below a ceiling.
 
     f = gain (sqrt(1 + radius^2 / (8 d^2)) - 1) / 2 |n_z| T,   d = height - z >= radius / 4
 
 along the rotor's axis; T is its thrust, d its distance to the ceiling at `height` in the map, n_z
 the upward part of its axis. f acts only where the thrust lifts (n_z T > 0). `gain` 1 is the
 momentum theory of Hsiao and Chirarattananon 2019 (arXiv:1905.04632; formula as in public flight
-code for a rotor of 23 mm, the paper itself not read), which they hold against rotors of 23 and
-50 mm. Nearer than a quarter of the radius the force stays what it is there, 0.37 T. It is for
-rotors with nothing but air above them: under a hull take no gain.
+code for a rotor of 23 mm, the paper itself not read), validated with rotors of 23 and 50 mm. Below
+a quarter of the radius f stays constant, 0.37 T. For rotors with free air above them: use no gain
+for rotors under a hull.
 """
 
 from collections.abc import Mapping
@@ -33,11 +33,14 @@ def extra_thrust(
     gain: float, radius: float, ceiling: float, motion: VehicleMotion, rotor: Values, thrust: float
 ) -> float:
     """Return the additional thrust of a rotor. [N]"""
+    # Rotors that do not exist have neither thrust nor axis
     if thrust == 0.0 or radius <= 0.0:
         return 0.0
+    # z component of the thrust axis in the map
     up = rotor_upright(motion, rotor)
     if thrust * up <= 0.0:
         return 0.0
+    # Closer than a quarter of the radius the theory is not valid: held there
     share = radius / max(ceiling - rotor_height(motion, rotor), 0.25 * radius)
     # x / (sqrt(1 + x) + 1) equals sqrt(1 + x) - 1 without cancellation for small x.
     x = 0.125 * share * share
@@ -47,6 +50,7 @@ def extra_thrust(
 def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the wrench that the ceiling adds to all rotors."""
     gain, radius, height = p
+    # Six numbers for each rotor: place and axis
     rotors = motion.body[ROTOR_PLACE:]
     forces = (
         extra_thrust(gain, radius, height, motion, rotors[0:6], thrust[0]),
@@ -62,7 +66,7 @@ def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Val
 
 
 def find_conflict(values: Mapping[str, float]) -> str:
-    """Return the reason why a ceiling effect needs rotors and a ceiling."""
+    """Return an objection to a ceiling effect without rotor size or ceiling."""
     if values['gain'] > 0.0 and values['radius'] <= 0.0:
         return 'the ceiling effect needs the size of the rotors; give radius in metres'
     if values['gain'] > 0.0 and values['height'] <= 0.0:

@@ -1,10 +1,10 @@
 """
-Rotors that obey the command of a while ago.
+Dead time between a command and the rotors.
 
     t' = t - delay
 
-Radio, scheduler and motor driver together: at flight time t the rotors obey what was commanded for
-t - delay. A dead time, where `motor_lag` is a first-order lag after it.
+Radio, scheduler and motor driver together: at flight time t the rotors execute the command for
+t - delay. `motor_lag`, a first-order lag, comes after it.
 """
 
 from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Values
@@ -15,7 +15,7 @@ PARAMETERS = (EffectParameter('delay', 's', 0.0, 0.0, 1.0, 0.01, _SOURCE),)
 
 
 def compute_reading(p: Values, values: Values, time: float) -> Values:
-    """Return the flight time of the command that the rotors obey now. [s]"""
+    """Return the flight time of the command that the rotors execute now. [s]"""
     (delay,) = p
     return (values[0] - delay,)
 

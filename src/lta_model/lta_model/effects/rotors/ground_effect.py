@@ -1,15 +1,14 @@
 """
-A rotor that blows onto the floor thrusts more.
+Additional thrust of a rotor close to the floor.
 
     f = gain x / (1 - x) |n_z| T,   x = (radius / 4 z)^2,   z >= radius / 2
 
 along the rotor's axis; T is its thrust, z its height above the floor z = 0 of the map, n_z the
-upward part of its axis. f acts only where the thrust lifts (n_z T > 0), since another jet misses
-the floor. `gain` 1 is Cheeseman and Bennett 1955 (ARC R&M 3021), a source in the disk and its
-image below the floor at equal power; below z = radius / 2 the force stays what it is there, a
-third of T. Several rotors close together gain more (Sanchez-Cuevas et al. 2017, doi
-10.1155/2017/1823056). Left out: the fountain between rotors, the cushion under the hull, loss by
-forward flight.
+upward part of its axis. f acts only where the thrust lifts (n_z T > 0), since other jets miss the
+floor. `gain` 1 is Cheeseman and Bennett 1955 (ARC R&M 3021), a source in the disk and its image
+below the floor at equal power; below z = radius / 2 the force stays constant, T / 3. Several
+rotors close together gain more (Sanchez-Cuevas et al. 2017, doi 10.1155/2017/1823056). Not
+modelled: the fountain between rotors, the cushion under the hull, loss by forward flight.
 """
 
 from collections.abc import Mapping
@@ -31,12 +30,16 @@ def extra_thrust(
     gain: float, radius: float, motion: VehicleMotion, rotor: Values, thrust: float
 ) -> float:
     """Return the additional thrust of a rotor. [N]"""
+    # Rotors that do not exist have neither thrust nor axis
     if thrust == 0.0 or radius <= 0.0:
         return 0.0
+    # z component of the thrust axis in the map
     up = rotor_upright(motion, rotor)
     if thrust * up <= 0.0:
         return 0.0
+    # Below half a radius the force stays at its value there, T / 3
     z = max(rotor_height(motion, rotor), 0.5 * radius)
+    # (radius / 4)^2, so that x / (1 - x) = square / (z^2 - square)
     square = 0.0625 * radius * radius
     return gain * square / (z * z - square) * abs(up) * thrust
 
@@ -44,6 +47,7 @@ def extra_thrust(
 def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the wrench that the floor adds to all rotors."""
     gain, radius = p
+    # Six numbers for each rotor: place and axis
     rotors = motion.body[ROTOR_PLACE:]
     forces = (
         extra_thrust(gain, radius, motion, rotors[0:6], thrust[0]),
@@ -59,7 +63,7 @@ def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Val
 
 
 def find_conflict(values: Mapping[str, float]) -> str:
-    """Return the reason why a ground effect needs the size of the rotors."""
+    """Return an objection to a ground effect without rotor size."""
     if values['gain'] > 0.0 and values['radius'] <= 0.0:
         return 'the ground effect needs the size of the rotors; give radius in metres'
     return ''

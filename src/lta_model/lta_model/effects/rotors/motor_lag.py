@@ -1,10 +1,10 @@
 """
-First-order lag of each motor, slower or faster up than down.
+First-order lag of each motor, with separate time constants up and down.
 
     d/dt m = (u - m) / tau,   tau = `up` while |u| > |m| and u m >= 0, else `down`
 
-u is the commanded duty, m the memory, at which the rotor turns; one that is to reverse brakes
-first. Both time constants zero: the rotor turns at u. 72 ms fits a 7 mm motor with a 45 mm
+u is the commanded duty, m (memory) the one at which the rotor turns; a reversing rotor brakes
+first. With both time constants zero the rotor turns at u. 72 ms fits a 7 mm motor with a 45 mm
 propeller (Eschmann, Albani and Loianno 2024, arXiv:2404.07837).
 """
 
@@ -23,18 +23,20 @@ SHARED = (
 def compute_output(p: Values, memory: Values, duty: float, surroundings: Values) -> float:
     """Return the duty at which the rotor turns."""
     up, down = p
+    # Without a lag the memory is not integrated and must not be used
     return duty if up + down == 0.0 else memory[0]
 
 
 def compute_memory_rate(p: Values, memory: Values, duty: float, surroundings: Values) -> Values:
     """Return d/dt of the lagged duty."""
     up, down = p
+    # Opposite signs: the rotor brakes first, with the time constant down
     tau = up if abs(duty) > abs(memory[0]) and duty * memory[0] >= 0.0 else down
     return ((duty - memory[0]) / tau if tau > 0.0 else 0.0,)
 
 
 def find_conflict(values: Mapping[str, float]) -> str:
-    """Return the reason why a lag needs both directions: else its memory would jump."""
+    """Return an objection to a lag in one direction only: its memory would jump."""
     if (values['up'] == 0.0) != (values['down'] == 0.0):
         return 'up and down must both be zero (no lag) or both be positive'
     return ''

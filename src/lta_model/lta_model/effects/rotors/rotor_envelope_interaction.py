@@ -1,25 +1,23 @@
 """
-What jets do to the hull beyond a matrix B: reversed jets, and jets that collide.
+Interaction of rotor jets with the hull beyond a linear matrix B: reversed and colliding jets.
 
     (F, N) = sum_i reverse_i min(T_i, 0) + together max(0, min over the rotors taking part of
              share_i T_i)
 
-The columns of B (`rotor_thrust`) hold for forward thrust, the suction of each jet on the hull
-included. `reverse_i` is what the column of rotor i differs by for reversed thrust: B of reversed
-thrust less B of forward thrust, `surge_1` to `yaw_8`; the sum over T < 0 comes on top of B T. A
-rotor below a balloon that blows up into it loses three quarters of its thrust.
+The columns of B (`rotor_thrust`) hold for forward thrust, including the suction of each jet on the
+hull. `reverse_i` (`surge_1` to `yaw_8`) is B of reversed thrust less B of forward thrust; its sum
+over T < 0 adds to B T. A rotor that blows up into a balloon loses three quarters of its thrust.
 
-`together` is the wrench, per newton of the weakest rotor, that is there only while several jets
-run at once: colliding jets build a pressure that no single one has. Rotors with a `share_i` take
-part, 1 with forward and -1 with reversed thrust; a share between counts a newton of that rotor
-for less. A linear B cannot hold it: four on lift, one on does not. The minimum is the plainest
-function that is 1 with all on and 0 with one off; what two of four jets do was not computed. It
-scales with thrust at a fixed pattern, as jets driven by momentum do; only full thrust was
-computed.
+`together` is the wrench per newton of the weakest participating rotor, which acts only while
+several jets run at once: colliding jets build a pressure that no single jet has. Rotors with a
+`share_i` participate: 1 with forward and -1 with reversed thrust; a smaller share counts a newton
+of that rotor for less. A linear B cannot represent this. The minimum is the simplest function that
+is 1 with all on and 0 with one off; two of four jets were not computed. It scales with thrust at a
+fixed pattern, as momentum-driven jets do; only full thrust was computed.
 
 Source of both: simulated actuator disks below a mylar balloon of 1 m (OpenFOAM 1912, steady
-k-omega SST, 62 to 72 thousand cells; thrust within 1 %, suction within 13 % of a finer mesh). Left
-out: speed of flight, and how a reversed propeller pushes less by itself.
+k-omega SST, 62 to 72 thousand cells; thrust within 1 %, suction within 13 % of a finer mesh). Not
+modelled: flight speed, and the lower thrust of a reversed propeller itself.
 """
 
 from collections.abc import Mapping
@@ -46,6 +44,7 @@ _TOGETHER = tuple(f'together_{axis}' for axis in AXES)
 
 def _gain_parameter(name: str) -> EffectParameter:
     """Return a wrench per newton of thrust as a parameter."""
+    # Force per newton is a pure number, moment per newton a length
     if name.removeprefix('together_').split('_')[0] in AXES[:3]:
         return EffectParameter(name, '1', 0.0, -5.0, 5.0, 0.03, _FORCE)
     return EffectParameter(name, 'm', 0.0, -10.0, 10.0, 0.01, _LEVER)
@@ -75,13 +74,16 @@ def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Val
         together_roll, together_pitch, together_yaw,
         share_1, share_2, share_3, share_4, share_5, share_6, share_7, share_8,
     ) = p  # fmt: skip
+    # Thrust of the weakest participating rotor; _NONE where none takes part
     weakest = min(
         min(participating_thrust(share_1, thrust[0]), participating_thrust(share_2, thrust[1])),
         min(participating_thrust(share_3, thrust[2]), participating_thrust(share_4, thrust[3])),
         min(participating_thrust(share_5, thrust[4]), participating_thrust(share_6, thrust[5])),
         min(participating_thrust(share_7, thrust[6]), participating_thrust(share_8, thrust[7])),
     )
+    # No rotor takes part, or one pushes the other way: no collision
     m = max(0.0, weakest) if weakest < _NONE else 0.0
+    # Reversed part of each thrust
     a, b, c, d = min(thrust[0], 0.0), min(thrust[1], 0.0), min(thrust[2], 0.0), min(thrust[3], 0.0)
     e, f, g, h = min(thrust[4], 0.0), min(thrust[5], 0.0), min(thrust[6], 0.0), min(thrust[7], 0.0)
     return (
@@ -101,11 +103,12 @@ def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Val
 
 
 def find_conflict(values: Mapping[str, float]) -> str:
-    """Return the reason why the participating rotors are invalid, or ''."""
+    """Return an objection to the participating rotors, or ''."""
     taking = sum(values[f'share_{i}'] != 0.0 for i in _ROTORS)
     gains = any(values[name] != 0.0 for name in _TOGETHER)
     if gains and taking < 2:
         return 'at least two rotors need a share for jets to work together'
+    # Shares without a gain change nothing and are likely a mistake
     if taking > 0 and not gains:
         return 'rotors have a share but no together_ gain says what they do'
     return ''

@@ -3,8 +3,8 @@ Rotors that have lost part of their thrust.
 
     T_i' = (1 - lost_i) T_i
 
-A chipped propeller, a worn motor, a hair around the shaft: lost_i = 1 is a rotor that stands
-still. What a damaged propeller shakes is left out, and so is what it draws from the battery.
+A chipped propeller, a worn motor, a hair around the shaft; lost_i = 1 is a stopped rotor. Not
+modelled: vibration and the changed power of a damaged propeller.
 """
 
 from lta_model.effects.protocol import ActuatorEffect, EffectParameter, Values

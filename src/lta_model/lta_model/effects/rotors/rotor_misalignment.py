@@ -1,20 +1,19 @@
 """
-Rotors that do not point where the vehicle file says.
+Rotor axes that deviate from the vehicle file.
 
 The thrust axis a of a rotor turns by two small angles about two axes perpendicular to it,
 
     theta = first e_1 + second e_2,   dF = T (theta x a),   dM = r x dF
 
-with r the place of the rotor from the body. e_1 lies along h x a and e_2 = a x e_1, where h is
-the body's z, or its y for a rotor within 45 degrees of the vertical. A rotor that pushes up has
-e_1 = x, e_2 = y; one that pushes forward has e_1 = y, e_2 = z (first > 0 tilts it down, second > 0
-turns it left). dF is what comes on top of B T; what the turned jet does to the hull is left out.
+with r the place of the rotor in the body. e_1 is along h x a and e_2 = a x e_1, where h is the
+body's z, or its y for a rotor within 45 degrees of the vertical. An upward rotor has e_1 = x,
+e_2 = y; a forward one e_1 = y, e_2 = z (first > 0 tilts it down, second > 0 turns it left). dF
+adds to B T; the effect of the turned jet on the hull is not modelled.
 
-To first order in the angles: linear in them, as identification wants it, and no sines for eight
-rotors in every stage. Against the exact rotation the force is T theta^2 / 2 off along the axis and
-T |theta|^3 / 6 across it. The bounds of 0.2 rad (11 degrees) keep that within 2 % and 0.14 % of
-the thrust for one angle, 4 % and 0.4 % for both at once; what points farther off has another axis,
-which belongs in the vehicle file.
+Linear in the angles, as identification needs it, and without sines. Compared with the exact
+rotation the force errs by T theta^2 / 2 along the axis and T |theta|^3 / 6 across it. The bounds
+of 0.2 rad (11 degrees) keep that within 2 % and 0.14 % of the thrust for one angle, 4 % and 0.4 %
+for both; correct larger deviations in the vehicle file.
 """
 
 import math
@@ -34,11 +33,13 @@ def tilt_wrench(first: float, second: float, thrust: float, body: Values, o: int
     x, y, z = body[o], body[o + 1], body[o + 2]
     a, b, c = body[o + 3], body[o + 4], body[o + 5]
     # h x a, not yet of length one: z x a, or y x a near the vertical.
+    # Within 45 degrees of the vertical, z x a would be short and ill-defined
     upright = c * c > 0.5
     e = c if upright else -b
     f = 0.0 if upright else a
     g = -a if upright else 0.0
     length = math.sqrt(e * e + f * f + g * g)
+    # Length 0: a rotor that does not exist
     scale = thrust / length if length > 0.0 else 0.0
     # e_1 x a = -e_2 and e_2 x a = e_1, so theta x a = second e_1 - first e_2.
     f_x = scale * (second * e - first * (b * g - c * f))

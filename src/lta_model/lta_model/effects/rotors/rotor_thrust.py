@@ -1,11 +1,11 @@
 """
-The wrench of the rotors on the vehicle.
+Wrench of the rotors on the vehicle.
 
     (F, N) = B T
 
-column i of B is the wrench about the hull centre per newton of rotor i, including the effect of
-its jet on the hull (the paper's thrust allocation). Left out: the different effect of a reversed
-jet, and the interaction of jets; both are in `rotor_envelope_interaction`.
+Column i of B is the wrench about the hull centre per newton of rotor i, including the effect of
+its jet on the hull (the paper's thrust allocation). `rotor_envelope_interaction` has the different
+effect of a reversed jet and the interaction of jets.
 """
 
 from lta_model.effects.protocol import (
@@ -23,6 +23,7 @@ _LEVER = 'prior: 1 cm on the place of a rotor, within 5 m'
 
 PARAMETERS = tuple(
     EffectParameter(f'{axis}_{i}', '1', 0.0, -1.5, 1.5, 0.03, _FORCE)
+    # Force per newton is a pure number, moment per newton a lever arm
     if axis in AXES[:3]
     else EffectParameter(f'{axis}_{i}', 'm', 0.0, -5.0, 5.0, 0.01, _LEVER)
     for axis in AXES

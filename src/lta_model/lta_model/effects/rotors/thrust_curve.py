@@ -1,12 +1,11 @@
 """
-Thrust of a rotor by its duty.
+Rotor thrust by duty.
 
     T = a u |u| + b u
 
-u is the duty at which the rotor turns, -1 to 1. The parabola is the thrust curve of 7 mm brushed
-motors in the firmware of the Crazyflie (a = 0.0915 N, b = 0.0677 N), continued as an odd function
-for rotors that can reverse. At the null values, a = 0 and b = 1 N, a command is the thrust in
-newtons. Left out: inflow from flight speed.
+u is the duty at which the rotor turns, -1 to 1. The parabola is that of 7 mm brushed motors in the
+Crazyflie firmware (a = 0.0915 N, b = 0.0677 N), as an odd function for reversible rotors. At the
+null values, a = 0 and b = 1 N, a command is the thrust in newtons. Not modelled: inflow.
 """
 
 from lta_model.effects.protocol import ActuatorEffect, EffectParameter, Values
@@ -22,6 +21,7 @@ EACH = (
 def compute_output(p: Values, memory: Values, duty: float, surroundings: Values) -> float:
     """Return the thrust. [N]"""
     a, b = p
+    # a u |u| + b u, an odd function
     return (a * abs(duty) + b) * duty
 
 

@@ -50,18 +50,22 @@ SHARED = (
 def compute_output(p: Values, memory: Values, value: float, surroundings: Values) -> float:
     """Return the thrust at a duty. [N]"""
     voltage, linear_to, c_0, c_1, c_2, c_3 = p
+    # Effect off: the duty goes on to `thrust_curve`
     if voltage <= 0.0:
         return value
     mean = voltage * abs(value)
+    # Below `linear_to` the thrust is proportional to the voltage
     at = max(mean, linear_to)
+    # No voltage and no linear range: avoids 0 / 0
     if at <= 0.0:
         return 0.0
+    # The published cubics are negative near the origin
     thrust = max(0.0, c_0 + at * (c_1 + at * (c_2 + at * c_3))) * (mean / at)
     return thrust if value > 0.0 else -thrust
 
 
 def find_conflict(values: Mapping[str, float]) -> str:
-    """Return why a cubic cannot be that of a motor, or ''."""
+    """Return an objection to a cubic that cannot describe a motor, or ''."""
     given = any(values[name] != 0.0 for name in ('linear_to', 'c_0', 'c_1', 'c_2', 'c_3'))
     if given and values['voltage'] == 0.0:
         return 'voltage must be the nominal voltage at which the duty is 1, or all others zero'

@@ -1,11 +1,11 @@
 """
-All rotors stronger or weaker than their curve says.
+Common factor on the thrust of all rotors.
 
     T' = factor T
 
-What separates one batch of motors or one air from the bench: at a given speed of the rotor, thrust
-goes with the density of the air, 6 % less at 600 m above the sea (standard atmosphere) or in air
-20 K warmer (293 K / 313 K).
+It covers another batch of motors or another air density: at a given rotor speed thrust goes with
+the density, 6 % less at 600 m above the sea (standard atmosphere) or in air 20 K warmer
+(293 K / 313 K).
 """
 
 from lta_model.effects.protocol import ActuatorEffect, EffectParameter, Values

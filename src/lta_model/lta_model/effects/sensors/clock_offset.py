@@ -1,12 +1,12 @@
 """
-The vehicle's clock is ahead of the tracker's by a constant.
+Constant offset of the vehicle's clock from the tracker's.
 
     clock(t) = t + offset,   t the tracker's time
 
-Only the difference of two clocks shows. The graph's time is the vehicle's, because every stamp of
-the vehicle is a key of the lockstep; so the tracker's side moves: what it stamps t is the pose of
-the vehicle's time t + offset (`lta_sim.tracker`). A positive offset shows the vehicle's sensors
-late and the tracker early.
+Only the difference of the clocks is observable. The graph runs on the vehicle's time, which keys
+the lockstep, so the tracker's side is shifted: its stamp t carries the pose of the vehicle's time
+t + offset (`lta_sim.tracker`). With a positive offset the vehicle's sensors appear late and the
+tracker early.
 """
 
 from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Values

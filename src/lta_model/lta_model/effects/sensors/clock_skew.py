@@ -1,10 +1,10 @@
 """
-The vehicle's clock runs faster than the tracker's.
+Rate error of the vehicle's clock relative to the tracker's.
 
     clock(t) = t (1 + skew),   t the tracker's time since the start of the flight
 
-The error is zero at the start; what there is then is `clock_offset`. The tracker's side
-moves, as explained there.
+The error is zero at the start; `clock_offset` is the constant part, and explains why the tracker's
+side is shifted.
 """
 
 from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Values

@@ -1,9 +1,9 @@
 """
-Constant error of each axis of the gyroscope.
+Constant bias of each gyroscope axis.
 
     w_read = w + (x, y, z)
 
-As `imu_bias`, of the rates; after `gyro_scale`, so that it is what the sensor says at rest.
+Applied after `gyro_scale`, so it is the reading at rest.
 """
 
 from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Values

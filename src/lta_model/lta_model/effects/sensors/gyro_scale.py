@@ -1,9 +1,9 @@
 """
-Factor on each axis of the gyroscope.
+Scale factor of each gyroscope axis.
 
     w_read = (x w_x, y w_y, z w_z)
 
-A heading that is integrated from rates is wrong by (z - 1) times the angle turned.
+A heading integrated from rates errs by (z - 1) times the angle turned.
 """
 
 from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Values

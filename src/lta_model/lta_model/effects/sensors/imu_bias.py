@@ -1,10 +1,10 @@
 """
-Constant error of each axis of the accelerometer.
+Constant bias of each accelerometer axis.
 
     f_read = f + (x, y, z)
 
-It comes on top of the offset that the sensor draws for a flight, before noise, rounding and
-clipping: a fault that is the same in every flight, as identification finds it.
+It adds to the offset drawn for each flight, before noise, rounding and clipping, and is the same
+in every flight, so that identification can estimate it.
 """
 
 from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Values

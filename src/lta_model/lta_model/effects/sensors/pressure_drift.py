@@ -1,10 +1,9 @@
 """
-Pressure that runs away with the time, by the weather or by the sensor as it warms.
+Linear drift of the pressure, by weather or a warming sensor.
 
     p_read = p + rate t,   t since the start of the flight
 
-12 Pa are a metre. Weather changes by some 1 hPa an hour, 0.03 Pa/s; the sensor's own drift is
-smaller.
+12 Pa are a metre. Weather changes by some 1 hPa an hour, 0.03 Pa/s; the sensor drifts less.
 """
 
 from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Values

@@ -1,10 +1,10 @@
 """
-Constant error of the range finder.
+Constant offset of the range finder.
 
     d_read = d + offset
 
-It comes on top of the offset that the sensor draws for a flight. A sensor mounted lower or higher
-than its vehicle file says reads the same.
+It adds to the offset drawn for each flight. A sensor mounted lower or higher than in its vehicle
+file reads the same.
 """
 
 from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Values

@@ -1,10 +1,10 @@
 """
-Age of a tracked pose: exposure, image processing and network that nobody subtracted.
+Uncompensated latency of the tracker: exposure, image processing and network.
 
     t' = t - delay
 
-A pose that is stamped t is the truth of t'. Between control steps the truth is interpolated
-(`lta_sim.tracker`). Before the start the vehicle stood where it starts.
+A pose stamped t is the true pose of t'. Between control steps the truth is interpolated
+(`lta_sim.tracker`); before the start it is the start pose.
 """
 
 from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Values

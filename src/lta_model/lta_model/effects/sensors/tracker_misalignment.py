@@ -1,15 +1,15 @@
 """
-The tracker's frame, turned against the map about their common origin.
+Rotation of the tracker's frame against the map about their common origin.
 
 Its axes are those of the map, turned by `yaw` about z, then by `pitch` about the new y and by
 `roll` about the new x: R = Rz(yaw) Ry(pitch) Rx(roll), tracker -> map. A point and an attitude
-then read
+read
 
     p_read = R' p,   q_read = q_R* q
 
-so that a level flight seems to climb by pitch times the way. Velocities and rates in the body
-frame are no matter of the outer frame and stay. Gravity is the map's: tilt is what shows in the
-difference between the tracker's attitude and the accelerometer's.
+so a level flight appears to climb by pitch times the distance. Body-frame velocities and rates are
+unaffected. Gravity stays vertical in the map, so a tilt shows as a difference between the
+attitudes of tracker and accelerometer.
 """
 
 import math
@@ -28,6 +28,7 @@ PARAMETERS = (
 
 def euler_to_quaternion(yaw: float, pitch: float, roll: float) -> Quaternion:
     """Return the quaternion x y z w of Rz(yaw) Ry(pitch) Rx(roll)."""
+    # Half angles, as always in quaternions
     a, b, c = math.cos(0.5 * yaw), math.cos(0.5 * pitch), math.cos(0.5 * roll)
     d, e, f = math.sin(0.5 * yaw), math.sin(0.5 * pitch), math.sin(0.5 * roll)
     return (
@@ -49,6 +50,7 @@ def compute_reading(p: Values, values: Values, time: float) -> Values:
         x - d * s + b * u - c * t,
         y - d * t + c * s - a * u,
         z - d * u + a * t - b * s,
+        # q_R* q: the conjugate turns the attitude into the tracker's frame
         d * i - a * w - b * k + c * j,
         d * j - b * w - c * i + a * k,
         d * k - c * w - a * j + b * i,

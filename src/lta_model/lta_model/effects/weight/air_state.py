@@ -1,15 +1,14 @@
 """
-Air of another pressure and temperature than the model was built with.
+Air pressure and temperature that differ from those the model was built with.
 
     ratio = (1 + dp / p_0) / (1 + dT / T_0),    m_d' = m_d (1 + (1 - slack) (ratio - 1))
 
 m_d is the mass of the displaced air, p_0 = 101325 Pa and T_0 = 293.15 K; ratio is that of the
-densities (ideal gas law). A taut envelope keeps its volume and so displaces air of the new density
-(`slack` 0). In a slack one the gas takes the pressure and temperature of the air and its volume
-goes with 1 / ratio, so that it displaces the mass it always did (`slack` 1). The mass of the gas
-stays: nothing came in. For a 1 m balloon 1 K is 1.4 g of lift and 1 hPa is 0.4 g, if taut.
-
-Left out: added mass and drag, which go with the density too (1.7 % at 5 K), and humidity.
+densities (ideal gas law). A taut envelope (`slack` 0) keeps its volume and displaces air of the
+new density. A slack one (1) follows the pressure and temperature of the air, its volume goes with
+1 / ratio, and it displaces the same mass. The mass of the gas stays. For a taut 1 m balloon 1 K is
+1.4 g of lift and 1 hPa is 0.4 g. Not modelled: added mass and drag, which also go with the density
+(1.7 % at 5 K), and humidity.
 """
 
 from lta_model.effects.protocol import BodyEffect, EffectParameter, RigidBody, Values
@@ -32,8 +31,9 @@ PARAMETERS = (
 
 
 def change_body(p: Values, rigid: RigidBody) -> RigidBody:
-    """Return the vehicle in that air."""
+    """Return the body in that air."""
     pressure, temperature, slack = p
+    # Density ratio by temperature at constant pressure (ideal gas)
     colder = AIR_TEMPERATURE / (AIR_TEMPERATURE + temperature)
     denser = (AIR_PRESSURE + pressure) / AIR_PRESSURE * colder - 1.0
     displaced = rigid.displaced * (1.0 + (1.0 - slack) * denser)

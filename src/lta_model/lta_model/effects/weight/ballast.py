@@ -1,10 +1,10 @@
 """
-Ballast put on, or taken off, at a place of the vehicle.
+Ballast added to, or removed from, a place of the vehicle.
 
     m' = m + mass,   with its moment and inertia about the hull centre (`point_mass`)
 
-On top of the ballast that trims the vehicle to the heaviness in its file; negative is taken off.
-Left out: its size, and the air that it displaces (1 g of water 1.2 mg, of steel 0.15 mg).
+It adds to the ballast that trims the vehicle to the heaviness in its file; negative is removed.
+Not modelled: its size, and the air that it displaces (1 g of water 1.2 mg, of steel 0.15 mg).
 """
 
 from lta_model.effects.protocol import BodyEffect, EffectParameter, RigidBody, Values
@@ -22,7 +22,7 @@ PARAMETERS = (
 
 
 def change_body(p: Values, rigid: RigidBody) -> RigidBody:
-    """Return the vehicle with that ballast."""
+    """Return the body with that ballast."""
     mass, x, y, z = p
     return add_point_mass(rigid, mass, (x, y, z))
 

@@ -1,10 +1,10 @@
 """
-Centre of gravity higher or lower than where the parts put it.
+Vertical shift of the centre of gravity.
 
     r' = r + (0, 0, z),   inertia about the hull centre by Steiner (`cg_shift`)
 
-The mass and the inertia about the CG stay. It rights the vehicle less or more, which the period of
-its swing shows; above the hull centre it flips.
+Mass and inertia about the CG stay. The shift changes the righting moment, and so the period of the
+pendulum motion; a CG above the hull centre is unstable.
 """
 
 from lta_model.effects.protocol import BodyEffect, EffectParameter, RigidBody, Values
@@ -19,7 +19,7 @@ PARAMETERS = (EffectParameter('z', 'm', 0.0, -3.0, 3.0, 0.01, _SOURCE),)
 
 
 def change_body(p: Values, rigid: RigidBody) -> RigidBody:
-    """Return the vehicle with its centre of gravity there."""
+    """Return the body with the shifted CG."""
     (z,) = p
     return shift_cg(rigid, (0.0, 0.0, z))
 

@@ -1,10 +1,10 @@
 """
-Centre of gravity ahead of or beside where the parts put it.
+Horizontal shift of the centre of gravity.
 
     r' = r + (x, y, 0),   inertia about the hull centre by Steiner (`cg_shift`)
 
-The mass and the inertia about the CG stay. What a tilt at rest shows: tan(tilt) is the offset over
-the depth of the CG below the hull centre.
+Mass and inertia about the CG stay. The tilt at rest shows it: tan(tilt) is the offset over the
+depth of the CG below the hull centre.
 """
 
 from lta_model.effects.protocol import BodyEffect, EffectParameter, RigidBody, Values
@@ -19,7 +19,7 @@ PARAMETERS = (
 
 
 def change_body(p: Values, rigid: RigidBody) -> RigidBody:
-    """Return the vehicle with its centre of gravity there."""
+    """Return the body with the shifted CG."""
     x, y = p
     return shift_cg(rigid, (x, y, 0.0))
 

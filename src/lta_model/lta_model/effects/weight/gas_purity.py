@@ -1,13 +1,12 @@
 """
-Helium purer or less pure than the vehicle file says.
+Helium purity that differs from the vehicle file.
 
     m' = m - purity (1 - rho_he / rho_air) m_d
 
-`purity` is the deviation of the share of helium by volume, the rest being air; m_d the mass of the
-displaced air, so that 1 % of a 1 m balloon is 3.6 g. The densities are taken at one temperature
-and pressure. The volume stays: air stands where helium was meant to be, at the hull centre. Left
-out is the inertia of that air: as a solid it would be r^2 / 5 for each axis, but a gas turns with
-its hull in part only.
+`purity` is the deviation of the volume fraction of helium, the rest being air; m_d is the mass of
+the displaced air, so 1 % of a 1 m balloon is 3.6 g. Densities are at one temperature and pressure,
+the volume is constant, and the air is at the hull centre. Not modelled: the inertia of that air;
+as a solid it would be r^2 / 5 for each axis, but a gas turns only partly with its hull.
 """
 
 from lta_model.effects.protocol import BodyEffect, EffectParameter, RigidBody, Values
@@ -23,8 +22,9 @@ PARAMETERS = (
 
 
 def change_body(p: Values, rigid: RigidBody) -> RigidBody:
-    """Return the vehicle with that gas."""
+    """Return the body with that gas."""
     (purity,) = p
+    # Purer gas is lighter at the same volume
     mass = rigid.mass - purity * (1.0 - HELIUM_TO_AIR) * rigid.displaced
     return RigidBody(mass, rigid.moment, rigid.inertia, rigid.displaced)
 

@@ -1,17 +1,17 @@
 """
-Gas in the hull that is warmer than the air, or under more pressure.
+Gas that was filled warmer than the air, or under overpressure.
 
     m' = m + m_gas ((1 + overpressure / p_0) / (1 + dT / T_0) - 1)
 
-m_gas is the mass of the gas at the pressure p_0 = 101325 Pa and the temperature T_0 = 293.15 K of
-the air, with which the model was built; the rest is the ideal gas law at the hull's volume. The
-mass is a parameter of its own because purity is in it: pure helium weighs 0.14 of the displaced
-air, helium of 93 % 0.20. The vehicle fills it in.
+m_gas is the mass of the gas at p_0 = 101325 Pa and T_0 = 293.15 K, with which the model was built;
+the rest is the ideal gas law at the hull's volume. The mass is a separate parameter because it
+includes purity: pure helium weighs 0.14 of the displaced air, helium of 93 % 0.20. The vehicle
+sets it.
 
-A hull of that volume was *filled* to this state: warmer gas of the same pressure is less gas. Of
-gas that warms in flight, `superheat` is the effect. For 80 g of gas 5 K are 1.3 g and 1 kPa is
-0.8 g. The mass acts at the hull centre; left out is its share of the gas's own inertia, r^2 / 5
-for each axis, because a gas turns with its hull in part only.
+The hull was *filled* to this state: warmer gas of the same pressure is less gas. `superheat` is
+for gas that warms in flight. For 80 g of gas 5 K are 1.3 g and 1 kPa is 0.8 g. The mass acts at
+the hull centre. Not modelled: its inertia, r^2 / 5 for each axis if solid; a gas turns only
+partly.
 """
 
 from lta_model.effects.protocol import BodyEffect, EffectParameter, RigidBody, Values
@@ -34,8 +34,9 @@ PARAMETERS = (
 
 
 def change_body(p: Values, rigid: RigidBody) -> RigidBody:
-    """Return the vehicle with that gas."""
+    """Return the body with that gas."""
     gas, temperature, overpressure = p
+    # Ideal gas at constant volume: mass goes with p / T
     colder = AIR_TEMPERATURE / (AIR_TEMPERATURE + temperature)
     more = (AIR_PRESSURE + overpressure) / AIR_PRESSURE * colder - 1.0
     return RigidBody(rigid.mass + gas * more, rigid.moment, rigid.inertia, rigid.displaced)

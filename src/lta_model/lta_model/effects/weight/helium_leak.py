@@ -5,16 +5,15 @@ Lift lost at a constant rate.
 
 at the hull centre, e_z the map's vertical; `lost` is the memory [N]. Permeation through a film of
 constant area under a constant partial pressure, and the flow out of a hole under a constant
-overpressure, both lose a constant volume per second, so the rate is in N/s and no time constant.
-With a lift density of (rho_air - rho_he) g = 10.2 N/m3:
+overpressure, lose a constant volume per second: hence a rate in N/s and no time constant. With a
+lift density of (rho_air - rho_he) g = 10.2 N/m3:
 
     permeation   0.2 to 0.9 L/(m2 day) through 2.5 m2: 0.6 to 2.6e-7 N/s, 0.5 to 2.3 g a day
     a hole       0.6 A sqrt(2 dp / rho_he): 1 mm2 under 30 Pa loses 1.2e-4 N/s, 0.7 g a minute
 
-The memory is linear in the rate, and the wrench in the memory; at a given memory the wrench does
-not know the rate, so no parameter is declared linear. Left out: the mass of the helium that left
-(0.16 g for each gram of lift), the loss of shape, that a taut envelope first loses its
-overpressure and not its lift, and the air that comes in.
+At a given memory the wrench is independent of the rate, so no parameter is declared linear. Not
+modelled: the mass of the lost helium (0.16 g for each gram of lift), loss of shape, air flowing
+in, and that a taut envelope loses overpressure before lift.
 """
 
 from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
@@ -29,11 +28,12 @@ PARAMETERS = (
 
 
 def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
-    """Return the lift that is gone."""
+    """Return the loss of lift as a force."""
     (rate,) = p
     lost, r = memory[0], motion.rotation
     if rate == 0.0:
         return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    # Third row of R is the map's vertical in the body frame
     return (-lost * r[6], -lost * r[7], -lost * r[8], 0.0, 0.0, 0.0)
 
 

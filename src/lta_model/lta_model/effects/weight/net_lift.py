@@ -1,11 +1,11 @@
 """
-A constant extra force up, at the hull centre.
+Constant vertical force at the hull centre.
 
     F = force e_z
 
-e_z is the map's vertical. The lift that weighing and filling left unknown: it has no place, no
-mass and no cause, which is what tells it from `payload`, `gas_purity` and `helium_leak`. In flight
-it cannot be told from a payload near the hull centre; weigh the vehicle.
+e_z is the map's vertical. The error of weighing and filling, without place, mass or cause, unlike
+`payload`, `gas_purity` and `helium_leak`. A flight cannot distinguish it from a payload near the
+hull centre; weigh the vehicle.
 """
 
 from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
@@ -19,9 +19,10 @@ PARAMETERS = (
 
 
 def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
-    """Return the extra lift."""
+    """Return the extra force."""
     (force,) = p
     r = motion.rotation
+    # Third row of R is the map's vertical in the body frame
     return (force * r[6], force * r[7], force * r[8], 0.0, 0.0, 0.0)
 
 

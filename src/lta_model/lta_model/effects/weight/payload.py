@@ -1,10 +1,10 @@
 """
-A load carried at a place of the vehicle.
+Load carried at a place of the vehicle.
 
     m' = m + mass,   with its moment and inertia about the hull centre (`point_mass`)
 
-Not in the vehicle's parts, so that it is lifted and not trimmed away. Left out: its size, its
-drag, and the air that it displaces.
+It is not one of the vehicle's parts, so it is lifted and not trimmed away. Not modelled: its size,
+its drag, and the air that it displaces.
 """
 
 from lta_model.effects.protocol import BodyEffect, EffectParameter, RigidBody, Values
@@ -22,7 +22,7 @@ PARAMETERS = (
 
 
 def change_body(p: Values, rigid: RigidBody) -> RigidBody:
-    """Return the vehicle with that load."""
+    """Return the body with that load."""
     mass, x, y, z = p
     return add_point_mass(rigid, mass, (x, y, z))
 

@@ -1,5 +1,5 @@
 """
-A point mass fixed to a vehicle.
+Add a point mass to a rigid body.
 
     m' = m + m_p,   (m r)' = m r + m_p r_p,   I' = I + m_p (|r_p|^2 1 - r_p r_p^T)
 
@@ -11,22 +11,9 @@ from lta_model.effects.protocol import RigidBody, Vector
 
 def add_point_mass(rigid: RigidBody, mass: float, place: Vector) -> RigidBody:
     """
-    Return the vehicle with a point mass.
+    Return the body with a point mass [kg] at a place from the hull centre, body frame [m].
 
-    Parameters
-    ----------
-    rigid : Rigid
-        The vehicle without it.
-    mass : float
-        The mass; negative takes it away. [kg]
-    place : 3-tuple
-        Where it is, from the hull centre, body frame. [m]
-
-    Returns
-    -------
-    Rigid
-        The vehicle with it.
-
+    A negative mass is removed.
     """
     x, y, z = place
     m, i = rigid.moment, rigid.inertia
@@ -34,6 +21,7 @@ def add_point_mass(rigid: RigidBody, mass: float, place: Vector) -> RigidBody:
         i[0] + mass * (y * y + z * z),
         i[1] + mass * (x * x + z * z),
         i[2] + mass * (x * x + y * y),
+        # Products of inertia are tensor elements, so they take a minus
         i[3] - mass * x * y,
         i[4] - mass * x * z,
         i[5] - mass * y * z,

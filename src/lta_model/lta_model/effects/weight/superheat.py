@@ -1,25 +1,25 @@
 """
-Lift of gas that light has warmed, where the envelope lets it expand.
+Lift of gas warmed by light, where the envelope lets it expand.
 
     F = slack m_d g (theta / T) e_z,    d/dt theta = (warming E - theta) / lag
 
-at the hull centre; theta is how much warmer the gas is than the air (memory) [K], E the irradiance
-on the hull, m_d the mass of the displaced air, T = 293.15 K that of the air, e_z the vertical.
-With `lag` 0 the gas is at its steady temperature at once.
+at the hull centre; theta (memory) is the temperature of the gas above that of the air [K], E the
+irradiance on the hull, m_d the mass of the displaced air, T = 293.15 K that of the air, e_z the
+vertical. With `lag` 0 the gas is at its steady temperature.
 
-A slack envelope holds its gas at the pressure of the air, so the volume grows as theta / T (ideal
-gas law), the mass of the gas stays, and the weight of the newly displaced air is won (Archimedes).
-A taut foil balloon keeps its volume: its pressure grows by 346 Pa/K and its lift by nothing.
-`slack` is the share of the free expansion that happens: 0 taut, 1 slack.
+Gas in a slack envelope stays at air pressure, so its volume grows as theta / T (ideal gas law) at
+constant mass, and the lift grows by the newly displaced air (Archimedes). A taut foil balloon
+keeps its volume: its pressure grows by 346 Pa/K and its lift does not. `slack` is the share of the
+free expansion: 0 taut, 1 slack.
 
-Heat balance of an aluminised 1 m balloon, for the priors: it takes in 0.14 E (solar absorptance of
+Heat balance of an aluminised 1 m balloon, for the priors: it absorbs 0.14 E (solar absorptance of
 aluminised film, aluminium outside: Fortescue, Swinerd and Stark 2011, table 11.3) on 0.785 m2 and
-gives off h = 2.6 W/(m2 K) by free convection on 2.47 m2 (unverified, from memory; its radiation is
-small, emittance 0.05), so warming = 0.017 K m2/W; gas 296 J/K and film 152 J/K (116.8 g at
+loses h = 2.6 W/(m2 K) by free convection on 2.47 m2 (unverified, from memory; radiation is small,
+emittance 0.05), so warming = 0.017 K m2/W; gas 296 J/K and film 152 J/K (116.8 g at
 1.3 kJ/(kg K), unverified, from memory) over 6.4 W/K, so lag = 70 s. Under 80 klx (270 W/m2 at
 300 lm/W, assumed) that is 4.5 K and, slack, 6 g of lift.
 
-Left out: that wind cools, that a warmer gas stirs, sun on one side only, a change of T.
+Not modelled: forced convection by wind, stirring of the gas, one-sided sun, a change of T.
 """
 
 from lta_config.constants import STANDARD_GRAVITY
@@ -49,8 +49,10 @@ def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Val
     """Return the lift of the expanded gas."""
     warming, lag, slack = p
     steady = warming * motion.surroundings[IRRADIANCE]
+    # Without a lag the gas is at its steady temperature
     warmer = memory[0] if lag > 0.0 else steady
     weight = motion.body[DISPLACED] * STANDARD_GRAVITY
+    # Volume grows with theta / T, and with it the displaced air
     lift = slack * weight * warmer / AIR_TEMPERATURE
     r = motion.rotation
     return (lift * r[6], lift * r[7], lift * r[8], 0.0, 0.0, 0.0)

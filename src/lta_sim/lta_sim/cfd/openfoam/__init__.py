@@ -1,1 +1,1 @@
-"""OpenFOAM: its input and output files, and its programs."""
+"""Interface to OpenFOAM: its input and output files, and its programs."""

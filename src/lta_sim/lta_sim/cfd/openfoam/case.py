@@ -1,4 +1,4 @@
-"""An OpenFOAM case: all of its files, and the programs that solve it step by step."""
+"""Define an OpenFOAM case: its files, and the programs that solve it step by step."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -18,13 +18,11 @@ class ProgramStep:
     Parameters
     ----------
     name : str
-        Of the step, once in its case.
-    command : sequence of str
-        Program and arguments.
+        Unique within the case.
     files : mapping of str to str
-        What is written before, by path; it replaces what was there.
+        Files to write before the run, by path; they replace existing ones.
     rounds : int
-        Iterations or time steps that it makes, about; 0 where it counts none.
+        Approximate number of iterations or time steps; 0 if it reports none.
     begin : str
         Name of the time folder that it starts from.
 
@@ -41,20 +39,18 @@ class ProgramStep:
 @dataclass(frozen=True, slots=True)
 class FoamCase:
     """
-    A mesh, or a flow on one.
+    A mesh, or a flow on a mesh.
 
     Parameters
     ----------
     name : str
-        What people call it.
+        Label for users.
     files : mapping of str to str or bytes
         Content by path.
-    steps : sequence of Step
-        One after the other.
-    mesh : Case, optional
-        On whose mesh it is solved.
+    mesh : FoamCase, optional
+        Case of the mesh that the flow is solved on.
     cells : int
-        Of the mesh, as expected.
+        Expected number of cells.
 
     """
 
@@ -66,19 +62,21 @@ class FoamCase:
 
     @property
     def key(self) -> str:
-        """Hash of everything that determines the result: its own content and its mesh."""
+        """Hash of everything that determines the result, including the mesh."""
         # Step files are hashed too: they change the result as much as the case's files.
-        told = sha256(FORMAT.encode())
-        told.update(self.mesh.key.encode() if self.mesh else b'')
+        digest = sha256(FORMAT.encode())
+        digest.update(self.mesh.key.encode() if self.mesh else b'')
         for path, content in sorted(self.files.items()):
-            told.update(path.encode())
-            told.update(content if isinstance(content, bytes) else content.encode())
+            digest.update(path.encode())
+            digest.update(content if isinstance(content, bytes) else content.encode())
         for step in self.steps:
-            told.update(repr((step.name, tuple(step.command), step.begin)).encode())
-            told.update(repr(sorted(step.files.items())).encode())
-        return told.hexdigest()[:20]
+            digest.update(repr((step.name, tuple(step.command), step.begin)).encode())
+            digest.update(repr(sorted(step.files.items())).encode())
+        # 80 bits: collisions are out of the question, and paths stay short
+        return digest.hexdigest()[:20]
 
     @property
     def work(self) -> float:
         """Cells times iterations, for the time estimate."""
+        # A step without iterations counts as 20; 50,000 cells where the number is unknown
         return sum(max(step.rounds, 20) for step in self.steps) * float(self.cells or 50_000)

@@ -1,7 +1,7 @@
 """
-Solve cases on disk, each once, in a folder named by the hash of its content.
+Solve cases on disk, each in a folder named by the hash of its content.
 
-A marker file records each finished step, so that a stopped run resumes there.
+A marker file records each finished step, so that an interrupted run resumes there.
 """
 
 from collections.abc import Callable, Iterator
@@ -23,7 +23,7 @@ Progress = Callable[[FoamCase, ProgramStep, float, float], None]  # share of the
 
 
 def cache_folder() -> Path:
-    """Return where solved cases are kept by default."""
+    """Return the default folder of solved cases."""
     home = os.environ.get('XDG_CACHE_HOME') or Path.home() / '.cache'
     return Path(home) / 'lta' / 'cfd'
 
@@ -31,16 +31,14 @@ def cache_folder() -> Path:
 @final
 class CaseRunner:
     """
-    Solves cases in a folder.
+    Solve cases in a folder.
 
     Parameters
     ----------
     folder : Path
-        Of all cases.
-    programs : Programs
-        Which run.
+        Cache of all cases.
     tell : callable
-        Told how far which case is.
+        Called with the progress of each case.
 
     """
 
@@ -59,7 +57,7 @@ class CaseRunner:
 
     def solve(self, case: FoamCase) -> Path:
         """
-        Solve what is not solved yet of a case, whose mesh is there, and return its folder.
+        Run the missing steps of a case whose mesh is solved, and return its folder.
 
         Raises
         ------
@@ -73,8 +71,7 @@ class CaseRunner:
         except OSError as error:
             raise CaseFailed(
                 f'{error.strerror or error} ({self.case_folder(case)}); make room or choose '
-                f'another '
-                'folder with --cache, then start again to resume.'
+                'another folder with --cache, then start again to resume.'
             ) from error
 
     @contextmanager
@@ -100,11 +97,13 @@ class CaseRunner:
         place.mkdir(parents=True, exist_ok=True)
         for path, content in case.files.items():
             target = place / path
+            # A resumed case keeps its files, which a step may have replaced
             if target.exists():
                 continue
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_bytes(content if isinstance(content, bytes) else content.encode())
         (place / 'name').write_text(f'{case.name}\n', encoding='utf-8')
+        # Flows share the mesh by a link, because it is the largest part of a case
         link = place / 'constant' / 'polyMesh'
         if case.mesh is not None and not link.is_symlink():
             link.parent.mkdir(parents=True, exist_ok=True)
@@ -120,6 +119,7 @@ class CaseRunner:
         rounds = [0]
 
         def tell(_: float, residual: float) -> None:
+            # Counts iterations, not time: time steps of a transient vary
             rounds[0] += 1
             self._tell(case, step, min(rounds[0] / max(step.rounds, 1), 1.0), residual)
 
@@ -129,12 +129,15 @@ class CaseRunner:
         self._tell(case, step, 1.0, float('nan'))
 
     def processor_time(self, case: FoamCase) -> float:
-        """Return the processor time of a solved case, as its programs tell it. [s]."""
+        """Return the processor time of a solved case, as reported by its programs. [s]"""
         return sum(_read_seconds(self.case_folder(case), step.name) for step in case.steps)
 
 
 def _read_seconds(place: Path, step: str) -> float:
-    told = EXECUTION.findall((place / f'log.{step}').read_text(encoding='utf-8', errors='replace'))
-    if told:
-        return float(told[-1])
+    times = EXECUTION.findall(
+        (place / f'log.{step}').read_text(encoding='utf-8', errors='replace')
+    )
+    if times:
+        return float(times[-1])
+    # The program does not print its time: use the wall time in the marker file
     return float((place / f'{DONE}{step}').read_text(encoding='utf-8'))

@@ -1,4 +1,4 @@
-"""Text of OpenFOAM's files: a header and nested entries."""
+"""Format OpenFOAM's dictionary files: a header and nested entries."""
 
 from collections.abc import Mapping, Sequence
 from typing import Final
@@ -16,7 +16,8 @@ HEADER: Final = """FoamFile
 
 
 def format_entry(entry: Entry) -> str:
-    """Return an entry that fits on one line."""
+    """Format an entry on one line."""
+    # Before int, because bool is a subclass of int
     if isinstance(entry, bool):
         return 'true' if entry else 'false'
     if isinstance(entry, str):
@@ -29,7 +30,7 @@ def format_entry(entry: Entry) -> str:
 
 
 def format_entries(entries: Mapping[str, Entry], indent: str) -> list[str]:
-    """Return the lines of some entries; an empty key is a list or a word without a name."""
+    """Format entries as lines; an empty key is a list or a word without a name."""
     text = []
     for key, entry in entries.items():
         if isinstance(entry, Mapping):
@@ -46,16 +47,9 @@ def format_entries(entries: Mapping[str, Entry], indent: str) -> list[str]:
 
 def format_dictionary(name: str, entries: Mapping[str, Entry], kind: str = 'dictionary') -> str:
     """
-    Return a whole file.
+    Format a whole file.
 
-    Parameters
-    ----------
-    name : str
-        Of the file.
-    entries : mapping
-        What it holds; words go in as they are.
-    kind : str
-        Class of the object: 'dictionary', 'volScalarField' ...
-
+    `kind` is the class of the object: 'dictionary', 'volScalarField', ... Strings are written
+    unquoted.
     """
     return '\n'.join([HEADER.format(kind=kind, name=name), *format_entries(entries, ''), ''])

@@ -1,7 +1,8 @@
 """
 Run OpenFOAM programs and explain their failures.
 
-Only `WM_PROJECT_DIR` is set; the distribution's own bashrc calls programs that it does not ship.
+Only `WM_PROJECT_DIR` is set, because the bashrc of the Debian package calls programs that it does
+not ship.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -21,13 +22,13 @@ PROGRAMS: Final = (
     'blockMesh', 'snappyHexMesh', 'topoSet', 'checkMesh', 'simpleFoam', 'pimpleFoam',
 )  # fmt: skip
 MISSING: Final = (
-    'OpenFOAM is not installed: "sudo apt-get install --no-install-recommends openfoam" brings it '
-    '(450 MB), or take --fidelity analytic, which needs none.'
+    'OpenFOAM is not installed; install it with "sudo apt-get install --no-install-recommends '
+    'openfoam" (450 MB), or use --fidelity analytic, which does not need it.'
 )
 TIME: Final = re.compile(r'^Time = ([-+.\deE]+)s?$')
 RESIDUAL: Final = re.compile(r'Solving for p, Initial residual = ([-+.\deE]+|nan|-nan)')
 FATAL: Final = 'FOAM FATAL'
-TAIL: Final = 40  # lines of a log that are looked at
+TAIL: Final = 40  # lines of a log that are searched for the reason
 
 Tell = Callable[[float, float], None]  # time reached, residual of the pressure
 
@@ -49,25 +50,26 @@ def require_openfoam() -> None:
 
 
 def program_environment() -> Mapping[str, str]:
-    """Return the environment in which its programs run, each on one core."""
+    """Return the environment of the programs, each limited to one core."""
     place = os.environ.get(PROJECT) or next((p for p in PLACES if Path(p).is_dir()), '')
+    # FOAM_SIGFPE aborts on NaN and overflow instead of iterating on
     return {**os.environ, PROJECT: place, 'OMP_NUM_THREADS': '1', 'FOAM_SIGFPE': 'true'}
 
 
 @cache
 def find_version() -> str:
     """Return the installed OpenFOAM version."""
-    told = subprocess.run(
+    output = subprocess.run(
         ['simpleFoam', '-help'], env=program_environment(),
         capture_output=True, text=True, check=False,
     )  # fmt: skip
-    found = re.search(r'(?:OpenFOAM|Using:?)[^\n]*?(\d{4})', told.stdout + told.stderr)
-    return f'OpenFOAM {found[1]}' if found else 'OpenFOAM'
+    match = re.search(r'(?:OpenFOAM|Using:?)[^\n]*?(\d{4})', output.stdout + output.stderr)
+    return f'OpenFOAM {match[1]}' if match else 'OpenFOAM'
 
 
 @final
 class FoamPrograms:
-    """The running programs, so that all can be stopped."""
+    """Run programs, and keep track of them so that all can be stopped."""
 
     def __init__(self) -> None:
         self._running: set[subprocess.Popen[str]] = set()
@@ -76,6 +78,7 @@ class FoamPrograms:
     def stop(self) -> None:
         """Stop the running programs and start no more."""
         self._stopped = True
+        # A copy, because other threads remove finished processes
         for process in list(self._running):
             process.terminate()
 
@@ -83,30 +86,23 @@ class FoamPrograms:
         """
         Run a program in the folder of a case and wait for it.
 
-        Parameters
-        ----------
-        command : sequence of str
-            Program and arguments.
-        folder : Path
-            Of the case.
-        log : Path
-            Where its output goes.
-        tell : callable
-            Called with the time that it has reached and the residual of the pressure.
+        `tell` is called with the time or iteration reached and the residual of the pressure.
 
         Raises
         ------
         CaseFailed
-            If it does not end well.
+            If it fails or was stopped.
 
         """
         if self._stopped:
             raise CaseFailed('It was stopped before it began; start again to resume.')
         time, residual = 0.0, float('nan')
+        # Popen does not update PWD, which OpenFOAM may use as the working directory
         where = {**program_environment(), 'PWD': str(folder)}
         with log.open('w', encoding='utf-8') as out:
             process = subprocess.Popen(
                 list(command), cwd=folder, env=where, stdout=subprocess.PIPE,
+                # Own session: Ctrl-C reaches Python only, which stops the programs
                 stderr=subprocess.STDOUT, text=True, errors='replace', start_new_session=True,
             )  # fmt: skip
             self._running.add(process)
@@ -114,10 +110,10 @@ class FoamPrograms:
                 assert process.stdout is not None
                 for line in process.stdout:
                     out.write(line)
-                    if (found := RESIDUAL.search(line)) is not None:
-                        residual = float(found[1])
-                    elif (found := TIME.match(line.strip())) is not None:
-                        time = float(found[1])
+                    if (match := RESIDUAL.search(line)) is not None:
+                        residual = float(match[1])
+                    elif (match := TIME.match(line.strip())) is not None:
+                        time = float(match[1])
                         tell(time, residual)
             self._running.discard(process)
         if process.returncode != 0:
@@ -127,20 +123,21 @@ class FoamPrograms:
         if self._stopped:
             return 'It was stopped; start again to resume.'
         lines = log.read_text(encoding='utf-8').splitlines()
+        # The first fatal error is the cause; the end of the log shows signals
         fatal = next((k for k, line in enumerate(lines) if FATAL in line), len(lines))
         return explain_failure(program, code, lines[fatal : fatal + TAIL] + lines[-TAIL:])
 
 
 def explain_failure(program: str, code: int, tail: Sequence[str]) -> str:
     """
-    Return in a sentence why a program failed.
+    Return in one sentence why a program failed.
 
-    `code` is its exit status, negative for a signal; `tail` holds the log lines from a fatal
-    error on, and the last ones.
+    `code` is its exit status, negative for a signal; `tail` holds the log lines from a fatal error
+    on, and the last ones.
     """
     text = '\n'.join(tail)
     if 'No space left' in text:
-        return f'{program} found the disk full; make room (or move it with --cache) and go on.'
+        return f'{program} found the disk full; free space or change --cache, then start again.'
     # 8 is SIGFPE; a shell reports it as 128 + 8.
     if code in (-8, 136) or 'sigFpe::' in text:
         return f'{program} diverged (a floating point error); check that the shape is valid.'
@@ -152,7 +149,7 @@ def explain_failure(program: str, code: int, tail: Sequence[str]) -> str:
         )
     if code < 0 and FATAL not in text:
         return f'{program} was killed by signal {-code}; start again to resume.'
-    told = next((line.strip() for line in tail if FATAL in line), tail[-1] if tail else '')
+    fallback = next((line.strip() for line in tail if FATAL in line), tail[-1] if tail else '')
     after = text.partition(FATAL)[2].splitlines()[1:]
-    reason = next((line.strip() for line in after if line.strip()), told)
+    reason = next((line.strip() for line in after if line.strip()), fallback)
     return f'{program} ended with status {code}: {reason[:200]}'

@@ -8,6 +8,7 @@ from lta_sim.cfd.openfoam.dictionary import Entry, format_dictionary
 from lta_sim.cfd.openfoam.numerics import EDDY_VISCOSITY
 
 INTENSITY, EDDY = 0.005, 0.05  # turbulence of the oncoming air, and the size of its eddies [m]
+# Isotropic turbulence; omega from k and the eddy size with C_mu = 0.09
 K: Final = 1.5 * INTENSITY**2  # at 1 m/s [m2/s2]
 OMEGA: Final = math.sqrt(K) / (0.09**0.25 * EDDY)  # [1/s]
 # Langtry and Menter 2009, for an intensity of 0.5 %.
@@ -18,6 +19,7 @@ THETA: Final = 1173.51 - 589.428 * 0.5 + 0.2196 / 0.25
 CLEAN: Final = 'uniform 1e-12'
 SEED: Final = 5.0
 
+# Exponents of kg, m, s, K, mol, A, cd
 DIMENSIONS: Final = {
     'U': '[0 1 -1 0 0 0 0]', 'p': '[0 2 -2 0 0 0 0]', 'k': '[0 2 -2 0 0 0 0]',
     'omega': '[0 0 -1 0 0 0 0]', 'nut': '[0 2 -1 0 0 0 0]', 'ReThetat': '[0 0 0 0 0 0 0]',
@@ -46,7 +48,7 @@ DETACHED: Final = ('U', 'p', 'nut', *EDDY_VISCOSITY)
 
 
 def _open_boundary(name: str) -> Mapping[str, Entry]:
-    """Return a boundary that the air leaves freely and enters as it is far away."""
+    """Return a boundary with free outflow, and far-field values for inflow."""
     return {'type': 'inletOutlet', 'inletValue': _inflow_value(name), 'value': '$internalField'}
 
 
@@ -71,24 +73,25 @@ def format_tunnel_fields(
     names: Sequence[str], walls: Sequence[str], planes: Sequence[str], viscosity: float = 0.0
 ) -> dict[str, str]:
     """
-    Return the fields of a wind tunnel in which the air comes along x with 1 m/s.
+    Return the fields of a wind tunnel with air along x at 1 m/s.
 
     Parameters
     ----------
     names : sequence of str
-        Fields that the solver wants.
+        Fields that the solver needs.
     walls : sequence of str
         Patches of the bodies.
     planes : sequence of str
-        Planes of symmetry.
+        Patches of symmetry planes.
     viscosity : float
-        Kinematic, of which `nuTilda` begins with some. [m2/s]
+        Kinematic viscosity, from which the initial `nuTilda` is set. [m2/s]
 
     """
     files = {}
     for name in names:
         inlet: Mapping[str, Entry] = {'type': 'fixedValue', 'value': _inflow_value(name)}
         outlet = _open_boundary(name)
+        # Pressure is fixed at the outlet only; elsewhere the velocity is
         if name == 'p':
             inlet, outlet = ZERO, {'type': 'fixedValue', 'value': 'uniform 0'}
         elif name == 'nut':
@@ -97,6 +100,7 @@ def format_tunnel_fields(
         files[f'0/{name}'] = _format_field(name, inside, {
             'inlet': inlet,
             'outlet': outlet,
+            # Frictionless, so that the tunnel's walls have no boundary layer
             'sides': {'type': 'slip'},
             **{plane: {'type': 'symmetryPlane'} for plane in planes},
             **dict.fromkeys(walls, WALL[name]),
@@ -105,13 +109,14 @@ def format_tunnel_fields(
 
 
 def format_still_fields(names: Sequence[str], walls: Sequence[str]) -> dict[str, str]:
-    """Return fields of a box of still air, faces open; parameters as `format_tunnel_fields`."""
+    """Return the fields of an open box of still air; parameters as `format_tunnel_fields`."""
     files = {}
     for name in names:
         far = _open_boundary(name)
         if name == 'U':
             far = {'type': 'pressureInletOutletVelocity', 'value': 'uniform (0 0 0)'}
         elif name == 'p':
+            # Entrained air enters from rest: its total pressure is the ambient one
             far = {'type': 'totalPressure', 'p0': 'uniform 0', 'value': 'uniform 0'}
         elif name == 'nut':
             far = _calculated_boundary(name)

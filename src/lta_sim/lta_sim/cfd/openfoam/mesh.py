@@ -2,7 +2,7 @@
 Build meshes: a block of cubes, refined towards the bodies by snappyHexMesh, hull with layers.
 
 All lengths scale with the hull's length, so that small and large drones get the same mesh. The
-base cube is a quarter of the hull's length; each level halves it.
+base cube is a quarter of the hull's length; each refinement level halves it.
 """
 
 from collections.abc import Container, Mapping, Sequence
@@ -42,7 +42,7 @@ def format_block_mesh(
     size : float
         Edge of a cube. [m]
     patches : mapping of str to sequence of str
-        Faces ('x-', 'z+' ...) of each patch; a name with 'symmetry' is a plane of symmetry.
+        Faces ('x-', 'z+', ...) of each patch; 'symmetry' in a name makes it a symmetry plane.
 
     """
     counts = np.maximum(np.rint((high - low) / size), 1).astype(int)
@@ -51,6 +51,7 @@ def format_block_mesh(
         (i, j, k) for k in (0, 1) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))
     ]  # as blockMesh counts them
     vertices = [[float(ends[c[a]][a]) for a in range(3)] for c in corners]
+    # Vertex numbers of each face, in blockMesh's order: outward normals
     faces = {
         'x-': [0, 4, 7, 3], 'x+': [1, 2, 6, 5], 'y-': [0, 1, 5, 4], 'y+': [3, 7, 6, 2],
         'z-': [0, 3, 2, 1], 'z+': [4, 5, 6, 7],
@@ -83,19 +84,21 @@ def format_snappy_mesh(
     Parameters
     ----------
     bodies : mapping of str to int
-        Level of refinement on each surface.
+        Refinement level of each surface.
     cube : float
         Edge of the base cube. [m]
     regions : mapping of str to (mapping, int)
-        Shape of each refined region, and its level.
+        Shape and level of each refined region.
     inside : sequence of 3 floats
         A point in the air. [m]
     shell : (float, int)
-        How far around the hull the air is refined [m], and its level.
-    layers, expansion : int, float
-        Of prisms on the hull.
+        Refinement distance around the hull [m], and its level.
+    layers : int
+        Number of prism layers on the hull.
+    expansion : float
+        Thickness ratio of successive layers. [1]
     most : int
-        Cells that there may be.
+        Maximum number of cells.
 
     """
     geometry: dict[str, Entry] = {
@@ -103,7 +106,9 @@ def format_snappy_mesh(
     }
     geometry |= {name: shape for name, (shape, _) in regions.items()}
     around: dict[str, Entry] = {
-        name: {'mode': 'inside', 'levels': [[1e15, level]]} for name, (_, level) in regions.items()
+        # The distance is ignored in mode 'inside', but required
+        name: {'mode': 'inside', 'levels': [[1e15, level]]}
+        for name, (_, level) in regions.items()
     }
     around[HULL] = {'mode': 'distance', 'levels': [list(shell)]}
     around |= {
@@ -152,20 +157,16 @@ def build_mesh_case(
     zones: str = '',
 ) -> FoamCase:
     """
-    Return the case that makes a mesh.
+    Return the case that creates a mesh.
 
     Parameters
     ----------
-    name : str
-        Of the mesh.
     surfaces : mapping of str to Trimesh
-        As they stand in the tunnel.
-    block_text, snappy_text : str
-        Its two dictionaries.
+        Bodies in tunnel axes.
     cells : int
-        As expected.
+        Expected number of cells.
     zones : str
-        topoSetDict of the zones that are cut out of it, if any.
+        topoSetDict of the cell zones, if any.
 
     """
     from lta_sim.cfd.openfoam.numerics import (
@@ -181,6 +182,7 @@ def build_mesh_case(
         'system/blockMeshDict': block_text,
         'system/snappyHexMeshDict': snappy_text,
         'system/controlDict': format_control('snappyHexMesh', 0, 1, {}),
+        # snappyHexMesh requires these files even though no flow is solved
         'system/fvSchemes': format_steady_schemes(),
         'system/fvSolution': format_solution(),
     }
@@ -199,15 +201,16 @@ def _refinement_shells(cube: float, level: int) -> list[Entry]:
     """
     Return the refinement distance around a body for each level.
 
-    snappyHexMesh sees a surface only between the centres of two cells, so coarse cells would miss
-    a thin plate or bar. Cells are therefore refined wherever their corner may touch it.
+    snappyHexMesh detects a surface only between the centres of two cells, so coarse cells would
+    miss a thin plate or bar. Cells are therefore refined wherever their corner may touch it.
     """
+    # Two cells of each level, from the finest down to level 3
     return [[2.0 * cube * 2.0**-each, each] for each in range(level, 2, -1)]
 
 
 def list_solved_bodies(mesh: FoamCase, patches: Container[str]) -> list[str]:
-    """Return the bodies of a mesh that reach into the part of the tunnel that is solved."""
-    found = []
+    """Return the bodies of a mesh that reach into the solved part of the tunnel."""
+    bodies = []
     for path, data in mesh.files.items():
         if not path.startswith(SURFACES):
             continue
@@ -217,8 +220,8 @@ def list_solved_bodies(mesh: FoamCase, patches: Container[str]) -> list[str]:
         if not ('symmetryY' in patches and high_y <= 0.0) and not (
             'symmetryZ' in patches and high_z <= 0.0
         ):
-            found.append(path.removeprefix(SURFACES).removesuffix('.stl'))
-    return found
+            bodies.append(path.removeprefix(SURFACES).removesuffix('.stl'))
+    return bodies
 
 
 def _encode_stl(mesh: trimesh.Trimesh) -> bytes:

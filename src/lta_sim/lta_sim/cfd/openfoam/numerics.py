@@ -1,10 +1,10 @@
 """
 Write schemes, solvers and control files, with settings proven on round bodies.
 
-Steady: SIMPLEC with a bounded second-order scheme. Transient: implicit large-eddy simulation,
-with only LUST's own dissipation; where that brings the drag crisis too early (`tunnel.MODELLED`),
-detached eddies (Spalart's DDES). The inflow has no eddies, so the boundary layer on the hull is
-laminar until it separates.
+Steady: SIMPLEC with a bounded second-order scheme. Transient: implicit large-eddy simulation, with
+only the dissipation of the LUST scheme; where that predicts the drag crisis too early
+(`tunnel.MODELLED`), detached eddies (Spalart's DDES). The inflow has no eddies, so the boundary
+layer on the hull is laminar until it separates.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -18,6 +18,7 @@ LIMITED: Final = ('k', 'omega', 'nuTilda')  # gradients
 
 _COMMON: Final[Mapping[str, Entry]] = {
     'interpolationSchemes': {'default': 'linear'},
+    # Limits the non-orthogonal correction, for stability on distorted cells
     'laplacianSchemes': {'default': 'Gauss linear limited corrected 0.5'},
     'snGradSchemes': {'default': 'limited corrected 0.5'},
     'wallDist': {'method': 'meshWave'},
@@ -25,7 +26,7 @@ _COMMON: Final[Mapping[str, Entry]] = {
 
 
 def format_steady_schemes(carried: Sequence[str] = TURBULENT) -> str:
-    """Return fvSchemes of simpleFoam, for a model that carries some fields along."""
+    """Return fvSchemes of simpleFoam, for a turbulence model with these transported fields."""
     limited: Entry = 'cellLimited Gauss linear 1'
     return format_dictionary('fvSchemes', {
         'ddtSchemes': {'default': 'steadyState'},
@@ -35,6 +36,7 @@ def format_steady_schemes(carried: Sequence[str] = TURBULENT) -> str:
         },
         'divSchemes': {
             'default': 'none',
+            # Second order for the velocity; turbulence first order, which stays positive
             'div(phi,U)': 'bounded Gauss linearUpwindV grad(U)',
             **{f'div(phi,{each})': 'bounded Gauss upwind' for each in carried},
             'div((nuEff*dev2(T(grad(U)))))': 'Gauss linear',
@@ -64,13 +66,8 @@ def format_solution(
     """
     Return fvSolution for both solvers.
 
-    Parameters
-    ----------
-    velocity, turbulence : float
-        Relaxation of the steady solver. [1]
-    carried : sequence of str
-        Fields that the model of turbulence carries along.
-
+    `velocity` and `turbulence` are relaxation factors of the steady solver [1], `carried` the
+    transported fields of the turbulence model.
     """
     model = '|'.join(carried)
     pressure: dict[str, Entry] = {
@@ -92,6 +89,7 @@ def format_solution(
             f'"(U|{model})"': {**others, 'relTol': 0.1},
             'UFinal': {**others, 'relTol': 0.01},
         },
+        # 'consistent' selects SIMPLEC, which needs no relaxation of the pressure
         'SIMPLE': {'consistent': 'yes', 'nNonOrthogonalCorrectors': 0, 'pRefCell': 0,
                    'pRefValue': 0},
         'PIMPLE': {'nOuterCorrectors': 1, 'nCorrectors': 2, 'nNonOrthogonalCorrectors': 0},
@@ -144,16 +142,18 @@ def format_control(
     functions : mapping
         Function objects.
     largest_step : float, optional
-        Of a transient solver. [s]
+        Maximum time step of a transient solver. [s]
     courant : float
-        Largest Courant number of a transient solver. [1]
+        Maximum Courant number of a transient solver. [1]
 
     """
     entries: dict[str, Entry] = {
         'application': program,
         'startFrom': 'startTime', 'startTime': begin, 'stopAt': 'endTime', 'endTime': end,
+        # A steady solver counts iterations as time steps of 1
         'deltaT': 1 if largest_step is None else largest_step / 20.0,
         'writeControl': 'runTime' if largest_step is None else 'adjustableRunTime',
+        # Write fields at the end only
         'writeInterval': end - begin,
         'purgeWrite': 0, 'writeFormat': 'binary', 'writePrecision': 8, 'timePrecision': 8,
         'runTimeModifiable': False,
@@ -177,7 +177,7 @@ def format_time_file(now: int, step: float) -> str:
 
 def build_force_functions(patches: Mapping[str, str]) -> dict[str, Entry]:
     """
-    Return function objects that record the force on patches at every iteration, about the origin.
+    Return function objects that record forces at every iteration, moments about the origin.
 
     `patches` maps the name of each record to a patch or a pattern of patches.
     """
@@ -204,11 +204,8 @@ def build_momentum_functions(patches: tuple[str, ...]) -> dict[str, Entry]:
 
 
 def build_slice_function(normal: tuple[int, int, int], size: float) -> dict[str, Entry]:
-    """
-    Return a function object that writes the speed in a plane through the middle at the end.
-
-    The plane is a five-hundredth of `size` [m] aside: on a plane of symmetry there are no cells.
-    """
+    """Return a function object that writes the velocity in a central plane at the end."""
+    # [m] Slightly off the plane, because a plane of symmetry contains no cells
     aside = [0.002 * size * each for each in normal]
     return {
         'slice': {

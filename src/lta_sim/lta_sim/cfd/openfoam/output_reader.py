@@ -20,6 +20,7 @@ def parse_table(text: str) -> Array:
         if line.strip() and not line.lstrip().startswith('#')
     ]
     width = max((len(row) for row in rows), default=0)
+    # The last line may be incomplete while the solver still writes, or after it was stopped
     return np.array([row for row in rows if len(row) == width]).reshape(-1, width)
 
 
@@ -27,7 +28,7 @@ def parse_table(text: str) -> Array:
 @dataclass(frozen=True, slots=True)
 class WrenchHistory:
     """
-    Force and moment on a patch, round by round, at 1 kg/m3, about the origin.
+    Force and moment on a patch at each iteration, at 1 kg/m3, about the origin.
 
     Parameters
     ----------
@@ -36,7 +37,7 @@ class WrenchHistory:
     force, moment : array (n, 3)
         [N, N m]
     viscous : array (n, 3)
-        Share of the force that is friction. [N]
+        Viscous part of the force. [N]
 
     """
 
@@ -47,22 +48,20 @@ class WrenchHistory:
 
 
 def read_forces(folder: Path, name: str, begin: str) -> WrenchHistory:
-    """
-    Return what the function object `forces_<name>` wrote of the step from one time on.
-
-    Columns are time, total, pressure and viscous, each x y z.
-    """
+    """Read the output of the function object `forces_<name>` for the step that began at a time."""
     place = folder / 'postProcessing' / f'forces_{name}' / begin
     force = parse_table((place / 'force.dat').read_text(encoding='utf-8'))
     moment = parse_table((place / 'moment.dat').read_text(encoding='utf-8'))
+    # A stopped solver may have written one more row to one of the files
     rows = min(len(force), len(moment))
     return WrenchHistory(
+        # Columns: time, total x y z, pressure x y z, viscous x y z
         force[:rows, 0], force[:rows, 1:4], moment[:rows, 1:4], force[:rows, 7:10]
     )  # fmt: skip
 
 
 def read_momentum(folder: Path, patch: str, begin: str) -> Array:
-    """Return the momentum that leaves through a patch, round by round, at 1 kg/m3. [N]."""
+    """Return the momentum flux through a patch at each iteration, at 1 kg/m3. [N]"""
     place = folder / 'postProcessing' / f'momentum_{patch}' / begin / 'surfaceFieldValue.dat'
     rows: Array = parse_table(place.read_text(encoding='utf-8'))[:, 1:4]
     return rows
@@ -78,17 +77,18 @@ def read_slice(folder: Path) -> Array | None:
 
 
 def _parse_number(pattern: str, text: str) -> float:
-    found = re.search(pattern, text)
-    return float(found[1]) if found else float('nan')
+    match = re.search(pattern, text)
+    # NaN fails every check that follows
+    return float(match[1]) if match else float('nan')
 
 
 def read_mesh(folder: Path) -> dict[str, float | dict[str, int]]:
-    """Return cells, skewness and angles of a mesh, and the cells of each zone."""
+    """Return number of cells, skewness and angles of a mesh, and the cells of each zone."""
     check = (folder / 'log.check').read_text(encoding='utf-8')
     # The line appears only if there are negative cells.
     negative = re.search(r'Number of negative volume cells: (\d+)', check)
     zones = folder / 'log.zones'
-    found = {
+    zone_sizes = {
         name: int(count)
         for name, count in re.findall(
             r'cellZoneSet (\w+) now size (\d+)',
@@ -100,14 +100,14 @@ def read_mesh(folder: Path) -> dict[str, float | dict[str, int]]:
         'non_orthogonality': _parse_number(r'non-orthogonality Max: ([\d.]+)', check),
         'skewness': _parse_number(r'Max skewness = ([\d.]+)', check),
         'negative': float(negative[1]) if negative else 0.0,
-        'zones': found,
+        'zones': zone_sizes,
     }
 
 
 def read_patches(folder: Path) -> dict[str, int]:
-    """Return the faces of each patch of a mesh; a patch that came to nothing is not there."""
+    """Return the number of faces of each non-empty patch of a mesh."""
     check = (folder / 'log.check').read_text(encoding='utf-8')
-    told = check.partition('Surface topology\n')[2].partition('\n\n')[0]
+    table = check.partition('Surface topology\n')[2].partition('\n\n')[0]
     # The topology result is ignored: touching bodies are not simple surfaces.
-    rows = (line.split() for line in told.splitlines())
+    rows = (line.split() for line in table.splitlines())
     return {name: int(faces) for name, faces, *_ in rows}

@@ -79,6 +79,7 @@ def draw_income(result: BreakEvenMap) -> Figure:
         lux, watts = result.sample_income(result.arrays[0], lamp)
         figure.add_trace(
             Scatter(
+                # A logarithmic axis cannot show zero; None leaves a gap.
                 x=lux, y=[1e3 * each if each > 0.0 else None for each in watts], name=lamp,
                 mode='lines', line={'color': colour, 'width': 1.6}, showlegend=True,
                 hovertemplate='%{y:.0f} mW',
@@ -90,7 +91,9 @@ def draw_income(result: BreakEvenMap) -> Figure:
             layer='below', line={'color': WALL, 'width': 1, 'dash': '2px,3px'},
         )  # fmt: skip
         figure.add_annotation(
+            # On a logarithmic axis annotations take the exponent, while shapes take the value.
             x=1.0, xref='paper', y=math.log10(1e3 * load), text=task, xanchor='right',
+            # The lower of two close lines is labelled below, the upper one above.
             yanchor='top' if task.startswith(('idle', 'hovering')) else 'bottom',
         )  # fmt: skip
     ticks = [300, 1000, 3000, 10_000, 30_000, 100_000]

@@ -67,7 +67,7 @@ class BreakEvenMap:
 
     def to_json(self) -> dict[str, object]:
         """Convert the map to JSON; null where 100 klx do not suffice."""
-        told = {
+        thresholds = {
             f'{array.count} x {array.name}': {
                 lamp: {
                     task: None if (lux := self.break_even_lux(array, lamp, load)) > MOST else lux
@@ -77,7 +77,7 @@ class BreakEvenMap:
             }
             for array in self.arrays
         }
-        return {'vehicle': self.vehicle, 'loads': dict(self.loads), 'break_even_lux': told}
+        return {'vehicle': self.vehicle, 'loads': dict(self.loads), 'break_even_lux': thresholds}
 
 
 def list_task_loads(vehicle: Vehicle) -> dict[str, float]:
@@ -118,12 +118,14 @@ def compute_map(vehicle: Vehicle, cells: Sequence[str], budget: float) -> BreakE
     arrays = [CandidateArray(f'{own.cell} ({OWN})', count, mass, HarvestCurve(vehicle.panel))]
     for name in cells:
         each = load_cell_file(name).mass.si
+        # As many whole panels as the mass budget allows
         number = int(budget / each)
         if number == 0:
             raise BadInput(
                 f'One panel {name} weighs {1e3 * each:.1f} g, more than the --budget of '
                 f'{1e3 * budget:g} g; leave it out or raise the budget.'
             )
+        # Strings of one panel, all in parallel
         panel = SolarArrayModel.from_cells(name, 1, number)
         arrays.append(CandidateArray(name, number, number * each, HarvestCurve(panel)))
     return BreakEvenMap(vehicle.file.name, vehicle.charger, list_task_loads(vehicle), arrays)

@@ -95,7 +95,9 @@ def build_task_table(result: PowerBudget) -> TextTable:
             if each is not result.hover
             else [f'{1e3 * paper.STANDARD:.0f}']
         )
+        # Of a range in the paper, its middle is compared.
         mean = sum(map(float, words)) / len(words) if words else None
+        # The two ground tasks have no duration; NaN differs from itself.
         rows.append([
             name,
             format_number(None if each.seconds != each.seconds else each.seconds, 1),
@@ -212,6 +214,7 @@ def draw_rotor_power(result: PowerBudget) -> Figure:
     figure.add_trace(
         Scatter(
             x=[row.duty for row in rotor.BENCH],
+            # The bench data are for four rotors, including the electronics (row 0).
             y=[(row.power - idle) / 4.0 for row in rotor.BENCH], mode='markers', name='bench',
             marker={'color': LAMP, 'size': 6},
             text=[f'{row.voltage} V' for row in rotor.BENCH],

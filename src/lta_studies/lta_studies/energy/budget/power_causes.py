@@ -59,8 +59,10 @@ def explain_hover_power(vehicle: Vehicle, hover: float, goal: float) -> PowerCau
     loads = vehicle.loads
     steady = loads.idle + loads.transmitting
     thrust, count = hover_thrust(vehicle)
+    # Rotor power is affine in thrust: offset + slope * thrust, per rotor.
     lifting = count * (loads.rotor_offset + loads.rotor_slope * thrust)
     per_newton = count * thrust / (vehicle.heaviness * STANDARD_GRAVITY)
+    # Additional mass [kg] whose lift costs the missing power; the offsets are already paid.
     heavy = (goal - hover) / (loads.rotor_slope * per_newton * STANDARD_GRAVITY)
     return PowerCauses(
         least=steady + lifting,
@@ -77,6 +79,7 @@ def _equivalent_wind(vehicle: Vehicle, more: float) -> float:
         return math.nan
     loads, effects = vehicle.loads, vehicle.collect_effects()
     push = sum(pushing) / len(pushing)
+    # The forward rotors rest in a hover, so their offsets come first.
     force = (more - len(pushing) * loads.rotor_offset) / loads.rotor_slope * push
     a, b = effects['quadratic_drag']['surge'], effects['linear_drag']['surge']
     if force <= 0.0 or a + b <= 0.0:

@@ -63,6 +63,7 @@ def measure_budget(
     ]
     tasks += [measure_navigation(vehicle, name, seeds, tick) for name in STRATEGIES]
     named = {task.name: task for task in tasks}
+    # Index 1 is the hover, between take-off and flying.
     hovering = average_flight_tasks(other.loads, fly_course(standard, seeds, tick))[1]
     found = explain_hover_power(body, named['hovering'].power, paper.HOVER)
     return PowerBudget(body.file.name, other.file.name, named, hovering, found, body.loads)
@@ -70,6 +71,7 @@ def measure_budget(
 
 def count_flights(seeds: int) -> int:
     """Return the number of flights of a budget."""
+    # One course flight of each of the two vehicles, and one navigation flight per strategy
     return seeds * (2 + len(STRATEGIES))
 
 
@@ -100,4 +102,5 @@ def to_json(result: PowerBudget) -> dict[str, Any]:
 def _task_to_json(task: TaskPower) -> dict[str, float | None]:
     numbers = {'power': task.power, **asdict(task)}
     del numbers['name']
+    # NaN, which differs from itself, becomes null.
     return {name: None if value != value else value for name, value in numbers.items()}

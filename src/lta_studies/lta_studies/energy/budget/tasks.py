@@ -118,6 +118,7 @@ def average_task(name: str, electronics: float, tracks: Sequence[FlightTrack]) -
     means = [float(each.rotors.mean()) for each in tracks]
     mean = math.fsum(means) / len(means)
     seconds = math.fsum(float(each.time[-1] - each.time[0]) for each in tracks) / len(tracks)
+    # The spread is the largest deviation of a seed, as a few seeds give no useful interval.
     return TaskPower(name, electronics, mean, max(abs(one - mean) for one in means), seconds)
 
 
@@ -132,6 +133,7 @@ def measure_navigation(
         loads, energy = loop.world.vehicle.loads, loop.world.vehicle.file.energy
         electronics = loads.idle + loads.transmitting + navigation_power(energy, strategy)
         whole = fly_until(loop, is_flight_over)
+        # Leave out the rest on the floor, in which the rotors stand still.
         up = whole.time[whole.height > whole.height[0] + MOVED]
         flown.append(whole.crop(float(up[0]) if len(up) else 0.0, math.inf))
         tick()

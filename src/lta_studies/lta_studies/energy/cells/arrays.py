@@ -55,6 +55,7 @@ def find_largest_array(cell: CellFile, budget: float) -> CellArray | None:
     Strings are just long enough to reach the charger's minimum input voltage at the maximum power
     point. None if even one string is too heavy.
     """
+    # Enough panels in series for the minimum input voltage of the charger
     series = math.ceil(LOWEST / cell.electrical.voltage.si)
     # 1e-9 keeps a budget of exactly n panels at n despite rounding.
     parallel = int(budget / cell.mass.si * (1.0 + 1e-9)) // series
@@ -81,13 +82,17 @@ class NetPower:
 def compute_net_powers(array: CellArray, energy: EnergyBlock, table: CellTable) -> list[NetPower]:
     """Return the net power of an array on a vehicle for each light of a table."""
     charger = ChargerModel.from_energy(energy)
+    # Motors off: the array charges on the ground.
     idle, sending = compute_ground_loads(energy)
     found = []
     for light, efficacy in table.lights.items():
+        # lx / (lm/W) = W/m2
         irradiance = table.arrays.illuminance.si / efficacy.si
         harvest = array.peak_power(irradiance)
-        given = charger_output(charger, harvest)
-        found.append(NetPower(light, irradiance, harvest, given, given - idle, given - sending))
+        charged = charger_output(charger, harvest)
+        found.append(
+            NetPower(light, irradiance, harvest, charged, charged - idle, charged - sending)
+        )
     return found
 
 

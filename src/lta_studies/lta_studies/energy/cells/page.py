@@ -65,6 +65,7 @@ def render_page(
 ) -> str:
     """Return the HTML of the page; the budget is a mass. [kg]"""
     found = list_entries(table)
+    # One pair of fronts for each reading of the ambiguous rows
     fronts = [find_both_fronts(found, which) for which in range(max(e.readings for e in found))]
     paper, fair = zip(*fronts, strict=True)
     by_area = draw_fronts(found, lambda each: each.charging_time_per_area / SQUARE, 's/cm²', paper)
@@ -97,9 +98,9 @@ def build_tiles(table: CellTable, energy: EnergyBlock) -> list[Tile]:
     """Return tiles with the stand-by net power of the paper's arrays in each light."""
     made = []
     for name, strings in build_all_arrays(table).items():
-        for strung in strings:
-            for net in compute_net_powers(strung, energy, table):
-                size = f'{SQUARE * strung.area:.0f} cm² of {name}'
+        for array in strings:
+            for net in compute_net_powers(array, energy, table):
+                size = f'{SQUARE * array.area:.0f} cm² of {name}'
                 light = WORDS.get(net.light, net.light)
                 made.append(
                     Tile(size, format_number(net.standby, 1, 1e3), 'mW', f'stand-by, {light}')
@@ -112,15 +113,16 @@ def draw_fronts(
 ) -> Picture:
     """Plot a criterion of the cells against mass per area, with the Pareto fronts."""
     drawn = create_figure()
-    for kept, dash in zip(fronts, ('solid', '5px,4px'), strict=False):
+    for front, dash in zip(fronts, ('solid', '5px,4px'), strict=False):
         drawn.add_trace(
             Scatter(
-                x=[_areal_mass(each) for each in kept], y=[figure(each) for each in kept],
+                x=[_areal_mass(each) for each in front], y=[figure(each) for each in front],
                 mode='lines', line={'color': TRUTH, 'width': 1.6, 'dash': dash},
                 hoverinfo='skip',
             )
         )  # fmt: skip
-    on = {id(each) for kept in fronts for each in kept}
+    # By identity: the fronts hold the same objects as `entries`.
+    on = {id(each) for front in fronts for each in front}
     drawn.add_trace(
         Scatter(
             x=[_areal_mass(each) for each in entries], y=[figure(each) for each in entries],
@@ -135,7 +137,11 @@ def draw_fronts(
     )  # fmt: skip
     drawn.update_layout(hovermode='closest')
     drawn.update_xaxes(
-        type='log', title_text='mass per area [g/cm²]', range=[-1.6, -0.05], dtick='D2'
+        # On a logarithmic axis the range is in decades: 0.025 to 0.89 g/cm2.
+        type='log',
+        title_text='mass per area [g/cm²]',
+        range=[-1.6, -0.05],
+        dtick='D2',
     )
     return drawn.update_yaxes(type='log', title_text=f'charging time [{unit}]', dtick='D2')
 

@@ -81,9 +81,10 @@ def select_readings(entries: Sequence[CellEntry], which: int) -> list[CellEntry]
 
 def find_pareto_front(entries: Sequence[CellEntry], figure: Figure) -> list[CellEntry]:
     """Return the Pareto front in mass per area and a criterion, lightest first."""
-    best, kept = float('inf'), []
+    best, front = float('inf'), []
+    # From light to heavy: an entry is on the front if it improves on all lighter ones.
     for each in sorted(entries, key=lambda entry: (entry.areal_mass, figure(entry))):
         if figure(each) < best:
             best = figure(each)
-            kept.append(each)
-    return kept
+            front.append(each)
+    return front

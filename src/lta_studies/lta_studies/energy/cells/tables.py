@@ -81,17 +81,18 @@ def build_ranking_table(table: CellTable) -> TextTable:
 def datasheet_charging_time(each: CellEntry, entries: Sequence[CellEntry]) -> float:
     """Return the charging time by short-circuit current, relative to the fastest cell. [s]"""
     first = min(entries, key=lambda entry: entry.row.charge.si)
+    # Charging a capacitor takes Q / I, so times are inverse to the short-circuit currents.
     currents = [entry.cell.electrical.short_circuit.si for entry in (first, each)]
     return first.row.charge.si * currents[0] / currents[1]
 
 
 def describe_defects(table: CellTable) -> list[str]:
     """Return a sentence for each defect of the printed table."""
-    told = [(row.maker, each) for row in table.rows.values() for each in row.defects]
-    told += [
+    defects = [(row.maker, each) for row in table.rows.values() for each in row.defects]
+    defects += [
         (f'The array {n}', d) for n, built in table.arrays.built.items() for d in built.defects
     ]
-    return [f'{who}: {what}.' for who, what in told]
+    return [f'{who}: {what}.' for who, what in defects]
 
 
 def build_array_table(table: CellTable, energy: EnergyBlock) -> TextTable:
@@ -101,12 +102,12 @@ def build_array_table(table: CellTable, energy: EnergyBlock) -> TextTable:
     rows = []
     for name, strings in build_all_arrays(table).items():
         built = table.arrays.built[name]
-        for strung in strings:
-            for net in compute_net_powers(strung, energy, table):
-                told = '' if has_printed_signs(net, built) else 'not '
+        for array in strings:
+            for net in compute_net_powers(array, energy, table):
+                prefix = '' if has_printed_signs(net, built) else 'not '
                 light = WORDS.get(net.light, net.light)
                 rows.append(
-                    [format_array(strung), light, *format_powers(net), f'{told}{built.standby}']
+                    [format_array(array), light, *format_powers(net), f'{prefix}{built.standby}']
                 )
     heading = f'Arrays of the paper at {klux:g} klux, power in mW'
     return TextTable(heading, heads, rows, CHARGED)
@@ -129,15 +130,16 @@ def build_mass_budget_table(table: CellTable, energy: EnergyBlock, budget: float
     heads = ('array', 'g', 'cm²', 'rated [W]', *(WORDS.get(light, light) for light in lights))
     rows = []
     for cell in list_cells(table):
-        strung = find_largest_array(cell, budget)
-        if strung is None:
+        array = find_largest_array(cell, budget)
+        if array is None:
+            # Mass, area and rated power, and one column per light
             rows.append([f'{cell.name}: too heavy', *[MISSING] * (3 + len(lights))])
             continue
-        found = compute_net_powers(strung, energy, table)
-        rated = strung.panel_count * cell.rated_power
+        found = compute_net_powers(array, energy, table)
+        rated = array.panel_count * cell.rated_power
         rows.append([
-            format_array(strung), format_number(strung.mass, 1, GRAMS),
-            format_number(strung.area, 0, SQUARE), format_number(rated, 2),
+            format_array(array), format_number(array.mass, 1, GRAMS),
+            format_number(array.area, 0, SQUARE), format_number(rated, 2),
             *(format_number(net.standby, 1, 1e3) for net in found),
         ])  # fmt: skip
     klux = table.arrays.illuminance.si / 1e3
@@ -165,29 +167,30 @@ def to_json(table: CellTable, energy: EnergyBlock, budget: float) -> dict[str, A
         },
         'fronts': [
             {
-                name: [each.cell.name for each in kept]
-                for name, kept in zip(FRONTS, find_both_fronts(found, which), strict=True)
+                name: [each.cell.name for each in front]
+                for name, front in zip(FRONTS, find_both_fronts(found, which), strict=True)
             }
             for which in range(max(each.readings for each in found))
         ],
         'arrays': [
-            {'cell': strung.cell.name, 'series': strung.series, 'parallel': strung.parallel,
+            {'cell': array.cell.name, 'series': array.series, 'parallel': array.parallel,
              'agrees': has_printed_signs(net, table.arrays.built[name]), **_net_power_to_json(net)}
             for name, strings in build_all_arrays(table).items()
-            for strung in strings
-            for net in compute_net_powers(strung, energy, table)
+            for array in strings
+            for net in compute_net_powers(array, energy, table)
         ],
         'budget': budget,
         'within': {
-            cell.name: None if strung is None else {
-                'series': strung.series, 'parallel': strung.parallel, 'mass': strung.mass,
-                'area': strung.area,
+            cell.name: None if array is None else {
+                'series': array.series, 'parallel': array.parallel, 'mass': array.mass,
+                'area': array.area,
                 'net': [
-                    _net_power_to_json(net) for net in compute_net_powers(strung, energy, table)
+                    _net_power_to_json(net) for net in compute_net_powers(array, energy, table)
                 ],
             }
             for cell in list_cells(table)
-            for strung in (find_largest_array(cell, budget),)
+            # A loop over one value names it within the comprehension.
+            for array in (find_largest_array(cell, budget),)
         },
     }  # fmt: skip
 

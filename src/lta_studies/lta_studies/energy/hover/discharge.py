@@ -35,10 +35,12 @@ def simulate_discharge(
     """Discharge a cell from a state of charge [1] at a constant power [W] for a time [s]."""
     flow, rows, failed = resting_flow(charge), [], None
     for k in range(round(seconds / STEP)):
+        # No light (0 W/m2) and a charger that does nothing
         flow = advance_power_path(cell, DARK, flow, 0.0, power, STEP)
         if not flow.fed:
             failed = k * STEP
             break
         rows.append((k * STEP, flow.voltage, flow.charge))
+    # The copy makes each column contiguous.
     time, voltage, left = np.array(rows, dtype=np.float64).T.copy()
     return DischargeTrace(time, voltage, left, failed)

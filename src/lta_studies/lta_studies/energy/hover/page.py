@@ -72,6 +72,7 @@ def build_tiles(result: HoverComparison) -> list[Tile]:
     made = []
     for each in (result.first, result.second):
         left = f'{100 * float(each.trace.charge[-1]):.0f} % of the cell left'
+        # A drone that failed early has its charge at that time.
         when = '' if each.trace.failed is None else f' after {each.trace.failed:.0f} s'
         made.append(Tile(each.name, f'{each.power:.2f}', 'W', left + when))
     note = 'of its power; paper: almost a third'
@@ -109,7 +110,7 @@ def format_row(
 def format_notes(result: HoverComparison) -> list[str]:
     """Return notes on the differences to the paper."""
     second = result.second
-    told = [
+    notes = [
         f"A third: the paper's 1333 mW are {100 * paper.HOVER / second.power:.0f} % of the power "
         f"of {second.name} by Bitcraze's bench data, and ours {100.0 * result.power_share:.0f} %; "
         f'one third corresponds to a standard drone of {paper.STANDARD:.1f} W.',
@@ -117,12 +118,12 @@ def format_notes(result: HoverComparison) -> list[str]:
         'multirotor drops steadily. The paper does not print the values of that figure.',
     ]
     if second.trace.failed is not None:
-        told.append(
+        notes.append(
             f'On the cell of {result.first.name} the supply of {second.name} fails after '
             f'{second.trace.failed:.0f} s, before the {result.seconds:.0f} s are over. A standard '
             "drone that lasted the paper's 450 s used less power or had a larger cell."
         )
-    return told
+    return notes
 
 
 def draw_traces(result: HoverComparison, key: str) -> Figure:
@@ -130,6 +131,7 @@ def draw_traces(result: HoverComparison, key: str) -> Figure:
     figure = create_figure()
     unit, factor = ('V', 1.0) if key == 'voltage' else ('%', 100.0)
     traces = {result.first.name: result.first.trace, result.second.name: result.second.trace}
+    # In the order of the traces: both flights, then the paper's two powers
     looks = [(TRUTH, 'solid'), (ESTIMATE, 'solid'), (TRUTH, '4px,3px'), (SETPOINT, '4px,3px')]
     labels, lines = [], []
     for (name, trace), (colour, dash) in zip(
@@ -140,6 +142,7 @@ def draw_traces(result: HoverComparison, key: str) -> Figure:
         figure.add_trace(
             build_line(name, trace.time, values, colour, unit=unit, dash=dash, width=1.4)
         )
+        # A line that ends early is labelled at its end, the others at the right margin.
         if trace.failed is None:
             labels.append(EndLabel(name, float(values[-1]), colour))
         else:

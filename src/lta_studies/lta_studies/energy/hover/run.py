@@ -128,23 +128,27 @@ def prepare_hover(spec: FlightSpec) -> ClosedLoop:
 
 def fly_hover(spec: FlightSpec, seconds: float, tick: Callable[[float], None]) -> HoverResult:
     """Hover until the time [s] is over or the supply fails."""
-    told = 0.0
+    reported = 0.0
 
     def is_over(loop: ClosedLoop) -> bool:
-        nonlocal told
+        nonlocal reported
         elapsed = loop.world.elapsed
-        if elapsed - told >= 1.0:
-            tick(elapsed - told)
-            told = elapsed
+        # Report once per simulated second, as a call per step would slow the flight.
+        if elapsed - reported >= 1.0:
+            tick(elapsed - reported)
+            reported = elapsed
+        # Before the first step the supply has not been computed yet.
         return elapsed >= seconds - 1e-9 or (elapsed > 0.0 and not loop.world.supply.flow.fed)
 
     loop = prepare_hover(spec)
     flown = fly_until(loop, is_over)
-    tick(seconds - told)
+    # Complete the progress bar also after an early failure.
+    tick(seconds - reported)
     failed = None if loop.world.supply.flow.fed else float(flown.time[-1])
     loads = loop.world.vehicle.loads
     return HoverResult(
         name=loop.world.vehicle.file.name,
+        # Without the first sample, which precedes the first load
         trace=DischargeTrace(flown.time[1:], flown.voltage[1:], flown.charge[1:], failed),
         power=mean_hover_power(loads, flown),
         energy=loop.world.supply.energy_books.consumed,
@@ -153,5 +157,6 @@ def fly_hover(spec: FlightSpec, seconds: float, tick: Callable[[float], None]) -
 
 def mean_hover_power(loads: LoadModel, track: FlightTrack) -> float:
     """Return the mean hover power, including electronics and radio. [W]"""
+    # A drone that failed before STEADY is averaged over its second half.
     steady = track.crop(min(STEADY, float(track.time[-1]) / 2.0), math.inf)
     return loads.idle + loads.transmitting + float(np.mean(steady.rotors))

@@ -52,6 +52,7 @@ class MountedVehicle:
     def rest_lean(self) -> float:
         """Nose-down pitch at rest, from the centre of gravity. [rad]"""
         x, _, z = self.vehicle.cg
+        # At rest the centre of gravity hangs vertically below the centre of buoyancy.
         return math.atan2(float(x), -float(z))
 
 
@@ -90,6 +91,7 @@ def build_mounted_vehicle(
 def lacking_lift(content: Mapping[str, Any], name: str) -> float:
     """Return the lift that the hull lacks to fly a mount at the file's heaviness. [kg]"""
     roomy = build_mounted_vehicle(content, name, fuller=ROOMY).vehicle
+    # The roomy hull has this much more lift than the real one; ballast took up the unused part.
     return roomy.gross_lift * (1.0 - 1.0 / ROOMY) - roomy.ballast_mass
 
 
@@ -98,7 +100,9 @@ def required_fullness(content: Mapping[str, Any], names: Sequence[str]) -> float
     most = 1.0
     for name in names:
         roomy = build_mounted_vehicle(content, name, fuller=ROOMY).vehicle
+        # Lift is proportional to volume: shrink the roomy hull until no ballast is left.
         most = max(most, ROOMY * (1.0 - roomy.ballast_mass / roomy.gross_lift))
+    # Rounded up to the resolution; 1e-9 keeps an exact multiple.
     return math.ceil(most / STEP - 1e-9) * STEP
 
 

@@ -111,6 +111,7 @@ def draw_straight_flights(study: MountingStudy) -> Figure:
             figure.add_trace(
                 build_line(name, flown.time, degrees, colour, unit='°', width=1.2), row, 1
             )
+            # Mean over the last samples, as the last one is a random phase of the swing
             labels.append(EndLabel(name, float(degrees[-1000:].mean()), colour))
             ends.append(degrees)
         label_ends(figure, labels, padded_range(*ends), row)
@@ -147,8 +148,10 @@ def draw_swings(study: MountingStudy) -> Figure:
 
 def swing_envelope(each: MountTrial, time: Array) -> Array:
     """Return the analytical envelope of the swing. [deg]"""
+    # Without a swing (no righting moment) the envelope is constant.
     ratio, period = each.swing.damping_ratio or 0.0, each.swing.period or math.inf
     first = DEGREES * float(each.release.tilt[0])
+    # Small damping: exp(-zeta w t) with w = 2 pi / period
     return first * np.exp(-ratio * 2.0 * math.pi / period * time)
 
 

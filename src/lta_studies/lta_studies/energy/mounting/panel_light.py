@@ -60,6 +60,7 @@ def compute_light_shares(
     series, apart = [], []
     for towards in _iterate_directions(light.height):
         shares = [panel_light_share(vehicle, mount, panel, towards) for panel in mount.panels]
+        # Same current in all panels: the darkest limits the string.
         series.append(min(shares))
         apart.append(sum(shares) / len(shares))
     return PanelLightShares(float(np.mean(series)), float(np.mean(apart)))
@@ -73,6 +74,7 @@ def _compute_overcast_shares(vehicle: Vehicle, mount: MountFile) -> PanelLightSh
         low, high = (0.5 * math.pi * k / RINGS for k in (ring, ring + 1))
         patch = math.sin(high) - math.sin(low)  # solid angle of the ring / 2 pi
         height = 0.5 * (low + high)
+        # Light on a level plate: the cosine law, weighted by solid angle
         level += patch * math.sin(height)
         for k, panel in enumerate(mount.panels):
             around = [
@@ -89,6 +91,7 @@ def _iterate_directions(height: float) -> Iterator[Vector]:
     flat = math.cos(height)
     count = 1 if flat < 1e-9 else AROUND
     for k in range(count):
+        # Half a step off the axes of symmetry of the vehicle
         turn = 2.0 * math.pi * (k + 0.5) / count
         yield flat * math.cos(turn), flat * math.sin(turn), math.sin(height)
 
@@ -96,6 +99,7 @@ def _iterate_directions(height: float) -> Iterator[Vector]:
 def panel_light_share(vehicle: Vehicle, mount: MountFile, panel: str, towards: Vector) -> float:
     """Return the share of light on one panel from a direction. [1]"""
     facing = sum(a * b for a, b in zip(mount.panels[panel].normal.vector, towards, strict=True))
+    # The light comes from behind the panel.
     if facing <= 0.0:
         return 0.0
     axes = half_axes(vehicle.file.hull)
@@ -108,12 +112,15 @@ def panel_light_share(vehicle: Vehicle, mount: MountFile, panel: str, towards: V
 def iterate_panel_points(mount: MountFile, panel: str) -> Iterator[Vector]:
     """Yield evenly spaced points just above the lit face of a panel. [m]"""
     part, normal = mount.parts[panel], mount.panels[panel].normal.vector
+    # The thinnest axis of the box is the one across the panel.
     thin = min(range(3), key=lambda axis: part.size.vector[axis])
     across = [axis for axis in range(3) if axis != thin]
     middle = [
+        # From the middle of the box to its lit face
         place + (0.5 * part.size.vector[thin] + OFF) * way
         for place, way in zip(part.position.vector, normal, strict=True)
     ]
+    # Centres of GRID equal intervals in [-0.5, 0.5]
     steps = [(k + 0.5) / GRID - 0.5 for k in range(GRID)]
     for p in steps:
         for q in steps:

@@ -41,8 +41,11 @@ class Release:
     def peaks(self) -> tuple[Array, Array]:
         """Times [s] and tilts [rad] of the maxima on the initial side."""
         inner = self.tilt[1:-1]
+        # ">=" on one side counts a plateau of two equal samples once.
         found = np.nonzero((inner > self.tilt[:-2]) & (inner >= self.tilt[2:]) & (inner > 0.0))[0]
+        # The release itself is the first maximum.
         times, tilts = [0.0], [float(self.tilt[0])]
+        # Indices of `inner` are one less than those of `tilt`.
         for k in found + 1:
             time, tilt = _parabola_vertex(self.time[k - 1 : k + 2], self.tilt[k - 1 : k + 2])
             times.append(time)
@@ -62,6 +65,7 @@ class Release:
         if len(times) <= 3:
             return None
         decay = math.log(tilts[0] / tilts[3]) / 3.0
+        # Damping ratio from the logarithmic decrement d: d / sqrt(d^2 + 4 pi^2)
         return decay / math.hypot(decay, 2.0 * math.pi)
 
 
@@ -93,11 +97,13 @@ def simulate_release(
     cg = vehicle.cg if height is None else np.array([0.0, 0.0, height])
     model = VehicleModel.build(
         vehicle.collect_effects(), mass=vehicle.mass, cg=cg, inertia=vehicle.inertia,
+        # The displaced mass equals the vehicle's: neutral buoyancy
         displaced=vehicle.mass,
         rotors=[(rotor.place, rotor.axis) for rotor in vehicle.rotors],
     )  # fmt: skip
     craft = SimulatedVehicle(model)
     rigid = pack_state((0.0, 0.0, HEIGHT))
+    # Nose up is a negative rotation about y (z up, y left).
     rigid[QUATERNION] = (0.0, -math.sin(0.5 * tilt), 0.0, math.cos(0.5 * tilt))
     craft.state[:] = 0.0
     craft.state[: len(rigid)] = rigid
@@ -105,6 +111,7 @@ def simulate_release(
     tilts = np.empty(count + 1)
     for k in range(count + 1):
         x, y, z, w = craft.state[QUATERNION].tolist()
+        # Ratio of two rotation-matrix entries; unlike asin it is valid beyond 90 degrees.
         tilts[k] = math.atan2(2.0 * (x * z - w * y), w * w - x * x - y * y + z * z)
         craft.advance(STEP, SHOWN)
     times: Array = np.linspace(0.0, count * STEP * SHOWN, count + 1)
@@ -126,4 +133,5 @@ def tilt_growth_rate(vehicle: Vehicle, height: float, inertia: float) -> float:
         Effective inertia, including added mass and the coupled surge. [kg m2]
 
     """
+    # Inverted pendulum: J x'' = m g h x
     return math.sqrt(vehicle.mass * STANDARD_GRAVITY * height / inertia)

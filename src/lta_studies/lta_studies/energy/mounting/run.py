@@ -55,6 +55,7 @@ class MountTrial:
         """Misplacement of the panels that would cause the paper's swing. [m]"""
         body = self.fitted.vehicle
         panels = sum(self.fitted.mount.parts[name].mass.si for name in self.fitted.mount.panels)
+        # Moving the panels by d moves the centre of gravity by d panels / mass.
         return -body.mass * float(body.cg[2]) * math.tan(PAPER_SWING) / panels
 
 
@@ -118,6 +119,7 @@ class MountingRequest:
     def build_vehicles(self) -> dict[str, list[MountedVehicle]]:
         """Build all vehicles by group; raise `BadInput` if one cannot be built."""
         fuller = required_fullness(self.content, self.mounts)
+        # 1e-9 kg absorbs rounding for a mount that just fits.
         able = [name for name in self.mounts if lacking_lift(self.content, name) <= 1e-9]
         return {
             'own': [build_mounted_vehicle(self.content, name) for name in able],
@@ -175,14 +177,15 @@ def compare_mounts(request: MountingRequest, tick: Callable[[], None]) -> Mounti
         {each.mount.name: run_trial(each, request.seeds, tick) for each in fits[group]}
         for group in ('own', 'shared', 'misplaced')
     )
+    # If the hull carries no mount, use the larger hull.
     first = (own or shared).values()
     return MountingStudy(
         vehicle=str(request.content['name']),
         ahead=request.ahead,
         fuller=required_fullness(request.content, request.mounts),
         lacking={
-            name: lacking_lift(request.content, given)
-            for name, given in zip(shared, request.mounts, strict=True)
+            name: lacking_lift(request.content, mount)
+            for name, mount in zip(shared, request.mounts, strict=True)
         },
         own=own,
         shared=shared,

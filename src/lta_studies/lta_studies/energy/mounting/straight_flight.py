@@ -58,6 +58,7 @@ class StraightFlight:
 
 def prepare_flight(mounted: MountedVehicle, gains: str, seed: int) -> ClosedLoop:
     """Return the closed loop before its first step; gains '' are the vehicle's own."""
+    # The vehicle is replaced below; gtmab only completes the spec.
     made_of = load_spec('gtmab', SCENE, 'bag', gains)
     scene = made_of.contents['scenario']
     start = {**scene['start'], 'held': f'{HELD} s'}
@@ -87,10 +88,13 @@ def evaluate_flight(mounted: MountedVehicle, track: FlightTrack) -> StraightFlig
     loads = mounted.vehicle.loads
     steady = loads.idle + loads.transmitting
     rising, way = track.crop(LIFT_OFF, AWAY), track.crop(AWAY, END)
+    # The last 10 s before departure: steady hover, the climb has settled.
     before = track.crop(AWAY - 10.0, AWAY)
     return StraightFlight(
         swing=float(np.abs(rising.pitch - rising.pitch.mean()).max()),
+        # Pitch is nose up, the lean nose down.
         lean=-float(way.pitch.mean()),
+        # Half of peak to peak
         amplitude=0.5 * float(np.ptp(way.pitch)),
         rms=float(way.pitch.std()),
         power=steady + float(way.rotors.mean()),

@@ -19,10 +19,10 @@ def build_tables(study: MountingStudy) -> list[TextTable]:
     own = {f'{name}, own hull': each for name, each in study.own.items()}
     shared = {f'{name}, {more}': each for name, each in study.shared.items()}
     out = f'{CENTIMETRES * study.ahead:g} cm misplaced'
-    askew = {f'{name}, {out}': each for name, each in study.misplaced.items()}
+    misplaced = {f'{name}, {out}': each for name, each in study.misplaced.items()}
     return [
         build_balance_table(own | shared),
-        build_flight_table(own | shared | askew),
+        build_flight_table(own | shared | misplaced),
         build_light_table(study),
     ]
 
@@ -42,6 +42,7 @@ def build_balance_table(entries: dict[str, MountTrial]) -> TextTable:
             format_number(-float(body.cg[2]), 1, CENTIMETRES),
             format_number(float(body.inertia[1, 1]), 1, GRAMS),
             format_number(body.collect_effects()['quadratic_drag']['surge'], 1, 1e3),
+            # N m/rad to mN m per degree
             format_number(swing.stiffness, 2, 1e3 / DEGREES),
             format_number(swing.period, 3),
             format_number(free.period, 3),
@@ -54,11 +55,11 @@ def build_balance_table(entries: dict[str, MountTrial]) -> TextTable:
 def build_flight_table(entries: dict[str, MountTrial]) -> TextTable:
     """Return the table of flights."""
     heads = ('mount', 'lean at rest [°]', 'swing after lift-off [±°]', 'pitch in flight [±°]',
-             'its rms [°]', 'hovering [mW]', 'flying [mW]',
+             'rms pitch [°]', 'hovering [mW]', 'flying [mW]',
              'misplacement for ±2.5° [cm]')  # fmt: skip
     rows = []
     for name, each in entries.items():
-        told = [
+        figures = [
             format_figure(each, key, digits, factor)
             for key, digits, factor in (
                 ('swing', 2, DEGREES), ('amplitude', 2, DEGREES), ('rms', 3, DEGREES),
@@ -67,10 +68,11 @@ def build_flight_table(entries: dict[str, MountTrial]) -> TextTable:
         ]  # fmt: skip
         far = (
             format_number(each.misplacement, 1, CENTIMETRES)
+            # Only with the panels in place is the misplacement relative to the file's position.
             if each.fitted.ahead == 0.0
             else MISSING
         )
-        rows.append([name, format_number(each.fitted.rest_lean, 2, DEGREES), *told, far])
+        rows.append([name, format_number(each.fitted.rest_lean, 2, DEGREES), *figures, far])
     return TextTable('Straight flight at 0.1 m/s', heads, rows)
 
 
@@ -79,6 +81,7 @@ def format_figure(each: MountTrial, key: str, digits: int, factor: float) -> str
     found = average_over_seeds(each.flights, key)
     off = format_number(found.off, digits, factor)
     text = format_number(found.mean, digits, factor)
+    # A deviation that rounds to zero is left out.
     return text if not float(off) else f'{text}\N{PLUS-MINUS SIGN}{off}'
 
 

@@ -52,6 +52,7 @@ def _charger_output(vehicle: Vehicle, irradiance: float) -> float:
 def find_best_mount(study: MountingStudy) -> str:
     """Return the mount with the most light among those the hull carries, else among all."""
     found = mean_light_share(study)
+    # `own` holds the mounts that the hull can carry.
     able = {name: found[name] for name in study.own} or found
     return max(able, key=lambda name: able[name])
 
@@ -70,38 +71,38 @@ def format_title(study: MountingStudy) -> str:
 
 def format_findings(study: MountingStudy) -> list[str]:
     """Return the findings as sentences."""
-    told = []
+    sentences = []
     for name, short in study.lacking.items():
         if short > 0.0:
-            told.append(
+            sentences.append(
                 f"{name}: {1e3 * short:.1f} g too heavy for the hull at the file's heaviness; a "
                 f'hull of the same outline would need '
                 f'{100.0 * (study.fuller - 1.0):.1f} % more volume.'
             )
-    told.append(
+    sentences.append(
         'In that hull, at equal lift: '
         + format_ranking('pitch rms', pitch_rms(study), DEGREES, '°', 3)
         + '; '
         + format_ranking('power in flight', mean_power(study), 1e3, 'mW', 0)
         + '.'
     )
-    told.extend(
+    sentences.extend(
         format_ranking(
             f'Harvest at 80 klux of white LED, {light}', charger_power(study, light), 1e3, 'mW', 0
         )
         + ', after the charger.'
         for light in ('overhead', 'overcast sky')
     )
-    askew = {
+    swings = {
         name: average_over_seeds(each.flights, 'swing').mean
         for name, each in study.misplaced.items()
     }
-    told.append(
+    sentences.append(
         f'With the panels misplaced by {100.0 * study.ahead:g} cm: '
-        + format_ranking('swing after lift-off', askew, DEGREES, '°', 2)
+        + format_ranking('swing after lift-off', swings, DEGREES, '°', 2)
         + '; the seed paper reports ±2.5° for the side mount.'
     )
-    return told
+    return sentences
 
 
 def format_ranking(
@@ -110,5 +111,5 @@ def format_ranking(
     """Format values by mount in ascending order."""
     order = sorted(values, key=lambda name: values[name])
     gap = '' if unit == '°' else ' '
-    told = [f'{name} {factor * values[name]:.{digits}f}{gap}{unit}' for name in order]
-    return f'{words} {", ".join(told)}'
+    entries = [f'{name} {factor * values[name]:.{digits}f}{gap}{unit}' for name in order]
+    return f'{words} {", ".join(entries)}'

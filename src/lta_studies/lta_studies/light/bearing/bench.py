@@ -62,8 +62,10 @@ class BearingBench:
         self._bins = plan_bins(self._policy.demodulation, self._rate, self._samples)
         believed = build_diode_array(self._vehicle.file.sensors.diodes)
         self._ring = believed.ring
+        # The compiled fit is the one that flies, and fast enough for thousands of poses.
         self._finder = DirectionFinder(believed, compile_functions(fit_direction)[0], np.array)
         self._diodes = select_diode_gain(self.scenario.light_field, self._vehicle)
+        # Columns 0 to 2 are the positions of the diodes; bearings refer to their centre. [m, body]
         self._middle = self._vehicle.diodes.planes[:, :3].mean(axis=0)
         self._lamp = np.array(self.scenario.goal_lamp.position.vector)
 
@@ -87,11 +89,13 @@ class BearingBench:
         """
         view = LightView(self.scenario.light_field, self._vehicle, diodes)
         view.record_pose(pose)
+        # Random start within 1 s [ns], so that the phase of the lamp differs between blocks.
         start = int(chance.integers(1_000_000_000))
         block = view.read_block(start, self._rate, self._samples, chance)
         peaks = demodulate_beacon(block, self._bins)
         threshold, prior = self._policy.demodulation.threshold, self._policy.prior
         azimuth, elevation = self.true_direction(pose)
+        # Both estimators get the same block.
         paper = estimate_bearing(peaks, self._ring, threshold)
         ours = self._finder.find(peaks, threshold, prior)
         nan = math.nan

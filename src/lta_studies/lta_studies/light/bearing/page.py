@@ -40,7 +40,7 @@ METHOD: Final = (
 TICKS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)  # degrees
 HEAD: Final = (
     'place', 'diodes', 'range [m]', 'SNR',
-    'paper [°]', 'paper 95 % [°]', 'fit [°]', 'fit 95 % [°]', 'stated [°]', 'holds [%]',
+    'paper [°]', 'paper 95 % [°]', 'fit [°]', 'fit 95 % [°]', 'fit deviation [°]', 'holds [%]',
     'elevation [°]', 'holds [%]', 'lost: paper, fit [%]',
 )  # fmt: skip
 
@@ -79,14 +79,14 @@ def render_page(results: Sequence[BearingTrialResult], request: BearingTrialRequ
 
 def format_command(request: BearingTrialRequest) -> list[str]:
     """Return the command line that repeats the study."""
-    told = ['light', 'bearing', '--vehicle', request.vehicle]
+    words = ['light', 'bearing', '--vehicle', request.vehicle]
     for place in request.places:
-        told += ['--place', place]
+        words += ['--place', place]
     for count in request.counts:
-        told += ['--diodes', str(count)]
+        words += ['--diodes', str(count)]
     for distance in request.ranges:
-        told += ['--range', format_range(distance)]
-    return [*told, '--poses', str(request.poses), '--seed', str(request.seed)]
+        words += ['--range', format_range(distance)]
+    return [*words, '--poses', str(request.poses), '--seed', str(request.seed)]
 
 
 def format_range(distance: float | None) -> str:
@@ -106,10 +106,10 @@ def format_percent(part: float) -> str:
 
 def build_rows(results: Sequence[BearingTrialResult]) -> list[tuple[str, ...]]:
     """Return the table as text; the first row is the head."""
-    told: list[tuple[str, ...]] = [HEAD]
+    rows: list[tuple[str, ...]] = [HEAD]
     for each in results:
         s = each.score
-        told.append((
+        rows.append((
             each.place, str(each.count), format_range(each.range), f'{s.snr:.0f}',
             format_degrees(s.paper), format_degrees(s.paper_most, 1),
             format_degrees(s.ours), format_degrees(s.ours_most, 1),
@@ -117,7 +117,7 @@ def build_rows(results: Sequence[BearingTrialResult]) -> list[tuple[str, ...]]:
             format_percent(s.elevation_holds), f'{format_percent(s.paper_lost)}, '
             f'{format_percent(s.ours_lost)}',
         ))  # fmt: skip
-    return told
+    return rows
 
 
 def format_title(results: Sequence[BearingTrialResult]) -> str:
@@ -170,16 +170,18 @@ def plot_errors(results: Sequence[BearingTrialResult]) -> Figure:
         f'{each.place}<br>{each.count} diodes<br>{format_range(each.range)}' for each in results
     ]
     pairs = (
+        # Shifted by 0.12 of a category, so that the two markers do not overlap.
         ('paper', ESTIMATE, -0.12, [(e.score.paper, e.score.paper_most) for e in results]),
         ('fit', TRUTH, 0.12, [(e.score.ours, e.score.ours_most) for e in results]),
     )
-    for name, colour, aside, told in pairs:
-        middle, most = np.degrees(np.array(told)).T
+    for name, colour, aside, quantiles in pairs:
+        middle, most = np.degrees(np.array(quantiles)).T
         figure.add_trace(
             Scatter(
                 x=np.arange(len(results)) + aside, y=middle, mode='markers', name=name,
                 marker={'color': colour, 'size': 9},
                 error_y={
+                    # Bars only upwards, from the median to the quantile
                     'type': 'data', 'array': most - middle, 'arrayminus': 0.0 * middle,
                     'color': colour, 'thickness': 1.4, 'width': 3, 'symmetric': False,
                 },
@@ -198,6 +200,7 @@ def plot_calibration(results: Sequence[BearingTrialResult]) -> Figure:
     """Plot the coverage of intervals against their nominal probability."""
     figure = create_figure()
     stated = np.linspace(0.02, 0.99, 60)
+    # Half width of the central normal interval, in standard deviations
     widths = ndtri(0.5 + 0.5 * stated)
     figure.add_trace(
         Scatter(

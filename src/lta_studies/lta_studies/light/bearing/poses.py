@@ -40,10 +40,12 @@ def draw_pose(scenario: Scenario, distance: float | None, chance: Generator) -> 
 
     """
     height = chance.uniform(*HEIGHTS)
+    # Rejection sampling: draw places until one is usable.
     for _ in range(TRIES):
         x, y = draw_place(scenario, distance, chance)
         if is_before_lamp(scenario, x, y):
             pitch, roll = TILT * chance.standard_normal(2)
+            # Upper-case axes are intrinsic: yaw, then pitch, then roll.
             turn = Rotation.from_euler('ZYX', [chance.uniform(-math.pi, math.pi), pitch, roll])
             return (x, y, height, *turn.as_quat().tolist())
     raise BadInput(
@@ -59,6 +61,7 @@ def draw_place(
     lamp_x, lamp_y, _ = scenario.goal_lamp.position.vector
     length, width, _ = scenario.room.size.vector
     if distance is None:
+        # A field is far larger than the range of the lamp, so places are limited to its middle.
         reach = [min(0.5 * side - CLEAR, FARTHEST) for side in (length, width)]
         x, y = (chance.uniform(-each, each) for each in reach)
         return x, y
@@ -75,5 +78,6 @@ def is_before_lamp(scenario: Scenario, x: float, y: float) -> bool:
     way = np.array([x - lamp_x, y - lamp_y])
     away = math.hypot(*way)
     inside = abs(x) <= 0.5 * length - CLEAR and abs(y) <= 0.5 * width - CLEAR
+    # Angle by dot product; 1e-9 admits places exactly on the edge of the beam.
     within = way @ ahead >= (math.cos(BESIDE) - 1e-9) * away * math.hypot(*ahead)
     return inside and bool(within) and away >= NEAREST

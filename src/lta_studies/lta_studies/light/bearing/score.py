@@ -73,6 +73,7 @@ def score_readings(readings: Sequence[BearingReading]) -> BearingScore:
         snr=float(np.median(extract_column(readings, 'snr'))),
         paper=error_quantile(paper, 50.0),
         paper_most=error_quantile(paper, PERCENT),
+        # NaN marks a block without an estimate.
         paper_lost=float(np.mean(np.isnan(paper))),
         ours=error_quantile(ours, 50.0),
         ours_most=error_quantile(ours, PERCENT),

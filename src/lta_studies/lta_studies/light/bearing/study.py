@@ -114,15 +114,16 @@ def study_ring(
     bench: BearingBench, place: str, count: int, readings: int, seed: int, tick: Callable[[], None]
 ) -> RingStudy:
     """Study one ring in all directions."""
+    # The same draws indoors and outdoors: only the place differs.
     chance = np.random.default_rng([seed, count])
     diodes = bench.draw_diodes(chance)
     paper, ours, snrs = [], [], []
     for direction in list_directions():
         pose = pose_before_lamp(bench, direction)
-        told = [bench.read_block(pose, diodes, chance) for _ in range(readings)]
-        paper.append(error_quantile(extract_column(told, 'paper'), 50.0))
-        ours.append(error_quantile(extract_column(told, 'ours'), 50.0))
-        snrs.append(float(np.median(extract_column(told, 'snr'))))
+        blocks = [bench.read_block(pose, diodes, chance) for _ in range(readings)]
+        paper.append(error_quantile(extract_column(blocks, 'paper'), 50.0))
+        ours.append(error_quantile(extract_column(blocks, 'ours'), 50.0))
+        snrs.append(float(np.median(extract_column(blocks, 'snr'))))
         tick()
     return RingStudy(place, count, tuple(paper), tuple(ours), float(np.median(snrs)))
 
@@ -132,6 +133,7 @@ def pose_before_lamp(bench: BearingBench, direction: float) -> Pose:
     x, y, _ = bench.scenario.goal_lamp.position.vector
     ahead_x, ahead_y, _ = bench.scenario.goal_lamp.facing.vector
     facing = math.atan2(ahead_y, ahead_x) + ASIDE
+    # Half the heading: from the drone, the lamp is at facing + pi in the map.
     half = 0.5 * (facing + math.pi - direction)
     # The ring is below the hull centre, so a level ring has the same horizontal position.
     return (

@@ -52,6 +52,7 @@ def write_page(
     studies: Sequence[RingStudy], vehicle: str, readings: int, seed: int, out: Path
 ) -> Path:
     """Write the page and return its path; raise `BadInput` if that fails."""
+    # The headline uses the paper's main setup.
     eight = next(each for each in studies if (each.place, each.count) == ('indoor', 8))
     pictures = [
         render_section(
@@ -102,14 +103,14 @@ def median_error(errors: Sequence[float]) -> float:
 
 def build_rows(studies: Sequence[RingStudy]) -> list[tuple[str, ...]]:
     """Return the table as text; the first row is the head."""
-    told: list[tuple[str, ...]] = [HEAD]
+    rows: list[tuple[str, ...]] = [HEAD]
     for each in studies:
         cells = [each.place, str(each.count), f'{each.snr:.0f}']
         for errors in (each.paper, each.ours):
             below = f'{count_within(errors, math.radians(2.0))} of {DIRECTIONS}'
             cells += [format_degrees(median_error(errors)), format_degrees(max(errors)), below]
-        told.append(tuple(cells))
-    return told
+        rows.append(tuple(cells))
+    return rows
 
 
 def build_tiles(studies: Sequence[RingStudy]) -> list[Tile]:

@@ -70,6 +70,7 @@ class EvaluationCell:
     def ratio_to(self, best: 'EvaluationCell | None', name: str = 'path_length') -> BootstrapMean:
         """Return the ratio of a figure to another cell, over seeds where both arrived."""
         own, other = self.select_figure(name), {} if best is None else best.select_figure(name)
+        # Paired by seed: the same wind and start for both
         both = sorted(own.keys() & other.keys())
         return bootstrap_ratio([own[seed] for seed in both], [other[seed] for seed in both])
 
@@ -82,13 +83,16 @@ def build_cells(name: str, plan: SweepPlan, rows: Iterable[SweepRow]) -> list[Ev
         grouped.setdefault((format_case(row), row.values[STRATEGY]), []).append(row)
     found = []
     known: dict[str, tuple[float, float]] = {}
+    # The order of the sweep, by the index of the first flight
     for (case, strategy), own in sorted(grouped.items(), key=lambda item: item[1][0].index):
+        # Loading a scene is slow, and all strategies of a case share it.
         if case not in known:
             made_of = build_flight_spec(plan, own[0])
             known[case] = (
                 math.nan if axis is None else axis.place(made_of),
                 wind_to_airspeed_ratio(made_of),
             )
+        # A flight that could not be simulated is counted, but not as a missed lamp.
         flown = {row.seed: row for row in own if row.outcome != FAILED}
         failures = len(own) - len(flown)
         found.append(

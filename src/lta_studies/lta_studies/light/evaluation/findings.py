@@ -75,6 +75,7 @@ class EvaluationFindings:
     @property
     def flight_count_text(self) -> str:
         """Number of flights in words."""
+        # An evaluation that was stopped has fewer flights than requested.
         of = '' if self.flight_count == self.done.total else f' of {self.done.total}'
         lost = f', {self.failed_count} of them failed' if self.failed_count else ''
         return f'{self.flight_count}{of} flights{lost}'
@@ -105,13 +106,15 @@ class EvaluationFindings:
             return 'No flight could be simulated.'
         name = INDOORS if INDOORS in flown else flown[0]
         cells = [cell for cell in self.cells[name] if cell.rows and cell.strategy != pilot.NAME]
-        told = ', '.join(
+        shares = ', '.join(
             f'{labels.label_strategy(cell.strategy)} {100 * cell.reached_share.value:.0f} %'
             for cell in cells
+            # Of a set with several cases only the first fits into a headline.
             if cell.case == cells[0].case
         )
+        # The headline is about the indoor set if it was flown, else the first set.
         where = 'Indoors from 7 m' if name == INDOORS else SETS[name].title
-        return f'{where}, the lamp is reached by {told}.'
+        return f'{where}, the lamp is reached by {shares}.'
 
     @property
     def about(self) -> str:

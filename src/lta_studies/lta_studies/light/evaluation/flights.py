@@ -51,6 +51,7 @@ def build_plan(name: str) -> SweepPlan:
         raise BadInput(
             f'The sweep {part.file} of the set {name} must list strategies and not use samples.'
         )
+    # Check before the pilot is added, which is not a strategy that a file may name.
     SweepPlan(file).check()
     flyers = [*strategies, *([pilot.NAME] if part.piloted else [])]
     seeds = SweepSeeds(first=file.seeds.first, count=MOST)
@@ -66,6 +67,7 @@ def count_points(plan: SweepPlan) -> int:
 
 def iterate_tasks(plans: dict[str, SweepPlan], seeds: int) -> Iterator[EvaluationTask]:
     """Yield every flight, seed by seed."""
+    # Seeds are the outer loop: every set has its first seed before any has a second.
     for turn in range(seeds):
         for name, plan in plans.items():
             for point in range(count_points(plan)):
@@ -91,6 +93,7 @@ def prepare_flight(job: SweepJob) -> ClosedLoop:
     changes = dict(job.changes)
     piloted = changes[STRATEGY] == pilot.NAME
     if piloted:
+        # The spec needs a real strategy; the pilot replaces it below.
         changes[STRATEGY] = job.case[STRATEGY]
     loop = build_loop(build_flight_spec(changes), job.seed)
     if piloted:
@@ -103,6 +106,7 @@ def prepare_flight(job: SweepJob) -> ClosedLoop:
 def top_airspeed(loop: ClosedLoop) -> float:
     """Return the airspeed limit of the controller. [m/s]"""
     gains = loop.policy.gains
+    # Only the cascade has an airspeed limit.
     return gains.speed_limit if isinstance(gains, CascadeGains) else math.inf
 
 

@@ -11,15 +11,15 @@ MOST: Final = 0.5  # share of seeds that counts as most flights
 
 def describe_grounds(cells: Sequence[EvaluationCell]) -> str:
     """Return the smallest roughness at which each strategy arrives; '' if none flew."""
-    told = []
+    parts = []
     for name in dict.fromkeys(cell.strategy for cell in cells if cell.strategy != pilot.NAME):
         own = [cell for cell in cells if cell.strategy == name]
         rough = [cell.place for cell in own if cell.reached_share.value > MOST]
         over = f'over {min(rough):g} m and more' if rough else 'over none of these grounds'
-        told.append(f'{labels.label_strategy(name)} {over}')
-    if not told:
+        parts.append(f'{labels.label_strategy(name)} {over}')
+    if not parts:
         return ''
     return (
         'Against 8 m/s at 10 m most flights reach the lamp, by roughness of the ground: '
-        f'{", ".join(told)}.'
+        f'{", ".join(parts)}.'
     )

@@ -23,6 +23,7 @@ class BootstrapMean(NamedTuple):
 
 def draw_resamples(count: int) -> NDArray[np.int64]:
     """Return the resampled indices, shape (DRAWS, count)."""
+    # A fixed seed makes the page reproducible.
     return np.random.default_rng(SEED).integers(count, size=(DRAWS, count))
 
 
@@ -33,6 +34,7 @@ def bootstrap_mean(values: Sequence[float]) -> BootstrapMean:
     Efron and Tibshirani, An Introduction to the Bootstrap (1993), chapter 13. NaN without values;
     a single value has no interval.
     """
+    # A mean is a ratio with the denominator 1.
     return bootstrap_ratio(values, [1.0] * len(values))
 
 
@@ -43,8 +45,9 @@ def bootstrap_ratio(above: Sequence[float], below: Sequence[float]) -> Bootstrap
         return BootstrapMean(math.nan, math.nan, math.nan, 0)
     top, bottom = np.array(above, dtype=np.float64), np.array(below, dtype=np.float64)
     value = float(top.mean() / bottom.mean())
+    # Resampling one value would give an interval of zero width.
     if count == 1:
         return BootstrapMean(value, math.nan, math.nan, 1)
-    taken = draw_resamples(count)
-    low, high = np.percentile(top[taken].mean(axis=1) / bottom[taken].mean(axis=1), ENDS)
+    resamples = draw_resamples(count)
+    low, high = np.percentile(top[resamples].mean(axis=1) / bottom[resamples].mean(axis=1), ENDS)
     return BootstrapMean(value, float(low), float(high), count)

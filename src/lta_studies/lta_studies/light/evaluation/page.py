@@ -80,6 +80,7 @@ def render_indoors(findings: EvaluationFindings) -> list[str]:
     if not cells:
         return []
     part = find_flight_set(INDOORS)
+    # One seed for all tracks, so that start and noise are the same.
     seed = tracks.select_seed(cells)
     flown, scenario = tracks.fly_again(findings.plans[INDOORS], cells, seed)
     height = findings.plans[INDOORS].base.read_value('mission.altitude')

@@ -60,6 +60,7 @@ def assess_path_order(case: str, own: Mapping[str, EvaluationCell]) -> PathOrder
     paths = {name: cell.mean('path_length') for name, cell in own.items()}
     values = [list(cell.select_figure('path_length').values()) for cell in own.values()]
     means = [each.value for each in paths.values()]
+    # The mapping is in the order of the paper, shortest path first.
     holds = all(a < b for a, b in pairwise(means))
     return PathOrder(case, paths, holds, ordered_share(values))
 
@@ -70,6 +71,7 @@ def ordered_share(values: Sequence[Sequence[float]]) -> float:
         return math.nan
     chance = np.random.default_rng(SEED)
     drawn = [
+        # Strategies are resampled separately: different seeds arrive with each.
         np.array(own)[chance.integers(len(own), size=(4000, len(own)))].mean(axis=1)
         for own in values
     ]
@@ -91,6 +93,7 @@ def describe_order(
     first = f'{words} is not significant as flown here (in {format_ordered_share(here)})'
     if not ablations:
         return f'{first}; the ablations were not flown.'
+    # A factor causes the order if changing it alone makes the order significant.
     bring = [each for each in ablations if each.case != AS_FLOWN and each.is_significant]
     if not bring:
         return f'{first}, and no single factor causes it.'

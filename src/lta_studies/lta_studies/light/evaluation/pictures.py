@@ -157,8 +157,10 @@ def add_ratios(
         figure.add_trace(
             build_markers(name, x, ratios, joined=False, legend=False), row=row, col=1
         )
+        # Only NaN differs from itself.
         worst = max([worst, *(each.value for each in ratios if each.value == each.value)])
     figure.add_hline(y=1.0, line={'color': SOFT, 'width': 1}, row=row, col=1)
+    # At most 4, as one very long path would flatten all others.
     figure.update_yaxes(title_text='path / pilot', range=[0.8, min(1.1 * worst, 4.0)], row=row)
 
 
@@ -171,6 +173,7 @@ def group_by_family(cells: Sequence[EvaluationCell]) -> dict[str, list[Evaluatio
 def group_by_strategy(cells: Sequence[EvaluationCell]) -> dict[str, list[EvaluationCell]]:
     """Group cells by strategy, sorted along the axis."""
     ordered = sorted(cells, key=lambda cell: (cell.strategy, cell.place))
+    # `groupby` needs sorted input; the dictionary below restores the order of the set.
     grouped = groupby(ordered, key=lambda cell: cell.strategy)
     own = {name: list(line) for name, line in grouped}
     return {cell.strategy: own[cell.strategy] for cell in cells}
@@ -181,7 +184,9 @@ def offset_places(
 ) -> list[float]:
     """Return the x positions of a strategy's cells, shifted so that markers do not overlap."""
     order = list(COLOURS).index(name) if name in COLOURS else len(COLOURS)
+    # Axes over decades show evenly spaced categories, as dark (0 lx) has no logarithm.
     span = len(places) - 1.0 if axis.decades else places[-1] - places[0]
+    # Five strategies: the third stays in the middle.
     shift = APART * (order - 2) * (span or 1.0)
     return [(places.index(cell.place) if axis.decades else cell.place) + shift for cell in line]
 

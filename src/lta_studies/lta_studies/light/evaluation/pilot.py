@@ -54,9 +54,12 @@ def build_pilot_strategy(world: World, top: float) -> NavigationStrategy:
         towards = math.atan2(lamp_y - float(world.state[1]), lamp_x - float(world.state[0]))
         c, s = math.cos(towards), math.sin(towards)
         x, y, _ = world.wind
+        # The first call has no filtered wind yet and takes the current one.
         if len(memory) > 1:
+            # First-order low-pass filter, discretised; at most 1 for long intervals
             share = min(sight.interval / EDDIES, 1.0)
             x, y = memory[1] + share * (x - memory[1]), memory[2] + share * (y - memory[2])
+        # Wind along the track and to the left of it
         along, left = solve_wind_triangle(x * c + y * s, y * c - x * s, settings.speed, top)
         qx, qy, qz, qw = world.state[QUATERNION].tolist()
         # The drone's heading is relative to its start; correct it by the true heading.
@@ -81,7 +84,9 @@ def solve_wind_triangle(
         Cruise and maximum airspeed. [m/s]
 
     """
+    # Cruise if that makes enough way, else as fast as the controller allows
     for speed in (cruise, max(cruise, top)):
+        # Cancel the crosswind as far as the airspeed allows.
         left = min(max(-across, -speed), speed)
         along = math.sqrt(speed * speed - left * left)
         if along + with_it >= LEAST * cruise and left == -across:

@@ -84,6 +84,7 @@ def run_evaluation(order: EvaluationRequest, console: Console) -> EvaluationStat
         If a set cannot be flown; raised before any flight.
 
     """
+    # All sets are checked before the first flight.
     plans = build_plans(order.sets)
     begun = time.monotonic()
     with ExitStack() as stack:
@@ -107,6 +108,7 @@ def run_evaluation(order: EvaluationRequest, console: Console) -> EvaluationStat
     rows = {name: select_rows(log, plans[name], order.seeds) for name, log in logs.items()}
     return EvaluationStatus(
         order, plans, {name: build_cells(name, plans[name], rows[name]) for name in plans},
+        # Flights known now minus those known before: flown in this run
         known - (total - len(todo)), total, time.monotonic() - begun,
         sum(row.wall for own in rows.values() for row in own), stopped,
     )  # fmt: skip
@@ -121,13 +123,14 @@ def fly_tasks(
 ) -> None:
     """Fly tasks into the logs of their sets; `size` is the total and the number of workers."""
     total, workers = size
+    # Jobs are numbered over all sets; the log gets back the index within its own set.
     jobs = (complete_job(plans[task.part], task.job, k) for k, task in enumerate(todo))
-    crew = LocalWorkers(fly_task, min(workers, max(1, len(todo))))
-    with SweepProgress(console, total, total - len(todo)) as progress, crew:
-        for row in crew.run_jobs(jobs):
+    pool = LocalWorkers(fly_task, min(workers, max(1, len(todo))))
+    with SweepProgress(console, total, total - len(todo)) as progress, pool:
+        for row in pool.run_jobs(jobs):
             task = todo[row.index]
             logs[task.part].add(replace(row, index=task.job.index))
-            progress.count_flight(row, crew.deaths)
+            progress.count_flight(row, pool.deaths)
 
 
 def select_rows(log: SweepLog, plan: SweepPlan, seeds: int) -> list[SweepRow]:

@@ -66,6 +66,7 @@ def read_quantity(spec: FlightSpec, path: str) -> tuple[float, ...]:
 
 def lamp_distance(spec: FlightSpec) -> float:
     """Return the distance from start to lamp. [m]"""
+    # Horizontal distance; the start has no height of its own.
     x, y = read_quantity(spec, 'scenario.start.position')
     there = read_quantity(spec, 'scenario.lamp.position')
     return math.hypot(there[0] - x, there[1] - y)

@@ -69,6 +69,7 @@ def build_wind_lines(cells: Sequence[EvaluationCell]) -> Lines:
             'reached' if cell.strategy in paper.OUTDOORS[cell.place] else 'failed',
         ]
         for cell in cells
+        # Only the paper's winds and strategies
         if cell.place in paper.OUTDOORS and cell.strategy in paper.ORDER
     ]
 
@@ -92,6 +93,7 @@ def build_target_lines(findings: Mapping[str, Sequence[EvaluationCell]], ours: s
     for name, cells in findings.items():
         part, best = find_flight_set(name), select_pilot_cells(cells)
         for cell in cells:
+            # The targets apply in wind that the vehicle can fly against, relative to the pilot.
             if cell.strategy != ours or not part.piloted or cell.wind > ALLOWED:
                 continue
             reached, ratio = cell.reached_share, cell.ratio_to(best.get(cell.case))

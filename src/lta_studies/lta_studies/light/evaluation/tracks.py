@@ -36,6 +36,7 @@ class EvaluationTrack:
 def select_seed(cells: Sequence[EvaluationCell]) -> int:
     """Return the first seed in which the most strategies reach the lamp."""
     seeds = sorted({seed for cell in cells for seed in cell.rows})
+    # -seed: of equal seeds the first
     return max(seeds, key=lambda seed: (sum(seed in cell.arrivals for cell in cells), -seed))
 
 
@@ -53,6 +54,7 @@ def fly_again(
         for _ in loop.iterate_steps():
             view.record_step()
         truth = view.truth
+        # Integer division, so the step is too small rather than too large.
         keep = slice(None, None, max(1, len(truth.x) // BEADS))
         way = (truth.time[keep], truth.x[keep], truth.y[keep])
         drawn.append(EvaluationTrack(cell.strategy, *way, seed in cell.arrivals))

@@ -24,12 +24,14 @@ def wind_to_airspeed_ratio(spec: FlightSpec) -> float:
     air = scenario.air
     mean = math.hypot(*air.wind.vector)
     if scenario.outside is not None:
+        # Out of a building: the stronger of the winds inside and outside
         mean = max(mean, math.hypot(*scenario.outside.wind.vector))
     if (profile := air.profile) is not None:
         mean += profile.wind.si * wind_limits.wind_share_at_hull(
             vehicle, policy.mission.altitude, profile.height.si, profile.roughness.si
         )
     turbulence = air.turbulence
+    # Only some turbulence models state an intensity. [m/s]
     intensity = getattr(turbulence, 'intensity', None)
     deviation = max(intensity.vector) if isinstance(intensity, Quantity) else 0.0
     top = level_airspeed(spec.names['vehicle'], air.density)

@@ -101,6 +101,7 @@ def compute_link(
     """
     field = scenario.light_field
     ahead, left, _ = field.first_lamp.direction
+    # Horizontal part of the beam's direction
     level = math.hypot(ahead, left)
     if level < 1e-6:
         raise BadInput(
@@ -112,7 +113,9 @@ def compute_link(
     found = []
     for distance in distances:
         place = (x + distance * ahead / level, y + distance * left / level, altitude)
+        # A scene with an outside continues beyond its room.
         if scenario.outside is not None or is_in_room(around, *place):
+            # The drone looks back along the beam.
             towards = math.atan2(-left, -ahead)
             found.append(
                 _compute_link_point(field, vehicle, diodes, distance, (*place, towards), blocks)
@@ -146,10 +149,12 @@ def _compute_link_point(
     for seed in range(blocks):
         block = simulate_block(field, vehicle, diodes, stand, seed)
         snr.append(float(demodulate_beacon(block, bins).snr.max()))
+        # A sample at full scale
         clipped |= bool((block >= 2**diodes.adc_bits - 1).any())
     return LinkPoint(
         distance=distance,
         lux=direct_light(build_beam(field.first_lamp), (x, y, z - diodes.depth))[0],
+        # The brightest diode faces the lamp, the darkest sees reflections only.
         read=float(facing.modulated[0].max()),
         echo=float(facing.modulated[0].min()),
         steady=float(facing.steady.max()),
@@ -171,6 +176,7 @@ def simulate_block(
     x, y, z, towards = stand
     view = LightView(field, vehicle, diodes.draw_gains(chance))
     view.record_pose(_build_level_pose(x, y, z, towards + TURN * float(chance.uniform(-1.0, 1.0))))
+    # Blocks follow each other in time, so each has another phase of the lamp.
     return view.read_block(seed * BLOCK_NS, light.sample_rate.si, light.samples, chance)
 
 

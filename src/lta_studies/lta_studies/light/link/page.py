@@ -67,9 +67,9 @@ def find_reference_point(link: LampLink) -> LinkPoint:
 
 def format_title(links: Sequence[LampLink]) -> str:
     """Return the headline."""
-    told = [f'{find_reference_point(each).snr:.0f} in {each.scenario}' for each in links]
+    values = [f'{find_reference_point(each).snr:.0f} in {each.scenario}' for each in links]
     distances = {f'{find_reference_point(each).distance:g}' for each in links}
-    return f'At {"/".join(sorted(distances))} m the SNR is {", ".join(told)}.'
+    return f'At {"/".join(sorted(distances))} m the SNR is {", ".join(values)}.'
 
 
 def build_tiles(links: Sequence[LampLink]) -> list[Tile]:
@@ -126,6 +126,7 @@ def plot_links(
                 line={'color': COLOURS[k % len(COLOURS)], 'width': 1.6}, showlegend=True,
             )
         )  # fmt: skip
+    # A small scene has fewer distances; take the ticks from the one with the most.
     ticks = [at.distance for at in max(links, key=lambda link: len(link.at)).at]
     figure.update_xaxes(
         type='log', title_text='distance from the lamp [m]', tickvals=ticks,
@@ -154,9 +155,9 @@ def render_table(link: LampLink) -> str:
         first, *rest = format_row(at)
         own = ''.join(f'<td>{escape(cell)}</td>' for cell in rest)
         rows.append(f'<tr><th scope="row">{escape(first)}</th>{own}</tr>')
-    told = f'{link.scenario}, feedback resistor of {link.feedback / 1e3:g} kohm'
+    caption = f'{link.scenario}, feedback resistor of {link.feedback / 1e3:g} kohm'
     return (
-        f'<h3>{escape(told)}</h3><p class="note">{escape(link.about)}</p><table>'
-        f'<caption class="hidden">{escape(told)}</caption>'
+        f'<h3>{escape(caption)}</h3><p class="note">{escape(link.about)}</p><table>'
+        f'<caption class="hidden">{escape(caption)}</caption>'
         f'<thead><tr>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>'
     )

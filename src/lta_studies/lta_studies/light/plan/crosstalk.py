@@ -40,7 +40,9 @@ def compute_crosstalk(
 
     """
     rate, samples = ear.light.sample_rate.si, ear.light.samples
+    # Sample times in integer nanoseconds, as in the simulator
     times = np.rint(np.arange(samples) * (NANOSECONDS / rate)).astype(np.int64)
+    # Time constant of the amplifier's pole [s]
     lag = 1.0 / (2.0 * math.pi * ear.vehicle.diodes.bandwidth)
     waves = np.stack(
         [SquareWave(f, duty).sample_filtered(times, lag) for f in frequencies], axis=1
@@ -51,7 +53,9 @@ def compute_crosstalk(
         settings = ear.demodulation.model_copy(update={'frequency': frequency})
         bins = plan_bins(settings, rate, samples)
         window[i] = find_peaks(spectrum, bins).amplitude
+        # Bins that measure the noise: a wave in them raises the apparent noise.
         quiet[i] = spectrum[bins.quiet].mean(axis=0)
+    # A lamp's own wave is signal, not crosstalk.
     np.fill_diagonal(window, 0.0)
     np.fill_diagonal(quiet, 0.0)
     return window, quiet

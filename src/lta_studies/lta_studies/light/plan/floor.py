@@ -64,6 +64,7 @@ class FloorGrid:
 
     def locate_cells(self, points: Array) -> tuple[Array, Array]:
         """Return rows and columns of the cells that contain points of shape (..., 2)."""
+        # x and y hold cell centres; + 0.5 moves to the edge of the first cell.
         column = np.floor((points[..., 0] - self.x[0]) / self.cell + 0.5)
         row = np.floor((points[..., 1] - self.y[0]) / self.cell + 0.5)
         return row.astype(np.intp), column.astype(np.intp)
@@ -91,6 +92,7 @@ def build_floor(plan: FloorPlan, vehicle: Vehicle, cell: float) -> FloorGrid:
     _check_height(plan, vehicle)
     corners = plan.outline.corners
     low, high = corners.min(axis=0), corners.max(axis=0)
+    # 1e-9 keeps an exact multiple of the cell from getting an extra row.
     counts = np.maximum(np.ceil((high - low) / cell - 1e-9).astype(int), 1)
     if counts.prod() > MOST_CELLS:
         raise BadInput(
@@ -106,9 +108,11 @@ def build_floor(plan: FloorPlan, vehicle: Vehicle, cell: float) -> FloorGrid:
     for obstacle in plan.obstacles.values():
         for footprint in obstacle.footprints:
             walls.append(_wall_faces(footprint, obstacle.height.si))
+            # The drone flies over lower obstacles; as walls they still shade the light.
             if obstacle.height.si > lowest:
                 free &= ~is_inside(points, footprint)
                 in_the_way.append(polygon_edges(footprint))
+    # The hull is a disk, so it fits at any heading.
     free &= distance_to_edges(points, np.vstack(in_the_way)) >= radius
     wanted = free
     if plan.hear:
@@ -145,4 +149,5 @@ def _check_height(plan: FloorPlan, vehicle: Vehicle) -> None:
 
 def _wall_faces(corners: Array, height: float) -> Array:
     edges = polygon_edges(corners)
+    # Shape (n, 5): x and y of both ends, and the height [m]
     return np.hstack([edges, np.full((len(edges), 1), height)])

@@ -156,6 +156,7 @@ class FloorPlan(StrictModel):
             x, y, z = standing.position.vector
             place, corners = np.array([x, y]), self.outline.corners
             off = distance_to_edges(place, polygon_edges(corners))
+            # A lamp may hang on a wall, where rounding decides whether it is inside.
             if not (is_inside(place, corners) or off <= ON_WALL) or not 0.0 <= z <= ceiling:
                 raise ValueError(
                     f'has the lamp {name} at ({x:g}, {y:g}, {z:g}) m, outside the hall; correct '

@@ -71,6 +71,7 @@ class FrequencyBand:
 
     def list_harmonics(self, order: int) -> list[int]:
         """Return the existing harmonics from the second up to an order."""
+        # Fourier coefficient of a rectangular wave: sin(pi n d) / (pi n)
         return [n for n in range(2, order + 1) if abs(math.sin(math.pi * n * self.duty)) > FAINT]
 
     def alias_frequency(self, frequency: Array) -> Array:
@@ -80,14 +81,17 @@ class FrequencyBand:
     def is_usable(self, frequency: Array) -> Mask:
         """Return whether the windows are within the band and clear of the mains."""
         half = self.half_window
+        # The nearest multiple of the mains flicker, not counting 0
         multiple = np.maximum(np.rint(frequency / self.mains), 1.0)
         off_mains = np.abs(frequency - self.mains * multiple) > half
+        # The window must not reach bin 0, which holds the steady light.
         low = max(LOWEST, self.bin_width + self.window * self.bin_width)
         ends = (frequency >= low) & (frequency + self.window * self.bin_width <= self.rate / 2)
         return np.asarray(ends & off_mains)
 
     def is_separable(self, first: float, second: Array, order: int) -> Mask:
         """Return which lamps do not interfere with `first`, with harmonics up to an order."""
+        # Shape (harmonics, 1), to compare with all candidates at once
         orders = np.array(self.list_harmonics(order))[:, None]
         near = np.abs(first - second) <= 2.0 * self.half_window
         from_first = np.abs(self.alias_frequency(orders * first) - second) <= self.half_window
@@ -112,6 +116,7 @@ def find_clear_frequencies(
         free &= band.is_separable(frequency, middles, order)
     found: list[float] = []
     while free.any() and len(found) < most:
+        # `argmax` of a mask is its first True: the lowest free frequency.
         found.append(float(middles[free.argmax()]))
         free &= band.is_separable(found[-1], middles, order)
     return found
@@ -145,6 +150,7 @@ def choose_frequencies(
         found = find_clear_frequencies(band, existing, order, count)
         if len(found) == count:
             return found, order
+    # How many would fit under the weakest rule, for the message
     fit = len(find_clear_frequencies(band, existing, ORDERS[-1], band.samples))
     raise BadInput(explain_shortage(band, existing, count, fit))
 
@@ -153,9 +159,9 @@ def explain_shortage(band: FrequencyBand, existing: Sequence[float], count: int,
     """Return the error message for too few frequencies."""
     width = band.bin_width
     half = band.window * width
-    beside = f' in addition to the {len(existing)} existing ones' if existing else ''
+    addition = f' in addition to the {len(existing)} existing ones' if existing else ''
     return (
-        f'{count} lamps need a frequency, but only {fit} fit{beside}: in bins of {width:g} Hz, '
+        f'{count} lamps need a frequency, but only {fit} fit{addition}: in bins of {width:g} Hz, '
         f'from {LOWEST:g} Hz to {band.rate / 2 - half:g} Hz, more than {2 * half:g} Hz apart, '
         f'more than {half:g} Hz off every multiple of {band.mains:g} Hz (mains) and off each '
         f"other's harmonics up to the {ORDERS[-1]}th; choose fewer lamps with --lamps, or a "

@@ -39,11 +39,13 @@ class CoverageGap(NamedTuple):
 def find_gaps(layout: LampLayout) -> list[CoverageGap]:
     """Return the gaps of a layout, largest first."""
     floor, half = layout.floor, 0.5 * layout.floor.cell
+    # `overlap` lamps must be received everywhere; more than one allows hand-overs.
     lacking = layout.audible_count < layout.overlap
     grid = np.zeros(floor.wanted.shape, dtype=bool)
     grid[floor.wanted] = lacking
     causes = np.full(floor.wanted.shape, '', dtype=object)
     causes[floor.wanted] = _explain_cells(layout)
+    # Cells that touch at a corner belong together.
     labels, count = ndimage.label(grid, structure=np.ones((3, 3)))
     found = []
     for k in range(1, count + 1):
@@ -58,6 +60,7 @@ def find_gaps(layout: LampLayout) -> list[CoverageGap]:
 
 def _explain_cells(layout: LampLayout) -> list[str]:
     """Return the cause for each wanted cell, in case it is a gap."""
+    # Lamps bright enough if no other lamp interfered
     alone = (layout.light >= layout.least).sum(axis=0)
     return [
         BEYOND if reach < layout.overlap else DROWNED if near >= layout.overlap else FEW
@@ -66,4 +69,5 @@ def _explain_cells(layout: LampLayout) -> list[str]:
 
 
 def _most_common(words: Sequence[str]) -> str:
+    # Sorted, so that ties do not depend on the order of a set.
     return max(sorted(set(words)), key=words.count)

@@ -46,19 +46,20 @@ class LampHandover:
 
 def plan_handover(layout: LampLayout) -> LampHandover:
     """Plan the hand-overs and the route of a layout."""
-    centres, heard = layout.floor.cell_centers, layout.audible
-    ends = [find_arrival_cell(centres, heard[k], layout, k) for k in range(len(layout.lamps))]
+    centres, audible = layout.floor.cell_centers, layout.audible
+    ends = [find_arrival_cell(centres, audible[k], layout, k) for k in range(len(layout.lamps))]
     edges = []
     for i, here in enumerate(ends):
         for j, there in enumerate(ends):
-            if i == j or here is None or there is None or not heard[j, here]:
+            # Lamp j must be received where the flight to lamp i ends.
+            if i == j or here is None or there is None or not audible[j, here]:
                 continue
             if is_way_free(layout.floor, centres[here], centres[there]):
                 edges.append((i, j))
     route = find_longest_route(len(ends), edges)
     start = None
     if route and (end := ends[route[0]]) is not None:
-        start = find_farthest_place(layout.floor, centres, heard[route[0]], end)
+        start = find_farthest_place(layout.floor, centres, audible[route[0]], end)
     places = tuple(None if end is None else _to_point(centres[end]) for end in ends)
     return LampHandover(places, tuple(edges), route, start)
 
@@ -68,6 +69,7 @@ def find_arrival_cell(centres: Array, audible: Mask, layout: LampLayout, lamp: i
     if not audible.any():
         return None
     off = np.hypot(*(centres - layout.lamps[lamp].mount.position[:2]).T)
+    # inf excludes cells that do not receive the lamp.
     return int(np.where(audible, off, np.inf).argmin())
 
 
@@ -87,8 +89,10 @@ def find_longest_route(count: int, edges: list[tuple[int, int]]) -> tuple[int, .
     rows, columns = np.array(edges).T
     graph = csr_array((np.ones(len(edges)), (rows, columns)), shape=(count, count))
     lengths, before = shortest_path(graph, unweighted=True, return_predecessors=True)
+    # No path: never the longest.
     lengths[~np.isfinite(lengths)] = -1.0
     first, node = (int(k) for k in np.unravel_index(lengths.argmax(), lengths.shape))
+    # Follow the predecessors from the end of the route back to its start.
     way = [node]
     while node != first:
         node = int(before[first, node])
@@ -99,6 +103,7 @@ def find_longest_route(count: int, edges: list[tuple[int, int]]) -> tuple[int, .
 def find_farthest_place(floor: FloorGrid, centres: Array, audible: Mask, end: int) -> Place:
     """Return the farthest place that receives a lamp and has a straight path to it. [m]"""
     off = np.where(audible, np.hypot(*(centres - centres[end]).T), -1.0)
+    # From the farthest cell; the first one with a free path is the answer.
     for cell in np.argsort(-off):
         if off[cell] >= 0.0 and is_way_free(floor, centres[cell], centres[end]):
             return _to_point(centres[cell])

@@ -38,6 +38,7 @@ def load_inputs(
     """
     files = {'plan': find_file('floor plan', plan), 'vehicle': find_file('vehicle', vehicle)}
     contents = {root: load_yaml(path) for root, path in files.items()}
+    # The demodulator has no file of its own: --set changes its defaults.
     contents['demodulator'] = DemodulationSettings().model_dump()
     for text in changes:
         path, value = parse_assignment(text)

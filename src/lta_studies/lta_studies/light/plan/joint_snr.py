@@ -51,6 +51,7 @@ def diode_snr(
     """
     _, _, steady, _, variance, shot, flicker, samples = numbers
     gain, leak, hum = of_lamp
+    # Variance of a sample: electronics, shot noise of steady light, and that of the lamps
     scatter = variance + shot * factor * steady + flicker * total
     noise = math.sqrt(math.pi * scatter / samples) + leak * own + hum * factor
     return gain * own / (noise + disturbed)
@@ -97,6 +98,7 @@ def compute_ring_light(
         axis = (planes[d, 3], planes[d, 4], planes[d, 5])
         for n in range(lamps.shape[0]):
             light[n, d] = 0.0
+            # A diode with a gain of 0 reads nothing.
             if visible[n] and planes[d, 6] > 0.0:
                 lux = diode_light(
                     unpack_beam(lamps[n]), eye, cosine, sine, cell, spot, axis, half_axes
@@ -150,6 +152,7 @@ def compute_joint_snr(
     for m in range(cells.shape[0]):
         cell = (cells[m, 0], cells[m, 1], cells[m, 2])
         for n in range(count):
+            # The minimum over the headings follows; hidden lamps are skipped.
             out[n, m] = math.inf if visible[m, n] else 0.0
         for h in range(headings.shape[0]):
             compute_ring_light(
@@ -166,6 +169,7 @@ def compute_joint_snr(
                         total += light[j, d]
                         disturbed += quiet[n, j] * light[j, d]
                         spilt += window[n, j] * light[j, d]
+                    # Columns 6 and 7: gain of the diode, and its share of the ambient light
                     own, factor = light[n, d], planes[d, 6] * planes[d, 7]
                     if is_saturated(total, factor, numbers):
                         continue
@@ -173,6 +177,7 @@ def compute_joint_snr(
                     best = max(best, diode_snr(own, total, disturbed, of_lamp, factor, numbers))
                     power += (of_lamp[0] * own) ** 2
                     spilt_power += spilt**2
+                # Compare amplitudes without square roots.
                 if power < PURE**2 * spilt_power:
                     best = 0.0
                 out[n, m] = min(out[n, m], best)

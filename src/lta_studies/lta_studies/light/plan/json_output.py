@@ -9,7 +9,7 @@ from lta_studies.light.plan.layout import LampLayout
 
 def encode_layout(layout: LampLayout, handover: LampHandover) -> dict[str, Any]:
     """Return the JSON object of a layout."""
-    floor, heard, count = layout.floor, layout.audible, layout.audible_count
+    floor, audible, count = layout.floor, layout.audible, layout.audible_count
     names = [lamp.name for lamp in layout.lamps]
     return {
         'plan': layout.plan.name,
@@ -21,7 +21,9 @@ def encode_layout(layout: LampLayout, handover: LampHandover) -> dict[str, Any]:
         'wanted_area': float(floor.wanted.sum()) * floor.cell**2,
         'coverage': layout.coverage,
         'coverage_by_lamps': {
-            str(k): float((count >= k).mean()) for k in range(1, int(count.max(initial=0)) + 1)
+            # Share of the cells that receive at least k lamps
+            str(k): float((count >= k).mean())
+            for k in range(1, int(count.max(initial=0)) + 1)
         },
         'snr_needed': layout.ear.required_snr,
         'light_needed': layout.least,
@@ -36,7 +38,7 @@ def encode_layout(layout: LampLayout, handover: LampHandover) -> dict[str, Any]:
                 'facing': list(lamp.mount.axis),
                 'frequency': lamp.frequency,
                 'there_already': bool(lamp.mount.name),
-                'heard_area': float(heard[k].sum()) * floor.cell**2,
+                'heard_area': float(audible[k].sum()) * floor.cell**2,
                 'hands_over_to': [names[j] for i, j in handover.edges if i == k],
             }
             for k, lamp in enumerate(layout.lamps)

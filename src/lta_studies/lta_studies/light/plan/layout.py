@@ -89,4 +89,5 @@ class LampLayout:
     @property
     def coverage(self) -> float:
         """Share of the wanted cells that receive enough lamps."""
+        # All cells have the same area, so a share of cells is a share of area.
         return float((self.audible_count >= self.overlap).mean())

@@ -77,17 +77,19 @@ def list_ceiling_mounts(plan: FloorPlan) -> list[LampMount]:
     axes = [
         low[k] + (np.arange(count) + 0.5) * (high[k] - low[k]) / count
         for k in (0, 1)
+        # A whole number of equal intervals near the wanted spacing
         for count in [max(round(float(high[k] - low[k]) / spacing), 1)]
     ]
     points = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
-    kept = points[_is_allowed(plan, points)]
-    return [LampMount((float(x), float(y), plan.lamp.height.si), DOWN) for x, y in kept]
+    allowed = points[_is_allowed(plan, points)]
+    return [LampMount((float(x), float(y), plan.lamp.height.si), DOWN) for x, y in allowed]
 
 
 def list_wall_mounts(plan: FloorPlan) -> list[LampMount]:
     """Return the positions of lamps that face sideways: on walls and taller obstacles."""
     faces = [_place_along_sides(plan.outline.corners, plan.lamp.spacing.si, inwards=True)]
     for obstacle in plan.obstacles.values():
+        # A lamp can only hang on an obstacle that reaches its height.
         if obstacle.height.si > plan.lamp.height.si:
             faces += [
                 _place_along_sides(footprint, plan.lamp.spacing.si, inwards=False)
@@ -103,13 +105,16 @@ def list_wall_mounts(plan: FloorPlan) -> list[LampMount]:
 
 def _place_along_sides(corners: Array, spacing: float, inwards: bool) -> tuple[Array, Array]:
     """Return points just off the sides of a polygon, with the normals of the sides."""
+    # The inside of a counter-clockwise polygon is to the left of its sides.
     left = 1.0 if (signed_area(corners) > 0.0) == inwards else -1.0
     points, axes = [], []
     for x0, y0, x1, y1 in polygon_edges(corners):
         side = np.array([x1 - x0, y1 - y0])
         length = float(np.hypot(*side))
         count = max(round(length / spacing), 1)
+        # Unit normal: the side turned left by 90 degrees
         away = left * np.array([-side[1], side[0]]) / length
+        # Middles of equal parts of the side
         parts = (np.arange(count)[:, None] + 0.5) / count
         points.append((x0, y0) + parts * side + OFF * away)
         axes.append(np.tile(away, (count, 1)))

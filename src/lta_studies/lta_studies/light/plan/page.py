@@ -83,9 +83,9 @@ def render_page(
 def format_title(layout: LampLayout) -> str:
     """Return the headline."""
     count, where = len(layout.lamps), layout.plan.name.replace('_', ' ')
-    heard = 'one' if layout.overlap == 1 else f'{layout.overlap} of them'
+    number = 'one' if layout.overlap == 1 else f'{layout.overlap} of them'
     return (
-        f'{count} lamp{"s" if count > 1 else ""}: a drone receives {heard} over '
+        f'{count} lamp{"s" if count > 1 else ""}: a drone receives {number} over '
         f'{format_percent(layout.coverage)} % of the {where}, at any heading.'
     )
 
@@ -99,6 +99,7 @@ def build_tiles(layout: LampLayout, handover: LampHandover) -> list[Tile]:
     """Return the tiles of the layout."""
     count, floor = len(layout.lamps), layout.floor
     wanted = float(floor.wanted.sum()) * floor.cell**2
+    # The best lamp in each cell, then the worst cell
     weakest = float(layout.snr.max(axis=0).min())
     two = format_percent(float((layout.audible_count >= 2).mean()))
     tones = [lamp.frequency for lamp in layout.lamps]
@@ -127,6 +128,7 @@ def picture_height(layout: LampLayout) -> float:
     """Return the height of a plot of the floor on a desktop. [px]"""
     corners = layout.plan.outline.corners
     across, up = corners.max(axis=0) - corners.min(axis=0)
+    # 60 px for the axis below the plot
     return min(max(float(up / across) * WIDTH + 60.0, HEIGHTS[0]), HEIGHTS[1])
 
 
@@ -139,6 +141,7 @@ def render_lamps(layout: LampLayout, handover: LampHandover) -> str:
         area = float(layout.audible[k].sum()) * layout.floor.cell**2
         numbers = [*(f'{part:.1f}' for part in lamp.mount.position), f'{lamp.frequency:g}']
         cells = ''.join(f'<td>{cell}</td>' for cell in (*numbers, f'{area:.0f}'))
+        # Lamps are numbered from 1, as in the plots.
         others = [str(j + 1) for i, j in handover.edges if i == k]
         to = ', '.join(others) or MISSING
         there = ', existing' if lamp.mount.name else ''

@@ -43,6 +43,7 @@ def plot_coverage(layout: LampLayout) -> Figure:
     figure.add_trace(
         Heatmap(
             x=floor.x.astype(np.float32), y=floor.y.astype(np.float32),
+            # Logarithmic colours; below the required SNR all cells look the same.
             z=np.log10(np.clip(best, 10.0**low, None)).astype(np.float32),
             customdata=np.stack([np.round(best, 1).astype(object), names], axis=-1),
             zmin=low, zmax=high, colorscale=build_color_scale(HEAT), hoverongaps=False,
@@ -116,6 +117,7 @@ def format_outline(corners: NDArray[np.float64]) -> str:
 def color_range(layout: LampLayout) -> tuple[float, float]:
     """Return the range of the colour scale, as log10 of the SNR."""
     low = math.log10(layout.ear.required_snr)
+    # The 98 % quantile ignores peaks next to lamps; the scale spans at least half a decade.
     best = layout.snr.max(axis=0)
     return low, max(math.log10(max(float(np.quantile(best, 0.98)), 1e-9)), low + 0.5)
 
@@ -135,6 +137,7 @@ def hatch_gaps(figure: Figure, layout: LampLayout) -> None:
     x: list[float | None] = []
     y: list[float | None] = []
     for row, line in enumerate(grid):
+        # Start and end of each run of gap cells in the row: one rectangle per run
         edges = np.flatnonzero(np.diff(np.concatenate([[False], line, [False]]).astype(int)))
         for first, last in edges.reshape(-1, 2):
             west, east = float(floor.x[first]) - half, float(floor.x[last - 1]) + half
@@ -165,6 +168,7 @@ def draw_lamps(figure: Figure, layout: LampLayout, words: Sequence[str]) -> None
                 'symbol': ['triangle-up' if side else 'circle' for side in sideways], 'size': 13,
                 'color': LAMP, 'line': {'color': PAPER, 'width': 1.5},
                 'angle': [
+                    # Plotly turns markers clockwise from up, the axis is counter-clockwise from x.
                     90.0 - math.degrees(math.atan2(y, x)) if side else 0.0
                     for (x, y), side in zip(facing, sideways, strict=True)
                 ],
@@ -176,6 +180,7 @@ def draw_lamps(figure: Figure, layout: LampLayout, words: Sequence[str]) -> None
     for k, (lamp, word) in enumerate(zip(layout.lamps, words, strict=True)):
         along, up = lamp.mount.axis[:2] if sideways[k] else (0.0, 1.0)
         text = f'<b>{k + 1}</b> {word}'.strip()
+        # Half the width of the label, plus a gap [px]
         reach = 14.0 + CHARACTER * (len(str(k + 1)) + len(word)) / 2.0
         figure.add_annotation(
             x=lamp.mount.position[0], y=lamp.mount.position[1], xshift=reach * along,

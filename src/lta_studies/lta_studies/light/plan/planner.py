@@ -64,36 +64,42 @@ def plan_layout(
         If no lamp can be received anywhere, or there are not enough frequencies.
 
     """
-    kept = [k for k, mount in enumerate(mounts) if mount.name]
-    if most is not None and most < len(kept):
+    # Only existing lamps have a name; they always stay.
+    existing = [k for k, mount in enumerate(mounts) if mount.name]
+    if most is not None and most < len(existing):
         raise BadInput(
-            f'{plan.name} already has {len(kept)} lamps, more than --lamps {most}; raise --lamps.'
+            f'{plan.name} already has {len(existing)} lamps, more than --lamps {most}; raise '
+            '--lamps.'
         )
     band = build_band(
         ear.demodulation, ear.light.sample_rate.si, ear.light.samples,
         plan.ambient.mains_frequency.si, plan.lamp.duty.si,
     )  # fmt: skip
+    # Positions are chosen before frequencies: any clear frequency serves to find the light needed.
     first = choose_frequencies(band, [], 1)[0][0]
-    heard, share = (
+    link, share = (
         compute_reception(plan, ear, mounts[0], first),
         float(ambient_shares(plan, ear).mean()),
     )
-    least = solve_required_light(heard, share, ear.required_snr)
+    least = solve_required_light(link, share, ear.required_snr)
     light = compute_lamp_light(plan, ear, floor, mounts, least, tick)
+    # Index 0 is the light at the worst heading.
     alone = light[:, 0] >= least
     if not alone.any():
         raise BadInput(_explain_no_reception(plan, ear, least))
     say('choosing positions')
+    # Cells that receive the same lamps are one constraint, which shrinks the problem.
     cells, needed = merge_duplicate_cells(alone, coverage_demand(alone, overlap))
-    bound = solve_lower_bound(cells, needed, kept)
-    chosen = select_greedily(cells, needed, kept, len(mounts) if most is None else most)
-    chosen = improve_cover(cells, needed, chosen, kept, bound, np.random.default_rng(SEED))
+    bound = solve_lower_bound(cells, needed, existing)
+    chosen = select_greedily(cells, needed, existing, len(mounts) if most is None else most)
+    chosen = improve_cover(cells, needed, chosen, existing, bound, np.random.default_rng(SEED))
     # Number the lamps from top left to bottom right.
     chosen.sort(key=lambda k: (-round(mounts[k].position[1], 3), mounts[k].position[0]))
     say('computing joint reception')
     lamps, order = _assign_frequencies([mounts[k] for k in chosen], band)
-    taken, tones = [lamp.mount for lamp in lamps], [lamp.frequency for lamp in lamps]
-    snr = compute_snr(plan, ear, floor, taken, tones, light[chosen, 1] > 0.0)
+    chosen_mounts, tones = [lamp.mount for lamp in lamps], [lamp.frequency for lamp in lamps]
+    # Index 1 is the light at the best heading: 0 where the lamp is hidden.
+    snr = compute_snr(plan, ear, floor, chosen_mounts, tones, light[chosen, 1] > 0.0)
     return LampLayout(
         plan, floor, ear, overlap, lamps, light[chosen, 0], snr, alone.sum(axis=0), len(mounts),
         least, order, bound,
@@ -104,8 +110,8 @@ def _assign_frequencies(
     mounts: list[LampMount], band: FrequencyBand
 ) -> tuple[tuple[LayoutLamp, ...], int]:
     """Return lamps with names and frequencies, and the clear order of harmonics."""
-    kept = [mount.frequency for mount in mounts if mount.frequency is not None]
-    new, order = choose_frequencies(band, kept, len(mounts) - len(kept))
+    existing = [mount.frequency for mount in mounts if mount.frequency is not None]
+    new, order = choose_frequencies(band, existing, len(mounts) - len(existing))
     coming = iter(new)
     return tuple(
         LayoutLamp(

@@ -23,8 +23,10 @@ def is_inside(points: Array, corners: Array) -> Mask:
     x, y = points[..., 0], points[..., 1]
     odd = np.zeros(x.shape, dtype=bool)
     for x0, y0, x1, y1 in polygon_edges(corners):
+        # A horizontal ray has no single crossing with a horizontal edge.
         if y0 == y1:
             continue
+        # A corner counts for one of its two edges only, so a ray through it is not counted twice.
         across = (y0 > y) != (y1 > y)
         odd ^= across & (x < x0 + (y - y0) * (x1 - x0) / (y1 - y0))
     return odd
@@ -36,6 +38,7 @@ def distance_to_edges(points: Array, edges: Array) -> Array:
     for x0, y0, x1, y1 in edges:
         along = np.array([x1 - x0, y1 - y0])
         ahead = points - (x0, y0)
+        # Projection on the edge, limited to its ends
         part = np.clip(ahead @ along / (along @ along), 0.0, 1.0)
         nearest = np.minimum(nearest, np.linalg.norm(ahead - part[..., None] * along, axis=-1))
     return nearest
@@ -50,6 +53,7 @@ def find_flaw(corners: Array) -> str | None:
         return f'has the corner ({x:g}, {y:g}) m twice in succession; remove one'
     count = len(edges)
     for i in range(count):
+        # Neighbouring sides share a corner and are skipped; so do the last and the first.
         for j in range(i + 2, count):
             if (j + 1) % count != i and _has_common_point(edges[i], edges[j]):
                 return (
@@ -81,6 +85,7 @@ def _has_common_point(first: Array, second: Array) -> bool:
 
     a, b = side(first, *second[:2]), side(first, *second[2:])
     c, d = side(second, *first[:2]), side(second, *first[2:])
+    # The ends of each edge are on different sides of the other.
     if a * b < 0.0 and c * d < 0.0:
         return True
     return (

@@ -51,6 +51,7 @@ def diode_light(
     light, (a, b, c) = direct_light(
         lamp, (centre[0] + cosine * x - sine * y, centre[1] + sine * x + cosine * y, centre[2] + z)
     )
+    # Direction of the lamp, rotated into the body frame
     towards = (cosine * a + sine * b, cosine * b - sine * a, c)
     part = angular_response(eye, axis, towards)
     if light <= 0.0 or part <= 0.0:
@@ -70,10 +71,12 @@ def is_blocked(start: Vector, end: Vector, walls: Array) -> bool:
     dx, dy = end[0] - start[0], end[1] - start[1]
     for k in range(walls.shape[0]):
         ex, ey = walls[k, 2] - walls[k, 0], walls[k, 3] - walls[k, 1]
+        # Cross product of ray and wall; 0 if parallel
         across = dx * ey - dy * ex
         if across == 0.0:
             continue
         fx, fy = walls[k, 0] - start[0], walls[k, 1] - start[1]
+        # Position of the intersection along the ray and along the wall, each from 0 to 1
         along = (fx * ey - fy * ex) / across
         part = (fx * dy - fy * dx) / across
         if (
@@ -167,11 +170,13 @@ def compute_cell_light(
     """
     level = 0.0
     for k in range(planes.shape[0]):
+        # Mean height of the ring relative to the hull centre
         level += planes[k, 2] / planes.shape[0]
     for k in range(cells.shape[0]):
         x, y, z = cells[k, 0], cells[k, 1], cells[k, 2]
         out[0, k] = out[1, k] = 0.0
         ring = (x, y, z + level)
+        # Light on a plane that faces the lamp: too faint here is too faint for every diode.
         bright, _ = direct_light(lamp, ring)
         if bright >= faintest and not is_blocked(ring, (lamp.x, lamp.y, lamp.z), walls):
             out[0, k], out[1, k] = light_extremes(

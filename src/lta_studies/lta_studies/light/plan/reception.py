@@ -101,8 +101,10 @@ def solve_required_light(reception: LightLink, share: float, needed: float) -> f
         / reception.counts
         * NEARLY,
     )
+    # Not received even just below saturation
     if lone_lamp_snr(reception, share, high) < needed:
         return math.inf
+    # 60 halvings exhaust double precision.
     for _ in range(60):
         middle = 0.5 * (low + high)
         low, high = (
@@ -142,6 +144,7 @@ def compute_lamp_light(
     headings, eye = choose_headings(planes, hull), _build_eye(ear)
     light = np.zeros((len(mounts), 2, len(cells)))
     for k, mount in enumerate(mounts):
+        # The geometry of the beam does not depend on its frequency (1 Hz here).
         lamp = build_beam(build_light_field(plan, mount, 1.0).first_lamp)
         kernel(lamp, eye, cells, floor.walls, planes, hull, headings, faintest, light[k])
         tick()
@@ -167,14 +170,14 @@ def compute_snr(
     """
     (kernel,) = compile_functions(compute_joint_snr)
     cells, planes, hull = _prepare_cells(plan, ear, floor)
-    heard = [compute_reception(plan, ear, *pair) for pair in zip(mounts, tones, strict=True)]
+    links = [compute_reception(plan, ear, *pair) for pair in zip(mounts, tones, strict=True)]
     window, quiet = compute_crosstalk(ear, tones, plan.lamp.duty.si)
     snr = np.empty(visible.shape)
     kernel(
-        np.array([each.lamp for each in heard]), _build_eye(ear), np.ascontiguousarray(visible.T),
-        cells, planes, hull, choose_headings(planes, hull), pack_numbers(heard[0]),
-        np.array([(each.gain, each.leak, each.hum) for each in heard]), window, quiet,
-        np.empty((len(heard), len(planes))), snr,
+        np.array([each.lamp for each in links]), _build_eye(ear), np.ascontiguousarray(visible.T),
+        cells, planes, hull, choose_headings(planes, hull), pack_numbers(links[0]),
+        np.array([(each.gain, each.leak, each.hum) for each in links]), window, quiet,
+        np.empty((len(links), len(planes))), snr,
     )  # fmt: skip
     return snr
 
@@ -185,11 +188,12 @@ def _build_eye(ear: LightReceiver) -> DiodeResponse:
 
 def ambient_shares(plan: FloorPlan, ear: LightReceiver) -> Array:
     """Return each diode's share of isotropic ambient light, shape (diodes,). [1]"""
+    # The shares of ambient light do not depend on the lamp, so any lamp will do.
     nowhere = LampMount((0.0, 0.0, plan.lamp.height.si), (1.0, 0.0, 0.0))
-    heard = compute_reception(plan, ear, nowhere, LOWEST)
-    out = np.empty((LAMPS + 1, len(heard.planes)))
+    link = compute_reception(plan, ear, nowhere, LOWEST)
+    out = np.empty((LAMPS + 1, len(link.planes)))
     scratch = np.empty(scratch_size(1))
-    write_ring_light(heard, (0.0, 0.0, plan.altitude.si), (0.0, 0.0, 0.0, 1.0), out, scratch)
+    write_ring_light(link, (0.0, 0.0, plan.altitude.si), (0.0, 0.0, 0.0, 1.0), out, scratch)
     return np.asarray(out[SHARE])
 
 
@@ -200,6 +204,7 @@ def _prepare_cells(
     centres = floor.cell_centers
     cells = np.hstack([centres, np.full((len(centres), 1), plan.altitude.si)])
     diodes = ear.vehicle.diodes
+    # Columns: position (0 to 2), axis (3 to 5), gain (6), share of ambient light (7)
     planes = np.column_stack([diodes.planes, diodes.diode_gains, ambient_shares(plan, ear)])
     return cells, planes, half_axes(ear.vehicle.file.hull)
 
@@ -208,6 +213,7 @@ def choose_headings(planes: Array, hull: Vector) -> Array:
     """Return cosine and sine of the headings; one diode spacing suffices if symmetric."""
     turn = 2.0 * math.pi / len(planes)
     cosine, sine = math.cos(turn), math.sin(turn)
+    # Turn the ring by one spacing: if each diode lands on the next, it is symmetric.
     turned = planes.copy()
     rotation = np.array([[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]])
     turned[:, :3], turned[:, 3:6] = planes[:, :3] @ rotation, planes[:, 3:6] @ rotation

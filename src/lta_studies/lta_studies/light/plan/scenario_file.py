@@ -20,14 +20,15 @@ def format_scenario(layout: LampLayout, handover: LampHandover) -> str:
     """
     plan = layout.plan
     low, high = plan.outline.corners.min(axis=0), plan.outline.corners.max(axis=0)
+    # Scenarios have their origin at the centre of the floor, plans anywhere.
     middle = 0.5 * (low + high)
     x, y = middle if handover.start is None else handover.start
     ambient = plan.ambient
     lines = [
         f'# Laid out by "lta light plan {plan.name}".',
         '#',
-        '# The room is the box around the floor plan, without what stands in it: the simulator',
-        "# knows no racks. Map frame: origin on the floor in the box's middle, the plan's axes.",
+        '# The room is the bounding box of the floor plan. Obstacles are left out: the simulator',
+        '# does not model them. Map frame: origin at the centre of the floor, axes of the plan.',
         '#',
         f'# Laid out for {plan.altitude.si:g} m of altitude: fly it with',
         f'# --strategy homing --set mission.altitude={plan.altitude.si:g}',
@@ -97,6 +98,7 @@ def _goal_radius(layout: LampLayout, handover: LampHandover) -> float:
         for k in handover.route
         if (end := handover.arrivals[k]) is not None
     ]
+    # At least 0.5 m beyond the farthest arrival, rounded up to half a metre
     return max([GOAL, *(math.ceil(2.0 * end + 1.0) / 2.0 for end in ends)])
 
 

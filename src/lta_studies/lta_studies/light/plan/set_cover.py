@@ -53,6 +53,7 @@ def select_greedily(
     chosen = list(existing)
     lacking = needed - audible[chosen].sum(axis=0)
     worth = np.ones(len(audible)) if weights is None else weights.copy()
+    # A lamp that is already chosen has no further worth.
     worth[chosen] = 0.0
     while len(chosen) < most and lacking.max(initial=0) > 0:
         gains = worth * audible[:, lacking > 0].sum(axis=1)
@@ -86,17 +87,20 @@ def improve_cover(
         Random generator.
 
     """
+    # With a limit on the lamps the demand may be unmet; keep what the greedy choice reached.
     goal = np.minimum(audible[chosen].sum(axis=0), needed)
     best = drop_redundant(audible, goal, chosen, existing)
     for _ in range(TRIES):
         movable = [lamp for lamp in best if lamp not in existing]
         if len(best) <= bound or not movable:
             break
+        # Neighbours: lamps that share the most cells with a random one
         shared = (audible[movable] & audible[chance.choice(movable)]).sum(axis=1)
         hole = {movable[k] for k in np.argsort(-shared)[: chance.integers(2, HOLE + 1)]}
         rest = [lamp for lamp in best if lamp not in hole]
         weights = chance.uniform(LEAST_WEIGHT, 1.0, len(audible))
         filled = select_greedily(audible, goal, rest, len(best), weights)
+        # Accept an equal number of lamps too: another layout may have a redundant one.
         if np.all(audible[filled].sum(axis=0) >= goal):
             best = drop_redundant(audible, goal, filled, existing)
     return best
@@ -120,6 +124,7 @@ def solve_lower_bound(audible: Mask, needed: Whole, existing: Chosen) -> int:
         return len(existing)
     least = np.zeros(len(audible))
     least[existing] = 1.0
+    # Without `integrality` this is the linear relaxation.
     found = milp(
         np.ones(len(audible)),
         bounds=Bounds(least, np.ones(len(audible))),
@@ -131,6 +136,7 @@ def solve_lower_bound(audible: Mask, needed: Whole, existing: Chosen) -> int:
 def merge_duplicate_cells(audible: Mask, needed: Whole) -> tuple[Mask, Whole]:
     """Return the unique columns with their demand, without cells that need nothing."""
     asks = needed > 0
+    # Bits packed into bytes make `unique` eight times smaller.
     packed = np.vstack([np.packbits(audible[:, asks], axis=0), needed[asks].astype(np.uint8)])
     _, first = np.unique(packed, axis=1, return_index=True)
     return audible[:, asks][:, first], needed[asks][first]

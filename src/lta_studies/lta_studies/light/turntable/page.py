@@ -84,21 +84,22 @@ def write_page(
 
 def build_claim_rows(study: RingStudy) -> list[tuple[str, ...]]:
     """Return the table of the paper's claims on such a ring; the first row is the head."""
-    told: list[tuple[str, ...]] = [('the paper, indoors', 'its estimator', 'the fit')]
-    told += [judge_claim(claim, study) for claim in CLAIMS if claim.count == study.count]
-    return told
+    rows: list[tuple[str, ...]] = [('the paper, indoors', 'its estimator', 'the fit')]
+    # Only claims on rings with as many diodes as this board
+    rows += [judge_claim(claim, study) for claim in CLAIMS if claim.count == study.count]
+    return rows
 
 
 def build_gain_rows(response: TurntableResponse) -> list[tuple[str, ...]]:
     """Return the table of diode gains; the first row is the head."""
-    told: list[tuple[str, ...]] = [('diode', 'gain', 'standard deviation')]
-    told += [
+    rows: list[tuple[str, ...]] = [('diode', 'gain', 'standard deviation')]
+    rows += [
         (str(k), f'{gain:.3f}', f'{deviation:.3f}')
         for k, (gain, deviation) in enumerate(
             zip(response.gains, response.gain_deviations, strict=True), start=1
         )
     ]
-    return told
+    return rows
 
 
 def build_tiles(study: RingStudy, response: TurntableResponse) -> list[Tile]:
@@ -148,9 +149,11 @@ def plot_response(
     figure = create_figure()
     axes = np.array(diodes.axes)
     azimuth = np.arctan2(axes[:, 1], axes[:, 0])
+    # Angle to the lamp, wrapped to [-180, 180) degrees first
     apart = np.degrees(np.abs(
         (readings.direction[:, None] - azimuth + math.pi) % math.tau - math.pi
     ))  # fmt: skip
+    # Normalised: a diode that faces the lamp reads 1 plus the pedestal.
     read = readings.amplitude / (np.array(response.gains) * response.strength)
     for k in range(len(azimuth)):
         figure.add_trace(

@@ -88,12 +88,15 @@ def fit_response(
             for group in groups
         ]
     )
+    # The median ignores single disturbed blocks.
     amplitude = np.stack([np.median(readings.amplitude[group], axis=0) for group in groups])
     best = _fit_parameters(cosine, amplitude)
+    # Row k leaves out direction k.
     keep = ~np.eye(len(groups), dtype=bool)
     others = np.array([_fit_parameters(cosine[some], amplitude[some]) for some in keep])
     count = len(groups)
     about = others - others.mean(axis=0)
+    # Jackknife variance: (n - 1) / n times the sum of squares
     deviation = np.sqrt((count - 1) / count * np.sum(about * about, axis=0))
     exponent, strength, pedestal, gains = best[0], best[1], best[2], best[3:]
     left = _predict_amplitude(best, cosine) - amplitude
@@ -106,8 +109,8 @@ def fit_response(
 
 def _predict_amplitude(values: Array, cosine: Array) -> Array:
     exponent, strength, pedestal, gains = values[0], values[1], values[2], values[3:]
-    told: Array = gains * (strength * np.power(cosine, exponent) + pedestal)
-    return told
+    amplitude: Array = gains * (strength * np.power(cosine, exponent) + pedestal)
+    return amplitude
 
 
 def _fit_parameters(cosine: Array, amplitude: Array) -> Array:
@@ -115,10 +118,12 @@ def _fit_parameters(cosine: Array, amplitude: Array) -> Array:
     top = float(amplitude.max())
 
     def expand(values: Array) -> Array:
+        # The last gain follows from the mean of 1, as a common factor is part of the strength.
         gains = np.append(values[3:], amplitude.shape[1] - values[3:].sum())
         return np.concatenate([values[:1], top * values[1:3], gains])
 
     def residuals(values: Array) -> Array:
+        # Scaled to order 1, so that the tolerances of the solver fit
         over: Array = (_predict_amplitude(expand(values), cosine) - amplitude) / top
         return over.ravel()
 

@@ -122,6 +122,7 @@ def read_turn(
     light = load_topic_table().light
     bins = plan_bins(demodulation, light.sample_rate.si, light.samples)
     finder = DirectionFinder(diodes, compile_functions(fit_direction)[0], np.array)
+    # Half the duration of a block [s]; the truth is taken at its middle.
     half = 0.5 * light.samples / light.sample_rate.si
     lamp = _build_true_direction(flight, table)
     found: list[tuple[float, float, float, float]] = []
@@ -158,12 +159,14 @@ def _build_true_direction(
     if table.step:
 
         def by_steps(time: float) -> float:
+            # Number of completed steps, and the share of the current hold that has passed
             steps, part = divmod((time - first) / table.hold, 1.0)
             still = SETTLED <= part <= 1.0 - SETTLED
             return wrap_angle(table.start - steps * table.step) if still else math.nan
 
         return by_steps
     if table.rate:
+        # The lamp turns the other way than the board.
         return lambda time: wrap_angle(table.start - table.rate * (time - first))
     if TRUTH not in flight.topics:
         raise BadInput(
@@ -173,6 +176,7 @@ def _build_true_direction(
     series = flight.read_series(TRUTH)
     names = [f'pose.pose.orientation.{axis}' for axis in 'xyzw']
     quaternions = np.stack([series.numbers[name] for name in names], axis=1)
+    # Unwrapped, because interpolation across a jump of 2 pi would be wrong
     yaw = np.unwrap(to_euler_angles(quaternions).yaw)
     return lambda time: wrap_angle(
         table.start - float(np.interp(time, series.time, yaw) - np.interp(first, series.time, yaw))
@@ -182,6 +186,7 @@ def _build_true_direction(
 def zero_offset(readings: TurntableReadings) -> float:
     """Return the median error of the fit, which is the error of the table's zero. [rad]"""
     errors = _bearing_errors(readings.ours, readings.direction)
+    # NaN marks blocks without an estimate.
     return float(np.nanmedian(errors))
 
 
@@ -209,9 +214,9 @@ def summarize_directions(
     groups = list(group_by_direction(readings.direction))
     missing = [k for k, group in enumerate(groups) if not len(group)]
     if missing:
-        told = ', '.join(f'{k * 360.0 / DIRECTIONS:g}' for k in missing)
+        angles = ', '.join(f'{k * 360.0 / DIRECTIONS:g}' for k in missing)
         raise BadInput(
-            f'No light block has the lamp at {told} degrees; record a whole turn, or correct '
+            f'No light block has the lamp at {angles} degrees; record a whole turn, or correct '
             '--rate, --step and --hold.'
         )
     paper, ours = (
@@ -236,4 +241,5 @@ def group_by_direction(direction: Array) -> Iterator[NDArray[np.intp]]:
 
 
 def _bearing_errors(bearings: Array, truth: Array) -> Array:
+    # Wrapped to [-pi, pi)
     return (bearings - truth + math.pi) % math.tau - math.pi

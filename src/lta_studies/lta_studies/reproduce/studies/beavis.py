@@ -34,6 +34,7 @@ HEADINGS: Final = {
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Fly both platforms in the paper's tasks, and the variants of BEAVIS."""
+    # Following a swinging heading is the longest manoeuvre.
     manoeuvres = MANOEUVRES[:2] if request.quick else MANOEUVRES
     pairs = [(name, each) for name in BOTH for each in manoeuvres]
     if not request.quick:

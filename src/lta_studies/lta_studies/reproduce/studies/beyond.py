@@ -46,6 +46,7 @@ DAY: Final = (
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Study wind, missions, beacons and bearings, each against the paper's method."""
+    # --quick flies homing only.
     flown = BOTH[1:] if request.quick else BOTH
     indoors = fly_group('indoors', request.seeds, strategies=flown)
     values: dict[str, MeasuredValue] = {}
@@ -60,14 +61,14 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     if request.quick:
         return RowStudyResult(values, pictures)
     winds = fly_group('uniform', request.seeds, strategies=BOTH, cases=list(WINDS))
-    for case, told in WINDS.items():
+    for case, label in WINDS.items():
         values |= {
-            f'{name}_{told}_reached': reached_value(winds.find_cell(name, case)) for name in BOTH
+            f'{name}_{label}_reached': reached_value(winds.find_cell(name, case)) for name in BOTH
         }
     values |= measure_bearings(request.seeds)
-    lived, drawn = study_mission(request.folder / MISSION, request.seeds)
+    missions, drawn = study_mission(request.folder / MISSION, request.seeds)
     pictures += [build_headwind_picture(request, winds), drawn]
-    return RowStudyResult({**values, **lived}, pictures)
+    return RowStudyResult({**values, **missions}, pictures)
 
 
 def measure_bearings(seeds: int) -> dict[str, MeasuredValue]:
@@ -96,11 +97,13 @@ def build_headwind_picture(request: RowStudyRequest, winds: FlightGroup) -> Stud
 
 def study_mission(folder: Path, seeds: int) -> tuple[dict[str, MeasuredValue], StudyPicture]:
     """Simulate days in a greenhouse: gain of the light-aware schedule, and beacons visited."""
+    # One day per seed; each seed draws its own clouds.
     order = load_request(MISSION, 1, range(1, seeds + 1), (AWARE, NAIVE))
     folder.mkdir(parents=True, exist_ok=True)
-    lives = run_missions(order, folder, lambda _: None)
-    ours = [each.figures for each in filter_by_schedule(lives, AWARE)]
-    more = schedule_gain(lives)
+    results = run_missions(order, folder, lambda _: None)
+    ours = [each.figures for each in filter_by_schedule(results, AWARE)]
+    more = schedule_gain(results)
+    # Both schedules were simulated, so the ratio exists.
     assert more is not None
     values = {
         'mission_gain': MeasuredValue(more.value, more.low, more.high, more.flights),
@@ -111,7 +114,7 @@ def study_mission(folder: Path, seeds: int) -> tuple[dict[str, MeasuredValue], S
             float(sum(each.failure_count for each in ours)), seeds=seeds
         ),
     }
-    first = [each for each in lives if each.seed == order.seeds[0]]
+    first = [each for each in results if each.seed == order.seeds[0]]
     figure = draw_charge(first, order.simulate_light(order.seeds[0]), order.mission.reserve.si)
     return values, StudyPicture(
         'day', 'A day with the light-aware schedule', DAY, figure,

@@ -102,7 +102,9 @@ def charging_time_factor(values: Sequence[CellEntry]) -> dict[str, MeasuredValue
     }
     alike = [by[name] for name in CRYSTALLINE]
     worst = max(
-        abs(geometric_mean([x for x in alike if x is not each]) / each - 1.0) for each in alike
+        # Leave one cell out and predict its factor from the others.
+        abs(geometric_mean([x for x in alike if x is not each]) / each - 1.0)
+        for each in alike
     )
     return {
         'sheet_factor': MeasuredValue(geometric_mean(alike)),
@@ -115,17 +117,19 @@ def measure_arrays(table: CellTable, energy: EnergyBlock) -> dict[str, MeasuredV
     """Return the net power of each array in stand-by and while transmitting, by light."""
     values: dict[str, MeasuredValue] = {}
     for strings in build_all_arrays(table).values():
-        for strung in strings:
-            for net in compute_net_powers(strung, energy, table):
-                values |= label_net_powers(f'{strung.cell.name}_{LIGHTS[net.light]}', net)
+        for array in strings:
+            for net in compute_net_powers(array, energy, table):
+                values |= label_net_powers(f'{array.cell.name}_{LIGHTS[net.light]}', net)
     led, sun = (table.lights[name].si for name in LIGHTS)
     light = table.arrays.illuminance.si
+    # The paper's array of two ANYSOLAR panels in series
     panel = HarvestCurve(SolarArrayModel.from_cells('anysolar', 2, 1))
     for task, load in zip(('standby', 'transmitting'), compute_ground_loads(energy), strict=True):
         even = break_even_illuminance(
             panel, ChargerModel.from_energy(energy), LightSource(led, 1.0), load
         )
         values[f'light_for_{task}'] = MeasuredValue(even / light)
+    # Radiant power of sunlight relative to LED light at the same illuminance
     return {**values, 'sun_by_led': MeasuredValue(led / sun)}
 
 

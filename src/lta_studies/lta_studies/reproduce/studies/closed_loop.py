@@ -27,6 +27,7 @@ HEADINGS: Final = {'climb': 'Altitude task', 'cruise': 'Velocity task'}
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Fly both models, each in closed and open loop."""
+    # --quick leaves out the swapped control laws.
     shown = QUICK if request.quick else tuple(FLOWN)
     pairs = [(name, each) for name in shown for each in FLOWN[name]]
     flights = fly_entries(pairs, request.seeds)

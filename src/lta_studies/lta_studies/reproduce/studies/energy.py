@@ -58,15 +58,15 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         return RowStudyResult(
             values, pictures, [build_task_table(found), build_cause_table(found)]
         )
-    beside = compare_hovering(VEHICLE, STANDARD, paper.HOVER_TIME, lambda _: None)
-    values |= measure_hover(beside)
+    comparison = compare_hovering(VEHICLE, STANDARD, paper.HOVER_TIME, lambda _: None)
+    values |= measure_hover(comparison)
     place = request.folder / 'voltage'
     record_flight(
         prepare_hover(build_hover_spec(VEHICLE)), stop_after(paper.HOVER_TIME), place / VEHICLE
     )
     pictures.append(
         StudyPicture('voltage', 'Voltage of the cell while hovering', CAPTION,
-                     draw_traces(beside, 'voltage'), format_lta_command('energy', 'hover'),
+                     draw_traces(comparison, 'voltage'), format_lta_command('energy', 'hover'),
                      relative_bag_path(place))
     )  # fmt: skip
     return RowStudyResult(values, pictures, [build_task_table(found), build_cause_table(found)])
@@ -81,7 +81,7 @@ def record_flights(folder: Path) -> str:
 
 def measure_tasks(power_budget: PowerBudget, seeds: int) -> dict[str, MeasuredValue]:
     """Return the power of every task, and ratios of them."""
-    values = {name: task_power(power_budget.tasks[told], seeds) for told, name in TASK.items()}
+    values = {name: task_power(power_budget.tasks[task], seeds) for task, name in TASK.items()}
     hover = power_budget.tasks['hovering'].power
     return {
         **values,
@@ -114,6 +114,7 @@ def measure_causes(power_budget: PowerBudget) -> dict[str, MeasuredValue]:
         'bag_if_heavy': MeasuredValue(
             bag.power + paper.HOVER - power_budget.tasks['hovering'].power
         ),
+        # Less efficient rotors scale the power of the rotors only.
         'bag_if_worse': MeasuredValue(bag.electronics + cause.factor * bag.rotors),
         'ideal_hover': MeasuredValue(cause.least),
         'heavy': MeasuredValue(cause.heaviness),
@@ -126,6 +127,7 @@ def measure_hover(comparison: HoverComparison) -> dict[str, MeasuredValue]:
     """Return the voltage drops on identical cells."""
     first, second = comparison.first.trace, comparison.second.trace
     lasted = comparison.seconds if second.failed is None else second.failed
+    # Compare the drops over the time in which both drones flew.
     while_both = float(first.voltage[0] - first.voltage[first.time <= lasted][-1])
     return {
         'drop': MeasuredValue(first.voltage_drop),
@@ -160,6 +162,7 @@ def charging_ratios(
     values = {}
     for light, watts in net.items():
         for task, drawn in powers.items():
+            # Light that does not cover the idle power never charges the cell.
             ratio = drawn / watts if watts > 0.0 else math.inf
             values[f'ratio_{task}_{light}'] = MeasuredValue(ratio)
         # One third of flying, two thirds of hovering.

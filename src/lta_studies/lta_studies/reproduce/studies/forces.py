@@ -38,6 +38,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         **measure_thrust(vehicle), **net_forces(vehicle, beavis), **mass_budget(vehicle),
         **drag_coefficients(vehicle), **tunnel.collect_coefficients(sweep),
     }  # fmt: skip
+    # Thrust per disk area [Pa]
     loading = vehicle.full_thrust / (math.pi * (pressure.PROPELLER / 2.0) ** 2)
     values |= {
         'disk_loading': MeasuredValue(loading),
@@ -63,6 +64,7 @@ def load_beavis_variants() -> dict[str, Vehicle]:
 def measure_thrust(vehicle: Vehicle) -> dict[str, MeasuredValue]:
     """Return the full thrust of a rotor, and the rms deviation of the bench data."""
     a, b = vehicle.thrust_curve
+    # Thrust curve a d^2 + b d by duty d
     off = [row.thrust - (a * row.duty + b) * row.duty for row in BENCH]
     return {
         'full_thrust': MeasuredValue(vehicle.full_thrust),
@@ -72,6 +74,7 @@ def measure_thrust(vehicle: Vehicle) -> dict[str, MeasuredValue]:
 
 def net_forces(vehicle: Vehicle, beavis: Mapping[str, Vehicle]) -> dict[str, MeasuredValue]:
     """Return net vertical and horizontal forces at full command, including jets on the hull."""
+    # Shape (rotors, 6): force and moment of each rotor at full thrust
     columns = np.array([rotor.column for rotor in vehicle.rotors]) * vehicle.full_thrust
     up, ahead = columns[columns[:, 2] > 0.0], columns[columns[:, 0] > 0.0]
     return {

@@ -108,8 +108,10 @@ def rms_misfit(values: Mapping[str, MeasuredValue], prefix: str) -> float:
     """Return exp(rms of log(ours / printed)) - 1 over the printed numbers. [1]"""
     logs = []
     for name, printed in PRINTED.items():
+        # A factor that changes one strategy leaves the others as flown.
         value = values.get(f'{prefix}{name}', values[name]).value
         assert not isinstance(value, str)
+        # Logarithms weigh twice and half the printed value equally, whatever the unit.
         logs.append(math.log(value / printed))
     return math.exp(math.sqrt(math.fsum(each * each for each in logs) / len(logs))) - 1.0
 

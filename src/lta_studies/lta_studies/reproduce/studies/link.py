@@ -96,6 +96,7 @@ def simulate_samples(distance: float = TRACE) -> np.ndarray:
     vehicle = load_vehicle(VEHICLE, scenario.air.density)
     field = scenario.light_field
     x, y, _ = field.first_lamp.position
+    # The lamp shines towards -x; the drone faces it with heading 0.
     stand = (x - distance, y, ALTITUDE, 0.0)
     return simulate_block(field, vehicle, select_diode_gain(field, vehicle), stand, 0)
 
@@ -108,12 +109,15 @@ def estimate_frequency() -> float:
     )
     listener = BeaconReceiver(DemodulationSettings(), light.sample_rate.si, light.samples, top)
     peaks = listener.demodulate(simulate_samples(RANGE)).peaks[0]
+    # Of the diode with the best SNR
     return float(peaks.frequency[int(peaks.snr.argmax())])
 
 
 def floor_per_lamp() -> float:
     """Return the floor area per lamp in the shipped warehouse. [m2]"""
+    # 2.0: required SNR as a multiple of the demodulator's threshold
     plan, ear = load_inputs('warehouse', VEHICLE, 2.0, ())
+    # 0.5 m cells
     floor = build_floor(plan, ear.vehicle, 0.5)
     found = plan_layout(plan, ear, floor, list_mounts(plan), 1, None, lambda: None, lambda _: None)
     return float(found.floor.area / len(found.lamps))

@@ -69,6 +69,7 @@ def measure_mounts(comparison: MountingStudy, seeds: int) -> dict[str, MeasuredV
     values: dict[str, MeasuredValue] = {}
     for name, each in comparison.shared.items():
         spread = average_over_seeds(each.flights, 'amplitude')
+        # One seed has no spread.
         off = spread.off if seeds > 1 else math.nan
         ends = (spread.mean - off, spread.mean + off)
         values[f'{name}_swing'] = MeasuredValue(spread.mean, *ends, seeds)
@@ -96,6 +97,7 @@ def measure_heights(comparison: MountingStudy) -> dict[str, MeasuredValue]:
     last = float(at.release.tilt[-1]) / float(at.release.tilt[0])
     return {
         'below_restores': yes_no_value(
+            # Restored: the hull swings through upright to the other side.
             bool(np.any(below.release.tilt < 0.0)) and not below.release.overturn_time
         ),
         'coincident_restores': yes_no_value(bool(np.any(at.release.tilt < 0.0))),

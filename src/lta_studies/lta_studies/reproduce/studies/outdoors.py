@@ -121,6 +121,7 @@ def time_update(name: str) -> float:
     loop = build_loop(load_spec('gtmab', 'lamp_room', name, ''), 1)
     inner, took = loop.policy.strategy, []
 
+    # Wrap the strategy, so that only its update is timed.
     def steer_timed(*given: Any) -> Any:  # noqa: ANN401 - as strategies are called
         begun = clock.perf_counter()
         answer = inner.steer(*given)
@@ -132,6 +133,7 @@ def time_update(name: str) -> float:
     )
     for _ in loop.iterate_steps():
         pass
+    # The median ignores interruptions by other processes.
     return median(took)
 
 
@@ -157,6 +159,7 @@ def build_pictures(
         for wind in (WINDS[:1] if request.quick else WINDS)
     ]  # fmt: skip
     if rough is not None:
+        # Our strategy is drawn for comparison where the ground makes the wind flyable.
         over = [find_cell(rough, name, SHOWN) for name in (*PAPERS, 'homing')]
         drawn.append(('wind_rough', f'8 m/s at 10 m over {SHOWN:g} m of roughness', rough, over))
     for name, heading, group, cells in drawn:

@@ -120,6 +120,7 @@ def compare_rings(
 def midway_share(ring: RingStudy) -> float:
     """Return the share of low-error directions that lie midway between two diodes."""
     good = [k for k, error in enumerate(ring.paper) if error < GOOD]
+    # Test directions per diode spacing
     step = DIRECTIONS // ring.count
     return sum(k % step == step // 2 for k in good) / len(good) if good else math.nan
 
@@ -129,6 +130,7 @@ def plot_polar(studies: Mapping[int, RingStudy]) -> Figure:
     figure = create_figure()
     angles = np.degrees([*list_directions(), math.tau])
     for count, ring in studies.items():
+        # The first direction again closes the curve.
         errors = np.degrees([*ring.paper, ring.paper[0]])
         figure.add_trace(
             Scatterpolar(

@@ -108,6 +108,7 @@ def build_measures(flights: ComparisonFlights) -> dict[str, Callable[[str], Meas
 def thrust_to_weight(vehicle: Vehicle) -> float:
     """Return the total rotor thrust in hover divided by the weight. [1]"""
     own, per_newton = select_lifting_rotors(vehicle.rotors, vehicle.file.aero.coupling)
+    # `per_newton` is the total lift [N] if each lifting rotor gives 1 N.
     thrust = max(vehicle.heaviness, 0.0) * STANDARD_GRAVITY / per_newton * len(own)
     return thrust / (vehicle.mass * STANDARD_GRAVITY)
 
@@ -125,6 +126,7 @@ def count_thrust_lines(vehicle: Vehicle) -> int:
     """Return the number of different lines of thrust."""
     lines: list[tuple[float, float, float]] = []
     for rotor in vehicle.rotors:
+        # Opposite axes count as the same line, hence the absolute value.
         if all(abs(float(np.dot(rotor.axis, other))) < SAME for other in lines):
             lines.append(rotor.axis)
     return len(lines)
@@ -133,6 +135,7 @@ def count_thrust_lines(vehicle: Vehicle) -> int:
 def rank_concordance(criterion: str, values: Mapping[str, MeasuredValue]) -> float:
     """Return the share of pairs ranked by the paper that are measured in the same order."""
     column = list(CRITERIA).index(criterion)
+    # Column 2: whether a larger value ranks higher
     sign = 1.0 if CRITERIA[criterion][2] else -1.0
     pairs = [
         (higher, lower)
@@ -172,6 +175,7 @@ def plot_table(
         Heatmap(
             z=shades, x=list(measured), y=list(titles), text=texts,
             texttemplate='%{text}', textfont={'color': INK, 'size': 9},
+            # Only rank 0 has the colour of the page.
             colorscale=[[0.0, PAPER], [0.001, GRID], [1.0, TRUTH]], opacity=0.4, showscale=False,
             xgap=2, ygap=2, hovertemplate='%{y}, %{x}: %{text}<extra></extra>',
         )

@@ -52,8 +52,8 @@ def measure_pressures(vehicle: Vehicle, disk_loading: float) -> dict[str, Measur
         'flight_side': MeasuredValue(low),
         'jet_speed': MeasuredValue(dynamic_pressure_speed(disk_loading)),
     }
-    for told, pressure in PAPER.items():
-        found[f'{told.lower().replace("-", "")}_pressure_speed'] = MeasuredValue(
+    for platform, pressure in PAPER.items():
+        found[f'{platform.lower().replace("-", "")}_pressure_speed'] = MeasuredValue(
             dynamic_pressure_speed(pressure)
         )
     # Rotor speed at which the blade tips move that fast.
@@ -71,6 +71,7 @@ def measure_pressures(vehicle: Vehicle, disk_loading: float) -> dict[str, Measur
 
 def dynamic_pressure_speed(pressure: float) -> float:
     """Return the airspeed with this dynamic pressure [Pa]. [m/s]"""
+    # From q = rho v^2 / 2
     return math.sqrt(2.0 * pressure / AIR_DENSITY)
 
 
@@ -93,6 +94,7 @@ def plot_pressures(values: Mapping[str, MeasuredValue]) -> Figure:
     def size(name: str) -> float:
         value = values[name].value
         assert not isinstance(value, str)
+        # Suction is negative, and the axis is logarithmic.
         return abs(value)
 
     rows = [
@@ -120,7 +122,9 @@ def plot_pressures(values: Mapping[str, MeasuredValue]) -> Figure:
 
 def plot_underside(hull: SurfacePressure) -> Figure:
     """Plot the pressure on a hull as seen from below."""
+    # A symmetric scale, so that zero pressure is white
     largest = max(abs(hull.least), abs(hull.most))
+    # Centres of the pixels of a square around the hull centre [m]
     places = hull.side * ((np.arange(len(hull.below)) + 0.5) / len(hull.below) - 0.5)
     figure = create_figure()
     figure.add_trace(

@@ -60,10 +60,12 @@ def plot_matrices(vehicles: Mapping[str, Vehicle]) -> Figure:
     """Plot B of each vehicle side by side, with the numbers in the cells."""
     names: list[str] = []
     columns: list[Sequence[float]] = []
-    for told, vehicle in vehicles.items():
-        names += [f'{told}<br>{name.replace("_", "<br>")}' for name in vehicle.rotor_names]
+    for title, vehicle in vehicles.items():
+        names += [f'{title}<br>{name.replace("_", "<br>")}' for name in vehicle.rotor_names]
         columns += vehicle.allocation
+    # Shape (6, rotors), as B is written in the paper
     values = np.array(columns).T
+    # Cells that round to zero stay empty.
     written = [[f'{each:.2f}' if round(abs(each), 2) else '' for each in row] for row in values]
     figure = create_figure()
     figure.add_trace(
