@@ -21,7 +21,7 @@ Vector = tuple[float, float, float]
 Six = tuple[float, float, float, float, float, float]
 
 # Random streams.
-START, ERRORS, IMU, RANGE, PRESSURE, LIGHT, TURBULENCE, EDDIES, GAINS = range(9)
+START, ERRORS, IMU, RANGE, PRESSURE, LIGHT, TURBULENCE, EDDIES, GAINS, SWEEP = range(10)
 # Adding and subtracting it rounds a number below 2^51 to an integer, halves to even.
 WHOLE = 6755399441055744.0
 

@@ -30,8 +30,8 @@ from lta_model.light.ray_integration import gather_indirect_light
 from lta_model.light.reflections import build_field_geometry, build_reflecting_beam
 from lta_model.light.scene_geometry import is_in_room, SceneGeometry
 from lta_model.sensors.photodiode import noise_variances, PhotodiodeArray, voltage_sensitivity
-from lta_sim.compiled_sensors import GAINS, LIGHT
-from lta_sim.counter_rng import draw_normals
+from lta_sim.compiled_sensors import GAINS, LIGHT, SWEEP
+from lta_sim.counter_rng import draw_normals, draw_uniforms
 from lta_vlc.demodulation import find_peaks, plan_bins
 from lta_vlc.settings import DemodulationSettings
 from lta_vlc.spectral.spectrum import amplitude_spectrum
@@ -64,6 +64,8 @@ class LightLink(NamedTuple):
     gain: float
     leak: float  # l
     hum: float  # h [counts]
+    ramp: float  # magnitude at the beacon of a light that changes by one count in a block
+    ramp_noise: float  # the same in the quiet bins
     duty: float
     variance: float  # of a sample without light [counts2]
     shot: float  # variance of a sample per count of light [counts]
@@ -93,6 +95,8 @@ def build_light_link(
     amplifier, shot = noise_variances(array)
     lux = volts / ambient.efficacy * scale
     mains = amplitude_spectrum(sample_mains_wave(ambient, 0, sampling)[:, None])
+    # Daylight that sweeps over a turning diode is nearly linear within a block
+    ramp = amplitude_spectrum(np.linspace(-0.5, 0.5, samples)[:, None])
     # Columns 0..2: position of a diode, 3..5: its axis, body frame
     axes = array.planes[:, 3:]
     daylight = field.daylight if field.outside is None else field.outside.daylight
@@ -115,6 +119,8 @@ def build_light_link(
         gain=gain,
         leak=float(spectrum[bins.quiet, 0].mean()),
         hum=ambient.mains * lux * float(mains[bins.quiet, 0].mean()),
+        ramp=float(ramp[(bins.first + bins.last) // 2, 0]),
+        ramp_noise=float(ramp[bins.quiet, 0].mean()),
         duty=lamp.wave.duty,
         # 1/12: variance of rounding to whole counts
         variance=amplifier * scale * scale + 1.0 / 12.0,
@@ -179,7 +185,7 @@ def expected_magnitude(
 
 
 def sample_magnitude(
-    listening: LightLink, diode: int, read: Array, seed: int, step: int
+    listening: LightLink, diode: int, read: Array, swept: float, seed: int, step: int
 ) -> tuple[float, float]:
     """
     Return the magnitude that a diode measures in one block [counts], and its SNR.
@@ -196,6 +202,12 @@ def sample_magnitude(
     light = factor * listening.counts * read[LAMPS, diode]
     swing, quiet, noise = expected_magnitude(listening, light, steady)
     a, b = draw_normals(seed, LIGHT, step, diode)
+    # The sweep of daylight adds at the phase of the lamp in a block: the same at all diodes, and
+    # in all blocks of a flight, as blocks hold whole periods of the lamp
+    change = factor * swept * listening.day
+    phase = 2.0 * math.pi * draw_uniforms(seed, SWEEP, 0, 0)[0]
+    real = swing + noise * a + listening.ramp * change * math.cos(phase)
     # Magnitude of signal plus complex noise (Rice distribution)
-    told = math.hypot(swing + noise * a, noise * b)
-    return told, told / (quiet + listening.hum * share)
+    magnitude = math.hypot(real, noise * b + listening.ramp * change * math.sin(phase))
+    quiet += listening.hum * share + listening.ramp_noise * abs(change)
+    return magnitude, magnitude / quiet

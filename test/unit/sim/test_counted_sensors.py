@@ -138,7 +138,7 @@ def test_a_batch_reads_the_light_of_a_view():
 
 def heard(listening, read, k):
     """Return what a ring hears in one block."""
-    pairs = [sample_magnitude(listening, i, read, SEED, k) for i in DIODES]
+    pairs = [sample_magnitude(listening, i, read, 0.0, SEED, k) for i in DIODES]
     amplitude, snr = np.array(pairs).T
     return Peaks(amplitude, snr, np.zeros_like(snr), np.ones_like(snr))
 

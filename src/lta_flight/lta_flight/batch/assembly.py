@@ -15,6 +15,7 @@ from lta_config.compilation.flat import PREFIX
 from lta_flight.batch.kernel_access import VehicleAccess
 from lta_flight.batch.targets import BatchRhythm, CompileTarget, STEP
 from lta_model.effects import EFFECTS
+from lta_model.light.ray_bundles import DAY
 from lta_sim.kernels.compose import KernelForm, write_kernel_source
 from lta_sim.kernels.gpu import STATES
 from lta_sim.kernels.layout import format_tuple, indent_lines
@@ -83,15 +84,19 @@ def format_rhythm(rhythm: BatchRhythm) -> dict[str, str]:
 
 
 def format_light_reading(diodes: int) -> dict[str, str]:
-    """Return the source of the light reading of each diode."""
+    """Return the source of the light reading of each diode; `day` is that of the block before."""
     lines = [
         # One scalar variable per diode, because GPU code has no dynamic arrays
-        f'a_{k}, s_{k} = core_sample_magnitude(craft.listening, {k}, lights, seed, step)'
+        f'a_{k}, s_{k} = core_sample_magnitude(\n'
+        f'    craft.listening, {k}, lights, lights[{DAY}, {k}] - day[{k}], seed, step\n)'
         for k in range(diodes)
     ]
+    daylight = format_tuple(f'lights[{DAY}, {k}]' for k in range(diodes))
     lines.insert(0, 'core_write_ring_light(craft.listening, position, q, lights, pencils)')
     return {
-        'heard': indent_lines(lines, 3),
+        'heard': indent_lines([line for text in lines for line in text.split('\n')], 3),
+        'daylight': daylight,
+        'dark': format_tuple(['0.0'] * diodes),
         'amplitudes': format_tuple(f'a_{k}' for k in range(diodes)),
         'snrs': format_tuple(f's_{k}' for k in range(diodes)),
         'errors': format_tuple(f'core_amplitude_error(a_{k}, s_{k})' for k in range(diodes)),

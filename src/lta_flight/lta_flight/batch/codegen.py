@@ -91,6 +91,7 @@ SENSE = """
         if step > 0 and step % $light == 0:
             position, q = middle[0:3], middle[3:7]
 $heard
+            day = $daylight
             amplitudes = $amplitudes
             lamp = light_fit_direction(craft.array, craft.expected, amplitudes, $errors, scratch)
             detected = core_is_lamp_detected($snrs, craft.listening.threshold)
@@ -122,7 +123,7 @@ def fly(fixed, c, seed, scratch, lights, pencils, out):
     begin = $begin
     onboard = $onboard
     asked, told, mission = onboard.setpoint, False, core_initial_mission()
-    middle, reckoned = state[0:7], core_reckon_motion(onboard)
+    middle, reckoned, day = state[0:7], core_reckon_motion(onboard), $dark
     distance = core_sample_range(craft.sensors, errors, seed, 0, state)
     duties = $still
     command = core_build_command(craft, duties)

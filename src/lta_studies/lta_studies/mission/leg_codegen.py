@@ -108,6 +108,7 @@ $before
                 hearing_write_reflections(craft.listening, position, q, echoes, pencils)
             lights[:] = echoes
             hearing_add_direct_light(craft.listening, position, q, lights)
+            day = $daylight
 $heard
             amplitudes = $amplitudes
             lamp = light_fit_direction(craft.array, craft.expected, amplitudes, $errors, scratch)
@@ -200,6 +201,7 @@ def generate_source(
     size = RIGID + len(initial_effect_memory(names))
     hearing = format_light_reading(diodes)
     told = hearing['heard'].replace(f'{PREFIX}_', 'hearing_').splitlines()
+    # `day` is that of this block: stored reflections do not tell how daylight sweeps.
     # A leg adds the light of its lamp itself, from stored reflections.
     hearing['heard'] = '\n'.join(line for line in told if 'write_ring_light' not in line)
     parts = {
