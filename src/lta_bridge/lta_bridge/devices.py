@@ -52,6 +52,7 @@ class SerialPortInfo(NamedTuple):
 def find_devices(usb: Path = USB, dev: Path = DEV) -> Iterator[UsbDevice]:
     """Yield the connected devices of the known kinds."""
     for place in sorted(usb.glob('*')) if usb.is_dir() else ():
+        # Interfaces and hubs are listed too; without these files the texts are empty
         ids = {name: _read_text(place / name) for name in ('idVendor', 'idProduct')}
         for kind in KINDS:
             if (ids['idVendor'], ids['idProduct']) == (kind.vendor, kind.product):
@@ -70,6 +71,7 @@ def list_serial_ports() -> list[SerialPortInfo]:
             os.access(port.device, os.R_OK | os.W_OK),
         )
         for port in sorted(list_ports.comports())
+        # Only USB devices have a vendor number
         if port.vid is not None
     ]  # fmt: skip
 
@@ -80,6 +82,7 @@ def format_udev_rules() -> str:
     lines = [
         f'# {kind.name}\nSUBSYSTEMS=="usb", ATTRS{{idVendor}}=="{kind.vendor}", '
         f'ATTRS{{idProduct}}=="{kind.product}", MODE="0660", GROUP="plugdev", TAG+="uaccess", '
+        # Keeps ModemManager from sending modem commands to the port
         'ENV{ID_MM_DEVICE_IGNORE}="1"'
         for kind in KINDS
     ]

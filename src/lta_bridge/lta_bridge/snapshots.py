@@ -61,6 +61,7 @@ class SnapshotScheduler:
         def save() -> None:
             try:
                 saving.made = self._memory.write_snapshot(why)
+            # The recorder goes on: only this snapshot has failed
             except (StorageFault, ValueError) as fault:
                 saving.fault = str(fault)
             finally:

@@ -13,6 +13,7 @@ from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_config.constants import STANDARD_GRAVITY
 from scipy.spatial.transform import Rotation
 
+# SI values of the firmware's units
 MILLIBAR: Final = 100.0  # Pa
 MILLIMETRE: Final = 1e-3  # m
 FULL_RATIO: Final = 65535.0

@@ -78,6 +78,7 @@ def draw_lamp(name: str, scene: LampScene) -> ShapeEntity:
     size = math.hypot(*source.axis)
     axis = to_triple(tuple(number / size for number in source.axis))
     edge = half_power_angle(source)
+    # The edge of the cone has the length of the beam
     across, ahead = 2.0 * BEAM_LENGTH * math.sin(edge), BEAM_LENGTH * math.cos(edge)
     cone = CylinderShape(
         move_point(place, axis, ahead / 2),

@@ -24,6 +24,7 @@ try:
 except ImportError:
     TFMessage = None
 
+# Many publishers share /tf, so a shallow queue would lose the tracker's messages
 DEPTH = 100  # queue depth of /tf, as in tf2
 Planted = tuple[float, float, float, float]
 

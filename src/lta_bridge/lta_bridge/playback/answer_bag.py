@@ -97,6 +97,7 @@ class AnswerBag:
 
     def close(self) -> None:
         """Finish the bag."""
+        # Even after a fault: closing makes the messages so far readable
         self._try_step(self._writer.close, always=True)
 
     def _try_step(self, step: Callable[[], None], *, always: bool = False) -> None:

@@ -81,6 +81,7 @@ class BoardReader:
                 failures = 0
             except (Unplugged, BadInput) as error:
                 self._drop_port(str(error))
+                # wait() rather than sleep(), so that close() ends the pause
                 self._ended.wait(BACK_OFF[min(failures, len(BACK_OFF) - 1)])
                 failures += 1
         if self._port is not None:

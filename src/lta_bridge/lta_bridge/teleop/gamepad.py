@@ -66,6 +66,7 @@ class Gamepad:
             elif kind == BUTTON:
                 self._buttons[number] = value
                 if value:
+                    # A button pressed and released between two reads must count
                     tapped.add(number)
         if self._fd is None and not tapped:
             return None

@@ -24,6 +24,7 @@ TAKE, GIVE_BACK, STOP = ' ', 'b', 'x'
 ESCAPES: Final = re.compile(  # ECMA-48's CSI, Linux's own F1 to F5, and SS3 of a keypad
     rb'\x1b(?:\[\[[A-E]|\[(?!\[)[0-?]*[ -/]*[@-~]|O[ -~])'
 )
+# The beginning of an escape sequence at the end of a read
 TORN: Final = re.compile(rb'\x1b(?:\[\[?[0-?]*[ -/]*|O)?\Z')
 HELP: Final = """\
 w s  ahead, back     a d  left, right     r f  up, down     (hold a key down)
@@ -52,6 +53,7 @@ class Keyboard:
                 'one (lta run lta_bridge teleop), or use device:=joy.'
             )
         self._before = termios.tcgetattr(self._fd)
+        # Keys arrive without Enter, and Ctrl-C still works
         tty.setcbreak(self._fd)
         os.set_blocking(self._fd, False)
         self._heard: dict[str, float] = {}
@@ -65,6 +67,7 @@ class Keyboard:
             return None
         for key in fresh:
             self._heard[key] = now
+        # A terminal reports no release: a key is down while it repeats
         down = {key for key, heard in self._heard.items() if now - heard < HELD}
         forward, turn, climb = (
             float((keys[0] in down) - (keys[1] in down)) for keys in (FORWARD, TURN, CLIMB)
@@ -80,6 +83,7 @@ class Keyboard:
         except OSError:
             typed = b''
         self._dead |= not typed  # end of file: the terminal was closed
+        # Arrow and function keys contain letters that would act as commands
         whole = ESCAPES.sub(b'', self._torn + typed)
         torn = TORN.search(whole)
         self._torn = torn.group() if torn else b''

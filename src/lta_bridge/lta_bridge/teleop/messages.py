@@ -50,6 +50,7 @@ class JoyDevice:
     def read_sticks(self, now: float) -> Sticks | None:
         """Return the sticks at a time [s]; None after `SILENT` without a message."""
         tapped, self._tapped = self._tapped, set()
+        # A pressed button counts even if the device is lost right after it
         silent = now - self._heard > SILENT and not tapped
         if self._newest is None or silent:
             return None
@@ -77,6 +78,7 @@ class SetpointFollowers:
             if status.hardware_id == self._robot and status.name.endswith(f': {HELM}'):
                 told = {item.key: item.value for item in status.values}
                 if HELD in told:
+                    # Diagnostics values are texts
                     self._held[status.name] = told[HELD] == str(True)
 
     @property

@@ -95,4 +95,5 @@ def apply_dead_zone(raw: float, rest: float) -> float:
     size = (min(abs(raw), 1.0) - rest) / (1.0 - rest)
     if not size > 0.0:  # true for NaN too
         return 0.0
+    # Zero at the edge of the dead zone, so that the command does not jump
     return size if raw > 0.0 else -size

@@ -77,6 +77,7 @@ def select_main_channels(channels: Sequence[ChannelComparison]) -> list[RoleChan
     found = []
     for role in ROLES:
         for pattern in role.patterns:
+            # A pattern of the pose without a pose would match anything
             if '{' in pattern and not pose:
                 continue
             wanted = pattern.format(pose=pose, topic=pose.rpartition('/')[0])
@@ -89,6 +90,7 @@ def select_main_channels(channels: Sequence[ChannelComparison]) -> list[RoleChan
             ]
             if fitting:
                 count = len(fitting) if role.name in MANY else 1
+                # The channels are sorted by divergence, so the first is the largest
                 found.append(RoleChannel(role, fitting[0], count))
                 break
     return found

@@ -90,6 +90,7 @@ def find_topic_faults(
     """
     steps = np.diff(time)
     falls = np.flatnonzero(steps < 0.0)
+    # Sorted and without duplicates, so that these do not count as gaps as well
     instants = np.unique(time)
     rising = np.diff(instants)
     usual = float(np.median(rising)) if len(rising) else None
@@ -108,6 +109,7 @@ def find_topic_faults(
         ),
         missing=float(sum(rising[k] for k in holes)),
         gap_count=len(holes),
+        # Messages beyond the first of each stamp
         same_stamp=len(time) - len(instants),
         repeated=repeated,
         backwards=tuple(FaultInterval(float(time[k]), float(time[k + 1])) for k in falls[:LISTED]),

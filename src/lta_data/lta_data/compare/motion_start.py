@@ -32,6 +32,7 @@ def find_motion_start(line: SampledSignal, angular: bool = False) -> float | Non
     if len(time) < 8 or np.ptp(values) == 0.0:
         return None
     step = median_period(time)
+    # At least four samples, for the median of slow channels
     first = time < time[0] + max(QUIET, 4.0 * step)
     level = float(np.median(values[first]))
     low, high = np.percentile(values, [2.0, 98.0])
@@ -43,6 +44,7 @@ def find_motion_start(line: SampledSignal, angular: bool = False) -> float | Non
     here = np.arange(len(time))
     # Three quarters of the window must be away, so that a single outlier is no start.
     lasting = away & ((total[ends] - total[here]) * 4 >= 3 * (ends - here))
+    # A channel that drifts from the beginning was moving already
     creep = abs(float(values[first][-1] - values[first][0]))
     if not lasting.any() or creep > CREEP * limit:
         return None
@@ -67,6 +69,7 @@ def find_common_start(shared: Sequence[SharedQuantity]) -> CommonStart | None:
                     find_motion_start(each.b, each.angular),
                 )
                 if starts[0] is not None and starts[1] is not None:
+                    # Both starts are known to one period of their own recording
                     step = math.hypot(median_period(each.a.time), median_period(each.b.time))
                     found[each.name] = starts[1] - starts[0], step
         if len(found) >= (1 if by_command else FEWEST):

@@ -30,6 +30,7 @@ def format_pick_button(each: ChannelComparison) -> str:
     name = escape(each.name)
     if not is_pickable(each):
         return name
+    # <wbr> lets a long name break after a slash or dot
     shown = name.replace('/', '/<wbr>').replace('.', '.<wbr>')
     return f'<button type="button" class="pick" data-channel="{name}">{shown}</button>'
 

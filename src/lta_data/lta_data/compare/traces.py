@@ -21,6 +21,7 @@ def thin_signal(line: SampledSignal, points: int = POINTS) -> SampledSignal:
     # Each stretch keeps two points: minimum and maximum.
     length = -(-count // max(points // 2, 1))
     rows = -(-count // length)
+    # Repeats the last value to fill the last stretch
     padded = np.pad(line.values, (0, rows * length - count), mode='edge')
     table = padded.reshape(rows, length)
     hidden = np.isnan(table)
@@ -28,9 +29,12 @@ def thin_signal(line: SampledSignal, points: int = POINTS) -> SampledSignal:
     keep = [
         starts + np.where(hidden, np.inf, table).argmin(axis=1),
         starts + np.where(hidden, -np.inf, table).argmax(axis=1),
+        # The first NaN of each stretch with a gap
         (starts + hidden.argmax(axis=1))[hidden.any(axis=1)],
+        # Both ends of the line
         np.array([0, count - 1]),
     ]
+    # In order of time; indices into the padding become the last sample
     index = np.unique(np.minimum(np.concatenate(keep), count - 1))
     return SampledSignal(line.time[index], line.values[index])
 

@@ -69,6 +69,7 @@ def read_log_times(flight: RecordedFlight, topics: list[str]) -> dict[str, Array
     stamped: dict[str, bool] = {}
     for name, log_time, data in flight.bag.iterate_messages(list(names)):
         if name not in stamped:
+            # The first message decides: the type is the same for all
             stamped[name] = extract_stamp(flight.bag.decode(name, data)) is not None
         # Without stamps there is nothing to compare log times with.
         if stamped[name]:
@@ -90,6 +91,7 @@ def read_quaternions(
         return found
     series = flight.read_series(topic)
     for path in paths:
+        # The angle is NaN where the covariance marks the attitude as unknown
         known_there = np.isfinite(channels[f'{topic}/{path}.yaw'].values)
         if not known_there.any():
             continue  # declared unknown, or never filled in

@@ -21,6 +21,7 @@ SPEED: Final = re.compile(r'(.*linear)\.([xyz])$')
 TURNING: Final = re.compile(r'(.*angular)\.([xyz])$')
 RATES: Final = re.compile(r'(angular_velocity)\.([xyz])$')
 FORCE: Final = re.compile(r'(linear_acceleration)\.([xyz])$')
+# The empty group stands for the missing axis, as all these patterns have two groups
 PRESSURE: Final = re.compile(r'(fluid_pressure)()$')
 SHINE: Final = re.compile(r'(mean|std)\[(\d+)\]$')
 
@@ -57,4 +58,5 @@ def find_restless_kind(channel: SignalChannel) -> str | None:
 def vector_name(channel: str) -> str:
     """Return the vector of a channel: its name without the last part."""
     head, dot, tail = channel.rpartition('.')
+    # A dot in the topic's name separates no component
     return head if dot and '/' not in tail else channel

@@ -39,6 +39,7 @@ def interpolate_on_grid(
 
     """
     table = np.stack([np.interp(grid, time, column) for column in values.T], axis=1)
+    # Index of the sample behind each grid point; the clip covers points outside
     after = np.clip(np.searchsorted(time, grid), 1, len(time) - 1)
     width = time[after] - time[after - 1]
     inside = (grid >= time[0]) & (grid <= time[-1])
@@ -55,6 +56,7 @@ def hann_kernel(width: float, step: float) -> Array:
 
 def smooth_columns(table: Array, weights: Array) -> Array:
     """Convolve columns with a kernel; the ends are padded with the edge values."""
+    # Padded by half the kernel, so that the result has the length of the table and no lag
     half = len(weights) // 2
     wide = np.pad(table, ((half, half), (0, 0)), mode='edge')
     return np.stack([np.convolve(column, weights, mode='valid') for column in wide.T], axis=1)
@@ -63,6 +65,8 @@ def smooth_columns(table: Array, weights: Array) -> Array:
 def narrow_mask(valid: NDArray[np.bool_], weights: Array, times: int = 1) -> NDArray[np.bool_]:
     """Return where a smoothed value depends only on valid samples."""
     reach = times * (len(weights) // 2) + 1
+    # Dilates the invalid samples by the reach; 0.5 separates the counts 0 and 1
     bad = np.convolve(~valid, np.ones(2 * reach + 1), mode='same') > 0.5
+    # Padded values beyond the ends are invalid too
     bad[:reach] = bad[-reach:] = True
     return ~bad

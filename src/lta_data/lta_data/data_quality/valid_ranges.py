@@ -33,7 +33,11 @@ RANGES: Final = (
     ),
     ValidRange(re.compile(r'linear\.[xyz]$'), -60.0, 60.0, 'no indoor vehicle is so fast'),
     ValidRange(
-        re.compile(r'\.(yaw|pitch|roll)$'), -7.0, 7.0, 'an angle in radians within one turn'
+        # 7 is just above 2 pi
+        re.compile(r'\.(yaw|pitch|roll)$'),
+        -7.0,
+        7.0,
+        'an angle in radians within one turn',
     ),
     ValidRange(re.compile(r'^light/peaks/snr\['), 0.0, INFINITE, 'a ratio of powers'),
     ValidRange(re.compile(r'/temperature$'), -60.0, 150.0, 'nothing flies colder or hotter'),
@@ -56,5 +60,6 @@ def build_light_ranges(top: float | None) -> tuple[ValidRange, ...]:
         )
     return (
         ValidRange(COUNTS, 0.0, top, f'the converter counts from 0 to {top:.0f}'),
+        # The standard deviation of bounded values is at most half their range
         ValidRange(SPREAD, 0.0, (top + 1.0) / 2.0, f'the converter spans {top + 1.0:.0f} counts'),
     )

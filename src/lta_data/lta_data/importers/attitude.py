@@ -24,6 +24,7 @@ def compute_quaternions(convention: OrientationField, table: LogTable) -> Number
     """
     numbers = np.stack([table.columns[name] for name in convention.columns], axis=1)
     if convention.quaternion is not None:
+        # w x y z to x y z w
         found = numbers if convention.order == 'xyzw' else numbers[:, [1, 2, 3, 0]]
     elif convention.euler is not None:
         angles = numbers * np.asarray(convention.signs or [1] * numbers.shape[1], dtype=np.float64)
@@ -61,6 +62,7 @@ def apply_matrix(vectors: Numbers, by: Numbers) -> Numbers:
     """Multiply rows by a matrix; entries that are only selected keep every bit."""
     result = np.zeros((len(vectors), len(by)))
     for row, weights in enumerate(by):
+        # Not a matrix product: 0 * NaN would spread NaN to all columns
         for column in np.flatnonzero(weights):
             result[:, row] += vectors[:, column] * weights[column]
     return result
@@ -78,6 +80,7 @@ def rotate_into_body(vectors: Numbers, attitude: Numbers) -> Numbers:
 
     """
     length = np.linalg.norm(attitude, axis=1)
+    # A zero quaternion means unknown, and scipy refuses it
     usable = np.isfinite(length) & (length > 0.0)
     result = np.full((len(vectors), 3), np.nan)
     if usable.any():

@@ -9,7 +9,7 @@ from lta_config.files import find_file
 from lta_config.schema.import_file import ImportMapping
 from lta_config.version import VERSION
 
-BLOCK = 1 << 20
+BLOCK = 1 << 20  # bytes
 
 
 def build_provenance(
@@ -42,6 +42,7 @@ def list_source_files(source: Path) -> list[Path]:
     """Return the files of a source."""
     if not source.is_dir():
         return [source]
+    # Sorted, so that the digest does not depend on the file system
     return sorted(path for path in source.rglob('*') if path.is_file())
 
 

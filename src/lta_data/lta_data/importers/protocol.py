@@ -89,6 +89,7 @@ class TableLog:
         self, selection: Mapping[str, Collection[str]], reached: Reached
     ) -> Iterator[Mapping[str, LogTable]]:
         """Yield all selected tables at once."""
+        # Reading is done, writing the bag is not
         reached(0.5)
         yield {name: self.content[name] for name in selection}
 

@@ -26,10 +26,12 @@ class LogRemarks:
             return
         # Without an earlier part the first step counts as forward.
         before = self._last.get(name, int(stamps[0]) - 1)
+        # Includes the step from the last row of the previous part
         steps = np.diff(stamps, prepend=before)
         self._back[name] += int((steps < 0).sum())
         self._same[name] += int((steps == 0).sum())
         if (steps < 0).any() and name not in self._where:
+            # argmax of a mask: the first True; rows count from 1
             self._where[name] = self._rows[name] + int(np.argmax(steps < 0)) + 1
         self._rows[name] += len(stamps)
         self._last[name] = int(stamps[-1])

@@ -80,6 +80,7 @@ def import_logs(order: ImportRequest, out: Path, progress: ImportProgress) -> li
     # Refuse before any work, rather than after a long import.
     if out.exists():
         prepare_empty_folder(out)
+    # Written beside the target and moved at the end: all logs or none
     with stage_results(out, BAG) as folder:
         for source, name in zip(order.sources, _name_folders(order.sources), strict=True):
             progress.begin_log(source.name)
@@ -95,6 +96,7 @@ def _name_folders(sources: Sequence[Path]) -> list[str]:
     """Return a unique folder name for each source: its name without suffixes."""
     found: list[str] = []
     for source in sources:
+        # The part before the first dot: 'flight.csv.gz' becomes 'flight'
         stem = source.name.split('.')[0] or 'log'
         count = sum(name == stem or name.startswith(f'{stem}-') for name in found)
         found.append(f'{stem}-{count + 1}' if stem in found else stem)
@@ -104,6 +106,7 @@ def _name_folders(sources: Sequence[Path]) -> list[str]:
 def _import_log(order: ImportRequest, source: Path, bag: Path, reached: Reached) -> ImportedLog:
     """Import one log."""
     format_ = detect_format(source) if order.format is None else order.format
+    # Raises for an unknown --format, before any mapping is loaded
     find_format(format_)
     mapping, text = select_mapping(source, format_, order.mapping)
     told = build_provenance(source, format_, mapping, text, order.vehicle)

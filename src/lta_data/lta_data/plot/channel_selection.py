@@ -35,6 +35,7 @@ def select_channels(flight: RecordedFlight, patterns: Sequence[str]) -> list[Sig
         meant = [
             channel
             for topic in flight.topics
+            # Read only topics that can match: a bag may be large
             if can_match(pattern, topic)
             for channel in iterate_channels(flight, topic)
             if matches_channel(pattern, channel)
@@ -65,6 +66,7 @@ def matches_channel(pattern: str, channel: SignalChannel) -> bool:
 def no_match_error(flight: RecordedFlight, pattern: str) -> BadInput:
     """Return the error for a pattern without a match, with similar names."""
     known = [*flight.topics, *read_all_channels(flight).channels]
+    # 0.4: least similarity, low enough for abbreviations
     near = get_close_matches(pattern, known, NEAR, 0.4) or flight.topics[:NEAR]
     return BadInput(
         f"No channel matches '{pattern}'; similar: {', '.join(near)}. Give no name to list all "
@@ -76,6 +78,7 @@ def make_readable(channel: SignalChannel) -> SignalChannel:
     """Return an angle in degrees and unwrapped; any other channel unchanged."""
     if not channel.angular:
         return channel
+    # The flight caches its arrays; do not change them
     values = channel.values.copy()
     known = np.isfinite(values)
     values[known] = np.unwrap(values[known])

@@ -44,6 +44,7 @@ def plot_channels(
     figure.update_xaxes(range=list(span), hoverformat='.3f', unifiedhovertitle_text='%{x} s')
     figure.update_xaxes(title_text='time [s]')
     legend = {'orientation': 'h', 'x': 0, 'y': 1.0, 'yanchor': 'bottom', 'font': {'size': 11}}
+    # About three entries per line of the legend, rounded up
     top = LINE * -(-len(channels) // 3) + 12
     return figure.update_layout(showlegend=True, legend=legend, margin={'t': top, 'r': 12})
 
@@ -88,6 +89,7 @@ def build_tile(channel: SignalChannel) -> Tile:
 
 def write_png(text: str, out: Path) -> Path:
     """Write the page's plot as PNG; raise `BadInput` without a browser or a writable path."""
+    # The picture is a screenshot of the page, which must be a file first
     with tempfile.TemporaryDirectory() as folder:
         made = write_file(text, Path(folder) / 'plot.html')
         shot = Path(folder) / 'plot.png'

@@ -42,6 +42,7 @@ def draw_sparkline(values: NDArray[np.float64], width: int = SPARK) -> str:
         inside = part[np.isfinite(part)]
         share = (inside.mean() - low) / (high - low) if len(inside) else 0.0
         # share is 1.0 at the maximum, which would be a ninth block.
+        # Eight heights of block characters
         found.append(BLOCKS[min(7, int(8 * share))] if len(inside) else ' ')
     return ''.join(found)
 
@@ -109,7 +110,9 @@ def draw_curve(
     # A braille character has two columns and four rows of dots.
     columns, rows = 2 * canvas.width, 4 * canvas.height
     across = np.floor((time - span[0]) / (length or 1.0) * (columns - 1)).astype(int)
+    # A constant channel is drawn in the middle
     share = (values - ends[0]) / height if height else np.full(len(values), 0.5)
+    # Rows count from the top
     down = np.round((1.0 - share) * (rows - 1)).astype(int)
     for column in np.unique(across):
         inside = down[across == column]

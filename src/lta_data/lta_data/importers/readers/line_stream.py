@@ -64,7 +64,7 @@ def refuse_endless_line(line: bytes) -> None:
 class CleanedLines(io.RawIOBase):
     """A readable stream of the data lines; without comments it passes large blocks unchanged."""
 
-    PIECE = 1 << 20
+    PIECE = 1 << 20  # bytes
 
     def __init__(self, source: BinaryIO | gzip.GzipFile, text: TextFormat, unread: int) -> None:
         self._source = source
@@ -86,6 +86,7 @@ class CleanedLines(io.RawIOBase):
                 return 0
             self._rest = piece
         count = min(len(room), len(self._rest))
+        # The caller's buffer may be smaller than a piece; the rest waits for the next call
         room[:count] = self._rest[:count]
         self._rest = self._rest[count:]
         return count
@@ -98,7 +99,9 @@ class CleanedLines(io.RawIOBase):
                 if not line:
                     return
                 refuse_endless_line(line)
+                # Empty lines and comments do not count as skipped lines
                 unread -= self._is_data_line(line)
+            # No line needs a change: pass large blocks on
             if self._comment is None and not self._blank:
                 while piece := self._source.read(self.PIECE):
                     yield piece

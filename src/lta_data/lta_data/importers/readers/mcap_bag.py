@@ -42,6 +42,7 @@ class McapLog(BagTableLog):
     def __init__(self, path: Path, mapping: MappingFile | None) -> None:
         self._bag = read_bag(path)
         self.notes: list[str] = []
+        # Prefixed, since the new bag gets its own provenance
         self.facts = {f'original_{key}': text for key, text in self._bag.provenance.items()}
         self.raw: Mapping[str, RawTopic] = _list_raw_topics(self._bag, path)
         self._total = max(1, sum(topic.count for topic in self._bag.topics.values()))
@@ -59,6 +60,7 @@ class McapLog(BagTableLog):
             if order % LOOK == 0:
                 reached(min(1.0, order / self._total))
             yield PassedMessage(order, topic, log_time, data)
+        # At the end, since some damage is detected only while reading
         self.notes += [loss for loss in self._bag.losses if loss not in self.notes]
 
     def _iterate_decodable(self) -> Iterator[tuple[str, int, Decode]]:
@@ -82,6 +84,7 @@ def _list_raw_topics(bag: Bag, path: Path) -> dict[str, RawTopic]:
     for file in find_bag_files(path):
         contents = read_contents(file)
         for channel in contents.channels.values():
+            # A channel without a schema gets None
             known = read_bag_definition(channel, contents.schemas.get(channel.schema_id))
             qos = parse_qos_profiles(channel.metadata.get('offered_qos_profiles', ''))
             found.setdefault(channel.topic, RawTopic(known, qos))

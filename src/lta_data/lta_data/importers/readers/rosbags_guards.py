@@ -12,7 +12,7 @@ import zstandard
 
 METADATA = 'metadata.yaml'
 QOS = 'offered_qos_profiles'
-PIECE = 1 << 20
+PIECE = 1 << 20  # bytes
 # Views, triggers and generated columns run SQL, perhaps without end; a bag has none.
 PROGRAMS = "SELECT name FROM sqlite_master WHERE type IN ('view', 'trigger') OR sql LIKE ?"
 COMPUTED = (2, 3)  # `hidden` values of generated columns in table_xinfo

@@ -49,6 +49,7 @@ def parse_exact_times(texts: list[str], unit: str, column: str, first: int) -> P
         If a cell is not a time; the message names the row.
 
     """
+    # The first cell decides between dates and decimals
     dates = bool(texts) and DATE.fullmatch(texts[0].strip()) is not None
     reading = parse_date if dates else build_decimal_parser(unit)
     found = np.empty(len(texts), dtype=np.int64)
@@ -73,6 +74,7 @@ def find_time_zone(text: str) -> str | None:
 
 def build_decimal_parser(unit: str) -> Callable[[str], int]:
     """Return a function that parses decimals in a unit of time. [ns]"""
+    # Decimal: float64 has too few digits for nanoseconds since 1970
     factor = Decimal(str(UNITS[unit][1])) * SECOND
     return lambda text: int((Decimal(text) * factor).to_integral_value())
 
@@ -85,6 +87,7 @@ def parse_date(text: str) -> int:
     whole, fraction, zone = found.groups()
     zone = '+00:00' if zone in ('', 'Z', 'z', 'UTC') else zone
     passed = datetime.fromisoformat(whole.replace(' ', 'T') + zone) - EPOCH
+    # Apart from the whole seconds, since datetime resolves microseconds only
     parts = int(Decimal(f'0.{fraction or 0}').scaleb(9).to_integral_value())
     return (passed.days * 86_400 + passed.seconds) * SECOND + parts
 
