@@ -25,7 +25,7 @@ class DoorBounds(NamedTuple):
     reach: float  # 0 in a room without a door
 
 
-class FlightGoal(NamedTuple):
+class EndConditions(NamedTuple):
     """
     End conditions of a flight.
 
@@ -63,7 +63,7 @@ class GoalProgress(NamedTuple):
     indoors: bool
 
 
-def build_goal(scenario: Scenario) -> FlightGoal:
+def build_goal(scenario: Scenario) -> EndConditions:
     """Return the end conditions of a scene."""
     length, width, height = scenario.room.size.vector
     outside = scenario.outside
@@ -73,7 +73,7 @@ def build_goal(scenario: Scenario) -> FlightGoal:
         door = DoorBounds(
             opening.middle.si, opening.width.si / 2, opening.height.si, outside.reach.si
         )
-    return FlightGoal(
+    return EndConditions(
         tuple((x, y) for x, y, _ in (lamp.position.vector for lamp in scenario.target_lamps)),
         scenario.goal.radius.si,
         scenario.goal.time_limit.si,
@@ -85,12 +85,12 @@ def build_goal(scenario: Scenario) -> FlightGoal:
     )
 
 
-def is_indoors(goal: FlightGoal, x: float, y: float, z: float) -> bool:
+def is_indoors(goal: EndConditions, x: float, y: float, z: float) -> bool:
     """Return whether a hull centre is in the room. [m, map]"""
     return abs(x) <= goal.half_length and abs(y) <= goal.half_width and z <= goal.height
 
 
-def is_in_bounds(goal: FlightGoal, was_indoors: bool, x: float, y: float, z: float) -> bool:
+def is_in_bounds(goal: EndConditions, was_indoors: bool, x: float, y: float, z: float) -> bool:
     """Return whether a hull centre is where it may be, one control period after `was_indoors`."""
     door, indoors = goal.door, is_indoors(goal, x, y, z)
     if door.reach <= 0.0:
@@ -103,14 +103,14 @@ def is_in_bounds(goal: FlightGoal, was_indoors: bool, x: float, y: float, z: flo
     )
 
 
-def distance_to_goal(goal: FlightGoal, progress: GoalProgress, x: float, y: float) -> float:
+def distance_to_goal(goal: EndConditions, progress: GoalProgress, x: float, y: float) -> float:
     """Return the horizontal distance to the lamp that is to be reached next. [m]"""
     stop = goal.stops[progress.stop]
     return math.hypot(stop[0] - x, stop[1] - y)
 
 
 def evaluate_outcome(
-    goal: FlightGoal, progress: GoalProgress, x: float, y: float, z: float, elapsed: float
+    goal: EndConditions, progress: GoalProgress, x: float, y: float, z: float, elapsed: float
 ) -> tuple[int, GoalProgress]:
     """Return the outcome, as a place in `OUTCOMES`, and the progress after a control period."""
     inside = is_in_bounds(goal, progress.indoors, x, y, z)

@@ -12,7 +12,7 @@ from lta_sim.compiled_sensors import SensorDatasheets
 from lta_sim.environment import SteadyWind
 from lta_sim.light_link import LightLink
 from lta_sim.supply_step import SupplyParts
-from lta_sim.termination import FlightGoal, GoalProgress
+from lta_sim.termination import EndConditions, GoalProgress
 from lta_vlc.reading_model import DirectionPrior, FitArray
 
 Vector = tuple[float, float, float]
@@ -42,7 +42,7 @@ class FlightConstants(NamedTuple):
         The drone's knowledge of itself.
     mission : MissionSettings
         Altitudes and speeds.
-    sensors, listening, goal, power : SensorDatasheets, LightLink, FlightGoal, BatchPower
+    sensors, listening, goal, power : SensorDatasheets, LightLink, EndConditions, BatchPower
         The world.
     array, expected : FitArray, DirectionPrior
         The drone's model of its diodes, and its prior on the lamp.
@@ -73,7 +73,7 @@ class FlightConstants(NamedTuple):
     listening: LightLink
     array: FitArray
     expected: DirectionPrior
-    goal: FlightGoal
+    goal: EndConditions
     power: BatchPower
     place: Vector
     heading: float

@@ -5,6 +5,7 @@ import io
 
 from lta_cli.verbs.sweep import check_options, parse_duties
 from lta_config.errors import BadInput
+from lta_config.files import list_shipped
 from lta_config.schema.sweep_file import load_sweep
 from lta_flight.batch.batch_flight import build_flight
 from lta_flight.batch.codegen import FIGURES
@@ -102,12 +103,18 @@ def test_what_cannot_be_built_is_kept_as_failed(sweep, tmp_path, monkeypatch):
     assert title.startswith('0 of 8 flights reached their goal, and 2 could not be flown; with')
 
 
-def test_what_a_batch_does_not_support_is_refused_before_the_first_flight(tmp_path):
-    """The shipped sweep over strategies: a batch flew a quarter of it and left out the rest."""
-    out = tmp_path / 'out'
-    with pytest.raises(BadInput, match=r'^With strategy at dga: .* leave --device out\.$'):
-        run('light_indoors', out)
+def test_what_a_batch_does_not_support_is_refused_before_the_first_flight(sweep, tmp_path):
+    """A batch once flew what it could of a sweep and reported only that."""
+    file, out = sweep(vary={'scenario': ['lamp_room', 'warehouse']}), tmp_path / 'out'
+    with pytest.raises(BadInput, match=r'^With scenario at warehouse: .* leave --device out\.$'):
+        run(file, out)
     assert not out.exists()
+
+
+@pytest.mark.parametrize('name', list_shipped('sweeps'))
+def test_every_shipped_sweep_can_be_flown_as_a_batch(name):
+    plan = SweepPlan(load_sweep(name))
+    batch_workers.BatchWorkers(plan.base, 'cpu-batch').check(plan)
 
 
 def test_a_flight_whose_numbers_ran_away_has_failed(sweep, tmp_path, monkeypatch):
