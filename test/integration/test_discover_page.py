@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from lta_discovery.page import write_page
 from lta_discovery.replay.linearized_flight import build_origin
-from lta_discovery.study import StudyComparison
+from lta_discovery.study import ThreeModelComparison
 from lta_discovery.unmodeled.remainders import Remainder
 from lta_report.screenshots import collect_errors, COUNT_PANELS, list_requests, open_page
 import pytest
@@ -25,7 +25,7 @@ DRAWN = "document.querySelector('[data-panel=%s]').data"
 def page(browser, tmp_path_factory):
     found = study(nominal(), CASES[DRAG])
     shown = tuple(
-        StudyComparison(
+        ThreeModelComparison(
             one,
             *(build_origin(each, one.flight.knobs, one.flight.replay.cut) for each in
               (found.nominal, found.nominal, found.learned)),

@@ -36,7 +36,7 @@ TOLD = {
 def told(found: DerivedClasses) -> DataKindClasses:
     """Return what is kept of a kind."""
     seen = [k for k, reach in enumerate(found.reach) if reach >= class_derivation.SEEN]
-    groups = found.list_classes()
+    groups = found.list_equivalence_classes()
     group = {name: n for n, names in enumerate(groups) for name in names}
     near: dict[str, float] = {}
     for i in seen:

@@ -93,7 +93,7 @@ def collect_provenance(vehicle: str, scenario: str, gains: str, **choices: str) 
     }
 
 
-def merge_origins(origins: Mapping[str, Mapping[str, str]]) -> dict[str, str]:
+def merge_provenance(origins: Mapping[str, Mapping[str, str]]) -> dict[str, str]:
     """
     Return the origin of a bag of several robots.
 

@@ -13,7 +13,7 @@ from typing import Final, final, Literal
 from lta_discovery.finding import DiscoveryFinding, PredictionGap
 from lta_discovery.forecast.forecast_warnings import (
     find_vain_gaps,
-    find_worse_gaps,
+    find_worse_forecasts,
     should_keep_file,
 )
 from lta_discovery.model.candidates import vector_components
@@ -88,7 +88,7 @@ def draw_conclusion(finding: DiscoveryFinding) -> Conclusion:
         by_tolerances=gap is not None and gap.after >= CLOSER * gap.tuned,
         fits=finding.verdict == 'none'
         and advice == 'keep'
-        and not (finding.strained or find_worse_gaps(finding.gaps)),
+        and not (finding.strained or find_worse_forecasts(finding.gaps)),
     )
 
 

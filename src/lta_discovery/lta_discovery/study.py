@@ -50,7 +50,7 @@ class StudyFlight:
 
 @final
 @dataclass(frozen=True, slots=True)
-class StudyComparison:
+class ThreeModelComparison:
     """
     One flight under three models; a held-out flight took no part in their fit.
 
@@ -80,7 +80,7 @@ class DiscoveryStudy:
         Texts and numbers.
     nominal, learned : NominalVehicle
         The vehicle of the file, and the same with the named effects.
-    shown : sequence of StudyComparison
+    shown : sequence of ThreeModelComparison
         The held-out flights, or the confirming ones where there are none.
     bare : sequence of FlightFit
         Training flights, then confirming ones, with fitted tolerances and no new effect.
@@ -95,7 +95,7 @@ class DiscoveryStudy:
     nominal: NominalVehicle
     learned: NominalVehicle
     flights: Sequence[StudyFlight]
-    shown: Sequence[StudyComparison]
+    shown: Sequence[ThreeModelComparison]
     bare: Sequence[FlightFit] = ()
     full: Sequence[FlightFit] = ()
     refitted: NominalVehicle | None = None
@@ -167,7 +167,7 @@ def study_flights(
         draught=rest.draught,
         strained=tuple(strained),
     )
-    seen = [StudyComparison(f, *each) for f, each in zip(last, models, strict=True)]
+    seen = [ThreeModelComparison(f, *each) for f, each in zip(last, models, strict=True)]
     tell('done', 1.0)
     after = apply_named_effects(nominal, proven, known, finding.effects)
     fits = proven.bare.members, proven.full.members

@@ -273,7 +273,7 @@ def write_files(spec: FlightSpec, folder: Path) -> dict[str, str]:
     return names
 
 
-def to_cli_args(values: Mapping[str, Any]) -> Iterable[str]:
+def to_set_args(values: Mapping[str, Any]) -> Iterable[str]:
     """Return replaced parameters as arguments of `lta simulate --set`."""
     for path, value in values.items():
         found = parse_quantity(value)

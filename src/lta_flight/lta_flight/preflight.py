@@ -38,7 +38,7 @@ def check_plan(plan: LaunchPlan) -> None:
         if process.package.startswith(OURS):
             for given in split_by_robot(parse_parameters(process.arguments)):
                 check_parameters(given, controls=process.executable == CONTROLLER)
-    check_plan_listening(plan)
+    check_launched_demodulators(plan)
 
 
 def check_parameters(values: Mapping[str, object], controls: bool) -> None:
@@ -75,7 +75,7 @@ def check_parameters(values: Mapping[str, object], controls: bool) -> None:
         )
 
 
-def check_plan_listening(plan: LaunchPlan) -> None:
+def check_launched_demodulators(plan: LaunchPlan) -> None:
     """Reject a scene whose lamp the demodulator of the same robot does not search for."""
     ours = {
         (process.namespace, process.executable): process.arguments

@@ -56,7 +56,7 @@ class Peers:
         """Return whether a robot has sent a pulse."""
         return name in self._newest
 
-    def launch_time(self, own_ns: int) -> int:
+    def common_time(self, own_ns: int) -> int:
         """Return the common time after the own robot has stopped; it never decreases. [ns]"""
         others = [self._newest.get(name, self._start_ns) for name in self._flying]
         return max(own_ns, min(others, default=own_ns))

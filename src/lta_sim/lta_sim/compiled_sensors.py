@@ -67,7 +67,7 @@ def round_to_step(value: float, step: float) -> float:
     return ((value / step + WHOLE) - WHOLE) * step
 
 
-def draw_spread(seed: int, lane: int) -> tuple[float, float]:
+def draw_symmetric_pair(seed: int, lane: int) -> tuple[float, float]:
     """Return two numbers uniform between -1 and 1, constant during a flight."""
     # From 0..1 to -1..1
     a, b = draw_uniforms(seed, ERRORS, 0, lane)
@@ -76,9 +76,9 @@ def draw_spread(seed: int, lane: int) -> tuple[float, float]:
 
 def draw_six(bound: Six, seed: int, lane: int) -> Six:
     """Return six numbers uniform within plus or minus the given bounds."""
-    a, b = draw_spread(seed, lane)
-    c, d = draw_spread(seed, lane + 1)
-    e, f = draw_spread(seed, lane + 2)
+    a, b = draw_symmetric_pair(seed, lane)
+    c, d = draw_symmetric_pair(seed, lane + 1)
+    e, f = draw_symmetric_pair(seed, lane + 2)
     return (
         bound[0] * a, bound[1] * b, bound[2] * c, bound[3] * d, bound[4] * e, bound[5] * f,
     )  # fmt: skip
@@ -90,8 +90,8 @@ def draw_errors(sensors: SensorDatasheets, seed: int) -> SensorErrors:
     # Each `draw_six` uses three lanes: gains 0 to 2, offsets 3 to 5, then one lane per scalar pair
     g = draw_six(imu.gain, seed, 0)
     gain = (1.0 + g[0], 1.0 + g[1], 1.0 + g[2], 1.0 + g[3], 1.0 + g[4], 1.0 + g[5])
-    offset, drift = draw_spread(seed, 6)
-    near, _ = draw_spread(seed, 7)
+    offset, drift = draw_symmetric_pair(seed, 6)
+    near, _ = draw_symmetric_pair(seed, 7)
     return SensorErrors(
         ImuAxes(gain, draw_six(imu.offset, seed, 3), imu.noise, imu.step, imu.full_scale),
         sensors.range_offset * near,

@@ -4,7 +4,7 @@ from pathlib import Path
 import subprocess
 
 from lta_bridge import provenance as origin
-from lta_bridge.provenance import collect_provenance, extract_robot_origin, merge_origins
+from lta_bridge.provenance import collect_provenance, extract_robot_origin, merge_provenance
 from lta_config.errors import BadInput
 from lta_config.files import share_folder
 import pytest
@@ -36,7 +36,7 @@ def test_of_several_robots_each_gets_its_own_origin_back():
     shared = {'scenario': 'room', 'scenario_file': 'a: 1', 'commit': 'abc'}
     first = {**shared, 'seed': '1', 'vehicle': 'gtmab', 'created': '10:00'}
     second = {**shared, 'seed': '2', 'vehicle': 'gtmab', 'created': '10:01', 'offset_y': '-2.0'}
-    told = merge_origins({'lta1': first, 'lta2': second})
+    told = merge_provenance({'lta1': first, 'lta2': second})
     assert told == {
         **shared,
         'robots': 'lta1 lta2',

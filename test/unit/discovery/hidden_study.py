@@ -19,7 +19,7 @@ from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.replay.linearized_flight import build_origin, LinearizationPoint
 from lta_discovery.replay.linearizer import FlightLinearizer
-from lta_discovery.study import DiscoveryStudy, StudyComparison, StudyFlight
+from lta_discovery.study import DiscoveryStudy, StudyFlight, ThreeModelComparison
 
 from .hidden_flight import flown, prepared
 
@@ -61,7 +61,7 @@ def carried(
     return replace(build_origin(after, knobs, flight.replay.cut), values=within)
 
 
-def gaps_of(shown: StudyComparison) -> tuple[PredictionGap, ...]:
+def gaps_of(shown: ThreeModelComparison) -> tuple[PredictionGap, ...]:
     """Return the gaps of one flight, as `compute_prediction_errors` has them."""
     three = [
         compute_prediction_errors(shown.flown.flight, point)
@@ -99,7 +99,7 @@ def study(
     plain, full = (fitted(known, flights[0], chosen) for chosen in ((), names))
     last = flights[2]
     start = build_origin(nominal, knobs, last.replay.cut)
-    shown = StudyComparison(
+    shown = ThreeModelComparison(
         named[2], start, carried(known, last, plain), carried(known, last, full)
     )
     finding = DiscoveryFinding(

@@ -28,18 +28,18 @@ def test_who_is_ahead_waits_by_hand():
 def test_who_has_no_peers_never_waits():
     alone = Peers([], START, LEAD)
     assert alone.find_lagging(START + 10**6 * LEAD) == []
-    assert alone.launch_time(START) == START
+    assert alone.common_time(START) == START
 
 
 def test_the_time_goes_on_with_the_last_that_flies():
     peers = Peers(['lta2', 'lta3'], START, LEAD)
     peers.record_pulse('lta2', START + 3 * S)
     peers.record_pulse('lta3', START + 5 * S)
-    assert peers.launch_time(START + 4 * S) == START + 4 * S
+    assert peers.common_time(START + 4 * S) == START + 4 * S
     peers.mark_ended('lta2')
-    assert peers.launch_time(START + 4 * S) == START + 5 * S
+    assert peers.common_time(START + 4 * S) == START + 5 * S
     peers.mark_ended('lta3')
-    assert peers.launch_time(START + 4 * S) == START + 4 * S
+    assert peers.common_time(START + 4 * S) == START + 4 * S
 
 
 @given(st.integers(2, 4), st.randoms(use_true_random=False), st.lists(st.integers(1, 60)))

@@ -32,7 +32,7 @@ from lta_bridge.intake import MessageIntake
 from lta_bridge.messages import parse_statuses, to_offered_qos
 from lta_bridge.playback.origin import build_replay_origin
 from lta_bridge.playback.recording import open_recording
-from lta_bridge.provenance import merge_origins
+from lta_bridge.provenance import merge_provenance
 from lta_bridge.recorder_settings import RecorderSettings, RobotOrigin
 from lta_bridge.snapshots import SnapshotScheduler
 from lta_config.bounded_memory import limit_memory
@@ -149,7 +149,7 @@ class Recorder(GraphNode):
             name: item.to_provenance(lockstep=lockstep)
             for name, item in declare_origins(self, robots).items()
         }
-        origin = merge_origins(each) if each else told.to_provenance(lockstep=lockstep)
+        origin = merge_provenance(each) if each else told.to_provenance(lockstep=lockstep)
         if told.replay and self.get_parameter('source').value == 'replay':
             own = self.get_namespace().strip('/')
             # A damaged bag may declare huge sizes

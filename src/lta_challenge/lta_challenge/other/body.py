@@ -133,7 +133,7 @@ class KirchhoffBody:
                     sums[k] += each
         return sums[0], sums[1], sums[2]
 
-    def _weight_wrench(self, up: Triple, time: float) -> Six:
+    def _restoring_wrench(self, up: Triple, time: float) -> Six:
         """Return the wrench of weight (at the CG), buoyancy and lift (at the hull centre)."""
         t = self.truth
         weight = t.mass * GRAVITY
@@ -198,7 +198,7 @@ class KirchhoffBody:
         w = (state[10], state[11], state[12])
         v = to_body(r, state[3] - air[0], state[4] - air[1], state[5] - air[2])
         parts = (
-            push, self.drag_wrench(v, w), self._weight_wrench((r[6], r[7], r[8]), time),
+            push, self.drag_wrench(v, w), self._restoring_wrench((r[6], r[7], r[8]), time),
             self._rotating_frame_wrench(v, w), self._gust_wrench(r, air),
         )  # fmt: skip
         a, b, c, d, e, f = map(sum, zip(*parts, strict=True))

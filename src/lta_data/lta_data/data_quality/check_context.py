@@ -37,7 +37,7 @@ class CheckContext:
         return collect_inertials(self.recording.channels)
 
     @cached_property
-    def adc_maximum(self) -> float | None:
+    def adc_full_scale(self) -> float | None:
         """Largest reading of the diodes' ADC; None without a vehicle file. [counts]"""
         try:
             vehicle = parse_provenance_file(VehicleFile, self.recording.provenance, 'vehicle_file')

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Deviations of an initial state from `estimate_state`: m, rad, m/s, rad/s.
+# Deviations of an initial state from `fit_state_at`: m, rad, m/s, rad/s.
 STATE: Final = np.array([0.02] * 3 + [0.035] * 3 + [0.08] * 3 + [0.08] * 3)
 PIECE_PRESSURE: Final = 0.6  # Pa; 5 cm of air
 OWN: Final = np.array(

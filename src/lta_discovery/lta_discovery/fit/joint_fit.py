@@ -178,7 +178,7 @@ class JointFitter:
         # Per-flight parameters are free even where the shared prior fixes them
         free = None if prior is None else prior.free | (self.variance > 0.0)
 
-        def build_reducer(one: tuple[FlightLinearizer, LinearizationPoint]) -> PieceReducer:
+        def reduce_flight(one: tuple[FlightLinearizer, LinearizationPoint]) -> PieceReducer:
             flight, point = one
             with np.errstate(over='ignore', invalid='ignore'):
                 linear = flight.linearize(point, free)
@@ -190,7 +190,7 @@ class JointFitter:
                 raise BadInput(RAN_AWAY) from None
 
         both = list(zip(self.flights, points, strict=True))
-        return LinearizedGroup(tuple(map_parallel(build_reducer, both)), at, self.variance)
+        return LinearizedGroup(tuple(map_parallel(reduce_flight, both)), at, self.variance)
 
     def fit(
         self,

@@ -63,7 +63,7 @@ def find_usable_runs(usable: NDArray[np.bool_]) -> list[tuple[int, int]]:
     return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
 
 
-def estimate_state(flight: MeasuredFlight, index: int, shift: float = 0.0) -> Array | None:
+def fit_state_at(flight: MeasuredFlight, index: int, shift: float = 0.0) -> Array | None:
     """
     Estimate the state at a grid point by a cubic fit to the poses around it.
 
@@ -116,7 +116,7 @@ def cut_windows(
     apart = _piece_spacing(runs, count, shortest)
     for begin, end in runs:
         for index in range(begin, end - shortest, apart):
-            state = estimate_state(flight, index, shift)
+            state = fit_state_at(flight, index, shift)
             if state is not None:
                 first.append(index)
                 start.append(state)

@@ -10,7 +10,7 @@ WHOLE: Final = ('position', 'attitude')
 WORSE: Final = 1.1
 
 
-def find_worse_gaps(gaps: Sequence[PredictionGap]) -> list[PredictionGap]:
+def find_worse_forecasts(gaps: Sequence[PredictionGap]) -> list[PredictionGap]:
     """Return the pose errors that are significantly larger than with the vehicle file."""
     return [gap for gap in _select_pose(gaps) if gap.shrink_ci95[1] < 0.0]
 
@@ -23,7 +23,7 @@ def should_keep_file(gaps: Sequence[PredictionGap]) -> bool:
     and none is significantly better. At 1 s the error of the initial velocity dominates that of
     the model, so this horizon alone decides nothing.
     """
-    lost = find_worse_gaps(gaps)
+    lost = find_worse_forecasts(gaps)
     won = any(gap.shrink_ci95[0] > 0.0 for gap in _select_pose(gaps))
     return any(gap in lost for gap in _select_furthest(gaps, WHOLE[:1])) or bool(lost and not won)
 
@@ -35,7 +35,7 @@ def find_vain_gaps(gaps: Sequence[PredictionGap]) -> list[PredictionGap]:
 
 def list_forecast_warnings(gaps: Sequence[PredictionGap]) -> list[str]:
     """Return warnings about fits or names that worsen forecasts, and about useless models."""
-    lost, vain = find_worse_gaps(gaps), find_vain_gaps(gaps)
+    lost, vain = find_worse_forecasts(gaps), find_vain_gaps(gaps)
     idle = [gap for gap in _select_pose(gaps) if gap.coast < min(gap.before, gap.tuned, gap.after)]
     out = []
     if should_keep_file(gaps):

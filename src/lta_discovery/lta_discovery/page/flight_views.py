@@ -73,7 +73,7 @@ def list_fit_flights(study: DiscoveryStudy) -> list[tuple[StudyFlight, FlightFit
 def build_flight_views(study: DiscoveryStudy) -> list[StudyFlightView]:
     """Replay all flights: shown flights with the models of the finding, the others as fitted."""
     points = {
-        id(flown.flight): (_build_plain_point(study.nominal, flown.flight), fit.linear.point)
+        id(flown.flight): (_build_nominal_point(study.nominal, flown.flight), fit.linear.point)
         for flown, fit in list_fit_flights(study)
     }
     points |= {id(each.flown.flight): (each.before, each.after) for each in study.shown}
@@ -82,8 +82,8 @@ def build_flight_views(study: DiscoveryStudy) -> list[StudyFlightView]:
     for flown in study.flights:
         flight = flown.flight
         plain = (
-            _build_plain_point(study.nominal, flight),
-            _build_plain_point(study.learned, flight),
+            _build_nominal_point(study.nominal, flight),
+            _build_nominal_point(study.learned, flight),
         )
         before, after = points.get(id(flight), plain)
         both = predict_flight(flight, before), predict_flight(flight, after)
@@ -92,7 +92,7 @@ def build_flight_views(study: DiscoveryStudy) -> list[StudyFlightView]:
     return out
 
 
-def _build_plain_point(nominal: NominalVehicle, flight: FlightLinearizer) -> LinearizationPoint:
+def _build_nominal_point(nominal: NominalVehicle, flight: FlightLinearizer) -> LinearizationPoint:
     """Return the linearization point of a vehicle without parameters fitted to this flight."""
     return build_origin(nominal, flight.knobs, flight.replay.cut)
 

@@ -73,7 +73,7 @@ class DerivedClasses:
         """Unobservable effects."""
         return [name for name, s in zip(self.names, self.reach, strict=True) if s < SEEN]
 
-    def list_classes(self) -> list[list[str]]:
+    def list_equivalence_classes(self) -> list[list[str]]:
         """Return the classes of equivalent effects with more than one member."""
         seen = np.flatnonzero(self.reach >= SEEN)
         if len(seen) < 2:

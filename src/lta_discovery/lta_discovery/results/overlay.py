@@ -19,7 +19,7 @@ from lta_discovery.replay.linearizer import FlightLinearizer
 from lta_discovery.replay.replay import STEPS
 from lta_discovery.replay.sensing import predict_readings
 from lta_discovery.results.messages import build_offset_message, build_pose_message, SECOND
-from lta_discovery.study import StudyComparison
+from lta_discovery.study import ThreeModelComparison
 import numpy as np
 from numpy.typing import NDArray
 
@@ -39,7 +39,7 @@ Row = tuple[int, str, Any]
 
 
 def write_overlay(
-    comparisons: Sequence[StudyComparison], folder: Path, origin: Mapping[str, str]
+    comparisons: Sequence[ThreeModelComparison], folder: Path, origin: Mapping[str, str]
 ) -> Path:
     """Write the overlay bag and return its file."""
     bag = folder / NAME
@@ -92,7 +92,7 @@ def predict_tracker_states(flight: FlightLinearizer, point: LinearizationPoint) 
     return np.concatenate([seen.position, seen.quaternion, states[:, :-1, 7:13]], axis=-1)
 
 
-def _list_messages(one: StudyComparison, place: str) -> list[Row]:
+def _list_messages(one: ThreeModelComparison, place: str) -> list[Row]:
     """Return the messages of one flight with their times and topics."""
     flight = one.flown.flight
     measured = flight.replay.flight

@@ -16,7 +16,7 @@ from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.forecast.forecast_fit import ForecastFitter
 from lta_discovery.replay.linearized_flight import LinearizationPoint, SENSORS, zero_unknowns
 from lta_discovery.replay.linearizer import FlightLinearizer
-from lta_discovery.study import DiscoveryStudy, StudyComparison, StudyFlight
+from lta_discovery.study import DiscoveryStudy, StudyFlight, ThreeModelComparison
 from lta_discovery.transfer.candidate_groups import CandidateGroup, list_groups
 from lta_discovery.transfer.confirmation import confirm_groups
 from lta_discovery.transfer.cross_validation import (
@@ -269,7 +269,7 @@ def _add_gaps(
 
 def _compare_models(
     study: DiscoveryStudy, study_flight: StudyFlight, models: Mapping[str, Array]
-) -> StudyComparison:
+) -> ThreeModelComparison:
     """Return a flight under each model."""
     flight = study_flight.flight
     none = zero_unknowns(flight.replay.cut)
@@ -277,4 +277,4 @@ def _compare_models(
     for kind in ('before', 'tuned', 'after'):
         nominal, values = apply_parameters(study.nominal, flight.knobs, models[kind])
         points.append(LinearizationPoint(nominal, np.append(values, np.zeros(len(SENSORS))), none))
-    return StudyComparison(study_flight, *points)
+    return ThreeModelComparison(study_flight, *points)

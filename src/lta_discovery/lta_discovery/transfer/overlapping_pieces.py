@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
-from lta_discovery.flights.windows import estimate_state, find_usable_runs, Windows
+from lta_discovery.flights.windows import find_usable_runs, fit_state_at, Windows
 from lta_discovery.forecast.horizon_errors import HORIZONS
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.replay.linearizer import FlightLinearizer
@@ -20,7 +20,7 @@ def cut_overlapping_windows(flight: MeasuredFlight, apart: float = APART) -> Win
     first, start = [], []
     for begin, end in find_usable_runs(flight.usable):
         for index in range(begin, end - count, round(apart / PERIOD)):
-            state = estimate_state(flight, index)
+            state = fit_state_at(flight, index)
             if state is not None:
                 first.append(index)
                 start.append(state)

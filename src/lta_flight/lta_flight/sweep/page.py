@@ -10,7 +10,7 @@ from typing import final
 
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.schema.sweep_file import Distribution
-from lta_flight.flight_spec import to_cli_args
+from lta_flight.flight_spec import to_set_args
 from lta_flight.sweep.heat_map import find_map_parameters, plot_heat_map
 from lta_flight.sweep.job_runner import FAILED, SweepRow
 from lta_flight.sweep.pictures import MEASURES, plot_by_parameter, plot_outcomes, plot_spread
@@ -197,7 +197,7 @@ def format_repeat_command(plan: SweepPlan, index: int) -> str:
     job = plan.build_job(index)
     spec = plan.base.with_values(job.changes)
     names = spec.names
-    changes = [word for text in to_cli_args(spec.replaced) for word in ('--set', text)]
+    changes = [word for text in to_set_args(spec.replaced) for word in ('--set', text)]
     return format_lta_command(
         'simulate', '--vehicle', names['vehicle'], '--scenario', names['scenario'], '--strategy',
         spec.strategy, '--gains', names['gains'], '--seed', str(job.seed), *changes,

@@ -94,9 +94,9 @@ class PeerListener:
         # A robot without a pulse may still load; the launcher reports it if it is silent
         return [robot_topic(name, PULSE) for name in self._held if self._peers.has_started(name)]
 
-    def launch_time(self, own_ns: int) -> int:
+    def common_time(self, own_ns: int) -> int:
         """Return the common time of the launch after the own robot has stopped. [ns]"""
-        return self._peers.launch_time(own_ns)
+        return self._peers.common_time(own_ns)
 
     def _build_pulse_callback(self, name: str) -> Callable[[Any], None]:
         def record_pulse(message: Any) -> None:  # noqa: ANN401 - whatever the pulse is made of

@@ -56,7 +56,7 @@ def drag_force(model: TunnelModel, axis: int, speed: float, air: tuple[float, fl
     hull = hull_drag_coefficient(
         float(sizes[axis]), across, speed, viscosity
     ) * model.frontal_area(axis)
-    boxes = sum(PLATE * area for area in _box_areas(model, axis).values())
+    boxes = sum(PLATE * area for area in _frontal_areas(model, axis).values())
     return 0.5 * density * speed**2 * (hull + boxes)
 
 
@@ -79,7 +79,7 @@ def damping_moment(model: TunnelModel, axis: int, rate: float, air: tuple[float,
     return moment + _box_damping(model, axis, density) * rate**2
 
 
-def _box_areas(model: TunnelModel, axis: int) -> Mapping[str, float]:
+def _frontal_areas(model: TunnelModel, axis: int) -> Mapping[str, float]:
     """Return the frontal area of each box along an axis. [m2]."""
     return {
         name: float(np.prod(np.delete(mesh.extents, axis)))

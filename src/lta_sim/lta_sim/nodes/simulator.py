@@ -128,7 +128,7 @@ class Simulator(GraphNode):
             if self.lockstep and self._peers.is_waiting:
                 self._fly_step()
         elif self._peers.has_active_peers:
-            self._publish_clock(self._peers.launch_time(self._world.stamp_ns))
+            self._publish_clock(self._peers.common_time(self._world.stamp_ns))
         else:
             self.running = False
 

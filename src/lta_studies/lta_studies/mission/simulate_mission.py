@@ -26,7 +26,7 @@ def build_schedule(name: str, mission: MissionFile) -> Schedule:
     )
 
 
-def build_perch_config(mission: MissionFile, scenes: MissionScene, seed: int) -> PerchConfig:
+def build_perch_power_config(mission: MissionFile, scenes: MissionScene, seed: int) -> PerchConfig:
     """Return the configuration on the perch, with meter errors drawn from the seed."""
     vehicle = scenes.vehicle
     meter = draw_errors(
@@ -61,7 +61,7 @@ def build_simulation(
 ) -> tuple[MissionSimulation, IrradianceSeries]:
     """Return a simulation before its start, and its light."""
     light = simulate_irradiance(day, days, seed)
-    upkeep = build_perch_config(mission, scenes, seed)
+    upkeep = build_perch_power_config(mission, scenes, seed)
     flyer = MissionFlyer(mission, scenes, light, seed, upkeep.gain, upkeep.offset)
     simulation = MissionSimulation(
         upkeep,

@@ -8,7 +8,7 @@ from typing import Any, final
 
 from lta_config.command_line import format_lta_command
 from lta_config.schema.sweep_file import SweepSeeds
-from lta_flight.flight_spec import to_cli_args
+from lta_flight.flight_spec import to_set_args
 from lta_flight.simulate import simulate_once, SimulationRequest
 from lta_flight.sweep.plan import SweepPlan
 from lta_flight.sweep.statistics import ShareInterval
@@ -135,7 +135,7 @@ def build_request(
     strategy = str(changes.pop(STRATEGY))
     return SimulationRequest(
         base.names['vehicle'], base.names['scenario'], strategy, base.names['gains'], seed,
-        tuple(to_cli_args(changes)), out,
+        tuple(to_set_args(changes)), out,
     )  # fmt: skip
 
 

@@ -40,7 +40,7 @@ from lta_discovery.replay.linearizer import FlightLinearizer
 from lta_discovery.selection.acceptance import CandidateTrial
 from lta_discovery.selection.candidate_scan import CandidateScore, scan_candidates
 from lta_discovery.selection.detection_limit import compute_detection_limits, DetectionLimit
-from lta_discovery.study import DiscoveryStudy, StudyComparison
+from lta_discovery.study import DiscoveryStudy, ThreeModelComparison
 from lta_discovery.unmodeled.draught import DraughtFinding
 from lta_discovery.unmodeled.remainders import Remainder
 from lta_model.effects import EFFECTS
@@ -258,7 +258,7 @@ def test_a_study_without_held_out_flights_says_so(found: DiscoveryStudy, tmp_pat
 
 def test_several_flights_can_be_chosen(found: DiscoveryStudy, tmp_path: Path) -> None:
     shown = [
-        StudyComparison(
+        ThreeModelComparison(
             one,
             *(build_origin(n, one.flight.knobs, one.flight.replay.cut) for n in
               (found.nominal, found.nominal, found.learned)),

@@ -51,7 +51,7 @@ def test_two_equal_columns_are_one_name_and_a_third_is_not() -> None:
     assert pairs.compare_pair(0, 1).cosine == pytest.approx(1.0)
     assert pairs.compare_pair(0, 2).cosine == pytest.approx(0.8)  # (3, 4) and (0, 5)
     found = compare_candidates(pairs, pairs)
-    assert found.list_classes() == [['a', 'b']]
+    assert found.list_equivalence_classes() == [['a', 'b']]
     assert found.reach == pytest.approx([5.0, 10.0, 5.0])
 
 

@@ -8,7 +8,7 @@ from lta_config.files import find_file
 from lta_config.parameter_override import parse_assignment
 from lta_config.schema.sweep_file import Distribution, load_sweep, SweepFile
 from lta_config.validation_errors import format_error
-from lta_flight.flight_spec import build_loop, load_spec, to_cli_args
+from lta_flight.flight_spec import build_loop, load_spec, to_set_args
 from lta_flight.sweep.plan import convert_to_si, SweepPlan
 from lta_flight.sweep.sampling import draw_value
 import numpy as np
@@ -221,7 +221,7 @@ def test_a_flight_is_told_so_that_it_is_flown_again_to_the_last_bit():
     how = Distribution.model_validate({'uniform': {'low': '1 g', 'high': '3 g'}})
     values = {HEAVY: draw_value(how, HEAVY, 1, 0), 'gains.heading_kp': 0.1 + 0.2}
     values['scenario.air.wind'] = {'value': [0.1, 0.0, -1e-5], 'unit': 'm/s'}
-    again = dict(map(parse_assignment, to_cli_args(values)))
+    again = dict(map(parse_assignment, to_set_args(values)))
     one, two = (build_loop(made_of.with_values(each), 1) for each in (values, again))
     assert one.policy.gains == two.policy.gains
     assert one.world.scenario == two.world.scenario

@@ -17,7 +17,7 @@ from lta_studies.light.plan.mounts import list_mounts
 from lta_studies.light.plan.polygon import (
     distance_to_edges,
     find_flaw,
-    is_inside,
+    points_in_polygon,
     polygon_edges,
     signed_area,
 )
@@ -175,7 +175,7 @@ def test_polygons_by_hand():
     assert signed_area(shape) == 6.0
     assert signed_area(shape[::-1]) == -6.0
     points = np.array([[0.5, 2.0], [2.0, 2.0], [3.0, 0.5], [-1.0, 0.5]])
-    assert is_inside(points, shape).tolist() == [True, False, True, False]
+    assert points_in_polygon(points, shape).tolist() == [True, False, True, False]
     assert distance_to_edges(points, polygon_edges(shape)) == pytest.approx([0.5, 1.0, 0.5, 1.0])
     assert find_flaw(shape) is None
 

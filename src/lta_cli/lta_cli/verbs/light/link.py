@@ -13,7 +13,7 @@ from lta_config.command_line import format_lta_command, relative_path
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_report.results_folder import format_page_line, resolve_folder, write_json
-from lta_studies.light.link.link_budget import compute_link, LampLink
+from lta_studies.light.link.link_budget import LampLink, simulate_lamp_link
 from lta_studies.light.link.page import format_row, HEADS, write_page
 from rich.console import Console
 from rich.progress import track
@@ -68,7 +68,9 @@ def link(
     read = [load_scenario(name) for name in scenes]
     target = prepare_empty_folder(resolve_folder(out, 'link'))
     found = [
-        compute_link(load_vehicle(vehicle, each.air.density), each, distances, altitude, blocks)
+        simulate_lamp_link(
+            load_vehicle(vehicle, each.air.density), each, distances, altitude, blocks
+        )
         # The density of the scene's air belongs to the vehicle model
         for each in track(read, 'light link', console=console, transient=True)
     ]

@@ -36,7 +36,7 @@ def find_clipping(evidence: CheckContext) -> CheckVerdict:
             found += find_railed_blocks(channel, evidence)
     lit = any(channel.topic == ADC for channel in evidence.recording.channels.values())
     return CheckVerdict(
-        tuple(found), (UNKNOWN_TOP,) if lit and evidence.adc_maximum is None else ()
+        tuple(found), (UNKNOWN_TOP,) if lit and evidence.adc_full_scale is None else ()
     )
 
 
@@ -78,7 +78,7 @@ def find_pileups(
 def find_railed_blocks(channel: SignalChannel, evidence: CheckContext) -> Iterator[QualityFinding]:
     """Yield the span in which blocks of one diode reach a limit of the ADC."""
     # Counts; the lower limit of a single-ended ADC is zero
-    end = evidence.adc_maximum if channel.field.startswith('max[') else 0.0
+    end = evidence.adc_full_scale if channel.field.startswith('max[') else 0.0
     if end is None:
         return
     at = channel.values == end

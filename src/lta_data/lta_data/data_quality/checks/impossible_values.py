@@ -24,7 +24,7 @@ def find_impossible_values(evidence: CheckContext) -> CheckVerdict:
     """Find values outside the possible range of their quantity."""
     channels, limits = evidence.recording.channels, evidence.limits
     found: list[QualityFinding] = []
-    ranges = (*RANGES, *build_light_ranges(evidence.adc_maximum))
+    ranges = (*RANGES, *build_light_ranges(evidence.adc_full_scale))
     for channel in channels.values():
         found += find_out_of_range(channel, ranges)
         found += find_non_numbers(channel)

@@ -69,7 +69,7 @@ def compute_air_motion(p: Values, memory: Values, place: AirEffectInput) -> Wren
     return (c * head - s * side, s * head + c * side, w, 0.0, 0.0, 0.0)
 
 
-def filter_rate(sigma: float, length: float, speed: float) -> float:
+def inverse_time_constant(sigma: float, length: float, speed: float) -> float:
     """Return 1 / T. [1/s]"""
     return max(speed, sigma) / length if length > 0.0 else 0.0
 
@@ -83,9 +83,9 @@ def compute_memory_rate(p: Values, memory: Values, place: AirEffectInput) -> Val
     w = place.velocity[2] - place.wind[2]
     speed = math.sqrt(u * u + v * v + w * w)
     a, b, c = (
-        filter_rate(along, along_length, speed),
-        filter_rate(across, across_length, speed),
-        filter_rate(up, up_length, speed),
+        inverse_time_constant(along, along_length, speed),
+        inverse_time_constant(across, across_length, speed),
+        inverse_time_constant(up, up_length, speed),
     )
     noise = place.surroundings
     return (

@@ -18,7 +18,7 @@ from lta_studies.energy.mounting.panel_light import (
     PanelLightShares,
 )
 from lta_studies.energy.mounting.release import Release, simulate_release, tilt_growth_rate
-from lta_studies.energy.mounting.straight_flight import fly_straight, StraightFlight
+from lta_studies.energy.mounting.straight_flight import fly_straight, StraightFlightResult
 from lta_vehicle.figures.pendulum import compute_pendulum_mode, PendulumMode
 
 TILT = math.radians(5.0)  # at the release
@@ -40,7 +40,7 @@ class MountTrial:
         Analytical swing, linearised at 5 degrees.
     release : Release
         Simulated release at 5 degrees.
-    flights : sequence of StraightFlight
+    flights : sequence of StraightFlightResult
         One flight per seed.
 
     """
@@ -48,7 +48,7 @@ class MountTrial:
     fitted: MountedVehicle
     swing: PendulumMode
     release: Release
-    flights: Sequence[StraightFlight]
+    flights: Sequence[StraightFlightResult]
 
     @property
     def misplacement(self) -> float:

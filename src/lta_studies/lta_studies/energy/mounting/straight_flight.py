@@ -26,7 +26,7 @@ SCENE = 'hall'
 
 @final
 @dataclass(frozen=True, slots=True)
-class StraightFlight:
+class StraightFlightResult:
     """
     Result of a flight.
 
@@ -76,21 +76,21 @@ def prepare_flight(mounted: MountedVehicle, gains: str, seed: int) -> ClosedLoop
     return build_loop(replace(made_of, contents=contents), setpoint_at, seed)
 
 
-def fly_straight(mounted: MountedVehicle, gains: str, seed: int) -> StraightFlight:
+def fly_straight(mounted: MountedVehicle, gains: str, seed: int) -> StraightFlightResult:
     """Fly once and evaluate; gains '' are the vehicle's own."""
     return evaluate_flight(
         mounted, fly_until(prepare_flight(mounted, gains, seed), stop_after(END))
     )
 
 
-def evaluate_flight(mounted: MountedVehicle, track: FlightTrack) -> StraightFlight:
+def evaluate_flight(mounted: MountedVehicle, track: FlightTrack) -> StraightFlightResult:
     """Evaluate a flight."""
     loads = mounted.vehicle.loads
     steady = loads.idle + loads.transmitting
     rising, way = track.crop(LIFT_OFF, AWAY), track.crop(AWAY, END)
     # The last 10 s before departure: steady hover, the climb has settled.
     before = track.crop(AWAY - 10.0, AWAY)
-    return StraightFlight(
+    return StraightFlightResult(
         swing=float(np.abs(rising.pitch - rising.pitch.mean()).max()),
         # Pitch is nose up, the lean nose down.
         lean=-float(way.pitch.mean()),
@@ -112,7 +112,7 @@ class SeedSpread:
     off: float
 
 
-def average_over_seeds(flights: Sequence[StraightFlight], name: str) -> SeedSpread:
+def average_over_seeds(flights: Sequence[StraightFlightResult], name: str) -> SeedSpread:
     """Return mean and spread of an attribute over several flights."""
     values = [float(getattr(each, name)) for each in flights]
     mean = math.fsum(values) / len(values)

@@ -76,7 +76,7 @@ class LampLink:
     at: tuple[LinkPoint, ...]
 
 
-def compute_link(
+def simulate_lamp_link(
     vehicle: Vehicle, scenario: Scenario, distances: Sequence[float], altitude: float, blocks: int
 ) -> LampLink:
     """

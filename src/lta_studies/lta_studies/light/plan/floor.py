@@ -15,8 +15,8 @@ from lta_studies.light.plan.floor_plan import FloorPlan
 from lta_studies.light.plan.polygon import (
     Array,
     distance_to_edges,
-    is_inside,
     Mask,
+    points_in_polygon,
     polygon_edges,
     signed_area,
 )
@@ -101,7 +101,7 @@ def build_floor(plan: FloorPlan, vehicle: Vehicle, cell: float) -> FloorGrid:
         )
     x, y = (low[k] + (np.arange(counts[k]) + 0.5) * cell for k in (0, 1))
     points = np.stack(np.meshgrid(x, y), axis=-1)
-    free = is_inside(points, corners)
+    free = points_in_polygon(points, corners)
     radius, lowest = hull_radius(vehicle), plan.altitude.si - vehicle.height_on_floor
     in_the_way = [polygon_edges(corners)]
     walls = [_wall_faces(corners, plan.height.si)]
@@ -110,13 +110,15 @@ def build_floor(plan: FloorPlan, vehicle: Vehicle, cell: float) -> FloorGrid:
             walls.append(_wall_faces(footprint, obstacle.height.si))
             # The drone flies over lower obstacles; as walls they still shade the light.
             if obstacle.height.si > lowest:
-                free &= ~is_inside(points, footprint)
+                free &= ~points_in_polygon(points, footprint)
                 in_the_way.append(polygon_edges(footprint))
     # The hull is a disk, so it fits at any heading.
     free &= distance_to_edges(points, np.vstack(in_the_way)) >= radius
     wanted = free
     if plan.hear:
-        wanted = free & np.any([is_inside(points, a.corners) for a in plan.hear.values()], axis=0)
+        wanted = free & np.any(
+            [points_in_polygon(points, a.corners) for a in plan.hear.values()], axis=0
+        )
     if not wanted.any():
         raise BadInput(
             f'{vehicle.file.name}, {2 * radius:g} m wide, fits nowhere in the required area of '

@@ -17,7 +17,7 @@ from lta_studies.light.plan.polygon import (
     Array,
     distance_to_edges,
     find_flaw,
-    is_inside,
+    points_in_polygon,
     polygon_edges,
 )
 import numpy as np
@@ -157,7 +157,10 @@ class FloorPlan(StrictModel):
             place, corners = np.array([x, y]), self.outline.corners
             off = distance_to_edges(place, polygon_edges(corners))
             # A lamp may hang on a wall, where rounding decides whether it is inside.
-            if not (is_inside(place, corners) or off <= ON_WALL) or not 0.0 <= z <= ceiling:
+            if (
+                not (points_in_polygon(place, corners) or off <= ON_WALL)
+                or not 0.0 <= z <= ceiling
+            ):
                 raise ValueError(
                     f'has the lamp {name} at ({x:g}, {y:g}, {z:g}) m, outside the hall; correct '
                     'its position'

@@ -4,7 +4,13 @@ from typing import final, NamedTuple
 
 from lta_config.errors import BadInput
 from lta_studies.light.plan.floor_plan import FloorPlan
-from lta_studies.light.plan.polygon import Array, is_inside, Mask, polygon_edges, signed_area
+from lta_studies.light.plan.polygon import (
+    Array,
+    Mask,
+    points_in_polygon,
+    polygon_edges,
+    signed_area,
+)
 import numpy as np
 
 OFF = 0.05  # m between a wall and the lamp on it
@@ -123,13 +129,13 @@ def _place_along_sides(corners: Array, spacing: float, inwards: bool) -> tuple[A
 
 def _is_allowed(plan: FloorPlan, points: Array) -> Mask:
     """Return which points are in the hall, not forbidden and not inside an obstacle."""
-    allowed = is_inside(points, plan.outline.corners)
+    allowed = points_in_polygon(points, plan.outline.corners)
     for area in plan.forbidden.values():
-        allowed &= ~is_inside(points, area.corners)
+        allowed &= ~points_in_polygon(points, area.corners)
     for obstacle in plan.obstacles.values():
         if obstacle.height.si > plan.lamp.height.si:
             for footprint in obstacle.footprints:
-                allowed &= ~is_inside(points, footprint)
+                allowed &= ~points_in_polygon(points, footprint)
     return allowed
 
 

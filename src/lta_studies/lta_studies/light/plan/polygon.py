@@ -18,7 +18,7 @@ def signed_area(corners: Array) -> float:
     return float(0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
 
 
-def is_inside(points: Array, corners: Array) -> Mask:
+def points_in_polygon(points: Array, corners: Array) -> Mask:
     """Return which points (..., 2) are in a polygon (k, 2), by the even-odd rule."""
     x, y = points[..., 0], points[..., 1]
     odd = np.zeros(x.shape, dtype=bool)

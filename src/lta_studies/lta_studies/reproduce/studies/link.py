@@ -11,7 +11,12 @@ from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_report.drawing import create_figure
 from lta_report.palette import ESTIMATE, RAW, TRUTH
-from lta_studies.light.link.link_budget import compute_link, LampLink, LinkPoint, simulate_block
+from lta_studies.light.link.link_budget import (
+    LampLink,
+    LinkPoint,
+    simulate_block,
+    simulate_lamp_link,
+)
 from lta_studies.light.link.page import LUX, plot_lux, plot_snr, SNR
 from lta_studies.light.plan.floor import build_floor
 from lta_studies.light.plan.inputs import load_inputs
@@ -76,7 +81,7 @@ def measure_link(name: str, blocks: int) -> LampLink:
     """Compute the link budget of a scene."""
     scenario = load_scenario(name)
     vehicle = load_vehicle(VEHICLE, scenario.air.density)
-    return compute_link(vehicle, scenario, DISTANCES, ALTITUDE, blocks)
+    return simulate_lamp_link(vehicle, scenario, DISTANCES, ALTITUDE, blocks)
 
 
 def find_point(points: Sequence[LinkPoint], distance: float) -> LinkPoint:

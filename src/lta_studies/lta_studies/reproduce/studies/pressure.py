@@ -50,14 +50,14 @@ def measure_pressures(vehicle: Vehicle, disk_loading: float) -> dict[str, Measur
     found = {
         'flight_nose': MeasuredValue(high),
         'flight_side': MeasuredValue(low),
-        'jet_speed': MeasuredValue(dynamic_pressure_speed(disk_loading)),
+        'jet_speed': MeasuredValue(airspeed_from_dynamic_pressure(disk_loading)),
     }
     for platform, pressure in PAPER.items():
         found[f'{platform.lower().replace("-", "")}_pressure_speed'] = MeasuredValue(
-            dynamic_pressure_speed(pressure)
+            airspeed_from_dynamic_pressure(pressure)
         )
     # Rotor speed at which the blade tips move that fast.
-    turns = dynamic_pressure_speed(PAPER['GT-MAB']) / (math.pi * PROPELLER)
+    turns = airspeed_from_dynamic_pressure(PAPER['GT-MAB']) / (math.pi * PROPELLER)
     found['blade_rate'] = MeasuredValue(2.0 * math.pi * turns)
     for name in SHOWN:
         bodies = load_flow(name).pressed
@@ -69,7 +69,7 @@ def measure_pressures(vehicle: Vehicle, disk_loading: float) -> dict[str, Measur
     return found
 
 
-def dynamic_pressure_speed(pressure: float) -> float:
+def airspeed_from_dynamic_pressure(pressure: float) -> float:
     """Return the airspeed with this dynamic pressure [Pa]. [m/s]"""
     # From q = rho v^2 / 2
     return math.sqrt(2.0 * pressure / AIR_DENSITY)
