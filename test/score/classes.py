@@ -14,7 +14,7 @@ from lta_config.files import load_file
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
 from lta_discovery.planning import class_derivation
-from lta_discovery.planning.class_derivation import DerivedClasses
+from lta_discovery.planning.class_derivation import EffectSeparability
 from lta_discovery.selection.equivalence_classes import DataKindClasses, FILE, FrozenClasses
 from lta_model.vehicle import load_vehicle
 import numpy as np
@@ -33,7 +33,7 @@ TOLD = {
 }
 
 
-def told(found: DerivedClasses) -> DataKindClasses:
+def told(found: EffectSeparability) -> DataKindClasses:
     """Return what is kept of a kind."""
     seen = [k for k, reach in enumerate(found.reach) if reach >= class_derivation.SEEN]
     groups = found.list_equivalence_classes()

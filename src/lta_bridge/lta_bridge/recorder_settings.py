@@ -13,10 +13,20 @@ class RobotOrigin(Settings):
     strategy: str = setting('bag', 'Navigation strategy.', fixed=True)
     seed: int = setting(1, 'Random seed.', low=0, high=2**31 - 1, fixed=True)
     offset_x: float = setting(
-        0.0, "Start, east of the scenario's.", unit='m', low=-1e3, high=1e3, fixed=True
+        0.0,
+        'Start position, east of that of the scenario.',
+        unit='m',
+        low=-1e3,
+        high=1e3,
+        fixed=True,
     )
     offset_y: float = setting(
-        0.0, "Start, north of the scenario's.", unit='m', low=-1e3, high=1e3, fixed=True
+        0.0,
+        'Start position, north of that of the scenario.',
+        unit='m',
+        low=-1e3,
+        high=1e3,
+        fixed=True,
     )
 
     def to_provenance(self, *, lockstep: bool) -> dict[str, str]:
@@ -36,43 +46,48 @@ class RobotOrigin(Settings):
 class RecorderSettings(RobotOrigin):
     """Parameters of the recorder node."""
 
-    bag: str = setting('bag', 'Folder of the bag; it must not exist yet or be empty.', fixed=True)
+    bag: str = setting('bag', 'Folder of the bag; must be empty or not exist yet.', fixed=True)
     robots: str = setting(
         '',
-        'Namespaces of the robots to record, separated by spaces; empty for its own. For several '
-        'robots, lta2.seed and so on give the origin of each.',
+        'Namespaces of the robots to record, separated by spaces; empty for that of the recorder. '
+        'For several robots, lta2.seed and so on give the origin of each.',
         fixed=True,
     )
     replay: str = setting(
-        '', 'With source:=replay, the replayed bag, from which to copy the origin.', fixed=True
+        '', 'Replayed bag, whose origin is copied (only with source:=replay).', fixed=True
     )
     topics: str = setting(
         '',
         "Topics to record: relative or absolute names, separated by spaces; 'all' for every topic "
-        'of the graph; empty for those that the topic table marks.',
+        'of the graph; empty for those marked as recorded in docs/topics.md.',
         fixed=True,
     )
     split_size: float = setting(
-        0.0, 'Size at which to start the next file; 0 is never.', unit='MB', low=0.0, high=1e6,
+        0.0, 'File size at which the next file starts; 0 for a single file.', unit='MB', low=0.0, high=1e6,
         fixed=True,
     )  # fmt: skip
     split_duration: float = setting(
-        0.0, 'Time after which to start the next file; 0 is never.', unit='s', low=0.0, high=1e6,
+        0.0, 'Duration after which the next file starts; 0 for a single file.', unit='s', low=0.0, high=1e6,
         fixed=True,
     )  # fmt: skip
     snapshot: float = setting(
         0.0,
-        'Time span to keep in memory for snapshots, written on recorder/snapshot or a fault; 0 '
-        'records everything to the disk.',
+        'Length of the snapshots: the last messages stay in memory and are written to the disk '
+        'only on a call of recorder/snapshot or a fault; 0 writes everything to the disk.',
         unit='s',
         low=0.0,
         high=1e5,
         fixed=True,
     )
     snapshot_size: float = setting(
-        200.0, 'Memory limit of snapshots, compressed.', unit='MB', low=1.0, high=1e5, fixed=True
+        200.0,
+        'Largest memory for the compressed messages of a snapshot; older ones are dropped.',
+        unit='MB',
+        low=1.0,
+        high=1e5,
+        fixed=True,
     )
     queue_size: float = setting(
-        64.0, 'Memory limit of messages queued for the disk.', unit='MB', low=1.0, high=1e5,
+        64.0, 'Largest memory for messages that wait for the disk.', unit='MB', low=1.0, high=1e5,
         fixed=True,
     )  # fmt: skip

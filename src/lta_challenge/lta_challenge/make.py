@@ -161,6 +161,6 @@ def read_challenge(folder: Path) -> dict[str, Any]:
         int(found['cases'])
     except (OSError, ValueError, TypeError, KeyError):
         raise BadInput(
-            f"'{folder}' has no challenge; make one with: lta challenge make --out {folder}"
+            f"'{folder}' contains no challenge; make one: lta challenge make --out {folder}"
         ) from None
     return found

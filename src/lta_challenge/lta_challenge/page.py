@@ -81,19 +81,23 @@ def _render_pictures(scored: ChallengeScore) -> str:
         render_section(
             'confusion',
             'Confusion of effects',
-            'Cases with at most one hidden effect; a case with a wrong name counts as wrong.',
+            'Hidden effect against the effect that the study named, for cases with at most one '
+            'hidden effect; a case with any wrong name counts as wrong.',
             plot_confusion(cases),
         ),
         render_section(
             'strength',
             'Detection by strength',
-            'Single effects by strength in standard deviations of these flights, vehicle '
-            'tolerance included; bars are 95 % intervals (Wilson).',
+            'Share of exact, wrong and missing names of single hidden effects, by strength: effect '
+            'divided by its standard deviation from these flights and the tolerance of the '
+            'vehicle. Bars are 95 % intervals (Wilson).',
             plot_strength(cases),
         ),
     ]
     if any(one.intervals for one in cases):
-        caption = 'Correctly named parameters; 95 % should lie between the lines.'
+        caption = (
+            'Each dot is a correctly named parameter; 95 % of them should lie between the lines.'
+        )
         shown.append(
             render_section('coverage', 'Coverage of the intervals', caption, plot_coverage(cases))
         )

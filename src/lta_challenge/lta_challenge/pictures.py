@@ -6,7 +6,7 @@ import math
 from typing import Final
 
 from lta_challenge.case_score import confusion_cell, ScoredCase
-from lta_challenge.score_statistics import count_by_strength
+from lta_challenge.score_statistics import shares_by_strength
 from lta_report.drawing import create_figure
 from lta_report.palette import build_color_scale, ESTIMATE, GOOD, HEAT, SOFT, WALL
 from plotly.graph_objects import Figure, Heatmap, Scatter
@@ -49,7 +49,7 @@ def plot_confusion(cases: Sequence[ScoredCase]) -> Figure:
 def plot_strength(cases: Sequence[ScoredCase]) -> Figure:
     """Plot the share of exact, wrong and missing names against the strength of the effect."""
     figure = create_figure()
-    bands = [each for each in count_by_strength(cases) if each.exact.of]
+    bands = [each for each in shares_by_strength(cases) if each.exact.of]
     middles = [
         math.sqrt(max(low, 1.0) * (high if math.isfinite(high) else 2.0 * low))
         for low, high, *_ in bands

@@ -14,11 +14,11 @@ from lta_challenge.digest import registry_digest, vehicle_digest
 from lta_challenge.make import case_folder, read_challenge
 from lta_challenge.score_statistics import (
     compute_figures,
-    count_by_strength,
     count_outcomes,
     finite_median,
     median_errors,
     ShareEstimate,
+    shares_by_strength,
 )
 from lta_challenge.trial import run_trial
 from lta_config.errors import BadInput
@@ -79,11 +79,11 @@ def _check_complete(folder: Path, todo: Sequence[int], about: dict[str, Any]) ->
     # The digest in challenge.json was written when the challenge was made
     if read_digest(folder / SEALED) != about['answers_sha256']:
         raise BadInput(
-            f"'{folder / SEALED}' was changed after it was made; make the challenge again."
+            f"The answer key '{folder / SEALED}' was changed by hand; make the challenge again."
         )
     for place in (folder / case_folder(number) for number in todo):
         if not place.is_dir():
-            raise BadInput(f"'{place}' is missing; make the challenge again.")
+            raise BadInput(f"The case folder '{place}' is missing; make the challenge again.")
 
 
 def score_challenge(
@@ -152,7 +152,7 @@ def score_to_dict(scored: ChallengeScore) -> dict[str, Any]:
         'by_strength': [
             {'from': low, 'to': null_unless_finite(high), 'exact': share_to_dict(a),
              'wrong': share_to_dict(b), 'silent': share_to_dict(c)}
-            for low, high, a, b, c in count_by_strength(cases)
+            for low, high, a, b, c in shares_by_strength(cases)
         ],
         'matrix': count_outcomes(cases),
         'position_error_3s_m': {

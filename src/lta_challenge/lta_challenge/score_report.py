@@ -10,12 +10,12 @@ from lta_challenge.outside import OUTSIDE
 from lta_challenge.rows import KINDS, ROWS
 from lta_challenge.score_statistics import (
     compute_figures,
-    count_by_strength,
     count_outcomes,
     finite_median,
     median_errors,
     ScoreFigure,
     ShareEstimate,
+    shares_by_strength,
 )
 
 DASH: Final = '\N{EN DASH}'
@@ -92,7 +92,7 @@ def format_strengths(cases: Sequence[ScoredCase]) -> list[list[str]]:
             f'{band.low:g} to {band.high:g}' if math.isfinite(band.high) else f'over {band.low:g}',
             *map(format_share, (band.exact, band.wrong, band.silent)),
         ]
-        for band in count_by_strength(cases)
+        for band in shares_by_strength(cases)
     ]
 
 

@@ -203,7 +203,7 @@ class StrengthBand(NamedTuple):
     silent: ShareEstimate
 
 
-def count_by_strength(cases: Sequence[ScoredCase]) -> list[StrengthBand]:
+def shares_by_strength(cases: Sequence[ScoredCase]) -> list[StrengthBand]:
     """Return the shares of results for single effects, by band of strength."""
     single = _select_kind(cases, 'single')
     out = []

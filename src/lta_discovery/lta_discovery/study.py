@@ -133,7 +133,7 @@ def study_flights(
     # Without held-out flights the confirming ones have to serve, which is optimistic.
     held_out = bool(_select_role(flown, 'holdout'))
     last = [f for f in flown if f.role == ('holdout' if held_out else 'confirm')]
-    bare, measured = _fit_forecasts(nominal, [*pair[0], *pair[1]], proven)
+    bare, measured = _fit_forecast_models(nominal, [*pair[0], *pair[1]], proven)
     models = [build_model_points(f.flight, nominal, bare, measured) for f in last]
     differences = compute_gaps([f.flight for f in last], models, seed)
     if not held_out:
@@ -218,7 +218,7 @@ def _search_effects(
         knots = needed
 
 
-def _fit_forecasts(
+def _fit_forecast_models(
     nominal: NominalVehicle, flights: Sequence[FlightLinearizer], proven: VerifiedEffects
 ) -> tuple[JointFit, JointFit]:
     """Return the fits without and with effects, tolerances shrunk to what forecasts support."""

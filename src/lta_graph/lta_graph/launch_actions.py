@@ -51,7 +51,7 @@ class Arg(StrictModel):
     choice: Annotated[list[ArgumentChoice], Field(min_length=1)] | None = None
 
 
-class NamedText(StrictModel):
+class NamedSubstitution(StrictModel):
     """A name and the text it stands for."""
 
     name: Text
@@ -69,7 +69,7 @@ class Include(ConditionalAction):
     """Run another launch file with arguments."""
 
     file: Text
-    arg: Annotated[list[NamedText], Field(min_length=1)] | None = None
+    arg: Annotated[list[NamedSubstitution], Field(min_length=1)] | None = None
 
 
 class GroupAction(ConditionalAction):

@@ -29,7 +29,7 @@ class SimulatorSettings(Settings):
         high=FAR,
         fixed=True,
     )
-    record: bool = setting(False, 'Whether to wait for a recorder.', fixed=True)
+    record: bool = setting(False, 'Whether the simulator waits until a recorder runs.', fixed=True)
     topics: str = setting('', "Topics that are recorded; the recorder's setting.", fixed=True)
     clock: bool = setting(
         True, 'Whether to publish /clock; exactly one simulator must.', fixed=True

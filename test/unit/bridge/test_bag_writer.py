@@ -54,7 +54,7 @@ def test_busy_place_is_refused_and_untouched(tmp_path, kind):
     before = sorted(tmp_path.rglob('*'))
     with pytest.raises(
         BadInput,
-        match=r'(not empty; choose another folder|created \(File exists\); choose another place)',
+        match=r'(not empty; choose another one|created \(File exists\); choose another path)',
     ):
         BagWriter(place, {})
     assert sorted(tmp_path.rglob('*')) == before

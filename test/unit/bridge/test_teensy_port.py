@@ -94,7 +94,7 @@ def test_a_cable_that_goes_while_it_is_opened_is_no_port_yet(cable, tmp_path, mo
 
 def test_a_udp_port_answers_the_board(udp_port):
     port = open_port(f'udp://127.0.0.1:{udp_port}')
-    with pytest.raises(BadInput, match='stop what uses it or give another port'):
+    with pytest.raises(BadInput, match='stop the program that uses this port, or give another port'):
         open_port(f'udp://127.0.0.1:{udp_port}')
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as board:
         board.settimeout(PATIENCE)

@@ -7,7 +7,7 @@ from lta_challenge.case_score import confusion_cell, score_case, ScoredCase
 from lta_challenge.page import render_page
 from lta_challenge.score import ChallengeScore
 from lta_challenge.score_report import format_outside, format_share, render_markdown
-from lta_challenge.score_statistics import compute_figures, count_by_strength, median_errors
+from lta_challenge.score_statistics import compute_figures, median_errors, shares_by_strength
 import pytest
 
 
@@ -105,7 +105,7 @@ def test_figures_are_counted_by_kind_and_strength() -> None:
     assert found['outside the library: unexplained'].target_met == 'yes'
     assert found['an effect and something outside: named and unexplained'].target_met == 'yes'
     assert found['held-out error within 1.05 of the oracle'].share[:2] == (15, 16)
-    bands = {low: (exact.hits, exact.of) for low, _, exact, _, _ in count_by_strength(cases)}
+    bands = {low: (exact.hits, exact.of) for low, _, exact, _, _ in shares_by_strength(cases)}
     assert bands[3.0] == (1, 2)
     assert bands[10.0] == (9, 10)
     assert median_errors(cases)['tuned'] == 0.05

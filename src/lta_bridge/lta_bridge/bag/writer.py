@@ -41,10 +41,10 @@ def prepare_empty_folder(path: Path) -> Path:
         busy = any(path.iterdir())
     except OSError as error:
         raise BadInput(
-            f"Folder '{path}' cannot be created ({error.strerror}); choose another place."
+            f"Folder '{path}' cannot be created ({error.strerror}); choose another path for it."
         ) from error
     if busy:
-        raise BadInput(f"'{path}' is not empty; choose another folder.")
+        raise BadInput(f"Folder '{path}' is not empty; choose another one for the bag.")
     return path
 
 
@@ -118,7 +118,9 @@ class BagWriter:
 
         """
         if name in self._topics:
-            raise BadInput(f"Topic '{name}' is in the bag already; add each topic once.")
+            raise BadInput(
+                f"Topic '{name}' was added to the bag already; add each topic only once."
+            )
         definition = generate_definition(type_name) if isinstance(type_name, str) else type_name
         self._check_fault()
         try:

@@ -52,8 +52,8 @@ class DroneLock:
             )
         except OSError as error:
             raise BadInput(
-                f'The lock file {path} of {uri} cannot be opened ({error.strerror}). Have its '
-                'owner stop their bridge and delete the file.'
+                f'The lock file {path} of {uri} cannot be opened ({error.strerror}). Ask the user '
+                'who owns the file to stop the bridge and to delete the file.'
             ) from None
         self._file: IO[str] | None = os.fdopen(descriptor, 'r+')
         try:
@@ -63,8 +63,8 @@ class DroneLock:
             holder = self._file.read().strip() or 'unknown'
             self._file.close()
             raise BadInput(
-                f'{uri} is commanded by another program (process {holder}); stop that one first, '
-                'since a drone obeys every sender.'
+                f'{uri} is commanded by another program (process {holder}); stop that program '
+                'first, because a drone obeys every sender.'
             ) from None
         self._file.truncate(0)
         self._file.write(str(os.getpid()))

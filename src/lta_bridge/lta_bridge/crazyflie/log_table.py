@@ -68,7 +68,7 @@ def check_log_table(blocks: tuple[LogBlock, ...]) -> None:
         if size > MOST_BYTES:
             raise BadInput(
                 f'Log block {block.name} has {size} bytes, above the limit of {MOST_BYTES} per '
-                'packet; split it.'
+                'packet; split the block in two.'
             )
         if block.period_ms % STEP_MS or not SHORTEST_MS <= block.period_ms <= LONGEST_MS:
             raise BadInput(
@@ -78,6 +78,6 @@ def check_log_table(blocks: tuple[LogBlock, ...]) -> None:
     count = sum(len(block.variables) for block in blocks)
     if len(blocks) > MOST_BLOCKS or count > MOST_VARIABLES:
         raise BadInput(
-            f'{len(blocks)} log blocks with {count} variables exceed the limits of a Crazyflie, '
-            f'{MOST_BLOCKS} and {MOST_VARIABLES}; leave some out.'
+            f'There are {len(blocks)} log blocks with {count} variables, but a Crazyflie has at '
+            f'most {MOST_BLOCKS} blocks and {MOST_VARIABLES} variables; leave some out.'
         )

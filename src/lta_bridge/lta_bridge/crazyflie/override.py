@@ -27,8 +27,9 @@ def check_tether(command: str, tethered: bool) -> None:
     """
     if command == OVERRIDE and not tethered:
         raise BadInput(
-            "command:=override bypasses the firmware's watchdog, lock and disarming; "
-            'tether the drone to a bench and add tethered:=true, or fly with command:=motors.'
+            "command:=override bypasses the firmware's watchdog, lock and disarming, and so needs "
+            'a tethered drone; tether the drone to a bench and add tethered:=true, or fly with '
+            'command:=motors.'
         )
 
 

@@ -10,15 +10,22 @@ class CrazyflieBridgeSettings(Settings):
 
     uri: str = setting('radio://0/80/2M/E7E7E7E7E7', 'URI of the Crazyflie.', fixed=True)
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
-    crazyflie: str = setting('', "Crazyflie file; empty for the vehicle's.", fixed=True)
+    crazyflie: str = setting(
+        '',
+        'Name or file of the Crazyflie configuration; empty for that of the vehicle.',
+        fixed=True,
+    )
     command: Literal['', 'setpoint', 'motors', 'override'] = setting(
         '',
-        'Command mode: setpoint, or motors (duties for the app); empty for that of the file. On a '
-        "tether also override: duties that bypass the firmware's watchdog, lock and disarming.",
+        'Command mode: setpoint (for the controller of the firmware), or motors (duties for our '
+        'app on the drone); empty for the mode in the Crazyflie file. On a tether also override: '
+        "duties that bypass the firmware's watchdog, lock and disarming.",
         fixed=True,
     )
     tethered: bool = setting(
-        False, 'Whether the drone is tethered to a bench, as override requires.', fixed=True
+        False,
+        'Whether the drone is tethered to a bench; command:=override requires it.',
+        fixed=True,
     )
     watchdog: bool = setting(
         False,
@@ -28,6 +35,6 @@ class CrazyflieBridgeSettings(Settings):
     )
     autostart: bool = setting(
         True,
-        'Whether to configure and activate at the start; arming is never automatic.',
+        'Whether the node configures and activates itself at the start; it never arms the drone.',
         fixed=True,
     )

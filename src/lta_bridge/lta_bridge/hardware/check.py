@@ -98,7 +98,7 @@ def check_any_hardware(
     aside = f' (serial ports: {others})' if others else ''
     raise BadInput(
         f'No Crazyradio, Crazyflie or light board is connected to this machine{aside}; plug one '
-        'in, or give its address: --uri udp://127.0.0.1:19850, --port /dev/ttyACM0.'
+        'in, or give its address, as in --uri udp://127.0.0.1:19850 or --port /dev/ttyACM0.'
     )
 
 

@@ -13,8 +13,8 @@ LOCAL = '127.0.0.1'
 def build_port_error(port: int, reason: str) -> BadInput:
     """Return the error for a port that cannot be listened on."""
     return BadInput(
-        f'Port {port} cannot be used for the live view ({reason}); stop its user, or '
-        'choose another port.'
+        f'Port {port} cannot be used for the live view ({reason}); stop the program '
+        'that uses the port, or choose another port.'
     )
 
 

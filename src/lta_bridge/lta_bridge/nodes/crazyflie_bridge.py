@@ -109,7 +109,10 @@ class CrazyflieBridge(DeviceNode):
         """Open the link, and keep it open."""
         try:
             if self._former is not None and not self._former.close(0.0):
-                raise BadInput('The last connection is still closing; try again in a few seconds.')
+                raise BadInput(
+                    'The previous connection to the Crazyflie is still closing; try again in a '
+                    'few seconds.'
+                )
             # Two programs that command one drone would fight each other
             claim = DroneLock(self._settings.uri)
         except BadInput as error:

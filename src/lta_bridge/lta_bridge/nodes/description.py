@@ -35,7 +35,7 @@ class DescriptionSettings(Settings):
 
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
     pose: Literal['odom', 'ground_truth/odom'] = setting(
-        'odom', 'Topic with the pose of base_link for /tf.', fixed=True
+        'odom', 'Topic from which the pose of base_link on /tf is taken.', fixed=True
     )
 
 
@@ -57,7 +57,7 @@ class DescriptionNode(GraphNode):
         still = [to_fixed_transform(frame) for frame in list_fixed_frames(vehicle)]
         self._static.publish(TFMessage(transforms=still))
         self.subscribe_topic(settings.pose, self._on_pose)
-        self.health.report('frames', HealthLevel.OK, f'base_link by {settings.pose}')
+        self.health.report('frames', HealthLevel.OK, f'pose of base_link from {settings.pose}')
 
     def _on_pose(self, odom: Any) -> None:  # noqa: ANN401 - a generated class
         self._tf.publish(TFMessage(transforms=[to_transform(odom)]))

@@ -45,10 +45,12 @@ PATH_RATE: Final = 2.0  # Hz; a long path has many points
 class LiveSettings(Settings):
     """Parameters of the live node."""
 
-    vehicle: str = setting('gtmab', 'Vehicle name or file, for the scene.', fixed=True)
-    scenario: str = setting('lamp_room', 'Scenario name or file, for the scene.', fixed=True)
-    host: str = setting(LOCAL, 'Address to listen on; 0.0.0.0 is for everyone.', fixed=True)
-    port: int = setting(PORT, 'Port to listen on.', low=1, high=65535, fixed=True)
+    vehicle: str = setting('gtmab', 'Vehicle to draw: name or file.', fixed=True)
+    scenario: str = setting('lamp_room', 'Scenario to draw: name or file.', fixed=True)
+    host: str = setting(
+        LOCAL, 'Address to listen on; 0.0.0.0 accepts other machines too.', fixed=True
+    )
+    port: int = setting(PORT, 'Port of the live page.', low=1, high=65535, fixed=True)
 
 
 class LiveNode(GraphNode):

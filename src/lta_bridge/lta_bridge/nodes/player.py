@@ -53,9 +53,11 @@ class Player(GraphNode):
         super().__init__('player', role='vehicle')
         settings = self._settings = NodeParameters(self, PlayerSettings).value
         if not settings.bag:
-            raise BadInput('The player has no bag; give one, as in bag:=runs/flight/bag.')
+            raise BadInput('The player has no bag to play; name one, as in bag:=runs/flight/bag.')
         if settings.loop and self.lockstep:
-            raise BadInput('Looping in lockstep would never end; use time:=realtime.')
+            raise BadInput(
+                'loop:=true in lockstep would never end; use time:=realtime, or leave loop out.'
+            )
         own = self.get_namespace().strip('/')
         self._recording = open_recording(Path(settings.bag), settings.robot, self.table, own)
         self._cast = select_nodes(self.table, settings.nodes.split(), settings.roles.split())

@@ -75,7 +75,8 @@ def declare_origins(node: GraphNode, robots: list[str]) -> dict[str, RobotOrigin
                 'name or is given twice; give different namespaces.'
             )
     fields: Any = {
-        name: (RobotOrigin, setting(RobotOrigin(), f'Origin of {name}.')) for name in robots
+        name: (RobotOrigin, setting(RobotOrigin(), f'Origin of the data of robot {name}.'))
+        for name in robots
     }
     told = NodeParameters(node, create_model('Origins', __base__=Settings, **fields)).value
     return {name: getattr(told, name) for name in robots}
@@ -245,7 +246,7 @@ class Recorder(GraphNode):
             self.health.report(
                 'left out',
                 HealthLevel.WARN,
-                "topics whose types are not part of ROS 2 Jazzy's common interfaces",
+                "topics not recorded: their types are not part of ROS 2 Jazzy's common interfaces",
                 **self._left_out,
             )
         if not self._fault:
@@ -259,7 +260,7 @@ class Recorder(GraphNode):
             words = f'slow: busy for {busy:.1f} s; messages are queued'
             self.health.report(DISK, HealthLevel.ERROR, words)
         elif DISK in self.health:
-            self.health.report(DISK, HealthLevel.OK, 'keeps up')
+            self.health.report(DISK, HealthLevel.OK, 'the disk keeps up with the messages')
         if self._writer.fault is not None and not self._fault:
             self._fault = str(self._writer.fault)
             self.health.report('recording', HealthLevel.ERROR, self._fault)

@@ -38,31 +38,36 @@ class TeensyBridgeSettings(Settings):
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
     port: str = setting(
         '/dev/ttyACM0',
-        'Serial port of the board, or udp://HOST:PORT to listen on (?from=ADDRESS: to it only).',
+        'Serial port of the board, or udp://HOST:PORT to receive on (with ?from=ADDRESS only from '
+        'that address).',
         fixed=True,
     )
     peaks: bool = setting(
         False,
-        'Whether the board detects the peaks itself; it then replaces the demodulator.',
+        'Whether the board detects the frequency peaks itself; the demodulator is then not needed.',
         fixed=True,
     )
     threshold: float = setting(
         DemodulationSettings().threshold,
-        'With peaks, smallest SNR of a usable diode.',
+        'Smallest SNR at which a photodiode is used (only with peaks:=true).',
         unit='1',
         low=1.0,
         high=1000.0,
     )
-    prior: LampPrior = setting(LampPrior(), 'With peaks, the assumed lamp before it is seen.')
+    prior: LampPrior = setting(
+        LampPrior(), 'Place of the lamp assumed before it is seen (only with peaks:=true).'
+    )
     patience: float = setting(
         0.0,
-        'How long to wait for a missing port.',
+        'How long the node waits for the port to appear before it fails.',
         unit='s',
         low=0.0,
         high=600.0,
         fixed=True,
     )
-    autostart: bool = setting(True, 'Whether to configure and activate at the start.', fixed=True)
+    autostart: bool = setting(
+        True, 'Whether the node configures and activates itself at the start.', fixed=True
+    )
 
 
 class TeensyBridge(DeviceNode):

@@ -52,11 +52,16 @@ class TeleopSettings(Settings):
 
     device: str = setting(
         'joy',
-        'keyboard (this terminal), a gamepad (/dev/input/js0), or joy: Joy messages.',
+        'Input device: keyboard (of this terminal), a gamepad such as /dev/input/js0, or joy (Joy '
+        'messages).',
         fixed=True,
     )
-    rates: TeleopRates = setting(TeleopRates(), 'Rates at full deflection.')
-    layout: GamepadLayout = setting(GamepadLayout(), "The gamepad's axes and buttons.")
+    rates: TeleopRates = setting(
+        TeleopRates(), 'Speed and rates commanded at full deflection of the sticks.'
+    )
+    layout: GamepadLayout = setting(
+        GamepadLayout(), 'Numbers of the axes and buttons of the gamepad.'
+    )
 
 
 class Teleop(GraphNode):
@@ -65,7 +70,7 @@ class Teleop(GraphNode):
     def __init__(self) -> None:
         super().__init__('teleop')
         if self.lockstep:
-            raise BadInput('Teleoperation needs real time: leave time:=lockstep out.')
+            raise BadInput('Teleoperation works only in real time; leave time:=lockstep out.')
         self._held = self.create_output('teleop/held')
         self._pose, self._velocity = (
             self.create_output('teleop/pose'),

@@ -32,21 +32,28 @@ Planted = tuple[float, float, float, float]
 class TrackerSettings(Settings):
     """Parameters of the tracker node: the tracked topic or frame, and the frames' poses."""
 
-    pose: str = setting('tracker/pose', 'Topic of the tracked PoseStamped.', fixed=True)
-    frame: str = setting('', 'Frame on /tf to track instead, relative to its parent.', fixed=True)
+    pose: str = setting(
+        'tracker/pose', 'Topic with the PoseStamped messages of the tracker.', fixed=True
+    )
+    frame: str = setting(
+        '',
+        'Frame on /tf whose pose in its parent frame is used instead of the topic; empty for the '
+        'topic.',
+        fixed=True,
+    )
     origin: Planted = setting(
         (0.0, 0.0, 0.0, 0.0),
-        "The tracker's frame (z up) in the map: x, y, z in m, yaw in rad.",
+        "Pose of the tracker's frame (z up) in the map: x, y, z in m, yaw in rad.",
         fixed=True,
     )
     body: Planted = setting(
         (0.0, 0.0, 0.0, 0.0),
-        'The hull centre in the frame of the tracked body: x, y, z in m, yaw in rad.',
+        'Pose of the hull centre in the frame of the tracked body: x, y, z in m, yaw in rad.',
         fixed=True,
     )
     delay: float = setting(
         0.0,
-        'Shortest delay from the exposure of a pose to its arrival.',
+        'Shortest delay from the measurement of a pose to the arrival of its message.',
         unit='s',
         low=0.0,
         high=1.0,
@@ -60,7 +67,7 @@ class TrackerNode(GraphNode):
     def __init__(self) -> None:
         super().__init__('tracker', role='vehicle')
         if self.lockstep:
-            raise BadInput('A real tracker needs real time: leave time:=lockstep out.')
+            raise BadInput('A real tracker works only in real time; leave time:=lockstep out.')
         self._truth = self.create_output('ground_truth/odom')
         settings = NodeParameters(self, TrackerSettings).value
         self._tracked = TrackedDrone(
@@ -73,8 +80,8 @@ class TrackerNode(GraphNode):
             )
         elif TFMessage is None:
             raise BadInput(
-                'frame:= reads /tf, which needs the package tf2_msgs; set pose:= to a topic of '
-                'PoseStamped, or install ros-jazzy-tf2-msgs.'
+                'frame:= reads /tf and so needs the package tf2_msgs, which is missing; install '
+                'ros-jazzy-tf2-msgs, or set pose:= to a topic of PoseStamped instead.'
             )
         else:
             self.create_subscription(TFMessage, '/tf', self._on_frames, DEPTH)

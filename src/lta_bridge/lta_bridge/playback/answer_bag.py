@@ -29,7 +29,7 @@ class AnswerBag:
     Parameters
     ----------
     path : Path
-        Folder of the bag; it must not exist yet or be empty.
+        Folder of the bag; it must be empty or not exist yet.
     recording : Recording
         The played recording, whose origin is stored in the bag.
     selection : NodeSelection

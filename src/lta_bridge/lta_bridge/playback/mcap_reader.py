@@ -34,7 +34,8 @@ def build_size_error(file: Path) -> BadInput:
     """Return the error for a file without an index that does not fit into memory."""
     return BadInput(
         f"'{file}' has no index, and is damaged or needs more memory than the limit of a replay "
-        f'({READER_MEMORY >> 20} MB); `lta bag recover` writes its whole part with an index.'
+        f'({READER_MEMORY >> 20} MB); `lta bag recover` copies its undamaged part to a file with '
+        'an index.'
     )
 
 
@@ -63,7 +64,7 @@ def read_topic_types(files: list[Path]) -> tuple[dict[str, str], dict[str, str]]
         try:
             with file.open('rb') as stream:
                 if stream.read(len(MAGIC)) != MAGIC:
-                    raise BadInput(f"'{file}' is not a recording in MCAP; {ADVICE}.")
+                    raise BadInput(f"'{file}' is not an MCAP recording; {ADVICE}.")
                 found, origin = read_summary(stream) or scan_unfinished(stream)
         except OSError as error:
             raise BadInput(f"'{file}' cannot be read ({error.strerror}); {ADVICE}.") from error

@@ -65,14 +65,14 @@ class MessageIterator:
     ) -> None:
         if end < start:
             raise BadInput(
-                f'The section ends at {end:g} s after the first message, before its start at '
+                f'The section to play ends {end:g} s after the first message, before its start at '
                 f'{start:g} s; choose a later end.'
             )
         self._recording, self._topics, self._table = recording, topics, table
         first = next(recording.iterate_messages(topics), None)
         if first is None:
             raise BadInput(
-                f"'{recording.path}' has no message of {', '.join(sorted(topics))}; choose "
+                f"'{recording.path}' has no message on {', '.join(sorted(topics))}; choose "
                 'another bag.'
             )
         self._from = first.time_ns + round(start * 1e9)
@@ -83,7 +83,8 @@ class MessageIterator:
         self._next = next(self._messages, None)
         if self._next is None:
             raise BadInput(
-                f"'{recording.path}' has no message from {start:g} s on; choose an earlier start."
+                f"'{recording.path}' has no message after the start of the section at {start:g} s; "
+                'choose an earlier start.'
             )
         self.begin_ns = self._newest = self._next.time_ns
         self.rounds = 0

@@ -69,7 +69,10 @@ def select_nodes(table: TopicTable, nodes: Sequence[str], also: Sequence[str]) -
     again = tuple(nodes) or tuple(known)
     for name in also:
         if name in again:
-            raise BadInput(f"'{name}' would be played and run again; leave it out of one.")
+            raise BadInput(
+                f"The node '{name}' cannot be both run again and played; leave it out of one of "
+                'the lists.'
+            )
     played = [name for role in (VEHICLE, *also) for name in table.published_by(role)]
     return NodeSelection(
         again,

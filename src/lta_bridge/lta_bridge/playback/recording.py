@@ -133,7 +133,7 @@ def open_recording(path: Path, robot: str, table: TopicTable, own: str = '') -> 
     # The newest file of a split bag is empty if the recorder was killed during the split.
     files = [file for file in files if not file.is_file() or file.stat().st_size] or files
     if not files:
-        raise BadInput(f"'{path}' holds no recording in MCAP; {ADVICE}.")
+        raise BadInput(f"'{path}' contains no MCAP recording; {ADVICE}.")
     return BagRecording(path, files, robot, table, own)
 
 
@@ -154,11 +154,11 @@ def split_topic_names(names: Mapping[str, str], table: TopicTable) -> list[tuple
 def choose_robot(path: Path, robot: str, robots: list[str]) -> str:
     """Return the robot to play: the given one, or the only one."""
     if not robots:
-        raise BadInput(f"'{path}' has no topic of the topic table; see docs/topics.md.")
+        raise BadInput(
+            f"'{path}' has none of the topics of this project, which docs/topics.md lists; choose another bag."
+        )
     if robot and robot not in robots:
         raise unknown_name('robot', robot, robots)
     if not robot and len(robots) > 1:
-        raise BadInput(
-            f"'{path}' holds several robots ({', '.join(robots)}); name the one to play."
-        )
+        raise BadInput(f"'{path}' has several robots ({', '.join(robots)}); name the one to play.")
     return robot or robots[0]

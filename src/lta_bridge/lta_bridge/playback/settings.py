@@ -11,39 +11,52 @@ class PlayerSettings(Settings):
     bag: str = setting('', 'The bag: a rosbag2 folder or an .mcap file.', fixed=True)
     robot: str = setting(
         '',
-        "Robot in the bag; empty for the player's own namespace, or the only robot.",
+        'Robot of the bag to play; empty for the one with the namespace of the player, or the only '
+        'one.',
         fixed=True,
     )
-    nodes: str = setting('', 'Nodes to run again, separated by spaces; empty for all.', fixed=True)
+    nodes: str = setting(
+        '',
+        'Nodes that run again, so that their recorded messages are not played; separated by '
+        'spaces, empty for all.',
+        fixed=True,
+    )
     roles: str = setting(
-        '', 'Other nodes whose recorded messages to play, separated by spaces.', fixed=True
+        '',
+        'Nodes whose recorded messages are played besides those of the vehicle, separated by '
+        'spaces.',
+        fixed=True,
     )
     rate: float = setting(
         1.0,
-        'Playback rate in real time: bag seconds per wall second.',
+        'Playback speed in real time: seconds of the bag per second; no effect in lockstep.',
         low=1e-3,
         high=1e6,
         fixed=True,
     )
     start: float = setting(
         0.0,
-        'Start of the played section, after the first message.',
+        'Start of the section to play, counted from the first message.',
         unit='s',
         low=0.0,
         high=FOREVER,
         fixed=True,
     )
     end: float = setting(
-        FOREVER, 'End of the played section, after the first message.', unit='s',
+        FOREVER, 'End of the section to play, counted from the first message.', unit='s',
         low=0.0, high=FOREVER, fixed=True,
     )  # fmt: skip
-    loop: bool = setting(False, 'Whether to repeat the section, in real time.', fixed=True)
-    paused: bool = setting(False, 'Whether to start paused.', fixed=True)
+    loop: bool = setting(
+        False, 'Whether to repeat the section without end; only in real time.', fixed=True
+    )
+    paused: bool = setting(False, 'Whether playback starts paused.', fixed=True)
     answers: str = setting(
-        '', "Folder of a bag for the nodes' answers; none if empty.", fixed=True
+        '',
+        'Folder of a new bag for the messages of the nodes that run again; empty for no bag.',
+        fixed=True,
     )
     patience: float = setting(
-        30.0, 'Wall time for the graph to come up, and for an answer in lockstep.', unit='s',
+        30.0, 'How long to wait for the nodes to start, and in lockstep for an answer.', unit='s',
         low=0.1, high=3600.0, fixed=True,
     )  # fmt: skip
-    record: bool = setting(False, 'Whether to wait for a recorder.', fixed=True)
+    record: bool = setting(False, 'Whether playback waits until a recorder runs.', fixed=True)

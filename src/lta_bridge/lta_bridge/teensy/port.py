@@ -138,8 +138,8 @@ class UdpPort:
         told = LISTEN.fullmatch(address)
         if told is None or not 0 < int(told['port']) < 65536:
             raise BadInput(
-                f"'{address}' is not an address to listen on; give udp://0.0.0.0:14550, or on a "
-                'shared network udp://0.0.0.0:14550?from=192.168.4.2.'
+                f"'{address}' is not a UDP address to receive on; write udp://0.0.0.0:14550, or on "
+                'a shared network udp://0.0.0.0:14550?from=192.168.4.2 for one sender only.'
             )
         self._clock, self._sender = clock, SenderFilter()
         self._only = None if told['board'] is None else _resolve_host(told['board'], address)
@@ -153,8 +153,8 @@ class UdpPort:
         except OSError as error:
             self._socket.close()
             raise BadInput(
-                f'{address} cannot be listened on ({error.strerror or error}); '
-                'stop what uses it or give another port.'
+                f'{address} cannot be opened ({error.strerror or error}); stop the program that '
+                'uses this port, or give another port.'
             ) from None
         self._socket.setblocking(False)
 

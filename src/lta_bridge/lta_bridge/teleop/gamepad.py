@@ -39,11 +39,12 @@ class Gamepad:
             self._fd: int | None = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
         except FileNotFoundError:
             raise BadInput(
-                f'There is no gamepad at {path}: plug one in, or use device:=keyboard.'
+                f'There is no gamepad at {path}; plug one in, or use device:=keyboard.'
             ) from None
         except PermissionError:
             raise BadInput(
-                f'You may not read {path}: sudo usermod -aG input $USER, and log in again.'
+                f'You have no permission to read {path}; run "sudo usermod -aG input $USER" and '
+                'log in again.'
             ) from None
         self._tried = 0.0
         self._axes: dict[int, float] = {}

@@ -49,8 +49,8 @@ class Keyboard:
         self._fd = sys.stdin.fileno() if fd is None else fd
         if not os.isatty(self._fd):
             raise BadInput(
-                'device:=keyboard needs a terminal, and there is none: start teleop separately in '
-                'one (lta run lta_bridge teleop), or use device:=joy.'
+                'device:=keyboard needs a terminal, but teleop runs without one; start it in a '
+                'terminal of its own with "lta run lta_bridge teleop", or use device:=joy.'
             )
         self._before = termios.tcgetattr(self._fd)
         # Keys arrive without Enter, and Ctrl-C still works

@@ -25,9 +25,15 @@ LEAD_CLIMB: Final = 0.5  # m, largest lead of the desired altitude
 class TeleopRates(Settings):
     """Rates at full deflection of the sticks."""
 
-    speed: float = setting(0.3, 'Airspeed of the forward stick.', unit='m/s', low=0.01, high=2.0)
-    turn: float = setting(0.6, 'Rate of the desired heading.', unit='rad/s', low=0.01, high=3.0)
-    climb: float = setting(0.2, 'Rate of the desired altitude.', unit='m/s', low=0.01, high=1.0)
+    speed: float = setting(
+        0.3, 'Commanded airspeed at full forward stick.', unit='m/s', low=0.01, high=2.0
+    )
+    turn: float = setting(
+        0.6, 'Turn rate of the commanded heading at full stick.', unit='rad/s', low=0.01, high=3.0
+    )
+    climb: float = setting(
+        0.2, 'Climb rate of the commanded altitude at full stick.', unit='m/s', low=0.01, high=1.0
+    )
 
 
 class TeleopStage(StrEnum):

@@ -45,15 +45,31 @@ class StickDevice(Protocol):
 class GamepadLayout(Settings):
     """Axis and button numbers of a gamepad; the defaults fit an Xbox gamepad under Linux."""
 
-    forward: int = setting(4, 'Axis: right stick, up is ahead.', low=0, high=63, fixed=True)
-    turn: int = setting(0, 'Axis: left stick, left is left.', low=0, high=63, fixed=True)
-    climb: int = setting(1, 'Axis: left stick, up is up.', low=0, high=63, fixed=True)
-    take: int = setting(0, 'Button that takes control (A).', low=0, high=63, fixed=True)
-    give_back: int = setting(1, 'Button that hands it back (B).', low=0, high=63, fixed=True)
-    stop: int = setting(
-        2, 'Button that stops the motors for good (X).', low=0, high=63, fixed=True
+    forward: int = setting(
+        4, 'Number of the axis for forward flight: right stick up.', low=0, high=63, fixed=True
     )
-    rest: float = setting(0.1, 'Deflection that counts as none.', low=0.0, high=0.9, fixed=True)
+    turn: int = setting(
+        0, 'Number of the axis for turning left: left stick left.', low=0, high=63, fixed=True
+    )
+    climb: int = setting(
+        1, 'Number of the axis for climbing: left stick up.', low=0, high=63, fixed=True
+    )
+    take: int = setting(
+        0, 'Number of the button that takes control (A).', low=0, high=63, fixed=True
+    )
+    give_back: int = setting(
+        1, 'Number of the button that hands control back (B).', low=0, high=63, fixed=True
+    )
+    stop: int = setting(
+        2, 'Number of the button that stops the motors for good (X).', low=0, high=63, fixed=True
+    )
+    rest: float = setting(
+        0.1,
+        'Dead zone: a smaller deflection of a stick counts as zero.',
+        low=0.0,
+        high=0.9,
+        fixed=True,
+    )
 
 
 def to_sticks(

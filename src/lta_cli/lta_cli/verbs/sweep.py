@@ -63,9 +63,10 @@ def sweep(
     are stored with their seed and the reason. flights.parquet has one row per flight, with SI
     units and descriptions in the column metadata.
 
-    --device flies thousands of closed loops at once. It models the received
-    lamp signal by geometry and noise instead of ADC blocks, so flights agree in distribution, not
-    seed by seed. A batch reports no cruise data and no estimator errors.
+    --device flies thousands of closed loops at once, after one compilation of up to a minute for
+    each strategy. It models the received lamp signal by geometry and noise instead of ADC blocks,
+    so flights agree in distribution, not seed by seed. A batch reports no cruise data and no
+    estimator errors.
 
     Exit status 0: all flights were flown. 1: some failed. 2: bad input, nothing was flown. 130:
     Ctrl-C.

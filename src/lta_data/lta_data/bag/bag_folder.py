@@ -54,7 +54,7 @@ def wrong_format_error(file: Path, head: bytes) -> BadInput:
     for magic, found in OTHER_FORMATS.items():
         if head.startswith(magic):
             return BadInput(f"'{file}' is {found}.")
-    return BadInput(f"'{file}' is not a recording in MCAP; {ADVICE}.")
+    return BadInput(f"'{file}' is not an MCAP recording; {ADVICE}.")
 
 
 def find_bag(folder: Path) -> Path:

@@ -37,7 +37,7 @@ from lta_data.bag.mcap_file.chunks import iterate_messages, McapMessage, RECORD,
 from lta_data.bag.mcap_file.compression import DamagedRecord, decompress
 from lta_data.bag.mcap_file.contents import McapContents, MessageRegion, read_at
 from lta_data.bag.mcap_file.decoder import explain_undecodable, MessageDecoder
-from lta_data.bag.mcap_file.rhythm import MessageRhythm
+from lta_data.bag.mcap_file.rhythm import MessageIntervals
 from lta_data.bag.mcap_file.scan import describe_damage, scan_file
 from lta_data.bag.mcap_file.summary import has_damaged_summary, read_summary, UNUSABLE
 from mcap.records import Channel, Schema
@@ -152,9 +152,9 @@ class Bag:
             )
         return self._decoder.decode(found.type_name, data)
 
-    def read_rhythm(self) -> MessageRhythm:
+    def read_rhythm(self) -> MessageIntervals:
         """Return the timing of the messages, from the indexes alone if the bag has them."""
-        whole = MessageRhythm()
+        whole = MessageIntervals()
         for part in self.parts:
             found = read_indexed_rhythm(part) if part.contents.indexed else part.contents.rhythm
             channel = part.contents.channels.get(-1 if found.worst_of is None else found.worst_of)

@@ -1,6 +1,6 @@
 """Describe irregularities of a recording that are not losses."""
 
-from lta_data.bag.mcap_file.rhythm import MessageRhythm
+from lta_data.bag.mcap_file.rhythm import MessageIntervals
 from lta_data.bag.reader import Bag
 
 MOST = 10  # sentences of one kind, at most
@@ -38,7 +38,7 @@ def list_topic_remarks(bag: Bag) -> list[str]:
     return [*told[:MOST], *describe_omitted(len(told), 'topics that cannot be decoded')]
 
 
-def list_time_remarks(rhythm: MessageRhythm, start: int | None) -> list[str]:
+def list_time_remarks(rhythm: MessageIntervals, start: int | None) -> list[str]:
     """Return the remarks on backward steps and long silences; `start` in ns."""
     told = []
     if rhythm.backwards and rhythm.worst > WOVEN:

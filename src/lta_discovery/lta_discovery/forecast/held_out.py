@@ -42,7 +42,7 @@ UNITS: Final = dict(zip(CHANNELS, _UNITS, strict=True))
 WHOLE: Final = {'position': ('m', slice(0, 3)), 'attitude': ('rad', slice(3, 6))}
 
 
-class ModelPoints(NamedTuple):
+class FlightUnderModels(NamedTuple):
     """One flight under the vehicle file; tolerances fitted; and with the named effects."""
 
     before: LinearizationPoint
@@ -57,7 +57,7 @@ def count_learning_pieces(flight: FlightLinearizer) -> int:
 
 def build_model_points(
     flight: FlightLinearizer, nominal: NominalVehicle, bare: JointFit, full: JointFit
-) -> ModelPoints:
+) -> FlightUnderModels:
     """
     Return a held-out flight under each model, with the flight's own errors.
 
@@ -85,7 +85,7 @@ def build_model_points(
             vehicle, values = apply_parameters(nominal, knobs, values + own)
             point = LinearizationPoint(vehicle, values, point.random)
         models.append(point)
-    return ModelPoints(*models)
+    return FlightUnderModels(*models)
 
 
 def _estimate_own_errors(
@@ -158,7 +158,7 @@ def bootstrap_shrinkage(
 
 
 def compute_gaps(
-    flights: Sequence[FlightLinearizer], models: Sequence[ModelPoints], seed: int
+    flights: Sequence[FlightLinearizer], models: Sequence[FlightUnderModels], seed: int
 ) -> list[PredictionGap]:
     """Return the errors of each model: position and attitude, then by channel, at each horizon."""
     kinds = ('before', 'tuned', 'after', 'coast')

@@ -50,7 +50,7 @@ KINDS: Final[dict[str, tuple[Sensors, bool]]] = {
 
 @final
 @dataclass(frozen=True, slots=True)
-class DerivedClasses:
+class EffectSeparability:
     """
     Separability of effects for one kind of data.
 
@@ -120,12 +120,12 @@ def build_rich_course(seed: int, rich: bool) -> dict[str, Any]:
 
 def derive_classes(
     kinds: Sequence[str] = tuple(KINDS), flights: int = FLIGHTS
-) -> Mapping[str, DerivedClasses]:
+) -> Mapping[str, EffectSeparability]:
     """Derive the separability for each kind of data."""
     made = load_spec(VEHICLE, 'hall', 'bag', '')
     vehicle = build_parts(made)[0]
     turned = select_shipped(list_free_parameters(NominalVehicle.from_vehicle(vehicle)))
-    out: dict[str, DerivedClasses] = {}
+    out: dict[str, EffectSeparability] = {}
     flown = {}
     for kind in kinds:
         sensors, rich = KINDS[kind]
@@ -153,7 +153,7 @@ def _rehearse_streams(spec: FlightSpec, seed: int, rich: bool) -> FlightStreams:
     return rehearse_flight(vehicle, scenario, policy, seed).streams
 
 
-def compare_candidates(pairs: PairSeparability, more: PairSeparability) -> DerivedClasses:
+def compare_candidates(pairs: PairSeparability, more: PairSeparability) -> EffectSeparability:
     """Return cosines and significances of all candidates."""
     at = [k for k, knob in enumerate(pairs.knobs) if knob.typical > 0.0]
     cosine = np.eye(len(at))
@@ -164,7 +164,7 @@ def compare_candidates(pairs: PairSeparability, more: PairSeparability) -> Deriv
             # The cosine of an unobservable effect is only rounding
             if reach[i] >= SEEN and reach[j] >= SEEN:
                 cosine[i, j] = cosine[j, i] = abs(pairs.compare_pair(a, at[j]).cosine)
-    return DerivedClasses(tuple(pairs.knobs[k].name for k in at), cosine, reach, cap)
+    return EffectSeparability(tuple(pairs.knobs[k].name for k in at), cosine, reach, cap)
 
 
 def select_shipped(parameters: Sequence[FreeParameter]) -> list[FreeParameter]:

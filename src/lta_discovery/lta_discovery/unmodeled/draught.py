@@ -54,7 +54,7 @@ class DraughtFinding(NamedTuple):
         )
 
 
-def isotropy_probability(pair: Array, count: float) -> float:
+def isotropy_p_value(pair: Array, count: float) -> float:
     """
     Return the probability that an isotropic force differs as much between directions.
 
@@ -86,7 +86,7 @@ def is_horizontal(series: Sequence[LatentSeries]) -> bool:
     # An Ornstein-Uhlenbeck process has one independent square per memory; air has a longer one.
     count = sum(each.duration for each in series) / (2.0 * MEMORY)
     # Test both frames: turning makes a body-fixed force isotropic in the map, and vice versa.
-    return min(isotropy_probability(each[:, :2], count) for each in (ground, body)) > CHANCE
+    return min(isotropy_p_value(each[:, :2], count) for each in (ground, body)) > CHANCE
 
 
 def is_one_sided(rival: GenericRival) -> bool:

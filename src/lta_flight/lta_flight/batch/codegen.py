@@ -48,7 +48,7 @@ CORES: tuple[Callable[..., Any], ...] = (
     compiled_sensors.sample_range,
     compiled_sensors.draw_white_noise,
     steady_wind_at,
-    flight.initial_pose,
+    flight.draw_initial_state,
     flight.build_command,
     flight.read_sensors,
     flight.sensor_specific_force,
@@ -170,7 +170,7 @@ def _format_memory(names: Sequence[str]) -> str:
     texts = []
     for name in names:
         first = LAYOUT.remembers[name]
-        # Skip the rigid part of the state, which `initial_pose` gives
+        # Skip the rigid part of the state, which `draw_initial_state` gives
         values = whole[first : first + LAYOUT.memory_size(name)]
         if values:
             texts.append(format_tuple(repr(float(value)) for value in values))

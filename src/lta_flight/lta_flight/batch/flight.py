@@ -58,7 +58,7 @@ def initial_supply(charge: float) -> SupplyState:
     return SupplyState(resting_flow(charge), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-def initial_pose(constants: FlightConstants, seed: int) -> State:
+def draw_initial_state(constants: FlightConstants, seed: int) -> State:
     """Return the rigid part of the state: at rest, with a random heading."""
     # The random stream START is used for nothing else
     share, _ = draw_uniforms(seed, START, 0, 0)

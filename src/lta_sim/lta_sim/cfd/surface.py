@@ -42,11 +42,11 @@ def reduce_pressure(places: Array, pressure: Array) -> SurfacePressure:
         least=_round_short(pressure[low]), most=_round_short(pressure[high]),
         least_at=[_round_short(each) for each in places[low]],
         most_at=[_round_short(each) for each in places[high]],
-        below=_map_from_below(places, pressure, side), side=_round_short(side),
+        below=_lower_pressure_grid(places, pressure, side), side=_round_short(side),
     )  # fmt: skip
 
 
-def _map_from_below(places: Array, pressure: Array, side: float) -> list[list[float | None]]:
+def _lower_pressure_grid(places: Array, pressure: Array, side: float) -> list[list[float | None]]:
     """Return the pressure on the lower half, on a grid of x and y, from the nearest face."""
     under = places[:, 2] <= float(places[:, 2].mean())
     flat = places[under, :2]

@@ -95,7 +95,7 @@ class ColumnAccess:
     def build_parts(self, parts: list[ModelStage], layout: EffectLayout) -> dict[str, str]:
         """Return the loading and storing of states in blocks, and the stages as loops."""
         if not self.state:
-            return self._build_thread(parts, layout)
+            return self._generate_thread_code(parts, layout)
         return {
             'loops': '\n\n\n'.join(self._write_loops(parts)),
             'calls': indent_lines(self._write_calls(parts, layout)),
@@ -103,7 +103,9 @@ class ColumnAccess:
             'scratch': str(sum(VARIABLES.values())),
         }
 
-    def _build_thread(self, parts: list[ModelStage], layout: EffectLayout) -> dict[str, str]:
+    def _generate_thread_code(
+        self, parts: list[ModelStage], layout: EffectLayout
+    ) -> dict[str, str]:
         """Return the code of one thread, with loading and storing of its vehicle."""
         size = range(layout.size)
         return {

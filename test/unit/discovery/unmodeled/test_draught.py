@@ -8,7 +8,7 @@ from lta_discovery.unmodeled.draught import (
     DraughtFinding,
     estimate_air_speed,
     is_horizontal,
-    isotropy_probability,
+    isotropy_p_value,
 )
 from lta_discovery.unmodeled.latent_series import LatentSeries
 from lta_discovery.unmodeled.remainders import Remainder
@@ -54,15 +54,15 @@ def _found(known: Known, **given: object) -> DraughtFinding | None:
 def test_the_chance_of_being_alike_is_that_of_mauchlys_test() -> None:
     # Squares of 4 and 1, four products each: 4 x 4 x 4 x 1 / (20 / 2)^2 is 0.64.
     pair = np.array([[2.0, 1.0], [2.0, -1.0], [-2.0, 1.0], [-2.0, -1.0]])
-    assert isotropy_probability(pair, 5.0) == pytest.approx(0.64**2)
-    assert isotropy_probability(pair, 21.0) == pytest.approx(0.64**10)
-    assert isotropy_probability(pair / [2.0, 1.0], 21.0) == pytest.approx(1.0)
-    assert isotropy_probability(np.zeros((4, 2)), 21.0) == 1.0
+    assert isotropy_p_value(pair, 5.0) == pytest.approx(0.64**2)
+    assert isotropy_p_value(pair, 21.0) == pytest.approx(0.64**10)
+    assert isotropy_p_value(pair / [2.0, 1.0], 21.0) == pytest.approx(1.0)
+    assert isotropy_p_value(np.zeros((4, 2)), 21.0) == 1.0
 
 
 def test_the_chance_holds_in_draws() -> None:
     rng = np.random.default_rng(3)
-    chances = [isotropy_probability(rng.standard_normal((20, 2)), 20.0) for _ in range(2000)]
+    chances = [isotropy_p_value(rng.standard_normal((20, 2)), 20.0) for _ in range(2000)]
     # One in ten below 0.1, give or take three of its deviations of 0.7 %. The mean is known to be
     # 0, so that there is one value more than the test takes.
     assert np.mean(np.array(chances) < 0.1) == pytest.approx(0.1, abs=0.03)

@@ -8,7 +8,11 @@ from lta_config.errors import BadInput
 from lta_config.limits import NOTE_BYTES
 from lta_data.bag.mcap_file.compression import DamagedRecord
 from lta_data.bag.mcap_file.contents import DamagedRegion, McapContents, MessageRegion, read_at
-from lta_data.bag.mcap_file.rhythm import iterate_index_entries, MessageRhythm, read_ordered_times
+from lta_data.bag.mcap_file.rhythm import (
+    iterate_index_entries,
+    MessageIntervals,
+    read_ordered_times,
+)
 from mcap.records import Channel
 
 
@@ -58,9 +62,9 @@ def build_chunk_loss(stream: BinaryIO, place: MessageRegion) -> DamagedRegion:
     return loss
 
 
-def read_indexed_rhythm(part: RecordingFile) -> MessageRhythm:
+def read_indexed_rhythm(part: RecordingFile) -> MessageIntervals:
     """Return the timing of the messages of a finished file, from the indexes alone."""
-    rhythm = MessageRhythm()
+    rhythm = MessageIntervals()
     with part.file.open('rb') as stream:
         for place in part.contents.places:
             rhythm.add_times(*read_ordered_times(read_chunk_index(stream, place)))

@@ -12,7 +12,7 @@ from lta_bridge.bag.records import PROVENANCE
 from lta_config.errors import strip_control_codes, to_one_line
 from lta_config.limits import CHANNELS
 from lta_data.bag.mcap_file.compression import DamagedRecord
-from lta_data.bag.mcap_file.rhythm import MessageRhythm
+from lta_data.bag.mcap_file.rhythm import MessageIntervals
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
@@ -87,7 +87,7 @@ class McapContents:
     lost: list[DamagedRegion] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
     rivals: list[Channel] = field(default_factory=list)
-    rhythm: MessageRhythm = field(default_factory=MessageRhythm, compare=False)
+    rhythm: MessageIntervals = field(default_factory=MessageIntervals, compare=False)
     indexed: bool = field(default=False, compare=False)
 
     def add_record(self, opcode: int, body: bytes) -> None:

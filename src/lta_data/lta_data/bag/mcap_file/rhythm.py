@@ -19,7 +19,7 @@ MOST_KEPT = 1000  # silences that are stored
 
 @final
 @dataclass(slots=True)
-class MessageRhythm:
+class MessageIntervals:
     """
     The time steps between messages, in the order of recording; times in ns.
 

@@ -103,7 +103,7 @@ def average_flight_tasks(loads: LoadModel, tracks: Sequence[FlightTrack]) -> lis
         'hovering': [each.crop(SETTLED, AWAY) for each in tracks],
         f'flying at {SPEED:g} m/s': [each.crop(CRUISING, END) for each in tracks],
     }
-    return [average_task(name, steady, part) for name, part in parts.items()]
+    return [average_task_power(name, steady, part) for name, part in parts.items()]
 
 
 def select_take_off(track: FlightTrack) -> FlightTrack:
@@ -113,7 +113,7 @@ def select_take_off(track: FlightTrack) -> FlightTrack:
     return track.crop(GO, float(arrived[0]) if len(arrived) else SETTLED)
 
 
-def average_task(name: str, electronics: float, tracks: Sequence[FlightTrack]) -> TaskPower:
+def average_task_power(name: str, electronics: float, tracks: Sequence[FlightTrack]) -> TaskPower:
     """Average the power over flight segments, one per seed."""
     means = [float(each.rotors.mean()) for each in tracks]
     mean = math.fsum(means) / len(means)
@@ -137,7 +137,7 @@ def measure_navigation(
         up = whole.time[whole.height > whole.height[0] + MOVED]
         flown.append(whole.crop(float(up[0]) if len(up) else 0.0, math.inf))
         tick()
-    return average_task(f'navigating, {strategy.upper()}', electronics, flown)
+    return average_task_power(f'navigating, {strategy.upper()}', electronics, flown)
 
 
 def is_flight_over(loop: ClosedLoop) -> bool:
