@@ -66,7 +66,7 @@ class _UniqueKeys(yaml.CSafeLoader):
             key = self.construct_object(key_node, deep=True)
             # YAML allows lists and mappings as keys, which Python does not
             if not isinstance(key, Hashable):
-                raise BadInput(f'{key_node.start_mark.name}: the key {key} must be one word.')
+                raise BadInput(f'{key_node.start_mark.name}: the key {key} must be a single word.')
             line = key_node.start_mark.line + 1
             if key in seen:
                 raise BadInput(
@@ -143,7 +143,7 @@ def load_yaml(path: Path) -> Any:  # noqa: ANN401 - YAML holds anything
 
     """
     if path.exists() and not path.is_file():  # reading a pipe could block, a device never ends
-        raise BadInput(f'{path} cannot be read: it is not a regular file; give one.')
+        raise BadInput(f'{path} is not a regular file; give the path of a YAML file.')
     try:
         with path.open('rb') as stream:
             # Reading one byte more than allowed shows that a file is too large
@@ -216,7 +216,9 @@ def _check_shape(where: str, events: Iterable[yaml.Event]) -> None:
             continue
         alias = event.anchor if isinstance(event, yaml.AliasEvent) else None
         if alias is not None and any(anchor == alias for anchor, _ in open_):
-            raise BadInput(f"{where} has the alias '{alias}' within its own anchor; write it out.")
+            raise BadInput(
+                f"{where} uses the alias '*{alias}' inside its own anchor; write the value out."
+            )
         total += 1 if alias is None else sizes.get(alias, 1)
         if isinstance(event, yaml.CollectionStartEvent):
             open_.append((event.anchor, total))
@@ -225,9 +227,11 @@ def _check_shape(where: str, events: Iterable[yaml.Event]) -> None:
             if event.anchor is not None:
                 sizes[event.anchor] = 1
         if len(open_) > YAML_DEPTH:
-            raise BadInput(f'{where} is nested more than {YAML_DEPTH} deep; flatten it.')
+            raise BadInput(f'{where} is nested more than {YAML_DEPTH} levels deep; flatten it.')
         if total > YAML_BYTES:
-            raise BadInput(f'{where} holds more than {YAML_BYTES} values; use fewer aliases.')
+            raise BadInput(
+                f'{where} has more than {YAML_BYTES} values with its aliases; use fewer aliases.'
+            )
 
 
 def _check_number(where: str, event: yaml.ScalarEvent) -> None:
@@ -235,7 +239,9 @@ def _check_number(where: str, event: yaml.ScalarEvent) -> None:
     # PyYAML's flags are for a plain and for a quoted scalar
     quoted = event.implicit[1]
     if not quoted and len(event.value) > YAML_DIGITS and NUMERAL.fullmatch(event.value):
-        raise BadInput(f'{where} holds a number of more than {YAML_DIGITS} digits; shorten it.')
+        raise BadInput(
+            f'{where} has a number with more than {YAML_DIGITS} digits; shorten the number.'
+        )
 
 
 def load_file(model: type[Model], path: Path) -> Model:
@@ -266,7 +272,9 @@ def validate_content(model: type[Model], content: Any, where: str) -> Model:  # 
 
     """
     if not isinstance(content, dict):
-        raise BadInput(f'{where} is not a mapping of keys; compare it with a shipped file.')
+        raise BadInput(
+            f'{where} is not a YAML mapping (key: value); compare it with a shipped file.'
+        )
     try:
         return model.model_validate(content)
     except ValidationError as error:

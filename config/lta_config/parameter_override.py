@@ -69,7 +69,9 @@ def parse_value(value: Any, where: str) -> Any:  # noqa: ANN401 - what YAML hold
         found = parse_quantity(value)
         return _parse_number(value) if found is None else found
     except (yaml.YAMLError, ValueError):
-        raise BadInput(f"{where} cannot be set to '{value}'; write it as in a file.") from None
+        raise BadInput(
+            f"{where} cannot be set to '{value}'; write the value as in a file."
+        ) from None
 
 
 def _parse_number(text: str) -> Any:  # noqa: ANN401 - what YAML holds
@@ -187,7 +189,9 @@ def _match_replacement(old: Any, value: Any, where: str) -> Any:  # noqa: ANN401
         names = ', '.join(map(str, old))
         raise BadInput(f'{where} is a group; set one of its keys: {names}.')
     if now is not None:
-        raise BadInput(f'{where} takes a plain value such as {old}, not {format_value(value)}.')
+        raise BadInput(
+            f'{where} is {format_value(value)}, but has no unit; give a value like {old}.'
+        )
     # bool is a subclass of int
     number = isinstance(old, int | float) and not isinstance(old, bool)
     if number and (isinstance(value, bool) or not isinstance(value, int | float)):

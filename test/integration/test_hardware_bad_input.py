@@ -17,14 +17,18 @@ CRAZYFLIE, TEENSY = 'crazyflie_bridge', 'teensy_bridge'
 TAKEN = f'udp://127.0.0.1:{free_port(UDP)}'
 REFUSED = [
     (CRAZYFLIE, 'uri:=udp://here', r"'udp://here' is not a valid Crazyflie URI; give one such as"),
-    (CRAZYFLIE, f'uri:={TAKEN}', r'commanded by another program \(process \d+\); stop that one'),
+    (
+        CRAZYFLIE,
+        f'uri:={TAKEN}',
+        r'commanded by another program \(process \d+\); stop that program',
+    ),
     (CRAZYFLIE, 'command:=override', r'tether the drone to a bench and add tethered:=true'),
     (CRAZYFLIE, 'crazyflie:=multirotor', r"multirotor\.yaml' is for multirotor, and gtmab flies"),
     (TEENSY, 'port:=/dev/ttyNOPE', r'There is no serial port /dev/ttyNOPE'),
     (
         TEENSY,
         'port:=udp://0.0.0.0:99999',
-        r'is not an address to listen on; give udp://0.0.0.0:14550',
+        r'is not a UDP address to receive on; write udp://0.0.0.0:14550',
     ),
 ]
 

@@ -260,7 +260,7 @@ def test_what_a_player_cannot_do_is_one_sentence(lta, call, meters, tmp_path):
 
     bag = ('-p', f'bag:={meters}')
     assert 'has no bag' in refused()
-    assert 'Looping in lockstep would never end' in refused(
+    assert 'loop:=true in lockstep would never end' in refused(
         *bag, '-p', 'loop:=true', '-p', 'time:=lockstep'
     )
     status, told = call('replay', meters, '--out', tmp_path / 'replay')

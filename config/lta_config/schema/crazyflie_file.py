@@ -160,6 +160,6 @@ def find_crazyflie(vehicle: str, name: str, other: str = '') -> CrazyflieFile:
     if name not in (names := list_shipped(FOLDERS['crazyflie'])):
         raise BadInput(
             f'{name} has no Crazyflie file (wiring of the motors and limits of a flight); '
-            f'write {beside.name} next to its own file, modelled on one of {", ".join(names)}.'
+            f'write {beside.name} next to the vehicle file, modelled on one of {", ".join(names)}.'
         )
     return load_crazyflie(name)

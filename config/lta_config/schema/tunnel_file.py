@@ -75,6 +75,6 @@ def _refuse_vehicle(path: Path) -> None:
     content = load_yaml(path)
     if isinstance(content, dict) and {'hull', 'rotors'} <= content.keys():
         raise BadInput(
-            f'{path} is a vehicle file, not a tunnel file; copy one of config/tunnels and name '
-            f'this one in it (vehicle: {path}).'
+            f'{path} is a vehicle file, not a tunnel file; copy one of config/tunnels and '
+            f'write "vehicle: {path}" in the copy.'
         )

@@ -63,12 +63,12 @@ class RecorderSettings(RobotOrigin):
         fixed=True,
     )
     split_size: float = setting(
-        0.0, 'File size at which the next file starts; 0 for a single file.', unit='MB', low=0.0, high=1e6,
-        fixed=True,
+        0.0, 'File size at which the next file starts; 0 for a single file.', unit='MB',
+        low=0.0, high=1e6, fixed=True,
     )  # fmt: skip
     split_duration: float = setting(
-        0.0, 'Duration after which the next file starts; 0 for a single file.', unit='s', low=0.0, high=1e6,
-        fixed=True,
+        0.0, 'Duration after which the next file starts; 0 for a single file.', unit='s',
+        low=0.0, high=1e6, fixed=True,
     )  # fmt: skip
     snapshot: float = setting(
         0.0,

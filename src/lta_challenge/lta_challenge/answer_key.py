@@ -58,6 +58,8 @@ def read_answers(path: Path) -> dict[str, Any]:
             f"'{path}' is not the answer key of a challenge; make the challenge again."
         ) from None
     if note != NOTE or hashlib.sha256(text.encode()).hexdigest() != digest:
-        raise BadInput(f"The answer key '{path}' was changed by hand; make the challenge again.")
+        raise BadInput(
+            f"The answer key '{path}' was changed after it was made; make the challenge again."
+        )
     found: dict[str, Any] = json.loads(text)
     return found

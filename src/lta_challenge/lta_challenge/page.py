@@ -88,8 +88,8 @@ def _render_pictures(scored: ChallengeScore) -> str:
         render_section(
             'strength',
             'Detection by strength',
-            'Share of exact, wrong and missing names of single hidden effects, by strength: effect '
-            'divided by its standard deviation from these flights and the tolerance of the '
+            'Share of exact, wrong and missing names of single hidden effects, by strength: '
+            'effect divided by its standard deviation from these flights and the tolerance of the '
             'vehicle. Bars are 95 % intervals (Wilson).',
             plot_strength(cases),
         ),

@@ -79,7 +79,8 @@ def _check_complete(folder: Path, todo: Sequence[int], about: dict[str, Any]) ->
     # The digest in challenge.json was written when the challenge was made
     if read_digest(folder / SEALED) != about['answers_sha256']:
         raise BadInput(
-            f"The answer key '{folder / SEALED}' was changed by hand; make the challenge again."
+            f"The answer key '{folder / SEALED}' was changed after it was made; "
+            'make the challenge again.'
         )
     for place in (folder / case_folder(number) for number in todo):
         if not place.is_dir():

@@ -15,18 +15,28 @@ class AltitudeSettings(Settings):
     """Noise of the altitude filter's inputs."""
 
     acceleration_noise: float = setting(
-        0.15, 'Error of the vertical acceleration.', unit='m/s2', low=1e-3, high=10.0
+        0.15,
+        'Standard deviation of the measured vertical acceleration.',
+        unit='m/s2',
+        low=1e-3,
+        high=10.0,
     )
     offset_walk: float = setting(
         0.02,
-        'Random walk of the pressure height in one second.',
+        'Random drift of the height from air pressure in one second.',
         unit='m/s^0.5',
         low=0.0,
         high=1.0,
     )
-    range_noise: float = setting(0.01, 'Error of the range.', unit='m', low=1e-3, high=1.0)
+    range_noise: float = setting(
+        0.01,
+        'Standard deviation of the measured distance to the floor.',
+        unit='m',
+        low=1e-3,
+        high=1.0,
+    )
     pressure_noise: float = setting(
-        0.15, 'Error of the pressure height.', unit='m', low=1e-3, high=10.0
+        0.15, 'Standard deviation of the height from air pressure.', unit='m', low=1e-3, high=10.0
     )
 
 

@@ -22,16 +22,20 @@ class CascadeGains(Settings):
     """Gains of all loops; each vehicle has its values in `config/control/`."""
 
     altitude_kp: float = setting(
-        ..., 'Climb rate per metre of altitude error.', unit='1/s', low=0.0, high=10.0
+        ..., 'Commanded climb rate per metre of altitude error.', unit='1/s', low=0.0, high=10.0
     )
-    climb_limit: float = setting(..., 'Largest climb rate.', unit='m/s', low=0.01, high=2.0)
-    climb: PidGains = setting(..., 'Climb rate to vertical force, N per m/s.')
+    climb_limit: float = setting(
+        ..., 'Largest commanded climb rate.', unit='m/s', low=0.01, high=2.0
+    )
+    climb: PidGains = setting(..., 'Loop from climb rate error to vertical force, N per m/s.')
     heading_kp: float = setting(
-        ..., 'Yaw rate per radian of heading error.', unit='1/s', low=0.0, high=10.0
+        ..., 'Commanded yaw rate per radian of heading error.', unit='1/s', low=0.0, high=10.0
     )
-    yaw_rate_limit: float = setting(..., 'Largest yaw rate.', unit='rad/s', low=0.01, high=6.0)
-    yaw_rate: PidGains = setting(..., 'Yaw rate to yaw moment, N m per rad/s.')
-    speed: PidGains = setting(..., 'Airspeed to surge force, N per m/s.')
+    yaw_rate_limit: float = setting(
+        ..., 'Largest commanded yaw rate.', unit='rad/s', low=0.01, high=6.0
+    )
+    yaw_rate: PidGains = setting(..., 'Loop from yaw rate error to yaw moment, N m per rad/s.')
+    speed: PidGains = setting(..., 'Loop from airspeed error to surge force, N per m/s.')
     turn_first: float = setting(
         ...,
         'Heading error at which the commanded forward speed falls to zero.',
@@ -41,15 +45,21 @@ class CascadeGains(Settings):
     )
     drift_gain: float = setting(
         ...,
-        'Angle of the nose into sideways drift, per drift speed.',
+        'Angle by which the nose turns against a sideways drift, per drift speed.',
         unit='rad s/m',
         low=0.0,
         high=20.0,
     )
-    drift_limit: float = setting(..., 'Largest such angle.', unit='rad', low=0.0, high=1.5)
+    drift_limit: float = setting(
+        ...,
+        'Largest angle by which the nose turns against a sideways drift.',
+        unit='rad',
+        low=0.0,
+        high=1.5,
+    )
     speed_limit: float = setting(
         ...,
-        'Largest forward airspeed; at higher speed the hull may rise.',
+        'Largest commanded forward airspeed; above it the hull may rise.',
         unit='m/s',
         low=0.01,
         high=5.0,
@@ -63,7 +73,7 @@ class CascadeGains(Settings):
     )
     swing_gain: float = setting(
         ...,
-        'Surge force per pitch rate: rotors below the hull damp its swing.',
+        'Surge force per pitch rate, which damps the pitch swing of the hull.',
         unit='N s/rad',
         low=-1.0,
         high=1.0,

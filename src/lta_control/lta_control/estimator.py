@@ -41,26 +41,37 @@ class EstimatorSettings(Settings):
     """Settings of the estimator's filters."""
 
     rest_time: float = setting(
-        2.0, 'Time at rest for calibrating the biases.', unit='s', low=0.1, high=60.0, fixed=True
+        2.0,
+        'Time at rest in which the sensor biases are calibrated.',
+        unit='s',
+        low=0.1,
+        high=60.0,
+        fixed=True,
     )
     gravity_gain: float = setting(
-        0.1, 'How fast gravity corrects roll and pitch.', unit='1/s', low=0.0, high=5.0
+        0.1,
+        'Rate at which measured gravity corrects roll and pitch.',
+        unit='1/s',
+        low=0.0,
+        high=5.0,
     )
     accelerometer_trust: float = setting(
         1.0,
-        'Time constant with which the airspeed returns to the drag model.',
+        'Time constant with which the estimated airspeed returns to that of the drag model.',
         unit='s',
         low=0.05,
         high=60.0,
     )
     air_density: float = setting(
         AIR_DENSITY,
-        'Density of the air, for the pressure height.',
+        'Density of the air, for computing height from air pressure.',
         unit='kg/m3',
         low=0.5,
         high=2.0,
     )
-    altitude: AltitudeSettings = setting(AltitudeSettings(), 'The altitude filter.')
+    altitude: AltitudeSettings = setting(
+        AltitudeSettings(), 'Noise settings of the altitude filter.'
+    )
 
 
 class EstimatorModel(NamedTuple):

@@ -29,28 +29,44 @@ from lta_control.strategies.settings import StrategySettings
 class MissionSettings(StrategySettings):
     """Settings of the mission; altitudes are of the hull centre above the floor."""
 
-    altitude: float = setting(0.5, 'Altitude to fly at.', unit='m', low=0.1, high=100.0)
+    altitude: float = setting(
+        0.5, 'Altitude at which the mission is flown.', unit='m', low=0.1, high=100.0
+    )
     reached: float = setting(
-        0.04, 'Distance from the altitude at which the climb ends.', unit='m', low=0.001, high=1.0
+        0.04,
+        'Altitude error at which the climb counts as finished.',
+        unit='m',
+        low=0.001,
+        high=1.0,
     )
     landing: float = setting(
         0.3,
-        'Altitude setpoint for landing; below the standing height.',
+        'Altitude setpoint for landing; must be below the height of the hull on the ground.',
         unit='m',
         low=0.0,
         high=100.0,
     )
     heard: float = setting(
         0.5,
-        'Time for which the next lamp of a route must be received.',
+        'Time for which the next lamp of a route must be received before flying to it.',
         unit='s',
         low=0.1,
         high=60.0,
     )
     patience: float = setting(
-        3.0, 'Time to listen for the next lamp of a route.', unit='s', low=0.5, high=600.0
+        3.0,
+        'Time to wait for the next lamp of a route; after it, the switch has failed.',
+        unit='s',
+        low=0.5,
+        high=600.0,
     )
-    again: float = setting(10.0, 'Time until the next attempt.', unit='s', low=0.5, high=3600.0)
+    again: float = setting(
+        10.0,
+        'Time from a failed switch to the next lamp until the next attempt.',
+        unit='s',
+        low=0.5,
+        high=3600.0,
+    )
 
 
 def initial_mission(strategy: NavigationStrategy) -> Mission:

@@ -28,5 +28,8 @@ def pad_to_slots(values: Iterable[float]) -> PerRotor:
     """
     numbers = tuple(values)
     if len(numbers) > SLOTS:
-        raise BadInput(f'There are {len(numbers)} rotors, but a vehicle has at most {SLOTS}.')
+        raise BadInput(
+            f'There are {len(numbers)} rotors, but a vehicle can have at most {SLOTS}; '
+            'remove some.'
+        )
     return cast('PerRotor', numbers + NONE[len(numbers) :])

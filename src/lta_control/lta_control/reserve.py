@@ -44,28 +44,37 @@ class ReserveActionSettings(Settings):
 
     action: Action = setting(
         'land',
-        'At the reserve: land here, return to the start and land there, or fly on to the lamp '
-        '(a strategy that arrives, as homing) and come down there.',
+        'Action at the energy reserve: land immediately, return to the start and land there, '
+        'or perch: fly on to the lamp (needs a strategy that arrives, such as homing) and land '
+        'there.',
         fixed=True,
     )
     stale: float = setting(
         1.0,
-        'Age of the latest report of the energy monitor at which the drone lands.',
+        'Age of the latest report of the energy monitor; if it is older, the drone lands.',
         unit='s',
         low=0.2,
         high=600.0,
     )
     home: float = setting(
-        0.5, 'Distance from the start at which it lands.', unit='m', low=0.05, high=100.0
+        0.5,
+        'Distance from the start at which the returning drone lands.',
+        unit='m',
+        low=0.05,
+        high=100.0,
     )
     patience: float = setting(
         2.0,
-        'Allowed duration of the flight back, as a multiple of distance over speed.',
+        'Longest duration of the flight back, as a multiple of distance divided by speed.',
         low=1.0,
         high=20.0,
     )
     turning: float = setting(
-        20.0, 'Additional time to coast and turn.', unit='s', low=0.0, high=600.0
+        20.0,
+        'Additional time that the flight back may take, to coast and turn.',
+        unit='s',
+        low=0.0,
+        high=600.0,
     )
 
     @property

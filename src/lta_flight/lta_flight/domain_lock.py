@@ -50,7 +50,8 @@ class DomainLock:
             self._file = os.open(self._path, flags, 0o600)
         except OSError as error:
             raise BadInput(
-                f"'{self._path}' cannot be opened ({error.strerror}); remove it."
+                f"The lock file '{self._path}' cannot be opened ({error.strerror}); remove the "
+                'file.'
             ) from None
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -59,8 +60,8 @@ class DomainLock:
             os.close(self._file)
             raise BadInput(
                 f'{holder or "A robot is"} flying on ROS domain {self._domain} already, and all '
-                'share its /clock; wait until it ends, or choose another domain: '
-                f'export ROS_DOMAIN_ID={(int(self._domain) + 1) % (HIGHEST_DOMAIN + 1)}.'
+                'robots on a domain share /clock; wait until this flight ends, or choose another '
+                f'domain: export ROS_DOMAIN_ID={(int(self._domain) + 1) % (HIGHEST_DOMAIN + 1)}.'
             ) from None
         # A shorter name must not leave the end of an older one
         os.ftruncate(self._file, 0)

@@ -34,7 +34,7 @@ def check_lamp_frequency(scenario: Scenario, demodulation: DemodulationSettings)
         name = next(iter(scenario.lamps))
         raise BadInput(
             f'The lamp of {scenario.name} flickers at {lamp:g} Hz, but the demodulator listens '
-            f'at {demodulation.frequency:g} Hz, from {low:.0f} to {high:.0f} Hz; give the '
-            f"scenario a 'route: [{name}]', which uses the frequency of each lamp, "
-            'or set demodulator.frequency.'
+            f'at {demodulation.frequency:g} Hz ({low:.0f} to {high:.0f} Hz); set '
+            f"demodulator.frequency, or add 'route: [{name}]' to the scenario, which uses the "
+            'frequency of each lamp.'
         )

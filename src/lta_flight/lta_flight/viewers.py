@@ -47,7 +47,7 @@ def check_live_ports(plan: LaunchPlan) -> None:
     seen: set[object] = set()
     for _, host, port in _list_live_views(plan):
         if port in seen:
-            raise BadInput(f'Two live views were given port {port}; give each its own.')
+            raise BadInput(f'Two live views were given port {port}; give each a port of its own.')
         seen.add(port)
         if not (type(port) is int and 1 <= port <= 65535):
             raise BadInput(

@@ -52,8 +52,8 @@ def collect_effects(
         # A second value for a derived parameter would contradict the blocks that it follows from
         if name in derived and set(given) - set(SHARES.get(name, ())):
             raise BadInput(
-                f'The effect {name} of {file.name} follows from hull, parts, rotors or aero; '
-                'change it there.'
+                f'The effect {name} of {file.name} is computed from hull, parts, rotors or '
+                'aero; change those blocks instead.'
             )
     own = {name: _check_parameters(name, given) for name, given in file.effects.items()}
     # Own values win only where `SHARES` allows them

@@ -67,8 +67,9 @@ def level_force(vehicle: Vehicle, heading: float = 0.0) -> float:
     )
     if found.status != 0 or found.fun is None:
         raise BadInput(
-            f'{vehicle.file.name} cannot carry its {1e3 * vehicle.heaviness:.1f} g by its rotors '
-            'and hold its heading; trim it closer to neutral, or give it stronger rotors.'
+            f'The rotors of {vehicle.file.name} cannot carry its {1e3 * vehicle.heaviness:.1f} '
+            'g beyond buoyancy and hold its heading; trim it closer to neutral, or use '
+            'stronger rotors.'
         )
     return float(-found.fun)
 
@@ -107,7 +108,8 @@ def level_speed(vehicle: Vehicle) -> float:
     force = level_force(vehicle)
     if linear + quadratic == 0.0:
         raise BadInput(
-            f'{vehicle.file.name} has no drag along x in its aero block; give it one for a speed.'
+            f'{vehicle.file.name} has no drag along x, so its top speed is unlimited; add the '
+            'drag to its aero block.'
         )
     return steady_speed(force, linear, quadratic) if force > 0.0 else 0.0
 

@@ -35,7 +35,7 @@ def low_altitude_turbulence(height: float, wind: float) -> dict[str, float]:
             f'to {HIGHEST:.0f} m; give intensity and length yourself.'
         )
     if not wind >= 0.0:
-        raise BadInput(f'The mean wind at 20 ft is {wind:g} m/s; give its speed, 0 or more.')
+        raise BadInput(f'The mean wind speed at 20 ft is {wind:g} m/s; it must be 0 or more.')
     # The specification has the height in feet
     factor = 0.177 + 0.000823 * height / FOOT
     up, level = 0.1 * wind, 0.1 * wind / factor**0.4

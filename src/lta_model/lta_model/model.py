@@ -60,7 +60,9 @@ def _parse_inertia(inertia: ArrayLike) -> Vector:
         )
     # A physical inertia has positive eigenvalues
     if not (np.isfinite(tensor).all() and np.linalg.eigvalsh(tensor)[0] > 0.0):
-        raise BadInput(f'The inertia {tensor.tolist()} is not positive definite; correct it.')
+        raise BadInput(
+            f'The inertia {tensor.tolist()} is not positive definite; correct its elements.'
+        )
     return tensor
 
 
@@ -74,7 +76,7 @@ def _build_rigid_body(
     if r.shape != (3,) or not np.isfinite(r).all():
         raise BadInput(f'The centre of gravity is {r.tolist()}; give three finite numbers.')
     if not (math.isfinite(displaced) and displaced >= 0.0):
-        raise BadInput(f'The displaced air is {displaced:g} kg; give a number of 0 or more.')
+        raise BadInput(f'The displaced air is {displaced:g} kg; it must be 0 or more.')
     # Lower right block: inertia about the hull centre
     i = rigid_mass_matrix(mass, r, _parse_inertia(inertia))[3:, 3:]
     x, y, z = (mass * r).tolist()
@@ -102,7 +104,8 @@ def _pack_rotor_geometry(rotors: Sequence[tuple[ArrayLike, ArrayLike]]) -> Vecto
     """Return places and axes of the rotors, zeros for those that do not exist."""
     if len(rotors) > ACTUATORS:
         raise BadInput(
-            f'The vehicle has {len(rotors)} rotors; the model has room for {ACTUATORS}.'
+            f'The vehicle has {len(rotors)} rotors, but the model supports at most {ACTUATORS}; '
+            'remove some.'
         )
     # Zero axis: a missing rotor exerts no force
     numbers = np.zeros((ACTUATORS, ROTOR))

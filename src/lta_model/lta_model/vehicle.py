@@ -178,8 +178,8 @@ class Vehicle:
         # Control laws invert a single curve
         if len(curves) != 1:
             raise BadInput(
-                f'{self.file.name} has rotors with {len(curves)} thrust curves, where one for all '
-                'is needed; choose another control law.'
+                f'The rotors of {self.file.name} have {len(curves)} different thrust curves, '
+                'but this control law needs the same curve for all; choose another control law.'
             )
         return curves.pop()
 

@@ -121,7 +121,7 @@ class LineLog(Generic[Piece]):
             raise self._build_format_error()
         if content[self._kind.key] != self._identity:
             raise BadInput(
-                f"'{self._path}' is of another {self._kind.word}; choose another "
+                f"'{self._path}' belongs to another {self._kind.word}; choose another "
                 f'{self._kind.option}.'
             )
 

@@ -67,7 +67,7 @@ def collect_scene_effects(vehicle: Vehicle, scenario: Scenario) -> Effects:
             kind = 'wind' if isinstance(EFFECTS[name], AirEffect) else 'room'
             raise BadInput(
                 f'The effect {name} is set by the {kind} of the scenario {scenario.name} and by '
-                f'the vehicle {vehicle.file.name}; leave it to the scenario.'
+                f'the vehicle {vehicle.file.name}; remove it from the vehicle.'
             )
     return given
 
@@ -79,7 +79,7 @@ def _wall_parameters(scenario: Scenario, radius: float, half_height: float) -> d
     if any(abs(x) + radius > side / 2.0 for x, side in zip(at, (length, width), strict=True)):
         raise BadInput(
             f'The scenario {scenario.name} starts at {at} m, where a hull with a radius of '
-            f'{radius:.2f} m is in a wall; move the start.'
+            f'{radius:.2f} m touches a wall; move the start away from the wall.'
         )
     return {
         'x_low': -length / 2.0,

@@ -11,11 +11,11 @@ class SimulatorSettings(Settings):
     scenario: str = setting('lamp_room', 'Scenario name or file.', fixed=True)
     seed: int = setting(1, 'Random seed.', low=0, high=2**31 - 1, fixed=True)
     strategy: str = setting(
-        '', 'Navigation strategy, for its power consumption; empty: none.', fixed=True
+        '', 'Navigation strategy whose power consumption is simulated; empty: none.', fixed=True
     )
     offset_x: float = setting(
         0.0,
-        "Start, relative to the scenario's, eastward.",
+        "Eastward distance of the start from the scenario's start.",
         unit='m',
         low=-FAR,
         high=FAR,
@@ -23,17 +23,17 @@ class SimulatorSettings(Settings):
     )
     offset_y: float = setting(
         0.0,
-        "Start, relative to the scenario's, northward.",
+        "Northward distance of the start from the scenario's start.",
         unit='m',
         low=-FAR,
         high=FAR,
         fixed=True,
     )
     record: bool = setting(False, 'Whether the simulator waits until a recorder runs.', fixed=True)
-    topics: str = setting('', "Topics that are recorded; the recorder's setting.", fixed=True)
+    topics: str = setting('', 'Topics that are recorded, as set for the recorder.', fixed=True)
     clock: bool = setting(
         True, 'Whether to publish /clock; exactly one simulator must.', fixed=True
     )
     peers: str = setting(
-        '', 'Namespaces of drones to stay synchronised with, separated by spaces.', fixed=True
+        '', 'Namespaces of the drones to synchronise with, separated by spaces.', fixed=True
     )

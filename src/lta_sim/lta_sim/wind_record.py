@@ -64,15 +64,15 @@ class WindRecord:
             raise BadInput(f'The wind file {path} cannot be read: {error}.') from None
         if len(rows) < 2:
             raise BadInput(
-                f'The wind file {path} has {len(rows)} rows below its header; record two or more.'
+                f'The wind file {path} has {len(rows)} rows below its header; give two or more.'
             )
         _check_order(path, rows[:, 0])
         # The flight may take up to its time limit
         lasts = float(rows[-1, 0] - rows[0, 0])
         if lasts < needed:
             raise BadInput(
-                f'The wind file {path} lasts {lasts:g} s, and the flight may take {needed:g} s; '
-                'record longer or lower goal.time_limit.'
+                f'The wind file {path} lasts {lasts:g} s, but the flight may take {needed:g} s; '
+                'give a longer record or lower goal.time_limit.'
             )
         return cls(rows[:, 0] - rows[0, 0], np.ascontiguousarray(rows[:, 1:]))
 
@@ -101,13 +101,13 @@ def _read_rows(path: Path, stream: TextIO) -> Array:
             header = cells
             if header != HEADER:
                 raise BadInput(
-                    f'The wind file {path} begins with "{text[:40]}"; begin with the header '
+                    f'The wind file {path} begins with "{text[:40]}" instead of the header '
                     f'"{",".join(HEADER)}".'
                 )
             continue
         numbers.extend(_parse_numbers(path, count, cells))
         if len(numbers) > len(HEADER) * MOST_ROWS:
-            raise BadInput(f'The wind file {path} has more than {MOST_ROWS} rows; cut it.')
+            raise BadInput(f'The wind file {path} has more than {MOST_ROWS} rows; shorten it.')
     return np.array(numbers).reshape(-1, len(HEADER))
 
 
@@ -121,7 +121,7 @@ def _parse_numbers(path: Path, count: int, cells: list[str]) -> list[float]:
     if len(row) != len(HEADER) or not np.isfinite(row).all():
         raise BadInput(
             f'The wind file {path} has "{",".join(cells)[:60]}" in line {count}; write four '
-            'finite numbers, t,u,v,w, or remove the line and fill the gap.'
+            'finite numbers (t,u,v,w) there.'
         )
     if max(map(abs, row[1:])) > STRONGEST:
         raise BadInput(
@@ -137,12 +137,12 @@ def _check_order(path: Path, time: Array) -> None:
     where = int(np.argmin(steps))
     if steps[where] <= 0.0:
         raise BadInput(
-            f'The wind file {path} goes from t = {time[where]:g} s to {time[where + 1]:g} s; sort '
-            'its rows, each time once.'
+            f'The wind file {path} has t = {time[where + 1]:g} s after t = {time[where]:g} s; '
+            'sort its rows by time, and give each time only once.'
         )
     where, usual = int(np.argmax(steps)), float(np.median(steps))
     if steps[where] > LONGEST * usual:
         raise BadInput(
             f'The wind file {path} has a gap of {steps[where]:g} s after t = {time[where]:g} s, '
-            f'where rows are {usual:g} s apart; fill it or cut the file there.'
+            f'where rows are {usual:g} s apart; add the missing rows, or end the file there.'
         )

@@ -4,4 +4,9 @@ from typing import Annotated
 
 import typer
 
-Named = Annotated[str, typer.Argument(metavar='VEHICLE', help='Shipped name or file.')]
+Named = Annotated[
+    str,
+    typer.Argument(
+        metavar='VEHICLE', help='Name of a shipped vehicle, or path of a vehicle file.'
+    ),
+]

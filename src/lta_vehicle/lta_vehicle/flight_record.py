@@ -52,7 +52,9 @@ def read_flight_record(
         )
     poses, motors = flight.read_series(topic), flight.read_series('motors')
     if not len(poses) or not len(motors):
-        raise BadInput(f"'{flight.bag.path}' has no messages on motors or {topic}; record both.")
+        raise BadInput(
+            f"'{flight.bag.path}' has no messages on motors or {topic}; record both topics."
+        )
     # The last message has the names; they do not change within a recording
     names = [
         str(motors.texts[f'name[{i}]'][-1])

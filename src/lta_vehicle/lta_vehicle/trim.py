@@ -156,7 +156,10 @@ def _build_time_grid(path: VehiclePath, commands: RotorCommands) -> Array:
     inside = (commands.time >= path.time[0]) & (commands.time <= path.time[-1])
     grid = commands.time[inside]
     if len(grid) < FEWEST or len(path.time) < FEWEST:
-        raise BadInput('The recording has too few motor commands or poses; record both.')
+        raise BadInput(
+            'The recording has too few motor commands or poses; record both '
+            'topics for the whole flight.'
+        )
     # Replace jittering stamps by an even grid of the same mean rate
     return np.linspace(grid[0], grid[-1], len(grid))
 

@@ -114,7 +114,7 @@ def demodulate_block(
     if samples.ndim != 2 or samples.shape[0] != bins.samples or samples.shape[1] == 0:
         raise BadInput(
             f'A light block has the shape {samples.shape}, but {bins.samples} samples by diodes '
-            'are expected; give both ends the same block length.'
+            'are expected; set the same block length in light board and demodulator.'
         )
     # A contiguous row for each diode, as the transform reads it
     waves = np.array(samples.T, dtype=np.float64, order='C')

@@ -18,7 +18,7 @@ class LampPrior(Settings):
 
     distance: float = setting(4.0, 'Expected distance to the lamp', unit='m', low=0.1, high=100.0)
     distance_deviation: float = setting(
-        3.0, 'Standard deviation of that distance', unit='m', low=0.0, high=100.0
+        3.0, 'Standard deviation of the expected distance', unit='m', low=0.0, high=100.0
     )
     height_deviation: float = setting(
         1.0,
@@ -29,8 +29,7 @@ class LampPrior(Settings):
     )
     intensity: float = setting(
         0.0,
-        'Reading of a nominal diode that faces the lamp, 1 m away on its axis; 0 where it was not '
-        'measured',
+        'Reading of a nominal diode that faces the lamp, 1 m away on its axis; 0: not measured',
         unit='counts',
         low=0.0,
         high=1e9,

@@ -44,9 +44,9 @@ class BlockSequence:
         gap = stamp_ns - before
         if 2 * gap < period:
             raise BadInput(
-                f'A light block of {stamp_ns * 1e-9:.3f} s comes after that of '
+                f'A light block stamped {stamp_ns * 1e-9:.3f} s comes after one stamped '
                 f'{before * 1e-9:.3f} s, though a block lasts {period * 1e-9:g} s; '
-                'send each once, in time order.'
+                'send each block once, in time order.'
             )
         self._newest = stamp_ns
         # Rounded to whole periods

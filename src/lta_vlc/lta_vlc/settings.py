@@ -23,17 +23,21 @@ class DemodulationSettings(Settings):
     )
     others: tuple[Frequency, ...] = setting((), 'Frequencies of further beacons', unit='Hz')
     window: int = setting(
-        2, 'Bins searched and masked on either side of a harmonic', unit='1', low=0, high=100
+        2, 'Frequency bins that are searched on either side of a beacon', unit='1', low=0, high=100
     )
     harmonics: int = setting(
-        50, 'Harmonics kept out of the noise, the fundamental included', unit='1', low=1, high=1000
+        50,
+        'Harmonics excluded from the noise estimate (1: only the fundamental)',
+        unit='1',
+        low=1,
+        high=1000,
     )
     threshold: float = setting(
-        6.0, 'SNR from which a diode is believed', unit='1', low=1.0, high=1000.0
+        6.0, 'Smallest SNR at which the signal of a diode is used', unit='1', low=1.0, high=1000.0
     )
     mains: float = setting(
         50.0,
-        'Frequency of the mains, whose lamps flicker at twice that; 0 where there are none',
+        'Mains frequency; mains lamps flicker at twice this; 0: none',
         unit='Hz',
         low=0.0,
         high=400.0,

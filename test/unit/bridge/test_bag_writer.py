@@ -54,7 +54,7 @@ def test_busy_place_is_refused_and_untouched(tmp_path, kind):
     before = sorted(tmp_path.rglob('*'))
     with pytest.raises(
         BadInput,
-        match=r'(not empty; choose another one|created \(File exists\); choose another path)',
+        match=r'(not empty; choose another folder|created \(File exists\); choose another path)',
     ):
         BagWriter(place, {})
     assert sorted(tmp_path.rglob('*')) == before
@@ -68,7 +68,7 @@ def test_empty_folder_is_taken(tmp_path):
 
 def test_place_that_cannot_be_made_is_named(tmp_path):
     (tmp_path / 'file').write_text('')
-    with pytest.raises(BadInput, match='choose another place'):
+    with pytest.raises(BadInput, match='choose another path'):
         BagWriter(tmp_path / 'file' / 'bag', {})
 
 
@@ -77,7 +77,7 @@ def test_unknown_type_leaves_the_bag_as_it_was(tmp_path):
         with pytest.raises(BadInput, match="'lta_msgs/msg/Nothing' is not part of ROS 2 Jazzy"):
             bag.add_topic('/x', 'lta_msgs/msg/Nothing', [])
         bag.add_topic('/b', 'std_msgs/msg/Bool', [])
-        with pytest.raises(BadInput, match='add each topic once'):
+        with pytest.raises(BadInput, match='add each topic only once'):
             bag.add_topic('/b', 'std_msgs/msg/Bool', [])
         with pytest.raises(KeyError):
             bag.write('/x', FALSE, 0)

@@ -53,9 +53,9 @@ def test_a_pulled_cable_is_noticed(cable, tmp_path):
     [
         ('missing', 'There is no serial port .*missing; plug the light board in'),
         ('plain', 'plain cannot be opened as a serial port'),
-        ('udp://127.0.0.1', 'is not an address to listen on; give udp://0.0.0.0:14550'),
-        ('udp://127.0.0.1:70000', 'is not an address to listen on'),
-        ('udp://127.0.0.1:7000?only=1', 'is not an address to listen on'),
+        ('udp://127.0.0.1', 'is not a UDP address to receive on; write udp://0.0.0.0:14550'),
+        ('udp://127.0.0.1:70000', 'is not a UDP address to receive on'),
+        ('udp://127.0.0.1:7000?only=1', 'is not a UDP address to receive on'),
         ('udp://127.0.0.1:7000?from=a..b', 'is unknown; give its numeric address'),
     ],
 )
@@ -94,7 +94,9 @@ def test_a_cable_that_goes_while_it_is_opened_is_no_port_yet(cable, tmp_path, mo
 
 def test_a_udp_port_answers_the_board(udp_port):
     port = open_port(f'udp://127.0.0.1:{udp_port}')
-    with pytest.raises(BadInput, match='stop the program that uses this port, or give another port'):
+    with pytest.raises(
+        BadInput, match='stop the program that uses this port, or give another port'
+    ):
         open_port(f'udp://127.0.0.1:{udp_port}')
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as board:
         board.settimeout(PATIENCE)

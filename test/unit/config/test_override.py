@@ -84,7 +84,7 @@ def test_what_was_read_stays_as_it_was():
         ('trim.heaviness.0=4 g', 'vehicle.trim.heaviness is a single value'),
         ('room.albedo.x=4', "vehicle.room.albedo is a single value; leave '.x' out"),
         ('trim=4 g', 'vehicle.trim is a group; set one of its keys: heaviness'),
-        ('room.albedo=4 m', 'takes a plain value such as 0.5, not 4.0 m'),
+        ('room.albedo=4 m', 'is 4.0 m, but has no unit; give a value like 0.5'),
         ('room.albedo=dark', 'is dark, but must be a number'),
         ('diodes.count=true', 'is True, but must be a number'),
         ('air.wind.3=4 m/s', "Unknown number of vehicle.air.wind '3'; known: 0, 1, 2."),

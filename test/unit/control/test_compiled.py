@@ -6,20 +6,16 @@ compiled fails here and not in the loop that needs it.
 """
 
 import math
+import sys
 
 from lta_config.compilation.extract import SourceExtract
 from lta_config.settings import to_named_tuple
-from lta_control.airspeed import AirspeedEstimate
 from lta_control.allocation import create_scratch, SCRATCH
-from lta_control.altitude import AltitudeEstimate
 from lta_control.attitude import attitude_step
-from lta_control.bias_calibration import RestSums, SensorBiases
 from lta_control.cascade import (
     CascadeGains,
     CascadeMeasurement,
-    CascadeMemory,
     Setpoint,
-    SlopeEstimate,
     WrenchDemand,
 )
 from lta_control.control import control_step, ControlMemory
@@ -31,11 +27,7 @@ from lta_control.estimator import (
 )
 from lta_control.per_rotor import pad_to_slots
 from lta_control.strategies import STRATEGIES
-from lta_control.strategies.dither import DitherMemory
-from lta_control.strategies.gradient import GradientMemory
-from lta_control.strategies.homing import HomingMemory
-from lta_control.strategies.lamp_ekf import LampFilterPrior, LampFix
-from lta_control.strategies.protocol import LightSight, SteeringCommand
+from lta_control.strategies.protocol import LightSight
 from lta_control.strategies.settings import StrategySettings
 from lta_control.vehicle_parameters import build_estimator_model, build_rotors
 from lta_model.vehicle import load_vehicle
@@ -50,27 +42,20 @@ from .round_gains import GAINS
 VEHICLE = load_vehicle('gtmab')
 
 
+def list_named_tuples():
+    """Return every named tuple of the modules loaded so far by its name, which is unique."""
+    found = [
+        value
+        for name, module in list(sys.modules.items())
+        if name.startswith('lta_')
+        for value in vars(module).values()
+        if isinstance(value, type) and issubclass(value, tuple) and hasattr(value, '_fields')
+    ]
+    return {kind.__name__: kind for kind in found}
+
+
 # The compiled text makes its named tuples anew; here they must be the ones that Python uses.
-TUPLES = {
-    kind.__name__: kind
-    for kind in (
-        AirspeedEstimate,
-        AltitudeEstimate,
-        SensorBiases,
-        CascadeMemory,
-        ControlMemory,
-        SteeringCommand,
-        WrenchDemand,
-        DitherMemory,
-        MotionEstimate,
-        LampFix,
-        GradientMemory,
-        HomingMemory,
-        LampFilterPrior,
-        RestSums,
-        SlopeEstimate,
-    )
-}
+TUPLES = list_named_tuples()
 
 
 def compiled(function):

@@ -169,8 +169,8 @@ def test_a_mixer_that_ignores_the_collision_loses_lift_by_its_share_of_the_offse
 @pytest.mark.parametrize(
     ('name', 'law_name', 'sentence'),
     [
-        ('gtmab', 'lateral', 'gtmab needs four rotors whose jets collide'),
-        ('gtmab', 'glide', 'gtmab needs a moving mass with two limits'),
+        ('gtmab', 'lateral', 'needs four rotors whose jets collide, which gtmab does not have'),
+        ('gtmab', 'glide', 'needs a moving mass with two limits'),
     ],
 )
 def test_a_vehicle_of_another_kind_is_refused(name, law_name, sentence):

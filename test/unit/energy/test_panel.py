@@ -132,7 +132,7 @@ def test_darkness_gives_nothing():
         ('ideality', 3.5, 'has a curve too square for its ideality of 3.5'),
         ('current', 297.0, 'has its maximum power at or above the short-circuit current'),
         ('voltage', 5.6, 'has its maximum power at or above the open-circuit voltage'),
-        ('voltage', 2.2, 'has a curve that no diode with an ideality of 1.1 has'),
+        ('voltage', 2.2, 'No diode with an ideality of 1.1 has the curve of the cell'),
     ],
 )
 def test_what_is_no_cell_is_one_sentence(tmp_path, key, value, sentence):

@@ -85,7 +85,7 @@ def test_of_several_views_each_has_its_own_port_and_says_whose_it_is():
     def on(port, namespace):
         return plan(port, (namespace,)).processes
 
-    with pytest.raises(BadInput, match='Two live views were given port 8765; give each its own'):
+    with pytest.raises(BadInput, match='Two live views were given port 8765; give each a port'):
         check_live_ports(plan(namespaces=('/a', '/b')))
     said = []
     report_live_views(LaunchPlan(on('9000', '/a') + on('9001', '/b')), said.append)

@@ -55,7 +55,7 @@ def test_a_first_line_that_was_torn_off_is_written_again(three):
 @pytest.mark.parametrize(
     ('content', 'sentence'),
     [
-        (b'{"count": "yours"}\n{"n": 1}\n', 'is of another search; choose another --folder.'),
+        (b'{"count": "yours"}\n{"n": 1}\n', 'belongs to another search; choose another --folder.'),
         (b'garbage\n', 'is not a log of a search; choose another --folder.'),
         (b'garbage', 'is not a log of a search'),
         (b'\xff\xfe\n{"n": 1}\n', 'is not a log of a search'),

@@ -172,7 +172,7 @@ def test_what_vehicle_and_scene_both_say_is_refused():
 
 def test_a_start_in_a_wall_is_refused():
     near = {'start/position': {'value': [-4.6, 0], 'unit': 'm'}, 'room/walls': 'solid'}
-    with pytest.raises(BadInput, match=r'where a hull with a radius of 0\.50 m is in a wall'):
+    with pytest.raises(BadInput, match=r'where a hull with a radius of 0\.50 m touches a wall'):
         effects(**near)
     low = {'room/size': {'value': [10, 8, 0.5], 'unit': 'm'}, 'room/walls': 'solid'}
     low |= {'lamp/position': {'value': [3.5, 0, 0.4], 'unit': 'm'}}

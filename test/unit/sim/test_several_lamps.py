@@ -207,13 +207,16 @@ def test_sixty_degrees_of_half_power_are_the_order_one():
 @pytest.mark.parametrize(
     ('make', 'sentence'),
     [
-        (lambda: replace(LAMP, rise=4e-3), 'takes 4 ms to rise and is on or off for only 3.3'),
+        (
+            lambda: replace(LAMP, rise=4e-3),
+            'takes 4 ms to reach full light but is on or off for only 3.3',
+        ),
         (lambda: replace(LAMP, rise=math.nan), 'not finite'),
-        (lambda: DriftingClock(0.02), 'off by 20000 ppm; give at most 10000'),
+        (lambda: DriftingClock(0.02), 'off by 20000 ppm; the offset must be at most 10000'),
         (lambda: DriftingClock(math.nan), 'off by nan ppm'),
         (lambda: DriftingClock(0.0, math.inf), 'drifts by inf/s'),
         (lambda: LightField((), Ambient(LED)), 'has no lamp'),
-        (lambda: Ambient(LED, 100.0, 90.0, mains_harmonics=(0.5,)), 'harmonics included'),
+        (lambda: Ambient(LED, 100.0, 90.0, mains_harmonics=(0.5,)), 'with harmonics'),
         (lambda: Ambient(LED, 100.0, 9.0, mains_harmonics=(2.0,)), 'from 0 to 1'),
     ],
 )

@@ -295,5 +295,5 @@ def test_a_derived_effect_cannot_be_overridden_in_silence():
     file = load_vehicle_file('gtmab')
     drag = {'surge': Quantity(value=1.0, unit='N s2/m2', source='none')}
     twice = file.model_copy(update={'effects': {**file.effects, 'quadratic_drag': drag}})
-    with pytest.raises(BadInput, match='quadratic_drag of gtmab follows from hull, parts'):
+    with pytest.raises(BadInput, match='quadratic_drag of gtmab is computed from hull, parts'):
         Vehicle(twice)

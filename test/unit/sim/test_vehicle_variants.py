@@ -213,7 +213,7 @@ def test_rotors_with_curves_of_their_own_have_no_common_one(gtmab):
     # The pair hovers with equal thrust, and the weaker one at the larger duty.
     each = 0.002 * G / (2 * 0.961)
     assert vehicle.hover_duty == pytest.approx(max(each / 0.1, gtmab.hover_duty))
-    with pytest.raises(BadInput, match=r'^gtmab has rotors with 2 thrust curves, where one for'):
+    with pytest.raises(BadInput, match=r'^The rotors of gtmab have 2 different thrust curves'):
         _ = vehicle.thrust_curve
 
 
@@ -222,8 +222,8 @@ def test_what_the_rotors_cannot_carry_cannot_fly_level():
     with pytest.raises(BadInput) as caught:
         level_force(build(('trim.heaviness', given(40, 'g'))))
     assert str(caught.value) == (
-        'gtmab cannot carry its 40.0 g by its rotors and hold its heading; trim it closer to '
-        'neutral, or give it stronger rotors.'
+        'The rotors of gtmab cannot carry its 40.0 g beyond buoyancy and hold its heading; trim '
+        'it closer to neutral, or use stronger rotors.'
     )
     # With 30 g, 0.294 N, it can; the forward rotors pull down as well, and get what is left.
     assert 0.0 < level_force(build(('trim.heaviness', given(30, 'g')))) < 0.3

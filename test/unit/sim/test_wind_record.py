@@ -47,19 +47,19 @@ def test_comments_and_empty_lines_are_passed_over(tmp_path):
 @pytest.mark.parametrize(
     ('text', 'sentence'),
     [
-        ('time,u,v\n0,1,0\n', 'begins with "time,u,v"; begin with the header "t,u,v,w".'),
-        ('t,u,v,w\n0,1,0,0\n', 'has 1 rows below its header; record two or more.'),
+        ('time,u,v\n0,1,0\n', 'begins with "time,u,v" instead of the header "t,u,v,w".'),
+        ('t,u,v,w\n0,1,0,0\n', 'has 1 rows below its header; give two or more.'),
         ('t,u,v,w\n0,1,0,0\n1,nan,0,0\n', 'has "1,nan,0,0" in line 3; write four finite numbers'),
         ('t,u,v,w\n0,1,0,0\n1,,0,0\n', 'has "1,,0,0" in line 3; write four finite numbers'),
         ('t,u,v,w\n0,1,0\n', 'has "0,1,0" in line 2; write four finite numbers'),
         ('t,u,v,w\n0,1,0,0\n1,-99,0,0\n', 'has a wind of -99 m/s in line 3; give 60 m/s at most.'),
-        ('t,u,v,w\n0,1,0,0\n2,1,0,0\n1,1,0,0\n', 'goes from t = 2 s to 1 s; sort its rows'),
-        ('t,u,v,w\n0,1,0,0\n0,1,0,0\n', 'goes from t = 0 s to 0 s; sort its rows'),
+        ('t,u,v,w\n0,1,0,0\n2,1,0,0\n1,1,0,0\n', 'has t = 1 s after t = 2 s; sort its rows'),
+        ('t,u,v,w\n0,1,0,0\n0,1,0,0\n', 'has t = 0 s after t = 0 s; sort its rows'),
         (
             't,u,v,w\n0,1,0,0\n1,1,0,0\n2,1,0,0\n3,1,0,0\n9,1,0,0\n',
             'has a gap of 6 s after t = 3 s, where rows are 1 s apart;',
         ),
-        ('t,u,v,w\n0,1,0,0\n1,1,0,0\n', 'lasts 1 s, and the flight may take 5 s; record longer'),
+        ('t,u,v,w\n0,1,0,0\n1,1,0,0\n', 'lasts 1 s, but the flight may take 5 s; give a longer'),
     ],
 )
 def test_what_is_wrong_with_a_file_is_one_sentence(tmp_path, text, sentence):

@@ -306,7 +306,7 @@ def test_diodes_that_cannot_be_are_refused(wrong, sentence):
 
 
 def test_another_number_of_diodes_is_refused():
-    with pytest.raises(BadInput, match='4 diodes, but the vehicle file 8'):
+    with pytest.raises(BadInput, match='4 diodes, but the vehicle file has 8'):
         build_even_ring(8).check_count(4)
 
 

@@ -68,7 +68,7 @@ def test_a_wish_pushes_out_what_it_collides_with():
     ears = listener()
     ears.prioritize_beacon(180.0 - 10.0)  # within the resolution of 150 Hz
     assert ears.beacons == (170.0,)
-    with pytest.raises(BadInput, match='at 310 Hz is sought within 2 bins'):
+    with pytest.raises(BadInput, match='at 310 Hz is searched within 2 bins'):
         ears.prioritize_beacon(310.0)
     assert ears.beacons == (170.0,)
 

@@ -33,7 +33,9 @@ def test_missing_blocks_are_counted():
 def test_a_block_out_of_order_is_refused_and_the_newest_kept(late):
     sequence = BlockSequence(PERIOD)
     sequence.accept_block(START + PERIOD)
-    with pytest.raises(BadInput, match=r'comes after that of 1.100 s, though a block lasts 0.1 s'):
+    with pytest.raises(
+        BadInput, match=r'comes after one stamped 1.100 s, though a block lasts 0.1 s'
+    ):
         sequence.accept_block(START + round(late * PERIOD))
     assert sequence.accept_block(START + 2 * PERIOD) == 0
 

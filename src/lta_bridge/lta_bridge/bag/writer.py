@@ -44,7 +44,7 @@ def prepare_empty_folder(path: Path) -> Path:
             f"Folder '{path}' cannot be created ({error.strerror}); choose another path for it."
         ) from error
     if busy:
-        raise BadInput(f"Folder '{path}' is not empty; choose another one for the bag.")
+        raise BadInput(f"Folder '{path}' is not empty; choose another folder.")
     return path
 
 

@@ -44,7 +44,7 @@ class TeensyBridgeSettings(Settings):
     )
     peaks: bool = setting(
         False,
-        'Whether the board detects the frequency peaks itself; the demodulator is then not needed.',
+        'Whether the board detects the frequency peaks itself; no demodulator is then needed.',
         fixed=True,
     )
     threshold: float = setting(

@@ -83,8 +83,8 @@ class MessageIterator:
         self._next = next(self._messages, None)
         if self._next is None:
             raise BadInput(
-                f"'{recording.path}' has no message after the start of the section at {start:g} s; "
-                'choose an earlier start.'
+                f"'{recording.path}' has no message after the start of the section at "
+                f'{start:g} s; choose an earlier start.'
             )
         self.begin_ns = self._newest = self._next.time_ns
         self.rounds = 0

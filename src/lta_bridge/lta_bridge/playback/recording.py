@@ -155,7 +155,7 @@ def choose_robot(path: Path, robot: str, robots: list[str]) -> str:
     """Return the robot to play: the given one, or the only one."""
     if not robots:
         raise BadInput(
-            f"'{path}' has none of the topics of this project, which docs/topics.md lists; choose another bag."
+            f"'{path}' has none of the topics listed in docs/topics.md; choose another bag."
         )
     if robot and robot not in robots:
         raise unknown_name('robot', robot, robots)

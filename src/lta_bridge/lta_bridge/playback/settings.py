@@ -11,8 +11,8 @@ class PlayerSettings(Settings):
     bag: str = setting('', 'The bag: a rosbag2 folder or an .mcap file.', fixed=True)
     robot: str = setting(
         '',
-        'Robot of the bag to play; empty for the one with the namespace of the player, or the only '
-        'one.',
+        'Robot of the bag to play; empty for the one with the namespace of the player, or the '
+        'only one.',
         fixed=True,
     )
     nodes: str = setting(

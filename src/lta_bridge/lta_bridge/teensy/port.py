@@ -138,8 +138,8 @@ class UdpPort:
         told = LISTEN.fullmatch(address)
         if told is None or not 0 < int(told['port']) < 65536:
             raise BadInput(
-                f"'{address}' is not a UDP address to receive on; write udp://0.0.0.0:14550, or on "
-                'a shared network udp://0.0.0.0:14550?from=192.168.4.2 for one sender only.'
+                f"'{address}' is not a UDP address to receive on; write udp://0.0.0.0:14550, or "
+                'on a shared network udp://0.0.0.0:14550?from=192.168.4.2 for one sender only.'
             )
         self._clock, self._sender = clock, SenderFilter()
         self._only = None if told['board'] is None else _resolve_host(told['board'], address)

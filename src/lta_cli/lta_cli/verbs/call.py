@@ -9,9 +9,11 @@ import typer
 
 
 def call(
-    service: Annotated[str, typer.Argument(help='Relative to the robot, or absolute.')],
+    service: Annotated[
+        str, typer.Argument(help="Service name, relative to the robot's namespace or absolute.")
+    ],
     data: Annotated[
-        bool | None, typer.Argument(help='true or false, for a SetBool service.')
+        bool | None, typer.Argument(help='Value to send to a SetBool service, true or false.')
     ] = None,
     robot: Annotated[str, typer.Option(help='Namespace of the robot.')] = 'lta1',
 ) -> None:

@@ -27,9 +27,11 @@ import typer
 
 
 def cells(
-    table: Annotated[str, typer.Argument(help='Shipped name or file of a table.')] = 'seed_paper',
+    table: Annotated[
+        str, typer.Argument(help='Table of solar cells, shipped name or file.')
+    ] = 'seed_paper',
     budget: Annotated[
-        str, typer.Option(help='Largest mass of an array, panels only, such as "50 g".')
+        str, typer.Option(help='Largest mass of the panels of an array, such as "50 g".')
     ] = '50 g',
     vehicle: Annotated[
         str, typer.Option(help='Vehicle whose charger and loads are used.')

@@ -34,7 +34,7 @@ QUANTITY = re.compile(r'\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)
 
 def compare(
     a: Annotated[Path, typer.Argument(help='Bag folder, results folder or .mcap file.')],
-    b: Annotated[Path, typer.Argument(help='The other bag; may be the same one.')],
+    b: Annotated[Path, typer.Argument(help='Bag to compare with; may be the same as A.')],
     pair: Annotated[
         list[str] | None,
         typer.Option(
@@ -43,27 +43,31 @@ def compare(
         ),
     ] = None,
     topic: Annotated[
-        list[str] | None, typer.Option(help="Compare only this topic of A's; repeatable.")
+        list[str] | None, typer.Option(help='Compare only this topic of bag A; repeatable.')
     ] = None,
     robot: Annotated[
         str | None,
-        typer.Option(help='Robot in both bags, or A:B; needed if a bag has several.'),
+        typer.Option(
+            help='Robot to compare, or one for each bag as A:B; needed if a bag has several.'
+        ),
     ] = None,
     align: Annotated[
         Align,
         typer.Option(
-            help='How to align time. clock: one run, two clocks. motion: two runs, by the start '
-            'of motion. none: keep the stamps. auto: choose from the data.'
+            help='How to align time. clock: both bags recorded the same run. motion: two '
+            'runs, aligned at the start of motion. none: keep the stamps. auto: choose '
+            'from the data.'
         ),
     ] = 'auto',
     offset: Annotated[
         str | None,
-        typer.Option(help="Time offset of B's clock ahead of A's, such as 0.12s."),
+        typer.Option(help="Time by which the clock of B is ahead of A's, such as 0.12s."),
     ] = None,
     frames: Annotated[
         Frames,
         typer.Option(
-            help="World frames. given: unchanged. fit: fit B's path to A's. auto: from the data."
+            help="How to align the world frames. given: unchanged. fit: fit B's path to "
+            "A's. auto: choose from the data."
         ),
     ] = 'auto',
     tolerance: Annotated[
@@ -163,7 +167,7 @@ def parse_tolerance(text: str) -> tuple[str, float]:
         )
     band = parse_quantity(value, f'The tolerance of {name}')
     if band < 0.0:
-        raise BadInput(f'The tolerance of {name} is {band:g}; give zero or more.')
+        raise BadInput(f'The tolerance of {name} is {band:g}; it must be 0 or more.')
     return name, band
 
 
@@ -181,7 +185,7 @@ def check_units(tolerances: Sequence[str], channels: Sequence[ChannelComparison]
         if fitting and not {'', kind} & {*units}:
             raise BadInput(
                 f"The tolerance of {name} is '{value}', but {fitting[0].name} is in {units[0]}; "
-                'give it in that.'
+                f'give the tolerance in {units[0]}.'
             )
 
 

@@ -42,16 +42,22 @@ def discover(
     holdout: Annotated[
         list[Path] | None,
         typer.Option(
-            metavar='BAG...', help='Flights to report errors on; nothing is fitted to them.'
+            metavar='BAG...',
+            help='Flights for testing: prediction errors are reported, nothing is fitted.',
         ),
     ] = None,
-    robot: Annotated[str | None, typer.Option(help='Robot, if a bag has several.')] = None,
+    robot: Annotated[
+        str | None, typer.Option(help='Robot whose flight is used; needed if a bag has several.')
+    ] = None,
     demo: Annotated[
         bool, typer.Option('--demo', help='Run a demonstration: hide an effect, fly, discover it.')
     ] = False,
     plan: Annotated[
         bool,
-        typer.Option('--plan', help='Plan the flight that best separates the candidates.'),
+        typer.Option(
+            '--plan',
+            help='Plan the next flight: the one that best separates the candidate effects.',
+        ),
     ] = False,
     between: Annotated[
         tuple[str, str] | None,

@@ -12,9 +12,9 @@ import typer
 
 
 def effects(
-    name: Annotated[str, typer.Argument(help='One effect; all by default.')] = '',
+    name: Annotated[str, typer.Argument(help='Effect to show; all by default.')] = '',
     markdown: Annotated[
-        bool, typer.Option('--markdown', help='Print docs/effects.md instead.')
+        bool, typer.Option('--markdown', help='Print the page docs/effects.md instead of a table.')
     ] = False,
 ) -> None:
     """

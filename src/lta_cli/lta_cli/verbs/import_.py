@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 def import_(
     sources: Annotated[
-        list[Path], typer.Argument(help='Files, or folders of bags.', metavar='SOURCE...')
+        list[Path], typer.Argument(help='Log files, or folders of bags.', metavar='SOURCE...')
     ],
     mapping: Annotated[
         str | None,
@@ -34,10 +34,12 @@ def import_(
     ] = None,
     format: Annotated[
         str | None,
-        typer.Option(help=f'{", ".join(get_args(Format))}; detected by default.'),
+        typer.Option(help=f'File format: {", ".join(get_args(Format))}; detected by default.'),
     ] = None,
     out: Out = None,
-    robot: Annotated[str, typer.Option(help='Namespace of the topics.')] = 'lta1',
+    robot: Annotated[
+        str, typer.Option(help='Robot namespace of the topics in the new bag.')
+    ] = 'lta1',
     vehicle: Annotated[
         str | None, typer.Option(help='Flown vehicle, name or file; stored in the bag.')
     ] = None,

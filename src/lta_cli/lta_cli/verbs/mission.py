@@ -25,12 +25,15 @@ def mission(
     name: Annotated[str, typer.Argument(help='Mission, shipped name or file.')] = 'greenhouse',
     days: Annotated[int, typer.Option(help='Days to simulate.', min=1, max=365)] = 1,
     seeds: Annotated[
-        int, typer.Option(help='Number of runs, each with its own clouds.', min=1, max=1000)
+        int, typer.Option(help='Number of runs, each with different weather.', min=1, max=1000)
     ] = 1,
-    seed: Annotated[int, typer.Option(help='The first seed.', min=0)] = 1,
+    seed: Annotated[int, typer.Option(help='Random seed of the first run.', min=0)] = 1,
     schedule: Annotated[
         Literal['all', 'by light', 'duty cycle', 'duty cycle, asleep'],
-        typer.Option(help='by light: ours. duty cycle: a fixed baseline. Or all of them.'),
+        typer.Option(
+            help='When to fly. by light: as light and charge allow. duty cycle: at fixed times, '
+            'as a baseline. all: run every schedule.'
+        ),
     ] = 'all',
     out: Out = None,
     pictures: Pictures = None,

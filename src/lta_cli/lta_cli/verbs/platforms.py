@@ -34,7 +34,8 @@ def platforms(
         str, typer.Argument(help='Shipped comparison (platforms) or a comparison file.')
     ] = 'platforms',
     seeds: Annotated[
-        int | None, typer.Option(help='Flights of each; as in the file by default.', min=1)
+        int | None,
+        typer.Option(help='Number of flights of each platform; as in the file by default.', min=1),
     ] = None,
     workers: Annotated[
         int | None, typer.Option(help='Worker processes; one per processor by default.', min=1)

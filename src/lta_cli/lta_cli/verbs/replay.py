@@ -35,12 +35,22 @@ def replay(
     ] = False,
     set_: Annotated[
         list[str] | None,
-        typer.Option('--set', help='NODE.PARAMETER=VALUE of a rerun node; repeatable.'),
+        typer.Option(
+            '--set', help='Set a parameter of a rerun node: NODE.PARAMETER=VALUE; repeatable.'
+        ),
     ] = None,
-    strategy: Annotated[str | None, typer.Option(help='Another navigation strategy.')] = None,
-    vehicle: Annotated[str | None, typer.Option(help='Another vehicle, name or file.')] = None,
-    gains: Annotated[str | None, typer.Option(help='Other gains, name or file.')] = None,
-    robot: Annotated[str | None, typer.Option(help='Robot, if the bag has several.')] = None,
+    strategy: Annotated[
+        str | None, typer.Option(help='Navigation strategy to use instead of the recorded one.')
+    ] = None,
+    vehicle: Annotated[
+        str | None, typer.Option(help='Vehicle to use instead of the recorded one, name or file.')
+    ] = None,
+    gains: Annotated[
+        str | None, typer.Option(help='Gains to use instead of the recorded ones, name or file.')
+    ] = None,
+    robot: Annotated[
+        str | None, typer.Option(help='Robot to replay; needed if the bag has several.')
+    ] = None,
     rate: Annotated[
         float | None,
         typer.Option(

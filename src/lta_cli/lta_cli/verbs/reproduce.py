@@ -34,10 +34,15 @@ LIST_HEADS = ('name', 'row', 'seeds', 'quick', 'claims', 'defects')
 
 
 def reproduce(
-    names: Annotated[list[str] | None, typer.Argument(help='Rows; all by default.')] = None,
+    names: Annotated[
+        list[str] | None, typer.Argument(help='Rows (experiments) to reproduce; all by default.')
+    ] = None,
     listed: Annotated[bool, typer.Option('--list', help='List the rows and run nothing.')] = False,
     quick: Annotated[
-        bool, typer.Option('--quick', help='Few seeds, no long experiments: under 3 minutes.')
+        bool,
+        typer.Option(
+            '--quick', help='Use few seeds and skip long experiments; takes under 3 minutes.'
+        ),
     ] = False,
     out: Annotated[
         Path | None,

@@ -14,7 +14,8 @@ def run(
     package: Annotated[str, typer.Argument(help='Package, for example lta_vlc.')],
     name: Annotated[str, typer.Argument(help='Executable, for example demodulator.')],
     arguments: Annotated[
-        list[str] | None, typer.Argument(help='Passed on, for example --ros-args -p seed:=2.')
+        list[str] | None,
+        typer.Argument(help='Arguments for the executable, for example --ros-args -p seed:=2.'),
     ] = None,
 ) -> None:
     """

@@ -110,7 +110,9 @@ def check_options(
     if duties and device is None:
         raise BadInput('Open-loop duties (--duties) need batch mode; add --device.')
     if device is not None and (workers is not None or scheduler is not None):
-        raise BadInput('--device excludes --workers and --scheduler; leave them out.')
+        raise BadInput(
+            '--device cannot be combined with --workers or --scheduler; leave those out.'
+        )
 
 
 def sweep_to_dict(done: SweepRun) -> dict[str, object]:

@@ -61,18 +61,35 @@ def tune(
         typer.Option(help="Initial gains, name or file; the vehicle's by default."),
     ] = None,
     least: Annotated[
-        float, typer.Option(help='Smallest loss of lift.', parser=parse_mass, metavar='MASS')
+        float,
+        typer.Option(
+            help='Smallest loss of lift that the gains must handle.',
+            parser=parse_mass,
+            metavar='MASS',
+        ),
         # Typer passes a text default through the parser
     ] = '0 g',  # type: ignore[assignment]
     most: Annotated[
-        float, typer.Option(help='Largest loss of lift.', parser=parse_mass, metavar='MASS')
+        float,
+        typer.Option(
+            help='Largest loss of lift that the gains must handle.',
+            parser=parse_mass,
+            metavar='MASS',
+        ),
     ] = '6 g',  # type: ignore[assignment]
     cases: Annotated[
-        int, typer.Option(help='Losses in the range; flights of each candidate.', min=1)
+        int,
+        typer.Option(
+            help='Number of losses of lift in that range; each candidate flies once at each.',
+            min=1,
+        ),
     ] = 4,
-    budget: Annotated[int, typer.Option(help='Candidates to fly.', min=1)] = 121,
+    budget: Annotated[
+        int, typer.Option(help='Number of candidate gain sets to fly.', min=1)
+    ] = 121,
     draws: Annotated[
-        int, typer.Option(help='New random cases to compare old and new.', min=2)
+        int,
+        typer.Option(help='Number of new random cases that compare the old and new gains.', min=2),
     ] = 20,
     numbers: Annotated[
         list[str] | None,
@@ -81,7 +98,7 @@ def tune(
         ),
     ] = None,
     seed: Annotated[int, typer.Option(help='Random seed.', min=0, max=2**31 - 1)] = 1,
-    workers: Annotated[int, typer.Option(help='Processes.', min=1)] = 2,
+    workers: Annotated[int, typer.Option(help='Number of worker processes.', min=1)] = 2,
     out: Annotated[
         Path | None,
         typer.Option(help='Gains file to write; FOLDER/gains.yaml by default.', metavar='FILE'),

@@ -52,12 +52,22 @@ def wind(
         str, typer.Option(help='Scenario; its mean wind is replaced, its turbulence stays.')
     ] = 'windy_field',
     seeds: Annotated[
-        int, typer.Option(help='Flights at each wind; all must make headway.', min=1, max=1000)
+        int,
+        typer.Option(
+            help='Flights at each wind; a wind counts as flyable only if all make headway.',
+            min=1,
+            max=1000,
+        ),
     ] = 3,
     quick: Annotated[
-        bool, typer.Option('--quick', help='One seed, two airspeeds, coarse steps.')
+        bool,
+        typer.Option(
+            '--quick', help='Run a shorter study: one seed, two airspeeds, coarse steps.'
+        ),
     ] = False,
-    fly: Annotated[bool, typer.Option(help='Fly; with --no-fly, only static limits.')] = True,
+    fly: Annotated[
+        bool, typer.Option(help='Simulate flights; --no-fly computes only the static limits.')
+    ] = True,
     out: Annotated[
         Path | None,
         typer.Option(

@@ -10,10 +10,12 @@ class ClimbGains(Settings):
     """Gains from altitude to vertical force."""
 
     altitude_kp: float = setting(
-        ..., 'Climb rate per metre of altitude error.', unit='1/s', low=0.0, high=10.0
+        ..., 'Commanded climb rate per metre of altitude error.', unit='1/s', low=0.0, high=10.0
     )
-    climb_limit: float = setting(..., 'Largest climb rate.', unit='m/s', low=0.01, high=2.0)
-    climb: PidGains = setting(..., 'Climb rate to vertical force, N per m/s.')
+    climb_limit: float = setting(
+        ..., 'Largest commanded climb rate.', unit='m/s', low=0.01, high=2.0
+    )
+    climb: PidGains = setting(..., 'Loop from climb rate error to vertical force, N per m/s.')
 
 
 def lift_step(

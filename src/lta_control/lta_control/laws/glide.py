@@ -32,17 +32,23 @@ class GlideGains(Settings):
     """Gains of altitude, pitch, speed and yaw."""
 
     altitude_kp: float = setting(
-        ..., 'Climb rate per metre of altitude error.', unit='1/s', low=0.0, high=10.0
+        ..., 'Commanded climb rate per metre of altitude error.', unit='1/s', low=0.0, high=10.0
     )
-    climb_limit: float = setting(..., 'Largest climb rate.', unit='m/s', low=0.01, high=2.0)
-    climb: PidGains = setting(..., 'Climb rate to nose-up pitch, rad per m/s.')
-    pitch: PidGains = setting(..., 'Pitch to position of the mass, m backwards per rad.')
-    speed: PidGains = setting(..., 'Speed to thrust, N per m/s.')
+    climb_limit: float = setting(
+        ..., 'Largest commanded climb rate.', unit='m/s', low=0.01, high=2.0
+    )
+    climb: PidGains = setting(..., 'Loop from climb rate error to nose-up pitch, rad per m/s.')
+    pitch: PidGains = setting(
+        ..., 'Loop from pitch error to position of the moving mass, m backwards per rad.'
+    )
+    speed: PidGains = setting(..., 'Loop from speed error to thrust, N per m/s.')
     heading_kp: float = setting(
-        ..., 'Yaw rate per radian of heading error.', unit='1/s', low=0.0, high=10.0
+        ..., 'Commanded yaw rate per radian of heading error.', unit='1/s', low=0.0, high=10.0
     )
-    yaw_rate_limit: float = setting(..., 'Largest yaw rate.', unit='rad/s', low=0.01, high=6.0)
-    yaw_rate: PidGains = setting(..., 'Yaw rate to yaw moment, N m per rad/s.')
+    yaw_rate_limit: float = setting(
+        ..., 'Largest commanded yaw rate.', unit='rad/s', low=0.01, high=6.0
+    )
+    yaw_rate: PidGains = setting(..., 'Loop from yaw rate error to yaw moment, N m per rad/s.')
 
 
 class GlideLawConstants(NamedTuple):
@@ -72,8 +78,8 @@ def build_constants(gains: GlideGains, vehicle: Vehicle) -> GlideLawConstants:
     mass, columns = vehicle.file.moving_mass, vehicle.allocation
     if mass is None or mass.low is None or mass.high is None or len(columns) != TWO:
         raise BadInput(
-            f'{vehicle.file.name} needs a moving mass with two limits and two propellers for the '
-            'law glide; choose another law.'
+            'The law glide needs a moving mass with two limits and two propellers, which '
+            f'{vehicle.file.name} does not have; choose another law.'
         )
     x, y, z = mass.position.vector
     # Yaw moment per newton of differential thrust: half the difference of the columns' mz

@@ -47,14 +47,18 @@ class LateralGains(ClimbGains):
     """Gains of the altitude, heading and velocity loops."""
 
     heading_kp: float = setting(
-        ..., 'Yaw rate per radian of heading error.', unit='1/s', low=0.0, high=10.0
+        ..., 'Commanded yaw rate per radian of heading error.', unit='1/s', low=0.0, high=10.0
     )
-    yaw_rate_limit: float = setting(..., 'Largest yaw rate.', unit='rad/s', low=0.01, high=6.0)
-    yaw_rate: PidGains = setting(..., 'Yaw rate to yaw moment, N m per rad/s.')
-    velocity: PidGains = setting(..., 'Velocity to force along x and y, N per m/s.')
+    yaw_rate_limit: float = setting(
+        ..., 'Largest commanded yaw rate.', unit='rad/s', low=0.01, high=6.0
+    )
+    yaw_rate: PidGains = setting(..., 'Loop from yaw rate error to yaw moment, N m per rad/s.')
+    velocity: PidGains = setting(
+        ..., 'Loop from velocity error to force along x and y, N per m/s.'
+    )
     compensation: float = setting(
         ...,
-        'Share of the lift lost by the offsets that the collective restores.',
+        'Share of the lift lost by duty differences that is restored by a higher common duty.',
         low=0.0,
         high=1.0,
     )
@@ -89,8 +93,9 @@ def build_constants(gains: LateralGains, vehicle: Vehicle) -> LateralLawConstant
     coupling, columns = vehicle.file.aero.coupling, vehicle.allocation
     if coupling is None or len(columns) != FOUR or len(coupling.rotors) != FOUR:
         raise BadInput(
-            f'{vehicle.file.name} needs four rotors whose jets collide for the law lateral; '
-            'choose another law, or give it a coupling of four rotors in aero.'
+            f'The law lateral needs four rotors whose jets collide, which {vehicle.file.name} '
+            'does not have; choose another law, or add a coupling of four rotors to its aero '
+            'block.'
         )
     planar = [[column[axis] for column in columns] for axis in PLANAR]
     # Rows: fx, fy, mz, and the sum of the offsets, which must be zero

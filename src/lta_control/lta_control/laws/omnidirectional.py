@@ -41,15 +41,23 @@ ALL_ALIKE = (
 class OmnidirectionalGains(Settings):
     """Gains of position and attitude."""
 
-    position_kp: float = setting(..., 'Force by position error.', unit='N/m', low=0.0, high=1e3)
-    position_ki: float = setting(..., 'Its integral.', unit='N/(m s)', low=0.0, high=1e3)
-    position_kd: float = setting(..., 'Force by velocity error.', unit='N s/m', low=0.0, high=1e3)
-    reach: float = setting(
-        ..., 'Largest position error that the loop acts on.', unit='m', low=0.01, high=100.0
+    position_kp: float = setting(..., 'Force per position error.', unit='N/m', low=0.0, high=1e3)
+    position_ki: float = setting(
+        ..., 'Force per integrated position error.', unit='N/(m s)', low=0.0, high=1e3
     )
-    integral_limit: float = setting(..., 'Largest integral.', unit='N', low=0.0, high=1e3)
-    attitude_kp: float = setting(..., 'Moment by attitude error.', unit='N m', low=0.0, high=1e3)
-    attitude_kd: float = setting(..., 'Moment by rate.', unit='N m s', low=0.0, high=1e3)
+    position_kd: float = setting(..., 'Force per velocity error.', unit='N s/m', low=0.0, high=1e3)
+    reach: float = setting(
+        ...,
+        'Largest position error; larger errors are limited to this value.',
+        unit='m',
+        low=0.01,
+        high=100.0,
+    )
+    integral_limit: float = setting(
+        ..., 'Largest force from the integrated position error.', unit='N', low=0.0, high=1e3
+    )
+    attitude_kp: float = setting(..., 'Moment per attitude error.', unit='N m', low=0.0, high=1e3)
+    attitude_kd: float = setting(..., 'Moment per angular rate.', unit='N m s', low=0.0, high=1e3)
 
 
 class OmnidirectionalLawConstants(NamedTuple):

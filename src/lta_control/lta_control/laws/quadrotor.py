@@ -38,23 +38,41 @@ STEEP = 0.5  # smallest cosine of the tilt for which thrust is increased
 class QuadrotorGains(ClimbGains):
     """Gains of all loops."""
 
-    velocity: PidGains = setting(..., 'Velocity to level acceleration, m/s2 per m/s.')
+    velocity: PidGains = setting(
+        ..., 'Loop from velocity error to horizontal acceleration, m/s2 per m/s.'
+    )
     attitude_kp: float = setting(
-        ..., 'Rate per radian of tilt error.', unit='1/s', low=0.0, high=50.0
+        ...,
+        'Commanded roll or pitch rate per radian of tilt error.',
+        unit='1/s',
+        low=0.0,
+        high=50.0,
     )
     heading_kp: float = setting(
-        ..., 'Yaw rate per radian of heading error.', unit='1/s', low=0.0, high=50.0
+        ..., 'Commanded yaw rate per radian of heading error.', unit='1/s', low=0.0, high=50.0
     )
-    rate_limit: float = setting(..., 'Largest rate.', unit='rad/s', low=0.01, high=50.0)
-    rate_kp: float = setting(..., 'Angular acceleration by rate.', unit='1/s', low=0.0, high=500.0)
+    rate_limit: float = setting(
+        ..., 'Largest commanded angular rate.', unit='rad/s', low=0.01, high=50.0
+    )
+    rate_kp: float = setting(
+        ..., 'Angular acceleration per roll or pitch rate error.', unit='1/s', low=0.0, high=500.0
+    )
     rate_kd: float = setting(
-        ..., 'Angular acceleration by the derivative of the rate.', unit='1', low=0.0, high=10.0
+        ...,
+        'Angular acceleration per derivative of the roll or pitch rate.',
+        unit='1',
+        low=0.0,
+        high=10.0,
     )
     yaw_rate_kp: float = setting(
-        ..., 'Angular acceleration by yaw rate.', unit='1/s', low=0.0, high=500.0
+        ..., 'Angular acceleration per yaw rate error.', unit='1/s', low=0.0, high=500.0
     )
     slope_time: float = setting(
-        ..., 'Time constant of the rate derivative filter.', unit='s', low=0.0, high=1.0
+        ...,
+        'Time constant of the filter of the angular rate derivative.',
+        unit='s',
+        low=0.0,
+        high=1.0,
     )
 
 

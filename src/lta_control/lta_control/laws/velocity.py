@@ -32,13 +32,15 @@ YAW_WEIGHT = 1000.0  # N m against N, with an arm of 3 cm; only shares thrust ev
 class VelocityGains(ClimbGains):
     """Gains of altitude and velocity."""
 
-    velocity: PidGains = setting(..., 'Velocity to force along world x and y, N per m/s.')
+    velocity: PidGains = setting(
+        ..., 'Loop from velocity error to force along world x and y, N per m/s.'
+    )
     yaw_damping: float = setting(
-        ..., 'Moment against a yaw rate.', unit='N m s', low=0.0, high=1.0
+        ..., 'Yaw moment against a yaw rate, per yaw rate.', unit='N m s', low=0.0, high=1.0
     )
     height_weight: float = setting(
         ...,
-        'Weight of vertical force against lateral force in the allocation.',
+        'Weight of vertical force relative to lateral force in the rotor allocation.',
         low=0.01,
         high=1e4,
     )

@@ -37,8 +37,10 @@ class ControllerSettings(Settings):
     """The vehicle, the gains and the time limits of stale setpoints."""
 
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
-    law: str = setting('', 'Control law; empty: that of the vehicle.', fixed=True)
-    scenario: str = setting('', 'Scenario whose course may excite the motors.', fixed=True)
+    law: str = setting('', "Control law; if empty, the vehicle's own law is used.", fixed=True)
+    scenario: str = setting(
+        '', 'Scenario whose course may add test signals to the motor commands.', fixed=True
+    )
     armed: bool = setting(False, 'Whether the motors may run from the start.', fixed=True)
     hold_after: float = setting(
         0.5,
@@ -49,7 +51,7 @@ class ControllerSettings(Settings):
     )
     land_after: float = setting(
         3.0,
-        'Age of a setpoint at which the drone starts to descend.',
+        'Age of a setpoint, by its stamp, at which the drone starts to descend.',
         unit='s',
         low=0.05,
         high=600.0,
@@ -58,7 +60,7 @@ class ControllerSettings(Settings):
         TILT_LIMIT, 'Tilt beyond which the motors stop.', unit='rad', low=0.1, high=3.2
     )
     gains: CascadeGains = setting(
-        load_gains('gtmab'), 'Gains of the cascade; other laws load their own.'
+        load_gains('gtmab'), 'Gains of the cascade law; other laws load their own gains.'
     )
 
 

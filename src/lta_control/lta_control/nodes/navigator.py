@@ -49,7 +49,7 @@ class NavigatorParameters(MissionSettings):
         '', 'Scenario whose course or route is flown, if it has one.', fixed=True
     )
     reserve: ReserveActionSettings = setting(
-        ReserveActionSettings(), 'Action at the energy reserve.'
+        ReserveActionSettings(), 'Action when the charge falls to the energy reserve.'
     )
 
 

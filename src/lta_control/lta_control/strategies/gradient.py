@@ -38,27 +38,43 @@ Pair = tuple[float, float, float]
 class GradientSettings(Settings):
     """Settings of the map, the plane fit and the delays."""
 
-    cell: float = setting(0.02, 'Side of a cell of the map.', unit='m', low=1e-3, high=10.0)
+    cell: float = setting(
+        0.02, 'Side length of a cell of the light map.', unit='m', low=1e-3, high=10.0
+    )
     least: float = setting(
-        30.0, 'Number of pairs for the first plane.', unit='1', low=3.0, high=float(PAIRS)
+        30.0,
+        'Number of pairs of position and light before the first plane is fitted.',
+        unit='1',
+        low=3.0,
+        high=float(PAIRS),
     )
     arc: float = setting(
-        0.5, 'Turn rate while the first pairs are taken.', unit='rad/s', low=-2.0, high=2.0
+        0.5,
+        'Turn rate while the first pairs of position and light are collected.',
+        unit='rad/s',
+        low=-2.0,
+        high=2.0,
     )
-    centred: bool = setting(True, 'Whether the plane goes through the mean of the pairs.')
+    centred: bool = setting(True, 'Whether the fitted plane passes through the mean of the pairs.')
     ridge: float = setting(
         1e-3,
-        'Regularisation: mean square of positions added to the data.',
+        'Regularisation of the plane fit, added to the mean square of positions.',
         unit='m2',
         low=1e-9,
         high=10.0,
     )
-    computing: float = setting(1.0, 'Time to compute a heading.', unit='s', low=0.0, high=60.0)
+    computing: float = setting(
+        1.0,
+        'Delay between taking the data and using the heading computed from them.',
+        unit='s',
+        low=0.0,
+        high=60.0,
+    )
     stop_beyond: float = setting(
-        1.2, 'Turn for which the drone stops.', unit='rad', low=0.0, high=3.2
+        1.2, 'Heading error above which the drone stops to turn.', unit='rad', low=0.0, high=3.2
     )
     go_within: float = setting(
-        0.5, 'Heading error at which it flies on.', unit='rad', low=0.0, high=3.2
+        0.5, 'Heading error below which a stopped drone flies on.', unit='rad', low=0.0, high=3.2
     )
 
 

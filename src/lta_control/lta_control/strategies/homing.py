@@ -46,80 +46,102 @@ class HomingSettings(Settings):
     """Prior knowledge of lamp, wind and drone, and the time limits of homing."""
 
     top_speed: float = setting(
-        1.05, 'Highest airspeed to command.', unit='m/s', low=0.05, high=20.0
+        1.05, 'Highest commanded airspeed.', unit='m/s', low=0.05, high=20.0
     )
     brightness: float = setting(
         2100.0,
-        'Strength of the lamp at one metre, by the largest resistor.',
+        'Expected strength of the lamp at one metre, measured with the largest resistor.',
         unit='counts',
         low=1.0,
         high=1e9,
     )
     unsure: float = setting(
-        0.5, 'Standard deviation of the logarithm of the brightness.', unit='1', low=0.01, high=5.0
+        0.5,
+        "Standard deviation of the logarithm of the lamp's expected strength.",
+        unit='1',
+        low=0.01,
+        high=5.0,
     )
     bearing_noise: float = setting(
         0.03,
-        'Standard deviation of one bearing, in addition to its own.',
+        'Standard deviation added to the reported one of each bearing.',
         unit='rad',
         low=1e-4,
         high=1.0,
     )
     strength_noise: float = setting(
-        0.15, "Standard deviation of one strength's logarithm.", unit='1', low=0.01, high=5.0
+        0.15,
+        'Standard deviation of the logarithm of a measured strength.',
+        unit='1',
+        low=0.01,
+        high=5.0,
     )
     wind: float = setting(
-        0.4, 'Standard deviation of the expected drift.', unit='m/s', low=0.0, high=10.0
+        0.4, 'Standard deviation of the expected drift by wind.', unit='m/s', low=0.0, high=10.0
     )
     gusts: float = setting(
-        0.03, 'Change of the drift in one second.', unit='m/s', low=0.0, high=5.0
+        0.03, 'Expected random change of the drift in one second.', unit='m/s', low=0.0, high=5.0
     )
     settling: float = setting(
         6.0,
-        'Settling time of the airspeed estimate after take-off; gusts seem larger until then.',
+        'Time in which the airspeed estimate settles after take-off; larger changes of the '
+        'drift are expected until then.',
         unit='s',
         low=0.1,
         high=60.0,
     )
     unsettled: float = setting(
-        0.6, 'Change of the drift in one second at the start.', unit='m/s', low=0.0, high=5.0
+        0.6,
+        'Expected random change of the drift in one second, just after take-off.',
+        unit='m/s',
+        low=0.0,
+        high=5.0,
     )
     gate: float = setting(
         4.0,
-        'Standard deviations beyond which a sight is an outlier.',
+        'Number of standard deviations beyond which a lamp sighting is an outlier.',
         unit='1',
         low=1.0,
         high=20.0,
     )
     echo: float = setting(
         0.25,
-        'Share of the expected strength: below, a reflection; above 1/share, too strong.',
+        'Smallest plausible share of the expected strength: weaker light is taken for a '
+        'reflection, light above 1/share is too strong.',
         unit='1',
         low=0.0,
         high=1.0,
     )
     trusted: float = setting(
-        0.5, 'Deviation beyond which a bearing is ignored.', unit='rad', low=0.01, high=3.2
+        0.5, 'Standard deviation above which a bearing is ignored.', unit='rad', low=0.01, high=3.2
     )
     doubt: float = setting(
         1.5,
-        'Time after which a light elsewhere is accepted as the lamp.',
+        'Time for which a light must be seen elsewhere before it is accepted as the lamp.',
         unit='s',
         low=0.1,
         high=60.0,
     )
     hold: float = setting(
-        8.0, 'Time to fly by dead reckoning without light.', unit='s', low=0.0, high=600.0
+        8.0, 'Longest time to fly by dead reckoning without light.', unit='s', low=0.0, high=600.0
     )
     certain: float = setting(
-        0.8, 'Largest deviation of the bearing for dead reckoning.', unit='rad', low=0.05, high=3.2
+        0.8,
+        'Largest standard deviation of the bearing with which dead reckoning is allowed.',
+        unit='rad',
+        low=0.05,
+        high=3.2,
     )
     arrival: float = setting(
-        0.8, 'Horizontal range that counts as arrival.', unit='m', low=0.1, high=100.0
+        0.8,
+        'Horizontal distance to the lamp that counts as arrival.',
+        unit='m',
+        low=0.1,
+        high=100.0,
     )
     approach: float = setting(
         0.5,
-        'Ground speed per metre of remaining range, near the lamp.',
+        'Ground speed per metre of remaining distance, near the lamp.',
         unit='1/s',
         low=0.05,
         high=5.0,

@@ -77,7 +77,7 @@ class SteeringCommand(NamedTuple):
 class CruiseSettings(Settings):
     """Settings of every strategy."""
 
-    speed: float = setting(0.5, 'Forward airspeed.', unit='m/s', low=0.0, high=3.0)
+    speed: float = setting(0.5, 'Commanded forward airspeed.', unit='m/s', low=0.0, high=3.0)
     search_rate: float = setting(
         0.3, 'Turn rate of the search when no lamp is seen.', unit='rad/s', low=0.0, high=2.0
     )
@@ -103,7 +103,7 @@ class NavigationStrategy:
     """
     A navigation strategy: plain functions of scalars and tuples with memory in and out.
 
-    A new one needs one file with its functions and a `STRATEGY`, and one line in the registry.
+    A new one needs one file with its functions and a `STRATEGY`; CONTRIBUTING.md lists the rest.
 
     Parameters
     ----------

@@ -10,6 +10,10 @@ from lta_control.strategies.protocol import CruiseSettings
 class StrategySettings(CruiseSettings):
     """The cruise settings, and those of each strategy."""
 
-    des: DitherSettings = setting(DitherSettings(), 'DES, dither extremum seeking.')
-    dga: GradientSettings = setting(GradientSettings(), 'DGA, dither-free gradient ascent.')
-    homing: HomingSettings = setting(HomingSettings(), 'Homing.')
+    des: DitherSettings = setting(
+        DitherSettings(), 'Settings of the strategy DES, dither extremum seeking.'
+    )
+    dga: GradientSettings = setting(
+        GradientSettings(), 'Settings of the strategy DGA, dither-free gradient ascent.'
+    )
+    homing: HomingSettings = setting(HomingSettings(), 'Settings of the strategy homing.')

@@ -114,9 +114,9 @@ def align_tables(
     if method not in METHODS:
         raise unknown_name('method', method, list(METHODS))
     if gap is not None and not gap > 0.0:
-        raise BadInput(f'The maximum gap {gap} s is not positive; give one above zero.')
+        raise BadInput(f'The maximum gap {gap} s is not positive; give a gap above 0 s.')
     if not tables:
-        raise BadInput('No topics to align; name at least one.')
+        raise BadInput('No topics to align were given; name at least one.')
     data: dict[str, NDArray[Any]] = {}
     units: dict[str, str] = {}
     for table in tables:
@@ -149,7 +149,7 @@ def maximum_gap(rows: SortedRows, gap: float | None) -> float:
 def build_even_clock(tables: Sequence[RecordingTable], rate: float) -> Stamps:
     """Return an even clock over all rows of some tables; rate in Hz. [ns]"""
     if not 0.0 < rate <= 1e6:
-        raise BadInput(f'The rate {rate} Hz is out of range; give one above zero, up to 1e6.')
+        raise BadInput(f'The rate {rate} Hz is out of range; give one above 0, up to 1e6 Hz.')
     stamps = [table.stamp_ns for table in tables if len(table)]
     if not stamps:
         return np.empty(0, np.int64)
@@ -160,8 +160,10 @@ def build_even_clock(tables: Sequence[RecordingTable], rate: float) -> Stamps:
     # A single wrong stamp, such as 1970, would need a grid larger than the memory
     if not is_grid_allowed((last - first) * rate, sum(map(len, stamps)), DENSE):
         raise BadInput(
-            f'The stamps span {last - first:.0f} s, too long for a clock of {rate:g} Hz; give a '
-            'lower rate, or check with `lta bag check` whether a clock was set while recording.'
+            f'The time stamps span {last - first:.0f} s, too long to resample at {rate:g} Hz; '
+            'give a '
+            'lower rate, or check with `lta bag check` whether the system clock was changed '
+            'during the recording.'
         )
     # The tolerance keeps end points that are off by rounding.
     steps = np.arange(np.ceil(first * rate - 1e-6), np.floor(last * rate + 1e-6) + 1)

@@ -67,8 +67,9 @@ def decode_image(image: Image) -> NDArray[Any]:
     strides = (image.step, kind.itemsize)
     if len(image.data) < image.height * image.step or image.step < image.width * kind.itemsize:
         raise BadInput(
-            f'An image of {image.height} x {image.width} has {len(image.data)} bytes with '
-            f'{image.step} per row, which do not match; record it again.'
+            f'An image of {image.height} x {image.width} pixels has {len(image.data)} bytes in '
+            'rows '
+            f'of {image.step} bytes, which do not match; record it again.'
         )
     # Rows may be padded: step is the length of a row in bytes
     samples: NDArray[Any] = np.ndarray(shape, kind, image.data.tobytes(), strides=strides)
@@ -89,8 +90,8 @@ def stack_images(images: Iterable[Image]) -> NDArray[Any]:
     shapes = {block.shape for block in blocks}
     if len(shapes) > 1:
         raise BadInput(
-            f'Blocks of different shape ({", ".join(map(str, sorted(shapes)))}) cannot be '
-            'stacked; read them one by one.'
+            f'Images of different shapes ({", ".join(map(str, sorted(shapes)))}) cannot be '
+            'combined into one array; read them one by one.'
         )
     return np.stack(blocks) if blocks else np.empty((0, 0, 0), np.uint16)
 
@@ -120,7 +121,7 @@ def decode_point_cloud(cloud: PointCloud) -> dict[str, NDArray[np.float64]]:
     if not has_valid_layout(cloud, single):
         raise BadInput(
             f'A point cloud of {cloud.height} x {cloud.width} points of {cloud.point_step} bytes '
-            f'has {len(cloud.data)} bytes with {cloud.row_step} per row and '
+            f'has {len(cloud.data)} bytes in rows of {cloud.row_step} bytes and '
             f'{len(cloud.fields)} fields, which do not match; record it again.'
         )
     if not single:

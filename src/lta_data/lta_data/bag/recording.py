@@ -148,11 +148,13 @@ class RobotRecording:
         """
         if rate is not None and on is not None:
             raise BadInput(
-                f"Both a rate ({rate} Hz) and a topic ('{on}') define the clock; give only one."
+                f"Both a rate ({rate} Hz) and a topic ('{on}') were given as clock; give only one."
             )
         tables = [self[topic] for topic in topics]
         if not tables:
-            raise BadInput(f'No topics to align; known: {", ".join(sorted(self.topics))}.')
+            raise BadInput(
+                f'No topics to align were given; known: {", ".join(sorted(self.topics))}.'
+            )
         if rate is not None:
             clock = build_even_clock(tables, rate)
         else:

@@ -177,7 +177,7 @@ def match_tolerances(texts: Mapping[str, float], names: list[str]) -> dict[str, 
         fitting = [name for name in names if name == pattern or fnmatchcase(name, pattern)]
         if not fitting:
             raise BadInput(
-                f"No channel that both flights have is called '{pattern}' or matches it; run "
+                f"No channel that both flights have matches '{pattern}'; run "
                 'without --tolerance to list the channels.'
             )
         for name in fitting:

@@ -59,7 +59,7 @@ def select_topic_pairs(
         if not found:
             raise BadInput(
                 f'The flights have no topic in common (A: {", ".join(of_a) or "none"}; B: '
-                f'{", ".join(of_b) or "none"}); say which belong together, as in {AS}.'
+                f'{", ".join(of_b) or "none"}); say which topics belong together, as in {AS}.'
             )
     for name in only:
         if name not in {each.topic_a for each in found}:
@@ -72,7 +72,9 @@ def parse_pair(text: str, of_a: Sequence[str], of_b: Sequence[str]) -> TopicPair
     """Parse two topics or channels from the form 'a=b'."""
     first, equals, second = text.partition('=')
     if not equals or not first or not second:
-        raise BadInput(f"Invalid pair '{text}'; write A's topic, '=' and B's, as in {AS}.")
+        raise BadInput(
+            f"Invalid pair '{text}'; write a topic of A, '=' and a topic of B, as in {AS}."
+        )
     topic_a, field_a = split_channel_name(first, of_a, 'A')
     topic_b, field_b = split_channel_name(second, of_b, 'B')
     if bool(field_a) != bool(field_b):
@@ -90,7 +92,7 @@ def split_channel_name(name: str, topics: Sequence[str], label: str) -> tuple[st
     if topic in topics:
         return topic, field
     known = ', '.join(topics) or 'none'
-    raise BadInput(f"{label} has no topic or channel '{name}'; its topics: {known}.")
+    raise BadInput(f"Flight {label} has no topic or channel '{name}'; its topics: {known}.")
 
 
 class PairingResult(NamedTuple):

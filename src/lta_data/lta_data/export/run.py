@@ -143,7 +143,7 @@ def align_export_topics(
     for topic in topics:
         try:
             if recording.flight.message_type(topic) == IMAGE:
-                raise BadInput('image samples have their own clock; export it without --rate.')
+                raise BadInput('image samples have a rate of their own; omit --rate.')
             recording[topic]
         except BadInput as fault:
             if order.topics:

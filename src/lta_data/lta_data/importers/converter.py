@@ -262,6 +262,7 @@ def _check_stamps(table: LogTable, topic: str) -> None:
         if len(wrong):
             seconds = times[wrong[0]] * 1e-9
             raise BadInput(
-                f"Row {table.first + wrong[0] + 1} of '{topic}' is at {seconds:.6g} s, which ROS "
-                'cannot represent; correct the unit of the time, or add a "start" to the mapping.'
+                f"Row {table.first + wrong[0] + 1} of '{topic}' is at {seconds:.6g} s, outside "
+                'the range of ROS time stamps; correct the unit of the time, or add a "start" '
+                'to the mapping.'
             )

@@ -93,7 +93,9 @@ def plan_entry(entry: TopicMapping, mapping: ImportMapping, robot: str) -> Entry
     if found.target.type_name == JOINTS:
         _check_joints(found)
     elif entry.actuators is not None:
-        raise BadInput(f"Topic '{entry.topic}' has no actuators; only motors has them.")
+        raise BadInput(
+            f"Topic '{entry.topic}' cannot have the key actuators; only the topic motors can."
+        )
     _check_parts(found)
     return found
 
@@ -128,7 +130,10 @@ def _check_joints(candidate: EntryPlan) -> None:
     """Raise BadInput for an entry without actuators, and for wrong units."""
     told = list(candidate.iterate_joints())
     if not told and candidate.entry.table is None:
-        raise BadInput(f"Topic '{candidate.entry.topic}' needs the key actuators: effort by name.")
+        raise BadInput(
+            f"Topic '{candidate.entry.topic}' needs the key actuators, with the effort of each "
+            'by name.'
+        )
     for name, field, given in told:
         _check_unit(f'{candidate.entry.topic}: {field} of {name}', given, JOINT_DIMENSIONS[field])
 
@@ -140,6 +145,7 @@ def _check_unit(what: str, quantity: ScalarField | VectorField, fitting: Sequenc
         wanted = ' or '.join(fitting)
         if unit == '1':
             raise BadInput(
-                f'{what} has no unit; add "unit: {fitting[0]}", or what is like {wanted}.'
+                f'{what} has no unit; add "unit: {fitting[0]}", or a unit '
+                f'compatible with {wanted}.'
             )
-        raise BadInput(f'{what} is in {unit}, but must be in {wanted} or its like.')
+        raise BadInput(f'{what} is in {unit}, but must be in {wanted} or a compatible unit.')

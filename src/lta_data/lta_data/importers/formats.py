@@ -95,7 +95,7 @@ def detect_format(path: Path) -> str:
     if _is_text(head):
         return 'csv'
     known = '; '.join(f'{name}: {format_.about}' for name, format_ in FORMATS.items())
-    raise BadInput(f"'{path}' is of no known format ({known}); convert it to one of these.")
+    raise BadInput(f"'{path}' is not in a known format ({known}); convert it to one of these.")
 
 
 def find_format(name: str) -> LogFormat:

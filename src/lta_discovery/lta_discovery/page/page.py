@@ -242,7 +242,7 @@ def _render_latent_wrench(study: DiscoveryStudy) -> str:
     )
     made = render_section(
         'latent', 'The unexplained force over time',
-        f'As the flights themselves show it, {names}.',
+        f'As computed from the measured motion: {names}.',
         figures.plot_lines(rows, titles, 'time', 's'),
     )  # fmt: skip
     known = flights[0].terms
@@ -251,8 +251,8 @@ def _render_latent_wrench(study: DiscoveryStudy) -> str:
         axis, unit = AXES.index(following.axis), remainder_unit(following)
         made += render_section(
             'follows', f'What the {following.axis} part follows',
-            f'{format_remainder(following).capitalize()}. On the dashes, these terms would '
-            'explain it all.',
+            f'{format_remainder(following).capitalize()}. Points on the dashed line are '
+            'fully explained by these terms.',
             figures.plot_scatter(
                 fit_terms(flights, axis, following.follows),
                 [np.where(each.known, each.wrench[..., axis], np.nan).ravel() for each in flights],

@@ -170,7 +170,7 @@ def build_tiles(finding: DiscoveryFinding) -> list[Tile]:
             Tile('Error reduced by', format_percent(gap.shrink), '%',
                  f'{low} to {high} % (95 %), {gap.pieces} pieces'),
             Tile('Measurement noise', *floor.partition(' ')[::2],
-                 f'ignoring the commands: {coast}'),
+                 f'error of a forecast without commands: {coast}'),
         ]  # fmt: skip
     made.append(_build_remainder_tile(finding))
     return made

@@ -44,19 +44,23 @@ class MonitorSettings(EnergyReserveSettings):
     """Reserve, smoothing and filter settings of the energy monitor."""
 
     smoothing: float = setting(
-        5.0, 'Time constant of the displayed power.', unit='s', low=0.0, high=600.0
+        5.0,
+        'Time constant with which the displayed power is smoothed.',
+        unit='s',
+        low=0.0,
+        high=600.0,
     )
     outlook: float = setting(
         120.0,
-        'Time constant of the mean power that predicts the time to empty.',
+        'Time constant of the mean power from which the time to empty is predicted.',
         unit='s',
         low=0.0,
         high=3600.0,
     )
     belief: SocFilterSettings = setting(
-        SocFilterSettings(), 'Spread of cells about their vehicle file.'
+        SocFilterSettings(), 'Assumed differences of the real cell from the vehicle file.'
     )
-    way: WayHomeSettings = setting(WayHomeSettings(), 'The way home.')
+    way: WayHomeSettings = setting(WayHomeSettings(), 'Assumptions about the flight home.')
 
 
 def update_estimate(

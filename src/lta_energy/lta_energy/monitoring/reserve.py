@@ -15,13 +15,19 @@ class EnergyReserveSettings(Settings):
         0.25, 'State of charge at which the reserve is reached.', low=0.0, high=0.9
     )
     hysteresis: float = setting(
-        0.05, 'Charge above the reserve at which the alarm clears.', low=0.0, high=0.1
+        0.05, 'State of charge above the reserve at which the alarm clears.', low=0.0, high=0.1
     )
     caution: float = setting(
-        1.0, 'Safety margin of the charge, in standard deviations.', low=0.0, high=5.0
+        1.0,
+        'Safety margin of the state of charge, in standard deviations of the estimate.',
+        low=0.0,
+        high=5.0,
     )
     doubt: float = setting(
-        0.15, 'Standard deviation above which the charge is unreliable.', low=0.01, high=0.3
+        0.15,
+        'Standard deviation above which the state of charge is reported as unreliable.',
+        low=0.01,
+        high=0.3,
     )
 
 

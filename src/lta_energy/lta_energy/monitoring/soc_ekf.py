@@ -40,27 +40,31 @@ class SocFilterSettings(Settings):
     """Spread of cells about their vehicle file, as standard deviations."""
 
     capacity_spread: float = setting(
-        0.05, 'Relative spread of the capacity; assumed.', low=0.0, high=0.5
+        0.05, 'Assumed relative standard deviation of the capacity.', low=0.0, high=0.5
     )
     resistance_spread: float = setting(
         0.3,
-        'Relative spread of the resistances, by temperature and age; assumed.',
+        'Assumed relative standard deviation of the resistances, from temperature and age.',
         low=0.0,
         high=1.0,
     )
     chart_error: float = setting(
         0.010,
-        'Error of the open-circuit voltage chart, meter included; assumed.',
+        'Assumed standard deviation of the open-circuit voltage, from chart and meter.',
         unit='V',
         low=1e-4,
         high=0.2,
     )
     voltage_noise: float = setting(
-        0.010, 'Noise of one voltage reading and of the circuit.', unit='V', low=1e-4, high=0.2
+        0.010,
+        'Standard deviation of one voltage reading, from meter and circuit.',
+        unit='V',
+        low=1e-4,
+        high=0.2,
     )
     recent_current: float = setting(
         0.2,
-        'Recent current of a cell with unknown history; assumed.',
+        'Assumed current of the cell before the monitor started.',
         unit='A',
         low=0.0,
         high=50.0,

@@ -16,22 +16,38 @@ class WayHomeSettings(Settings):
     """Assumptions about the way home that hold until measured or cannot be measured."""
 
     power: float = setting(
-        1.4, 'Assumed power of flight until measured.', unit='W', low=0.0, high=1000.0
+        1.4,
+        'Power assumed for the flight home until it has been measured.',
+        unit='W',
+        low=0.0,
+        high=1000.0,
     )
     speed: float = setting(
-        0.5, 'Assumed airspeed until measured.', unit='m/s', low=0.05, high=30.0
+        0.5,
+        'Airspeed assumed for the flight home until it has been measured.',
+        unit='m/s',
+        low=0.05,
+        high=30.0,
     )
     moving: float = setting(
         0.1, 'Airspeed above which the drone counts as moving.', unit='m/s', low=0.01, high=10.0
     )
     head_wind: float = setting(
-        0.1, 'Assumed head wind, which cannot be measured.', unit='m/s', low=0.0, high=10.0
+        0.1,
+        'Head wind assumed for the flight home; it cannot be measured.',
+        unit='m/s',
+        low=0.0,
+        high=10.0,
     )
     slowest: float = setting(
-        0.05, 'Lower bound of the assumed ground speed.', unit='m/s', low=0.01, high=10.0
+        0.05, 'Lowest ground speed assumed for the flight home.', unit='m/s', low=0.01, high=10.0
     )
     smoothing: float = setting(
-        30.0, 'Time constant of power and speed of flight.', unit='s', low=0.0, high=3600.0
+        30.0,
+        'Time constant of the mean power and airspeed in flight.',
+        unit='s',
+        low=0.0,
+        high=3600.0,
     )
 
 

@@ -79,8 +79,9 @@ def build_rhythm(table: TopicTable) -> BatchRhythm:
     # A light block needs an even number of control steps, since its middle must be one
     if control % step_ns or due['range'] % step_ns or due['photodiodes'] % (2 * control):
         raise BadInput(
-            f'A batch flies in steps of {1e3 * STEP:g} ms, and the periods {control} ns of '
-            f'control and {due} ns of sensors do not fit it; change topics.yaml.'
+            f'Batch flight (--device) uses steps of {1e3 * STEP:g} ms, which do not fit the '
+            'periods '
+            f'of control ({control} ns) and sensors ({due} ns); change these in topics.yaml.'
         )
     return BatchRhythm(
         control // step_ns,
@@ -102,20 +103,23 @@ def build_model(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> Ve
     """
     if policy.law is not LAWS[CASCADE]:
         raise BadInput(
-            f'A batch supports only the control law {CASCADE}, not {policy.law.name} of '
-            f'{vehicle.file.name}; leave --device out.'
+            f'Batch flight (--device) supports only the control law {CASCADE}, not '
+            f'{policy.law.name} of {vehicle.file.name}; leave --device out.'
         )
     if policy.course is not None or scenario.course is not None:
-        raise BadInput('A batch flies to the lamp, not along a course; leave --device out.')
+        raise BadInput(
+            'Batch flight (--device) supports flying to a lamp, not along a course; leave '
+            '--device out.'
+        )
     if len(scenario.lamps) > 1:
         raise BadInput(
-            f'A batch supports one lamp, but the scenario {scenario.name} has '
+            f'Batch flight (--device) supports one lamp, but the scenario {scenario.name} has '
             f'{len(scenario.lamps)}; leave --device out.'
         )
     if scenario.wind_file is not None:
         raise BadInput(
-            f'A batch does not support the recorded wind of the scenario {scenario.name}; leave '
-            '--device out.'
+            f'Batch flight (--device) does not support the recorded wind of the scenario '
+            f'{scenario.name}; leave --device out.'
         )
     model = build_scene_model(vehicle, scenario)
     for name in model.given:
@@ -123,7 +127,8 @@ def build_model(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> Ve
         # Effects of sensors and commands act outside the model, where a batch has no code for them
         if isinstance(effect, MeasurementEffect) and effect.channel not in UNHEARD:
             raise BadInput(
-                f'A batch has no effect {name} of measurement or command; leave --device out.'
+                f'Batch flight (--device) does not support the effect {name}, which acts on '
+                'measurements or commands; leave --device out.'
             )
     # The explicit integrator would diverge for a vehicle that is too stiff
     vehicle.check_step(STEP, model)

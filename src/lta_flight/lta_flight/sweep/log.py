@@ -39,7 +39,9 @@ class SweepLog(AbstractContextManager['SweepLog', None]):
 
     def __init__(self, folder: Path, identity: str, retry: bool = False) -> None:
         if _is_foreign(folder):
-            raise BadInput(f"'{folder}' holds something else; choose another folder.")
+            raise BadInput(
+                f"'{folder}' contains files that are not of a sweep; choose another folder."
+            )
         self._lines = LineLog(folder, KIND, identity, _parse_row)
         self.rows = {row.index: row for row in self._lines.pieces}
         # The failed rows stay in the file; a later line for the same flight replaces them

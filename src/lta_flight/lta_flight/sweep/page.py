@@ -123,7 +123,7 @@ def render_spreads(rows: Sequence[SweepRow]) -> list[str]:
     words = {'search_time': 'Time from the first forward command', 'path_length': 'Path'}
     return [first] + [
         render_section(
-            f'spread-{measure.name}', words[measure.name], 'Of those that reached their goal.',
+            f'spread-{measure.name}', words[measure.name], 'Only flights that reached their goal.',
             plot_spread(rows, measure),
         )
         for measure in MEASURES

@@ -49,10 +49,10 @@ def draw_value(how: Distribution, path: str, seed: int, sample: int) -> Any:  # 
         low, high, unit = _parse_bounds(how.uniform, path)
         return _build_quantity(float(chance.uniform(low, high)), unit)
     if how.loguniform is None:
-        raise BadInput(f'{path} has no distribution; see a shipped sweep file.')
+        raise BadInput(f'{path} has no distribution; add one, as in a shipped sweep file.')
     low, high, unit = _parse_bounds(how.loguniform, path)
     if low <= 0.0:
-        raise BadInput(f'{path} is loguniform from {low:g} {unit}; its low end must be above 0.')
+        raise BadInput(f'{path} has the low end {low:g} {unit}; a loguniform one must be above 0.')
     # Uniform in the logarithm
     return _build_quantity(float(np.exp(chance.uniform(np.log(low), np.log(high)))), unit)
 
@@ -69,7 +69,8 @@ def _draw_normal(how: NormalDistribution, path: str, chance: Generator) -> Any: 
         if (low is None or found >= low) and (high is None or found <= high):
             return _build_quantity(found, unit)
     raise BadInput(
-        f'{path} is practically never between its low and high ends; move its mean or its ends.'
+        f'The normal distribution of {path} is practically never between low and high; change '
+        'mean, low or high.'
     )
 
 
@@ -108,7 +109,7 @@ def _convert_number(value: Any, unit: str, path: str) -> float:  # noqa: ANN401 
     if found is None or found['unit'] == unit:
         return float(number)
     if found['unit'] not in UNITS or UNITS[found['unit']][0] != UNITS[unit][0]:
-        raise BadInput(f'{path} is in {unit} and in {found["unit"]}; use one kind of unit.')
+        raise BadInput(f'{path} mixes {unit} and {found["unit"]}; use compatible units.')
     return float(number) * UNITS[found['unit']][1] / UNITS[unit][1]
 
 

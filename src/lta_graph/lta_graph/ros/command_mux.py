@@ -66,7 +66,7 @@ class CommandMux:
     def _report_source(self) -> None:
         whose = 'of a person' if self.held else 'of the navigator'
         self._node.health.report(
-            HELM, HealthLevel.OK, f'by setpoints {whose}', **{HELD: self.held}
+            HELM, HealthLevel.OK, f'the drone follows setpoints {whose}', **{HELD: self.held}
         )
 
     def _on_pose(self, pose: Any) -> None:  # noqa: ANN401 - a message

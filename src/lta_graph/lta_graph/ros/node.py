@@ -247,7 +247,9 @@ class GraphNode(Node):
         if (unsound := self.soundness.unsound).count:
             self.health.set_fact(unsound.build_fact(MESSAGES))
         self._warn_missing_inputs(now)
-        self.health.report(LINKS, HealthLevel.OK, 'readers of each topic', **self.count_readers())
+        self.health.report(
+            LINKS, HealthLevel.OK, 'number of subscribers of each topic', **self.count_readers()
+        )
         self._conflict.report(self.health)
         if self.health.changed or now - self._reported >= REPORT_PERIOD:
             self.publish_health()

@@ -58,7 +58,7 @@ def fit_diode(cell: CellFile) -> SingleDiode:
     if _slope_at_maximum(data, low) < 0.0:
         raise BadInput(
             f'The cell {cell.name} has a curve too square for its ideality of '
-            f'{data.ideality.si:g}; lower that, or check voltage and current.'
+            f'{data.ideality.si:g}; lower the ideality, or check voltage and current.'
         )
     for _ in range(STEPS):
         middle = 0.5 * (low + high)
@@ -69,8 +69,8 @@ def fit_diode(cell: CellFile) -> SingleDiode:
     found = _solve_three_points(data, low)
     if found.shunt < 0.0 or found.saturation <= 0.0:
         raise BadInput(
-            f'The cell {cell.name} has a curve that no diode with an ideality of '
-            f'{data.ideality.si:g} has; raise that, or check voltage and current.'
+            f'No diode with an ideality of {data.ideality.si:g} has the curve of the cell '
+            f'{cell.name}; raise the ideality, or check voltage and current.'
         )
     return found
 

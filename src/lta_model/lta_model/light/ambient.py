@@ -46,20 +46,22 @@ class Ambient:
         require_lux('The ambient light', self.steady)
         require(
             all(0.0 <= part <= 1.0 for part in self.mains_harmonics),
-            f'The flicker of the mains has harmonics of {self.mains_harmonics}; give each as a '
-            'part of it from 0 to 1.',
+            f'The mains flicker has harmonics of {self.mains_harmonics}; each must be from 0 to '
+            '1 (relative to the fundamental).',
         )
         require(
             # The sum must not become negative at any time of the flicker
             0.0 <= self.mains <= self.steady / (1.0 + sum(self.mains_harmonics)),
-            f'The mains flicker by {self.mains} lx around {self.steady} lx; give an amplitude '
-            'from 0 to that mean, harmonics included.',
+            f'The mains flicker has an amplitude of {self.mains} lx around a mean of '
+            f'{self.steady} lx; with harmonics, the amplitude must be from 0 to the mean.',
         )
         require(
             math.isfinite(self.mains_frequency) and self.mains_frequency > 0.0,
-            f'The mains flicker at {self.mains_frequency} Hz; give a positive frequency.',
+            f'The mains flicker has a frequency of {self.mains_frequency} Hz; the frequency '
+            'must be positive.',
         )
         require(
             math.isfinite(self.mains_phase),
-            f'The mains have a phase of {self.mains_phase} cycles; give a finite one.',
+            f'The mains flicker has a phase of {self.mains_phase} cycles; the phase must be '
+            'finite.',
         )

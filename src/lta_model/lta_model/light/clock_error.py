@@ -28,11 +28,12 @@ class DriftingClock:
         """Refuse an impossible clock error."""
         require(
             abs(self.offset) <= MOST_OFFSET,
-            f'The clock is off by {1e6 * self.offset:g} ppm; give at most {1e6 * MOST_OFFSET:g}.',
+            f'The clock is off by {1e6 * self.offset:g} ppm; the offset must be at most '
+            f'{1e6 * MOST_OFFSET:g} ppm.',
         )
         require(
             math.isfinite(self.drift),
-            f'The clock drifts by {self.drift}/s; give a finite number.',
+            f'The clock drifts by {self.drift}/s; the drift must be finite.',
         )
 
     def distort_wave(self, wave: SquareWave, time: int) -> SquareWave:

@@ -48,12 +48,13 @@ class Daylight:
         require_efficacy(self.efficacy)
         require(
             math.isfinite(self.azimuth) and 0.0 < self.elevation <= math.pi / 2.0,
-            f'The sun stands at {math.degrees(self.elevation):g} degrees over the horizon; give '
-            'an elevation above 0 and up to 90.',
+            f'The sun is {math.degrees(self.elevation):g} degrees above the horizon; its '
+            'elevation must be above 0 and at most 90 degrees.',
         )
         require(
             0.0 <= self.ground < 1.0,
-            f'The ground has an albedo of {self.ground}; choose one from 0 to below 1.',
+            f'The ground has an albedo of {self.ground}; the albedo must be at least 0 and '
+            'below 1.',
         )
 
     @property

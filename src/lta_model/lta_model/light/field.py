@@ -55,14 +55,15 @@ class LightField:
 
     def __post_init__(self) -> None:
         """Refuse a scene without a lamp, and a door that does not fit."""
-        require(len(self.lamps) > 0, 'The scene has no lamp; give one.')
+        require(len(self.lamps) > 0, 'The scene has no lamp; add at least one.')
         door = self.outside
         if door is None:
             return
-        require(self.room is not None, 'The scene has a door but no room; give one.')
+        require(self.room is not None, 'The scene has a door but no room; add a room.')
         require(
             self.daylight is None,
-            'The scene has daylight in the room and beyond its door; leave the first out.',
+            'The scene has daylight both in the room and beyond its door; leave out the '
+            'daylight in the room.',
         )
         _, width, height = self.room.size if self.room is not None else (0.0, 0.0, 0.0)
         require(

@@ -69,21 +69,29 @@ class BeaconLamp:
         numbers = (*self.position, *self.axis, self.flux, self.order, self.radius, self.rise)
         require(
             all(map(math.isfinite, numbers)),
-            f'The lamp {numbers} has a number that is not finite; correct it.',
+            f'The lamp has a number that is not finite in {numbers}; correct that number.',
         )
         require(
             math.hypot(*self.axis) > 0.0,
-            'The axis of the lamp has no length; give the direction it faces.',
+            'The axis of the lamp is zero; give the direction in which the lamp faces.',
         )
-        require(self.flux >= 0.0, f'The lamp has a flux of {self.flux} lm; give 0 or more.')
-        require(self.order > 0.0, f'The lamp has the order {self.order}; give one above 0.')
-        require(self.radius > 0.0, f'The lamp has a radius of {self.radius} m; make it positive.')
+        require(
+            self.flux >= 0.0, f'The lamp has a flux of {self.flux} lm; the flux must be 0 or more.'
+        )
+        require(
+            self.order > 0.0,
+            f'The lamp has the Lambertian order {self.order}; the order must be above 0.',
+        )
+        require(
+            self.radius > 0.0,
+            f'The lamp has a radius of {self.radius} m; the radius must be positive.',
+        )
         # The lamp must reach full light within each phase of its period
         shortest = min(self.wave.duty, 1.0 - self.wave.duty) / self.wave.frequency
         require(
             0.0 <= self.rise <= shortest,
-            f'The lamp takes {1e3 * self.rise:g} ms to rise and is on or off for only '
-            f'{1e3 * shortest:g} ms; let it rise faster or flicker slower.',
+            f'The lamp takes {1e3 * self.rise:g} ms to reach full light but is on or off for '
+            f'only {1e3 * shortest:g} ms; shorten its rise time or lower its frequency.',
         )
         require_efficacy(self.efficacy)
 

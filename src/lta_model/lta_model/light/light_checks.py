@@ -17,8 +17,8 @@ def require_efficacy(efficacy: float) -> None:
     """Raise `BadInput` for an impossible luminous efficacy. [lm/W]"""
     require(
         0.0 < efficacy <= MOST_EFFICACY,
-        f'The light has an efficacy of {efficacy} lm/W; give one above 0 and up to '
-        f'{MOST_EFFICACY:g}.',
+        f'The light has an efficacy of {efficacy} lm/W; the efficacy must be above 0 and at '
+        f'most {MOST_EFFICACY:g} lm/W.',
     )
 
 
@@ -26,5 +26,5 @@ def require_lux(what: str, lux: float) -> None:
     """Raise `BadInput` for a negative or infinite illuminance. [lx]"""
     require(
         math.isfinite(lux) and lux >= 0.0,
-        f'{what} is {lux} lx; give 0 or more.',
+        f'{what} is {lux} lx; it must be 0 or more.',
     )

@@ -60,11 +60,17 @@ class SquareWave:
     def __post_init__(self) -> None:
         """Refuse an invalid wave."""
         if not (math.isfinite(self.frequency) and self.frequency > 0.0):
-            raise BadInput(f'The lamp flickers at {self.frequency} Hz; give a positive frequency.')
+            raise BadInput(
+                f'The lamp flickers at {self.frequency} Hz; the frequency must be positive.'
+            )
         if not 0.0 < self.duty < 1.0:
-            raise BadInput(f'The lamp has a duty of {self.duty}; choose one between 0 and 1.')
+            raise BadInput(
+                f'The lamp has a duty of {self.duty}; the duty must be between 0 and 1.'
+            )
         if not math.isfinite(self.phase):
-            raise BadInput(f'The lamp has a phase of {self.phase} cycles; give a finite one.')
+            raise BadInput(
+                f'The lamp has a phase of {self.phase} cycles; the phase must be finite.'
+            )
 
     def phase_in_cycles(self, times: NDArray[np.int64]) -> NDArray[np.float64]:
         """Return the position in the period, in [0, 1), at times in ns, shape (n,)."""

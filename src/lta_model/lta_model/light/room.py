@@ -47,7 +47,8 @@ class Room:
         for name, albedo in self.albedo._asdict().items():
             require(
                 0.0 <= albedo < 1.0,
-                f'The {name} of the room has an albedo of {albedo}; choose one from 0 to below 1.',
+                f'The {name} of the room has an albedo of {albedo}; the albedo must be at least '
+                '0 and below 1.',
             )
 
     @property

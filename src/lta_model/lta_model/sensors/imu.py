@@ -34,25 +34,34 @@ class ImuSettings(Settings):
         (160e-6, 160e-6, 190e-6), 'Noise density of the accelerometer.', unit='g/sqrt(Hz)'
     )
     acceleration_bandwidth: float = setting(
-        40.0, 'Accelerometer bandwidth at 100 Hz, normal mode.', unit='Hz', low=0.0, high=280.0
+        40.0,
+        'Bandwidth of the accelerometer at 100 Hz, normal mode.',
+        unit='Hz',
+        low=0.0,
+        high=280.0,
     )
     acceleration_offset: float = setting(
         0.020, 'Largest offset of an axis.', unit='g', low=0.0, high=1.0
     )
     acceleration_scale: float = setting(
-        0.01, 'Largest scale error of an axis, assumed as for the rates.', low=0.0, high=0.5
+        0.01,
+        'Largest scale error of an accelerometer axis; assumed equal to that of the gyroscope.',
+        low=0.0,
+        high=0.5,
     )
     acceleration_range: float = setting(6.0, 'Full scale.', unit='g', low=3.0, high=24.0)
     rate_noise: float = setting(
         0.014, 'Noise density of the gyroscope.', unit='deg/s/sqrt(Hz)', low=0.0, high=1.0
     )
     rate_bandwidth: float = setting(
-        32.0, 'Gyroscope bandwidth at 100 Hz.', unit='Hz', low=0.0, high=532.0
+        32.0, 'Bandwidth of the gyroscope at 100 Hz.', unit='Hz', low=0.0, high=532.0
     )
     rate_offset: float = setting(
         1.0, 'Largest offset of an axis.', unit='deg/s', low=0.0, high=20.0
     )
-    rate_scale: float = setting(0.01, 'Largest scale error of an axis.', low=0.0, high=0.5)
+    rate_scale: float = setting(
+        0.01, 'Largest scale error of a gyroscope axis.', low=0.0, high=0.5
+    )
     rate_range: float = setting(500.0, 'Full scale.', unit='deg/s', low=125.0, high=2000.0)
 
 

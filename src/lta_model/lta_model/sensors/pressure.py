@@ -28,14 +28,26 @@ class PressureSettings(Settings):
     floor: float = setting(
         101325.0, 'Air pressure at the floor.', unit='Pa', low=30000.0, high=110000.0
     )
-    noise: float = setting(1.2, 'Standard deviation of a sample.', unit='Pa', low=0.0, high=100.0)
+    noise: float = setting(
+        1.2, 'Standard deviation of a pressure sample.', unit='Pa', low=0.0, high=100.0
+    )
     offset: float = setting(
-        8.0, 'Largest offset, drawn uniformly for a flight.', unit='Pa', low=0.0, high=500.0
+        8.0,
+        'Largest pressure offset; each flight draws one uniformly.',
+        unit='Pa',
+        low=0.0,
+        high=500.0,
     )
     drift: float = setting(
-        0.006, 'Largest drift, drawn uniformly for a flight.', unit='Pa/s', low=0.0, high=10.0
+        0.006,
+        'Largest pressure drift; each flight draws one uniformly.',
+        unit='Pa/s',
+        low=0.0,
+        high=10.0,
     )
-    resolution: float = setting(0.33, 'Size of a count.', unit='Pa', low=0.001, high=10.0)
+    resolution: float = setting(
+        0.33, 'Pressure per count of the sensor.', unit='Pa', low=0.001, high=10.0
+    )
 
 
 @final

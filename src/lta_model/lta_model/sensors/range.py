@@ -27,7 +27,7 @@ class RangeSettings(Settings):
     """Limits and errors of the sensor."""
 
     minimum: float = setting(
-        0.04, 'Nearest distance that can be told.', unit='m', low=0.0, high=1.0
+        0.04, 'Shortest distance that the sensor can measure.', unit='m', low=0.0, high=1.0
     )
     maximum: float = setting(
         4.0,
@@ -37,12 +37,22 @@ class RangeSettings(Settings):
         high=5.0,
     )
     noise: float = setting(
-        0.0025, 'Standard deviation near the floor.', unit='m', low=0.0, high=0.1
+        0.0025,
+        'Standard deviation of a measured distance near the floor.',
+        unit='m',
+        low=0.0,
+        high=0.1,
     )
     offset: float = setting(
-        0.020, 'Largest offset, drawn uniformly for a flight.', unit='m', low=0.0, high=0.5
+        0.020,
+        'Largest distance offset; each flight draws one uniformly.',
+        unit='m',
+        low=0.0,
+        high=0.5,
     )
-    field_of_view: float = setting(27.0, 'Full cone.', unit='deg', low=1.0, high=90.0)
+    field_of_view: float = setting(
+        27.0, 'Full angle of the field of view.', unit='deg', low=1.0, high=90.0
+    )
 
 
 @final

@@ -75,7 +75,9 @@ def select_points(sweep: TunnelSweep, axis: Axis) -> Sequence[SweepPoint]:
     """Return the solved points of an axis, or else the estimates by hand."""
     points = select_solved_points(sweep, axis) or sweep.by_hand.get(axis)
     if not points:
-        raise BadInput(f'The sweep of {sweep.name} has no results for {axis}; run it again.')
+        raise BadInput(
+            f'The sweep of {sweep.name} has no results for {axis}; run the sweep again.'
+        )
     return points
 
 

@@ -34,7 +34,7 @@ def read_stl(path: Path, unit: str) -> trimesh.Trimesh:
             f'There is no STL file {path}; check the path, which is relative to the tunnel file.'
         )
     if path.stat().st_size > STL_BYTES:
-        raise BadInput(f'{path} is larger than {STL_BYTES} bytes; draw it with fewer triangles.')
+        raise BadInput(f'{path} is larger than {STL_BYTES} bytes; export it with fewer triangles.')
     try:
         with np.errstate(all='ignore'):  # absurd numbers are rejected below
             mesh = trimesh.load_mesh(path, file_type='stl')
@@ -45,7 +45,7 @@ def read_stl(path: Path, unit: str) -> trimesh.Trimesh:
             f'{path} has no surface of 4 to {STL_TRIANGLES} triangles; export it again.'
         )
     if not np.isfinite(mesh.vertices).all():
-        raise BadInput(f'{path} has corners that are not finite; export it again.')
+        raise BadInput(f'{path} has infinite or NaN coordinates; export it again.')
     mesh.vertices *= UNITS[unit]
     return validate_closed(mesh, str(path), unit)
 
@@ -57,7 +57,8 @@ def validate_closed(mesh: trimesh.Trimesh, name: str, unit: str) -> trimesh.Trim
         # Too large: probably millimetres read as metres; too small: the opposite
         other = 'mm' if size > LARGEST else 'm'
         raise BadInput(
-            f'{name} is {size:.4g} m long when read in {unit}, which is no size of a drone part; '
+            f'{name} is {size:.4g} m long when read in {unit}, which is implausible for a drone '
+            'part; '
             f'if it was drawn in {other}, set "unit: {other}".'
         )
     if not mesh.is_watertight:

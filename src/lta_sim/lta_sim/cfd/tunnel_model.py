@@ -187,7 +187,8 @@ def _check_patterns(
     for pattern, shares in file.patterns.items():
         if strangers := [name for name in shares if name not in rotors]:
             raise BadInput(
-                f'The pattern {pattern} of {file.name} names {", ".join(strangers)}; '
+                f'The pattern {pattern} of {file.name} names unknown rotors '
+                f'({", ".join(strangers)}); '
                 f'rotors of {file.vehicle}: {", ".join(rotors)}.'
             )
     for name, rotor in rotors.items():

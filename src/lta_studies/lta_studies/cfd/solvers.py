@@ -22,11 +22,15 @@ Jobs = Annotated[
 ]
 Cache = Annotated[
     Path | None,
-    typer.Option(help='Cache folder of solved flows; with --scheduler, on every machine.'),
+    typer.Option(
+        help='Folder that keeps solved flows for reuse; with --scheduler, on each machine.'
+    ),
 ]
 Scheduler = Annotated[
     str | None,
-    typer.Option(metavar='ADDRESS', help='Solve on the Dask cluster of this scheduler instead.'),
+    typer.Option(
+        metavar='ADDRESS', help='Address of a Dask scheduler; its cluster then solves the flows.'
+    ),
 ]
 
 
@@ -36,7 +40,7 @@ def check_solver(jobs: int | None, scheduler: str | None) -> None:
         require_openfoam()
     elif jobs is not None:
         # An ignored option would be misleading.
-        raise BadInput('A cluster solves one flow per worker thread; leave --jobs out.')
+        raise BadInput('With --scheduler each worker thread solves one flow; leave --jobs out.')
 
 
 @contextmanager

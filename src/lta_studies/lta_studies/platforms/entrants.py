@@ -66,7 +66,9 @@ def _select_law(file: VehicleFile, steps: list[EntryChange]) -> tuple[str, str]:
     for step in steps:
         name, gains = step.law or name, step.gains or gains
     if gains is None:
-        raise BadInput(f'{file.name} names no gains in its control block; add "gains: ...".')
+        raise BadInput(
+            f'{file.name} names no gains in its control block; add a line "gains: NAME".'
+        )
     return name, gains
 
 

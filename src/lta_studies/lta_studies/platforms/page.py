@@ -133,7 +133,7 @@ def draw_pictures(comparison: ComparisonFile, rows: Sequence[PlatformResult]) ->
     for name in flown:
         manoeuvre = load_maneuver(name)
         found.append(
-            render_section(f'changed-{name}', f'{name.capitalize()}, one thing changed',
+            render_section(f'changed-{name}', f'{name.capitalize()}, with one part changed',
                     f'The changes are listed below, under "What causes the differences". {DASHED}',
                     draw_ablations(rows, comparison, manoeuvre))
         )  # fmt: skip

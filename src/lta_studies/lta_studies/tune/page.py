@@ -142,7 +142,9 @@ def render_panels(tuned: TuningResult, old: Traces, new: Traces) -> list[str]:
     every = 'Each draw is flown with both sets of gains.'
     return [
         *out,
-        render_section('costs', 'Cost of each fresh draw', every, pictures.plot_costs(*flights)),
+        render_section(
+            'costs', 'Cost of each new random flight', every, pictures.plot_costs(*flights)
+        ),
         render_section(
             'search',
             'The search',

@@ -77,7 +77,7 @@ def plan_beacon_bins(
         raise BadInput(
             f'{_format_beacons(beacons)} and {"its" if len(beacons) == 1 else "their"} harmonics '
             f'leave '
-            f'{quiet.size} bins of {block} to measure the noise in, but {QUIET_BINS} are needed; '
+            f'{quiet.size} bins of {block} for measuring the noise, but {QUIET_BINS} are needed; '
             'take longer blocks, a narrower window or fewer harmonics.'
         )
     # Mains flicker in bins
@@ -107,13 +107,13 @@ def _select_search_range(
     first, last = target - window, target + window
     if first < 1:
         raise BadInput(
-            f'{beacon} stands in bin {target} of {block}, too near to zero for a window of '
-            f'{window} bins; take longer blocks or a narrower window.'
+            f'{beacon} is in bin {target} of {block}, too near to zero frequency for a search '
+            f'window of {window} bins; take longer blocks or a narrower window.'
         )
     # The highest bin of a real transform
     if last > samples // 2:
         raise BadInput(
-            f'{beacon} stands in bin {target} of {block}, too near to the Nyquist frequency for '
-            f'a window of {window} bins; sample faster or narrow the window.'
+            f'{beacon} is in bin {target} of {block}, too near to the Nyquist frequency for '
+            f'a search window of {window} bins; sample faster or narrow the window.'
         )
     return first, last

@@ -47,7 +47,7 @@ def check_beacons(
         if abs(places[one] - places[other]) <= 2 * window:
             raise BadInput(
                 f'The beacons at {one:g} and {other:g} Hz are closer than the resolution of '
-                f'{apart:g} Hz; choose others, take longer blocks or a narrower window.'
+                f'{apart:g} Hz; choose other frequencies, longer blocks or a smaller window.'
             )
     for one, other in permutations(beacons, 2):
         for order in HARMONICS:
@@ -63,7 +63,7 @@ def check_beacons(
         for beacon in beacons:
             if abs(target_bin(flicker, sample_rate, samples) - places[beacon]) <= window:
                 raise BadInput(
-                    f'The beacon at {beacon:g} Hz is sought within {window} bins of {width:g} Hz, '
-                    f'where lamps on the mains flicker, at {2.0 * settings.mains * order:g} Hz; '
-                    'choose another frequency, narrow the window, or set mains (0 for none).'
+                    f'The beacon at {beacon:g} Hz is searched within {window} bins of {width:g} '
+                    f'Hz, where mains lamps flicker ({2.0 * settings.mains * order:g} Hz); choose '
+                    'another frequency, a smaller window, or set mains to 0 if there are none.'
                 )

@@ -56,7 +56,9 @@ def test_a_file_that_may_not_be_opened_is_one_sentence_and_a_link_is_not_followe
     precious = tmp_path / 'precious'
     precious.write_text('all of it')
     path.symlink_to(precious)
-    with pytest.raises(BadInput, match=r'cannot be opened .*Have its owner stop'):
+    with pytest.raises(
+        BadInput, match=r'cannot be opened .*Ask the user who owns the file to stop'
+    ):
         DroneLock(URI)
     assert precious.read_text() == 'all of it'
 

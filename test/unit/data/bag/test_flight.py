@@ -228,7 +228,7 @@ def test_a_topic_that_cannot_be_read_leaves_the_others_as_they_are(tmp_path, typ
     flight = open_flight(tmp_path / 'b')
     assert flight.start == START
     assert flight.read_series('wind')['vector.y'].tolist() == [2.0]
-    with pytest.raises(BadInput, match="does not fit the bag's own definition"):
+    with pytest.raises(BadInput, match='does not match the definition of its type'):
         flight.read_series('broken')
 
 

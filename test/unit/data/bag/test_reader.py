@@ -75,7 +75,7 @@ def test_cut_anywhere_gives_every_whole_chunk(torn, tmp_path):
 @pytest.mark.parametrize('cut', range(1, 8))
 def test_cut_before_the_first_record_is_not_a_recording(torn, tmp_path, cut):
     (tmp_path / 'cut.mcap').write_bytes(torn[1][:cut])
-    with pytest.raises(BadInput, match='not a recording in MCAP'):
+    with pytest.raises(BadInput, match='not an MCAP recording'):
         read_bag(tmp_path / 'cut.mcap')
 
 
@@ -272,7 +272,7 @@ def test_what_is_no_bag_is_told_so(tmp_path):
     with pytest.raises(BadInput, match='is empty; nothing was recorded'):
         read_bag(tmp_path / 'empty.mcap')
     (tmp_path / 'log.txt').write_text('hello, this is not a bag')
-    with pytest.raises(BadInput, match='is not a recording in MCAP'):
+    with pytest.raises(BadInput, match='is not an MCAP recording'):
         read_bag(tmp_path / 'log.txt')
     (tmp_path / 'old').mkdir()
     (tmp_path / 'old' / 'old_0.db3').touch()

@@ -154,7 +154,7 @@ def test_bags_without_messages(tmp_path):
         (b'#ROSBAG V2.0\n', 'is a ROS 1 bag; convert it with `lta import`.'),
         (b'ULog\x01\x12\x35\x01', 'is a PX4 log; convert it with `lta import`.'),
         (b'\x28\xb5\x2f\xfd', 'is compressed as a whole; decompress it with `zstd -d` first.'),
-        (b'hello, world', 'is not a recording in MCAP; give a rosbag2 folder or an .mcap file.'),
+        (b'hello, world', 'is not an MCAP recording; give a rosbag2 folder or an .mcap file.'),
     ],
 )
 def test_other_files_are_told_by_what_they_are(tmp_path, head, sentence):

@@ -70,7 +70,7 @@ def test_a_tolerance_takes_the_place_of_the_noise(two):
     wide = two(NOISY, step, tolerances={'odom/*position*': 0.5})
     assert channel(wide, Z).parting.band == 0.5
     assert wide.verdict == 'same'
-    with pytest.raises(BadInput, match=r"No channel that both flights have is called 'nose'"):
+    with pytest.raises(BadInput, match=r"No channel that both flights have matches 'nose'"):
         two(NOISY, step, tolerances={'nose': 0.5})
 
 

@@ -232,7 +232,7 @@ def test_what_cannot_be_exported_is_one_sentence(flight_bag, mixed_bag, tmp_path
             export_recording(lta_analysis.open(flight_bag), order, tmp_path / folder, Blind())
     assert not (tmp_path / 'a').exists()
     with pytest.raises(
-        BadInput, match="'photodiodes' cannot be aligned: image samples have their own clock"
+        BadInput, match="'photodiodes' cannot be aligned: image samples have a rate of their own"
     ):
         files(mixed_bag, 'csv', tmp_path / 'a', rate=1.0, topics=('photodiodes',))
 

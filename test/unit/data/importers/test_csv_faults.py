@@ -17,7 +17,7 @@ WRONG = {
     'wrong time': (('t,x,y,z', '5 o,1,2,3'), "Column 't' has '5 o' in row 1"),
     'short row': (('t,x,y,z', '5,1,2,3', '6,1'), 'Expected 4 columns, got 2'),
     'only names': (('t,x,y,z',), 'but no rows'),
-    'too late': (('t,x,y,z', '5e9,1,2,3'), 'which ROS cannot represent'),
+    'too late': (('t,x,y,z', '5e9,1,2,3'), 'outside the range of ROS time stamps'),
     'too early': (('t,x,y,z', '5,1,2,3', '-6,1,2,3'), 'Row 2 of'),
 }
 

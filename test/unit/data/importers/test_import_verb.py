@@ -77,7 +77,7 @@ def test_what_is_printed_for_people_names_topics_bag_and_what_is_odd(lta, tmp_pa
 CASES = {
     'nothing there': ('nowhere.csv', None, (), 'does not exist'),
     'empty': ('a.csv', b'', (), 'is empty; give a log with data'),
-    'unknown': ('a.bin', b'\x00\x01\x02', (), 'is of no known format (csv: '),
+    'unknown': ('a.bin', b'\x00\x01\x02', (), 'is not in a known format (csv: '),
     'no mapping': ('a.csv', b't,x\n1,2\n', (), 'needs a mapping (no shipped mapping fits'),
     'wrong mapping': ('a.csv', b't,x\n1,2\n', ('--mapping', 'px4'), 'is for ulog, but'),
     'unknown mapping': ('a.csv', b't,x\n1,2\n', ('--mapping', 'mine'), 'known: crazyflie_usd'),

@@ -186,7 +186,7 @@ def test_its_flights_are_those_of_the_loop_in_distribution(strategy, scene):
 
 
 def test_what_a_batch_does_not_know_it_refuses():
-    with pytest.raises(BadInput, match=r'A batch has no effect gyro_scale'):
+    with pytest.raises(BadInput, match=r'does not support the effect gyro_scale'):
         made('vehicle.effects.gyro_scale.z={value: 1.1, unit: "1", source: assumed}')
     sblimp = build_parts(load_spec('sblimp', 'lamp_room', 'bag', ''))
     with pytest.raises(BadInput, match=r'supports only the control law cascade, not velocity'):

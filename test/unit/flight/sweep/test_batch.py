@@ -70,7 +70,7 @@ def test_it_is_flown_once_and_has_table_and_page(sweep, tmp_path):
 def test_flights_of_another_kind_do_not_go_into_its_log(sweep, tmp_path):
     file, folder = sweep(), tmp_path / 'out'
     run(file, folder, page=False)
-    with pytest.raises(BadInput, match=r'is of another sweep; choose another --out'):
+    with pytest.raises(BadInput, match=r'belongs to another sweep; choose another --out'):
         run(file, folder, duties=(0.1, 0.1, 0.1, 0.1))
 
 
@@ -126,7 +126,7 @@ def test_a_flight_whose_numbers_ran_away_has_failed(sweep, tmp_path, monkeypatch
     monkeypatch.setattr(batch_workers, 'fly_many', wild)
     first, *others = run(sweep(), tmp_path / 'out', page=False).rows
     assert first.outcome == 'failed'
-    assert first.sentence.startswith('The numbers of gtmab ran away 0.05 s after the start')
+    assert first.sentence.startswith('The simulation of gtmab diverged 0.05 s after the start')
     assert {row.outcome for row in others} == {'timeout'}
 
 
@@ -155,7 +155,9 @@ def test_a_sweep_over_few_values_is_no_map(sweep):
 def test_options_that_exclude_each_other_are_refused():
     with pytest.raises(BadInput, match=r'Open-loop duties \(--duties\) need batch mode'):
         check_options(None, (0.1,), None, None)
-    with pytest.raises(BadInput, match=r'--device excludes --workers and --scheduler'):
+    with pytest.raises(
+        BadInput, match=r'--device cannot be combined with --workers or --scheduler'
+    ):
         check_options('gpu', (), 2, None)
     with pytest.raises(BadInput, match=r"The duties are '1,x'; give numbers from -1 to 1"):
         parse_duties('1,x')

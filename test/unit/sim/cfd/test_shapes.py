@@ -148,7 +148,7 @@ def test_a_vehicle_file_is_told_from_a_tunnel_file(tmp_path):
 
 
 def test_a_pattern_of_strangers_is_refused(tmp_path):
-    with pytest.raises(BadInput, match='names tail; rotors of gtmab: up_left'):
+    with pytest.raises(BadInput, match=r'names unknown rotors \(tail\); rotors of gtmab: up_left'):
         load_tunnel_model(tunnel(tmp_path, 'patterns: {all: {tail: 1}}'))
 
 

@@ -19,7 +19,10 @@ def export(
         str, typer.Option('--format', help=f'Format of the files: {", ".join(FORMATS)}.')
     ] = 'parquet',
     topics: Annotated[
-        str, typer.Option(help='Names separated by commas, such as odom,motors; default all.')
+        str,
+        typer.Option(
+            help='Topics to export, separated by commas, such as odom,motors; all by default.'
+        ),
     ] = '',
     out: Annotated[
         Path | None,
@@ -35,7 +38,7 @@ def export(
     ] = None,
     method: Annotated[
         str,
-        typer.Option(help='With --rate: previous (hold the last value) or linear.'),
+        typer.Option(help='Interpolation for --rate: previous (hold the last value) or linear.'),
     ] = 'previous',
     robot: Annotated[
         str | None, typer.Option(help='Robot to export; needed if the bag has several.')

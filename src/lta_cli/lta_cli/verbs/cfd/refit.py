@@ -14,7 +14,10 @@ import typer
 
 def refit(
     sweep: Annotated[
-        str, typer.Argument(metavar='SWEEP', help='A shipped name, or a .sweep.json file.')
+        str,
+        typer.Argument(
+            metavar='SWEEP', help='CFD sweep to fit, shipped name or .sweep.json file.'
+        ),
     ],
     out: Annotated[
         Path | None, typer.Option(help='File to write; printed by default.', metavar='FILE')

@@ -55,16 +55,16 @@ class Fidelity(StrEnum):
 
 def run(
     name: Annotated[
-        str, typer.Argument(metavar='TUNNEL', help='Tunnel file, shipped name or path.')
+        str, typer.Argument(metavar='TUNNEL', help='Wind tunnel, shipped name or file.')
     ] = 'gtmab',
     fidelity: Annotated[
-        Fidelity, typer.Option(help='Closed-form, steady or transient.')
+        Fidelity, typer.Option(help='Solution: closed-form, steady or transient.')
     ] = Fidelity.preview,
     only: Annotated[
         list[str] | None, typer.Option(help='Solve only this axis or rotor pattern; repeatable.')
     ] = None,
     mount: Annotated[
-        str | None, typer.Option(help='Solar panel mount file: side, bottom, top or a path.')
+        str | None, typer.Option(help='Mount of the solar panels: side, bottom, top or a file.')
     ] = None,
     jobs: Jobs = None,
     cache: Cache = None,

@@ -29,7 +29,10 @@ import typer
 
 def validate(
     fidelity: Annotated[
-        Fidelity, typer.Option(help='preview, or reference, which includes preview.')
+        Fidelity,
+        typer.Option(
+            help='Fidelity to validate: preview, or reference (validates preview as well).'
+        ),
     ] = Fidelity.preview,
     jobs: Jobs = None,
     cache: Cache = None,

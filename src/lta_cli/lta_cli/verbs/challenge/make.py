@@ -20,10 +20,15 @@ def make(
     seed: Annotated[int, typer.Option(help='Random seed of the challenge.', min=0)] = 1,
     n: Annotated[int, typer.Option('--n', help='Number of cases.', min=1)] = 20,
     row: Annotated[
-        str, typer.Option(help='base, worse, structured, pose, hover, wrench or other.')
+        str,
+        typer.Option(help='Row of cases: base, worse, structured, pose, hover, wrench or other.'),
     ] = 'base',
     kind: Annotated[
-        str | None, typer.Option(help='clean, single, pair, outside or mixed; drawn by default.')
+        str | None,
+        typer.Option(
+            help='What is hidden in each case: clean, single, pair, outside or mixed; random by '
+            'default.'
+        ),
     ] = None,
     seconds: Annotated[
         tuple[float, float], typer.Option(help='Shortest and longest flight in seconds.')

@@ -28,9 +28,12 @@ import typer
 
 def score(
     folders: Annotated[
-        list[Path], typer.Argument(help='Challenge folders; each gets its score and page.')
+        list[Path],
+        typer.Argument(help='Challenge folders; a score and a page are written to each.'),
     ],
-    most: Annotated[int | None, typer.Option(help='Use only the first cases.', min=1)] = None,
+    most: Annotated[
+        int | None, typer.Option(help='Number of cases to score; all by default.', min=1)
+    ] = None,
     markdown: Annotated[
         Path | None,
         typer.Option(
@@ -57,7 +60,7 @@ def score(
     """
     # Otherwise the cases would count twice in the summary
     if len({place.resolve() for place in folders}) < len(folders):
-        raise BadInput('A challenge folder is given twice; give each once.')
+        raise BadInput('A challenge folder is named more than once; name each folder only once.')
     console = plain_console(stderr=json)
     done: list[ChallengeScore] = []
     for place in folders:

@@ -21,13 +21,16 @@ CELLS = ['powerfilm_large', 'anysolar', 'adafruit', 'dracula']  # cells that fit
 
 
 def breakeven(
-    vehicle: Annotated[str, typer.Option(help='Vehicle with loads, array and charger.')] = 'gtmab',
+    vehicle: Annotated[
+        str, typer.Option(help='Vehicle whose loads, array and charger are used.')
+    ] = 'gtmab',
     cell: Annotated[
         list[str] | None,
         typer.Option(help='Panel of an alternative array, name or file; repeatable.'),
     ] = None,
     budget: Annotated[
-        float, typer.Option(help='Mass limit of these arrays in g.', min=1.0, max=10_000.0)
+        float,
+        typer.Option(help='Largest mass of an alternative array in g.', min=1.0, max=10_000.0),
     ] = BUDGET,
     out: Out = None,
     pictures: Pictures = None,

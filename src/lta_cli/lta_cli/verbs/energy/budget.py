@@ -25,8 +25,12 @@ import typer
 
 def budget(
     vehicle: Annotated[str, typer.Option(help='Vehicle name or file.')] = 'gtmab',
-    beside: Annotated[str, typer.Option(help='Multirotor to compare with.')] = 'multirotor',
-    seeds: Annotated[int, typer.Option(help='Flights of each.', min=1, max=100)] = 3,
+    beside: Annotated[
+        str, typer.Option(help='Multirotor to compare with, name or file.')
+    ] = 'multirotor',
+    seeds: Annotated[
+        int, typer.Option(help='Number of flights of each vehicle.', min=1, max=100)
+    ] = 3,
     out: Out = None,
     pictures: Pictures = None,
     json: Json = False,

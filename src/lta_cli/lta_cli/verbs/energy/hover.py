@@ -25,8 +25,12 @@ import typer
 
 
 def hover(
-    vehicle: Annotated[str, typer.Option(help='Vehicle; both drones use its cell.')] = 'gtmab',
-    beside: Annotated[str, typer.Option(help='Drone to compare with.')] = 'multirotor',
+    vehicle: Annotated[
+        str, typer.Option(help='Buoyant vehicle, name or file; both drones use its cell.')
+    ] = 'gtmab',
+    beside: Annotated[
+        str, typer.Option(help='Multirotor to compare with, name or file.')
+    ] = 'multirotor',
     seconds: Annotated[
         float, typer.Option(help='Duration in seconds.', min=1.0, max=7200.0)
     ] = paper.HOVER_TIME,

@@ -34,7 +34,9 @@ def mounting(
         typer.Option(help='Forward placement error of the panels in cm.',
                      min=-50.0, max=50.0),
     ] = 3.0,
-    seeds: Annotated[int, typer.Option(help='Flights of each.', min=1, max=100)] = 3,
+    seeds: Annotated[
+        int, typer.Option(help='Number of flights with each mount.', min=1, max=100)
+    ] = 3,
     out: Out = None,
     pictures: Pictures = None,
     json: Json = False,

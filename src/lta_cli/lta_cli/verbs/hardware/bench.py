@@ -28,12 +28,16 @@ LEAST = 1.0 / 256.0  # smallest duty of 8-bit PWM that turns a motor; the app ke
 
 
 def bench(
-    motor: Annotated[str, typer.Argument(help='m1, m2, m3 or m4, as on the Crazyflie.')],
+    motor: Annotated[
+        str, typer.Argument(help='Motor to turn: m1, m2, m3 or m4, as on the Crazyflie.')
+    ],
     uri: Annotated[str, typer.Option(help='URI of the Crazyflie.')] = (
         'radio://0/80/2M/E7E7E7E7E7'
     ),
     vehicle: Annotated[str, typer.Option(help='Vehicle that the Crazyflie flies.')] = 'gtmab',
-    duty: Annotated[float, typer.Option(help='Duty, up to 0.3.', min=0.01, max=MOST)] = 0.1,
+    duty: Annotated[
+        float, typer.Option(help='Motor duty, at most 0.3.', min=0.01, max=MOST)
+    ] = 0.1,
     seconds: Annotated[
         float, typer.Option(help='Duration in seconds.', min=0.2, max=LONGEST)
     ] = 2.0,

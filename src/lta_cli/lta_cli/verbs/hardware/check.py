@@ -23,7 +23,9 @@ def check(
     ] = '',
     port: Annotated[
         str,
-        typer.Option(help='Port of the light board, or udp://HOST:PORT; by default the first.'),
+        typer.Option(
+            help='Port of the light board, or udp://HOST:PORT; by default the first found.'
+        ),
     ] = '',
     vehicle: Annotated[str, typer.Option(help='Vehicle that the hardware belongs to.')] = 'gtmab',
     frequency: Annotated[

@@ -32,7 +32,9 @@ import typer
 
 
 def light(
-    bag: Annotated[Path, typer.Argument(help='Recording of the board, with photodiodes.')],
+    bag: Annotated[
+        Path, typer.Argument(help='Bag recorded from the light board, with photodiode readings.')
+    ],
     rate: Annotated[float, typer.Option(help='Turntable rate in deg/s, counter-clockwise.')] = 0.0,
     step: Annotated[
         float, typer.Option(help='Turntable step in degrees, instead of --rate.')
@@ -44,9 +46,11 @@ def light(
         float, typer.Option(help='Initial bearing of the lamp, degrees from the nose.')
     ] = 0.0,
     align: Annotated[
-        bool, typer.Option('--align', help='Remove the zero offset of the turntable.')
+        bool, typer.Option('--align', help='Estimate and remove the zero offset of the turntable.')
     ] = False,
-    vehicle: Annotated[str, typer.Option(help='Vehicle with the diodes.')] = 'gtmab',
+    vehicle: Annotated[
+        str, typer.Option(help='Vehicle that carries the diodes, name or file.')
+    ] = 'gtmab',
     frequency: Annotated[
         float, typer.Option(help='Flicker frequency of the lamp in Hz.', min=1.0, max=1e5)
     ] = DemodulationSettings().frequency,

@@ -31,7 +31,9 @@ def bearing(
     ] = None,
     diodes: Annotated[
         list[int] | None,
-        typer.Option(help='Diodes in the ring; repeatable; default 4, 8 and 16.', min=1, max=64),
+        typer.Option(
+            help='Number of diodes in the ring; repeatable; default 4, 8 and 16.', min=1, max=64
+        ),
     ] = None,
     range_: Annotated[
         list[str] | None,
@@ -41,7 +43,7 @@ def bearing(
         ),
     ] = None,
     poses: Annotated[
-        int, typer.Option(help='Random poses of each kind.', min=1, max=1_000_000)
+        int, typer.Option(help='Number of random poses of each kind.', min=1, max=1_000_000)
     ] = 500,
     seed: Annotated[int, typer.Option(help='Random seed.', min=0)] = 1,
     out: Annotated[
@@ -106,7 +108,9 @@ def parse_range(text: str) -> float | None:
         distance = math.nan
     # NaN fails this test as well
     if not 1.0 <= distance <= 100.0:
-        raise BadInput(f'The range is {text}; give 1 to 100 metres, or "{format_range(None)}".')
+        raise BadInput(
+            f'The distance to the lamp is {text}; give 1 to 100 metres, or "{format_range(None)}".'
+        )
     return distance
 
 

@@ -29,7 +29,9 @@ def evaluate(
     ] = 50,
     sets: Annotated[
         list[str] | None,
-        typer.Option(metavar='A B', help=f'Sets: {", ".join(SETS)}; all by default.'),
+        typer.Option(
+            metavar='A B', help=f'Sets of cases to fly: {", ".join(SETS)}; all by default.'
+        ),
     ] = None,
     out: Annotated[
         Path | None,

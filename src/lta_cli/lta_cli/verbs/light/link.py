@@ -38,7 +38,7 @@ def link(
         float, typer.Option(help='Height of the hull centre in metres.', min=0.05, max=1000.0)
     ] = 1.3,
     blocks: Annotated[
-        int, typer.Option(help='ADC blocks at each distance.', min=1, max=1000)
+        int, typer.Option(help='Number of ADC blocks simulated at each distance.', min=1, max=1000)
     ] = 20,
     out: Annotated[
         Path | None,

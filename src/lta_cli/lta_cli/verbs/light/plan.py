@@ -41,7 +41,12 @@ def plan(
     ] = 'warehouse',
     vehicle: Annotated[str, typer.Option(help='Vehicle with hull and diodes.')] = 'gtmab',
     overlap: Annotated[
-        int, typer.Option(help='Lamps to detect everywhere; 2 for hand-over.', min=1, max=4)
+        int,
+        typer.Option(
+            help='Number of lamps that must be detectable everywhere; 2 for hand-over.',
+            min=1,
+            max=4,
+        ),
     ] = 1,
     lamps: Annotated[
         int | None, typer.Option(help='Largest number of lamps; unlimited by default.', min=1)
@@ -49,7 +54,7 @@ def plan(
     margin: Annotated[
         float,
         typer.Option(
-            help="Required SNR, as a multiple of the demodulator's threshold.",
+            help="Required signal-to-noise ratio, as a multiple of the demodulator's threshold.",
             min=1.0,
             max=1000.0,
         ),

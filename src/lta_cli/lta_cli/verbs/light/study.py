@@ -23,7 +23,7 @@ import typer
 def light_study(
     vehicle: Annotated[str, typer.Option(help='Vehicle with the diodes, name or file.')] = 'gtmab',
     readings: Annotated[
-        int, typer.Option(help='Readings in each direction.', min=1, max=10_000)
+        int, typer.Option(help='Number of readings in each direction.', min=1, max=10_000)
     ] = READINGS,
     seed: Annotated[int, typer.Option(help='Random seed.', min=0)] = 1,
     out: Annotated[

@@ -16,7 +16,11 @@ import typer
 def diff(
     name: Named,
     other: Annotated[
-        str | None, typer.Argument(metavar='[OTHER]', help='Second vehicle; the first by default.')
+        str | None,
+        typer.Argument(
+            metavar='[OTHER]',
+            help='Vehicle to compare with; by default the first, with --set or --swap applied.',
+        ),
     ] = None,
     changes: Annotated[
         list[str] | None,

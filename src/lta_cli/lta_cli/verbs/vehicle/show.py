@@ -24,7 +24,10 @@ def show(
     out: Annotated[Path | None, typer.Option(help='HTML page to write.')] = None,
     gains: Annotated[
         bool,
-        typer.Option('--gains', help='Find the loss of lift at which its gains fail, by flights.'),
+        typer.Option(
+            '--gains',
+            help="Simulate flights to find the loss of lift at which the vehicle's gains fail.",
+        ),
     ] = False,
     sources: Annotated[
         bool, typer.Option('--sources', help='List every number of the file with its source.')

@@ -23,7 +23,9 @@ def trim(
         str | None,
         typer.Option('--vehicle', help="Flown vehicle, name or file; by default the bag's."),
     ] = None,
-    robot: Annotated[str | None, typer.Option(help='Robot, if the bag has several.')] = None,
+    robot: Annotated[
+        str | None, typer.Option(help='Robot whose flight is used; needed if the bag has several.')
+    ] = None,
     json: Json = False,
 ) -> None:
     """

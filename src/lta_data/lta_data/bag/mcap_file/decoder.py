@@ -64,8 +64,8 @@ class MessageDecoder:
             return self._types.deserialize_cdr(data, type_name)
         except MISFIT as error:
             raise BadInput(
-                f"A message does not fit the bag's own definition of '{type_name}' ({error}); "
-                'leave this topic out or record it again.'
+                f"A message does not match the definition of its type '{type_name}' in the bag "
+                f'({error}); leave its topic out or record it again.'
             ) from error
 
     def list_fields(self, type_name: str) -> list[tuple[str, Any]]:
@@ -82,12 +82,12 @@ class MessageDecoder:
         schema = self._schemas.get(type_name)
         reason = explain_undecodable(schema, 'cdr')
         if schema is None or reason is not None:
-            raise BadInput(f'These messages {reason}; leave this topic out.')
+            raise BadInput(f'The messages {reason}; leave their topic out.')
         text = schema.data.decode(errors='replace')
         try:
             self._types.register(parse_definition(text, type_name, schema.encoding))
         except MISDEFINED as error:
             raise BadInput(
                 f"The bag's definition of '{type_name}' ({schema.encoding or 'none'}) cannot be "
-                'read; leave this topic out.'
+                'read; leave topics of this type out.'
             ) from error

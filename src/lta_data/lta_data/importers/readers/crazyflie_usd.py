@@ -146,7 +146,7 @@ def _parse_field(text: str, path: Path) -> tuple[str, str]:
     found = VARIABLE.fullmatch(text)
     if found is None:
         raise BadInput(
-            f"'{path}' has the variable '{text}', whose type is none of {KINDS}; copy it again."
+            f"'{path}' has the variable '{text}' of an unknown type; copy the file again."
         )
     return found[1], np.dtype(f'<{found[2]}').str
 

@@ -57,8 +57,8 @@ def refuse_decompression_bomb(file: Path) -> None:
                 done += len(piece)
                 if done > allowed:
                     raise BadInput(
-                        f"'{file}' is compressed to less than 1/{INFLATION} of its content, which "
-                        'no recording is; get it from a trusted source.'
+                        f"'{file}' unpacks to more than {INFLATION} times its size, which no "
+                        'recording does; get it from a trusted source.'
                     )
     except zstandard.ZstdError as error:
         raise BadInput(f"'{file}' cannot be unpacked ({error}); copy it again.") from None
@@ -74,8 +74,8 @@ def refuse_active_database(file: Path) -> None:
                     found += [name] if kind in COMPUTED else []
             if found:
                 raise BadInput(
-                    f"'{file}' computes '{found[0]}', which no recording does; get it from a "
-                    'trusted source.'
+                    f"'{file}' has '{found[0]}', a view, trigger or computed column, which no "
+                    'recording has; get it from a trusted source.'
                 )
             for (head,) in base.execute('SELECT substr(data, 1, 18) FROM messages'):
                 refuse_large_message(file, head)

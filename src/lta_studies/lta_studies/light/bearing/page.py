@@ -65,7 +65,10 @@ def render_page(results: Sequence[BearingTrialResult], request: BearingTrialRequ
         notes=f'<p class="note">{escape(METHOD)}</p>',
         picture=render_section('errors', 'Error of the bearing', CAPTION, plot_errors(results)),
         honest=render_section(
-            'honest', 'Calibration of the interval', HONEST, plot_calibration(results)
+            'honest',
+            'How often the interval contains the true bearing',
+            HONEST,
+            plot_calibration(results),
         ),
         facts={
             'vehicle': request.vehicle,

@@ -70,7 +70,7 @@ def list_mounts(plan: FloorPlan) -> list[LampMount]:
         )
     if len(found) > MOST:
         raise BadInput(
-            f'{plan.name} has {len(found)} positions for lamps, more than {MOST}; raise '
+            f'{plan.name} has {len(found)} positions for lamps, more than {MOST}; increase '
             'lamp.spacing.'
         )
     return found
