@@ -15,7 +15,9 @@ from lta_emulation.crazyflie.firmware import Firmware
 from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_emulation.crazyflie.simulated_body import SimulatedBody
 
-ALONE: Final = 'the drone stops itself: by the app, or by the supervisor lock after 2 s'
+ALONE: Final = (
+    'the drone stops itself: by the LTA app in the firmware, or by the supervisor lock after 2 s'
+)
 WRAP_MS: Final = 2**24  # of the stamps of log packets
 AT_ONCE: Final = (0.2, 0.2)
 CUT_OFF: Final = (0.3, 2.1)  # the drone receives nothing: its own stop
@@ -151,7 +153,7 @@ KINDS: Final = {
         firmware=wrapping,
     ),
     'old': Kind(
-        'protocol 11',
+        'CRTP protocol 11 (accepted)',
         LANDS,
         word='on request',
         flies_on=True,
@@ -219,7 +221,7 @@ KINDS: Final = {
     ),
     'killed': Kind('SIGKILL to the bridge', CUT_OFF, lambda trial: trial.bridge.kill(), '', ALONE),
     'protocol 7': Kind(
-        'protocol 7',
+        'CRTP protocol 7 (too old, refused)',
         NEVER,
         word='older than 9',
         firmware=lambda body, random: made(body, protocol=7),

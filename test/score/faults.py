@@ -23,23 +23,26 @@ PAGE: Final = HERE.parents[1] / 'docs/hardware_faults.md'
 HUNG: Final = 240.0  # s after which a flight hangs
 EACH: Final = 20
 HEAD: Final = """\
-# Faults in flight
+# Hardware faults in flight
 
-`make faults` writes this page. It injects each fault at a random moment of a flight: by turns by
-duties (GT-MAB) and by setpoints (the multirotor), on an emulated Crazyflie with the real bridge
-and recorder, over UDP and DDS in real time. A pilot climbs, cruises and descends by turns and does
-not react to the fault.
+`make faults` writes this page. It injects each fault at a random moment of a flight. The
+flights are alternately commanded by motor duties (GT-MAB) and by setpoints (multirotor). They use
+an emulated Crazyflie with the real bridge and recorder, over UDP and DDS in real time. A pilot
+climbs, cruises and descends in turn and does not react to the fault.
 
 The table shows the time until the motors stop, counted from the fault, or from the request to
 disarm if the flight should continue. The first time is the stated limit, the second the longest
-that was measured. {slack:.0f} s above the limit still counts as stated, as the machine has other
-work. In every flight the bag must open completely and contain the bridge's message about the
+that was measured. A tolerance of {slack:.0f} s above the limit is allowed for load on the
+machine. In every flight the bag must open completely and contain the bridge's message about the
 fault, and every process must end.
 
 A late stop or a different message does not count against the bridge if the machine paused for
 {stalled:.2f} s or more: the flight is repeated, at most {tries} times, and the last one counts. No
-other failure is repeated. {codes}, of the {wanted} for {each} of each kind; {again} were repeated;
-in {stalls} of the counted flights the machine paused for so long.
+other failure is repeated.
+
+{wanted} flights were planned, {each} for each of {kinds} faults; {codes}.
+{again} repeated. In {stalls} of the counted flights the machine paused for {stalled:.2f} s or
+more.
 
 | fault | outcome of the flight | by duties | by setpoints | as stated |
 |---|---|---|---|---|
@@ -49,8 +52,8 @@ LIGHT_HEAD: Final = """
 
 These faults turn no motor: without light, the pilot or navigator lands the drone. The bridge must
 not publish wrong light. It must report the loss within {told:.1f} s, and publish light again
-{again:.0f} s after the repair ({slack:.0f} s more counts as stated). Stamps must be correct, and
-the bridge's counts of wrong and unknown frames must equal the number that was sent.
+{again:.0f} s after the repair (a tolerance of {slack:.0f} s is allowed). Stamps must be correct,
+and the bridge's counts of wrong and unknown frames must equal the number that was sent.
 
 | fault | outcome of the light | longest time to the report | as stated |
 |---|---|---|---|"""
@@ -115,6 +118,12 @@ def about(name: str) -> str:
     return (KINDS[name] if name in KINDS else LIGHT_KINDS[name]).about
 
 
+def flown_with(outcomes: dict[Case, Row]) -> str:
+    """Return how many flights were flown with which code, in words."""
+    told = codes(outcomes).replace(', ', ' and ').replace(' of code', ' were flown with code', 1)
+    return told.replace(' of code', ' with code')
+
+
 def paged(outcomes: dict[Case, Row]) -> str:
     """Return the page: the table, and each flight that was not as stated."""
     wrong = [
@@ -123,14 +132,16 @@ def paged(outcomes: dict[Case, Row]) -> str:
         if row['wrong']
     ]
     told = '\nNot as stated:\n\n' + ''.join(wrong) if wrong else ''
+    again = sum(row['again'] for row in outcomes.values())
     head = HEAD.format(
         slack=SLACK,
         stalled=STALLED,
         tries=TRIES - 1,
-        codes=codes(outcomes),
+        codes=flown_with(outcomes),
         wanted=EACH * len(ALL),
         each=EACH,
-        again=sum(row['again'] for row in outcomes.values()),
+        kinds=len(ALL),
+        again=f'{again} were' if again else 'None was',
         stalls=sum(row.get('late', 0.0) > STALLED for row in outcomes.values()),
     )
     light = LIGHT_HEAD.format(told=TOLD, again=AGAIN, slack=SLACK)

@@ -116,9 +116,10 @@ def test_long_text_that_begins_with_a_number_is_no_number(write):
 
 
 def test_what_is_not_a_file(tmp_path):
-    for path in (tmp_path, tmp_path / 'none.yaml'):
-        with pytest.raises(BadInput, match=r'cannot be read: '):
-            load_yaml(path)
+    with pytest.raises(BadInput, match=r'is not a regular file; give the path of a YAML file'):
+        load_yaml(tmp_path)
+    with pytest.raises(BadInput, match=r'cannot be read: '):
+        load_yaml(tmp_path / 'none.yaml')
 
 
 def test_names_are_shipped_files_and_paths_are_paths(tmp_path, monkeypatch):

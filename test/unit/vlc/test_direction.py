@@ -294,8 +294,8 @@ def test_a_vehicles_diodes_are_those_of_its_file():
     [
         ({'axes': ()}, '0 diode axes'),
         ({'gains': (1.0,)}, '1 gains'),
-        ({'axes': ((0.0, 0.0, 2.0),) * 8}, 'not of length 1'),
-        ({'response': 0.0}, r'cos\^0.0'),
+        ({'axes': ((0.0, 0.0, 2.0),) * 8}, 'does not have length 1'),
+        ({'response': 0.0}, r'exponent 0.0'),
         ({'gains': (math.nan,) * 8}, 'nan'),
         ({'spread': -0.1}, '-0.1'),
     ],

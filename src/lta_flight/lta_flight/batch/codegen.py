@@ -117,7 +117,7 @@ def fly(fixed, c, seed, scratch, lights, pencils, out):
     nan = math.nan
     craft = $craft
     errors = core_draw_errors(craft.sensors, seed)
-    state = core_initial_pose(craft, seed)$memory
+    state = core_draw_initial_state(craft, seed)$memory
     supply, irradiance = core_initial_supply(craft.power.charge), 0.0
     tally = core_initial_tally(craft)
     begin = $begin

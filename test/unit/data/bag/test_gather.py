@@ -194,10 +194,10 @@ def test_what_does_not_fit_is_refused_as_an_object_is(change, at):
     message.header.frame_id = 'ray'
     good = bytes(load_jazzy_types().serialize_cdr(message, kind))
     bad = good[:at] + change + good[at + 1 :] if change else good[:at]
-    with pytest.raises(BadInput, match='does not fit'):
+    with pytest.raises(BadInput, match='does not match the definition'):
         typed(kind).decode(bad)
     for messages in ([bad], [good, bad], [good] * 5 + [bad] * 5):
-        with pytest.raises(BadInput, match='does not fit'):
+        with pytest.raises(BadInput, match='does not match the definition'):
             gathered(typed(kind), messages)
 
 

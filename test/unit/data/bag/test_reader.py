@@ -295,5 +295,5 @@ def test_message_that_does_not_fit_its_definition_is_told(tmp_path):
         writer.write('/odom', b'\0\1\0\0\1\2', 1)
     bag = read_bag(tmp_path / 'bag')
     [(topic, _, data)] = bag.iterate_messages()
-    with pytest.raises(BadInput, match="definition of 'nav_msgs/msg/Odometry'"):
+    with pytest.raises(BadInput, match="definition of its type 'nav_msgs/msg/Odometry'"):
         bag.decode(topic, data)

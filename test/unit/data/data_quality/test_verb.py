@@ -122,7 +122,7 @@ def test_what_is_no_bag_is_one_sentence(tmp_path, check):
     file.write_text('no bag')
     status, _, err = check(file)
     assert status == 2
-    assert 'is not a recording' in err
+    assert 'is not an MCAP recording' in err
 
 
 def test_an_unknown_orientation_is_no_attitude_and_log_times_come_along(imu_bag):

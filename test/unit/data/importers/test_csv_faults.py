@@ -57,7 +57,7 @@ MAPPINGS = {
     'two columns': ('[x, y, z]', '[x, y]', 'must have 3 or more'),
     'axes': ('topics:', 'world: [x, x, z]\ntopics:', 'each once'),
     'named axes': ('topics:', 'world: DOWN\ntopics:', 'known axes are ENU'),
-    'actuators': ('position:', 'actuators: {m1: {}}\n    position:', 'only motors has'),
+    'actuators': ('position:', 'actuators: {m1: {}}\n    position:', 'only the topic motors can'),
     'world velocity': (
         'position:',
         'velocity: {columns: [x, y, z], unit: m/s, frame: world}\n    position:',

@@ -230,7 +230,7 @@ def test_a_file_that_cannot_be_is_refused(changes, words):
         ({'lamp': {'facing': 'down', 'height': '4.5 m', 'flux': '1 lm'}}, {},
          'receives no lamp of'),
         ({'lamp': {'spacing': '0.25 m', 'facing': 'down', 'height': '4 m'},
-          'outline': rectangle(0, 0, 120, 12)}, {}, r'raise lamp\.spacing'),
+          'outline': rectangle(0, 0, 120, 12)}, {}, r'increase lamp\.spacing'),
     ],
 )  # fmt: skip
 def test_a_plan_that_cannot_work_is_one_sentence(changes, asked, words):
