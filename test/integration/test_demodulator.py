@@ -144,7 +144,7 @@ def test_the_light_is_told_with_its_faults(vehicle):
         (8, short, '1000 samples by diodes are expected'),
         (9, torn, 'has 15998 bytes'),
         (10, few, '8'),
-        (10, None, f'comes after that of {vehicle.stamp(10) * 1e-9:.3f} s'),
+        (10, None, f'comes after one stamped {vehicle.stamp(10) * 1e-9:.3f} s'),
     ):
         vehicle.send(k, message)
         vehicle.until(lambda sentence=sentence: sentence in vehicle.light()[0])

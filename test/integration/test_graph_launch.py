@@ -113,6 +113,6 @@ def test_a_lock_that_is_a_link_to_somebody_elses_file_is_refused(monkeypatch, tm
     precious = tmp_path / 'precious'
     precious.write_text('kept')
     (tmp_path / f'lta-{os.getuid()}-7.lock').symlink_to(precious)
-    with pytest.raises(BadInput, match=r'cannot be opened .*; remove it\.$'):
+    with pytest.raises(BadInput, match=r'cannot be opened .*; remove the file\.$'):
         DomainLock('lta2').__enter__()
     assert precious.read_text() == 'kept'

@@ -23,7 +23,7 @@ REFUSED = [
         r'commanded by another program \(process \d+\); stop that program',
     ),
     (CRAZYFLIE, 'command:=override', r'tether the drone to a bench and add tethered:=true'),
-    (CRAZYFLIE, 'crazyflie:=multirotor', r"multirotor\.yaml' is for multirotor, and gtmab flies"),
+    (CRAZYFLIE, 'crazyflie:=multirotor', r"multirotor\.yaml' is for multirotor, but the vehicle is gtmab"),
     (TEENSY, 'port:=/dev/ttyNOPE', r'There is no serial port /dev/ttyNOPE'),
     (
         TEENSY,
