@@ -23,7 +23,11 @@ REFUSED = [
         r'commanded by another program \(process \d+\); stop that program',
     ),
     (CRAZYFLIE, 'command:=override', r'tether the drone to a bench and add tethered:=true'),
-    (CRAZYFLIE, 'crazyflie:=multirotor', r"multirotor\.yaml' is for multirotor, but the vehicle is gtmab"),
+    (
+        CRAZYFLIE,
+        'crazyflie:=multirotor',
+        r"multirotor\.yaml' is for multirotor, but the vehicle is",
+    ),
     (TEENSY, 'port:=/dev/ttyNOPE', r'There is no serial port /dev/ttyNOPE'),
     (
         TEENSY,
