@@ -12,7 +12,7 @@ import time
 from bench import Figure
 from lta_config.topics import load_topic_table
 from lta_flight.batch.batch_flight import BatchFlight, build_flight
-from lta_flight.batch.codegen import FIGURES
+from lta_flight.batch.flight_loop import FIGURES
 from lta_flight.batch.fly import Device, fly_many
 from lta_flight.flight_spec import build_parts, load_spec
 import numpy as np

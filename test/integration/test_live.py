@@ -282,7 +282,7 @@ def test_a_view_that_hangs_and_dies_changes_no_byte_of_a_flight(
 
 @pytest.mark.long
 def test_a_port_that_is_taken_is_refused_before_the_flight(lta, tmp_path, port):
-    sentence = f'Port {port} cannot be used for the live view (Address already in use); stop its'
+    sentence = f'Port {port} cannot be used for the live view (Address already in use); stop the'
     with socket.socket() as holder:
         holder.bind(('127.0.0.1', port))
         holder.listen()

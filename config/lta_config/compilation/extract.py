@@ -10,19 +10,21 @@ Three constructs of plain Python that numba does not support are rewritten:
 - `value._replace(field=...)`, where `value` is an argument annotated with a named tuple, becomes a
   call of that type;
 - an argument that is bound to an object (`SourceExtract(strategy=STRATEGIES['bag'])`) disappears
-  from every function, and its attributes become functions and numbers of the source.
+  from every function, and its attributes become functions and numbers of the source. A
+  `GeneratedFunction` stands for a function that the caller adds to the source itself.
 """
 
 import ast
 import builtins
 from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
 from enum import IntEnum
 from functools import cache
 import inspect
 import math
 from pathlib import Path
 from types import FunctionType, ModuleType
-from typing import Any, NamedTuple, TypeGuard
+from typing import Any, final, NamedTuple, TypeGuard
 
 from lta_config.errors import BadInput
 
@@ -143,6 +145,18 @@ def _is_marked(call: ast.Call) -> bool:
     return isinstance(first, ast.Name) and first.id == REPLACE
 
 
+@final
+@dataclass(frozen=True, slots=True)
+class GeneratedFunction:
+    """A function that only exists in compiled source, under this name."""
+
+    name: str
+
+    def __call__(self, *arguments: object) -> Any:  # noqa: ANN401 - any result
+        """Raise `TypeError`: there is no such function in Python."""
+        raise TypeError(f'{self.name} is generated and runs only in compiled code.')
+
+
 class _FunctionSource(NamedTuple):
     """Where a function is defined: its name, its file and the file's state."""
 
@@ -208,8 +222,8 @@ class SourceExtract:
     A growing text of functions without imports other than `math`.
 
     Each function is called `<prefix>_<name>` in it, and `prefix` also goes before the constants
-    and functions that it uses, so that files may use the same names for different things. Named
-    tuples are called `core_<name>` under every prefix.
+    and functions that it uses. Where two files use a name for different things, the second is
+    called `<prefix>_<file>_<name>`. Named tuples are called `core_<name>` under every prefix.
 
     Parameters
     ----------
@@ -220,6 +234,7 @@ class SourceExtract:
 
     def __init__(self, **bound: object) -> None:
         self._pieces: dict[str, str] = {}
+        self._owners: dict[str, object] = {}  # what each name stands for
         self._bound = bound
 
     def add_function(self, function: Callable[..., Any], prefix: str) -> str:
@@ -234,8 +249,10 @@ class SourceExtract:
         """
         if not isinstance(function, FunctionType):
             raise BadInput(f'{function!r} of {prefix} is not a plain function; write it with def.')
-        own = f'{prefix}_{function.__name__}'
         source = _locate_source(function)
+        own = self._claim_name(prefix, function.__name__, function.__module__, source)
+        if own in self._pieces:
+            return own
         names, attributes, fields = {}, {}, {}
         for name in _list_globals(source, function.__code__.co_varnames):
             value = function.__globals__.get(name)
@@ -250,24 +267,44 @@ class SourceExtract:
         for name in bound:
             for attribute in _list_attributes(source, name):
                 attributes[f'{name}.{attribute}'] = self._add_bound(name, attribute)
-        text = _render_function(
+        self._pieces[own] = _render_function(
             source, own, (*names.items(),), (*attributes.items(),), (*fields.items(),), (*bound,)
         )
-        return self._add_piece(own, text)
+        return own
 
     def _add_bound(self, name: str, attribute: str) -> str:
         """Return what an attribute of a bound argument is called, having taken it along."""
         value = getattr(self._bound[name], attribute)
+        if isinstance(value, GeneratedFunction):
+            return value.name
         if isinstance(value, FunctionType):
             return self.add_function(value, name)
         if _is_literal(value):
-            return repr(value)
+            return self.render_literal(value)
         raise BadInput(f'{name}.{attribute} is {value!r}, which cannot be compiled.')
+
+    def render_literal(self, value: Any) -> str:  # noqa: ANN401 - any nest of numbers
+        """Return the text of a number or a nest of tuples, whose types are added."""
+        if isinstance(value, tuple):
+            items = ''.join(f'{self.render_literal(item)}, ' for item in value)
+            kind = self.add_named_tuple(type(value)) if hasattr(value, '_fields') else ''
+            return f'{kind}({items})'
+        if isinstance(value, IntEnum):
+            return str(int(value))
+        if isinstance(value, float) and not math.isfinite(value):
+            # Not a literal of Python
+            return 'math.nan' if math.isnan(value) else 'math.inf' if value > 0.0 else '-math.inf'
+        return repr(value)
+
+    def add_named_tuple(self, kind: type[Any]) -> str:
+        """Add a named tuple type and return its name in the text."""
+        # One type for all prefixes: values pass between functions of different prefixes.
+        own = f'{TUPLES}_{kind.__name__}'
+        return self._add_piece(own, f'{own} = namedtuple({kind.__name__!r}, {kind._fields!r})')
 
     def _add_global(self, function: FunctionType, name: str, prefix: str) -> str:
         """Add a global and return its name in the text."""
         value = function.__globals__.get(name, getattr(builtins, name, None))
-        own = f'{prefix}_{name}'
         # `math` and builtins such as min exist in compiled code under their own names
         if value is math or value is getattr(builtins, name, math):
             return name
@@ -277,18 +314,23 @@ class SourceExtract:
         if getattr(math, getattr(value, '__name__', ''), None) is value:
             return f'math.{value.__name__}'  # type: ignore[union-attr]
         if _is_named_tuple(value):
-            # One type for all prefixes: values pass between functions of different prefixes.
-            own = f'{TUPLES}_{value.__name__}'
-            return self._add_piece(
-                own, f'{own} = namedtuple({value.__name__!r}, {value._fields!r})'
-            )
+            return self.add_named_tuple(value)
         if _is_literal(value):
-            return self._add_piece(own, f'{own} = {value!r}')
+            text = self.render_literal(value)
+            own = self._claim_name(prefix, name, function.__module__, text)
+            return self._add_piece(own, f'{own} = {text}')
         kind = 'a module' if isinstance(value, ModuleType) else repr(value)
         raise BadInput(
             f'{function.__module__}.{function.__name__} uses {name}, {kind}, which cannot be '
             'compiled; use math, numbers and plain functions only.'
         )
+
+    def _claim_name(self, prefix: str, name: str, module: str, meaning: object) -> str:
+        """Return the name in the text of what a module calls `name`."""
+        for own in (f'{prefix}_{name}', f'{prefix}_{module.rpartition(".")[2]}_{name}'):
+            if self._owners.setdefault(own, meaning) == meaning:
+                return own
+        raise BadInput(f'Two different things are called {own} in the kernel; rename one.')
 
     def _add_piece(self, own: str, piece: str) -> str:
         """Store a piece under its name; two different pieces cannot share a name."""

@@ -90,6 +90,11 @@ class TupleLayout(Generic[Nested]):
             raise KeyError(path)
         return slice(inside[0], inside[-1] + 1)
 
+    def add_types(self, extract: SourceExtract) -> None:
+        """Add the named tuple types to a source, which `render_expression` needs."""
+        for _, kind in _iterate_types(self._example):
+            extract.add_named_tuple(kind)
+
     def tuple_fields(self) -> dict[str, tuple[str, ...]]:
         """Return the fields of each named tuple by its name."""
         return dict(_iterate_fields(self._example))
@@ -171,14 +176,8 @@ def render_core(
     """
     extract = SourceExtract()
     name = extract.add_function(core, PREFIX)
-    text = extract.render(INLINE)
-    kinds = constants.tuple_fields() | memory.tuple_fields() | inputs.tuple_fields()
-    # Tuples that the core only receives are not in its own text
-    missing = [
-        f'{PREFIX}_{kind} = namedtuple({kind!r}, {fields!r})'
-        for kind, fields in kinds.items()
-        if f'{PREFIX}_{kind} = ' not in text
-    ]
+    for layout in (constants, memory, inputs):
+        layout.add_types(extract)
     entry = [
         ENTRY,
         'def step(c, m, h, scratch):',
@@ -188,7 +187,7 @@ def render_core(
         f'    after = {name}(constants, memory, heard, scratch)',
         *(f'    m[{index}] = after.{path}' for index, path in enumerate(memory.paths)),
     ]
-    return '\n\n\n'.join((HEAD, '\n'.join(missing), text, '\n'.join(entry))) + '\n'
+    return '\n\n\n'.join((HEAD, extract.render(INLINE), '\n'.join(entry))) + '\n'
 
 
 @cache

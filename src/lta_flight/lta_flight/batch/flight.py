@@ -21,7 +21,7 @@ from lta_flight.batch.flight_data import (
     FlightTally,
     Vector,
 )
-from lta_model.electrical.charger import resting_flow
+from lta_model.electrical.charger import PowerFlow
 from lta_model.electrical.loads import power_demand
 from lta_model.light.lambertian import direct_light
 from lta_model.light.panel_light import daylight_on_panel, lamp_light_on_panel
@@ -47,15 +47,37 @@ from lta_vlc.direction import PART
 from lta_vlc.direction_fit import DirectionFit
 
 State = tuple[float, ...]
+Pose = tuple[float, float, float, float, float, float, float]  # position [m], quaternion
+MOVED = 1.0  # m of motion after which reflections are computed again
+TURNED = math.cos(0.5 * 0.35) ** 2  # the same for a rotation by 0.35 rad
 HELD_RATE = (0.0,) * RIGID  # derivative of the state of a held drone
 LIFTED = 0.01  # m above the start that count as lift-off, as in the results
 
 RAN_AWAY = 4  # the integration diverged; not one of the outcomes
 
 
-def initial_supply(charge: float) -> SupplyState:
-    """Return a supply at rest in the dark, with the battery at a state of charge."""
-    return SupplyState(resting_flow(charge), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+def initial_supply(store: PowerFlow) -> SupplyState:
+    """Return a supply before the first step, from the state of the power path."""
+    return SupplyState(store, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def unreachable_pose() -> Pose:
+    """Return an infinitely distant pose, which makes `has_moved` true."""
+    return (math.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+
+
+def has_moved(pose: Pose, gathered: Pose) -> bool:
+    """Return whether reflections must be computed again (direct light always is)."""
+    x, y, z = pose[0] - gathered[0], pose[1] - gathered[1], pose[2] - gathered[2]
+    # Negated, so that an infinite or NaN distance counts as motion.
+    if not x * x + y * y + z * z < MOVED * MOVED:
+        return True
+    # The dot product of two quaternions is the cosine of half the angle between them;
+    # squared, because q and -q are the same attitude.
+    same = 0.0
+    for k in range(3, 7):
+        same += pose[k] * gathered[k]
+    return same * same < TURNED
 
 
 def draw_initial_state(constants: FlightConstants, seed: int) -> State:
@@ -148,11 +170,12 @@ def step_supply(
     supply: SupplyState,
     irradiance: float,
     thrusts: PerRotor,
+    payload: float,
     dt: float,
 ) -> SupplyState:
-    """Return the supply after a control period with irradiance [W/m2] and thrusts [N]. [s]"""
-    asked = power_demand(constants.power.loads, thrusts, True) + constants.power.looking
-    meantime = SupplyInputs(irradiance, asked, dt, False, False)
+    """Advance the supply by a control period; light in W/m2, thrusts in N, payload in W."""
+    demand = power_demand(constants.power.loads, thrusts, True) + constants.power.looking + payload
+    meantime = SupplyInputs(irradiance, demand, dt, False, False)
     return advance_supply(constants.power.parts, supply, meantime, 0.0)
 
 
@@ -209,7 +232,7 @@ def sight_from_fit(
     )
 
 
-def permission_by_charge(power: BatchPower, charge: float) -> int:
+def permission_by_charge(power: BatchPower, charge: float) -> FlightPermission:
     """Return what the energy allows by the true state of charge."""
     return FlightPermission.RESERVE if charge <= power.reserve else FlightPermission.FLY
 
@@ -260,7 +283,7 @@ def update_tally(
 def update_light_tally(
     constants: FlightConstants,
     tally: FlightTally,
-    middle: State,
+    middle: Pose,
     detected: bool,
     angle: float,
     speed: float,
@@ -269,7 +292,7 @@ def update_light_tally(
     """
     Return the tally after a light block that began at `began` [s].
 
-    `middle` is the true state in the middle of the block, to which the measured direction belongs.
+    `middle` is the true pose in the middle of the block, to which the measured direction belongs.
     """
     # The search starts with the first forward setpoint, as in the results
     search_start = tally.search_start

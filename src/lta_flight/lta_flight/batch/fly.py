@@ -12,7 +12,8 @@ from lta_config.compilation.kernel_cache import load_kernel
 from lta_config.topics import load_topic_table
 from lta_control.strategies import STRATEGIES
 from lta_flight.batch.batch_flight import BatchFlight, build_rhythm
-from lta_flight.batch.codegen import build_source, FIGURES
+from lta_flight.batch.codegen import build_source
+from lta_flight.batch.flight_loop import FIGURES
 from lta_flight.batch.targets import CPU, GPU
 from lta_sim.kernels.gpu import require_cuda, THREADS
 from lta_sim.kernels.kernel import LAYOUT
@@ -70,7 +71,7 @@ def fly_many(
     Returns
     -------
     ndarray, shape (V, len(FIGURES))
-        Results of each flight, in the order of `codegen.FIGURES`.
+        Results of each flight, in the order of `flight_loop.FIGURES`.
 
     Raises
     ------

@@ -1,11 +1,13 @@
 """The targets of a batch flight, CPU and GPU, and its schedule."""
 
 from dataclasses import dataclass
+from string import Template
 from typing import final
 
 from lta_config.compilation.compiler import ENTRY, INLINE
 from lta_control import allocation
 from lta_model.light.ray_bundles import LAMPS, scratch_size
+from lta_sim.kernels.gpu import STATES
 from lta_vlc.reading_model import FIT_SCRATCH
 
 STEP = 2.5e-3  # s, integration step, as in `lta_sim.world`
@@ -16,12 +18,43 @@ PENCILS = scratch_size(1)
 @final
 @dataclass(frozen=True, slots=True)
 class BatchRhythm:
-    """Integration steps per control step and per range; control steps per pressure and block."""
+    """
+    Schedule of a simulated flight.
+
+    Attributes
+    ----------
+    control, range : int
+        Integration steps per control period, and per sample of the range finder.
+    pressure, light : int
+        Control periods per sample of the barometer, and per light block.
+    dt : float
+        Integration step. [s]
+    reuse_reflections : bool
+        Whether reflections are computed only after the drone has moved (`has_moved`).
+
+    """
 
     control: int
     range: int
     pressure: int
     light: int
+    dt: float = STEP
+    reuse_reflections: bool = False
+
+    @property
+    def period(self) -> float:
+        """Control period. [s]"""
+        return self.dt * self.control
+
+    @property
+    def block_time(self) -> float:
+        """Duration of a light block. [s]"""
+        return self.light * self.period
+
+    @property
+    def block_middle(self) -> int:
+        """Control periods from the start of a light block to its middle."""
+        return self.light // 2
 
 
 @final
@@ -34,6 +67,24 @@ class CompileTarget:
     entry: str
 
 
+# The model of one vehicle, whose constants are a row
+MODEL = Template(
+    f'''{STATES}
+
+$INLINE
+def rates(state, fixed, command, surroundings):
+    """Return d/dt of the state."""
+$bare
+    return $rate
+
+
+$INLINE
+def thrusts_of(state, fixed, command, surroundings):
+    """Return the thrust of each rotor."""
+$actuation
+    return u
+'''
+)
 CPU = CompileTarget(
     'from numba import njit\nimport numpy as np\n',
     INLINE,
@@ -41,10 +92,14 @@ CPU = CompileTarget(
 {ENTRY.replace('cache=True', 'nogil=True, cache=True')}
 def fly_some(fixed, constants, seeds, out):
     """Fly some vehicles, a row each."""
-    scratch, lights = np.empty({SCRATCH}), np.empty(({LAMPS + 1}, $diodes))
-    pencils = np.empty({PENCILS})
+    work = $work(
+        np.empty({SCRATCH}), np.empty(({LAMPS + 1}, $diodes)), np.empty(({LAMPS + 1}, $diodes)),
+        np.empty({PENCILS}),
+    )
     for i in range(seeds.shape[0]):
-        fly(fixed[i], constants[i], seeds[i], scratch, lights, pencils, out[i])
+        results = $fly($constants, fixed[i], seeds[i], work)
+        for k in range(out.shape[1]):
+            out[i, k] = results[k]
 ''',
 )
 GPU = CompileTarget(
@@ -56,9 +111,14 @@ def fly_some(fixed, constants, seeds, out):
     """Fly vehicle i in thread i."""
     i = cuda.grid(1)
     if i < seeds.shape[0]:
-        scratch = cuda.local.array({SCRATCH}, float64)
-        lights = cuda.local.array(({LAMPS + 1}, $diodes), float64)
-        pencils = cuda.local.array({PENCILS}, float64)
-        fly(fixed[i], constants[i], seeds[i], scratch, lights, pencils, out[i])
+        work = $work(
+            cuda.local.array({SCRATCH}, float64),
+            cuda.local.array(({LAMPS + 1}, $diodes), float64),
+            cuda.local.array(({LAMPS + 1}, $diodes), float64),
+            cuda.local.array({PENCILS}, float64),
+        )
+        results = $fly($constants, fixed[i], seeds[i], work)
+        for k in range(out.shape[1]):
+            out[i, k] = results[k]
 ''',
 )

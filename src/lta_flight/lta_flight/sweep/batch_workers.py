@@ -16,8 +16,8 @@ from typing import Any, final, Self
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
 from lta_flight.batch.batch_flight import BatchFlight, build_flight
-from lta_flight.batch.codegen import FIGURES
 from lta_flight.batch.flight import RAN_AWAY
+from lta_flight.batch.flight_loop import FIGURES
 from lta_flight.batch.fly import Device, fly_many
 from lta_flight.flight_spec import build_parts, FlightSpec
 from lta_flight.sweep.job_runner import build_failed_row, SweepRow

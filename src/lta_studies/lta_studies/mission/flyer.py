@@ -17,6 +17,7 @@ from lta_energy.circuit import EnergyTotals
 from lta_energy.irradiance import IrradianceSeries, PanelIrradiance
 from lta_energy.mission import Departure, Landing
 from lta_energy.mission_log import MissionFlight
+from lta_model.electrical.charger import resting_flow
 from lta_studies.mission.leg_state import (
     DONE,
     DWELL,
@@ -24,8 +25,6 @@ from lta_studies.mission.leg_state import (
     ESCAPED,
     FLYING,
     GO,
-    ground_leg_state,
-    initial_leg_state,
     LAND,
     LATE,
     LegPlan,
@@ -33,7 +32,7 @@ from lta_studies.mission.leg_state import (
     RESERVE,
     STOPPED,
 )
-from lta_studies.mission.legs import Array, LegPilot
+from lta_studies.mission.legs import LegPilot
 from lta_studies.mission.scene import MissionScene
 import numpy as np
 
@@ -49,7 +48,6 @@ class OngoingFlight:
     """State of a flight in progress."""
 
     memory: LegState
-    state: Array
     light: PanelIrradiance
     lux: float
     seed: int
@@ -57,7 +55,7 @@ class OngoingFlight:
 
     def distance_to(self, x: float, y: float) -> float:
         """Return the horizontal distance to a place. [m]"""
-        return math.hypot(float(self.state[0]) - x, float(self.state[1]) - y)
+        return math.hypot(self.memory.flight.state[0] - x, self.memory.flight.state[1] - y)
 
 
 @final
@@ -99,9 +97,9 @@ class MissionFlyer:
         """Compile the flight kernel; takes up to a minute if it is not cached on disk."""
         made = self._scenes.build_flight(self._mission.perch, self._light.at(0.0), 1.0)
         # A leg that is over at once: the call compiles, but does not fly.
-        over = initial_leg_state(1.0, 1.0)._replace(outcome=DONE)
-        state = self._pilot.ground_state(0.0, 0.0, 0.0, 0.0, 0)
-        self._pilot.fly_leg(self._pilot.pack_constants(made), self._leg, over, state, 0)
+        ground = self._pilot.ground_state((0.0, 0.0, 0.0), 0.0, resting_flow(1.0), 1.0, 0)
+        over = ground._replace(outcome=DONE)
+        self._pilot.fly_leg(self._pilot.pack_constants(made), self._leg, over, 0)
 
     def fly_mission(self, departure: Departure) -> Landing:
         """Fly the round and back."""
@@ -112,10 +110,10 @@ class MissionFlyer:
         # Half the reserve is reached or the perch is not found: land on the spot.
         if outcome in (RESERVE, LATE):
             self._fly_leg(going, self._mission.perch, self._leg._replace(kind=LAND, limit=60.0))
-        memory, supply = going.memory, going.memory.supply
+        memory, supply = going.memory, going.memory.flight.supply
         flight = MissionFlight(
             # A step is one control period of 10 ms.
-            departure.time, memory.step * 0.01, going.visits, memory.path,
+            departure.time, memory.flight.step * 0.01, going.visits, memory.path,
             EnergyTotals(supply.harvested, 0.0, supply.consumed, supply.lost),
             departure.store.charge, supply.flow.charge, memory.charge, memory.lowest,
             ENDINGS.get(outcome, 'home'),
@@ -129,11 +127,12 @@ class MissionFlyer:
         heading = 2.0 * math.pi * (seed / 2**32)
         x, y, _ = self._scenes.lamp(self._mission.perch).position
         z = self._scenes.vehicle.height_on_floor
-        state = self._pilot.ground_state(x + BESIDE, y, z, heading, seed)
-        memory = ground_leg_state(departure.store, departure.told)
+        memory = self._pilot.ground_state(
+            (x + BESIDE, y, z), heading, departure.store, departure.told, seed
+        )
         light = departure.light
         sun, lamps, _ = self._light.efficacies
-        return OngoingFlight(memory, state, light, light.sun * sun + light.lamps * lamps, seed)
+        return OngoingFlight(memory, light, light.sun * sun + light.lamps * lamps, seed)
 
     def _fly_round(self, going: OngoingFlight) -> int:
         """Fly to each beacon and dwell there; return the outcome."""
@@ -162,13 +161,13 @@ class MissionFlyer:
         left = HOMEWARD
         # Homing may report arrival outside the reach of the dock; then it approaches again.
         while left > 0.0:
-            begun = going.memory.step
+            begun = going.memory.flight.step
             going_home = leg._replace(limit=left, reserve=0.5 * leg.reserve)
             outcome = self._fly_leg(going, perch, going_home)
             if outcome != DONE or going.distance_to(x, y) <= self._mission.dock.si:
                 return outcome
             # Steps of 10 ms
-            left -= (going.memory.step - begun) * 0.01
+            left -= (going.memory.flight.step - begun) * 0.01
         return LATE
 
     def _leg_time_limit(self, going: OngoingFlight, name: str) -> float:
@@ -180,13 +179,13 @@ class MissionFlyer:
         """Fly one leg and return its outcome."""
         memory = going.memory
         made = self._scenes.build_flight(name, going.light, going.lux)
-        mission = memory.mission
+        mission = memory.flight.mission
         if leg.kind == GO:
             # On the ground it has to climb first; dwelling and landing keep the lamp.
             phase = Phase.SEEK if mission.phase == Phase.ARRIVED else mission.phase
             mission = mission._replace(phase=phase, memory=STRATEGY.onward(mission.memory))
-        begin = memory._replace(outcome=FLYING, begun=memory.step, mission=mission)
-        going.memory, going.state = self._pilot.fly_leg(
-            self._pilot.pack_constants(made), leg, begin, going.state, going.seed
-        )
+        flight = memory.flight._replace(mission=mission)
+        begin = memory._replace(flight=flight, outcome=FLYING, begun=flight.step)
+        constants = self._pilot.pack_constants(made)
+        going.memory = self._pilot.fly_leg(constants, leg, begin, going.seed)
         return going.memory.outcome

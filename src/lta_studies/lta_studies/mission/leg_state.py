@@ -11,26 +11,25 @@ import math
 from typing import NamedTuple
 
 from lta_control.attitude import yaw_from_quaternion
-from lta_control.cascade import Setpoint
-from lta_control.mission import initial_mission, mission_step, MissionSettings
-from lta_control.onboard import OnboardMemory
-from lta_control.per_rotor import NONE, PerRotor
-from lta_control.phases import Mission, Phase
-from lta_control.reserve import FlightPermission, ReserveRule
-from lta_control.sighting import DeadReckonedMotion
-from lta_control.strategies.homing import STRATEGY
-from lta_control.strategies.protocol import LightSight, NavigationStrategy
-from lta_flight.batch.flight import initial_supply, is_plausible
+from lta_control.per_rotor import NONE
+from lta_control.phases import Phase
+from lta_control.strategies.protocol import NavigationStrategy
+from lta_flight.batch.flight import build_command, is_plausible, State, unreachable_pose
 from lta_flight.batch.flight_data import FlightConstants
+from lta_flight.batch.flight_step import (
+    flight_step,
+    FlightInputs,
+    FlightKernel,
+    FlightMemory,
+    WorkArrays,
+)
+from lta_flight.batch.targets import BatchRhythm
 from lta_model.electrical.battery import count_charge
-from lta_model.electrical.charger import PowerFlow
-from lta_model.electrical.loads import power_demand
-from lta_sim.supply_step import advance_supply, SupplyInputs, SupplyState
+from lta_sim.compiled_sensors import draw_errors, sample_range
 from lta_sim.termination import is_indoors
+import numpy as np
+from numpy.typing import NDArray
 
-State = tuple[float, ...]
-MOVED = 1.0  # m of motion after which reflections are computed again
-TURNED = math.cos(0.5 * 0.35) ** 2  # the same for a rotation by 0.35 rad
 ON_FOOT = 0.02  # m above the standing height that still counts as on the ground
 
 FLYING, DONE, LATE, RESERVE, EMPTY, ESCAPED, STOPPED = range(7)
@@ -66,31 +65,16 @@ class LegPlan(NamedTuple):
 
 class LegState(NamedTuple):
     """
-    Everything stored from leg to leg except the state of the model.
+    Everything that a leg passes on to the next.
 
     Attributes
     ----------
-    onboard, mission : OnboardMemory, Mission
-        Memory of the drone.
-    asked : Setpoint
-        Setpoint of the guidance.
-    told, fresh : bool
-        Whether there is a setpoint, and whether the controller has not received it yet.
-    middle : tuple of float
-        True position and attitude at the middle of the current light block.
-    reckoned : DeadReckonedMotion
-        The drone's motion estimate at that time.
-    distance : float
-        Newest range. [m]
-    supply : SupplyState
-        State of the power path, and energy since take-off.
-    irradiance : float
-        Irradiance on the panel. [W/m2]
+    flight : FlightMemory
+        State of vehicle and drone; time and energy count from take-off.
     charge : float
         Charge estimate of the drone. [1]
-    step, ticks, begun : int
-        Control periods and integration steps since take-off, and the period at which this leg
-        began.
+    begun : int
+        Control period at which this leg began.
     path : float
         Horizontal path since take-off. [m]
     lowest : float
@@ -100,91 +84,69 @@ class LegState(NamedTuple):
 
     """
 
-    onboard: OnboardMemory
-    mission: Mission
-    asked: Setpoint
-    told: bool
-    fresh: bool
-    middle: tuple[float, float, float, float, float, float, float]
-    reckoned: DeadReckonedMotion
-    distance: float
-    supply: SupplyState
-    irradiance: float
+    flight: FlightMemory
     charge: float
-    step: int
-    ticks: int
     begun: int
     path: float
     lowest: float
     outcome: int
 
 
-def initial_leg_state(charge: float, counted: float) -> LegState:
-    """Return the state on the ground from the true and the estimated charge."""
-    return ground_leg_state(initial_supply(charge).flow, counted)
+def ground_leg_state(flight: FlightMemory, charge: float) -> LegState:
+    """Return the state on the ground from that of the flight and the charge estimate."""
+    return LegState(flight, charge, 0, 0.0, flight.supply.flow.voltage, FLYING)
 
 
-def ground_leg_state(store: PowerFlow, counted: float) -> LegState:
-    """Return the state on the ground from the state of the power path."""
-    onboard = OnboardMemory()
-    return LegState(
-        onboard, initial_mission(STRATEGY), onboard.setpoint, False, False,
-        (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0), DeadReckonedMotion(0.0, 0.0, 0.0, 0.0, 0.0), math.nan,
-        SupplyState(store, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), 0.0, counted, 0, 0, 0, 0.0,
-        store.voltage, FLYING,
-    )  # fmt: skip
-
-
-def unreachable_pose() -> tuple[float, float, float, float, float, float, float]:
-    """Return an infinitely distant pose, which makes `has_moved` true."""
-    return (math.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
-
-
-def has_moved(pose: State, gathered: State) -> bool:
-    """Return whether reflections must be computed again (direct light always is)."""
-    x, y, z = pose[0] - gathered[0], pose[1] - gathered[1], pose[2] - gathered[2]
-    # Negated, so that an infinite or NaN distance counts as motion.
-    if not x * x + y * y + z * z < MOVED * MOVED:
-        return True
-    # The dot product of two quaternions is the cosine of half the angle between them;
-    # squared, because q and -q are the same attitude.
-    same = 0.0
-    for k in range(3, 7):
-        same += pose[k] * gathered[k]
-    return same * same < TURNED
-
-
-def guide_leg(
-    settings: MissionSettings,
+def fly_leg(
+    kernel: FlightKernel,
+    rhythm: BatchRhythm,
     strategy: NavigationStrategy,
-    kind: int,
-    mission: Mission,
-    sight: LightSight,
-    altitude: float,
-    rule: ReserveRule,
-) -> tuple[Setpoint, Mission]:
-    """Return setpoint and mission; the leg, not the energy monitor, decides when to land."""
-    if kind == LAND:
-        mission = mission._replace(phase=Phase.LAND)
-    return mission_step(
-        settings, strategy, mission, sight, altitude, FlightPermission.FLY, 1, rule
-    )
-
-
-def step_leg_supply(
     constants: FlightConstants,
     leg: LegPlan,
-    supply: SupplyState,
-    irradiance: float,
-    thrusts: PerRotor,
-    dt: float,
-) -> SupplyState:
-    """Advance the supply by a control period; light in W/m2, thrusts in N, time in s."""
-    demand = (
-        power_demand(constants.power.loads, thrusts, True) + constants.power.looking + leg.payload
+    before: LegState,
+    numbers: NDArray[np.float64],
+    seed: int,
+    work: WorkArrays,
+) -> LegState:
+    """Fly one leg; `numbers` are those of the vehicle's model."""
+    inputs = FlightInputs(numbers, draw_errors(constants.sensors, seed), seed, leg.payload)
+    flight = _resume_flight(constants, before.flight, inputs)
+    now = before._replace(flight=flight)
+    while now.outcome == FLYING:
+        flight = flight_step(kernel, rhythm, strategy, constants, now.flight, inputs, work)
+        now = update_leg(rhythm, constants, leg, now, flight)
+    return now
+
+
+def _resume_flight(
+    constants: FlightConstants, memory: FlightMemory, inputs: FlightInputs
+) -> FlightMemory:
+    """Return the memory at the start of a leg: reflections of its lamp are not known yet."""
+    distance = memory.distance
+    if memory.step == 0:
+        distance = sample_range(constants.sensors, inputs.errors, inputs.seed, 0, memory.state)
+    command = build_command(constants, memory.onboard.duties)
+    return memory._replace(command=command, gathered=unreachable_pose(), distance=distance)
+
+
+def update_leg(
+    rhythm: BatchRhythm,
+    constants: FlightConstants,
+    leg: LegPlan,
+    before: LegState,
+    flight: FlightMemory,
+) -> LegState:
+    """Return the state of the leg after a step."""
+    charge = meter_charge(constants, leg, before.charge, flight.supply.flow.current, rhythm.period)
+    old = before.flight.state
+    return LegState(
+        flight,
+        charge,
+        before.begun,
+        before.path + math.hypot(flight.state[0] - old[0], flight.state[1] - old[1]),
+        min(before.lowest, flight.supply.flow.voltage),
+        assess_leg(constants, leg, flight, charge, (flight.step - before.begun) * rhythm.period),
     )
-    meantime = SupplyInputs(irradiance, demand, dt, False, False)
-    return advance_supply(constants.power.parts, supply, meantime, 0.0)
 
 
 def meter_charge(
@@ -199,26 +161,24 @@ def meter_charge(
 def assess_leg(
     constants: FlightConstants,
     leg: LegPlan,
-    state: State,
-    onboard: OnboardMemory,
-    mission: Mission,
-    fed: bool,
+    flight: FlightMemory,
     charge: float,
     spent: float,
 ) -> int:
     """Return the outcome of a leg after a time. [s]"""
+    state = flight.state
     # The order matters: the first condition that holds names the outcome.
-    if not fed:
+    if not flight.supply.flow.fed:
         return EMPTY
     if not is_indoors(constants.goal, state[0], state[1], state[2]):
         return ESCAPED
-    if onboard.stopped or not is_plausible(state):
+    if flight.onboard.stopped or not is_plausible(state):
         return STOPPED
     # A landing goes on below the reserve, so it is assessed before the charge.
     if leg.kind == LAND:
-        down = state[2] <= constants.place[2] + ON_FOOT and onboard.duties == NONE
+        down = state[2] <= constants.place[2] + ON_FOOT and flight.onboard.duties == NONE
         return DONE if down else LATE if spent >= leg.limit else FLYING
-    if leg.kind == GO and mission.phase == Phase.ARRIVED:
+    if leg.kind == GO and flight.mission.phase == Phase.ARRIVED:
         return DONE
     if charge <= leg.reserve:
         return RESERVE

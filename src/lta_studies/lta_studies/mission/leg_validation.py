@@ -16,8 +16,9 @@ from lta_config.topics import load_topic_table
 from lta_control.phases import Phase
 from lta_energy.irradiance import DARK
 from lta_flight.closed_loop import ClosedLoop
+from lta_model.electrical.charger import resting_flow
 from lta_sim.world import World
-from lta_studies.mission.leg_state import GO, initial_leg_state, LegPlan
+from lta_studies.mission.leg_state import GO, LegPlan
 from lta_studies.mission.legs import Array, LegPilot
 from lta_studies.mission.scene import MissionScene
 import numpy as np
@@ -53,12 +54,12 @@ def measure_leg(
     made = scenes.build_flight(beacon, DARK, 1.0)
     leg = LegPlan(GO, LIMIT, 0.0, 0.0, 1.0, 0.0)
     pilot = LegPilot(made, leg)
-    height = scenes.vehicle.height_on_floor
-    state = pilot.ground_state(start.x, start.y, height, start.heading, seed)
-    memory = initial_leg_state(start.charge, start.charge)
-    memory, _ = pilot.fly_leg(pilot.pack_constants(made), leg, memory, state, seed)
+    place = (start.x, start.y, scenes.vehicle.height_on_floor)
+    store = resting_flow(start.charge)
+    ground = pilot.ground_state(place, start.heading, store, start.charge, seed)
+    flight = pilot.fly_leg(pilot.pack_constants(made), leg, ground, seed).flight
     # A step is one control period of 10 ms.
-    return memory.supply.consumed, memory.step * 0.01
+    return flight.supply.consumed, flight.step * 0.01
 
 
 def build_loop(scenes: MissionScene, beacon: str, start: LegStart, seed: int) -> ClosedLoop:

@@ -7,26 +7,36 @@ from typing import Any, final
 from lta_config.compilation.flat import TupleLayout
 from lta_config.compilation.kernel_cache import load_kernel
 from lta_config.topics import load_topic_table
+from lta_control.onboard import OnboardMemory
+from lta_control.phases import Phase
+from lta_control.strategies.homing import STRATEGY
 from lta_flight.batch.batch_flight import BatchFlight, build_rhythm
+from lta_flight.batch.codegen import initial_effect_memory
+from lta_flight.batch.flight_step import begin_flight
+from lta_model.electrical.charger import PowerFlow, resting_flow
 from lta_model.state import pack_state, RIGID
 from lta_sim.compiled_sensors import draw_turbulence_memory
 from lta_sim.kernels.kernel import LAYOUT
-from lta_studies.mission.leg_codegen import generate_source, initial_effect_memory
-from lta_studies.mission.leg_state import initial_leg_state, LegPlan, LegState
+from lta_sim.kernels.layout import FIXED
+from lta_studies.mission.leg_codegen import generate_source
+from lta_studies.mission.leg_state import ground_leg_state, LAND, LegPlan, LegState
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-MEMORY = TupleLayout(initial_leg_state(1.0, 1.0))
 
 
 @cache
 def _load_kernel(
-    names: tuple[str, ...], constants: TupleLayout[Any], leg: TupleLayout[Any], diodes: int
+    names: tuple[str, ...],
+    constants: TupleLayout[Any],
+    leg: TupleLayout[Any],
+    memory: TupleLayout[Any],
+    diodes: int,
 ) -> ModuleType:
     """Compile the leg for a set of effects."""
     return load_kernel(
-        generate_source(names, constants, leg, MEMORY, diodes, build_rhythm(load_topic_table()))
+        generate_source(names, constants, leg, memory, diodes, build_rhythm(load_topic_table()))
     )
 
 
@@ -50,30 +60,60 @@ class LegPilot:
         self.names = tuple(n for n in LAYOUT.effects if model.on[LAYOUT.flag_index(n)])
         parameters, _ = LAYOUT.find_places(self.names)
         self._fixed = np.array([*model.parameters[parameters], *model.body, *model.inverse])
-        self._craft, self._leg = TupleLayout(flight.craft), TupleLayout(leg)
+        self._dark = (0.0,) * len(flight.craft.listening.planes)
+        self._leg = TupleLayout(leg)
+        # Any state: only its layout matters
+        store = resting_flow(1.0)
+        self._memory = TupleLayout(self.ground_state((0.0, 0.0, 0.0), 0.0, store, 1.0, 0))
         self._fly = _load_kernel(
-            self.names, self._craft, self._leg, len(flight.craft.listening.planes)
+            self.names, TupleLayout(flight.craft), self._leg, self._memory, len(self._dark)
         ).fly_leg
 
     def pack_constants(self, flight: BatchFlight) -> Array:
         """Return the constants of a flight with the same layout, shape (n,)."""
         return np.array(flight.numbers)
 
-    def ground_state(self, x: float, y: float, z: float, heading: float, seed: int) -> Array:
-        """Return the state of the model on the ground. [m, rad]"""
-        memory = initial_effect_memory(self.names)
-        # Rigid-body state, then the memory of the active effects only.
-        state = np.array([*pack_state((x, y, z), heading)[:RIGID], *memory])
-        # The memory of turbulence is at the end of the state.
-        if 'turbulence' in self.names:
-            state[-len(draw_turbulence_memory(seed)) :] = draw_turbulence_memory(seed)
-        return state
-
-    def fly_leg(
-        self, constants: Array, leg: LegPlan, memory: LegState, state: Array, seed: int
-    ) -> tuple[LegState, Array]:
+    def ground_state(
+        self,
+        place: tuple[float, float, float],
+        heading: float,
+        store: PowerFlow,
+        charge: float,
+        seed: int,
+    ) -> LegState:
         """
-        Return the leg state and the model state after a leg.
+        Return the state of a drone on the ground.
+
+        Parameters
+        ----------
+        place : tuple of float
+            Hull centre. [m, map]
+        heading : float
+            Heading. [rad]
+        store : PowerFlow
+            State of the power path.
+        charge : float
+            Charge estimate of the drone. [1]
+        seed : int
+            Random seed of the flight.
+
+        """
+        state = tuple(pack_state(place, heading)[:RIGID].tolist())
+        for name in self.names:
+            state += (
+                draw_turbulence_memory(seed)
+                if name == 'turbulence'
+                else initial_effect_memory(name)
+            )
+        # The first leg computes the command anew
+        flight = begin_flight(
+            STRATEGY, OnboardMemory(), state, (0.0,) * FIXED['command'], self._dark, store
+        )
+        return ground_leg_state(flight, charge)
+
+    def fly_leg(self, constants: Array, leg: LegPlan, memory: LegState, seed: int) -> LegState:
+        """
+        Return the state after a leg.
 
         Parameters
         ----------
@@ -83,13 +123,13 @@ class LegPilot:
             Leg to fly.
         memory : LegState
             State after the leg before, with the outcome reset to `FLYING`.
-        state : ndarray
-            State of the model.
         seed : int
             Random seed of the flight; only 32 bits are used.
 
         """
-        # The kernel writes into both arrays; the copy keeps the caller's state intact.
-        numbers, after = MEMORY.write(memory), state.copy()
-        self._fly(self._fixed, constants, self._leg.write(leg), numbers, after, seed & 0xFFFFFFFF)
-        return MEMORY.read(numbers), after
+        if leg.kind == LAND:
+            mission = memory.flight.mission._replace(phase=Phase.LAND)
+            memory = memory._replace(flight=memory.flight._replace(mission=mission))
+        numbers = self._memory.write(memory)
+        self._fly(self._fixed, constants, self._leg.write(leg), numbers, seed & 0xFFFFFFFF)
+        return self._memory.read(numbers)

@@ -95,7 +95,9 @@ class MissionScene:
         alone = {mission.perch: self.scenario.lamps[mission.perch]}
         scene = self.scenario.model_copy(update={'several': alone, 'alone': None, 'route': ()})
         self._model = build_model(self.vehicle, scene, self.policy)
-        self._base = build_constants(self.vehicle, self.scenario, self.policy, self._table)
+        base = build_constants(self.vehicle, self.scenario, self.policy, self._table)
+        # The leg decides when to land, not the reserve of a flight, and no hand holds the drone
+        self._base = base._replace(held=0.0, power=base.power._replace(reserve=-math.inf))
         self._known: dict[tuple[str, int], BatchFlight] = {}
 
     def lamp(self, name: str) -> BeaconLamp:

@@ -14,7 +14,7 @@ from lta_config.topics import load_topic_table
 from lta_control.cascade import Setpoint
 from lta_flight.batch import flight
 from lta_flight.batch.batch_flight import build_flight
-from lta_flight.batch.codegen import FIGURES
+from lta_flight.batch.flight_loop import FIGURES
 from lta_flight.batch.fly import fly_many
 from lta_flight.flight_spec import build_loop, build_parts, load_spec
 from lta_flight.loop_view import LoopView

@@ -8,8 +8,8 @@ from lta_config.errors import BadInput
 from lta_config.files import list_shipped
 from lta_config.schema.sweep_file import load_sweep
 from lta_flight.batch.batch_flight import build_flight
-from lta_flight.batch.codegen import FIGURES
 from lta_flight.batch.flight import RAN_AWAY
+from lta_flight.batch.flight_loop import FIGURES
 from lta_flight.batch.fly import fly_many
 from lta_flight.sweep import batch_workers
 from lta_flight.sweep.heat_map import find_map_parameters, plot_heat_map

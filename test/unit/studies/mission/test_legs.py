@@ -3,6 +3,7 @@
 from lta_config.schema.mission_file import load_mission
 from lta_energy.circuit import total_stored_energy
 from lta_energy.irradiance import DARK
+from lta_model.electrical.charger import resting_flow
 from lta_model.light.ray_bundles import LAMPS, scratch_size
 from lta_sim import light_link as heard
 from lta_studies.mission.leg_state import (
@@ -11,7 +12,6 @@ from lta_studies.mission.leg_state import (
     EMPTY,
     FLYING,
     GO,
-    initial_leg_state,
     LAND,
     LegPlan,
     RESERVE,
@@ -43,50 +43,50 @@ def pilot(made):
 
 
 def begun(pilot, scenes, charge=0.8):
-    state = pilot.ground_state(-3.2, -2.0, scenes.vehicle.height_on_floor, 0.4, 3)
-    return initial_leg_state(charge, charge), state
+    place = (-3.2, -2.0, scenes.vehicle.height_on_floor)
+    return pilot.ground_state(place, 0.4, resting_flow(charge), charge, 3)
 
 
-def go_on(pilot, made, leg, memory, state):
-    memory = memory._replace(outcome=FLYING, begun=memory.step)
-    return pilot.fly_leg(pilot.pack_constants(made), leg, memory, state, 3)
+def go_on(pilot, made, leg, memory):
+    memory = memory._replace(outcome=FLYING, begun=memory.flight.step)
+    return pilot.fly_leg(pilot.pack_constants(made), leg, memory, 3)
 
 
 def test_a_dwell_in_two_pieces_is_one_dwell(pilot, made, scenes):
     """But for the echo of the room, which each leg gathers when it begins."""
-    arrived, there = go_on(pilot, made, LEG, *begun(pilot, scenes))
+    arrived = go_on(pilot, made, LEG, begun(pilot, scenes))
     assert arrived.outcome == DONE
-    whole, whole_state = go_on(pilot, made, LEG._replace(kind=DWELL, limit=8.0), arrived, there)
-    memory, state = arrived, there
+    whole = go_on(pilot, made, LEG._replace(kind=DWELL, limit=8.0), arrived).flight
+    memory = arrived
     for part in (3.0, 5.0):
-        memory, state = go_on(pilot, made, LEG._replace(kind=DWELL, limit=part), memory, state)
-    np.testing.assert_allclose(whole_state, state, atol=1e-3)
-    assert memory.step == whole.step
-    assert memory.supply.consumed == pytest.approx(whole.supply.consumed, rel=1e-4)
+        memory = go_on(pilot, made, LEG._replace(kind=DWELL, limit=part), memory)
+    np.testing.assert_allclose(whole.state, memory.flight.state, atol=1e-3)
+    assert memory.flight.step == whole.step
+    assert memory.flight.supply.consumed == pytest.approx(whole.supply.consumed, rel=1e-4)
 
 
 def test_a_leg_ends_by_its_reserve_and_by_an_empty_cell(pilot, made, scenes):
-    memory, _ = go_on(pilot, made, LEG._replace(reserve=0.795), *begun(pilot, scenes))
+    memory = go_on(pilot, made, LEG._replace(reserve=0.795), begun(pilot, scenes))
     assert memory.outcome == RESERVE
     assert 0.79 < memory.charge <= 0.795
-    memory, _ = go_on(pilot, made, LEG._replace(reserve=0.0), *begun(pilot, scenes, 0.004))
+    memory = go_on(pilot, made, LEG._replace(reserve=0.0), begun(pilot, scenes, 0.004))
     assert memory.outcome == EMPTY
     assert memory.lowest < 3.4
 
 
 def test_it_lands_where_it_is_told_to(pilot, made, scenes):
-    memory, state = go_on(pilot, made, LEG, *begun(pilot, scenes))
-    memory, state = go_on(pilot, made, LEG._replace(kind=LAND, limit=60.0), memory, state)
+    memory = go_on(pilot, made, LEG, begun(pilot, scenes))
+    memory = go_on(pilot, made, LEG._replace(kind=LAND, limit=60.0), memory)
     assert memory.outcome == DONE
-    assert state[2] == pytest.approx(scenes.vehicle.height_on_floor, abs=0.02)
+    assert memory.flight.state[2] == pytest.approx(scenes.vehicle.height_on_floor, abs=0.02)
 
 
 def test_the_books_of_a_flight_balance(pilot, made, scenes):
     cell = scenes.vehicle.battery
-    memory, state = begun(pilot, scenes)
-    before = total_stored_energy(cell, memory.supply.flow)
-    memory, state = go_on(pilot, made, LEG._replace(payload=0.05), memory, state)
-    books, now = memory.supply, memory.supply.flow
+    memory = begun(pilot, scenes)
+    before = total_stored_energy(cell, memory.flight.supply.flow)
+    books = go_on(pilot, made, LEG._replace(payload=0.05), memory).flight.supply
+    now = books.flow
     rest = (
         books.harvested - books.consumed - books.lost - (total_stored_energy(cell, now) - before)
     )
@@ -94,12 +94,12 @@ def test_the_books_of_a_flight_balance(pilot, made, scenes):
 
 
 def test_a_payload_draws_what_it_draws_while_it_dwells(pilot, made, scenes):
-    arrived, there = go_on(pilot, made, LEG, *begun(pilot, scenes))
+    arrived = go_on(pilot, made, LEG, begun(pilot, scenes))
     spent = []
     for watts in (0.0, 0.073):
         leg = LEG._replace(kind=DWELL, limit=10.0, payload=watts)
-        memory, _ = go_on(pilot, made, leg, arrived, there)
-        spent.append(memory.supply.consumed - arrived.supply.consumed)
+        memory = go_on(pilot, made, leg, arrived)
+        spent.append(memory.flight.supply.consumed - arrived.flight.supply.consumed)
     assert spent[1] - spent[0] == pytest.approx(0.73, rel=0.05)
 
 

@@ -1,0 +1,96 @@
+"""Fly a simulated flight to its end, as plain functions that are compiled for a batch."""
+
+from lta_control.per_rotor import NONE
+from lta_control.strategies.protocol import NavigationStrategy
+from lta_flight.batch.flight import (
+    build_command,
+    draw_initial_state,
+    initial_tally,
+    update_light_tally,
+    update_tally,
+)
+from lta_flight.batch.flight_data import FlightConstants, FlightTally
+from lta_flight.batch.flight_step import (
+    begin_flight,
+    flight_step,
+    FlightInputs,
+    FlightKernel,
+    FlightMemory,
+    is_block_end,
+    WorkArrays,
+)
+from lta_flight.batch.targets import BatchRhythm
+from lta_model.electrical.charger import resting_flow
+from lta_sim.compiled_sensors import draw_errors, sample_range
+from lta_sim.termination import FLYING
+import numpy as np
+from numpy.typing import NDArray
+
+# Names of the numbers that `fly` returns
+FIGURES = (
+    'outcome', 'end', 'lift_off', 'search_start', 'path_length', 'closest', 'energy', 'blocks',
+    'bearings', 'squares', 'charge', 'x', 'y', 'z', 'stopped',
+)  # fmt: skip
+
+
+def fly(
+    kernel: FlightKernel,
+    rhythm: BatchRhythm,
+    strategy: NavigationStrategy,
+    constants: FlightConstants,
+    numbers: NDArray[np.float64],
+    seed: int,
+    work: WorkArrays,
+) -> tuple[float, ...]:
+    """Fly one vehicle to the end of its flight; return its `FIGURES`."""
+    inputs = FlightInputs(numbers, draw_errors(constants.sensors, seed), seed, 0.0)
+    state = kernel.add_effects(draw_initial_state(constants, seed), seed)
+    memory = begin_flight(
+        strategy, kernel.begin, state, build_command(constants, NONE), kernel.dark,
+        resting_flow(constants.power.charge),
+    )  # fmt: skip
+    memory = memory_with_range(
+        memory, sample_range(constants.sensors, inputs.errors, seed, 0, state)
+    )
+    tally = initial_tally(constants)
+    while tally.outcome == FLYING:
+        before = memory
+        memory = flight_step(kernel, rhythm, strategy, constants, before, inputs, work)
+        tally = update_tallies(kernel, rhythm, constants, tally, before, memory)
+    x, y, z = memory.state[0], memory.state[1], memory.state[2]
+    return (
+        1.0 * tally.outcome, memory.step * rhythm.period, tally.lift_off, tally.search_start,
+        tally.path_length, tally.closest, tally.energy, tally.blocks, tally.bearings,
+        tally.squares, memory.supply.flow.charge, x, y, z, 1.0 * memory.onboard.stopped,
+    )  # fmt: skip
+
+
+def memory_with_range(memory: FlightMemory, distance: float) -> FlightMemory:
+    """Return the memory with a range. [m]"""
+    return memory._replace(distance=distance)
+
+
+def update_tallies(
+    kernel: FlightKernel,
+    rhythm: BatchRhythm,
+    constants: FlightConstants,
+    tally: FlightTally,
+    before: FlightMemory,
+    memory: FlightMemory,
+) -> FlightTally:
+    """Return the tally after a step."""
+    if kernel.closed and is_block_end(rhythm, before.step):
+        began = (before.step - rhythm.light) * rhythm.period
+        tally = update_light_tally(
+            constants, tally, memory.middle, memory.seen, memory.bearing, memory.setpoint.speed,
+            began,
+        )  # fmt: skip
+    return update_tally(
+        constants,
+        tally,
+        (before.state[0], before.state[1]),
+        memory.state,
+        memory.supply,
+        memory.step * rhythm.period,
+        rhythm.period,
+    )

@@ -1,0 +1,421 @@
+"""
+Step a simulated flight by one control period.
+
+A period is: sensors, estimator and control; at the end of a light block also the light reading and
+the mission; then the motion of the vehicle and its power supply. Plain functions on named tuples,
+compiled for batch flights and for the legs of missions. Effects of the model, and tuples with one
+item per diode, are generated (`FlightKernel`), because compiled tuples have a fixed length.
+"""
+
+from collections.abc import Callable
+import math
+from typing import NamedTuple
+
+from lta_config.compilation.extract import GeneratedFunction
+from lta_control.cascade import Setpoint
+from lta_control.mission import initial_mission, mission_step
+from lta_control.onboard import guidance_altitude, onboard_step, OnboardMemory, reckon_motion
+from lta_control.per_rotor import NONE, PerRotor
+from lta_control.phases import Mission
+from lta_control.sighting import DeadReckonedMotion
+from lta_control.strategies.protocol import NavigationStrategy
+from lta_flight.batch.flight import (
+    build_command,
+    has_moved,
+    hull_irradiance,
+    initial_supply,
+    is_lamp_detected,
+    panel_irradiance,
+    permission_by_charge,
+    Pose,
+    read_sensors,
+    sensor_specific_force,
+    sight_from_fit,
+    State,
+    step_supply,
+    unreachable_pose,
+    with_setpoint,
+)
+from lta_flight.batch.flight_data import FlightConstants
+from lta_flight.batch.targets import BatchRhythm
+from lta_model.electrical.charger import PowerFlow
+from lta_model.state import RIGID
+from lta_sim.compiled_sensors import draw_white_noise, sample_range, SensorErrors
+from lta_sim.environment import steady_wind_at
+from lta_sim.light_link import add_direct_light, write_reflections
+from lta_sim.supply_step import SupplyState
+from lta_vlc.direction_fit import fit_direction
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Reading = tuple[float, ...]  # a number per diode
+
+
+class FlightKernel(NamedTuple):
+    """
+    The parts of a flight that depend on its effects and on its number of diodes.
+
+    Attributes
+    ----------
+    dark : tuple of float
+        Zero for each diode.
+    begin : OnboardMemory
+        Initial memory of the drone.
+    closed : bool
+        Whether the drone decides; otherwise it keeps the duties of its constants.
+    turbulence, superheat : bool
+        Whether the model has these effects.
+    rates, thrusts_of : callable
+        Derivative of the state, and thrust of each rotor, from state, model numbers, command and
+        surroundings.
+    ahead, mean, normalised : callable
+        State after a time at a rate, mean rate of a Runge-Kutta step, and state with a unit
+        quaternion.
+    add_effects : callable
+        State of the rigid body with the initial memory of the effects, from a seed.
+    read_diodes : callable
+        Amplitude, SNR and standard deviation of each diode.
+    daylight_of : callable
+        Daylight on each diode from the light array.
+
+    """
+
+    dark: Reading
+    begin: OnboardMemory
+    closed: bool
+    turbulence: bool
+    superheat: bool
+    rates: Callable[[State, Array, State, State], State] = GeneratedFunction('rates')
+    thrusts_of: Callable[[State, Array, State, State], PerRotor] = GeneratedFunction('thrusts_of')
+    ahead: Callable[[State, State, float], State] = GeneratedFunction('ahead')
+    mean: Callable[[State, State, State, State], State] = GeneratedFunction('mean')
+    normalised: Callable[[State], State] = GeneratedFunction('normalised')
+    add_effects: Callable[[State, int], State] = GeneratedFunction('add_effects')
+    read_diodes: Callable[..., tuple[Reading, Reading, Reading]] = GeneratedFunction('read_diodes')
+    daylight_of: Callable[[Array], Reading] = GeneratedFunction('daylight_of')
+
+
+class FlightInputs(NamedTuple):
+    """
+    What a flight gets from outside.
+
+    Attributes
+    ----------
+    numbers : ndarray
+        Parameters of the vehicle's model, its body and its inverse inertia.
+    errors : SensorErrors
+        Constant sensor errors of this flight.
+    seed : int
+        Seed of the counter-based noise: each sample is a function of seed, sensor and step.
+    payload : float
+        Power of the payload. [W]
+
+    """
+
+    numbers: Array
+    errors: SensorErrors
+    seed: int
+    payload: float
+
+
+class WorkArrays(NamedTuple):
+    """Working arrays of a thread, whose content matters only within a step, except `echoes`."""
+
+    scratch: Array
+    lights: Array  # shape (LAMPS + 1, diodes)
+    echoes: Array  # the same without direct light, from the pose `FlightMemory.gathered`
+    pencils: Array
+
+
+class FlightMemory(NamedTuple):
+    """
+    Full state of vehicle and drone between two control periods.
+
+    Attributes
+    ----------
+    state : tuple of float
+        State of the model.
+    command : tuple of float
+        Command of the last period, in the form of the kernel.
+    onboard, mission : OnboardMemory, Mission
+        Memory of the drone.
+    setpoint : Setpoint
+        Newest setpoint of the mission.
+    fresh : bool
+        Whether the controller has not received this setpoint yet.
+    middle : tuple of float
+        True pose at the middle of the current light block.
+    reckoned : DeadReckonedMotion
+        The drone's motion estimate at that time.
+    gathered : tuple of float
+        Pose at which reflections were computed last.
+    daylight : tuple of float
+        Daylight on each diode in the newest light block.
+    seen : bool
+        Whether the newest light block shows the lamp.
+    bearing : float
+        Bearing of the lamp in that block. [rad]
+    distance : float
+        New range, NaN if there is none. [m]
+    supply : SupplyState
+        State of the power supply.
+    irradiance : float
+        Irradiance on the panel. [W/m2]
+    step, ticks : int
+        Control periods and integration steps since the start.
+
+    """
+
+    state: State
+    command: State
+    onboard: OnboardMemory
+    mission: Mission
+    setpoint: Setpoint
+    fresh: bool
+    middle: Pose
+    reckoned: DeadReckonedMotion
+    gathered: Pose
+    daylight: Reading
+    seen: bool
+    bearing: float
+    distance: float
+    supply: SupplyState
+    irradiance: float
+    step: int
+    ticks: int
+
+
+def begin_flight(
+    strategy: NavigationStrategy,
+    onboard: OnboardMemory,
+    state: State,
+    command: State,
+    dark: Reading,
+    store: PowerFlow,
+) -> FlightMemory:
+    """
+    Return the memory before the first step, at rest in the dark.
+
+    `command` may be any of the kernel's form, `dark` is zero for each diode, and `store` the state
+    of the power path.
+    """
+    return FlightMemory(
+        state=state,
+        command=command,
+        onboard=onboard,
+        mission=initial_mission(strategy),
+        setpoint=onboard.setpoint,
+        fresh=False,
+        middle=pose_of(state),
+        reckoned=reckon_motion(onboard),
+        gathered=unreachable_pose(),
+        daylight=dark,
+        seen=False,
+        bearing=0.0,
+        distance=math.nan,
+        supply=initial_supply(store),
+        irradiance=0.0,
+        step=0,
+        ticks=0,
+    )
+
+
+def flight_step(
+    kernel: FlightKernel,
+    rhythm: BatchRhythm,
+    strategy: NavigationStrategy,
+    constants: FlightConstants,
+    memory: FlightMemory,
+    inputs: FlightInputs,
+    work: WorkArrays,
+) -> FlightMemory:
+    """Return the memory of a flight one control period later."""
+    surroundings = compute_surroundings(kernel, rhythm, constants, memory, inputs)
+    if kernel.closed:
+        memory = sense_and_control(kernel, rhythm, constants, memory, inputs, surroundings, work)
+        if is_block_end(rhythm, memory.step):
+            memory = navigate(kernel, rhythm, strategy, constants, memory, inputs, work)
+    return advance_vehicle(kernel, rhythm, constants, memory, inputs, surroundings)
+
+
+def is_block_end(rhythm: BatchRhythm, step: int) -> bool:
+    """Return whether a light block ends at the beginning of a control period."""
+    return step > 0 and step % rhythm.light == 0
+
+
+def compute_surroundings(
+    kernel: FlightKernel,
+    rhythm: BatchRhythm,
+    constants: FlightConstants,
+    memory: FlightMemory,
+    inputs: FlightInputs,
+) -> State:
+    """Return the inputs of the model: wind, turbulence noise, heat and voltage."""
+    noise, warmth = (0.0, 0.0, 0.0), 0.0
+    # Computed only for effects that use it, to save time in every step
+    if kernel.turbulence:
+        noise = draw_white_noise(inputs.seed, memory.step, rhythm.period)
+    if kernel.superheat:
+        warmth = hull_irradiance(constants, memory.state)
+    wind = steady_wind_at(constants.wind, memory.state[0])
+    return wind + noise + (warmth, memory.supply.flow.voltage, 0.0, 0.0, 0.0)
+
+
+def sense_and_control(
+    kernel: FlightKernel,
+    rhythm: BatchRhythm,
+    constants: FlightConstants,
+    memory: FlightMemory,
+    inputs: FlightInputs,
+    surroundings: State,
+    work: WorkArrays,
+) -> FlightMemory:
+    """Return the memory after the sensors, the estimator and the controller."""
+    state, step = memory.state, memory.step
+    rate = kernel.rates(state, inputs.numbers, memory.command, surroundings)
+    held = step * rhythm.period < constants.held
+    readings = read_sensors(
+        constants,
+        inputs.errors,
+        inputs.seed,
+        step,
+        step * rhythm.period,
+        sensor_specific_force(constants, state, rate, held),
+        (state[10], state[11], state[12]),
+        state[2],
+        memory.distance,
+        step % rhythm.pressure == 0,
+    )
+    onboard = memory.onboard
+    if memory.fresh:
+        onboard = with_setpoint(onboard, memory.setpoint)
+    onboard = onboard_step(constants.drone, onboard, readings, work.scratch)
+    middle, reckoned = memory.middle, memory.reckoned
+    if step % rhythm.light == rhythm.block_middle:
+        middle, reckoned = pose_of(state), reckon_motion(onboard)
+    return memory._replace(
+        onboard=onboard, fresh=False, middle=middle, reckoned=reckoned, distance=math.nan
+    )
+
+
+def pose_of(state: State) -> Pose:
+    """Return position and quaternion of a state."""
+    return (state[0], state[1], state[2], state[3], state[4], state[5], state[6])
+
+
+def navigate(
+    kernel: FlightKernel,
+    rhythm: BatchRhythm,
+    strategy: NavigationStrategy,
+    constants: FlightConstants,
+    memory: FlightMemory,
+    inputs: FlightInputs,
+    work: WorkArrays,
+) -> FlightMemory:
+    """Return the memory after the light block that ends now: light reading and mission."""
+    listening, pose = constants.listening, memory.middle
+    position, q = (pose[0], pose[1], pose[2]), (pose[3], pose[4], pose[5], pose[6])
+    gathered = memory.gathered
+    if not rhythm.reuse_reflections or has_moved(pose, gathered):
+        gathered = pose
+        write_reflections(listening, position, q, work.echoes, work.pencils)
+    copy_light(work.echoes, work.lights)
+    add_direct_light(listening, position, q, work.lights)
+    # Stored reflections do not show how daylight sweeps over a turning diode
+    daylight = kernel.daylight_of(work.lights)
+    before = daylight if rhythm.reuse_reflections else memory.daylight
+    amplitudes, snrs, errors = kernel.read_diodes(
+        listening, work.lights, before, inputs.seed, memory.step
+    )
+    fit = fit_direction(constants.array, constants.expected, amplitudes, errors, work.scratch)
+    detected = is_lamp_detected(snrs, listening.threshold)
+    sight = sight_from_fit(
+        constants, fit, detected, amplitudes, memory.reckoned, rhythm.block_time
+    )
+    setpoint, mission = mission_step(
+        constants.mission,
+        strategy,
+        memory.mission,
+        sight,
+        guidance_altitude(memory.onboard),
+        permission_by_charge(constants.power, memory.supply.flow.charge),
+        1,
+        constants.reserve,
+    )
+    return memory._replace(
+        mission=mission,
+        setpoint=setpoint,
+        fresh=True,
+        gathered=gathered,
+        daylight=daylight,
+        seen=sight.seen,
+        bearing=sight.bearing,
+    )
+
+
+def copy_light(light: Array, out: Array) -> None:
+    """Copy an array item by item, because GPU code cannot assign slices."""
+    for row in range(light.shape[0]):
+        for diode in range(light.shape[1]):
+            out[row, diode] = light[row, diode]
+
+
+def advance_vehicle(
+    kernel: FlightKernel,
+    rhythm: BatchRhythm,
+    constants: FlightConstants,
+    memory: FlightMemory,
+    inputs: FlightInputs,
+    surroundings: State,
+) -> FlightMemory:
+    """Return the memory after the motion of the vehicle and its power supply."""
+    duties = memory.onboard.duties if kernel.closed else constants.duties
+    # Without power the motors stop
+    if not memory.supply.flow.fed:
+        duties = NONE
+    command = build_command(constants, duties)
+    state, ticks, distance = memory.state, memory.ticks, memory.distance
+    for _ in range(rhythm.control):
+        state = runge_kutta_step(kernel, rhythm, state, inputs.numbers, command, surroundings)
+        ticks += 1
+        if ticks % rhythm.range == 0:
+            distance = sample_range(
+                constants.sensors, inputs.errors, inputs.seed, ticks // rhythm.range, state
+            )
+    if memory.step * rhythm.period < constants.held:
+        # A hand holds the drone; motors, gas and turbulence go on
+        state = memory.state[0:RIGID] + state[RIGID:]
+    irradiance = memory.irradiance
+    if memory.step % rhythm.light == 0:
+        irradiance = panel_irradiance(constants, state)
+    thrusts = kernel.thrusts_of(state, inputs.numbers, command, surroundings)
+    supply = step_supply(
+        constants, memory.supply, irradiance, thrusts, inputs.payload, rhythm.period
+    )
+    return memory._replace(
+        state=state,
+        command=command,
+        distance=distance,
+        supply=supply,
+        irradiance=irradiance,
+        step=memory.step + 1,
+        ticks=ticks,
+    )
+
+
+def runge_kutta_step(
+    kernel: FlightKernel,
+    rhythm: BatchRhythm,
+    state: State,
+    numbers: Array,
+    command: State,
+    surroundings: State,
+) -> State:
+    """Return the state after one classical Runge-Kutta step."""
+    dt = rhythm.dt
+    a = kernel.rates(state, numbers, command, surroundings)
+    b = kernel.rates(kernel.ahead(state, a, 0.5 * dt), numbers, command, surroundings)
+    c = kernel.rates(kernel.ahead(state, b, 0.5 * dt), numbers, command, surroundings)
+    d = kernel.rates(kernel.ahead(state, c, dt), numbers, command, surroundings)
+    return kernel.normalised(kernel.ahead(state, kernel.mean(a, b, c, d), dt))
