@@ -60,10 +60,23 @@ class BatchRhythm:
 @final
 @dataclass(frozen=True, slots=True)
 class CompileTarget:
-    """A target: imports, decorator of the functions, and the source of the entry."""
+    """
+    A target.
+
+    Attributes
+    ----------
+    imports : str
+        Import statements.
+    inline, merge : str
+        Decorators of a function, and of one that is merged into its caller.
+    entry : str
+        Template of the entry.
+
+    """
 
     imports: str
     inline: str
+    merge: str
     entry: str
 
 
@@ -88,6 +101,7 @@ $actuation
 CPU = CompileTarget(
     'from numba import njit\nimport numpy as np\n',
     INLINE,
+    INLINE.replace('njit(', 'njit(forceinline=True, '),
     f'''
 {ENTRY.replace('cache=True', 'nogil=True, cache=True')}
 def fly_some(fixed, constants, seeds, out):
@@ -104,6 +118,7 @@ def fly_some(fixed, constants, seeds, out):
 )
 GPU = CompileTarget(
     'from numba import cuda, float64\n',
+    '@cuda.jit(device=True)',
     '@cuda.jit(device=True)',
     f'''
 @cuda.jit
