@@ -34,7 +34,7 @@ from lta_sim.kernels.kernel import LAYOUT
 from lta_sim.kernels.layout import format_tuple, indent_lines
 from lta_sim.light_link import sample_magnitude
 
-# Merged into their caller, because passing the whole memory of a flight costs a quarter of the time
+# Merged into their caller, because passing the memory of a flight takes a quarter of the time
 MERGED = {
     f'{PREFIX}_{function.__name__}'
     for function in (flight_step, sense_and_control, advance_vehicle)
