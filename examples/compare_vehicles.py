@@ -7,11 +7,11 @@ In the environment of LTA:
 """
 
 # %% What follows from every shipped file
-from lta_config.files import list_shipped
+from lta_config.files import list_shipped_names
 from lta_model.vehicle import load_vehicle
 from lta_vehicle.figures.sheet import build_sheet
 
-sheets = [build_sheet(load_vehicle(name)) for name in list_shipped('vehicles')]
+sheets = [build_sheet(load_vehicle(name)) for name in list_shipped_names('vehicles')]
 
 # %% How much of its mass the air carries, and how many numbers of its file somebody measured
 for sheet in sheets:

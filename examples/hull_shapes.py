@@ -18,7 +18,7 @@ from lta_sim.cfd.flow_solvers import ThreadedFlowSolver
 from lta_sim.cfd.openfoam.case_runner import cache_folder
 from lta_sim.cfd.shape import ellipse_profile, mylar_profile, revolve_profile, TURNED
 from lta_sim.cfd.solve import solve_sweep
-from lta_sim.cfd.tunnel import build_steady_wind, PREVIEW
+from lta_sim.cfd.tunnel import build_steady_wind_case, PREVIEW
 from lta_sim.cfd.tunnel_model import TunnelModel
 import plotly.graph_objects as go
 from trimesh import Trimesh
@@ -47,7 +47,7 @@ def cigar(diameter: float) -> Trimesh:
 
 def solved(model: TunnelModel) -> float:
     """Return the drag that the wind tunnel finds. [N]."""
-    case = build_steady_wind(model, 'surge', AIR[1], PREVIEW, (SPEED,))
+    case = build_steady_wind_case(model, 'surge', AIR[1], PREVIEW, (SPEED,))
     flow = TunnelFlow('wind', 'surge', case, (SPEED,))
     crew = ThreadedFlowSolver(cache_folder(), 1, lambda *_: None)
     axes, _, refused, _ = solve_sweep(crew, model, [flow], AIR, print)

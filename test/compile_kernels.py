@@ -14,14 +14,14 @@ sys.path.append(str(ROOT / 'test' / 'unit'))
 from discovery.hidden_flight import flown, nominal, prepared  # noqa: E402
 from lta_challenge.case import CaseGenerator  # noqa: E402
 from lta_challenge.make import load_challenge_vehicle  # noqa: E402
-from lta_discovery.replay.linearized_flight import build_origin  # noqa: E402
+from lta_discovery.replay.linearized_flight import unchanged_vehicle_point  # noqa: E402
 
 
 def main() -> None:
     """Linearise a short flight, and draw a case of the challenge."""
     vehicle, knobs = nominal()
     flight = prepared(flown({}, seed=1, length=8.0), knobs)
-    flight.linearize(build_origin(vehicle, knobs, flight.replay.cut))
+    flight.linearize(unchanged_vehicle_point(vehicle, knobs, flight.replay.cut))
     CaseGenerator(load_challenge_vehicle(), 0, 0, 'base', 'clean', (20.0, 24.0)).generate_case()
 
 

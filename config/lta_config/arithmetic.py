@@ -15,7 +15,7 @@ BINARY: Final[dict[type[ast.operator], Callable[[float, float], float]]] = {
 }
 
 
-def evaluate_sum(text: str) -> float:
+def evaluate_expression(text: str) -> float:
     """Return the value of an arithmetic expression; raise `ValueError` if the text is not one."""
     try:
         # Only the node types below are evaluated, so a file cannot run code as with `eval`

@@ -35,7 +35,7 @@ def strip_control_codes(text: str) -> str:
     return ''.join(part if part.isprintable() or part in '\t\n\r' else ' ' for part in text)
 
 
-def unknown_name(kind: str, name: str, names: list[str]) -> BadInput:
+def unknown_name_error(kind: str, name: str, names: list[str]) -> BadInput:
     """
     Return the error for a name that is not in a registry or folder.
 

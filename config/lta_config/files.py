@@ -14,7 +14,7 @@ from pathlib import Path
 import re
 from typing import Any, TypeVar
 
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_config.limits import YAML_BYTES, YAML_DEPTH, YAML_DIGITS
 from lta_config.validation_errors import format_error
 from pydantic import BaseModel, ConfigDict, ValidationError
@@ -94,7 +94,7 @@ def share_folder() -> Path:
     raise BadInput(f'LTA cannot find its data near {here}; build the workspace again (make).')
 
 
-def list_shipped(folder: str, suffix: str = '.yaml') -> list[str]:
+def list_shipped_names(folder: str, suffix: str = '.yaml') -> list[str]:
     """Return the names of the files in one folder of `share_folder()`."""
     return sorted(
         path.name.removesuffix(suffix) for path in (share_folder() / folder).glob(f'*{suffix}')
@@ -126,9 +126,9 @@ def find_file(kind: str, name: str, suffix: str = '.yaml') -> Path:
             )
         return path
     folder = FOLDERS[kind]
-    names = list_shipped(folder, suffix)
+    names = list_shipped_names(folder, suffix)
     if name not in names:
-        raise unknown_name(kind, name, names)
+        raise unknown_name_error(kind, name, names)
     return share_folder() / folder / f'{name}{suffix}'
 
 

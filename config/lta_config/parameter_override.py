@@ -10,7 +10,7 @@ from contextlib import suppress
 import re
 from typing import Any
 
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_config.quantity import Quantity, UNITS
 from pydantic import ValidationError
 import yaml
@@ -138,7 +138,7 @@ def _get_child(content: Any, key: str, where: str) -> Any:  # noqa: ANN401 - wha
     if not isinstance(content, Mapping):
         raise BadInput(f"{where} is a single value; leave '.{key}' out.")
     if key not in content and OPEN not in where.split('.'):
-        raise unknown_name(f'key of {where}', key, [str(name) for name in content])
+        raise unknown_name_error(f'key of {where}', key, [str(name) for name in content])
     return content.get(key)
 
 
@@ -148,7 +148,7 @@ def _select_element(quantity: Mapping[str, Any], key: str, where: str) -> dict[s
     if not isinstance(numbers, list | tuple):
         raise BadInput(f"{where} is a single value; leave '.{key}' out.")
     if not (key.isdecimal() and int(key) < len(numbers)):
-        raise unknown_name(
+        raise unknown_name_error(
             f'number of {where}', key, [str(index) for index in range(len(numbers))]
         )
     return {'value': numbers[int(key)], 'unit': quantity['unit']}
@@ -156,7 +156,7 @@ def _select_element(quantity: Mapping[str, Any], key: str, where: str) -> dict[s
 
 def _replace_at(content: Any, keys: list[str], value: Any, where: str) -> Any:  # noqa: ANN401
     if not keys:
-        return _match_replacement(content, value, where)
+        return _validate_replacement(content, value, where)
     key, *rest = keys
     below = _get_child(content, key, where)
     if below is None and not rest:  # an omitted parameter of an effect
@@ -177,7 +177,7 @@ def _replace_element(
     return {'value': numbers, 'unit': quantity['unit'], 'source': SOURCE}
 
 
-def _match_replacement(old: Any, value: Any, where: str) -> Any:  # noqa: ANN401 - what YAML holds
+def _validate_replacement(old: Any, value: Any, where: str) -> Any:  # noqa: ANN401 - what YAML holds
     """Return the new value if it has the type of the old one."""
     before, now = parse_quantity(old), parse_quantity(value)
     if before is not None:

@@ -159,7 +159,7 @@ class Quantity(BaseModel):
             raise ValueError(f'is {self.value}, which is not a finite number')
         return self
 
-    def _as_tuple(self) -> tuple[float, ...]:
+    def _value_as_tuple(self) -> tuple[float, ...]:
         return self.value if isinstance(self.value, tuple) else (self.value,)
 
     @property
@@ -170,14 +170,14 @@ class Quantity(BaseModel):
     @property
     def si(self) -> float:
         """The number in SI; raises an error if the quantity is a list."""
-        (number,) = self._as_tuple()  # a list of several numbers fails here
+        (number,) = self._value_as_tuple()  # a list of several numbers fails here
         return number * UNITS[self.unit][1]
 
     @property
     def vector(self) -> tuple[float, ...]:
         """All numbers in SI; of length 1 for a single number."""
         factor = UNITS[self.unit][1]
-        return tuple(number * factor for number in self._as_tuple())
+        return tuple(number * factor for number in self._value_as_tuple())
 
 
 def si_quantity(
@@ -247,10 +247,10 @@ def format_quantity(quantity: Quantity) -> str:
     numbers = quantity.value if isinstance(quantity.value, tuple) else [quantity.value]
     texts = [f'{number:.12g}' for number in numbers]
     text = f'[{", ".join(texts)}]' if isinstance(quantity.value, tuple) else texts[0]
-    return add_unit(text, quantity.unit)
+    return format_with_unit(text, quantity.unit)
 
 
-def add_unit(text: str, unit: str) -> str:
+def format_with_unit(text: str, unit: str) -> str:
     """Return a number with its unit; a dimensionless number has none."""
     return text if unit == '1' else f'{text} {unit}'
 
@@ -263,10 +263,10 @@ def format_bounds(low: float | None, above: float | None, high: float, unit: str
         for number in (low, above, high)
     )
     if least is not None and most is not None:
-        return add_unit(f'from {least} to {most}', unit)
+        return format_with_unit(f'from {least} to {most}', unit)
     words = [
         word + number
         for word, number in (('at least ', least), ('above ', floor), ('at most ', most))
         if number is not None
     ]
-    return add_unit(' and '.join(words), unit)
+    return format_with_unit(' and '.join(words), unit)

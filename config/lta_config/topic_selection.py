@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from lta_config.errors import unknown_name
+from lta_config.errors import unknown_name_error
 from lta_config.topics import robot_topic, Topic, TopicTable
 
 EVERYTHING = 'all'
@@ -64,7 +64,7 @@ def select_topics(words: str, robots: Sequence[str], table: TopicTable) -> dict[
     )
     for word in words.split() if words.split() != [EVERYTHING] else []:
         if word not in named and word not in table.topics:
-            raise unknown_name('topic', word, [*table.topics, *ROS_OWN, EVERYTHING])
+            raise unknown_name_error('topic', word, [*table.topics, *ROS_OWN, EVERYTHING])
     found = [absolute_topic(row[0], row[1]) for row in rows if is_selected(words, *row)]
     # With 'all' these are discovered on the graph, like any other topic
     found += [name for name in ROS_OWN if name in words.split()]

@@ -5,7 +5,7 @@ from functools import cache, cached_property
 import re
 from typing import Annotated, Literal
 
-from lta_config.errors import unknown_name
+from lta_config.errors import unknown_name_error
 from lta_config.files import load_file, share_folder, StrictModel
 from lta_config.quantity import Quantity, si_quantity
 from pydantic import AliasChoices, Field
@@ -75,7 +75,7 @@ class TopicTable(StrictModel):
     def __getitem__(self, name: str) -> Topic:
         """Return one topic; an unknown name is a `BadInput` that lists the known ones."""
         if name not in self.topics:
-            raise unknown_name('topic', name, list(self.topics))
+            raise unknown_name_error('topic', name, list(self.topics))
         return self.topics[name]
 
     @cached_property

@@ -17,7 +17,7 @@ WIDE: Final = 10**6  # characters per line, so that no value is folded
 Way = Sequence[str]
 
 
-def _parse_text(text: str) -> Any:  # noqa: ANN401 - as YAML has it
+def _parse_yaml_text(text: str) -> Any:  # noqa: ANN401 - as YAML has it
     """Return the content of a YAML text."""
     return yaml.load(text, Loader=yaml.CSafeLoader)
 
@@ -31,7 +31,7 @@ def format_inline(value: Any) -> str:  # noqa: ANN401 - as YAML has it
     return text.removesuffix('\n').removesuffix('\n...')
 
 
-def set_value(text: str, way: Way, value: Any) -> str:  # noqa: ANN401 - as YAML has it
+def set_yaml_value(text: str, way: Way, value: Any) -> str:  # noqa: ANN401 - as YAML has it
     """
     Return a file's text with a value set at a path.
 
@@ -50,13 +50,13 @@ def set_value(text: str, way: Way, value: Any) -> str:  # noqa: ANN401 - as YAML
         If the path leads through something that is not a mapping.
 
     """
-    content = _parse_text(text)
+    content = _parse_yaml_text(text)
     wanted = _set_in_content(content, list(way), value)
     node = yaml.compose(text, Loader=yaml.CSafeLoader)
     try:
         new = _set_in_text(text, node, list(way), value)
         # Accept the edited text only if it means what was intended
-        if _parse_text(new) == wanted:
+        if _parse_yaml_text(new) == wanted:
             return new
     except (yaml.YAMLError, ValueError):
         pass
@@ -108,15 +108,15 @@ def _append_line(text: str, node: yaml.MappingNode, line: str) -> str:
         raise ValueError('an empty mapping in blocks')
     # Indent as the first key
     column = node.value[0][0].start_mark.column
-    end = text.find('\n', _find_end(node))
+    end = text.find('\n', _find_value_end(node))
     end = len(text) if end < 0 else end
     return f'{text[:end]}\n{" " * column}{line}{text[end:]}'
 
 
-def _find_end(node: yaml.Node) -> int:
+def _find_value_end(node: yaml.Node) -> int:
     """Return the end of the last value in a node, without trailing comments."""
     if isinstance(node, yaml.MappingNode | yaml.SequenceNode) and not node.flow_style:
         last = node.value[-1]
-        return _find_end(last[1] if isinstance(last, tuple) else last)
+        return _find_value_end(last[1] if isinstance(last, tuple) else last)
     end: int = node.end_mark.index
     return end

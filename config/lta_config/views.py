@@ -13,7 +13,7 @@ from importlib import import_module
 import sys
 from typing import Annotated, Literal, NamedTuple, Self
 
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_config.files import load_file, share_folder, StrictModel
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import is_name, load_topic_table, robot_topic, Topic
@@ -133,7 +133,7 @@ def load_views() -> Views:
 def main(words: list[str]) -> None:
     """Write one layout to standard output."""
     if len(words) != 1 or words[0] not in LAYOUTS:
-        raise unknown_name('layout', ' '.join(words), list(LAYOUTS))
+        raise unknown_name_error('layout', ' '.join(words), list(LAYOUTS))
     # Imported late, because both modules import this one
     maker = import_module(f'lta_config.views_{words[0]}')
     sys.stdout.write(maker.build_layout(load_views()))

@@ -203,7 +203,7 @@ def split_layout(direction: str, items: Sequence[tuple[Any, float]]) -> Any:  # 
     }
 
 
-def build_layout(views: Views) -> str:
+def build_foxglove_layout(views: Views) -> str:
     """Return the layout as JSON text."""
     configs: dict[str, Config] = {}
     tabs = []

@@ -48,7 +48,7 @@ def _add_plot(parent: ET.Element, views: Views, panel: ViewPanel) -> None:
         ET.SubElement(plot, 'curve', name=curve_name(views, series), color=colour)
 
 
-def build_layout(views: Views) -> str:
+def build_plotjuggler_layout(views: Views) -> str:
     """Return the layout as XML text."""
     root = ET.Element('root')
     named = {'name': 'Main Window', 'parent': 'main_window'}

@@ -20,8 +20,8 @@ from discovery.hidden_flight import flown, nominal, prepared
 from lta_discovery.fit.evidence import build_prior
 from lta_discovery.fit.joint_fit import fit_flight
 from lta_discovery.flights.measured_flight import FlightStreams, PERIOD, Stream
-from lta_discovery.replay.linearized_flight import build_origin
-from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
 from lta_discovery.selection.candidate_scan import scan_candidates
 import numpy as np
 from scipy.signal import savgol_filter
@@ -57,7 +57,9 @@ def look(length: int) -> None:
     """Fit a flight, then look at every candidate."""
     vehicle, knobs = nominal()
     one, prior = flight(length), build_prior(knobs)
-    fitted = fit_flight(one, vehicle, prior, build_origin(vehicle, knobs, one.replay.cut))
+    fitted = fit_flight(
+        one, vehicle, prior, unchanged_vehicle_point(vehicle, knobs, one.replay.cut)
+    )
     seen = scan_candidates(fitted.reduced, fitted.linear.point.values, prior, knobs)
     if len(seen) < 20:
         raise RuntimeError(f'only {len(seen)} candidates were looked at')
@@ -74,7 +76,7 @@ def taken(work: object, length: int) -> float:
 def peak(length: int) -> float:
     """Return the greatest memory that a linearisation takes. [MB]"""
     one, (vehicle, knobs) = flight(length), nominal()
-    point = build_origin(vehicle, knobs, one.replay.cut)
+    point = unchanged_vehicle_point(vehicle, knobs, one.replay.cut)
     tracemalloc.start()
     one.linearize(point)
     most = tracemalloc.get_traced_memory()[1]
@@ -87,7 +89,9 @@ def regress(length: int) -> None:
     vehicle, knobs = nominal()
     one = flight(length)
     first = one.random
-    columns, left = one.compute_columns(build_origin(vehicle, knobs, one.replay.cut))
+    columns, left = one.compute_whitened_columns(
+        unchanged_vehicle_point(vehicle, knobs, one.replay.cut)
+    )
     # Of the pose: seconds differences of position and turn, of what is left and of each column.
     known = np.isfinite(left[..., :6]).all(axis=(1, 2))
     rates = [

@@ -14,7 +14,7 @@ from lta_config.topics import load_topic_table
 from lta_flight.batch.batch_flight import BatchFlight, build_flight
 from lta_flight.batch.flight_loop import FIGURES
 from lta_flight.batch.fly import Device, fly_many
-from lta_flight.flight_spec import build_parts, load_spec
+from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
 import numpy as np
 
 FLIGHTS = 200
@@ -24,7 +24,9 @@ HOVER = (0.13, 0.13, 0.0, 0.0)  # of GT-MAB's vertical pair, about
 def flight(duties: tuple[float, ...] = ()) -> BatchFlight:
     """Return the paper's flight."""
     return build_flight(
-        *build_parts(load_spec('gtmab', 'lamp_room', 'bag', 'gtmab')), load_topic_table(), duties
+        *build_vehicle_scenario_stack(load_spec('gtmab', 'lamp_room', 'bag', 'gtmab')),
+        load_topic_table(),
+        duties,
     )
 
 

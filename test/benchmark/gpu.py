@@ -16,7 +16,7 @@ from bench import Figure
 from fleet import realtime
 from gtmab import scattered, STEP
 from lta_sim.kernels import gpu
-from lta_sim.kernels.batch import advance_many
+from lta_sim.kernels.cpu_batch import advance_many
 from lta_sim.kernels.vehicle_batch import VehicleBatch
 import numpy as np
 

@@ -16,7 +16,7 @@ import time
 
 from bench import Figure
 from gtmab import DUTY, scattered, start, STEP, SURROUNDED, vehicle
-from lta_sim.kernels.batch import advance_many
+from lta_sim.kernels.cpu_batch import advance_many
 from lta_sim.kernels.kernel import advance
 import numpy as np
 

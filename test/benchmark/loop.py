@@ -18,7 +18,7 @@ from typing import Any
 from bench import Figure
 from lta_config.topics import load_topic_table
 from lta_control.gains_file import load_gains
-from lta_control.strategies import find_strategy
+from lta_control.strategies import find_navigation_strategy
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_stack import FlightStack
 from lta_model.scenario import load_scenario
@@ -47,7 +47,7 @@ def start() -> ClosedLoop:
     """Return a flight before its first step."""
     scenario, table = load_scenario('lamp_room'), load_topic_table()
     vehicle = load_vehicle('gtmab', scenario.air.density)
-    policy = FlightStack(find_strategy('bag'), load_gains('gtmab'))
+    policy = FlightStack(find_navigation_strategy('bag'), load_gains('gtmab'))
     return ClosedLoop(World(vehicle, scenario, table, SEED), table, policy)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import re
 
 from lta_cli.reference.thresholds import list_thresholds, PARTS, read_sources, SHAPES
-from lta_discovery.finding import DiscoveryFinding
+from lta_discovery.finding import StudyResult
 from lta_discovery.results.discovery_json import to_dict
 import pytest
 
@@ -70,5 +70,5 @@ def test_the_page_lists_the_keys_of_the_result():
     text = PAGE.read_text(encoding='utf-8')
     table = text[text.index('`discovery.json`:') : text.index('## The demonstration')]
     listed = re.findall(r'^\| (`[^|]+) \|', table, re.MULTILINE)
-    nothing = DiscoveryFinding('none', (), (), (), (), False, (), (), 1, {}, 'gtmab')
+    nothing = StudyResult('none', (), (), (), (), False, (), (), 1, {}, 'gtmab')
     assert {key.strip('`') for row in listed for key in row.split(', ')} == set(to_dict(nothing))

@@ -5,7 +5,7 @@ import re
 
 from doc_blocks import blocks, PAGES, pieces, ROOT, run, settings_spoken, simple, spoken, stage
 from lta_cli.app import build_app, repeat_options
-from lta_config.files import find_file, list_shipped
+from lta_config.files import find_file, list_shipped_names
 from lta_graph.launch_file import list_arguments
 import pytest
 from typer.main import get_command
@@ -84,7 +84,7 @@ def test_a_setting_in_running_text_is_one_of_a_launch_file_or_of_a_node(page, of
     if of_node:
         assert f'`{name}`' in (ROOT / 'docs/parameters.md').read_text()
         return
-    files = [find_file('launch file', one, SUFFIX) for one in list_shipped('launch', SUFFIX)]
+    files = [find_file('launch file', one, SUFFIX) for one in list_shipped_names('launch', SUFFIX)]
     assert name in {argument.name for file in files for argument in list_arguments(file)}
 
 

@@ -12,7 +12,7 @@ import runpy
 import sys
 
 from catkin_pkg.package import parse_package
-from lta_cli.doctor.machine import check_python
+from lta_cli.doctor.machine import check_python_version
 from lta_config.version import VERSION
 import pytest
 import yaml
@@ -215,9 +215,9 @@ def test_python_versions_are_the_same_everywhere():
     lock = runpy.run_path(str(ROOT / 'tools/lock.py'))
     assert lock['PYTHONS'] == tuple(f'3.{minor}' for minor in range(int(lowest), int(end)))
     for outside in (int(lowest) - 1, int(end)):
-        assert f'LTA needs {words}:' in check_python((3, outside)).remedy
+        assert f'LTA needs {words}:' in check_python_version((3, outside)).remedy
     for bound in (int(lowest), int(end) - 1):
-        assert check_python((3, bound)).state == 'ok'
+        assert check_python_version((3, bound)).state == 'ok'
 
 
 def test_packages_depend_to_the_left_only_as_the_architecture_says():

@@ -5,7 +5,7 @@ from pathlib import Path
 from lta_cli.app import VERBS
 from lta_cli.reference.__main__ import PAGES, render_page
 from lta_config.errors import BadInput
-from lta_config.files import list_shipped
+from lta_config.files import list_shipped_names
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -22,7 +22,7 @@ def test_every_verb_vehicle_and_node_has_its_place():
         render_page(name) for name in ('verbs', 'vehicles', 'parameters')
     )
     assert all(f'\n## lta {name}\n' in verbs for name in VERBS)
-    assert all(f'\n## {name}\n' in vehicles for name in list_shipped('vehicles'))
+    assert all(f'\n## {name}\n' in vehicles for name in list_shipped_names('vehicles'))
     nodes = [path for path in ROOT.glob('src/*/lta_*/nodes/*.py') if path.stem != '__init__']
     assert nodes
     assert all(f'\n## {node.parts[-3]} {node.stem}\n' in parameters for node in nodes)

@@ -13,7 +13,7 @@ from lta_bridge.nodes.recorder import RecorderSettings
 from lta_bridge.nodes.teensy_bridge import TeensyBridgeSettings
 from lta_bridge.nodes.teleop import TeleopSettings
 from lta_bridge.nodes.tracker import TrackerSettings
-from lta_bridge.playback.node_selection import list_answering_roles, select_nodes
+from lta_bridge.playback.node_selection import list_replayable_roles, select_nodes
 from lta_config.settings import Settings
 from lta_config.topics import load_topic_table, Topic
 from lta_control.nodes.controller import ControllerSettings
@@ -185,7 +185,11 @@ def test_an_answer_has_the_rhythm_of_what_it_answers():
 
 
 def test_a_replay_runs_or_plays_every_node_of_the_graph():
-    assert set(list_answering_roles(TABLE)) == set(NODES) - {*SOURCES.values(), 'recorder', 'live'}
+    assert set(list_replayable_roles(TABLE)) == set(NODES) - {
+        *SOURCES.values(),
+        'recorder',
+        'live',
+    }
     whole = select_nodes(TABLE, [], [])
     sent = {*whole.played, *whole.answers}
     assert {name for name, topic in TABLE.topics.items() if topic.repeatable} == sent

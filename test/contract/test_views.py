@@ -160,9 +160,9 @@ def test_a_curve_is_one_that_plotjuggler_makes(curve):
 
 def test_both_layouts_are_fresh():
     views = load_views()
-    made = views_foxglove.build_layout(views)
+    made = views_foxglove.build_foxglove_layout(views)
     assert (ROOT / 'config/foxglove/lta.json').read_text(encoding='utf-8') == made
-    made = views_plotjuggler.build_layout(views)
+    made = views_plotjuggler.build_plotjuggler_layout(views)
     assert (ROOT / 'config/plotjuggler/lta.xml').read_text(encoding='utf-8') == made
 
 
@@ -172,7 +172,7 @@ def test_an_image_of_light_ends_where_the_vehicles_converter_does(tmp_path):
     path = tmp_path / 'fine.yaml'
     path.write_text(yaml.safe_dump(content), encoding='utf-8')
     views = load_views().model_copy(update={'vehicle': str(path)})
-    configs = json.loads(views_foxglove.build_layout(views))['configById'].values()
+    configs = json.loads(views_foxglove.build_foxglove_layout(views))['configById'].values()
     (image,) = [config['imageMode'] for config in configs if 'imageMode' in config]
     assert image['maxValue'] == 65535.0
 

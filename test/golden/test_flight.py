@@ -14,7 +14,7 @@ import sys
 
 from lta_config.topics import load_topic_table
 from lta_control.gains_file import load_gains
-from lta_control.strategies import find_strategy
+from lta_control.strategies import find_navigation_strategy
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_stack import FlightStack
 from lta_model.scenario import load_scenario
@@ -41,7 +41,9 @@ def flown(gains=None, nudge=0.0):
     world = World(vehicle, scenario, table, SEED)
     world.state[2] += nudge
     loop = ClosedLoop(
-        world, table, FlightStack(find_strategy('bag'), gains=gains or load_gains('gtmab'))
+        world,
+        table,
+        FlightStack(find_navigation_strategy('bag'), gains=gains or load_gains('gtmab')),
     )
     rows = []
     for step in range(1, STEPS + 1):

@@ -78,7 +78,7 @@ def test_every_figure_is_found_again_within_its_rounding(row, studied):
 def test_the_page_tells_what_was_found(rows, studied):
     kepts = studied(rows)
     text = render_page(rows, kepts, {})
-    assert lines.format_title(rows, kepts).replace("'", '&#x27;') in text
+    assert lines.format_headline(rows, kepts).replace("'", '&#x27;') in text
     for row in rows:
         assert f'id="{row.name}"' in text
         for picture in kepts[row.name].pictures:
@@ -91,7 +91,9 @@ def test_the_document_is_made_of_the_full_run_and_of_the_rows_as_they_are():
     kepts = kepts_in(told)
     docs = HERE.parents[1] / 'docs'
     rows = [row for row in ROWS if row.name in kepts]
-    assert (docs / 'paper.md').read_text(encoding='utf-8') == markdown.format_page(rows, kepts)
+    assert (docs / 'paper.md').read_text(encoding='utf-8') == markdown.format_markdown_page(
+        rows, kepts
+    )
     for row in rows:
         first = kepts[row.name].pictures[0]
         assert (docs / markdown.IMAGES / f'{row.name}-{first.name}.png').exists()

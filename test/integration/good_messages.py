@@ -44,11 +44,11 @@ def good(name: str, stamp_ns: int) -> Any:
     stamp = to_stamp(stamp_ns)
     header = Header(stamp=stamp, frame_id=TABLE[name].frame)
     made = {
-        'imu': lambda: messages.build_imu(stamp, (0.0, 0.0, 9.81), (0.0, 0.0, 0.0), NOISE),
-        'range': lambda: messages.build_range(stamp, 1.0, RANGE),
-        'pressure': lambda: messages.build_pressure(stamp, 101325.0, 1.0),
-        'photodiodes': lambda: messages.build_light_block(stamp, BLOCK),
-        'illuminance': lambda: messages.build_illuminance(stamp, 300.0),
+        'imu': lambda: messages.build_imu_message(stamp, (0.0, 0.0, 9.81), (0.0, 0.0, 0.0), NOISE),
+        'range': lambda: messages.build_range_message(stamp, 1.0, RANGE),
+        'pressure': lambda: messages.build_pressure_message(stamp, 101325.0, 1.0),
+        'photodiodes': lambda: messages.build_light_block_message(stamp, BLOCK),
+        'illuminance': lambda: messages.build_illuminance_message(stamp, 300.0),
         'battery': lambda: messages.build_battery_state(stamp, 3.9, -0.3, 'battery'),
         'panel': lambda: messages.build_battery_state(stamp, 2.0, 0.01, 'panel'),
         'odom': lambda: odom(stamp),
@@ -66,7 +66,7 @@ def good(name: str, stamp_ns: int) -> Any:
         'energy/reserve': lambda: Bool(data=False),
         'energy/battery': lambda: messages.build_battery_state(stamp, 3.9, -0.3, 'battery'),
         'energy/status': lambda: health('energy', power_in_W=0.1),
-        'wind': lambda: messages.build_wind(stamp, (0.1, 0.0, 0.0)),
+        'wind': lambda: messages.build_wind_message(stamp, (0.1, 0.0, 0.0)),
         '/clock': lambda: Clock(clock=stamp),
         '/diagnostics': lambda: health('controller: links', motors=2, held=False),
     }

@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-from lta_challenge.make import ChallengeRequest, make_challenge
+from lta_challenge.make import ChallengeRequest, generate_challenge
 from lta_challenge.page import write_page
 from lta_challenge.score import ChallengeScore, score_challenge, write_score
 from lta_challenge.score_statistics import CLEAR
@@ -21,7 +21,9 @@ SECONDS = (60.0, 60.0)  # of a flight: the least that a challenge has by default
 def scored(tmp_path_factory: pytest.TempPathFactory) -> tuple[ChallengeScore, Path]:
     """Make and score a challenge."""
     folder = tmp_path_factory.mktemp('challenge') / 'hidden'
-    make_challenge(ChallengeRequest(20, MANY, 'base', None, SECONDS), folder, count_processors())
+    generate_challenge(
+        ChallengeRequest(20, MANY, 'base', None, SECONDS), folder, count_processors()
+    )
     return score_challenge(folder, count_processors()), folder
 
 

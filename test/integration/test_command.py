@@ -12,7 +12,7 @@ import time
 
 from lta_cli.doctor import CHECKS
 from lta_config.compilation.kernel_cache import cache_root
-from lta_config.files import list_shipped
+from lta_config.files import list_shipped_names
 from lta_control.strategies import STRATEGIES
 import pytest
 from waiting import PATIENCE
@@ -25,7 +25,7 @@ COMMANDS = {
     'vehicle': (['fly', '--vehicle', 'zeppelin'], "Unknown vehicle 'zeppelin'; known: "),
     'scenario': (
         ['fly', '--scenario', 'moon'],
-        f"Unknown scenario 'moon'; known: {', '.join(list_shipped('scenarios'))}.",
+        f"Unknown scenario 'moon'; known: {', '.join(list_shipped_names('scenarios'))}.",
     ),
     'strategy': (
         ['fly', '--strategy', 'luck'],

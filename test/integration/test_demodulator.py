@@ -7,7 +7,7 @@ import time
 from lta_config.files import share_folder
 from lta_config.topics import load_topic_table
 from lta_graph.ros.stamps import from_stamp, to_stamp
-from lta_model.messages import build_light_block
+from lta_model.messages import build_light_block_message
 import numpy as np
 import pytest
 from std_msgs.msg import Float64
@@ -71,7 +71,7 @@ class Listening(Peer):
     def send(self, k, message=None):
         """Send block k; return its stamp."""
         stamp = self.stamp(k)
-        message = message or build_light_block(to_stamp(stamp), self.block)
+        message = message or build_light_block_message(to_stamp(stamp), self.block)
         message.header.stamp = to_stamp(stamp)
         self.publisher('photodiodes').publish(message)
         return stamp
@@ -136,10 +136,10 @@ def test_the_light_is_told_with_its_faults(vehicle):
     assert (values['saturated_diodes'], values['flat_diodes']) == ('2', '2')
     assert vehicle.bearings[stamp].x > 0.4  # and none of them pulls
 
-    short = build_light_block(to_stamp(0), vehicle.block[:999])
-    torn = build_light_block(to_stamp(0), vehicle.block)
+    short = build_light_block_message(to_stamp(0), vehicle.block[:999])
+    torn = build_light_block_message(to_stamp(0), vehicle.block)
     torn.data = torn.data[:-2]
-    few = build_light_block(to_stamp(0), np.ascontiguousarray(vehicle.block[:, :7]))
+    few = build_light_block_message(to_stamp(0), np.ascontiguousarray(vehicle.block[:, :7]))
     for k, message, sentence in (
         (8, short, '1000 samples by diodes are expected'),
         (9, torn, 'has 15998 bytes'),

@@ -3,9 +3,9 @@
 from dataclasses import replace
 
 from lta_discovery.page import write_page
-from lta_discovery.replay.linearized_flight import build_origin
+from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
 from lta_discovery.study import ThreeModelComparison
-from lta_discovery.unmodeled.remainders import Remainder
+from lta_discovery.unmodeled.unexplained_force import Remainder
 from lta_report.screenshots import collect_errors, COUNT_PANELS, list_requests, open_page
 import pytest
 
@@ -27,7 +27,7 @@ def page(browser, tmp_path_factory):
     shown = tuple(
         ThreeModelComparison(
             one,
-            *(build_origin(each, one.flight.knobs, one.flight.replay.cut) for each in
+            *(unchanged_vehicle_point(each, one.flight.knobs, one.flight.replay.cut) for each in
               (found.nominal, found.nominal, found.learned)),
         )
         for one in found.flights

@@ -17,7 +17,7 @@ def _source_path(monkeypatch):
 def test_two_processes_talk(monkeypatch):
     for limit in ('DEADLINE', 'SLOW'):  # how fast it is, is the machine's
         monkeypatch.setattr(dds, limit, PATIENCE)
-    check = dds.check_conversation()
+    check = dds.check_message_exchange()
     assert check.state == 'ok', check.found
     assert check.found.startswith('two processes found each other in ')
 
@@ -30,7 +30,7 @@ def test_nobody_answers():
 
 def test_a_process_that_cannot_start_says_why(monkeypatch):
     monkeypatch.setenv('RMW_IMPLEMENTATION', 'rmw_of_another_world')
-    check = dds.check_conversation()
+    check = dds.check_message_exchange()
     assert check.state == 'fail'
     assert check.found
     assert check.remedy

@@ -9,7 +9,7 @@ import time
 
 from lta_config.topics import load_topic_table
 from lta_data.bag.reader import read_bag
-from lta_graph.stall_attribution import find_stalled_roles
+from lta_graph.stall_attribution import find_stalling_roles
 import pytest
 
 NODES = ('estimator', 'controller', 'demodulator', 'navigator', 'energy_monitor', 'recorder')
@@ -35,7 +35,7 @@ def test_a_node_that_hangs_and_then_dies_is_named_twice(lta, flying, hear, tmp_p
 
     os.kill(pid, signal.SIGSTOP)
     if name != 'recorder':  # for whom nobody waits
-        hear(lambda facts: find_stalled_roles(facts.values()) == [name])
+        hear(lambda facts: find_stalling_roles(facts.values()) == [name])
     flight.said(f'Nothing comes from {name}.')
 
     os.kill(pid, signal.SIGKILL)

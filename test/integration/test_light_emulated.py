@@ -98,7 +98,7 @@ def test_its_samples_come_through_the_bridge_whole_and_in_our_time(built, switch
             elif frame.message is LTA_LIGHT_STATUS:
                 overruns = int(record['overruns'])
                 assert link.blocks.lost <= overruns  # none lost but by the board, which tells it
-        blocks += link.receive_data(data, now + 2 * FRAME)
+        blocks += link.receive_bytes(data, now + 2 * FRAME)
         if len(blocks) >= ENOUGH:
             break
     assert (link.fault, link.framing.crc_errors, link.framing.unknown) == ('', 0, 0)

@@ -73,7 +73,7 @@ def test_every_sample_comes_through_in_order(built, tmp_path, diodes):
     link, blocks, unsure = LightBoard(LIGHT, diodes), [], []
     for cable, data in run(built, tmp_path, samples, RATE, DRIFT):
         cable.write(link.compose_due_messages(time.monotonic_ns()))
-        for block in link.receive_data(data, time.monotonic_ns()):
+        for block in link.receive_bytes(data, time.monotonic_ns()):
             blocks.append(block)
             unsure.append(link.clock.uncertainty)
     assert (link.blocks.lost, link.framing.crc_errors, link.framing.unknown) == (0, 0, 0)
@@ -105,7 +105,7 @@ def test_its_answers_tell_its_clock(built, tmp_path):
     quick = sorted(answers, key=lambda answer: answer.round_trip)[: len(answers) // 2]
     assert len(quick) > 10
     first = quick[0]
-    ours = [1e-9 * (answer.midpoint - first.midpoint) for answer in quick]
+    ours = [1e-9 * (answer.host_midpoint - first.host_midpoint) for answer in quick]
     board = [1e-9 * (answer.board - first.board) for answer in quick]
     assert np.polyfit(ours, board, 1)[0] == pytest.approx(1.02, abs=5e-3)
 
@@ -113,7 +113,7 @@ def test_its_answers_tell_its_clock(built, tmp_path):
 def test_peaks_are_those_of_the_wave(built, tmp_path):
     """A square wave of height h has a fundamental of 2 h / pi sin(pi duty); the rest is known."""
     times = (np.arange(3000) * 1e9 / RATE).astype(np.int64)
-    wave = SquareWave(150.0).sample(times)
+    wave = SquareWave(150.0).sample_wave(times)
     heights = np.array([0, 10, 40, 160, 640, 1000, 2000, 3000])
     samples = 500 + np.outer(wave, heights)
     framing, peaks = FrameParser(), []
@@ -145,7 +145,7 @@ def test_the_lamp_keeps_frequency_and_duty(built, frequency, duty):
     assert found.mean() == pytest.approx(duty, abs=1e-4)
     # Midway between ticks, where rounding cannot decide.
     moments = ((np.arange(ticks) + 0.5) / (rate * (1.0 + drift)) * 1e9).astype(np.int64)
-    expected = SquareWave(frequency, duty).sample(moments)
+    expected = SquareWave(frequency, duty).sample_wave(moments)
     edges = 2 * frequency * ticks / rate
     assert np.count_nonzero(expected != found) <= edges
 

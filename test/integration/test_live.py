@@ -189,8 +189,8 @@ def test_a_viewer_that_takes_nothing_keeps_no_other_from_seeing(port):
             viewer.times.clear()
 
         wait_until(lambda: server.audience.viewer_count == 2, 'both viewers', step=tell)
-        assert server.audience.pop_newcomer('/block')
-        assert not server.audience.pop_newcomer('/block')
+        assert server.audience.has_new_viewer('/block')
+        assert not server.audience.has_new_viewer('/block')
         for k in range(2000):  # 32 MB: more than any socket holds
             server.send_message('/block', bytes(16_000), k)
         server.send_message('/block', b'the end', 2000)

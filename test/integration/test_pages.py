@@ -10,8 +10,8 @@ from lta_cli import app
 from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
 from lta_flight.replay.page import write_page as write_replay
-from lta_flight.replay.request import ReplayRequest
-from lta_flight.replay.verdict import compare_flights
+from lta_flight.replay.replay_request import ReplayRequest
+from lta_flight.replay.verdict import compare_with_recording
 from lta_flight.report import write_page
 from lta_report.screenshots import (
     capture_part,
@@ -176,7 +176,7 @@ def replay(folder, call):
         for at, data in speeds[5:]:
             writer.write(velocity, shift_stamp(data, -500_000_000), at - 500_000_000)
     order = ReplayRequest(LAMP, ('demodulator', 'navigator'))
-    found = compare_flights(
+    found = compare_with_recording(
         open_flight(LAMP), open_flight(folder / 'bag'), order.node_selection.answers
     )
     assert found.word == 'different'

@@ -10,7 +10,7 @@ import subprocess
 
 from lta_bridge.bag.qos import build_offered_qos
 from lta_bridge.bag.writer import BagWriter
-from lta_bridge.message_accounting import read_stamp
+from lta_bridge.log_time_assigner import read_stamp
 from lta_bridge.playback.message_iterator import shift_stamp
 from lta_data.bag.reader import read_bag
 from lta_flight.progress import FlightProgress

@@ -17,7 +17,7 @@ import sys
 from typing import Any
 
 from lta_bridge.nodes.crazyflie_bridge import CrazyflieBridge
-from lta_bridge.nodes.live import LiveNode
+from lta_bridge.nodes.live import LiveViewNode
 from lta_bridge.nodes.teleop import Teleop
 from lta_control.nodes.controller import Controller
 from lta_control.nodes.estimator import Estimator
@@ -50,7 +50,7 @@ NODES: dict[str, type[GraphNode]] = {
     'simulator': Simulator,
     'crazyflie_bridge': CrazyflieBridge,
     'teleop': Teleop,
-    'live': LiveNode,
+    'live': LiveViewNode,
 }
 BESIDE = {  # topics that a node hears as they come, beside what the table says that it answers
     'controller': ['teleop/held', 'teleop/pose', 'teleop/velocity'],

@@ -159,7 +159,9 @@ def test_the_bearing_is_that_of_the_simulated_light_and_a_pulled_cable_is_shown(
         assert stamp == pytest.approx(bench.begun + k * BLOCK_NS, abs=known)
         assert (blocks.get(stamp, samples) == samples).all()
         towards = estimate_bearing(
-            listener.demodulate(samples).peaks[0], ring, DemodulationSettings().threshold
+            listener.demodulate_next_block(samples).peaks[0],
+            ring,
+            DemodulationSettings().threshold,
         )
         assert found == ((towards.x, towards.y) if towards else (0.0, 0.0))
     assert any(x or y for x, y in bench.bearings.values())

@@ -31,7 +31,7 @@ class Watched:
         self._bench.advance(now, wish)
 
     def read_values(self):
-        return self._bench.read_values()
+        return self._bench.read_log_values()
 
 
 @pytest.fixture

@@ -1,6 +1,6 @@
 """The page of a vehicle in a real browser: nothing to complain of, everything drawn, to scale."""
 
-from lta_config.files import list_shipped
+from lta_config.files import list_shipped_names
 from lta_model.vehicle import load_vehicle
 from lta_report.screenshots import collect_errors, list_requests, open_page
 from lta_vehicle.figures.sheet import build_sheet
@@ -15,12 +15,12 @@ BOX = """(() => { const { x, y, width, height } = document.querySelector('%s').g
 @pytest.fixture(scope='module')
 def pages(browser, tmp_path_factory):
     folder = tmp_path_factory.mktemp('vehicles')
-    for name in list_shipped('vehicles'):
+    for name in list_shipped_names('vehicles'):
         write_page(build_sheet(load_vehicle(name)), [WARNING], name, folder / f'{name}.html')
     return folder
 
 
-@pytest.mark.parametrize('name', list_shipped('vehicles'))
+@pytest.mark.parametrize('name', list_shipped_names('vehicles'))
 @pytest.mark.parametrize(('theme', 'width'), [('dark', 1280), ('light', 390)])
 def test_every_vehicle_has_a_page_without_a_complaint_or_a_request(
     browser, pages, name, theme, width

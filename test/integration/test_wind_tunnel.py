@@ -4,8 +4,8 @@ from lta_sim.cfd.flow_plan import TunnelFlow
 from lta_sim.cfd.flow_solvers import ThreadedFlowSolver
 from lta_sim.cfd.openfoam.engine import has_openfoam
 from lta_sim.cfd.solve import solve_sweep
-from lta_sim.cfd.tunnel import build_steady_wind, COARSE
-from lta_sim.cfd.validation import build_sphere, compare_point
+from lta_sim.cfd.tunnel import build_steady_wind_case, COARSE
+from lta_sim.cfd.validation import build_sphere_model, compare_sphere_drag
 import pytest
 
 AIR = (1.2, 1.5e-5)
@@ -15,15 +15,15 @@ SLOW = 0.2  # m/s, where the steady model is right
 @pytest.mark.long
 @pytest.mark.skipif(not has_openfoam(), reason='OpenFOAM is not installed')
 def test_a_slow_sphere_brakes_as_spheres_do(tmp_path):
-    model = build_sphere()
+    model = build_sphere_model()
     flow = TunnelFlow(
-        'wind', 'surge', build_steady_wind(model, 'surge', AIR[1], COARSE, (SLOW,)), (SLOW,)
+        'wind', 'surge', build_steady_wind_case(model, 'surge', AIR[1], COARSE, (SLOW,)), (SLOW,)
     )
     crew = ThreadedFlowSolver(tmp_path, 1, lambda *_: None)
     axes, _, refused, _ = solve_sweep(crew, model, [flow], AIR, lambda _: None)
     assert refused == {}
     (point,) = axes['surge']
-    found = compare_point('coarse', point, AIR)
+    found = compare_sphere_drag('coarse', point, AIR)
     assert found.coefficient == pytest.approx(found.measured, rel=0.1)
     assert point.force[1:] == [0.0, 0.0]
     assert point.evidence.balance < 0.05

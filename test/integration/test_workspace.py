@@ -16,7 +16,7 @@ import time
 
 from diagnostic_msgs.msg import DiagnosticArray
 from lta_config.files import find_file
-from lta_graph.child_process import build_environment as node_environment
+from lta_graph.child_process import build_node_environment as node_environment
 from lta_graph.launch_file import load_plan
 from ports import free_port
 import pytest

@@ -16,16 +16,16 @@ from lta_challenge.contradictions import (
 from lta_discovery.conclusion import draw_conclusion
 from lta_discovery.finding import (
     AssumedValue,
-    DiscoveryFinding,
-    LadderRung,
+    ChannelErrors,
     NamedEffect,
     ParameterEstimate,
-    PredictionGap,
+    SearchCandidate,
+    StudyResult,
 )
-from lta_discovery.fit.bounds import format_strained_tolerances
+from lta_discovery.fit.bounds import format_bounds_warning
 from lta_discovery.forecast.forecast_warnings import list_forecast_warnings
-from lta_discovery.unmodeled.draught import DraughtFinding
-from lta_discovery.unmodeled.remainders import Remainder
+from lta_discovery.unmodeled.draught import DraughtEstimate
+from lta_discovery.unmodeled.unexplained_force import Remainder
 from lta_model.effects import EFFECTS
 import pytest
 
@@ -46,7 +46,7 @@ def gaps(draw, named):
     shrink, half = 1.0 - after / before, draw(st.floats(0.01, 0.5))
     channel = draw(st.sampled_from(['position', 'attitude', 'q']))
     ends = shrink - half, shrink + half
-    return PredictionGap(
+    return ChannelErrors(
         channel, 'm', draw(st.sampled_from([1.0, 3.0, 5.0])), before, tuned, after, coast, 0.001,
         shrink, ends, 9,
     )  # fmt: skip
@@ -72,7 +72,9 @@ def effects(draw):
 def rungs(draw):
     """One candidate of a round."""
     numbers = (draw(NATS) for _ in range(3))
-    return LadderRung(draw(st.sampled_from(KNOBS)), *numbers, draw(st.floats(0.0, 9.0)), False)
+    return SearchCandidate(
+        draw(st.sampled_from(KNOBS)), *numbers, draw(st.floats(0.0, 9.0)), False
+    )
 
 
 @st.composite
@@ -90,44 +92,44 @@ def findings(draw):
         said = ('an oscillation of the pitch rate at 2.0 Hz, 0.02 rad/s',)
     ladder = [draw(st.lists(rungs(), max_size=3))]
     ladder += [
-        [LadderRung(knob, 60.0, 30.0, 30.0, 0.3, True)] for one in named for knob in one.knobs
+        [SearchCandidate(knob, 60.0, 30.0, 30.0, 0.3, True)] for one in named for knob in one.knobs
     ]
     if draw(st.booleans()):  # what a round named and the proof gave up
-        ladder.append([LadderRung(draw(st.sampled_from(KNOBS)), 12.0, 7.0, 7.0, 0.3, True)])
+        ladder.append([SearchCandidate(draw(st.sampled_from(KNOBS)), 12.0, 7.0, 7.0, 0.3, True)])
     told_gaps = tuple(draw(st.lists(gaps(bool(named)), max_size=4)))
     strained = ('vehicle.mass',) if draw(st.booleans()) else ()
-    warnings = format_strained_tolerances(strained)
-    return DiscoveryFinding(
+    warnings = format_bounds_warning(strained)
+    return StudyResult(
         verdict, named, tuple(map(tuple, ladder)), (), told_gaps, True, remains,
         (*warnings, *list_forecast_warnings(told_gaps)), 1,
         {'train': ('a',), 'confirm': ('b',)}, 'gtmab',
-        unexplained=said, draught=DraughtFinding(0.001, 0.003) if draw(st.booleans()) else None,
+        unexplained=said, draught=DraughtEstimate(0.001, 0.003) if draw(st.booleans()) else None,
         strained=strained,
     )  # fmt: skip
 
 
 @settings(max_examples=150)
 @given(findings())
-def test_no_study_contradicts_itself(found: DiscoveryFinding) -> None:
+def test_no_study_contradicts_itself(found: StudyResult) -> None:
     assert find_contradictions(found) == []
 
 
 @pytest.fixture
-def named() -> DiscoveryFinding:
+def named() -> StudyResult:
     """Drag was missing, and the flights cannot tell which."""
     drag = NamedEffect(
         'linear_drag', ('linear_drag.surge',),
         (ParameterEstimate('surge', 'N s/m', 0.01, 0.02, (0.019, 0.021)),), 40.0,
         ('quadratic_drag.surge',),
     )  # fmt: skip
-    gap = PredictionGap('position', 'm', 5.0, 0.3, 0.2, 0.1, 1.0, 0.002, 0.66, (0.6, 0.7), 9)
-    rungs = ((LadderRung('linear_drag.surge', 30.0, 20.0, 20.0, 0.1, True),),)
+    gap = ChannelErrors('position', 'm', 5.0, 0.3, 0.2, 0.1, 1.0, 0.002, 0.66, (0.6, 0.7), 9)
+    rungs = ((SearchCandidate('linear_drag.surge', 30.0, 20.0, 20.0, 0.1, True),),)
     bags = {'train': ('a',), 'confirm': ('b',)}
-    return DiscoveryFinding('named', (drag,), rungs, (), (gap,), True, (), (), 1, bags, 'gtmab')
+    return StudyResult('named', (drag,), rungs, (), (gap,), True, (), (), 1, bags, 'gtmab')
 
 
 def test_the_laws_find_a_page_that_retracts(
-    named: DiscoveryFinding, monkeypatch: pytest.MonkeyPatch
+    named: StudyResult, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Each law, broken by one word in one place."""
     assert find_contradictions(named) == []
@@ -149,7 +151,9 @@ def test_the_laws_find_a_page_that_retracts(
         'only one of headline and JSON': said._replace(headline=said.headline.partition(':')[0]),
         'the advice differs': said._replace(terminal=said.terminal.replace('Use', 'Keep')),
     }
-    other = replace(named, ladder=((LadderRung('net_lift.force', 30.0, 20.0, 20.0, 0.1, True),),))
+    other = replace(
+        named, ladder=((SearchCandidate('net_lift.force', 30.0, 20.0, 20.0, 0.1, True),),)
+    )
     other = replace(other, unexplained=('a line',), verdict='named+unexplained')
     for words, changed in broken.items():
         monkeypatch.setattr(f'{place}.render_study', lambda _found, changed=changed: changed)
@@ -157,7 +161,7 @@ def test_the_laws_find_a_page_that_retracts(
         assert any(words in one for one in find_contradictions(finding)), words
 
 
-def test_each_phrase_of_the_laws_is_one_that_some_study_says(named: DiscoveryFinding) -> None:
+def test_each_phrase_of_the_laws_is_one_that_some_study_says(named: StudyResult) -> None:
     """A law about words that no page has any more could not fail."""
     gap = named.gaps[0]
     tight = replace(gap, tuned=0.29, after=0.29, shrink=0.03, shrink_ci95=(-0.1, 0.1))
@@ -177,10 +181,10 @@ def test_each_phrase_of_the_laws_is_one_that_some_study_says(named: DiscoveryFin
         bare,
         replace(bare, gaps=(tight,)),
         replace(
-            bare, gaps=(tight,), strained=('a',), warnings=tuple(format_strained_tolerances(['a']))
+            bare, gaps=(tight,), strained=('a',), warnings=tuple(format_bounds_warning(['a']))
         ),
     ]
-    said = '\n'.join(render_study(one).whole_text for one in findings)
+    said = '\n'.join(render_study(one).text_without_json for one in findings)
     phrases = (
         *BETTER, *DOUBT, *UNFIT, FITS, NOTHING, 'Unexplained:', 'no force or moment remains',
         'no cause for doubt', 'the file does not have it', 'assumed and not fitted',
@@ -189,7 +193,7 @@ def test_each_phrase_of_the_laws_is_one_that_some_study_says(named: DiscoveryFin
     assert [one for one in phrases if one not in said] == []
 
 
-def test_the_advice_follows_the_forecasts(named: DiscoveryFinding) -> None:
+def test_the_advice_follows_the_forecasts(named: StudyResult) -> None:
     gap = named.gaps[0]
     assert draw_conclusion(named).advice == 'use'
     assert draw_conclusion(named).gain == gap

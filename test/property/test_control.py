@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_control.allocation import (
     allocate,
-    create_scratch,
+    create_working_array,
     RIDGE,
     Rotors,
     SCRATCH,
@@ -81,7 +81,7 @@ def test_allocation_is_the_bounded_least_squares_solution(rotors, wrench, start)
     least = objective(best.x)
     asked = objective(np.zeros(rotors.number))  # what is at stake
     for begin in NONE, start, pad_to_slots(best.x.tolist()):
-        thrusts, delivered = allocate(rotors, wrench, begin, create_scratch())
+        thrusts, delivered = allocate(rotors, wrench, begin, create_working_array())
         # With the ridge it is the least of objective + ridge |t - begin|^2.
         away = best.x - np.clip(begin[used], *limits)
         kept = ridge * float(away @ away) if rotors.number > FELT else 0.0
@@ -96,7 +96,7 @@ def test_the_scratch_numbers_do_not_matter():
     wrench, start = (0.3, 0.0, 0.2, 0.0, 0.0, 0.01), pad_to_slots((0.1, 0.0, 0.05))
     spoiled = [math.nan] * SCRATCH
     for rotors in FLEET.values():
-        once = allocate(rotors, wrench, start, create_scratch())
+        once = allocate(rotors, wrench, start, create_working_array())
         assert allocate(rotors, wrench, start, spoiled) == once
         assert allocate(rotors, wrench, start, spoiled) == once
 
@@ -158,7 +158,7 @@ def test_duties_are_what_the_rotors_accept(measured, setpoint):
             CascadeMeasurement(*measured),
             Setpoint(*setpoint),
             0.01,
-            create_scratch(),
+            create_working_array(),
         )
         assert all(0.0 <= u <= 1.0 + 1e-12 for u in duties)
         assert all(map(math.isfinite, (*memory.cascade[:3], *memory.thrusts, *memory.shortfall)))

@@ -45,7 +45,9 @@ def lone(frequency: float, phase: float, shares: np.ndarray) -> np.ndarray:
 )
 def test_a_tone_reads_its_frequency_and_amplitude_wherever_it_stands(frequency, phase, shares):
     settings_ = DemodulationSettings(frequency=frequency, mains=0.0, harmonics=1)
-    heard = BeaconReceiver(settings_, RATE, SAMPLES).demodulate(lone(frequency, phase, shares))
+    heard = BeaconReceiver(settings_, RATE, SAMPLES).demodulate_next_block(
+        lone(frequency, phase, shares)
+    )
     # In the lowest bins the mirror image is near, in the highest that of the other end.
     near = 0.02 / min(frequency, RATE / 2.0 - frequency)
     assert heard.frequencies[0] == pytest.approx(frequency, abs=10.0 * near)
@@ -60,7 +62,7 @@ def test_any_block_is_refused_at_the_start_or_answered_with_numbers(chosen, bloc
     except BadInput:
         return
     for _ in range(3):
-        heard = ears.demodulate(block)
+        heard = ears.demodulate_next_block(block)
     assert len(heard.peaks) == len(chosen.beacons)
     assert len(heard.faults) == block.shape[1]
     sound = np.array([not fault & SPOILT for fault in heard.faults])
@@ -98,7 +100,10 @@ def test_diodes_in_another_order_say_the_same(seed, count):
     shares, order = chance.uniform(0.0, 100.0, count), chance.permutation(count)
     block = lone(153.3, 1.0, shares) + chance.normal(0.0, 3.0, (SAMPLES, count))
     ears = [BeaconReceiver(DemodulationSettings(), RATE, SAMPLES) for _ in range(2)]
-    before, after = ears[0].demodulate(block), ears[1].demodulate(block[:, order])
+    before, after = (
+        ears[0].demodulate_next_block(block),
+        ears[1].demodulate_next_block(block[:, order]),
+    )
     assert after.peaks[0].snr == pytest.approx(before.peaks[0].snr[order], rel=1e-12)
     assert after.peaks[0].amplitude == pytest.approx(before.peaks[0].amplitude[order], rel=1e-9)
     assert after.frequencies == pytest.approx(before.frequencies, rel=1e-12)
@@ -115,5 +120,5 @@ def test_a_lamp_within_the_window_is_never_lost(frequency, off, blocks):
     lamp = frequency + min(max(off * frequency, -15.0), 15.0)
     block = lone(lamp, 0.0, np.array([100.0, 10.0]))
     for _ in range(blocks):
-        heard = ears.demodulate(block)
+        heard = ears.demodulate_next_block(block)
     assert heard.frequencies[0] == pytest.approx(lamp, abs=0.01)

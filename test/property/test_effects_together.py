@@ -5,7 +5,7 @@ from lta_model.effects.protocol import BodyEffect, MeasurementEffect
 from lta_model.model import VehicleModel
 from lta_model.state import pack_state, RIGID
 from lta_sim.kernels import row
-from lta_sim.kernels.compose import build_layout, write_kernel_source
+from lta_sim.kernels.compose import build_layout, render_kernel_source
 from lta_sim.kernels.kernel import advance, LAYOUT
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ import pytest
 
 def as_python(effects):
     """Return the kernel of some effects as plain, slow Python."""
-    source = write_kernel_source(effects).replace('from numba import njit', '')
+    source = render_kernel_source(effects).replace('from numba import njit', '')
     space = {'njit': lambda **_: lambda function: function}
     exec(source, space)
     return space['advance']
@@ -110,10 +110,10 @@ def flight(effects, kernel, given):
         rotors=ROTORS,
     )
     layout = build_layout(effects)
-    places, _ = LAYOUT.find_places(layout.effects)
+    places, _ = LAYOUT.find_effect_indices(layout.effects)
     on = [int(model.on[LAYOUT.flag_index(name)]) for name in layout.effects]
     start = begin([REMEMBERED] * (layout.size - RIGID)).tolist()
-    where = row.row_places(layout)
+    where = row.row_slices(layout)
     numbers = [0.0] * where['wind'].stop
     for name, values in {
         'state': start,

@@ -6,18 +6,18 @@ import math
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_config.compilation.flat import compile_core, TupleLayout
-from lta_config.files import list_shipped
-from lta_control.allocation import create_scratch, SCRATCH
+from lta_config.files import list_shipped_names
+from lta_control.allocation import create_working_array, SCRATCH
 from lta_control.cascade import Setpoint
 from lta_control.gains_file import load_law_gains
-from lta_control.laws import find_law, LAWS
+from lta_control.laws import find_control_law, LAWS
 from lta_control.laws.frames import quaternion_from_angles
 from lta_control.laws.protocol import ControlMotion, LawInputs
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
 
-BY_LAW = {load_vehicle(name).file.control.law: name for name in list_shipped('vehicles')}
+BY_LAW = {load_vehicle(name).file.control.law: name for name in list_shipped_names('vehicles')}
 HEARD = TupleLayout(LawInputs())
 
 anything = st.floats(-1e3, 1e3)
@@ -34,7 +34,7 @@ flights = st.lists(
 @cache
 def made(name):
     vehicle = load_vehicle(BY_LAW[name])
-    found = find_law(name)
+    found = find_control_law(name)
     gains = load_law_gains(found.gains, vehicle.file.control.gains)
     return vehicle, found, found.known(gains, vehicle)
 
@@ -48,7 +48,7 @@ def test_every_law_has_a_vehicle():
 @given(flight=flights)
 def test_whatever_comes_the_duties_are_ones_that_the_rotors_can_obey(name, flight):
     vehicle, found, constants = made(name)
-    memory, scratch = found.start, create_scratch()
+    memory, scratch = found.start, create_working_array()
     count = len(vehicle.rotors)
     for heard in flight:
         memory = found.step(constants, memory, heard, scratch)
@@ -71,7 +71,7 @@ def test_compiled_it_is_the_same_to_the_last_bit(name, flight):
     layout, form = TupleLayout(constants), TupleLayout(found.start)
     step = compile_core(found.step, layout, form, HEARD)
     numbers, array = layout.write(constants), form.write(found.start)
-    memory, scratch = found.start, create_scratch()
+    memory, scratch = found.start, create_working_array()
     for heard in flight:
         memory = found.step(constants, memory, heard, scratch)
         step(numbers, array, HEARD.write(heard), np.zeros(SCRATCH))

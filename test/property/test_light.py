@@ -45,7 +45,7 @@ def turned(scene_turn: Rotation, position, attitude: Rotation, lamp_axis) -> np.
         SquareWave(150.0),
         300.0,
     )
-    place = RING.place_in_map(scene_turn.apply(position), (scene_turn * attitude).as_matrix())
+    place = RING.transform_to_map(scene_turn.apply(position), (scene_turn * attitude).as_matrix())
     return direct_illuminance(lamp, *place)
 
 
@@ -78,7 +78,7 @@ def test_turning_lamp_and_drone_together_leaves_the_counts(yaw, distance):
             300.0,
         )
         field = LightField((lamp,), Ambient(300.0, 100.0, 10.0))
-        place = RING.place_in_map(np.array([[0.0, 0.0, 1.3]]), about.as_matrix()[None])
+        place = RING.transform_to_map(np.array([[0.0, 0.0, 1.3]]), about.as_matrix()[None])
         even = np.ones((1, 8))
         light = PlaneIlluminance(direct_illuminance(lamp, *place)[None], 100.0 * even, 10.0 * even)
         block, _ = PhotodiodeBoard(RING, field, 1e4, 1000).sample_block(

@@ -5,7 +5,7 @@ import math
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_control.strategies import STRATEGIES
-from lta_control.strategies.protocol import keep_memory, LightSight, SteeringCommand
+from lta_control.strategies.protocol import keep_memory, LightMeasurement, SteeringCommand
 from lta_control.strategies.settings import StrategySettings
 import pytest
 
@@ -15,7 +15,7 @@ angle = st.floats(-math.pi, math.pi)
 place, speed = st.floats(-30.0, 30.0), st.floats(-2.0, 2.0)
 sights = st.lists(
     st.builds(
-        LightSight,
+        LightMeasurement,
         seen=st.booleans(),
         bearing=angle,
         heading=angle,

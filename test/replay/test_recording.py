@@ -21,18 +21,18 @@ from lta_bridge.provenance import collect_provenance
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import load_topic_table
 from lta_control.gains_file import load_gains
-from lta_control.messages import from_setpoint, to_dead_reckoning, to_measurement
+from lta_control.messages import from_setpoint, to_cascade_measurement, to_dead_reckoning
 from lta_control.mission import mission_step, MissionSettings
 from lta_control.phases import Mission
-from lta_control.reserve import FlightPermission, ReserveActionSettings
+from lta_control.reserve import FlightPermission, ReserveResponseSettings
 from lta_control.sighting import build_sight
-from lta_control.strategies import find_strategy
+from lta_control.strategies import find_navigation_strategy
 from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
-from lta_flight.closed_loop import ClosedLoop, convert_lamp, round_axes
+from lta_flight.closed_loop import ClosedLoop, round_axes, to_lamp_position
 from lta_flight.flight_stack import FlightStack
 from lta_flight.messages import LoopRecorder
-from lta_flight.replay.verdict import compare_flights
+from lta_flight.replay.verdict import compare_with_recording
 from lta_graph.ros.message_types import find_message_type
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_model.scenario import load_scenario
@@ -70,13 +70,15 @@ def fly(folder):
     scenario = offset_start(load_scenario('lamp_room'), *START)
     vehicle = load_vehicle('gtmab', scenario.air.density)
     world = World(vehicle, scenario, TABLE, SEED)
-    loop = ClosedLoop(world, TABLE, FlightStack(find_strategy('bag'), gains=load_gains('gtmab')))
+    loop = ClosedLoop(
+        world, TABLE, FlightStack(find_navigation_strategy('bag'), gains=load_gains('gtmab'))
+    )
     with BagWriter(folder / 'whole', {}) as writer:
         recorder = LoopRecorder(writer, loop, TABLE, 'lta1')
         for _ in range(STEPS):
             loop.decide()
             recorder.record_step()
-            loop.apply_command()
+            loop.simulate_control_period()
     told = collect_provenance('gtmab', 'lamp_room', 'gtmab', strategy='bag', seed=str(SEED))
     for name in ('commit', 'platform', 'created', 'config_sha256'):
         del told[name]
@@ -106,25 +108,25 @@ def answered(folder, demodulation=None, mission=None):
     listener = BeaconReceiver(settings, light.sample_rate.si, light.samples, ENTRY.largest_reading)
     odometry, reserves = recorded('odom'), recorded('energy/reserve')
     motions = {from_stamp(m.header.stamp): to_dead_reckoning(m) for _, m in odometry}
-    land = ReserveActionSettings().rule
-    state, plan, finder = Mission(), find_strategy('bag'), DirectionFinder(DIODES)
+    land = ReserveResponseSettings().rule
+    state, plan, finder = Mission(), find_navigation_strategy('bag'), DirectionFinder(DIODES)
     with BagWriter(folder, {}) as writer:
         for name in ANSWERS:
             writer.add_topic(f'/lta1/{name}', TABLE[name].type, QOS)
         for now, image in recorded('photodiodes'):
             block = to_block(image)
-            hearing = listener.demodulate(block)
+            hearing = listener.demodulate_next_block(block)
             peaks = hearing.peaks[0]
             towards = estimate_bearing(peaks, DIODES.ring, settings.threshold)
             found = finder.find(peaks, settings.threshold, prior)
             begun = from_stamp(image.header.stamp)
-            measured = to_measurement(
+            measured = to_cascade_measurement(
                 max((m for m in odometry if m[0] <= now), key=lambda m: m[0])[1]
             )
             known = [m.data for t, m in reserves if t <= now - TABLE.control_ns]
             lamp = None if found is None else estimate_lamp_position(found, prior)
             sight = build_sight(
-                None if lamp is None else convert_lamp(lamp),
+                None if lamp is None else to_lamp_position(lamp),
                 round_axes(DIODES.ring),
                 tuple(peaks.amplitude.astype(np.float32).tolist()),
                 motions[begun + TABLE['photodiodes'].period_ns // 2],
@@ -147,7 +149,7 @@ def answered(folder, demodulation=None, mission=None):
 
 
 def verdict(folder):
-    return compare_flights(open_flight(STORED), open_flight(folder), ANSWERS)
+    return compare_with_recording(open_flight(STORED), open_flight(folder), ANSWERS)
 
 
 def test_the_recording_is_small_and_has_something_to_decide():

@@ -6,7 +6,7 @@ from itertools import product
 from typing import Any
 
 from lta_config.errors import BadInput
-from lta_config.files import list_shipped
+from lta_config.files import list_shipped_names
 from lta_config.topics import load_topic_table
 from lta_control.strategies import STRATEGIES
 from lta_flight.flight import ROBOT
@@ -39,7 +39,7 @@ class Hash:
 
 def list_flights() -> Iterator[tuple[str, str, str]]:
     """Yield vehicle, scenario and strategy of every flight."""
-    yield from product(list_shipped('vehicles'), list_shipped('scenarios'), STRATEGIES)
+    yield from product(list_shipped_names('vehicles'), list_shipped_names('scenarios'), STRATEGIES)
 
 
 def simulate_flight(vehicle: str, scenario: str, strategy: str) -> dict[str, str]:

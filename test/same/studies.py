@@ -8,7 +8,7 @@ from pathlib import Path
 import shutil
 
 from commands import list_numbers, ROOT
-from lta_challenge.make import case_folder, ChallengeRequest, make_challenge
+from lta_challenge.make import case_folder, ChallengeRequest, generate_challenge
 from lta_challenge.trial import study_case
 
 FOLDER = ROOT / 'runs/same'
@@ -22,7 +22,7 @@ def make_cases(jobs: int) -> list[Path]:
     for row, count in CASES.items():
         folder = FOLDER / f'{row}-{SEED}'
         if not folder.is_dir():
-            make_challenge(ChallengeRequest(SEED, count, row, None, SECONDS), folder, jobs)
+            generate_challenge(ChallengeRequest(SEED, count, row, None, SECONDS), folder, jobs)
     return [
         FOLDER / f'{row}-{SEED}' / case_folder(k) for row, n in CASES.items() for k in range(n)
     ]

@@ -46,7 +46,7 @@ def told(found: EffectSeparability) -> DataKindClasses:
                 near[f'{a}, {b}'] = round(cosine, 3)
     return DataKindClasses(
         classes=groups,
-        unseen=found.undetectable,
+        unseen=found.unobservable_effects,
         near=dict(sorted(near.items(), key=lambda pair: -pair[1])),
         reach={
             name: [float(f'{reach:.2g}'), float(f'{cap:.2g}')]
@@ -57,7 +57,7 @@ def told(found: EffectSeparability) -> DataKindClasses:
 
 def frozen() -> FrozenClasses:
     """Return all that is kept."""
-    known = class_derivation.select_shipped(
+    known = class_derivation.select_builtin_parameters(
         list_free_parameters(NominalVehicle.from_vehicle(load_vehicle(class_derivation.VEHICLE)))
     )
     return FrozenClasses(

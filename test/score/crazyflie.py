@@ -17,11 +17,11 @@ import warnings
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_discovery.flights.measured_flight import FlightStreams, PERIOD, resample_flight, Stream
-from lta_discovery.flights.windows import cut_windows
+from lta_discovery.flights.windows import cut_into_pieces
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.replay.linearized_flight import build_origin
-from lta_discovery.replay.linearizer import FlightLinearizer
-from lta_discovery.replay.replay import ModelReplay, STEPS
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
+from lta_discovery.replay.replay import FlightReplay, STEPS
 from lta_discovery.replay.sensing import SensorPlaces
 from lta_model.vehicle import Vehicle
 import numpy as np
@@ -104,11 +104,11 @@ def lost(path: Path) -> list[float]:
     duty = Stream(time - time[0], np.nan_to_num(table[MOTORS].to_numpy() / 65535.0))
     pose = Stream(time - time[0], table[POSE].to_numpy(dtype=np.float64))
     flight = resample_flight(FlightStreams(pose, duty, floor=FLYING))
-    replay = ModelReplay(flight, cut_windows(flight), vehicle.pack_command(()))
+    replay = FlightReplay(flight, cut_into_pieces(flight), vehicle.pack_command(()))
     line = FlightLinearizer(replay, [], SensorPlaces.from_vehicle(vehicle, 101325.0))
     with np.errstate(all='ignore'):
         states = line.simulate_trajectory(
-            build_origin(NominalVehicle.from_vehicle(vehicle), [], replay.cut)
+            unchanged_vehicle_point(NominalVehicle.from_vehicle(vehicle), [], replay.cut)
         )[:, ::STEPS]
     out = []
     for horizon in HORIZONS:

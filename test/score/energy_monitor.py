@@ -22,9 +22,9 @@ from energy import metered
 from energy.metered import ABOARD, CELL, follow, Metered, SETTINGS
 from lta_energy.monitoring.estimate import EnergyEstimate
 from lta_energy.monitoring.monitor import time_to_empty, update_estimate
-from lta_report.drawing import build_line, create_figure
+from lta_report.drawing import build_line_trace, create_figure
+from lta_report.html_elements import render_section
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import render_section
 from lta_report.palette import RAW, SETPOINT, TRUTH
 from lta_report.screenshots import write_picture
 
@@ -85,14 +85,16 @@ def draw(seeds, out):
     minutes = np.arange(1, courses.shape[2] + 1) / 60.0
     figure = create_figure()
     for error in courses[:, 0]:
-        figure.add_trace(build_line('a cell', minutes, error, RAW, unit='%', width=0.8))
+        figure.add_trace(build_line_trace('a cell', minutes, error, RAW, unit='%', width=0.8))
     told = 2.0 * np.median(courses[:, 1], axis=0)
     for side in (-told, told):
-        figure.add_trace(build_line('twice its own deviation', minutes, side, TRUTH, unit='%'))
+        figure.add_trace(
+            build_line_trace('twice its own deviation', minutes, side, TRUTH, unit='%')
+        )
     for limit in (-5.0, 5.0):
         goal = np.full(2, limit)
         figure.add_trace(
-            build_line('goal', minutes[[0, -1]], goal, SETPOINT, unit='%', dash='4px,3px')
+            build_line_trace('goal', minutes[[0, -1]], goal, SETPOINT, unit='%', dash='4px,3px')
         )
     figure.update_xaxes(title_text='time [min]', range=[0.0, 10.0])
     figure.update_yaxes(title_text='error of the charge [% of a full cell]', range=[-10.0, 10.0])

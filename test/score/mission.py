@@ -3,7 +3,7 @@
 import sys
 
 from lta_config.schema.mission_file import load_mission
-from lta_studies.mission.leg_validation import compare_flights
+from lta_studies.mission.leg_validation import compare_leg_with_loop
 from lta_studies.mission.scene import MissionScene
 import numpy as np
 
@@ -13,7 +13,7 @@ def main():
     count, seeds = ([int(word) for word in sys.argv[1:]] + [20, 5][len(sys.argv) - 1 :])[:2]
     scenes = MissionScene(load_mission('warehouse'))
     rows, powers = [], []
-    for start, leg, loop in compare_flights(scenes, 'aisle', count, seeds):
+    for start, leg, loop in compare_leg_with_loop(scenes, 'aisle', count, seeds):
         a, b = np.median(leg, axis=0), np.median(loop, axis=0)
         rows.append((a[0], b[0]))
         powers.append((leg[:, 0].sum() / leg[:, 1].sum(), loop[:, 0].sum() / loop[:, 1].sum()))

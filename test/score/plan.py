@@ -22,21 +22,21 @@ from typing import Any, NamedTuple
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.planning.candidate_maneuvers import AltitudeRange, build_maneuver
 from lta_discovery.planning.class_derivation import registry_digest
 from lta_discovery.planning.flight_choice import NextFlightPlanner, ParameterHypothesis
-from lta_discovery.planning.hypothesis import format_hypothesis
-from lta_discovery.planning.maneuvers import AltitudeRange, build_maneuver
+from lta_discovery.planning.hypothesis_file import format_hypothesis
 from lta_discovery.planning.rehearsal import (
     prepare_linearizer,
-    rehearse_flight,
     Sensors,
+    simulate_flight,
     with_course,
 )
 from lta_discovery.planning.separability import PairSeparability
-from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.selection.effect_search import EffectSearch, EffectSearchResult
-from lta_discovery.selection.equivalence_classes import is_same_class, Kind
-from lta_flight.flight_spec import build_parts, FlightSpec, load_spec
+from lta_discovery.selection.equivalence_classes import is_equivalent, Kind
+from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec
 from lta_flight.sweep.statistics import wilson_interval
 from lta_model.vehicle import Vehicle
 import numpy as np
@@ -63,8 +63,8 @@ class Hidden(NamedTuple):
 
 def flown(made: FlightSpec, vehicle: Vehicle, seed: int) -> Any:
     """Fly a vehicle; its pilot knows the file."""
-    known, scenario, policy = build_parts(made)
-    return rehearse_flight(vehicle, scenario, policy, seed, Vehicle(known.file)).streams
+    known, scenario, policy = build_vehicle_scenario_stack(made)
+    return simulate_flight(vehicle, scenario, policy, seed, Vehicle(known.file)).streams
 
 
 def plainly(made: FlightSpec, space: AltitudeRange, what: str) -> FlightSpec:
@@ -95,7 +95,7 @@ def confusable(
             planner.knobs[b].name
             for b in seen
             if b != a
-            and not is_same_class(knob.name, planner.knobs[b].name, kind)
+            and not is_equivalent(knob.name, planner.knobs[b].name, kind)
             and pairs.compare_pair(a, b).expected_log_bayes(6.0 * one) < CONFUSED
         ]
         if alike:
@@ -114,7 +114,7 @@ def off(
             nominal = one.apply_to(nominal, float(np.clip(own, one.low, one.high)))
     nominal = knob.apply_to(nominal, value)
     content = yaml.safe_load(format_hypothesis(planner.text, planner.vehicle, nominal))
-    return build_parts(planner.made.__class__(
+    return build_vehicle_scenario_stack(planner.made.__class__(
         planner.made.names, planner.made.strategy, {**planner.made.contents, 'vehicle': content}
     ))[0]  # fmt: skip
 
@@ -158,9 +158,9 @@ def flown_on(
     planner = NextFlightPlanner(base.made, base.text, hidden.sensors, found)
     # Planned against is what a study has: the tied names, and those that look alike.
     alike = dict.fromkeys((*before.names, *before.steps[0].tied, *hidden.rivals))
-    names = [name for name in alike if not is_same_class(name, knob.name, kind)][:MOST]
+    names = [name for name in alike if not is_equivalent(name, knob.name, kind)][:MOST]
     chosen = planner.choose_flight(
-        first, [planner.match_rival(first, planner.find_parameter(name)) for name in names]
+        first, [planner.fit_rival_value(first, planner.find_parameter(name)) for name in names]
     )
     if chosen is None:
         return {**row, 'said': 'no flight', 'unique': False, 'cpu': time.process_time() - start}
@@ -175,8 +175,8 @@ def flown_on(
 
 def unique(found: EffectSearchResult, name: str, kind: Kind) -> bool:
     """Tell whether a name, or one of its class, is the only one named, and nothing is tied."""
-    tied = [one for one in found.steps[0].tied if not is_same_class(one, name, kind)]
-    return len(found.names) == 1 and is_same_class(found.names[0], name, kind) and not tied
+    tied = [one for one in found.steps[0].tied if not is_equivalent(one, name, kind)]
+    return len(found.names) == 1 and is_equivalent(found.names[0], name, kind) and not tied
 
 
 def ready(
@@ -200,7 +200,7 @@ def table(count: int, rows: list[dict[str, Any]]) -> list[str]:
     hit = sum(row['unique'] for row in rows)
     found = wilson_interval(hit, len(rows))
     wrong = sum(
-        any(not is_same_class(name, row['name'], row['sensors']) for name in row.get('after', ()))
+        any(not is_equivalent(name, row['name'], row['sensors']) for name in row.get('after', ()))
         for row in rows
     )
     lines.append(

@@ -13,8 +13,15 @@ from typing import Final, final, NamedTuple
 from lta_discovery.forecast.forecast_fit import ForecastFit, ForecastFitter
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
-from lta_discovery.transfer.candidate_groups import iterated_prior_deviations, list_groups
-from lta_discovery.transfer.cross_validation import cross_validate, format_warning, RegimeError
+from lta_discovery.transfer.candidate_groups import (
+    iterated_prior_deviations,
+    list_candidate_groups,
+)
+from lta_discovery.transfer.cross_validation import (
+    cross_validate,
+    format_interpolation_warning,
+    RegimeForecastErrors,
+)
 from lta_discovery.transfer.forward_selection import GroupSelection, select_forward
 from lta_model.vehicle import load_vehicle
 import numpy as np
@@ -91,7 +98,7 @@ def scored(known: list[Flight], sight: ForecastFitter, fits: dict[str, Fit]) -> 
         train = [f for f in range(count) if f not in set(test)]
         errors['authors'] |= by_model(sight, np.zeros(len(sight.knobs)), test, known)
         for name, (taught, which, spread, whole) in fits.items():
-            values = taught.leave_out(whole, which, spread, test)
+            values = taught.leave_out_flights(whole, which, spread, test)
             if name == ALL:
                 values = taught.fit(which, spread, train, values, AGAIN, relinearize=False).values
             errors[name] |= by_model(sight, values, test, known)
@@ -139,7 +146,7 @@ def carried(
     parts = regimes(known)
     out = [f'Named: {", ".join(kept)}.']
     out += ['', '| name | by repeats 1, 2 | by repeats 3, 4 |', '|---|---|---|'] if found else []
-    for name in [group.name for group in list_groups(fits[NAMED].taught.knobs)]:
+    for name in [group.name for group in list_candidate_groups(fits[NAMED].taught.knobs)]:
         worths = [
             f'{100 * dict(zip(each.names, each.worth, strict=True))[name]:.0f} %'
             if name in each.names
@@ -182,11 +189,11 @@ def _values(
     return out
 
 
-def _sentence(names: Sequence[str], found: Sequence[RegimeError], what: str) -> str:
+def _sentence(names: Sequence[str], found: Sequence[RegimeForecastErrors], what: str) -> str:
     """Return the warning, or that none is due."""
     better = sum(one.ratio < 1.0 for one in found)
     fine = f"{what}: better than the authors' model in {better} of {len(found)} regimes left out."
-    return format_warning(names, found) or fine
+    return format_interpolation_warning(names, found) or fine
 
 
 def fitted(
@@ -195,7 +202,7 @@ def fitted(
     """Return what is fitted to all flights, each from where the one before it ended."""
     even = ForecastFitter(nominal, [flight.taught for flight in known], LIFT, EVEN)
     turned = taught.knobs
-    names = list_groups(turned)
+    names = list_candidate_groups(turned)
     tuned, free, whole_of = places(turned, TUNED), refitted(names), every(turned, names)
     called = [k for group in names if group.name in kept for k in group.knobs]
     out: dict[str, Fit] = {}

@@ -22,8 +22,8 @@ from lta_discovery.model.quaternions import (
     quaternion_product,
     rotate_vectors,
 )
-from lta_discovery.replay.linearizer import FlightLinearizer
-from lta_discovery.replay.replay import ModelReplay
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.replay import FlightReplay
 from lta_discovery.replay.sensing import SensorPlaces
 from lta_model.vehicle import Vehicle
 import numpy as np
@@ -100,7 +100,9 @@ def flights(vehicle: Vehicle, knobs: Sequence[FreeParameter], full_thrust: float
         flight = resample_flight(streams(table, full_thrust))
         taught, scored = (
             FlightLinearizer(
-                ModelReplay(flight, pieces(flight, apart), vehicle.pack_command(())), knobs, places
+                FlightReplay(flight, pieces(flight, apart), vehicle.pack_command(())),
+                knobs,
+                places,
             )
             for apart in (APART, STRIDE)
         )

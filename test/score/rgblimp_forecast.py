@@ -54,7 +54,7 @@ def by_model(
     sight: ForecastFitter, values: Array, which: Sequence[int], known: list[Flight]
 ) -> dict:
     """Return the errors of scored pieces by flight; `sight` is about the scored pieces."""
-    return {f: online(sight.compute_errors(values, f), begun(known[f])) for f in which}
+    return {f: online(sight.compute_flight_errors(values, f), begun(known[f])) for f in which}
 
 
 def _off(flight: Flight, position: Array, quaternion: Array) -> Array:

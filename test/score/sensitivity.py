@@ -25,7 +25,7 @@ from tempfile import TemporaryDirectory
 from lta_challenge.answer_key import NAME as SEALED
 from lta_challenge.answer_key import read_answers
 from lta_challenge.case_score import score_case, ScoredCase
-from lta_challenge.make import case_folder, ChallengeRequest, make_challenge
+from lta_challenge.make import case_folder, ChallengeRequest, generate_challenge
 from lta_challenge.trial import study_case
 from lta_cli.reference.thresholds import DECLARED, KEPT, list_thresholds, Threshold
 from rich.progress import track
@@ -127,7 +127,9 @@ def main() -> None:
         return
     challenge = RUNS / f'cases_{given.cases}'
     if not challenge.exists():
-        make_challenge(ChallengeRequest(SEED, given.cases, seconds=SECONDS), challenge, given.jobs)
+        generate_challenge(
+            ChallengeRequest(SEED, given.cases, seconds=SECONDS), challenge, given.jobs
+        )
     texts = sorted(SOURCE.rglob('*.py'))
     whole = b''.join(path.read_bytes() for path in texts) + (challenge / SEALED).read_bytes()
     stamp = hashlib.sha256(whole).hexdigest()[:16]

@@ -19,7 +19,7 @@ import add_paths  # noqa: F401
 from command import Lta, Started
 from domain import free_domain
 from endless import endless
-from lta_bridge.message_accounting import read_stamp
+from lta_bridge.log_time_assigner import read_stamp
 from lta_config.topics import load_topic_table, robot_topic
 from lta_data.bag.reader import read_bag
 from lta_graph.ros.listener import DiagnosticsListener

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import time
 from typing import Final
 
-from lta_bridge.message_accounting import read_stamp
+from lta_bridge.log_time_assigner import read_stamp
 from lta_config.topics import load_topic_table
 from lta_graph.ros.message_types import find_message_type
 from lta_graph.ros.qos import select_profile

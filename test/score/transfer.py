@@ -6,7 +6,7 @@ its file by the tolerances of vehicles, poses alone, filtered both ways until no
 published ones are. Hidden is nothing, or one effect (`--kind single`). Every case is forced
 through naming by forecasts, as if the readings had said that something is missing. On clean
 flights any name is false. `--free` lifts the limit of what tolerances may explain
-(`forecast_naming.LOOSE`), to see what it prevents.
+(`forecast_identification.LOOSE`), to see what it prevents.
 """
 
 import argparse
@@ -16,13 +16,13 @@ import time
 
 from lta_challenge.case import CaseGenerator
 from lta_challenge.make import load_challenge_vehicle
-from lta_challenge.rows import Kind, parse_kind
-from lta_discovery.finding import DiscoveryFinding
+from lta_challenge.rows import Kind, parse_case_kind
+from lta_discovery.finding import StudyResult
 from lta_discovery.flights.measured_flight import FlightStreams, resample_flight, Stream
 from lta_discovery.flights.tracker_outliers import find_tracker_outliers
 from lta_discovery.study import DiscoveryStudy, prepare_flight, StudyFlight
-from lta_discovery.transfer import forecast_naming
-from lta_discovery.unmodeled.remainders import Remainder
+from lta_discovery.transfer import forecast_identification
+from lta_discovery.unmodeled.unexplained_force import Remainder
 from lta_flight.sweep.statistics import wilson_interval
 import numpy as np
 from numpy.typing import NDArray
@@ -58,7 +58,7 @@ def case(seed: int, hidden: Kind) -> tuple[list[str], DiscoveryStudy]:
         flown.append(
             StudyFlight(flight.name, flight.role, prepare_flight(about.vehicle, made, about.knobs))
         )
-    finding = DiscoveryFinding('unexplained', (), (), (), (), True, LEFT, (), seed, {}, 'gtmab')
+    finding = StudyResult('unexplained', (), (), (), (), True, LEFT, (), seed, {}, 'gtmab')
     names = [f'{one["knob"]} {one["value"]:.3g}' for one in drawn.answer['hidden']]
     return names, DiscoveryStudy(finding, about.nominal, about.nominal, flown, [])
 
@@ -69,7 +69,9 @@ def lines(seeds: range, hidden: Kind) -> Iterator[str]:
     for seed in track(seeds, 'judging', disable=not sys.stderr.isatty()):
         began = time.process_time()
         truth, study = case(seed, hidden)
-        found = forecast_naming.name_by_forecasts(study, lambda what, share: None).finding
+        found = forecast_identification.add_forecast_effects(
+            study, lambda what, share: None
+        ).finding
         names = [one.name for one in found.effects]
         named += bool(names)
         seconds = time.process_time() - began
@@ -89,8 +91,8 @@ def main() -> None:
     parser.add_argument('--free', action='store_true', help='without the limit of tolerances')
     asked = parser.parse_args()
     if asked.free:
-        forecast_naming.LOOSE = 0.0  # type: ignore[misc]
-    for line in lines(range(asked.first, asked.first + asked.cases), parse_kind(asked.kind)):
+        forecast_identification.LOOSE = 0.0  # type: ignore[misc]
+    for line in lines(range(asked.first, asked.first + asked.cases), parse_case_kind(asked.kind)):
         sys.stdout.write(line + '\n')
         sys.stdout.flush()
 

@@ -43,7 +43,7 @@ def restless(flight: ChannelRecording) -> list[SignalChannel]:
     return [
         c
         for c in flight.channels.values()
-        if roles.find_restless_kind(c) and len(c.values) > 100 and len(np.unique(c.values)) > 40
+        if roles.match_noisy_quantity(c) and len(c.values) > 100 and len(np.unique(c.values)) > 40
     ]
 
 

@@ -25,7 +25,7 @@ from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters
 from lta_discovery.selection.candidate_scan import column_cosines, scan_candidates
 from lta_discovery.selection.effect_search import EffectSearch
-from lta_discovery.selection.equivalence_classes import is_same_class
+from lta_discovery.selection.equivalence_classes import is_equivalent
 from lta_discovery.selection.weak_effects import (
     ALIKE,
     ASKED,
@@ -62,7 +62,7 @@ class Drawing:
     def __init__(self, last: JointFit, known: Sequence[FreeParameter], seed: int) -> None:
         self._prior, self._known, self._draw = last.prior, known, np.random.default_rng(seed)
         parts = [replace(last.group, pieces=(each,)) for each in last.group.pieces]
-        self._sides = [each.reduce(last.deviations).products[:-1, :-1] for each in parts]
+        self._sides = [each.reduce_flights(last.deviations).products[:-1, :-1] for each in parts]
         size = len(last.group.at)
         tiny = [1e-9 * np.diag(np.diag(each)) + 1e-12 * np.eye(size) for each in self._sides]
         both = zip(self._sides, tiny, strict=True)
@@ -145,8 +145,8 @@ def fitted(case: Path) -> tuple[JointFit, list[FreeParameter]]:
     bare = EffectSearch(nominal, (flights[:1], flights[1:])).run().bare
     fitter = JointFitter(nominal, flights, per_flight_variance(known), wrench_floor(nominal))
     deviations = np.sqrt(bare[0].deviations * bare[1].deviations)
-    group = bare[0].group.join(bare[1].group)
-    quiet = WeakEffectSearch(fitter, 1).fit_lower_floor(
+    group = bare[0].group.combine_groups(bare[1].group)
+    quiet = WeakEffectSearch(fitter, 1).refit_with_lower_floor(
         fitter.fit_deviations(group, bare[0].prior, deviations)
     )
     if quiet is None:
@@ -184,7 +184,7 @@ def main() -> None:
 
 def _same(name: str, true: str) -> bool:
     """Tell whether two names are one to such data."""
-    return is_same_class(name, true, 'all')
+    return is_equivalent(name, true, 'all')
 
 
 def _share(hits: int, count: int) -> str:

@@ -7,7 +7,7 @@ import sys
 
 from lta_bridge.bag import BagWriter, build_offered_qos
 from lta_bridge.bag.schemas import load_jazzy_types
-from lta_config.compilation.flat import render_core
+from lta_config.compilation.flat import render_core_source
 from lta_config.compilation.kernel_cache import load_kernel
 from lta_control import law_autopilot
 from lta_sim.cfd.openfoam.engine import PROGRAMS
@@ -89,7 +89,7 @@ def plain_laws():
     def plain(*words):
         with pytest.MonkeyPatch.context() as while_loading:
             while_loading.setattr(config, 'DISABLE_JIT', 1)
-            return load_kernel(render_core(*words)).step
+            return load_kernel(render_core_source(*words)).step
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(law_autopilot, 'compile_core', plain)

@@ -54,5 +54,5 @@ def compile_functions(*functions: Callable[..., Any]) -> tuple[Callable[..., Any
         extract.add_function(function, function.__module__.rsplit('.', 1)[-1])
         for function in functions
     ]
-    module = load_kernel(HEAD + extract.render(INLINE, ENTRY, names) + '\n')
+    module = load_kernel(HEAD + extract.render_pieces(INLINE, ENTRY, names) + '\n')
     return tuple(getattr(module, name) for name in names)

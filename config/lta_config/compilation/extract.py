@@ -338,13 +338,13 @@ class SourceExtract:
             raise BadInput(f'Two different things are called {own} in the kernel; rename one.')
         return own
 
-    def has_text(self, prefix: str, text: str) -> bool:
+    def has_text_in_pieces(self, prefix: str, text: str) -> bool:
         """Return whether a text occurs in the pieces of one prefix."""
         return any(
             text in piece for own, piece in self._pieces.items() if own.startswith(f'{prefix}_')
         )
 
-    def render(self, decorator: str, entry: str = '', entries: Collection[str] = ()) -> str:
+    def render_pieces(self, decorator: str, entry: str = '', entries: Collection[str] = ()) -> str:
         """Return all pieces, the functions with `decorator`, those in `entries` with `entry`."""
         return '\n\n\n'.join(
             f'{entry if own in entries else decorator}\n{piece}'

@@ -79,7 +79,7 @@ class TupleLayout(Generic[Nested]):
         # Indexing a list is faster than indexing a numpy array
         return cast('Nested', self._made(array.tolist()))
 
-    def slice_of(self, path: str) -> slice:
+    def part_slice(self, path: str) -> slice:
         """Return the slice of a part, such as `estimate.attitude`."""
         inside = [
             index
@@ -152,7 +152,7 @@ def _render_expression(value: Any, numbers: Iterator[str]) -> str:  # noqa: ANN4
     return f'int({number})' if isinstance(value, int) else number
 
 
-def render_core(
+def render_core_source(
     core: Callable[..., Any],
     constants: TupleLayout[Any],
     memory: TupleLayout[Any],
@@ -187,7 +187,7 @@ def render_core(
         f'    after = {name}(constants, memory, heard, scratch)',
         *(f'    m[{index}] = after.{path}' for index, path in enumerate(memory.paths)),
     ]
-    return '\n\n\n'.join((HEAD, extract.render(INLINE), '\n'.join(entry))) + '\n'
+    return '\n\n\n'.join((HEAD, extract.render_pieces(INLINE), '\n'.join(entry))) + '\n'
 
 
 @cache
@@ -197,6 +197,6 @@ def compile_core(
     memory: TupleLayout[Any],
     inputs: TupleLayout[Any],
 ) -> Callable[[Array, Array, Array, Array], None]:
-    """Return the entry of `render_core`, compiled on its first call or loaded from the cache."""
-    module = load_kernel(render_core(core, constants, memory, inputs))
+    """Return the entry of `render_core_source`, compiled or loaded from the cache."""
+    module = load_kernel(render_core_source(core, constants, memory, inputs))
     return cast('Callable[[Array, Array, Array, Array], None]', module.step)

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 from lta_config.files import find_file, load_file, StrictModel
 from lta_config.quantity import Quantity, si_quantity
-from lta_config.schema.vehicle_aero import AeroBlock
+from lta_config.schema.vehicle_aero import AeroCoefficients
 from pydantic import AliasChoices, Field
 
 SUFFIX = '.aero.yaml'
@@ -29,7 +29,7 @@ class DragFitQuality(StrictModel):
     hull: float | None = None  # share of the hull in the drag, at the middle point [1]
 
 
-class AeroEvidence(StrictModel):
+class AeroProvenance(StrictModel):
     """The origin of the coefficients."""
 
     engine: str
@@ -48,8 +48,8 @@ class AeroFile(StrictModel):
     schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
     name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
     vehicle: str
-    evidence: AeroEvidence
-    aero: AeroBlock
+    evidence: AeroProvenance
+    aero: AeroCoefficients
 
 
 def load_aero_file(name: str) -> AeroFile:

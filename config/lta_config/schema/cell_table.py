@@ -28,7 +28,7 @@ class CellTableRow(StrictModel):
     defects: list[str]
 
 
-class PrintedArray(StrictModel):
+class BuiltArray(StrictModel):
     """An array that was built, and the sign of its net power as printed."""
 
     cells: Cells
@@ -41,11 +41,11 @@ class PrintedArray(StrictModel):
     defects: list[str]
 
 
-class PrintedArrays(StrictModel):
+class BuiltArrays(StrictModel):
     """The arrays that were built, and the illuminance of their test."""
 
     illuminance: Annotated[Quantity, si_quantity('lx', above=0.0, sourced=True)]
-    built: Mapping[Name, PrintedArray]
+    built: Mapping[Name, BuiltArray]
 
 
 class CellTable(StrictModel):
@@ -55,7 +55,7 @@ class CellTable(StrictModel):
     name: Name
     about: str
     rows: Annotated[Mapping[Name, CellTableRow], Field(min_length=1)]
-    arrays: PrintedArrays
+    arrays: BuiltArrays
     lights: Annotated[
         Mapping[Name, Annotated[Quantity, si_quantity('lm/W', above=0.0, sourced=True)]],
         Field(min_length=1),

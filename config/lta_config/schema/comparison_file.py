@@ -49,7 +49,7 @@ class Ablation(EntryChange):
     manoeuvres: Annotated[list[str], Field(min_length=1)]
 
 
-class SpeedLadder(EntryChange):
+class SpeedSweep(EntryChange):
     """A contestant at increasing speeds."""
 
     of: str
@@ -68,7 +68,7 @@ class ComparisonFile(StrictModel):
     manoeuvres: Annotated[list[str], Field(min_length=1)]
     contestants: Annotated[dict[Name, Contestant], Field(min_length=1)]
     ablations: dict[Name, Ablation] = Field(default_factory=dict)
-    limits: dict[Name, SpeedLadder] = Field(default_factory=dict)
+    limits: dict[Name, SpeedSweep] = Field(default_factory=dict)
 
     @model_validator(mode='after')
     def _check_references(self) -> Self:

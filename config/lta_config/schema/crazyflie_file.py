@@ -7,7 +7,7 @@ from lta_config.errors import BadInput
 from lta_config.files import (
     find_file,
     FOLDERS,
-    list_shipped,
+    list_shipped_names,
     load_yaml,
     StrictModel,
     validate_content,
@@ -157,7 +157,7 @@ def find_crazyflie(vehicle: str, name: str, other: str = '') -> CrazyflieFile:
         return load_crazyflie(other, name)
     if beside.is_file():
         return load_crazyflie(str(beside), name)
-    if name not in (names := list_shipped(FOLDERS['crazyflie'])):
+    if name not in (names := list_shipped_names(FOLDERS['crazyflie'])):
         raise BadInput(
             f'{name} has no Crazyflie file (wiring of the motors and limits of a flight); '
             f'write {beside.name} next to the vehicle file, modelled on one of {", ".join(names)}.'

@@ -265,7 +265,7 @@ class ImportMapping(_WithAxes):
     topics: Annotated[list[TopicMapping], Field(min_length=1)]
 
     @model_validator(mode='after')
-    def _check_format(self) -> Self:
+    def _check_format_keys(self) -> Self:
         if (self.format == 'csv') != (self.time is not None):
             word = 'needs' if self.time is None else 'must not have'
             raise ValueError(f'of format {self.format} {word} the key "time"')

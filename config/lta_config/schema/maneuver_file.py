@@ -72,6 +72,6 @@ class ManeuverFile(StrictModel):
         )
 
 
-def load_maneuver(name: str) -> ManeuverFile:
+def load_maneuver_file(name: str) -> ManeuverFile:
     """Return a manoeuvre by shipped name or path; raise `BadInput` if it is invalid."""
     return load_file(ManeuverFile, find_file('manoeuvre', name))

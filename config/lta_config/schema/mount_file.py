@@ -9,7 +9,7 @@ from collections.abc import Mapping
 import math
 from typing import Annotated, Any, Literal
 
-from lta_config.errors import unknown_name
+from lta_config.errors import unknown_name_error
 from lta_config.files import find_file, load_yaml, StrictModel, validate_content
 from lta_config.quantity import Quantity, si_quantity
 from lta_config.schema.vehicle_body import Layer, PartBlock
@@ -88,7 +88,7 @@ def mount_panels(
     layers = content.get('layers')
     if not isinstance(layers, Mapping) or mount.layer not in layers:
         known = [str(key) for key in layers] if isinstance(layers, Mapping) else []
-        raise unknown_name(f'layer of {where}', mount.layer, known)
+        raise unknown_name_error(f'layer of {where}', mount.layer, known)
     # The raw content, because the result is validated again as a vehicle file
     parts = dict(load_yaml(find_file('mount', name))['parts'])
     if ahead != 0.0:

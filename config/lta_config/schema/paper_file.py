@@ -10,8 +10,8 @@ from collections.abc import Mapping, Sequence
 from string import Formatter
 from typing import Annotated, Literal, Self
 
-from lta_config.arithmetic import evaluate_sum
-from lta_config.files import find_file, list_shipped, load_file, StrictModel
+from lta_config.arithmetic import evaluate_expression
+from lta_config.files import find_file, list_shipped_names, load_file, StrictModel
 from lta_config.quantity import Quantity, UNITS
 from pydantic import AliasChoices, Field, model_validator
 
@@ -118,7 +118,7 @@ class PaperDefect(StrictModel):
     @property
     def arithmetic(self) -> str:
         """The consequence, with its expressions evaluated."""
-        return self.follows.format(*map(evaluate_sum, self.sums))
+        return self.follows.format(*map(evaluate_expression, self.sums))
 
 
 class PaperSeries(StrictModel):
@@ -215,4 +215,4 @@ def load_paper_row(name: str) -> PaperRow:
 
 def load_paper_rows() -> list[PaperRow]:
     """Return all rows, in the order of the paper."""
-    return sorted(map(load_paper_row, list_shipped('paper')), key=lambda row: row.number)
+    return sorted(map(load_paper_row, list_shipped_names('paper')), key=lambda row: row.number)

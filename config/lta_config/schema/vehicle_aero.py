@@ -56,7 +56,7 @@ class RotorCoupling(WrenchPerNewton):
     reversed: bool = False  # whether it applies to reversed thrust
 
 
-class AeroBlock(StrictModel):
+class AeroCoefficients(StrictModel):
     """
     Aerodynamic coefficients about the hull centre.
 

@@ -25,7 +25,7 @@ SHAPES: dict[str, tuple[str, ...]] = {
 }
 
 
-class AddedMassBlock(StrictModel):
+class PublishedAddedMass(StrictModel):
     """Added mass and inertia of the air that moves with the hull, where they are published."""
 
     mass: Annotated[Quantity, si_quantity('kg', low=0.0, high=1000.0, length=3, sourced=True)]
@@ -50,7 +50,7 @@ class HullBlock(StrictModel):
     axis: Literal['x', 'y', 'z'] | None = None
     volume_factor: Annotated[Quantity, si_quantity('1', above=0.0, sourced=True)] | None = None
     purity: Fraction | None = None
-    added_mass: AddedMassBlock | None = None
+    added_mass: PublishedAddedMass | None = None
 
     @model_validator(mode='after')
     def _check_shape(self) -> 'HullBlock':
@@ -113,7 +113,7 @@ class PartBlock(StrictModel):
 Layer = Mapping[str, PartBlock]
 
 
-class MeasuredBlock(StrictModel):
+class MeasuredMassBlock(StrictModel):
     """
     Measured mass properties of the whole vehicle with its gas, if the parts are unknown.
 

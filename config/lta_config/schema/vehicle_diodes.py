@@ -50,7 +50,7 @@ class DiodeAxes(StrictModel):
         return self
 
 
-class DiodesBlock(StrictModel):
+class PhotodiodesBlock(StrictModel):
     """
     The photodiodes, `radius` out along their axes from a point `height` above the hull centre.
 

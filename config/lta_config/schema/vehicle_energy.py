@@ -49,7 +49,7 @@ class BatteryBlock(StrictModel):
         return self
 
 
-class ArrayBlock(StrictModel):
+class SolarArrayBlock(StrictModel):
     """Solar cells of one kind in one plane: `parallel` strings of `series` cells each."""
 
     cell: str
@@ -59,7 +59,7 @@ class ArrayBlock(StrictModel):
     normal: Annotated[Quantity, si_quantity('1', low=-1.0, high=1.0, length=3, sourced=True)]
 
     @model_validator(mode='after')
-    def _check_normal(self) -> 'ArrayBlock':
+    def _check_normal(self) -> 'SolarArrayBlock':
         length = math.hypot(*self.normal.vector)
         if not 0.99 <= length <= 1.01:
             raise ValueError(f'has a normal of length {length:.3g}; divide it by that')
@@ -79,7 +79,7 @@ class ChargerBlock(StrictModel):
     idle: Power
 
 
-class LoadsBlock(StrictModel):
+class PowerLoadsBlock(StrictModel):
     """
     Power consumers; all others are added to `idle`.
 
@@ -99,9 +99,9 @@ class EnergyBlock(StrictModel):
     """Battery, array with charger, and loads."""
 
     battery: BatteryBlock
-    array: ArrayBlock | None = None
+    array: SolarArrayBlock | None = None
     charger: ChargerBlock | None = None
-    loads: LoadsBlock
+    loads: PowerLoadsBlock
 
     @model_validator(mode='after')
     def _check_charger(self) -> 'EnergyBlock':

@@ -13,17 +13,17 @@ from lta_config.errors import BadInput
 from lta_config.files import find_file, load_file, StrictModel
 from lta_config.quantity import Quantity, si_quantity
 from lta_config.schema.aero_file import load_aero_file
-from lta_config.schema.vehicle_aero import AeroBlock
+from lta_config.schema.vehicle_aero import AeroCoefficients
 from lta_config.schema.vehicle_body import (
     HullBlock,
     Layer,
-    MeasuredBlock,
+    MeasuredMassBlock,
     MovingMassBlock,
     PartBlock,
     Place,
     TrimBlock,
 )
-from lta_config.schema.vehicle_diodes import DiodesBlock
+from lta_config.schema.vehicle_diodes import PhotodiodesBlock
 from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_config.schema.vehicle_version import upgrade_content
 from pydantic import AliasChoices, Field, field_validator, model_validator
@@ -76,13 +76,13 @@ class RotorBlock(StrictModel):
         return self
 
 
-class SensorsBlock(StrictModel):
+class SensorPositions(StrictModel):
     """The positions of the sensors."""
 
     imu_position: Place
     range_position: Place
     panel_position: Place | None = None  # only if the array has no part
-    diodes: DiodesBlock
+    diodes: PhotodiodesBlock
 
 
 class VehicleFile(StrictModel):
@@ -94,14 +94,14 @@ class VehicleFile(StrictModel):
     control: ControlBlock | None = None
     hull: HullBlock
     trim: TrimBlock
-    measured: MeasuredBlock | None = None
+    measured: MeasuredMassBlock | None = None
     layers: Mapping[str, Layer] = Field(default_factory=dict)
     moving_mass: MovingMassBlock | None = None
     rotors: Annotated[Mapping[str, RotorBlock], Field(max_length=ROTORS)]
     thrust_curve: ThrustCurve | None = None
-    aero: AeroBlock
+    aero: AeroCoefficients
     effects: Mapping[str, Mapping[str, Quantity]]
-    sensors: SensorsBlock
+    sensors: SensorPositions
     energy: EnergyBlock
 
     @property

@@ -31,13 +31,13 @@ def nest_energy(energy: Any) -> Any:  # noqa: ANN401 - whatever the file held
     panel = [_to_si(rest.pop(f'panel_{key}', None)) for key in ('area', 'efficiency', 'voltage')]
     return {
         **rest,
-        'battery': {**battery, **_ideal_cell(battery)},
+        'battery': {**battery, **_ideal_battery_values(battery)},
         'loads': loads,
-        **_build_array(*panel),
+        **_build_array_and_charger(*panel),
     }
 
 
-def _ideal_cell(battery: dict[str, Any]) -> dict[str, Any]:
+def _ideal_battery_values(battery: dict[str, Any]) -> dict[str, Any]:
     """Return the further values of an ideal battery: new, without relaxation, usual cut-offs."""
     capacity = _to_si(battery.get('capacity')) or 1.0
     return {
@@ -52,7 +52,9 @@ def _ideal_cell(battery: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _build_array(area: float | None, efficiency: float | None, _: float | None) -> dict[str, Any]:
+def _build_array_and_charger(
+    area: float | None, efficiency: float | None, _: float | None
+) -> dict[str, Any]:
     """Return array and charger with the power of a panel; empty if there was none."""
     count = round((area or 0.0) * (efficiency or 0.0) * STANDARD / GENERIC_POWER)
     if count == 0:

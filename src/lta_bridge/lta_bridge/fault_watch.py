@@ -7,7 +7,7 @@ REST = 10.0  # wall seconds between two reports; faults in between are reported 
 INPUTS = ': inputs'  # suffix of the task in which a node reports missing inputs
 
 
-class TaskStatus(NamedTuple):
+class DiagnosticsEntry(NamedTuple):
     """
     One status of a diagnostics message.
 
@@ -45,7 +45,7 @@ class FaultWatch:
         self._news: dict[str, None] = {}
         self._rests_until = float('-inf')
 
-    def add_statuses(self, statuses: Iterable[TaskStatus]) -> None:
+    def add_statuses(self, statuses: Iterable[DiagnosticsEntry]) -> None:
         """Add the statuses of a diagnostics message."""
         for status in statuses:
             if status.over:

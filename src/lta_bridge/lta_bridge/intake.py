@@ -6,7 +6,7 @@ import time
 from typing import final
 
 from lta_bridge.bag.background_writer import BackgroundWriter
-from lta_bridge.message_accounting import MessageAccounting
+from lta_bridge.log_time_assigner import LogTimeAssigner
 from lta_config.topic_selection import absolute_topic
 from lta_config.topics import TopicTable
 from lta_graph.health import HealthLevel
@@ -25,7 +25,7 @@ class MessageIntake:
     robots : sequence of str
         Namespaces, at least one; '' for a robot without a namespace.
     table, lockstep, begun_ns
-        See `MessageAccounting`.
+        See `LogTimeAssigner`.
 
     Attributes
     ----------
@@ -45,9 +45,9 @@ class MessageIntake:
         self._table = table
         self._robots = robots
         self._books = {
-            name: MessageAccounting(table, lockstep, begun_ns=begun_ns) for name in robots
+            name: LogTimeAssigner(table, lockstep, begun_ns=begun_ns) for name in robots
         }
-        self._common = MessageAccounting(table, lockstep, begun_ns=begun_ns)
+        self._common = LogTimeAssigner(table, lockstep, begun_ns=begun_ns)
         self._writer = writer
         self.latest = time.monotonic()
 
@@ -65,7 +65,9 @@ class MessageIntake:
         # Any other namespace belongs to another graph
         return robot is not None or '/' not in relative.lstrip('/')
 
-    def build_receiver(self, name: str, type_name: str, clean: Clean) -> Callable[[bytes], None]:
+    def create_topic_callback(
+        self, name: str, type_name: str, clean: Clean
+    ) -> Callable[[bytes], None]:
         """
         Return the callback for the messages of an absolute topic.
 
@@ -80,12 +82,12 @@ class MessageIntake:
             self._assign_common_time if robot is None else self._books[robot].assign_log_time
         )
 
-        def receive(data: bytes) -> None:
+        def receive_message(data: bytes) -> None:
             self.latest = clock()
             when = log_time(row, data)
             write(name, clean(data) if varying else data, when)
 
-        return receive
+        return receive_message
 
     def _assign_common_time(self, name: str, data: bytes) -> int:
         """Return the log time of a shared topic's message: the newest of all robots. [ns]"""
@@ -97,7 +99,9 @@ class MessageIntake:
         """Set the log times of a robot's unstamped messages by topic, from a replay. [ns]"""
         self._books[robot].due = due
 
-    def summarize(self, lost: Mapping[str, int]) -> tuple[HealthLevel, str, dict[str, object]]:
+    def summarize_recording(
+        self, lost: Mapping[str, int]
+    ) -> tuple[HealthLevel, str, dict[str, object]]:
         """
         Return level, message and figures of a running recording.
 

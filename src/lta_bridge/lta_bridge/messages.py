@@ -4,17 +4,17 @@ from collections.abc import Iterator, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_bridge.bag.qos import OfferedQos, QosDuration
-from lta_bridge.fault_watch import TaskStatus
-from lta_graph.ros.peer_listener import is_over
+from lta_bridge.fault_watch import DiagnosticsEntry
+from lta_graph.ros.peer_listener import reports_end
 from rclpy.duration import Duration
 from rclpy.qos import HistoryPolicy, LivelinessPolicy, QoSProfile
 
 
-def parse_statuses(message: DiagnosticArray) -> Iterator[TaskStatus]:
+def parse_statuses(message: DiagnosticArray) -> Iterator[DiagnosticsEntry]:
     """Yield the statuses of a diagnostics message, with faults and ends of flights."""
     for status in message.status:
         failing = status.level == DiagnosticStatus.ERROR
-        yield TaskStatus(status.hardware_id, status.name, failing, is_over(status))
+        yield DiagnosticsEntry(status.hardware_id, status.name, failing, reports_end(status))
 
 
 def to_offered_qos(

@@ -38,9 +38,9 @@ class OneWayClock:
     def __init__(self) -> None:
         self.one_way_ns = 0
         self.restarts = 0
-        self._reset()
+        self._reset_estimate()
 
-    def _reset(self) -> None:
+    def _reset_estimate(self) -> None:
         self._lows: deque[tuple[int, int]] = deque(maxlen=WINDOWS)  # device, difference [ns]
         self._offset, self._slope, self._from = 0.0, 0.0, 0
 
@@ -49,16 +49,16 @@ class OneWayClock:
         """Relative rate error of the device's clock, positive if it runs fast. [1]"""
         return -self._slope
 
-    def restart(self) -> None:
+    def discard_estimate(self) -> None:
         """Discard the estimate, because the device's clock was set."""
         self.restarts += 1
-        self._reset()
+        self._reset_estimate()
 
     def stamp_arrival(self, device_ns: int, arrival_ns: int) -> int:
         """Add a message and return its graph time, never later than its arrival. [ns]"""
         ahead = self._predict_fastest(device_ns) - arrival_ns
         if self._lows and (ahead > JUMP_NS or ahead < -20 * JUMP_NS):
-            self.restart()
+            self.discard_estimate()
         self._update_line(device_ns, arrival_ns - device_ns)
         return min(self.to_graph_time(device_ns), arrival_ns)
 

@@ -8,7 +8,7 @@ from typing import final
 from lta_bridge.bag.background_writer import BackgroundWriter
 from lta_bridge.bag.snapshot_buffer import Snapshot, SnapshotBuffer
 from lta_bridge.bag.storage import StorageFault
-from lta_bridge.fault_watch import FaultWatch, TaskStatus
+from lta_bridge.fault_watch import DiagnosticsEntry, FaultWatch
 from lta_graph.health import HealthLevel
 
 ASKED = 'asked for'
@@ -37,7 +37,7 @@ class SnapshotJob:
         self.fault = ''
 
     @property
-    def summary(self) -> str:
+    def status_text(self) -> str:
         """The state of the snapshot as a sentence."""
         if self.made is not None:
             return f"{self.made.messages} messages are in '{self.made.path}'."
@@ -74,7 +74,7 @@ class SnapshotScheduler:
         self._writer.wake_thread()
         return saving
 
-    def add_statuses(self, statuses: Iterable[TaskStatus], now: float) -> None:
+    def add_statuses(self, statuses: Iterable[DiagnosticsEntry], now: float) -> None:
         """Add a diagnostics message at a wall time [s]; save at a new fault."""
         self._faults.add_statuses(statuses)
         self.save_if_due(now)
@@ -115,4 +115,4 @@ class SnapshotScheduler:
         }
         last = self._savings[-1] if self._savings else None
         level = HealthLevel.WARN if last is not None and last.fault else HealthLevel.OK
-        return level, 'none yet' if last is None else last.summary, figures
+        return level, 'none yet' if last is None else last.status_text, figures

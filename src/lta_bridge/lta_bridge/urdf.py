@@ -20,7 +20,7 @@ from lta_bridge.live.shapes import (
     CylinderShape,
     EllipsoidShape,
     LEVEL,
-    LineShape,
+    PolylineShape,
     rotation_between,
     Three,
     Turn,
@@ -48,7 +48,7 @@ def build_urdf(vehicle: Vehicle) -> str:
             case EllipsoidShape():
                 for disc in slice_into_discs(shape):
                     _add_visual(base, disc)
-            case LineShape():
+            case PolylineShape():
                 for rod in convert_to_rods(shape):
                     _add_visual(base, rod)
             case BoxShape() | CylinderShape():
@@ -100,7 +100,7 @@ def slice_into_discs(hull: EllipsoidShape) -> Iterator[CylinderShape]:
         yield CylinderShape(place, size, hull.colour, turn)
 
 
-def convert_to_rods(line: LineShape) -> Iterator[CylinderShape]:
+def convert_to_rods(line: PolylineShape) -> Iterator[CylinderShape]:
     """Yield the strokes of a line as round rods, because URDF has no lines."""
     # Points are pairs: start and end of each stroke
     for start, end in zip(line.points[::2], line.points[1::2], strict=True):

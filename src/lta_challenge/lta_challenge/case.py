@@ -7,17 +7,17 @@ from typing import Any, Final, final
 from lta_challenge.course import plan_pilot_inputs
 from lta_challenge.effect_injection import (
     choose_effects,
-    choose_outside,
+    choose_outside_kind,
     CLEAR,
-    draw_outside,
-    draw_structured,
+    draw_outside_parameters,
+    draw_structured_errors,
     FAINT,
     InjectedEffect,
-    list_candidates,
-    scale_outside,
+    list_injectable_parameters,
+    scale_outside_effect,
 )
-from lta_challenge.rows import find_row, Kind, KINDS
-from lta_challenge.tolerance import perturb_flight, perturb_vehicle
+from lta_challenge.rows import find_challenge_row, Kind, KINDS
+from lta_challenge.tolerance import apply_flight_errors, perturb_vehicle
 from lta_challenge.truth_flight import TICK
 from lta_challenge.truth_sensors import Instruments, Streams, TruthSensors
 from lta_challenge.truth_simulation import simulate_flight, TruthTrajectory
@@ -121,42 +121,42 @@ class CaseGenerator:
         kind: Kind | None = None,
         seconds: tuple[float, float] = SECONDS,
     ) -> None:
-        self._vehicle, self._row_name, self._row = vehicle, row_name, find_row(row_name)
+        self._vehicle, self._row_name, self._row = vehicle, row_name, find_challenge_row(row_name)
         self._number, self._seconds = number, seconds
         # All random numbers of the case derive from these three numbers
         self._root = [seed, number, self._row.code]
-        draw = self._make_generator(0)
+        draw = self._create_random_generator(0)
         kinds, weights = list(KINDS), list(KINDS.values())
         self.kind: Kind = kind or kinds[int(draw.choice(len(kinds), p=weights))]
 
-    def _make_generator(self, part: int) -> Draw:
+    def _create_random_generator(self, part: int) -> Draw:
         """Return the random generator of one part of the case."""
         return np.random.default_rng([*self._root, part])
 
-    def _draw_hidden(self) -> tuple[InjectedEffect, ...]:
+    def _draw_hidden_effects(self) -> tuple[InjectedEffect, ...]:
         """Draw the hidden effects of the library."""
         # Number of hidden effects of the library
         count = {'clean': 0, 'single': 1, 'pair': 2, 'outside': 0, 'mixed': 1}[self.kind]
-        candidates = list_candidates(self._vehicle.knobs, self._row)
-        return choose_effects(candidates, count, self._row, self._make_generator(1))
+        candidates = list_injectable_parameters(self._vehicle.knobs, self._row)
+        return choose_effects(candidates, count, self._row, self._create_random_generator(1))
 
-    def _build_nominal(self, hidden: tuple[InjectedEffect, ...]) -> NominalVehicle:
+    def _build_case_vehicle(self, hidden: tuple[InjectedEffect, ...]) -> NominalVehicle:
         """Return the vehicle with the hidden effects and within-tolerance errors."""
         nominal, by_name = self._vehicle.nominal, {knob.name: knob for knob in self._vehicle.knobs}
         for one in hidden:
             nominal = by_name[one.knob].apply_to(nominal, one.value)
-        return perturb_vehicle(nominal, self._row.worse, self._make_generator(2))
+        return perturb_vehicle(nominal, self._row.worse, self._create_random_generator(2))
 
     def generate_case(self, roles: Sequence[str] = ROLES) -> ChallengeCase:
         """Generate the case; the flight of a role does not depend on the roles that follow."""
-        hidden = self._draw_hidden()
-        nominal, outside, name = self._build_nominal(hidden), dict[str, Any](), ''
+        hidden = self._draw_hidden_effects()
+        nominal, outside, name = self._build_case_vehicle(hidden), dict[str, Any](), ''
         if self._row.structured:
-            outside |= draw_structured(self._make_generator(3))
+            outside |= draw_structured_errors(self._create_random_generator(3))
         floors = 0.0
         if self.kind in ('outside', 'mixed'):
             # Scale the effect in the flights in which it will act
-            name, given, floors = self._draw_clear_outside(nominal, outside)
+            name, given, floors = self._draw_detectable_effect(nominal, outside)
             outside[name] = given
         flights = tuple(
             self._record_flight(nominal, outside, index, role) for index, role in enumerate(roles)
@@ -169,28 +169,28 @@ class CaseGenerator:
             'floors': floors,
             'strange': outside,
             'courses': {flight.name: flight.course for flight in flights},
-            'nominal': nominal_to_dict(nominal),
+            'nominal': vehicle_to_dict(nominal),
         }
         return ChallengeCase(self._number, flights, answer)
 
-    def _draw_clear_outside(
+    def _draw_detectable_effect(
         self, nominal: NominalVehicle, outside: dict[str, Any]
     ) -> tuple[str, dict[str, float], float]:
         """Draw a detectable effect outside the library: name, parameters, strength."""
-        draw = self._make_generator(4)
+        draw = self._create_random_generator(4)
         for _ in range(TRIALS):
             # Cases with odd numbers use the late kinds
-            name = choose_outside(draw, late=self._number % 2 == 1)
-            given, floors = self._size_outside(nominal, outside, name, draw)
+            name = choose_outside_kind(draw, late=self._number % 2 == 1)
+            given, floors = self._scale_outside_effect(nominal, outside, name, draw)
             if floors >= FAINT:
                 break
         return name, given, floors
 
-    def _size_outside(
+    def _scale_outside_effect(
         self, nominal: NominalVehicle, outside: dict[str, Any], name: str, draw: Draw
     ) -> tuple[dict[str, float], float]:
         """Scale an effect outside the library to a random strength; return it and its strength."""
-        given = draw_outside(name, draw)
+        given = draw_outside_parameters(name, draw)
         aim = CLEAR[0] * (CLEAR[1] / CLEAR[0]) ** draw.random()
         reached = 0.0
         for trial in range(TRIALS + 1):
@@ -202,7 +202,7 @@ class CaseGenerator:
             if trial == TRIALS or reached == 0.0 or 0.8 < reached / aim < 1.25:
                 break
             # Limit the step: far from the solution, strength and size are not proportional
-            given = scale_outside(name, given, min(max(aim / reached, 0.05), 20.0))
+            given = scale_outside_effect(name, given, min(max(aim / reached, 0.05), 20.0))
         return given, reached
 
     def _simulate_flight(
@@ -210,14 +210,14 @@ class CaseGenerator:
     ) -> tuple[TruthTrajectory, TruthVehicle, str, Draw]:
         """Simulate one flight; its generator goes on into the sensors."""
         # Parts 0 to 5 belong to the case; each flight has its own generator from 10 on
-        draw = self._make_generator(10 + index)
+        draw = self._create_random_generator(10 + index)
         courses = self._row.courses
         # Flights of a case differ where they can.
         course = courses[
-            (int(self._make_generator(5).integers(len(courses))) + index) % len(courses)
+            (int(self._create_random_generator(5).integers(len(courses))) + index) % len(courses)
         ]
         seconds = float(draw.uniform(*self._seconds))
-        hull = build_truth_vehicle(perturb_flight(nominal, self._row.worse, draw), outside)
+        hull = build_truth_vehicle(apply_flight_errors(nominal, self._row.worse, draw), outside)
         pilot = plan_pilot_inputs(course, round(seconds), self._row.pushed, draw)
         # Voltage at the start [V]; drop per duty and second [V/s]; drop per duty [V]
         cell = (draw.uniform(3.85, 4.15), 0.0008, 0.06)
@@ -258,7 +258,7 @@ def wrench_strength(forces: Array) -> float:
     return float(np.max(np.std(forces, axis=0) / FLOOR))
 
 
-def nominal_to_dict(nominal: NominalVehicle) -> dict[str, Any]:
+def vehicle_to_dict(nominal: NominalVehicle) -> dict[str, Any]:
     """Return a vehicle as JSON data."""
     return {
         'given': {name: dict(values) for name, values in nominal.given.items()},

@@ -7,7 +7,7 @@ from typing import Any, Final, final
 from lta_challenge.effect_injection import effect_of
 from lta_challenge.other.unlisted import UNLISTED
 from lta_challenge.outside import OUTSIDE
-from lta_challenge.rows import find_row, Kind, parse_kind
+from lta_challenge.rows import find_challenge_row, Kind, parse_case_kind
 from lta_discovery.selection.equivalence_classes import load_class_map
 
 FAR: Final = 3.0  # s; forecast horizon at which a model is compared with the oracle
@@ -146,7 +146,7 @@ def score_case(number: int, answer: Mapping[str, Any], result: Mapping[str, Any]
         Answer of the case, and result of `trial.run_trial`.
 
     """
-    one = load_class_map(find_row(answer['row']).data)
+    one = load_class_map(find_challenge_row(answer['row']).data)
 
     def name_of(knob: str) -> str:
         # Parameters that the data cannot distinguish share the name of their class
@@ -160,7 +160,7 @@ def score_case(number: int, answer: Mapping[str, Any], result: Mapping[str, Any]
     missed = tuple(knob for knob in hidden if name_of(knob) not in named_classes)
     return ScoredCase(
         number,
-        parse_kind(answer['kind']),
+        parse_case_kind(answer['kind']),
         answer['row'],
         hidden,
         named,
@@ -172,7 +172,7 @@ def score_case(number: int, answer: Mapping[str, Any], result: Mapping[str, Any]
         result['refused'],
         oracle.get('sigma', {}),
         _collect_intervals(answer, result, hidden),
-        _collect_errors(result.get('gaps', []), oracle.get('gaps', [])),
+        _collect_position_errors(result.get('gaps', []), oracle.get('gaps', [])),
         float(result['cpu_s']),
         _find_detectable_misses(answer, result, missed),
         tuple(result.get('contradictions', ())),
@@ -211,7 +211,7 @@ def _collect_intervals(
     return tuple(out)
 
 
-def _collect_errors(
+def _collect_position_errors(
     gaps: list[Mapping[str, Any]], oracle: list[Mapping[str, Any]]
 ) -> dict[str, float]:
     """Return the position errors at the horizon, by model."""

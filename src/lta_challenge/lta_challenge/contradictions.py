@@ -12,14 +12,14 @@ from pathlib import Path
 import re
 from typing import Any, Final, final, NamedTuple
 
-from lta_discovery.finding import DiscoveryFinding
+from lta_discovery.finding import StudyResult
 from lta_discovery.page import tables
 from lta_discovery.page.formatting import format_parameter
 from lta_discovery.page.verdict_text import (
     build_tiles,
+    format_flight_roles,
     format_headline,
-    list_learned_commands,
-    summarize_flights,
+    list_learned_file_commands,
 )
 from lta_discovery.results.discovery_json import to_dict
 from lta_discovery.results.terminal import print_finding
@@ -55,13 +55,13 @@ class RenderedStudy(NamedTuple):
     json: dict[str, Any]
 
     @property
-    def whole_text(self) -> str:
+    def text_without_json(self) -> str:
         """Everything but the JSON."""
         # The last field is the JSON
         return '\n'.join(self[:-1])
 
 
-def render_study(finding: DiscoveryFinding) -> RenderedStudy:
+def render_study(finding: StudyResult) -> RenderedStudy:
     """Render all outputs of a study as plain text."""
     out = StringIO()
     print_finding(finding, Console(file=out, width=COLUMNS, color_system=None))
@@ -74,10 +74,10 @@ def render_study(finding: DiscoveryFinding) -> RenderedStudy:
         format_headline(finding),
         '\n'.join(' '.join(map(str, one)) for one in build_tiles(finding)),
         _strip_tags(tables.render_effects(finding)),
-        _strip_tags(tables.render_ladder(finding)),
-        '\n'.join([summarize_flights(finding), *map(_strip_tags, rest)]),
+        _strip_tags(tables.render_search_rounds(finding)),
+        '\n'.join([format_flight_roles(finding), *map(_strip_tags, rest)]),
         out.getvalue(),
-        '\n'.join(list_learned_commands(finding, Path('found')).values()),
+        '\n'.join(list_learned_file_commands(finding, Path('found')).values()),
         to_dict(finding),
     )
 
@@ -87,7 +87,7 @@ def _strip_tags(html: str) -> str:
     return ' '.join(unescape(TAG.sub(' ', html)).split())
 
 
-def find_contradictions(finding: DiscoveryFinding) -> list[str]:
+def find_contradictions(finding: StudyResult) -> list[str]:
     """Return a sentence for each contradiction; empty if there are none."""
     said = render_study(finding)
     laws = (_check_gains(said), _check_names(finding, said), _check_nothing(finding, said),
@@ -97,20 +97,23 @@ def find_contradictions(finding: DiscoveryFinding) -> list[str]:
 
 def _check_gains(rendered: RenderedStudy) -> Iterator[str]:
     """Check that no gain is reported and no learned file offered that should not be used."""
-    keep = 'keep the vehicle file' in rendered.whole_text.lower()
-    doubted = 'do not trust its value' in rendered.whole_text or 'Fly again' in rendered.whole_text
+    keep = 'keep the vehicle file' in rendered.text_without_json.lower()
+    doubted = (
+        'do not trust its value' in rendered.text_without_json
+        or 'Fly again' in rendered.text_without_json
+    )
     for words in BETTER:
-        if words in rendered.whole_text and (keep or doubted):
+        if words in rendered.text_without_json and (keep or doubted):
             yield f"'{words}' together with the advice not to use it"
     if ' fly --vehicle' in rendered.commands and (keep or doubted):
         yield 'a command uses the learned file, but the advice is not to use it'
-    if 'no cause for doubt' in rendered.whole_text and any(
-        words in rendered.whole_text for words in DOUBT
+    if 'no cause for doubt' in rendered.text_without_json and any(
+        words in rendered.text_without_json for words in DOUBT
     ):
         yield 'a doubt is stated together with "no cause for doubt"'
 
 
-def _check_names(finding: DiscoveryFinding, rendered: RenderedStudy) -> Iterator[str]:
+def _check_names(finding: StudyResult, rendered: RenderedStudy) -> Iterator[str]:
     """Check that named effects appear with their rivals and in every output."""
     for one in finding.effects:
         for rival in one.confusable_with:
@@ -138,18 +141,18 @@ def _check_names(finding: DiscoveryFinding, rendered: RenderedStudy) -> Iterator
             yield f'{knob} is named in a round but not in the result'
 
 
-def _check_nothing(finding: DiscoveryFinding, rendered: RenderedStudy) -> Iterator[str]:
+def _check_nothing(finding: StudyResult, rendered: RenderedStudy) -> Iterator[str]:
     """Check that "nothing is missing" is stated only if that is the result."""
     more = finding.effects or finding.remains or finding.unexplained
     if NOTHING in rendered.headline and (more or 'Unexplained:' in rendered.terminal):
         yield 'the headline says that nothing is missing, but something is'
     if 'no force or moment remains' in rendered.tiles and (finding.remains or finding.unexplained):
         yield 'a tile says that no force remains, but something is unexplained'
-    if FITS in rendered.effects and any(words in rendered.whole_text for words in UNFIT):
+    if FITS in rendered.effects and any(words in rendered.text_without_json for words in UNFIT):
         yield 'the file explains the flights, but should be measured again'
 
 
-def _check_values(finding: DiscoveryFinding, rendered: RenderedStudy) -> Iterator[str]:
+def _check_values(finding: StudyResult, rendered: RenderedStudy) -> Iterator[str]:
     """Check the values of the file and the notes on assumed values."""
     lacking = sum(not each.in_file for one in finding.effects for each in one.parameters)
     if rendered.effects.count('the file does not have it') != lacking:
@@ -159,7 +162,7 @@ def _check_values(finding: DiscoveryFinding, rendered: RenderedStudy) -> Iterato
         yield 'a value that depends on an assumed one is not marked'
 
 
-def _check_json(finding: DiscoveryFinding, rendered: RenderedStudy) -> Iterator[str]:
+def _check_json(finding: StudyResult, rendered: RenderedStudy) -> Iterator[str]:
     """Check that JSON and texts draw the same conclusion."""
     drawn = rendered.json['conclusion']
     gain = any(words in rendered.headline for words in BETTER)

@@ -60,7 +60,7 @@ def registry_digest(effects: Mapping[str, Effect] = EFFECTS) -> str:
             extract.add_function(function, name)
         # The source text of a parameter is documentation and does not count
         numbers = [[p.name, p.unit, p.null, p.low, p.high, p.spread] for p in effect.parameters]
-        described.append([name, numbers, _strip_docstrings(extract.render(''))])
+        described.append([name, numbers, _strip_docstrings(extract.render_pieces(''))])
     return _hash_text(json.dumps(described))
 
 

@@ -6,7 +6,7 @@ from typing import Final, final, NamedTuple
 from lta_challenge.outside import OUTSIDE, STRANGE, STRUCTURED
 from lta_challenge.rows import ChallengeRow
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.selection.equivalence_classes import find_kind_classes, is_same_class
+from lta_discovery.selection.equivalence_classes import find_kind_classes, is_equivalent
 import numpy as np
 
 Draw = np.random.Generator
@@ -53,7 +53,9 @@ def effect_of(knob: str) -> str:
     return knob.partition('.')[0]
 
 
-def list_candidates(knobs: Sequence[FreeParameter], row: ChallengeRow) -> list[FreeParameter]:
+def list_injectable_parameters(
+    knobs: Sequence[FreeParameter], row: ChallengeRow
+) -> list[FreeParameter]:
     """Return the parameters that can be hidden: those that the data of a row can show."""
     classes = find_kind_classes(row.data)
     return [
@@ -91,7 +93,7 @@ def choose_effects(
         knob = own[int(draw.integers(len(own)))]
         if any(
             # Two effects that the data cannot distinguish would count as one
-            effect_of(one.knob) == effect or is_same_class(one.knob, knob.name, row.data)
+            effect_of(one.knob) == effect or is_equivalent(one.knob, knob.name, row.data)
             for one in out
         ):
             continue
@@ -99,26 +101,28 @@ def choose_effects(
     return tuple(out)
 
 
-def draw_outside(kind: str, draw: Draw) -> dict[str, float]:
+def draw_outside_parameters(kind: str, draw: Draw) -> dict[str, float]:
     """Draw the parameters of an effect outside the library."""
     one = STRANGE[kind]
     given = {name: float(draw.uniform(*between)) for name, between in one.usual.items()}
     return {known.name: given.get(known.name, known.null) for known in one.effect.parameters}
 
 
-def scale_outside(kind: str, parameters: Mapping[str, float], factor: float) -> dict[str, float]:
+def scale_outside_effect(
+    kind: str, parameters: Mapping[str, float], factor: float
+) -> dict[str, float]:
     """Scale an effect outside the library, up to its upper bound."""
     # The first parameter of every kind is its size
     size = min(parameters['size'] * factor, STRANGE[kind].effect.parameters[0].high)
     return {**parameters, 'size': size}
 
 
-def choose_outside(draw: Draw, *, late: bool) -> str:
+def choose_outside_kind(draw: Draw, *, late: bool) -> str:
     """Draw a kind outside the library, from the early or the late ones."""
     names = sorted(name for name, one in OUTSIDE.items() if one.late == late)
     return names[int(draw.integers(len(names)))]
 
 
-def draw_structured(draw: Draw) -> dict[str, Mapping[str, float]]:
+def draw_structured_errors(draw: Draw) -> dict[str, Mapping[str, float]]:
     """Draw the model errors that all flights of the row 'structured' have."""
-    return {kind: draw_outside(kind, draw) for kind in STRUCTURED}
+    return {kind: draw_outside_parameters(kind, draw) for kind in STRUCTURED}

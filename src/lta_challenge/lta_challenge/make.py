@@ -14,7 +14,7 @@ from lta_challenge.case import CaseGenerator, ChallengeCase, ChallengeVehicle, S
 from lta_challenge.digest import registry_digest, vehicle_digest
 from lta_challenge.other.case_generator import OtherCaseGenerator
 from lta_challenge.recording import write_bag
-from lta_challenge.rows import find_row, Kind
+from lta_challenge.rows import find_challenge_row, Kind
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_discovery.model.nominal import NominalVehicle
@@ -70,7 +70,7 @@ def case_folder(number: int) -> str:
 def draw_case(order: ChallengeRequest, number: int) -> ChallengeCase:
     """Generate one case with the simulator of its row."""
     about = load_challenge_vehicle()
-    if find_row(order.row).independent:
+    if find_challenge_row(order.row).independent:
         return OtherCaseGenerator(
             about.vehicle, order.seed, number, order.kind, order.seconds
         ).generate_case()
@@ -79,7 +79,9 @@ def draw_case(order: ChallengeRequest, number: int) -> ChallengeCase:
     ).generate_case()
 
 
-def _make_case(order: ChallengeRequest, number: int, folder: Path) -> tuple[int, dict[str, Any]]:
+def _generate_case(
+    order: ChallengeRequest, number: int, folder: Path
+) -> tuple[int, dict[str, Any]]:
     """Generate and record one case; return its number and answer."""
     about, case = load_challenge_vehicle(), draw_case(order, number)
     place = folder / case_folder(number)
@@ -93,7 +95,7 @@ def _make_case(order: ChallengeRequest, number: int, folder: Path) -> tuple[int,
     return number, case.answer
 
 
-def make_challenge(
+def generate_challenge(
     order: ChallengeRequest,
     folder: Path,
     jobs: int = 1,
@@ -119,21 +121,21 @@ def make_challenge(
         If the folder is not empty, or the row is unknown.
 
     """
-    find_row(order.row)
+    find_challenge_row(order.row)
     check_creatable(folder)
     # The folder appears only when complete: an interrupted run leaves no partial challenge
     with stage_results(folder, NAME) as part:
-        _make_cases(order, part, jobs, tell)
+        _generate_cases(order, part, jobs, tell)
     return folder / NAME
 
 
-def _make_cases(
+def _generate_cases(
     order: ChallengeRequest, part: Path, jobs: int, tell: Callable[[int], None]
 ) -> None:
     """Generate all cases in parallel, then write the answers and the description."""
     answers: dict[str, Any] = {}
     cases = [(order, number, part) for number in range(order.count)]
-    for number, answer in run_in_workers(_make_case, cases, jobs, '--jobs'):
+    for number, answer in run_in_workers(_generate_case, cases, jobs, '--jobs'):
         answers[str(number)] = answer
         tell(len(answers))
     digest = write_answers(answers, part / SEALED)

@@ -9,18 +9,18 @@ from lta_challenge.pictures import plot_confusion, plot_coverage, plot_strength
 from lta_challenge.rows import ROWS
 from lta_challenge.score import ChallengeScore
 from lta_challenge.score_report import (
-    format_cost,
-    format_errors,
-    format_figures,
-    format_matrix,
-    format_outside,
+    format_error_and_time,
+    format_median_errors,
+    format_outcome_table,
+    format_outside_kinds,
+    format_score_figures,
     format_wrong_cases,
     OUTSIDE_HEADS,
 )
-from lta_challenge.score_statistics import compute_figures, LATE
+from lta_challenge.score_statistics import compute_score_figures, LATE
 from lta_config.command_line import format_lta_command
+from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import render_section, render_tile
 
 NAME: Final = 'report.html'
 # Figures shown as tiles, with their targets.
@@ -43,7 +43,7 @@ def render_page(scored: ChallengeScore, folder: Path) -> str:
     """Return the whole page."""
     about, cases = scored.about, scored.cases
     row = ROWS[about['row']]
-    shares = {each.name: each.share for each in compute_figures(cases)}
+    shares = {each.name: each.share for each in compute_score_figures(cases)}
     tiles = [
         (name, f'{shares[name].hits}/{shares[name].of}', '', f'target: {wanted}')
         for name, wanted in SHOWN.items()
@@ -52,12 +52,12 @@ def render_page(scored: ChallengeScore, folder: Path) -> str:
         'challenge.html',
         title=escape(f'{len(cases)} cases with hidden effects: what discovery named'),
         kicker=escape(f'challenge {about["seed"]} \N{MIDDLE DOT} {about["row"]}'),
-        about=escape(f'{row.about}. {format_errors(cases)} {format_cost(cases)}'),
+        about=escape(f'{row.about}. {format_median_errors(cases)} {format_error_and_time(cases)}'),
         tiles='\n'.join(render_tile(*each) for each in tiles),
-        pictures=_render_pictures(scored),
-        figures=_render_table(['figure', 'share', 'target', 'met'], format_figures(cases)),
-        matrix=_render_table(*format_matrix(cases)),
-        outside=_render_table(OUTSIDE_HEADS, format_outside(cases)),
+        pictures=_render_plot_sections(scored),
+        figures=_render_table(['figure', 'share', 'target', 'met'], format_score_figures(cases)),
+        matrix=_render_table(*format_outcome_table(cases)),
+        outside=_render_table(OUTSIDE_HEADS, format_outside_kinds(cases)),
         wrong=_render_table(['case', 'row', 'kind', 'hidden', 'named'], format_wrong_cases(cases)),
         facts={
             'challenge': str(folder), 'seed': str(about['seed']), 'cases': str(len(cases)),
@@ -74,7 +74,7 @@ def render_page(scored: ChallengeScore, folder: Path) -> str:
     )  # fmt: skip
 
 
-def _render_pictures(scored: ChallengeScore) -> str:
+def _render_plot_sections(scored: ChallengeScore) -> str:
     """Return the plots as page sections."""
     cases = scored.cases
     shown = [

@@ -63,7 +63,7 @@ def _encode_messages(
         'header.stamp.nanosec': stamps % 1_000_000_000,
         **{path: values[:, k] for k, path in enumerate(columns)},
     }
-    data, size = layout.fill_messages(len(time), numbers), layout.size
+    data, size = layout.serialize_messages(len(time), numbers), layout.size
     name = robot_topic(ROBOT, topic)
     made = (
         (stamp, name, data[k * size : (k + 1) * size]) for k, stamp in enumerate(stamps.tolist())

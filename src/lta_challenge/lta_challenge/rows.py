@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Final, final, Literal
 
-from lta_config.errors import unknown_name
+from lta_config.errors import unknown_name_error
 from lta_discovery.selection.equivalence_classes import Kind as Data
 
 Kind = Literal['clean', 'single', 'pair', 'outside', 'mixed']
@@ -80,16 +80,16 @@ ROWS: Final[dict[str, ChallengeRow]] = {
 }
 
 
-def find_row(name: str) -> ChallengeRow:
+def find_challenge_row(name: str) -> ChallengeRow:
     """Return a row; an unknown name is a `BadInput` that lists the known ones."""
     if name not in ROWS:
-        raise unknown_name('row', name, list(ROWS))
+        raise unknown_name_error('row', name, list(ROWS))
     return ROWS[name]
 
 
-def parse_kind(name: str) -> Kind:
+def parse_case_kind(name: str) -> Kind:
     """Return a kind; an unknown name is a `BadInput` that lists the known ones."""
     for known in KINDS:
         if known == name:
             return known
-    raise unknown_name('kind', name, list(KINDS))
+    raise unknown_name_error('kind', name, list(KINDS))

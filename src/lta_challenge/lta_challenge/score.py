@@ -13,7 +13,7 @@ from lta_challenge.case_score import score_case, ScoredCase
 from lta_challenge.digest import registry_digest, vehicle_digest
 from lta_challenge.make import case_folder, read_challenge
 from lta_challenge.score_statistics import (
-    compute_figures,
+    compute_score_figures,
     count_outcomes,
     finite_median,
     median_errors,
@@ -48,7 +48,7 @@ class ChallengeScore:
     cases: tuple[ScoredCase, ...]
 
 
-def build_stamp() -> dict[str, str]:
+def collect_versions() -> dict[str, str]:
     """Return the versions that a stored result depends on."""
     return {'registry': registry_digest(), 'vehicle_digest': vehicle_digest('gtmab')}
 
@@ -113,7 +113,7 @@ def score_challenge(
         If there is no challenge, a case is missing, or the answers were changed.
 
     """
-    about, now = read_challenge(folder), build_stamp()
+    about, now = read_challenge(folder), collect_versions()
     count = min(int(about['cases']), most or int(about['cases']))
     results = folder / RESULTS
     # Results of other effects or another vehicle file are computed again
@@ -148,7 +148,7 @@ def score_to_dict(scored: ChallengeScore) -> dict[str, Any]:
         'figures': [
             {'name': f.name, **share_to_dict(f.share), 'least': null_unless_finite(f.least),
              'most': null_unless_finite(f.most), 'met': f.target_met}
-            for f in compute_figures(cases)
+            for f in compute_score_figures(cases)
         ],
         'by_strength': [
             {'from': low, 'to': null_unless_finite(high), 'exact': share_to_dict(a),

@@ -9,7 +9,7 @@ from lta_challenge.other.unlisted import UNLISTED
 from lta_challenge.outside import OUTSIDE
 from lta_challenge.rows import KINDS, ROWS
 from lta_challenge.score_statistics import (
-    compute_figures,
+    compute_score_figures,
     count_outcomes,
     finite_median,
     median_errors,
@@ -65,15 +65,15 @@ def format_target(figure: ScoreFigure) -> str:
     return ', '.join(parts)
 
 
-def format_figures(cases: Sequence[ScoredCase]) -> list[list[str]]:
+def format_score_figures(cases: Sequence[ScoredCase]) -> list[list[str]]:
     """Return a row for each figure: name, share, target, and whether it is met."""
     return [
         [f.name, format_share(f.share), format_target(f), f.target_met]
-        for f in compute_figures(cases)
+        for f in compute_score_figures(cases)
     ]
 
 
-def format_matrix(cases: Sequence[ScoredCase]) -> tuple[list[str], list[list[str]]]:
+def format_outcome_table(cases: Sequence[ScoredCase]) -> tuple[list[str], list[list[str]]]:
     """Return header and rows of the outcomes by kind."""
     found = count_outcomes(cases)
     columns = sorted({column for cells in found.values() for column in cells})
@@ -85,7 +85,7 @@ def format_matrix(cases: Sequence[ScoredCase]) -> tuple[list[str], list[list[str
     return ['hidden', *columns], lines
 
 
-def format_strengths(cases: Sequence[ScoredCase]) -> list[list[str]]:
+def format_strength_bands(cases: Sequence[ScoredCase]) -> list[list[str]]:
     """Return a line for each band of strength."""
     return [
         [
@@ -99,7 +99,7 @@ def format_strengths(cases: Sequence[ScoredCase]) -> list[list[str]]:
 OUTSIDE_HEADS: Final = ('kind', 'what', 'written', 'cases', 'unexplained', 'named')
 
 
-def format_outside(cases: Sequence[ScoredCase]) -> list[list[str]]:
+def format_outside_kinds(cases: Sequence[ScoredCase]) -> list[list[str]]:
     """Return a line for each kind outside the library."""
     out = []
     kinds = {name: (kind.about, kind.late) for name, kind in OUTSIDE.items()}
@@ -116,7 +116,7 @@ def format_outside(cases: Sequence[ScoredCase]) -> list[list[str]]:
     return out
 
 
-def format_errors(cases: Sequence[ScoredCase]) -> str:
+def format_median_errors(cases: Sequence[ScoredCase]) -> str:
     """Return the median position errors, from the vehicle file to the oracle."""
     # A median without cases is NaN
     known = {name: value for name, value in median_errors(cases).items() if math.isfinite(value)}
@@ -124,7 +124,7 @@ def format_errors(cases: Sequence[ScoredCase]) -> str:
     return f'Position after 3 s on held-out flights, median of cases [mm]: {steps or DASH}.'
 
 
-def format_cost(cases: Sequence[ScoredCase]) -> str:
+def format_error_and_time(cases: Sequence[ScoredCase]) -> str:
     """Return the median parameter error and computing time."""
     error = finite_median(each.error for one in cases for each in one.intervals)
     seconds = finite_median(one.seconds for one in cases)
@@ -188,7 +188,7 @@ def render_markdown(scores: Sequence[tuple[dict[str, Any], Sequence[ScoredCase]]
     if len(rows) > 1:
         parts += ['## All rows', _format_overview(rows)]
     for name, cases in rows.items():
-        parts += _format_row(name, cases, seeds[name])
+        parts += _format_challenge_row(name, cases, seeds[name])
     return '\n\n'.join(parts) + '\n'
 
 
@@ -201,7 +201,7 @@ def _format_commits(abouts: Iterable[dict[str, Any]]) -> str:
 
 def _format_overview(rows: Mapping[str, Sequence[ScoredCase]]) -> str:
     """Return a table of the figures by row, without their intervals."""
-    found = [compute_figures(cases) for cases in rows.values()]
+    found = [compute_score_figures(cases) for cases in rows.values()]
     lines = [
         [each[0].name, format_target(each[0]), *(_format_brief_share(one.share) for one in each)]
         for each in zip(*found, strict=True)
@@ -215,19 +215,23 @@ def _format_brief_share(share: ShareEstimate) -> str:
     return f'{share.hits}/{share.of} = {100 * share.value:.0f} %' if share.of else DASH
 
 
-def _format_row(name: str, cases: Sequence[ScoredCase], seeds: Sequence[str]) -> list[str]:
+def _format_challenge_row(
+    name: str, cases: Sequence[ScoredCase], seeds: Sequence[str]
+) -> list[str]:
     """Return the Markdown blocks of one row."""
-    heads, lines = format_matrix(cases)
+    heads, lines = format_outcome_table(cases)
     bands = ['sigma', 'exact', 'wrong', 'silent']
     parts = [
         f'## {name.capitalize()}: {ROWS[name].about}',
         f'{len(cases)} cases: {", ".join(seeds)}.',
-        format_table(['figure', 'share (95 %, Wilson)', 'target', 'met'], format_figures(cases)),
+        format_table(
+            ['figure', 'share (95 %, Wilson)', 'target', 'met'], format_score_figures(cases)
+        ),
         format_table(heads, lines),
-        format_table(bands, format_strengths(cases)),
-        f'{format_errors(cases)} {format_cost(cases)}',
+        format_table(bands, format_strength_bands(cases)),
+        f'{format_median_errors(cases)} {format_error_and_time(cases)}',
     ]
-    if found := format_outside(cases):
+    if found := format_outside_kinds(cases):
         parts.append(format_table(OUTSIDE_HEADS, found))
     if found := format_wrong_cases(cases):
         parts.append(format_table(['case', 'row', 'kind', 'hidden (sigma)', 'named'], found))

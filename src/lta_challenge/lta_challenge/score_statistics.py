@@ -67,7 +67,9 @@ class ScoreFigure(NamedTuple):
         return 'yes' if enough and few else 'no'
 
 
-def _count_share(cases: Iterable[ScoredCase], test: Callable[[ScoredCase], bool]) -> ShareEstimate:
+def _estimate_passing_share(
+    cases: Iterable[ScoredCase], test: Callable[[ScoredCase], bool]
+) -> ShareEstimate:
     """Return the share of cases that pass a test."""
     hits = [test(one) for one in cases]
     return estimate_share(sum(hits), len(hits))
@@ -111,29 +113,38 @@ def _naming_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
     silent = [one for one in single if one.outcome == 'silent']
     return [
         ScoreFigure(
-            'one effect, 6 sigma or more: exact', _count_share(clear, _is_exact), least=0.97
+            'one effect, 6 sigma or more: exact',
+            _estimate_passing_share(clear, _is_exact),
+            least=0.97,
         ),
-        ScoreFigure('one effect, 3 to 6 sigma: exact', _count_share(weak, _is_exact), least=0.70),
-        ScoreFigure('one effect: a wrong name', _count_share(single, _has_wrong_name), most=0.02),
         ScoreFigure(
-            'one effect: silent', _count_share(single, lambda one: one.outcome == 'silent')
+            'one effect, 3 to 6 sigma: exact', _estimate_passing_share(weak, _is_exact), least=0.70
+        ),
+        ScoreFigure(
+            'one effect: a wrong name', _estimate_passing_share(single, _has_wrong_name), most=0.02
+        ),
+        ScoreFigure(
+            'one effect: silent',
+            _estimate_passing_share(single, lambda one: one.outcome == 'silent'),
         ),
         ScoreFigure(
             'one effect: silent, of a size to be seen',
-            _count_share(silent, _has_detectable_miss),
+            _estimate_passing_share(silent, _has_detectable_miss),
             most=0.05,
         ),
-        ScoreFigure('one effect: also unexplained', _count_share(single, _is_flagged)),
+        ScoreFigure('one effect: also unexplained', _estimate_passing_share(single, _is_flagged)),
         ScoreFigure(
             'two effects, both 6 sigma or more: both exact',
-            _count_share(both, _is_exact),
+            _estimate_passing_share(both, _is_exact),
             least=0.85,
         ),
-        ScoreFigure('two effects: a wrong name', _count_share(pair, _has_wrong_name)),
+        ScoreFigure('two effects: a wrong name', _estimate_passing_share(pair, _has_wrong_name)),
         ScoreFigure(
-            'nothing hidden: any name', _count_share(clean, lambda one: bool(one.named)), most=0.01
+            'nothing hidden: any name',
+            _estimate_passing_share(clean, lambda one: bool(one.named)),
+            most=0.01,
         ),
-        ScoreFigure('nothing hidden: unexplained', _count_share(clean, _is_flagged)),
+        ScoreFigure('nothing hidden: unexplained', _estimate_passing_share(clean, _is_flagged)),
     ]
 
 
@@ -154,15 +165,17 @@ def _unexplained_figures(cases: Sequence[ScoredCase], when: str = '') -> list[Sc
         _select_kind(cases, 'outside'),
         _select_strength(_select_kind(cases, 'mixed'), CLEAR, math.inf),
     )
-    both = _count_share(strong, lambda one: one.exact and one.flagged)
+    both = _estimate_passing_share(strong, lambda one: one.exact and one.flagged)
     return [
         ScoreFigure(
             f'outside the library{when}: unexplained',
-            _count_share(outside, _is_flagged),
+            _estimate_passing_share(outside, _is_flagged),
             least=0.90,
         ),
         ScoreFigure(
-            f'outside the library{when}: a name', _count_share(outside, _has_wrong_name), most=0.03
+            f'outside the library{when}: a name',
+            _estimate_passing_share(outside, _has_wrong_name),
+            most=0.03,
         ),
         ScoreFigure(
             f'an effect and something outside{when}: named and unexplained', both, least=0.75
@@ -177,17 +190,21 @@ def _value_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
     # Only cases that have both errors can be compared
     near = [one for one in cases if {'after', 'oracle'} <= set(one.errors)]
     near = [one for one in near if one.kind in ('clean', 'single', 'pair')]
-    good = _count_share(near, lambda one: one.errors['after'] <= ORACLE * one.errors['oracle'])
+    good = _estimate_passing_share(
+        near, lambda one: one.errors['after'] <= ORACLE * one.errors['oracle']
+    )
     return [
         ScoreFigure('intervals of 95 % that hold the truth', covered, 0.90, 0.98),
         ScoreFigure('held-out error within 1.05 of the oracle', good),
     ]
 
 
-def compute_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
+def compute_score_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
     """Return all figures of the cases of one row."""
-    silent = ScoreFigure('no answer', _count_share(cases, lambda one: bool(one.refused)))
-    torn = _count_share(cases, lambda one: bool(one.contradictions))
+    silent = ScoreFigure(
+        'no answer', _estimate_passing_share(cases, lambda one: bool(one.refused))
+    )
+    torn = _estimate_passing_share(cases, lambda one: bool(one.contradictions))
     rest = [silent, ScoreFigure('the study contradicts itself', torn, most=0.0)]
     return [*_naming_figures(cases), *_outside_figures(cases), *_value_figures(cases), *rest]
 
@@ -210,9 +227,9 @@ def shares_by_strength(cases: Sequence[ScoredCase]) -> list[StrengthBand]:
     for low, high in pairwise(BANDS):
         band = _select_strength(single, low, high)
         shares = (
-            _count_share(band, lambda one: one.outcome == 'exact'),
-            _count_share(band, lambda one: one.outcome == 'wrong'),
-            _count_share(band, lambda one: one.outcome == 'silent'),
+            _estimate_passing_share(band, lambda one: one.outcome == 'exact'),
+            _estimate_passing_share(band, lambda one: one.outcome == 'wrong'),
+            _estimate_passing_share(band, lambda one: one.outcome == 'silent'),
         )
         out.append(StrengthBand(low, high, *shares))
     return out

@@ -125,7 +125,7 @@ def perturb_vehicle(nominal: NominalVehicle, wide: float, draw: Draw) -> Nominal
     return nominal
 
 
-def perturb_flight(nominal: NominalVehicle, wide: float, draw: Draw) -> NominalVehicle:
+def apply_flight_errors(nominal: NominalVehicle, wide: float, draw: Draw) -> NominalVehicle:
     """Return a vehicle with the errors of one flight: lift and sensor biases."""
     nominal = _add_to_parameter(nominal, 'net_lift', 'force', LIFT * wide * draw.standard_normal())
     for axis in 'xyz':

@@ -10,13 +10,13 @@ from lta_challenge.case import ROLES
 from lta_challenge.contradictions import find_contradictions
 from lta_config.errors import BadInput
 from lta_discovery.conclusion import draw_conclusion
-from lta_discovery.finding import PredictionGap
+from lta_discovery.finding import ChannelErrors
 from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.fit.evidence import build_shared_prior, per_flight_variance, wrench_floor
 from lta_discovery.fit.joint_fit import JointFit, JointFitter
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights
-from lta_discovery.forecast.held_out import build_model_points, compute_gaps
+from lta_discovery.forecast.held_out import build_model_points, compute_model_errors
 from lta_discovery.planning.next_flight import add_confusable
 from lta_discovery.replay.linearized_flight import LinearizationPoint, zero_unknowns
 from lta_discovery.run import DiscoveryRequest, study_usable_flights
@@ -54,7 +54,7 @@ def run_trial(folder: Path, answer: Mapping[str, Any], out: Path) -> dict[str, A
     write_json(found, out)
     if made is not None:
         try:
-            found |= {'oracle': compute_oracle(made, answer)}
+            found |= {'oracle': fit_oracle(made, answer)}
         except FAULTS as fault:
             found |= {'oracle': {}, 'oracle_fault': str(fault)}
         write_json(found, out)
@@ -68,7 +68,7 @@ def study_case(folder: Path) -> tuple[dict[str, Any], DiscoveryStudy | None]:
     found: dict[str, Any] = {'refused': ''}
     made = None
     try:
-        made = _study_bags(folder)
+        made = _study_case(folder)
         found |= _finding_to_dict(made)
     except FAULTS as fault:
         found |= {'refused': str(fault), 'verdict': 'not_identifiable', 'effects': [], 'gaps': []}
@@ -77,7 +77,7 @@ def study_case(folder: Path) -> tuple[dict[str, Any], DiscoveryStudy | None]:
     return found, made
 
 
-def _study_bags(folder: Path) -> DiscoveryStudy:
+def _study_case(folder: Path) -> DiscoveryStudy:
     """Study a case as `lta discover` does."""
     name = str(folder / 'vehicle.yaml')
     bags: dict[Role, list[Path]] = {role: [folder / role] for role in ROLES}
@@ -99,7 +99,7 @@ def _finding_to_dict(study: DiscoveryStudy) -> dict[str, Any]:
             {**asdict(one), 'parameters': [each._asdict() for each in one.parameters]}
             for one in finding.effects
         ],
-        'gaps': _select_gaps(finding.gaps),
+        'gaps': _select_pose_errors(finding.gaps),
         'remains': [one._asdict() for one in finding.remains],
         'warnings': list(finding.warnings),
         'advice': draw_conclusion(finding).advice,
@@ -108,12 +108,12 @@ def _finding_to_dict(study: DiscoveryStudy) -> dict[str, Any]:
     }
 
 
-def _select_gaps(differences: Sequence[PredictionGap]) -> list[dict[str, Any]]:
+def _select_pose_errors(differences: Sequence[ChannelErrors]) -> list[dict[str, Any]]:
     """Return the errors of position and attitude."""
     return [asdict(one) for one in differences if one.channel in ('position', 'attitude')]
 
 
-def compute_oracle(study: DiscoveryStudy, answer: Mapping[str, Any]) -> dict[str, Any]:
+def fit_oracle(study: DiscoveryStudy, answer: Mapping[str, Any]) -> dict[str, Any]:
     """
     Fit the true structure: the oracle knows which effects are hidden, but not their size.
 
@@ -131,8 +131,8 @@ def compute_oracle(study: DiscoveryStudy, answer: Mapping[str, Any]) -> dict[str
     ]
     flights = [each.flown.flight for each in study.shown]
     return {
-        'sigma': _compute_sigmas(study, hidden, fits),
-        'gaps': _select_gaps(compute_gaps(flights, models, 0)),
+        'sigma': _compute_effect_strengths(study, hidden, fits),
+        'gaps': _select_pose_errors(compute_model_errors(flights, models, 0)),
     }
 
 
@@ -153,7 +153,7 @@ def _fit_true_structure(study: DiscoveryStudy, hidden: Mapping[str, float]) -> J
     return fitter.fit(prior, begin, BEGIN * wrench_floor(nominal), narrow=True)
 
 
-def _compute_sigmas(
+def _compute_effect_strengths(
     study: DiscoveryStudy, hidden: Mapping[str, float], fits: JointFit
 ) -> dict[str, float]:
     """Return the strength of each hidden effect in standard deviations."""

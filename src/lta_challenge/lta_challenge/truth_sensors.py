@@ -123,10 +123,10 @@ class TruthSensors:
         time = self._time[1:-1]
         ahead = AHEAD * self._draw.standard_normal()
         # First the error of the tracker's clock, then its delay
-        clock = self._hull.apply_measurement('clock', (time + ahead,), time)
-        (then,) = self._hull.apply_measurement('pose_time', clock, time)
+        clock = self._hull.apply_measurement_effects('clock', (time + ahead,), time)
+        (then,) = self._hull.apply_measurement_effects('pose_time', clock, time)
         place, turn = self._interpolate_pose(np.clip(then, 0.0, self._time[-1] - 1e-6))
-        seen = self._hull.apply_measurement('pose', (*place.T, *turn.as_quat().T), time)
+        seen = self._hull.apply_measurement_effects('pose', (*place.T, *turn.as_quat().T), time)
         place = add_noise(np.column_stack(seen[:3]), self._kinds.place, TICK, self._draw)
         wobble = add_noise(np.zeros((len(time), 3)), self._kinds.turn, TICK, self._draw)
         turn = Rotation.from_quat(np.column_stack(seen[3:])) * Rotation.from_rotvec(wobble)
@@ -172,8 +172,12 @@ class TruthSensors:
         felt = np.diff(speed, axis=0) / TICK + [0.0, 0.0, GRAVITY]
         # Attitude in the middle of the tick, at the stamp
         half = self._turns[:-1] * Rotation.from_rotvec(0.5 * self._steps)
-        force = self._hull.apply_measurement('force', tuple(half.inv().apply(felt).T), middle)
-        rates = self._hull.apply_measurement('rates', tuple((self._steps / TICK).T), middle)
+        force = self._hull.apply_measurement_effects(
+            'force', tuple(half.inv().apply(felt).T), middle
+        )
+        rates = self._hull.apply_measurement_effects(
+            'rates', tuple((self._steps / TICK).T), middle
+        )
         values = np.column_stack(
             [
                 add_noise(np.column_stack(rates), self._kinds.rates, TICK, self._draw),
@@ -195,7 +199,7 @@ class TruthSensors:
         up = self._seen.rotation[k, 2]
         # Height of the sensor, divided by the cosine of the tilt
         far = (self._seen.position[k, 2] + up @ place) / up[:, 2]
-        (far,) = self._hull.apply_measurement('range', (far,), self._time[k])
+        (far,) = self._hull.apply_measurement_effects('range', (far,), self._time[k])
         far = add_noise(far, self._kinds.range, 0.025, self._draw)
         return self._time[k], np.where(far < FARTHEST, far, np.inf)[:, None]
 
@@ -208,7 +212,7 @@ class TruthSensors:
         warm, floor = self._draw.normal(291.0, 3.0), self._draw.normal(101325.0, 600.0)
         value = floor * np.exp(-GRAVITY * height / (GAS * warm))
         value += WALK * np.sqrt(0.02) * np.cumsum(self._draw.standard_normal(len(k)))
-        (value,) = self._hull.apply_measurement('pressure', (value,), self._time[k])
+        (value,) = self._hull.apply_measurement_effects('pressure', (value,), self._time[k])
         return self._time[k], add_noise(value, self._kinds.pressure, 0.02, self._draw)[:, None]
 
     def measure_voltage(self) -> tuple[Array, Array]:

@@ -8,8 +8,8 @@ from lta_challenge.truth_flight import KEPT, LONGEST
 from lta_challenge.truth_source import RIGID
 from lta_challenge.truth_vehicle import (
     allocation_matrix,
+    build_truth_model,
     compile_truth,
-    compose_truth,
     rotate_vector,
     TruthVehicle,
 )
@@ -83,9 +83,9 @@ class TruthTrajectory:
     commands: Array
 
 
-def wind_at(hull: TruthVehicle, place: Array) -> Array:
+def wind_at_position(hull: TruthVehicle, place: Array) -> Array:
     """Return the wind at a position in the map. [m/s]"""
-    parts, out = compose_truth(), np.zeros(3)
+    parts, out = build_truth_model(), np.zeros(3)
     for name, effect in parts.all_effects.items():
         if isinstance(effect, AirEffect) and hull.on[parts.flag_index(name)]:
             first = parts.parameter_offsets[name]
@@ -100,14 +100,14 @@ def wind_at(hull: TruthVehicle, place: Array) -> Array:
 
 def initial_state(hull: TruthVehicle, height: float, tilt: Sequence[float]) -> Array:
     """Return the state of a vehicle at rest above the origin, with a small tilt."""
-    y = np.concatenate([np.zeros(RIGID), compose_truth().initial_memory])
+    y = np.concatenate([np.zeros(RIGID), build_truth_model().initial_memory])
     y[2] = height
     axis = np.array(tilt)
     # The columns of a rotation matrix are the rotated unit vectors
     rotation = np.column_stack([rotate_vector(axis, e) for e in np.eye(3)])
     y[3:12] = rotation.ravel()
     # Still over the ground is moving through the air, which shares in the momentum.
-    y[12:15] = -rotation @ (hull.body[10:13] * (rotation.T @ wind_at(hull, y[:3])))
+    y[12:15] = -rotation @ (hull.body[10:13] * (rotation.T @ wind_at_position(hull, y[:3])))
     return y
 
 

@@ -170,7 +170,7 @@ class TruthModel:
                 lines += [f'    dy[{place + k}] = e[{k}]' for k in range(len(effect.memory))]
         return lines
 
-    def render_source(self, own: str, rotors: int, entries: str) -> str:
+    def render_simulator_source(self, own: str, rotors: int, entries: str) -> str:
         """
         Generate the source of the simulator.
 
@@ -208,7 +208,7 @@ class TruthModel:
             place=repr(AirEffectInput._fields),
             # Without wind, the differences of the wind are skipped
             windy=' or '.join(winds) or 'False',
-            functions=extract.render(own),
+            functions=extract.render_pieces(own),
             **texts,
         )
 

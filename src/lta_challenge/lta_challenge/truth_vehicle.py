@@ -34,7 +34,7 @@ ENTRY = "@njit(error_model='numpy', cache=True)"
 
 
 @cache
-def compose_truth() -> TruthModel:
+def build_truth_model() -> TruthModel:
     """Return the effects of the truth simulator."""
     return TruthModel(library_effects(), {name: one.effect for name, one in STRANGE.items()})
 
@@ -43,7 +43,7 @@ def compose_truth() -> TruthModel:
 def compile_truth(rotors: int) -> ModuleType:
     """Return the simulator for a number of rotors; it is compiled at its first flight."""
     return load_kernel(
-        compose_truth().render_source(OWN, rotors, ENTRIES.replace('$entry', ENTRY))
+        build_truth_model().render_simulator_source(OWN, rotors, ENTRIES.replace('$entry', ENTRY))
     )
 
 
@@ -80,9 +80,9 @@ class TruthVehicle:
     def command_delay(self) -> float:
         """Delay from a command to its effect. [s]"""
         # The effect shifts a time backwards, so the delay is its negative value at zero
-        return -float(self.apply_measurement('command_time', (0.0,), 0.0)[0])
+        return -float(self.apply_measurement_effects('command_time', (0.0,), 0.0)[0])
 
-    def apply_measurement(self, channel: str, values: tuple, time: object) -> tuple:  # type: ignore[type-arg]
+    def apply_measurement_effects(self, channel: str, values: tuple, time: object) -> tuple:  # type: ignore[type-arg]
         """Apply the measurement effects of a channel to readings (numbers or arrays)."""
         for effect, p in self.readings.get(channel, ()):
             values = effect.reading(p, values, time)  # type: ignore[arg-type]
@@ -162,7 +162,7 @@ def allocation_matrix(nominal: NominalVehicle) -> Array:
     return np.array(rows)
 
 
-def _collect_readings(
+def _collect_measurement_effects(
     nominal: NominalVehicle,
 ) -> dict[str, tuple[tuple[MeasurementEffect, Values], ...]]:
     """Return the active measurement effects by channel."""
@@ -178,7 +178,7 @@ def _collect_parameters(
     nominal: NominalVehicle, strange: Strange
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Return parameters and flags of all effects."""
-    parts, values, on = compose_truth(), list[float](), list[bool]()
+    parts, values, on = build_truth_model(), list[float](), list[bool]()
     for name, effect in parts.all_effects.items():
         if name in parts.strange:
             given = strange.get(name, {})
@@ -238,5 +238,5 @@ def build_truth_vehicle(nominal: NominalVehicle, strange: Strange | None = None)
         np.linalg.inv(_mass_matrix(rigid, added)).astype(np.float64),
         np.array([nominal.parameter_value('weight_and_buoyancy', 'gravity')]),
         allocation_matrix(nominal),
-        _collect_readings(nominal),
+        _collect_measurement_effects(nominal),
     )

@@ -207,7 +207,11 @@ def add_verbs(
         add_verb(app, words[0], verbs[words[0]], words[1:])
     else:
         for name, verb in verbs.items():
-            text = verb.about if isinstance(verb, VerbGroup) else join_lines(verb.read_docstring())
+            text = (
+                verb.about
+                if isinstance(verb, VerbGroup)
+                else unwrap_paragraphs(verb.read_docstring())
+            )
             # A placeholder that shows the help text but cannot run
             app.command(name, context_settings=ANYTHING, help=text)(require_verb)
 
@@ -260,10 +264,10 @@ def repeat_options(words: Sequence[str]) -> list[str]:
 
 def format_help(does: object) -> str:
     """Return the docstring of a function as help text."""
-    return join_lines(inspect.getdoc(does) or '')
+    return unwrap_paragraphs(inspect.getdoc(does) or '')
 
 
-def join_lines(text: str) -> str:
+def unwrap_paragraphs(text: str) -> str:
     """Remove the line breaks within paragraphs, so that the terminal can wrap the text."""
     # Empty lines separate paragraphs
     return '\n\n'.join(' '.join(paragraph.split()) for paragraph in text.split('\n\n'))

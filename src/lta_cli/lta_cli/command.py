@@ -13,7 +13,7 @@ from typing import NoReturn
 
 from lta_cli.streams import ignore_broken_pipes
 from lta_graph.ament import list_middlewares
-from lta_graph.process_end import exit_process
+from lta_graph.process_exit import exit_process
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 MIDDLEWARE = 'RMW_IMPLEMENTATION'

@@ -84,7 +84,7 @@ class Rotors(NamedTuple):
     sink: float = 0.0
 
 
-def create_scratch() -> list[float]:
+def create_working_array() -> list[float]:
     """Return a working array for `allocate`; its content does not matter."""
     return [0.0] * SCRATCH
 

@@ -28,11 +28,17 @@ MEMORY = TupleLayout(OnboardMemory())
 HEARD = TupleLayout(SensorInputs((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
 ESTIMATE = TupleLayout(MotionEstimate())
 
-ESTIMATED, DUTIES = MEMORY.slice_of('estimate'), MEMORY.slice_of('duties')
-MEASURED, SETPOINT = MEMORY.slice_of('measured'), MEMORY.slice_of('setpoint')
-HEADING, READY = MEMORY.slice_of('measured.heading').start, MEMORY.slice_of('estimate.ready').start
-PLACE, SPEED = MEMORY.slice_of('estimate.position').start, MEMORY.slice_of('measured.speed').start
-GUIDED = MEMORY.slice_of('guided').start
+ESTIMATED, DUTIES = MEMORY.part_slice('estimate'), MEMORY.part_slice('duties')
+MEASURED, SETPOINT = MEMORY.part_slice('measured'), MEMORY.part_slice('setpoint')
+HEADING, READY = (
+    MEMORY.part_slice('measured.heading').start,
+    MEMORY.part_slice('estimate.ready').start,
+)
+PLACE, SPEED = (
+    MEMORY.part_slice('estimate.position').start,
+    MEMORY.part_slice('measured.speed').start,
+)
+GUIDED = MEMORY.part_slice('guided').start
 
 
 def build_drone_constants(

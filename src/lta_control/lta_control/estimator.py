@@ -292,14 +292,14 @@ def _lag_duties(
     """Return the duties reached by the motors, with the nominal lag."""
     up, down = _lag_share(body.lag_up, dt), _lag_share(body.lag_down, dt)
     return (
-        _follow_command(before[0], commanded[0], up, down),
-        _follow_command(before[1], commanded[1], up, down),
-        _follow_command(before[2], commanded[2], up, down),
-        _follow_command(before[3], commanded[3], up, down),
-        _follow_command(before[4], commanded[4], up, down),
-        _follow_command(before[5], commanded[5], up, down),
-        _follow_command(before[6], commanded[6], up, down),
-        _follow_command(before[7], commanded[7], up, down),
+        _lag_one_duty(before[0], commanded[0], up, down),
+        _lag_one_duty(before[1], commanded[1], up, down),
+        _lag_one_duty(before[2], commanded[2], up, down),
+        _lag_one_duty(before[3], commanded[3], up, down),
+        _lag_one_duty(before[4], commanded[4], up, down),
+        _lag_one_duty(before[5], commanded[5], up, down),
+        _lag_one_duty(before[6], commanded[6], up, down),
+        _lag_one_duty(before[7], commanded[7], up, down),
     )
 
 
@@ -308,7 +308,7 @@ def _lag_share(lag: float, dt: float) -> float:
     return 1.0 - math.exp(-dt / lag) if lag > 0.0 else 1.0
 
 
-def _follow_command(before: float, commanded: float, up: float, down: float) -> float:
+def _lag_one_duty(before: float, commanded: float, up: float, down: float) -> float:
     # Spinning up and coasting down may have different time constants
     share = up if abs(commanded) > abs(before) else down
     return before + share * (commanded - before)

@@ -24,7 +24,7 @@ from lta_control.estimator import (
     EstimatorSettings,
     MotionEstimate,
 )
-from lta_control.laws.frames import rotate_level
+from lta_control.laws.frames import rotate_level_to_world
 from lta_control.laws.protocol import ControlLaw, ControlMotion, Feedback, LawCommand, LawInputs
 from lta_control.message_rounding import air_relative_velocity, build_measurement
 from lta_control.per_rotor import NONE, pad_to_slots
@@ -36,7 +36,7 @@ import numpy as np
 INPUTS = TupleLayout(EstimatorInputs((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0, NONE))
 HEARD = TupleLayout(LawInputs())
 COMMAND = TupleLayout(LawCommand())
-READY, RATES = ESTIMATE.slice_of('ready').start, ESTIMATE.slice_of('rates')
+READY, RATES = ESTIMATE.part_slice('ready').start, ESTIMATE.part_slice('rates')
 TRUTH = 13  # position, quaternion, velocity, rates
 
 
@@ -90,7 +90,7 @@ def motion_from_tracker(
     """
     yaw = yaw_from_quaternion(_motion_quaternion(start))
     # Relative to the start, in axes along its heading, like the estimator's odom frame
-    x, y = rotate_level(-yaw, truth[0] - start[0], truth[1] - start[1])
+    x, y = rotate_level_to_world(-yaw, truth[0] - start[0], truth[1] - start[1])
     a, b, c, d = truth[3:7]
     # Remove the start's yaw: multiply the attitude by a rotation of -yaw about z.
     sin, cos = math.sin(-0.5 * yaw), math.cos(0.5 * yaw)
@@ -136,7 +136,7 @@ class LawAutopilot:
         self.law, self._dt = law, dt
         self._upright, self._count = math.cos(tilt_limit), len(vehicle.allocation)
         self._rest = LawCommand(NONE, _rest_mass_position(vehicle))
-        self._standing = vehicle.height_on_floor
+        self._standing = vehicle.hull_height_on_floor
         self._watch, self._watch_step = _compile_core(
             step_estimator,
             EstimatorConstants(estimator, build_estimator_model(vehicle), dt),
@@ -147,7 +147,7 @@ class LawAutopilot:
         self._known, self._law_step = _compile_core(
             law.step, law.known(gains, vehicle), self._memory_layout, HEARD
         )
-        self._commanded = self._memory_layout.slice_of('command')
+        self._commanded = self._memory_layout.part_slice('command')
         self._estimate = ESTIMATE.write(MotionEstimate())
         self._fresh = self._memory_layout.write(law.start)
         self._memory = self._fresh.copy()

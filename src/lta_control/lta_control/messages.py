@@ -58,7 +58,7 @@ def to_pressure(message: FluidPressure) -> float:
     return message_rounding.mask_out_of_range(message.fluid_pressure, *BAROMETER)
 
 
-def is_plausible(inputs: EstimatorInputs) -> bool:
+def is_plausible_imu_sample(inputs: EstimatorInputs) -> bool:
     """Return whether an IMU sample is physically possible."""
     # One implausible sample would corrupt the attitude for the rest of the flight.
     turning = all(abs(rate) <= FASTEST_TURN for rate in inputs.rates)
@@ -119,7 +119,7 @@ def to_attitude(message: Odometry) -> Quaternion:
     return q.x, q.y, q.z, q.w
 
 
-def to_measurement(message: Odometry) -> CascadeMeasurement | None:
+def to_cascade_measurement(message: Odometry) -> CascadeMeasurement | None:
     """Return the input of the cascade, or None while the estimate is unknown."""
     if message.pose.covariance[0] == UNKNOWN:
         return None

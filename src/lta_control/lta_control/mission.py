@@ -21,7 +21,7 @@ from lta_control.cascade import Setpoint
 from lta_control.phases import Mission, Phase, SWITCHING
 from lta_control.reserve import FlightPermission, ReserveRule
 from lta_control.reserve_policy import apply_reserve, heading_to_start
-from lta_control.strategies.protocol import LightSight, NavigationStrategy
+from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy
 from lta_control.strategies.settings import StrategySettings
 
 
@@ -80,7 +80,7 @@ def mission_step(
     settings: MissionSettings,
     strategy: NavigationStrategy,
     mission: Mission,
-    sight: LightSight,
+    sight: LightMeasurement,
     altitude: float,
     order: FlightPermission,
     lamps: int,
@@ -134,7 +134,7 @@ def _steer_by_strategy(
     settings: MissionSettings,
     strategy: NavigationStrategy,
     mission: Mission,
-    sight: LightSight,
+    sight: LightMeasurement,
     lamps: int,
 ) -> tuple[Setpoint, Mission]:
     """Return the strategy's setpoint, and switch to the next lamp after an arrival."""
@@ -152,7 +152,7 @@ def _steer_by_strategy(
     return setpoint, mission
 
 
-def remove_light(sight: LightSight) -> LightSight:
+def remove_light(sight: LightMeasurement) -> LightMeasurement:
     """Return a sight without its light, for a block of another lamp or of none."""
     return sight._replace(seen=False, bearing=0.0, deviation=0.0, strength=0.0, elevation=0.0)
 
@@ -161,7 +161,7 @@ def _listen_for_next(
     settings: MissionSettings,
     strategy: NavigationStrategy,
     mission: Mission,
-    sight: LightSight,
+    sight: LightMeasurement,
     lamps: int,
 ) -> Mission:
     """Return the mission after one more block of listening on a route of several lamps."""

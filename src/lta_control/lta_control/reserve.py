@@ -30,7 +30,7 @@ class ReserveAction(IntEnum):
 
 
 class ReserveRule(NamedTuple):
-    """`ReserveActionSettings` as the mission takes them: numbers alone."""
+    """`ReserveResponseSettings` as the mission takes them: numbers alone."""
 
     action: int
     home: float  # [m]
@@ -39,7 +39,7 @@ class ReserveRule(NamedTuple):
 
 
 @final
-class ReserveActionSettings(Settings):
+class ReserveResponseSettings(Settings):
     """Action at the energy reserve, and how long a report is valid."""
 
     action: Action = setting(
@@ -108,7 +108,7 @@ class ReserveReport(NamedTuple):
 
 
 def decide_permission(
-    settings: ReserveActionSettings, word: ReserveReport | None, now_ns: int
+    settings: ReserveResponseSettings, word: ReserveReport | None, now_ns: int
 ) -> FlightPermission:
     """Return what the energy allows; without a fresh report the drone must land. [ns]"""
     if word is None or is_stale(settings, word, now_ns) or word.urgent:
@@ -116,13 +116,13 @@ def decide_permission(
     return FlightPermission.RESERVE if word.reserve else FlightPermission.FLY
 
 
-def is_stale(settings: ReserveActionSettings, word: ReserveReport, now_ns: int) -> bool:
+def is_stale(settings: ReserveResponseSettings, word: ReserveReport, now_ns: int) -> bool:
     """Return whether a report is too old. [ns]"""
     return (now_ns - word.stamp_ns) * 1e-9 > settings.stale
 
 
 def explain_restriction(
-    settings: ReserveActionSettings, word: ReserveReport | None, now_ns: int
+    settings: ReserveResponseSettings, word: ReserveReport | None, now_ns: int
 ) -> str:
     """Return why the energy restricts the flight, in words. [ns]"""
     if word is None:

@@ -7,15 +7,15 @@ from lta_control.phases import Mission, Phase
 from lta_control.reserve import (
     FlightPermission,
     ReserveAction,
-    ReserveActionSettings,
+    ReserveResponseSettings,
     ReserveRule,
 )
-from lta_control.strategies.protocol import LightSight, NavigationStrategy
+from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy
 
 Place = tuple[float, float]
 
 
-def check_reserve(settings: ReserveActionSettings, strategy: NavigationStrategy) -> None:
+def check_reserve(settings: ReserveResponseSettings, strategy: NavigationStrategy) -> None:
     """Raise `BadInput` if the strategy does not support the action at the reserve."""
     if settings.action == 'perch' and not strategy.arrives:
         raise BadInput(
@@ -28,7 +28,7 @@ def apply_reserve(
     rule: ReserveRule,
     speed: float,
     mission: Mission,
-    sight: LightSight,
+    sight: LightMeasurement,
     order: FlightPermission,
 ) -> Mission:
     """

@@ -15,7 +15,7 @@ is the same for all cancels.
 import math
 from typing import NamedTuple
 
-from lta_control.strategies.protocol import LightSight
+from lta_control.strategies.protocol import LightMeasurement
 
 Spread = tuple[float, float, float]
 
@@ -58,7 +58,7 @@ def build_sight(
     reckoned: DeadReckonedMotion,
     interval: float,
     scale: float = 1.0,
-) -> LightSight:
+) -> LightMeasurement:
     """
     Return the sight of one block.
 
@@ -99,10 +99,10 @@ def sight_from_direction(
     reckoned: DeadReckonedMotion,
     interval: float,
     scale: float,
-) -> LightSight:
+) -> LightMeasurement:
     """Return the sight of one block from the direction of the lamp; see `build_sight`."""
     strength = facing_strength(axes, amplitudes) / scale if lamp.seen else 0.0
-    return LightSight(
+    return LightMeasurement(
         lamp.seen,
         lamp.bearing,
         reckoned.heading,

@@ -9,7 +9,7 @@ from lta_control.allocation import ALIKE, Column, Columns, Rotors, WEIGHTS, Wren
 from lta_control.attitude import Vector
 from lta_control.estimator import EstimatorModel
 from lta_control.per_rotor import pad_to_slots, PerRotor, SLOTS
-from lta_model.propulsion import RotorUnit
+from lta_model.propulsion import RotorModel
 from lta_model.vehicle import Vehicle
 
 
@@ -47,7 +47,7 @@ def _heave_per_surge(vehicle: Vehicle) -> float:
     return sum(column[2] for column in pushing) / surge if pushing else 0.0
 
 
-def _reverse_share(rotor: RotorUnit) -> float:
+def _reverse_share(rotor: RotorModel) -> float:
     """
     Return the reverse thrust of a rotor as a share of its forward thrust.
 
@@ -101,7 +101,7 @@ def build_estimator_model(vehicle: Vehicle) -> EstimatorModel:
             linear=(aero.linear_drag.force.vector[0], aero.linear_drag.force.vector[1]),
             quadratic=(aero.quadratic_drag.force.vector[0], aero.quadratic_drag.force.vector[1]),
         ),
-        standing_height=vehicle.height_on_floor,
+        standing_height=vehicle.hull_height_on_floor,
         imu_position=(imu_x, imu_y, imu_z),
         range_position=(x, y, z),
         number=len(vehicle.allocation),

@@ -19,7 +19,9 @@ def is_grid_allowed(points: float, samples: int, most: float = HOLES) -> bool:
     return points <= max(GRID, most * samples)
 
 
-def build_even_grid(first: float, last: float, step: float, samples: int) -> NDArray[np.float64]:
+def build_uniform_time_grid(
+    first: float, last: float, step: float, samples: int
+) -> NDArray[np.float64]:
     """Return an even grid over `samples` samples, empty if it would be too long. [s]"""
     return (
         np.arange(first, last, step) if is_grid_allowed((last - first) / step, samples) else EMPTY

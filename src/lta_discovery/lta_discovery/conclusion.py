@@ -10,14 +10,14 @@ from dataclasses import dataclass
 import math
 from typing import Final, final, Literal
 
-from lta_discovery.finding import DiscoveryFinding, PredictionGap
+from lta_discovery.finding import ChannelErrors, StudyResult
 from lta_discovery.forecast.forecast_warnings import (
-    find_vain_gaps,
     find_worse_forecasts,
+    find_worse_than_tolerances,
     should_keep_file,
 )
 from lta_discovery.model.candidates import vector_components
-from lta_discovery.selection.acceptance import GAIN
+from lta_discovery.selection.candidate_acceptance import GAIN
 
 Advice = Literal['keep', 'measure', 'again', 'use']
 
@@ -62,7 +62,7 @@ class Conclusion:
     rivals: tuple[str, ...]
     coasting: bool
     advice: Advice
-    gain: PredictionGap | None
+    gain: ChannelErrors | None
     by_tolerances: bool
     fits: bool
 
@@ -72,9 +72,9 @@ class Conclusion:
         return bool(self.rivals) or self.advice == 'again' or self.coasting
 
 
-def draw_conclusion(finding: DiscoveryFinding) -> Conclusion:
+def draw_conclusion(finding: StudyResult) -> Conclusion:
     """Return the conclusion that a finding supports."""
-    gap = select_main_gap(finding.gaps)
+    gap = select_main_error(finding.gaps)
     advice, loose = _choose_advice(finding), _tolerances_suffice(finding)
     rivals = dict.fromkeys(rival for one in finding.effects for rival in one.confusable_with)
     # A gain is only reported together with the advice to use it
@@ -92,15 +92,17 @@ def draw_conclusion(finding: DiscoveryFinding) -> Conclusion:
     )
 
 
-def _choose_advice(finding: DiscoveryFinding) -> Advice:
+def _choose_advice(finding: StudyResult) -> Advice:
     """Choose the advice on the vehicle file."""
     # Forecasts decide first: a file that predicts better stays, whatever was named.
     if should_keep_file(finding.gaps):
         return 'keep'
-    if finding.verdict == 'not_identifiable' or (finding.effects and find_vain_gaps(finding.gaps)):
+    if finding.verdict == 'not_identifiable' or (
+        finding.effects and find_worse_than_tolerances(finding.gaps)
+    ):
         return 'again'
     if finding.effects:
-        gap = select_main_gap(finding.gaps)
+        gap = select_main_error(finding.gaps)
         return 'again' if gap is not None and gap.after > WORSE * gap.before else 'use'
     if finding.strained or _tolerances_suffice(finding):
         return 'measure'
@@ -109,13 +111,13 @@ def _choose_advice(finding: DiscoveryFinding) -> Advice:
     return 'again' if strong and finding.verdict == 'none' else 'keep'
 
 
-def _tolerances_suffice(finding: DiscoveryFinding) -> bool:
+def _tolerances_suffice(finding: StudyResult) -> bool:
     """Return whether no effect is missing and the tolerances alone remove most of the error."""
-    gap = select_main_gap(finding.gaps)
+    gap = select_main_error(finding.gaps)
     return finding.verdict == 'none' and gap is not None and gap.tuned < LOOSE * gap.before
 
 
-def select_main_gap(gaps: Sequence[PredictionGap]) -> PredictionGap | None:
+def select_main_error(gaps: Sequence[ChannelErrors]) -> ChannelErrors | None:
     """Return the position error at the longest horizon, or another channel's if there is none."""
     finite = [gap for gap in gaps if math.isfinite(gap.before) and math.isfinite(gap.after)]
     # Fall back to other channels if no position is finite
@@ -123,7 +125,7 @@ def select_main_gap(gaps: Sequence[PredictionGap]) -> PredictionGap | None:
     return max(place, key=lambda gap: gap.horizon_s, default=None)
 
 
-def is_still_named(finding: DiscoveryFinding, knob: str) -> bool:
+def is_still_named(finding: StudyResult, knob: str) -> bool:
     """Return whether a parameter named in one round of the search is in the final result."""
     named = {name for one in finding.effects for name in one.knobs}
     return bool(named & set(vector_components(knob)))

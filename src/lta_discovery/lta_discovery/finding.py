@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from typing import Final, final, Literal, NamedTuple
 
 from lta_discovery.selection.detection_limit import DetectionLimit
-from lta_discovery.unmodeled.draught import DraughtFinding
-from lta_discovery.unmodeled.remainders import Remainder
+from lta_discovery.unmodeled.draught import DraughtEstimate
+from lta_discovery.unmodeled.unexplained_force import Remainder
 
 Verdict = Literal['none', 'named', 'unexplained', 'named+unexplained', 'not_identifiable']
 Interval = tuple[float, float]
@@ -43,7 +43,7 @@ class ParameterEstimate(NamedTuple):
 
 
 @final
-class LadderRung(NamedTuple):
+class SearchCandidate(NamedTuple):
     """
     One candidate in one round of the effect search.
 
@@ -151,7 +151,7 @@ class Discrepancy(NamedTuple):
 
 @final
 @dataclass(frozen=True, slots=True)
-class PredictionGap:
+class ChannelErrors:
     """
     Prediction errors of one channel at one horizon.
 
@@ -190,7 +190,7 @@ class PredictionGap:
 
 
 @final
-class GroupShare(NamedTuple):
+class IdentifiedGroup(NamedTuple):
     """
     A parameter group that forecasts identified.
 
@@ -246,7 +246,7 @@ class TransferEvidence:
 
     """
 
-    names: tuple[GroupShare, ...]
+    names: tuple[IdentifiedGroup, ...]
     regimes: tuple[LeftOutRegime, ...]
     interpolates: tuple[str, ...] = ()
     numbers: int = 0
@@ -254,7 +254,7 @@ class TransferEvidence:
 
 @final
 @dataclass(frozen=True, slots=True)
-class DiscoveryFinding:
+class StudyResult:
     """
     The result of a study.
 
@@ -301,9 +301,9 @@ class DiscoveryFinding:
 
     verdict: Verdict
     effects: tuple[NamedEffect, ...]
-    ladder: tuple[tuple[LadderRung, ...], ...]
+    ladder: tuple[tuple[SearchCandidate, ...], ...]
     where: tuple[Discrepancy, ...]
-    gaps: tuple[PredictionGap, ...]
+    gaps: tuple[ChannelErrors, ...]
     held_out: bool
     remains: tuple[Remainder, ...]
     warnings: tuple[str, ...]
@@ -315,5 +315,5 @@ class DiscoveryFinding:
     unexplained: tuple[str, ...] = ()
     next_flight: str = ''
     carried: TransferEvidence | None = None
-    draught: DraughtFinding | None = None
+    draught: DraughtEstimate | None = None
     strained: tuple[str, ...] = ()

@@ -10,7 +10,7 @@ from lta_bridge.bag.storage import StorageFault
 from lta_bridge.provenance import describe_environment
 from lta_config.errors import BadInput
 from lta_config.files import find_file
-from lta_discovery.discrepancies.locate import BaselineFlight, find_discrepancies
+from lta_discovery.discrepancies.discrepancy_search import BaselineFlight, find_discrepancies
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights, UsableFlights
 from lta_discovery.forecast.forecast_warnings import list_forecast_warnings
@@ -18,17 +18,17 @@ from lta_discovery.page.page import NAME as PAGE
 from lta_discovery.page.page import render_page
 from lta_discovery.planning.next_flight import (
     add_confusable,
-    format_hint,
-    NextFlight,
+    format_next_step,
+    NextFlightPlan,
     plan_for_study,
 )
-from lta_discovery.replay.linearized_flight import build_origin
+from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
 from lta_discovery.results.discovery_json import NAME, to_dict
 from lta_discovery.results.learned_file import format_learned_vehicle
 from lta_discovery.results.overlay import write_overlay
 from lta_discovery.study import DiscoveryStudy, study_flights
-from lta_discovery.transfer.forecast_naming import name_by_forecasts
-from lta_discovery.transfer.regimes import describe_interpolation
+from lta_discovery.transfer.forecast_identification import add_forecast_effects
+from lta_discovery.transfer.regimes import format_regime_warning
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_report.page_frame import write_file
 from lta_report.results_folder import stage_results, write_json
@@ -105,7 +105,7 @@ def discover_effects(request: DiscoveryRequest, folder: Path, tell: Tell) -> Dis
     next_one = (
         plan_for_study(found, request.vehicle, tell)
         if request.plan
-        else NextFlight(format_hint(found))
+        else NextFlightPlan(format_next_step(found))
     )
     finding = replace(found.finding, next_flight=next_one.text)
     tell('writing results', None)
@@ -128,8 +128,8 @@ def study_usable_flights(
     request: DiscoveryRequest, vehicle: Vehicle, sound: UsableFlights, tell: Tell
 ) -> DiscoveryStudy:
     """Study the usable flights; add discrepancies, warnings and versions to the finding."""
-    found = name_by_forecasts(study_flights(vehicle, sound.flights, request.seed, tell), tell)
-    only = describe_interpolation(found)
+    found = add_forecast_effects(study_flights(vehicle, sound.flights, request.seed, tell), tell)
+    only = format_regime_warning(found)
     told = [*list_forecast_warnings(found.finding.gaps), *([only] if only else [])]
     finding = replace(
         found.finding,
@@ -146,7 +146,7 @@ def _list_baseline_flights(study: DiscoveryStudy, sound: UsableFlights) -> list[
     taught = [one for role in ('train', 'confirm') for one in study.flights if one.role == role]
     out = []
     for one, fit in zip(taught, study.bare, strict=True):
-        before = build_origin(study.nominal, one.flight.knobs, one.flight.replay.cut)
+        before = unchanged_vehicle_point(study.nominal, one.flight.knobs, one.flight.replay.cut)
         out.append(BaselineFlight(one.name, one.flight, before, fit, sound.light.get(one.name)))
     return out
 

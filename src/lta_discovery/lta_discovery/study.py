@@ -5,31 +5,31 @@ from dataclasses import dataclass, replace
 from typing import Final, final
 
 from lta_config.errors import BadInput
-from lta_discovery.finding import DiscoveryFinding, LadderRung, PredictionGap, Verdict
-from lta_discovery.fit.bounds import find_strained_tolerances, format_strained_tolerances
+from lta_discovery.finding import ChannelErrors, SearchCandidate, StudyResult, Verdict
+from lta_discovery.fit.bounds import find_exceeded_tolerances, format_bounds_warning
 from lta_discovery.fit.evidence import per_flight_variance, wrench_floor
 from lta_discovery.fit.joint_fit import FlightFit, JointFit, JointFitter
 from lta_discovery.flights.measured_flight import MeasuredFlight
 from lta_discovery.flights.outliers import remove_outliers
 from lta_discovery.flights.role_assignment import assign_roles, Role, ROLES
 from lta_discovery.flights.sentence_merger import merge_sentences
-from lta_discovery.flights.windows import cut_windows, FEWEST
-from lta_discovery.forecast.held_out import build_model_points, compute_gaps
-from lta_discovery.forecast.tolerance_share import shrink_tolerances
+from lta_discovery.flights.windows import cut_into_pieces, FEWEST
+from lta_discovery.forecast.held_out import build_model_points, compute_model_errors
+from lta_discovery.forecast.tolerance_shrinkage import shrink_tolerances
 from lta_discovery.model.candidates import expand_vectors
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.knot_count import count_needed_knots
 from lta_discovery.replay.linearized_flight import LinearizationPoint
-from lta_discovery.replay.linearizer import FlightLinearizer
-from lta_discovery.replay.replay import ModelReplay
+from lta_discovery.replay.replay import FlightReplay
 from lta_discovery.replay.sensing import estimate_floor_pressure, SensorPlaces
 from lta_discovery.selection.detection_limit import compute_detection_limits
 from lta_discovery.selection.effect_search import EffectSearch, EffectSearchResult, SelectionRound
 from lta_discovery.selection.effect_sizes import apply_named_effects, build_effects
-from lta_discovery.selection.equivalence_classes import classify_data_kind, is_same_class, Kind
-from lta_discovery.selection.verification import EffectVerification, VerifiedEffects
-from lta_discovery.unmodeled.assessment import assess_unmodeled, UnmodeledForces
+from lta_discovery.selection.effect_verification import EffectVerification, VerifiedEffects
+from lta_discovery.selection.equivalence_classes import classify_data_kind, is_equivalent, Kind
+from lta_discovery.unmodeled.unmodeled_forces import assess_unmodeled_forces, UnmodeledForces
 from lta_model.vehicle import Vehicle
 
 Progress = Callable[[str, float], None]
@@ -91,7 +91,7 @@ class DiscoveryStudy:
 
     """
 
-    finding: DiscoveryFinding
+    finding: StudyResult
     nominal: NominalVehicle
     learned: NominalVehicle
     flights: Sequence[StudyFlight]
@@ -135,20 +135,20 @@ def study_flights(
     last = [f for f in flown if f.role == ('holdout' if held_out else 'confirm')]
     bare, measured = _fit_forecast_models(nominal, [*pair[0], *pair[1]], proven)
     models = [build_model_points(f.flight, nominal, bare, measured) for f in last]
-    differences = compute_gaps([f.flight for f in last], models, seed)
+    differences = compute_model_errors([f.flight for f in last], models, seed)
     if not held_out:
         warnings.append(
             'No flight was held out: the prediction errors are of the confirming flights.'
         )
-    strained = find_strained_tolerances(known, proven.full.prior, proven.full.fitted.mean)
-    warnings.extend(format_strained_tolerances(strained))
+    strained = find_exceeded_tolerances(known, proven.full.prior, proven.full.fitted.mean)
+    warnings.extend(format_bounds_warning(strained))
     # Whatever the named effects leave is described, not named.
-    rest = assess_unmodeled(pair, proven.full, wrench_floor(nominal))
+    rest = assess_unmodeled_forces(pair, proven.full, wrench_floor(nominal))
     kind = classify_data_kind([f.flight.replay.flight for f in flown])
-    finding = DiscoveryFinding(
+    finding = StudyResult(
         verdict=decide_study_verdict(proven, rest, differences, kind),
-        effects=build_effects(nominal, proven, known, rest.has_any),
-        ladder=tuple(_list_rungs(step) for step in (*found.steps, *proven.steps)),
+        effects=build_effects(nominal, proven, known, rest.has_unmodeled_forces),
+        ladder=tuple(_list_round_candidates(step) for step in (*found.steps, *proven.steps)),
         where=(),
         gaps=tuple(differences),
         held_out=held_out,
@@ -178,7 +178,7 @@ def _prepare_flights(
     vehicle: Vehicle, nominal: NominalVehicle, flights: Sequence[Role]
 ) -> tuple[list[StudyFlight], list[FreeParameter], list[str]]:
     """Return the linearizers of the flights, the free parameters, and warnings about the data."""
-    tidy, said = _remove_wild_readings(flights)
+    tidy, said = _remove_outliers(flights)
     given, warnings = assign_roles(tidy)
     # The wrench is measured only where motor telemetry or a test stand gave it.
     known = list_free_parameters(nominal, any(flight.wrench is not None for _, _, flight in given))
@@ -230,7 +230,7 @@ def _fit_forecast_models(
     return bare, shrink_tolerances(fitter, proven.measured, places) if places else bare
 
 
-def _remove_wild_readings(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
+def _remove_outliers(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
     """Remove outliers from the flights, and describe what was removed."""
     out, said = [], []
     for name, role, flight in flights:
@@ -245,7 +245,7 @@ def prepare_flight(
     vehicle: Vehicle, flight: MeasuredFlight, parameters: Sequence[FreeParameter]
 ) -> FlightLinearizer:
     """Return a flight that is ready to be replayed and linearized."""
-    replay = ModelReplay(flight, cut_windows(flight), vehicle.pack_command(()))
+    replay = FlightReplay(flight, cut_into_pieces(flight), vehicle.pack_command(()))
     # The floor pressure needs the place of the barometer, and the places need the floor pressure.
     places = SensorPlaces.from_vehicle(vehicle, 0.0)
     return FlightLinearizer(
@@ -265,10 +265,10 @@ def _check_long_enough(flights: Sequence[StudyFlight]) -> None:
             )
 
 
-def _list_rungs(step: SelectionRound) -> tuple[LadderRung, ...]:
+def _list_round_candidates(step: SelectionRound) -> tuple[SearchCandidate, ...]:
     """Return one round of the search."""
     return tuple(
-        LadderRung(
+        SearchCandidate(
             trial.name, trial.gain, trial.replicated, trial.held_out, trial.apart,
             trial.name == step.named,
         )
@@ -279,7 +279,7 @@ def _list_rungs(step: SelectionRound) -> tuple[LadderRung, ...]:
 def decide_study_verdict(
     proven: VerifiedEffects,
     rest: UnmodeledForces,
-    differences: Sequence[PredictionGap],
+    differences: Sequence[ChannelErrors],
     kind: Kind,
 ) -> Verdict:
     """
@@ -292,7 +292,7 @@ def decide_study_verdict(
     if far and far[0].coast < min(far[0].tuned, far[0].after) and not rest.is_trackable:
         return 'not_identifiable'
     doubted = [
-        any(not is_same_class(name, one, kind) for one in proven.unlike[name])
+        any(not is_equivalent(name, one, kind) for one in proven.unlike[name])
         for name in proven.names
     ]
     if doubted and all(doubted):

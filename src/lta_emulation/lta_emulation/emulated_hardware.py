@@ -130,7 +130,7 @@ def report_flight(
     """
     # Read the world from this thread without a lock: a value of the previous step does not matter
     world, radius = body.world, body.world.scenario.goal.radius.si
-    floor, began, reached = world.vehicle.height_on_floor, 0.0, False
+    floor, began, reached = world.vehicle.hull_height_on_floor, 0.0, False
     while not wait(LOOK):
         up = world.state[2] > floor + UP
         if up and not began:

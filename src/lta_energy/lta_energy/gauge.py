@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from lta_model.electrical.battery import (
     BatteryModel,
-    count_charge,
+    integrate_charge,
     open_circuit_voltage,
     state_of_charge,
 )
@@ -57,5 +57,5 @@ def propagate_gauge(
     # Systematic meter errors add up linearly, not as the root of the sum of squares
     error = (SCALE * abs(current) + OFFSET) * dt / cell.capacity
     return ChargeGauge(
-        count_charge(gauge.charge, current, cell.capacity, dt), gauge.deviation + error
+        integrate_charge(gauge.charge, current, cell.capacity, dt), gauge.deviation + error
     )

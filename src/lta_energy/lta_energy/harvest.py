@@ -9,7 +9,7 @@ Neglected: the charger holds one voltage through both phases.
 from typing import final
 
 from lta_energy.irradiance import PanelIrradiance
-from lta_model.electrical.panel import find_max_power, SolarArrayModel
+from lta_model.electrical.panel import find_max_power_point, SolarArrayModel
 import numpy as np
 
 LEAST, MOST, POINTS = 1e-2, 2000.0, 256  # W/m2; linear interpolation between the points
@@ -22,10 +22,10 @@ class HarvestCurve:
     def __init__(self, panel: SolarArrayModel) -> None:
         # Geometric spacing resolves the five decades from twilight to noon evenly
         self._light = np.concatenate([[0.0], np.geomspace(LEAST, MOST, POINTS)])
-        points = [find_max_power(panel, float(light)) for light in self._light]
+        points = [find_max_power_point(panel, float(light)) for light in self._light]
         self._power = np.array([voltage * current for voltage, current in points])
 
-    def steady_power(self, irradiance: float) -> float:
+    def steady_light_power(self, irradiance: float) -> float:
         """Return the maximum power in steady light [W/m2]. [W]"""
         return float(np.interp(irradiance, self._light, self._power))
 
@@ -33,6 +33,6 @@ class HarvestCurve:
         """Return the maximum power in a mission's light, averaged over the flicker. [W]"""
         always = light.sun + light.lamps
         if light.beacon <= 0.0:
-            return self.steady_power(always)
-        bright = self.steady_power(always + light.beacon)
-        return light.duty * bright + (1.0 - light.duty) * self.steady_power(always)
+            return self.steady_light_power(always)
+        bright = self.steady_light_power(always + light.beacon)
+        return light.duty * bright + (1.0 - light.duty) * self.steady_light_power(always)

@@ -83,7 +83,7 @@ class IrradianceSeries:
             float(self.sun[k]), float(self.lamps[k]), float(self.beacon[k]), self.duty
         )
 
-    def forecast(self, time: float) -> PanelIrradiance:
+    def forecast_irradiance(self, time: float) -> PanelIrradiance:
         """Return the expected irradiance at a time [s], also after the last day."""
         k = int(time / MINUTE) % MINUTES  # all days are of one date
         sun = self.mean * float(self.clear[k])

@@ -172,7 +172,7 @@ class MissionSimulation:
         # A straight line in the trace between take-off and landing
         self._record_state(ALOFT, begin)
         self._record_state(ALOFT, self.now)
-        if not sum(self._light.forecast(self.now)[:3]) > 0.0:
+        if not sum(self._light.forecast_irradiance(self.now)[:3]) > 0.0:
             diary.dark += 1
         if flight.ending != 'home':
             self._wait_for_pickup(self.now + self._upkeep.fetched)
@@ -220,7 +220,7 @@ class MissionSimulation:
 
     def _track_clearness(self, light: PanelIrradiance, dt: float) -> None:
         """Update the mean ratio of sunlight to its forecast."""
-        due = self._light.forecast(self.now).sun
+        due = self._light.forecast_irradiance(self.now).sun
         # By night, and at dawn below 1 W/m2, the ratio is meaningless
         if due > 1.0:
             # First-order filter with a time constant of one hour

@@ -81,7 +81,7 @@ class ScheduleDecision(NamedTuple):
 Schedule = Callable[[ScheduleInputs], ScheduleDecision]
 
 
-def is_within_hours(inputs: ScheduleInputs) -> bool:
+def is_within_working_hours(inputs: ScheduleInputs) -> bool:
     """Return whether a flight that starts now ends within the working hours."""
     clock = inputs.time % DAY
     begin, end = inputs.work
@@ -125,8 +125,8 @@ def is_flight_safe(inputs: ScheduleInputs) -> bool:
 def build_fixed_schedule(rest: float, *, asleep: bool = False) -> Schedule:
     """Return a schedule that rests `rest` times as long as the last flight, in working hours."""
 
-    def decide(inputs: ScheduleInputs) -> ScheduleDecision:
-        if not is_within_hours(inputs):
+    def decide_next_flight(inputs: ScheduleInputs) -> ScheduleDecision:
+        if not is_within_working_hours(inputs):
             return ScheduleDecision(False, next_work_start(inputs), True)
         ready = inputs.landed + rest * inputs.lasted
         if inputs.time < ready:
@@ -137,7 +137,7 @@ def build_fixed_schedule(rest: float, *, asleep: bool = False) -> Schedule:
             else ScheduleDecision(False, inputs.time + LOOK, asleep)
         )
 
-    return decide
+    return decide_next_flight
 
 
 def schedule_by_light(inputs: ScheduleInputs) -> ScheduleDecision:
@@ -147,7 +147,7 @@ def schedule_by_light(inputs: ScheduleInputs) -> ScheduleDecision:
     Fly when the charge is safe and either the night remains covered after the flight, or the cell
     would be full before dark and light would be wasted. Otherwise sleep.
     """
-    if not is_within_hours(inputs):
+    if not is_within_working_hours(inputs):
         return ScheduleDecision(False, next_work_start(inputs), True)
     if not is_flight_safe(inputs):
         return ScheduleDecision(False, inputs.time + LOOK, True)
@@ -161,8 +161,8 @@ def forecast_charge(inputs: ScheduleInputs) -> tuple[bool, float]:
     """Return whether the cell fills before the end of work, and its energy then. [J]"""
     energy, most = estimate_cell_energy(inputs), stored_energy(1.0, inputs.cell.capacity)
     full, time = False, inputs.time
-    # Not `is_within_hours` of each step: a break shorter than a step is stepped over, and work
-    # never ends.
+    # Not `is_within_working_hours` of each step: a break shorter than a step is stepped over,
+    # and work never ends.
     last = next_work_end(inputs) - 1.5 * inputs.flight
     while time <= last:
         # Assume that the drone sleeps until then
@@ -188,7 +188,7 @@ def night_energy(inputs: ScheduleInputs) -> float:
 
 def forecast_harvest(inputs: ScheduleInputs, time: float) -> float:
     """Forecast the harvest at a time, starting from the present cloudiness. [W]"""
-    light = inputs.light.forecast(time)
+    light = inputs.light.forecast_irradiance(time)
     # Decay from the present cloudiness to the mean, with a time constant of two hours [s]
     weight = math.exp(-(time - inputs.time) / 7200.0)
     seen = 1.0 + weight * (inputs.seen - 1.0)

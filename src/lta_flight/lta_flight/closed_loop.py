@@ -170,7 +170,7 @@ class ClosedLoop:
     def step(self) -> FlightOutcome:
         """Sense, decide and fly one control period; return the state of the flight."""
         self.decide()
-        self.apply_command()
+        self.simulate_control_period()
         return self.world.outcome
 
     def iterate_steps(self) -> Iterator[FlightOutcome]:
@@ -182,9 +182,9 @@ class ClosedLoop:
             # The graph also completes the last light block before it stops
             if over and self._table.is_settled(self.world.stamp_ns):
                 return
-            self.apply_command()
+            self.simulate_control_period()
 
-    def apply_command(self) -> None:
+    def simulate_control_period(self) -> None:
         """Simulate one control period with the newest command."""
         pilot = self.autopilot
         place = pilot.command.mass_place if isinstance(pilot, LawAutopilot) else None
@@ -244,7 +244,7 @@ class ClosedLoop:
     def _navigate(self, stamp_ns: int, block: NDArray[np.uint16]) -> None:
         """Process a light block, and update the setpoint by strategy or course."""
         self._listener.prioritize_beacon(self.beacon)
-        hearing = self._listener.demodulate(block)
+        hearing = self._listener.demodulate_next_block(block)
         peaks = hearing.peaks[0]
         threshold, prior = self.policy.demodulation.threshold, self.policy.prior
         found = self._finder.find(peaks, threshold, prior)
@@ -254,13 +254,13 @@ class ClosedLoop:
         )
         # Message fields of type float32
         amplitudes = tuple(peaks.amplitude.astype(np.float32).tolist())
-        lamp = None if where is None else convert_lamp(where)
+        lamp = None if where is None else to_lamp_position(where)
         scale = self.world.diode_scale
         sight = build_sight(lamp, self._axes, amplitudes, self._reckoned[0], self._block, scale)
         measured, energy = self.measured_state(), self.energy
         # Without an energy estimate the navigator does not take off
         altitude = math.nan if measured is None or energy is None else measured.altitude
-        order = self._reserve_order(stamp_ns)
+        order = self._energy_permission(stamp_ns)
         if self._plan is not None:
             time = (stamp_ns - self._table.start_ns) * 1e-9
             self.asked = course_step(self._plan, time, sight.heading, altitude, order)
@@ -272,15 +272,15 @@ class ClosedLoop:
         )  # fmt: skip
         self.beacon = route[self.mission.asked][1] if route else NO_WISH
 
-    def _reserve_order(self, stamp_ns: int) -> FlightPermission:
+    def _energy_permission(self, stamp_ns: int) -> FlightPermission:
         """Return the permission that the last energy estimate gives."""
         if self.energy is None:
             return FlightPermission.DOWN
         estimate = self.energy.estimate
-        word = ReserveReport(stamp_ns, estimate.reserve, estimate.is_urgent)
+        word = ReserveReport(stamp_ns, estimate.reserve, estimate.is_landing_urgent)
         return decide_permission(self.policy.reserve, word, stamp_ns)
 
-    def _whereabouts(self) -> TravelState | None:
+    def _travel_state(self) -> TravelState | None:
         """Return distance from the start and speed as in odom; None without an estimate."""
         if self.measured_state() is None:
             return None
@@ -305,7 +305,7 @@ class ClosedLoop:
             panel_voltage=panel_voltage,
             panel_current=panel_current,
             illuminance=math.nan if lux is None else lux,
-            where=self._whereabouts(),
+            where=self._travel_state(),
         )
         before = Known() if self.energy is None else self.energy.estimate
         self.energy = EnergyObservation(
@@ -313,7 +313,7 @@ class ClosedLoop:
         )
 
 
-def convert_lamp(lamp: LampEstimate) -> LampPosition:
+def to_lamp_position(lamp: LampEstimate) -> LampPosition:
     """Return a lamp estimate with the fields of its message."""
     return LampPosition(lamp.x, lamp.y, lamp.z, (lamp.xx, lamp.xy, lamp.yy))
 

@@ -15,7 +15,7 @@ from typing import final, Literal, Protocol, TYPE_CHECKING
 from lta_bridge.bag.writer import prepare_empty_folder
 from lta_config.errors import BadInput
 from lta_config.files import find_file
-from lta_control.strategies import find_strategy
+from lta_control.strategies import find_navigation_strategy
 from lta_flight.domain_lock import DomainLock
 from lta_flight.preflight import check_plan
 from lta_flight.stall_monitor import FLIGHT, StallMonitor
@@ -99,7 +99,7 @@ def fly_once(order: FlightRequest, watcher: FlightObserver) -> FlightRun:
 
     """
     scenario = load_scenario(order.scenario)
-    find_strategy(order.strategy)
+    find_navigation_strategy(order.strategy)
     folder = resolve_folder(order.out, f'{scenario.name}-{order.seed}')
     plan = load_plan(
         find_file('launch file', 'fly', '.launch.yaml'),
@@ -158,8 +158,10 @@ def supervise_flight(
         show_status(facts, watcher)
         # A viewer never delays or ends a flight
         running = [name for name in launcher.running if name not in optional]
-        lookout.update(facts, listener.find_silent(running), listener.find_pending(running))
-        if lookout.stall_time > PATIENCE:
+        lookout.report_stalled_nodes(
+            facts, listener.find_silent_nodes(running), listener.find_pending_nodes(running)
+        )
+        if lookout.stall_duration > PATIENCE:
             sentence = f'The graph has stood still for {PATIENCE:.0f} s and is stopped.'
             watcher.show_message(sentence)
             listener.publish_error(sentence)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, final
 
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_config.files import find_file, load_yaml, validate_content
 from lta_config.parameter_override import (
     format_value,
@@ -25,12 +25,12 @@ from lta_config.settings import Settings
 from lta_config.topics import load_topic_table
 from lta_control.cascade import CascadeGains
 from lta_control.estimator import EstimatorSettings
-from lta_control.laws import find_law
+from lta_control.laws import find_control_law
 from lta_control.laws.onboard_law import CASCADE
 from lta_control.mission import MissionSettings
-from lta_control.reserve import ReserveActionSettings
+from lta_control.reserve import ReserveResponseSettings
 from lta_control.reserve_policy import check_reserve
-from lta_control.strategies import check_route, find_strategy
+from lta_control.strategies import check_route, find_navigation_strategy
 from lta_energy.monitoring.monitor import MonitorSettings
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_stack import FlightStack
@@ -48,7 +48,7 @@ FILES = ('vehicle', 'scenario', 'gains')
 SETTINGS: dict[str, type[Settings]] = {
     'gains': CascadeGains,
     'mission': MissionSettings,
-    'reserve': ReserveActionSettings,
+    'reserve': ReserveResponseSettings,
     'estimator': EstimatorSettings,
     'demodulator': DemodulationSettings,
     'prior': LampPrior,
@@ -133,7 +133,7 @@ def split_path(path: str) -> tuple[str, str]:
     """Return the root of a path and the rest."""
     root, _, below = path.partition('.')
     if root not in ROOTS or not below:
-        raise unknown_name('parameter', path, [*NAMED, *(f'{name}. ...' for name in ROOTS)])
+        raise unknown_name_error('parameter', path, [*NAMED, *(f'{name}. ...' for name in ROOTS)])
     return root, below
 
 
@@ -167,7 +167,7 @@ def load_spec(vehicle: str, scenario: str, strategy_name: str, gains: str) -> Fl
         If a file cannot be read or a name is unknown.
 
     """
-    find_strategy(strategy_name)
+    find_navigation_strategy(strategy_name)
     own = read_control(load_yaml(find_file('vehicle', vehicle)))
     names = {'vehicle': vehicle, 'scenario': scenario, 'gains': gains or own.get('gains', GAINS)}
     contents = {root: load_yaml(find_file(root, name)) for root, name in names.items()}
@@ -190,7 +190,7 @@ def read_control(content: Any) -> dict[str, str]:  # noqa: ANN401 - what YAML ho
 
 def select_settings_models(vehicle: Any) -> dict[str, type[Settings]]:  # noqa: ANN401 - what YAML holds
     """Return the models of all settings; the gains are those of the vehicle's control law."""
-    return SETTINGS | {'gains': find_law(read_control(vehicle).get('law', CASCADE)).gains}
+    return SETTINGS | {'gains': find_control_law(read_control(vehicle).get('law', CASCADE)).gains}
 
 
 def read_gains(content: Any, name: str) -> Any:  # noqa: ANN401 - what YAML holds
@@ -204,7 +204,7 @@ def read_gains(content: Any, name: str) -> Any:  # noqa: ANN401 - what YAML hold
         ) from None
 
 
-def build_parts(spec: FlightSpec) -> tuple[Vehicle, Scenario, FlightStack]:
+def build_vehicle_scenario_stack(spec: FlightSpec) -> tuple[Vehicle, Scenario, FlightStack]:
     """
     Return vehicle, scenario and flight stack.
 
@@ -221,7 +221,7 @@ def build_parts(spec: FlightSpec) -> tuple[Vehicle, Scenario, FlightStack]:
         _validate_part(model, spec, root) for root, model in models.items()
     )
     policy = FlightStack(
-        strategy=find_strategy(spec.strategy),
+        strategy=find_navigation_strategy(spec.strategy),
         gains=gains,
         mission=mission,
         estimator=estimator,
@@ -229,7 +229,7 @@ def build_parts(spec: FlightSpec) -> tuple[Vehicle, Scenario, FlightStack]:
         prior=prior,
         energy=energy,
         reserve=reserve,
-        law=find_law(vehicle_file.control.law if vehicle_file.control else CASCADE),
+        law=find_control_law(vehicle_file.control.law if vehicle_file.control else CASCADE),
     )
     check_route(policy.strategy, len(scenario.route))
     check_lamp_frequency(scenario, policy.demodulation)
@@ -243,7 +243,7 @@ def build_parts(spec: FlightSpec) -> tuple[Vehicle, Scenario, FlightStack]:
 
 def build_loop(spec: FlightSpec, seed: int) -> ClosedLoop:
     """Return a flight that is ready to start; raise `BadInput` if it is invalid."""
-    vehicle, scenario, policy = build_parts(spec)
+    vehicle, scenario, policy = build_vehicle_scenario_stack(spec)
     table = load_topic_table()
     world = World(vehicle, scenario, table, seed, spec.strategy)
     return ClosedLoop(world, table, policy)

@@ -13,7 +13,7 @@ from lta_control.law_autopilot import LawAutopilot
 from lta_control.laws import LAWS
 from lta_control.laws.protocol import ControlLaw, Feedback
 from lta_control.mission import MissionSettings
-from lta_control.reserve import ReserveActionSettings
+from lta_control.reserve import ReserveResponseSettings
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_energy.monitoring.monitor import MonitorSettings
 from lta_model.vehicle import Vehicle
@@ -38,7 +38,7 @@ class FlightStack:
     demodulation: DemodulationSettings = field(default_factory=DemodulationSettings)
     prior: LampPrior = field(default_factory=LampPrior)
     energy: MonitorSettings = field(default_factory=MonitorSettings)
-    reserve: ReserveActionSettings = field(default_factory=ReserveActionSettings)
+    reserve: ReserveResponseSettings = field(default_factory=ReserveResponseSettings)
     tilt_limit: float = TILT_LIMIT  # the motors stop beyond it [rad]
     law: ControlLaw = LAWS['cascade']
     course: Callable[[float], Setpoint] | None = None

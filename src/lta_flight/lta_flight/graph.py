@@ -53,11 +53,11 @@ def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> 
             facts = listener.poll(LOOK)
             # Other packages' nodes do not report on /diagnostics, which is not a fault
             running = [name for name in launcher.running if name not in spare]
-            unheard = listener.find_pending(running)
+            unheard = listener.find_pending_nodes(running)
             heard = [name for name in running if name not in unheard]
             # While nodes load, a busy machine may delay the reports of others
-            silent = listener.find_silent(heard) if listener.is_settled(running) else []
-            lookout.update(facts, silent, unheard)
+            silent = listener.find_silent_nodes(heard) if listener.is_settled(running) else []
+            lookout.report_stalled_nodes(facts, silent, unheard)
             for end in launcher.poll():
                 say(f'{end.sentence}.')
                 if not end.success and end.name not in spare:

@@ -44,7 +44,7 @@ class LoopLightBlock(NamedTuple):
 @final
 class LoopView:
     """
-    Record each step for the results; see `lta_flight.report.evidence.FlightEvidence`.
+    Record each step for the results; see `lta_flight.report.evidence.FlightDataSource`.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ class LoopView:
         """The estimated motion, aligned with the truth at the start."""
         table, time = np.array(self._estimates), np.array(self._times)
         position, attitude, height, surge = (
-            table[:, ESTIMATE.slice_of(part)]
+            table[:, ESTIMATE.part_slice(part)]
             for part in ('position', 'attitude', 'altitude.height', 'airspeed.surge')
         )
         # The estimator keeps x, y and the altitude separately

@@ -6,7 +6,7 @@ from typing import Any
 from lta_bridge.bag.qos import build_offered_qos
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.cdr import encode_cdr
-from lta_bridge.message_accounting import MessageAccounting
+from lta_bridge.log_time_assigner import LogTimeAssigner
 from lta_config.topics import robot_topic, TopicTable
 from lta_control.cascade import Setpoint
 from lta_control.messages import from_duties, from_estimate, from_setpoint
@@ -49,7 +49,7 @@ class LoopRecorder:
         self._loop = loop
         self._table = table
         # Assigns log times in the order in which the graph would publish
-        self._books = MessageAccounting(table, lockstep=True)
+        self._books = LogTimeAssigner(table, lockstep=True)
         self._names = {}
         self._rotors = loop.world.vehicle.rotor_names
         self._axes = build_diode_array(loop.world.vehicle.file.sensors.diodes).axes
@@ -89,16 +89,18 @@ class LoopRecorder:
         """Write the messages of the simulator for the estimator."""
         world, stamp = self._loop.world, to_stamp(readings.stamp_ns)
         for taken_ns, distance in readings.ranges:
-            message = messages.build_range(to_stamp(taken_ns), distance, world.range_settings)
+            message = messages.build_range_message(
+                to_stamp(taken_ns), distance, world.range_settings
+            )
             self._write_message('range', message)
         if readings.pressure is not None:
             noise = world.pressure_settings.noise
             self._write_message(
-                'pressure', messages.build_pressure(stamp, readings.pressure, noise)
+                'pressure', messages.build_pressure_message(stamp, readings.pressure, noise)
             )
         noises = world.imu_errors.noise
         self._write_message(
-            'imu', messages.build_imu(stamp, readings.force, readings.rates, noises)
+            'imu', messages.build_imu_message(stamp, readings.force, readings.rates, noises)
         )
 
     def _write_light(
@@ -107,7 +109,7 @@ class LoopRecorder:
         """Write a light block and the outputs of demodulator and navigator."""
         # All answers to a block carry its stamp
         stamp = to_stamp(block[0])
-        self._write_message('photodiodes', messages.build_light_block(stamp, block[1]))
+        self._write_message('photodiodes', messages.build_light_block_message(stamp, block[1]))
         header = Header(stamp=stamp, frame_id=self._table['photodiodes'].frame)
         self._write_message('light/bearing', from_bearing(header, light.bearing))
         self._write_message('light/peaks', from_peaks(header, light.hearing.peaks, self._axes))
@@ -124,8 +126,10 @@ class LoopRecorder:
             return
         loop, stamp = self._loop, to_stamp(readings.stamp_ns)
         measured: BatteryState = messages.build_battery_state(stamp, *readings.battery, 'battery')
-        self._write_message('wind', messages.build_wind(stamp, loop.world.wind))
-        self._write_message('illuminance', messages.build_illuminance(stamp, readings.illuminance))
+        self._write_message('wind', messages.build_wind_message(stamp, loop.world.wind))
+        self._write_message(
+            'illuminance', messages.build_illuminance_message(stamp, readings.illuminance)
+        )
         self._write_message('panel', messages.build_battery_state(stamp, *readings.panel, 'panel'))
         self._write_message('battery', measured)
         reading, estimate = energy.reading, energy.estimate

@@ -7,7 +7,7 @@ from lta_config.constants import AIR_DENSITY
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml, validate_content
 from lta_control.laws.onboard_law import check_onboard_law
-from lta_control.strategies import check_route, find_strategy
+from lta_control.strategies import check_route, find_navigation_strategy
 from lta_flight.lamp_frequency import check_lamp_frequency
 from lta_graph.launch_file import LaunchPlan
 from lta_model.scenario import load_scenario
@@ -67,7 +67,7 @@ def check_parameters(values: Mapping[str, object], controls: bool) -> None:
         if scenario is not None:
             scene_model.check_scene(vehicle, scenario)
     if isinstance(name := values.get('strategy'), str):
-        check_route(find_strategy(name), 1 if scenario is None else len(scenario.route))
+        check_route(find_navigation_strategy(name), 1 if scenario is None else len(scenario.route))
     # Not isinstance: true is an int in Python, but not for ROS
     if 'seed' in values and not (type(values['seed']) is int and values['seed'] in SEEDS):
         raise BadInput(

@@ -71,7 +71,7 @@ def simulate_once(
                 origin = build_provenance(order, spec, folder)
                 writer = closing.enter_context(BagWriter(folder / 'bag', origin))
                 recorder = LoopRecorder(writer, loop, load_topic_table(), ROBOT)
-            view, pace = fly_loop(loop, recorder, watcher)
+            view, pace = simulate_closed_loop(loop, recorder, watcher)
     # For example a full disk
     except StorageFault as fault:
         raise BadInput(str(fault)) from None
@@ -80,7 +80,7 @@ def simulate_once(
     return FlightRun(folder, folder / 'bag', outcome, sentence, pace), compute_results(view)
 
 
-def fly_loop(
+def simulate_closed_loop(
     loop: ClosedLoop, recorder: 'LoopRecorder | None', watcher: FlightObserver
 ) -> tuple[LoopView, float]:
     """Fly a loop to its end; return its data and its pace."""

@@ -8,7 +8,7 @@ import time
 from typing import final
 
 from lta_graph.health import HealthFact, HealthLevel
-from lta_graph.stall_attribution import find_role, find_stalled_roles, INPUTS
+from lta_graph.stall_attribution import find_role, find_stalling_roles, INPUTS
 
 FLIGHT = 'simulator: flight'  # task with the state of a simulated flight
 PLAYBACK = 'player: playback'  # task with the state of a replay
@@ -43,7 +43,7 @@ class StallDetector:
         self._changed = self._well = time.monotonic()
         self.standing = 0.0
 
-    def identify_stalled(
+    def identify_stalling_nodes(
         self, suspects: list[str], silent: list[str], all_reporting: bool
     ) -> list[str]:
         """
@@ -113,11 +113,11 @@ class StallMonitor:
         self._excused = False
 
     @property
-    def stall_time(self) -> float:
+    def stall_duration(self) -> float:
         """Duration of the current stall. [wall s]"""
         return self._blame.standing
 
-    def update(
+    def report_stalled_nodes(
         self, facts: Mapping[str, HealthFact], silent: list[str], unheard: Collection[str] = ()
     ) -> None:
         """
@@ -134,13 +134,13 @@ class StallMonitor:
 
         """
         loading = {find_role(node) for node in unheard} - {find_role(node) for node in silent}
-        waited = find_stalled_roles(facts.values())
+        waited = find_stalling_roles(facts.values())
         # Before lockstep begins no node reports to wait, but all wait for the vehicle
         # The last part of the name, since a role may have a robot before it
         first = {role for role in loading if role.rpartition('/')[2] == 'vehicle'}
         self._report_loading(sorted(first | (loading & set(waited))))
         suspects = [role for role in waited if role not in loading]
-        blamed = self._blame.identify_stalled(suspects, silent, not unheard)
+        blamed = self._blame.identify_stalling_nodes(suspects, silent, not unheard)
         # After a flight its simulator has stopped, and its nodes wait for it in vain
         blamed = [name for name in blamed if is_flying(facts, name)]
         if blamed and blamed != self._named:

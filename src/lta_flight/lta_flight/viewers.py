@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from lta_bridge.live.address import build_app_url, check_port, LOCAL, PORT
+from lta_bridge.live.address import build_app_url, check_port_available, LOCAL, PORT
 from lta_config.command_line import relative_path
 from lta_config.errors import BadInput
 from lta_config.files import share_folder
@@ -53,7 +53,7 @@ def check_live_ports(plan: LaunchPlan) -> None:
             raise BadInput(
                 f'The port of the live view is {port}, but must be a whole number from 1 to 65535.'
             )
-        check_port(str(host), port)
+        check_port_available(str(host), port)
 
 
 def report_live_views(plan: LaunchPlan, say: Callable[[str], None]) -> None:

@@ -9,7 +9,7 @@ For each package, a prefix in AMENT_PREFIX_PATH has a marker file in
 import os
 from pathlib import Path
 
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 
 INDEX = Path('share/ament_index/resource_index')
 MARKERS = INDEX / 'packages'
@@ -35,7 +35,7 @@ def find_package_prefix(package: str) -> Path:
     ours = list_resources(MARKERS, OURS)
     # Offer only our packages: a ROS installation has hundreds
     if ours:
-        raise unknown_name('package', package, ours)
+        raise unknown_name_error('package', package, ours)
     raise BadInput(
         f"Package '{package}' is not in AMENT_PREFIX_PATH, and no other LTA package is; "
         'build the workspace (make build) and source its setup file.'
@@ -73,4 +73,4 @@ def find_executable(package: str, executable: str) -> Path:
     names = [item.name for item in files if item.is_file() and os.access(item, os.X_OK)]
     if not names:
         raise BadInput(f"Package '{package}' has no executables in {folder}; build it again.")
-    raise unknown_name(f'executable of {package}', executable, names)
+    raise unknown_name_error(f'executable of {package}', executable, names)

@@ -124,7 +124,7 @@ class ChildProcess:
             return False
         return True
 
-    def build_exit(self, stopped: bool) -> ProcessExit:
+    def build_exit_record(self, stopped: bool) -> ProcessExit:
         """Return the exit record of a reaped process."""
         status = int(self.popen.returncode)
         return ProcessExit(
@@ -137,12 +137,12 @@ class ChildProcess:
         )
 
 
-def build_environment() -> dict[str, str]:
+def build_node_environment() -> dict[str, str]:
     """Return the environment of nodes: unbuffered output and one linear-algebra thread each."""
     return {**os.environ, 'PYTHONUNBUFFERED': '1', **dict.fromkeys(THREADS, '1')}
 
 
-def build_command(process: LaunchProcess) -> list[str]:
+def build_command_line(process: LaunchProcess) -> list[str]:
     """Return a process's command line, with its executable from the ament index."""
     path = find_executable(process.package, process.executable)
     return [str(path), *process.arguments]

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any, final
 
 from lta_config.topics import TopicTable
-from lta_graph.lockstep import GridTurns, MessageTurns
+from lta_graph.lockstep import GridSchedule, MessageSchedule
 
 BACKLOG_NS = 2_000_000_000  # graph time; queue length in real time while the trigger is silent
 BACKLOG = 100  # messages; queue length of an aperiodic topic
@@ -78,7 +78,7 @@ class Inbox:
         lockstep: bool,
         replayed: bool = False,
     ) -> None:
-        self.turns: MessageTurns | None = None if replayed else GridTurns(table)
+        self.turns: MessageSchedule | None = None if replayed else GridSchedule(table)
         self._table = table
         self._trigger = trigger
         self._lockstep = lockstep
@@ -115,7 +115,9 @@ class Inbox:
     def _count_gap(self, topic: str, stamp_ns: int) -> None:
         """Count lost messages from the sequence number that the stamp implies."""
         expected = self._turn[topic]
-        arrived = self.turns.find_turn(topic, expected, stamp_ns) if self.turns else expected
+        arrived = (
+            self.turns.find_message_number(topic, expected, stamp_ns) if self.turns else expected
+        )
         self.gaps[topic] += max(0, arrived - expected)
         self._turn[topic] = arrived + 1
 

@@ -19,7 +19,7 @@ def hold_interrupts() -> Iterator[list[int]]:
     """Record the signals in STOPS instead of acting on them; deliver the first one at the end."""
     presses: list[int] = []
 
-    def record_press(number: int, _: FrameType | None) -> None:
+    def record_signal(number: int, _: FrameType | None) -> None:
         presses.append(number)
 
     before = {number: signal.getsignal(number) for number in STOPS}
@@ -28,7 +28,7 @@ def hold_interrupts() -> Iterator[list[int]]:
     if threading.current_thread() is not threading.main_thread():
         handlers = {}  # only the main thread may set handlers
     for number in handlers:
-        signal.signal(number, record_press)
+        signal.signal(number, record_signal)
     try:
         yield presses
     finally:

@@ -95,7 +95,7 @@ class Param(StrictModel):
     from_: Annotated[Text | None, Field(alias='from')] = None
 
     @model_validator(mode='after')
-    def _check_one_meaning(self) -> 'Param':
+    def _check_exclusive_fields(self) -> 'Param':
         given = [item is not None for item in (self.value, self.param, self.from_)]
         # A file (`from`) has no name; a value or a nested parameter needs one
         if sum(given) != 1 or (self.name is None) != (self.from_ is not None):

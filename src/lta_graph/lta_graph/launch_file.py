@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
 
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_config.files import load_yaml
 from lta_config.validation_errors import format_error
 from lta_graph.launch_actions import (
@@ -25,8 +25,8 @@ from lta_graph.launch_actions import (
     NodeAction,
     PushRosNamespace,
 )
-from lta_graph.launch_node import build_process, join_namespaces, LaunchProcess
-from lta_graph.launch_substitutions import LaunchContext, substitute_text
+from lta_graph.launch_node import build_node_process, join_namespaces, LaunchProcess
+from lta_graph.launch_substitutions import expand_substitutions, LaunchContext
 from pydantic import ValidationError
 
 NAMESPACE = 'ros_namespace'  # launch variable that ROS also uses for the pushed namespace
@@ -121,7 +121,7 @@ def _parse_action(entry: Any, path: Path) -> Action:  # noqa: ANN401 - what the 
         raise BadInput(f'{path}: an action must have one name, as "- node: ...", not {entry!r}.')
     ((name, content),) = entry.items()
     if name not in ACTIONS:
-        raise BadInput(f'{path}: {unknown_name("action", str(name), list(ACTIONS))}')
+        raise BadInput(f'{path}: {unknown_name_error("action", str(name), list(ACTIONS))}')
     if name == 'group' and isinstance(content, list):
         content = {'children': content}
     try:
@@ -159,7 +159,7 @@ class _PlanBuilder:
         declared = [action.name for action in actions if isinstance(action, Arg)]
         for name in arguments:
             if name not in declared:
-                raise BadInput(f'{path}: {unknown_name("launch argument", name, declared)}')
+                raise BadInput(f'{path}: {unknown_name_error("launch argument", name, declared)}')
         # Before the actions run, so that an `arg` finds its value and does not take the default
         self._variables.update(arguments)
         self._open.append(path.resolve())
@@ -178,7 +178,7 @@ class _PlanBuilder:
                 raise _LocatedError(f'{path}: {error}') from None
 
     def _substitute(self, text: str) -> str:
-        return substitute_text(text, self._build_context())
+        return expand_substitutions(text, self._build_context())
 
     def _build_context(self) -> LaunchContext:
         return LaunchContext(self._open[-1].parent, self._variables)
@@ -207,7 +207,7 @@ class _PlanBuilder:
                 self.include_file(Path(self._substitute(action.file)), given)
             case NodeAction():
                 pushed = self._variables.get(NAMESPACE, '')
-                self.processes.append(build_process(action, self._build_context(), pushed))
+                self.processes.append(build_node_process(action, self._build_context(), pushed))
 
     def _is_enabled(self, action: ConditionalAction) -> bool:
         text = action.if_ if action.if_ is not None else action.unless

@@ -12,10 +12,10 @@ from lta_config.files import parse_yaml
 from lta_config.topics import is_name
 from lta_graph.launch_actions import NodeAction, Param, PARAMETER_TYPES, Scalar
 from lta_graph.launch_substitutions import (
+    expand_substitutions,
     has_substitution,
     LaunchContext,
     split_command_line,
-    substitute_text,
 )
 
 
@@ -48,34 +48,35 @@ class LaunchProcess:
     on_exit_shutdown: bool
 
 
-def build_process(node: NodeAction, context: LaunchContext, pushed: str) -> LaunchProcess:
+def build_node_process(node: NodeAction, context: LaunchContext, pushed: str) -> LaunchProcess:
     """
     Return the process that a `node` action starts.
 
     `pushed` is the namespace of the scope, absolute or empty.
     """
-    executable = substitute_text(node.exec, context)
+    executable = expand_substitutions(node.exec, context)
     arguments = split_command_line(node.args, context)
     ros = split_command_line(node.ros_args, context)
-    name = None if node.name is None else substitute_text(node.name, context)
+    name = None if node.name is None else expand_substitutions(node.name, context)
     if name is not None:
         if not is_name(name):
             raise BadInput(f"'{name}' cannot be a node name; use letters, digits and _.")
         # `__node` and `__ns` are the special remapping rules of rcl
         ros += ['-r', f'__node:={name}']
-    own = '' if node.namespace is None else substitute_text(node.namespace, context)
+    own = '' if node.namespace is None else expand_substitutions(node.namespace, context)
     namespace = join_namespaces(pushed, own)
     if namespace:
         ros += ['-r', f'__ns:={namespace}']
     for param in node.param or []:
-        ros += format_parameter(param, context)
+        ros += format_parameter_arguments(param, context)
     for remap in node.remap or []:
-        rule = f'{substitute_text(remap.from_, context)}:={substitute_text(remap.to, context)}'
+        source, target = (expand_substitutions(t, context) for t in (remap.from_, remap.to))
+        rule = f'{source}:={target}'
         ros += ['-r', rule]
     if ros:
         arguments += ['--ros-args', *ros]
     return LaunchProcess(
-        package=substitute_text(node.pkg, context),
+        package=expand_substitutions(node.pkg, context),
         executable=executable,
         name=name or executable,
         namespace=namespace or '/',
@@ -98,10 +99,10 @@ def join_namespaces(base: str, name: str) -> str:
     return joined
 
 
-def format_parameter(param: Param, context: LaunchContext) -> list[str]:
+def format_parameter_arguments(param: Param, context: LaunchContext) -> list[str]:
     """Convert a `param` entry to `--ros-args` arguments."""
     if param.from_ is not None:
-        path = Path(substitute_text(param.from_, context))
+        path = Path(expand_substitutions(param.from_, context))
         if not path.is_file():
             raise BadInput(f'There is no parameter file {path}; check the path.')
         return ['--params-file', str(path)]
@@ -116,15 +117,15 @@ def iterate_parameters(
     param: Param, context: LaunchContext, prefix: str = ''
 ) -> Iterator[tuple[str, Scalar | list[Scalar]]]:
     """Yield the dotted name and the value of every parameter of an entry."""
-    name = prefix + substitute_text(param.name or '', context)
+    name = prefix + expand_substitutions(param.name or '', context)
     for nested in param.param or []:
         yield from iterate_parameters(nested, context, f'{name}.')
     if param.value is None:
         return
     if not isinstance(param.value, list):
-        yield name, convert_value(name, param.value, param.type, context)
+        yield name, convert_to_ros_type(name, param.value, param.type, context)
         return
-    items = [convert_value(name, item, param.type, context) for item in param.value]
+    items = [convert_to_ros_type(name, item, param.type, context) for item in param.value]
     # An empty list fails as well: rcl cannot infer its element type
     if len({type(item) for item in items}) != 1:
         raise BadInput(
@@ -134,7 +135,9 @@ def iterate_parameters(
     yield name, items
 
 
-def convert_value(name: str, scalar: Scalar, kind: str | None, context: LaunchContext) -> Scalar:
+def convert_to_ros_type(
+    name: str, scalar: Scalar, kind: str | None, context: LaunchContext
+) -> Scalar:
     """
     Return a parameter's value with the type that ROS gives it.
 
@@ -142,9 +145,11 @@ def convert_value(name: str, scalar: Scalar, kind: str | None, context: LaunchCo
     `$(var speed)` can be a number, unless `type` is given.
     """
     if not isinstance(scalar, str) or (kind is None and not has_substitution(scalar)):
-        value: object = substitute_text(scalar, context) if isinstance(scalar, str) else scalar
+        value: object = (
+            expand_substitutions(scalar, context) if isinstance(scalar, str) else scalar
+        )
     else:
-        value = _parse_yaml_value(substitute_text(scalar, context), kind)
+        value = _parse_yaml_value(expand_substitutions(scalar, context), kind)
     expected = (bool, int, float, str) if kind is None else (PARAMETER_TYPES[kind],)
     # An exact type, because isinstance would accept a bool as an int
     if type(value) not in expected:

@@ -12,7 +12,7 @@ import os
 from pathlib import Path
 from typing import final
 
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_graph.ament import find_package_share
 
 
@@ -27,7 +27,7 @@ class LaunchContext:
 
 def _substitute_variable(context: LaunchContext, name: str) -> str:
     if name not in context.variables:
-        raise unknown_name('launch variable', name, list(context.variables))
+        raise unknown_name_error('launch variable', name, list(context.variables))
     return context.variables[name]
 
 
@@ -55,7 +55,7 @@ SUBSTITUTIONS: dict[str, tuple[Callable[..., str], int, int]] = {
 }
 
 
-def substitute_text(text: str, context: LaunchContext) -> str:
+def expand_substitutions(text: str, context: LaunchContext) -> str:
     """
     Replace all substitutions in a text.
 
@@ -129,7 +129,9 @@ def _read_substitution(text: str, start: int, context: LaunchContext) -> tuple[s
 def _evaluate_substitution(words: list[str], source: str, context: LaunchContext) -> str:
     name = words[0] if words else ''
     if name not in SUBSTITUTIONS:
-        raise unknown_name('substitution', source, [f'$({item} ...)' for item in SUBSTITUTIONS])
+        raise unknown_name_error(
+            'substitution', source, [f'$({item} ...)' for item in SUBSTITUTIONS]
+        )
     function, fewest, most = SUBSTITUTIONS[name]
     if not fewest <= len(words) - 1 <= most:
         count = str(fewest) if fewest == most else f'{fewest} or {most}'

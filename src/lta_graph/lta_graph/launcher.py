@@ -17,8 +17,8 @@ from types import TracebackType
 from typing import final, Self
 
 from lta_graph.child_process import (
-    build_command,
-    build_environment,
+    build_command_line,
+    build_node_environment,
     ChildProcess,
     ProcessExit,
     spawn_process,
@@ -123,8 +123,8 @@ class Launcher:
 
         """
         # Before the first start, so that a missing executable starts nothing
-        commands = [build_command(process) for process in self._plan.processes]
-        variables = build_environment()
+        commands = [build_command_line(process) for process in self._plan.processes]
+        variables = build_node_environment()
         try:
             with hold_interrupts() as presses:
                 # The guard waits as long as an orderly stop may take
@@ -137,13 +137,13 @@ class Launcher:
                     self._children.append(child)
                     self._guard.add_group(child.pid)
                 # Start the thread after the forks: forking a process with threads is unsafe.
-                self._start_watch()
+                self._start_process_watch()
         # Includes KeyboardInterrupt, which must not leave processes behind
         except BaseException:
             self.stop()
             raise
 
-    def _start_watch(self) -> None:
+    def _start_process_watch(self) -> None:
         self._watch = ProcessWatch(self._children, self._on_line, self._stopping)
         self._watch.start()
 
@@ -192,7 +192,7 @@ class Launcher:
                 for child in self._children:
                     child.send_signal(number)
                 self._wait_for_exits(grace, presses)
-            self._clean_up()
+            self._reap_processes()
 
     def _wait_for_exits(self, grace: float, presses: list[int]) -> None:
         began = time.monotonic()
@@ -203,19 +203,19 @@ class Launcher:
                 return
             # A viewer that ignores SIGINT must not delay the stop
             if passed > SPARE_GRACE:
-                self._kill_optional()
+                self._kill_optional_processes()
             time.sleep(PERIOD)
 
-    def _kill_optional(self) -> None:
+    def _kill_optional_processes(self) -> None:
         for child in self._children:
             if child.name in self._spare and not child.has_exited():
                 child.send_signal(signal.SIGKILL)
 
-    def _clean_up(self) -> None:
+    def _reap_processes(self) -> None:
         # The start was interrupted before the thread existed, but its processes have pipes to
         # drain
         if self._watch is None and self._children:
-            self._start_watch()
+            self._start_process_watch()
         if self._watch is not None:
             self._watch.join(1.0)  # bounded: `on_line` may block on a full terminal
         for child in self._children:

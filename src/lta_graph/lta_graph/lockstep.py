@@ -13,20 +13,20 @@ from typing import final, Protocol
 from lta_config.topics import TopicTable
 
 
-class MessageTurns(Protocol):
+class MessageSchedule(Protocol):
     """Schedule of due messages, as an inbox uses it."""
 
     def count_due(self, name: str, now_ns: int, lag: int) -> int:
         """Return how many messages of a topic must have come at a control step."""
         ...
 
-    def find_turn(self, name: str, expected: int, stamp_ns: int) -> int:
+    def find_message_number(self, name: str, expected: int, stamp_ns: int) -> int:
         """Return the number of a message by its stamp; the expected one where it has none."""
         ...
 
 
 @final
-class GridTurns:
+class GridSchedule:
     """Schedule of a complete flight, from the periods, latencies and first stamp of the table."""
 
     def __init__(self, table: TopicTable) -> None:
@@ -36,7 +36,7 @@ class GridTurns:
         """Return how many messages of a topic must have come at a control step."""
         return self._table.count_due(name, now_ns, lag)
 
-    def find_turn(self, name: str, expected: int, stamp_ns: int) -> int:
+    def find_message_number(self, name: str, expected: int, stamp_ns: int) -> int:
         """Return the number of a message by its stamp; the expected one where it has none."""
         row = self._table[name]
         if not (row.stamped and row.period_ns):
@@ -46,7 +46,7 @@ class GridTurns:
 
 
 @final
-class RecordedTurns:
+class RecordedSchedule:
     """
     Schedule of a replay, as published by its player.
 
@@ -68,6 +68,6 @@ class RecordedTurns:
         # Sorted due times, so this counts the messages due by then
         return bisect_right(self._due.get(name, ()), now_ns - lag * self._control_ns)
 
-    def find_turn(self, _name: str, expected: int, _stamp_ns: int) -> int:
+    def find_message_number(self, _name: str, expected: int, _stamp_ns: int) -> int:
         """Return the expected number: a player never overruns the queues of its nodes."""
         return expected

@@ -32,7 +32,7 @@ class Peers:
         self._flying = list(names)
 
     @property
-    def active(self) -> list[str]:
+    def active_robots(self) -> list[str]:
         """Robots that have not ended."""
         return list(self._flying)
 

@@ -110,4 +110,4 @@ class ProcessWatch(threading.Thread):
             if not key.fileobj.closed:  # type: ignore[union-attr]
                 self._close_pipe(key)
         self._living.remove(child)
-        self.events.put(child.build_exit(stopped))
+        self.events.put(child.build_exit_record(stopped))

@@ -13,7 +13,7 @@ INPUTS = 'inputs'
 VEHICLE = {'simulator': 'vehicle', 'player': 'vehicle'}  # nodes whose role has another name
 
 
-def find_stalled_roles(facts: Iterable[HealthFact]) -> list[str]:
+def find_stalling_roles(facts: Iterable[HealthFact]) -> list[str]:
     """
     Return the roles that keep others waiting, in alphabetical order.
 

@@ -32,7 +32,7 @@ OTHER_CURVES = ('thrust_polynomial',)
 
 def collect_effects(
     file: VehicleFile,
-    rotors: tuple[propulsion.RotorUnit, ...],
+    rotors: tuple[propulsion.RotorModel, ...],
     added_mass: Vector,
     air_density: float,
 ) -> Effects:
@@ -73,7 +73,7 @@ def check_step(name: str, parameters: Effects, step: float) -> None:
 
 def _derive_effects(
     file: VehicleFile,
-    rotors: tuple[propulsion.RotorUnit, ...],
+    rotors: tuple[propulsion.RotorModel, ...],
     added_mass: Vector,
     air_density: float,
 ) -> Effects:
@@ -83,12 +83,12 @@ def _derive_effects(
     forces = tuple(map(sum, zip(quadratic.force.vector, faces, strict=True)))
     derived = {
         'weight_and_buoyancy': {'gravity': STANDARD_GRAVITY},
-        'added_mass': _map_names(AXES[:3], added_mass[:3]),
-        'added_inertia': _map_names(AXES[3:], added_mass[3:]),
-        'linear_drag': _map_names(AXES[:3], linear.force.vector),
-        'quadratic_drag': _map_names(AXES[:3], forces),
-        'rotational_drag': _map_names(AXES[3:], linear.moment.vector)
-        | _map_names([f'{axis}_2' for axis in AXES[3:]], quadratic.moment.vector),
+        'added_mass': _zip_names_values(AXES[:3], added_mass[:3]),
+        'added_inertia': _zip_names_values(AXES[3:], added_mass[3:]),
+        'linear_drag': _zip_names_values(AXES[:3], linear.force.vector),
+        'quadratic_drag': _zip_names_values(AXES[:3], forces),
+        'rotational_drag': _zip_names_values(AXES[3:], linear.moment.vector)
+        | _zip_names_values([f'{axis}_2' for axis in AXES[3:]], quadratic.moment.vector),
         'rotor_thrust': {
             f'{axis}_{i}': number
             for i, rotor in enumerate(rotors, start=1)
@@ -97,7 +97,7 @@ def _derive_effects(
     }
     # Without drag there is nothing to correct for oblique flow
     if any(forces) and (round_ := ROUND.get(file.hull.shape)):
-        derived['cross_flow'] = round_ | _map_names(AXES[:3], forces)
+        derived['cross_flow'] = round_ | _zip_names_values(AXES[:3], forces)
     # A second curve would take newtons for duties
     if not any(name in file.effects for name in OTHER_CURVES):
         derived['thrust_curve'] = {
@@ -148,7 +148,7 @@ def _moving_mass_parameters(moving: MovingMassBlock) -> dict[str, float]:
     return given | {'mass': moving.mass.si, 'lag': moving.time_constant.si}
 
 
-def _map_names(names: Sequence[str], values: Vector) -> dict[str, float]:
+def _zip_names_values(names: Sequence[str], values: Vector) -> dict[str, float]:
     return dict(zip(names, values, strict=True))
 
 

@@ -2,15 +2,15 @@
 
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_aero import RotorCoupling
-from lta_model.propulsion import RotorUnit
+from lta_model.propulsion import RotorModel
 
 HEAVE = 2
 LIFTS = 0.5  # newtons upwards per newton of thrust that make a rotor one that lifts
 
 
 def select_lifting_rotors(
-    rotors: tuple[RotorUnit, ...], coupling: RotorCoupling | None
-) -> tuple[list[RotorUnit], float]:
+    rotors: tuple[RotorModel, ...], coupling: RotorCoupling | None
+) -> tuple[list[RotorModel], float]:
     """
     Return the lifting rotors, run alike, and their lift per newton of each.
 
@@ -36,7 +36,7 @@ def select_lifting_rotors(
 
 def hover_duty(
     name: str,
-    rotors: tuple[RotorUnit, ...],
+    rotors: tuple[RotorModel, ...],
     coupling: RotorCoupling | None,
     weight: float,
     gravity: float,

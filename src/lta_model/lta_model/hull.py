@@ -8,7 +8,7 @@ from lta_config.schema.vehicle_body import HullBlock
 from lta_model.mass_matrix import Six, spheroid_added_mass
 
 
-def _to_si(quantity: Quantity | None) -> float:
+def _length_or_zero(quantity: Quantity | None) -> float:
     """Return a length validated by the reader; 0 where the shape has none."""
     return 0.0 if quantity is None else quantity.si
 
@@ -17,20 +17,20 @@ def hull_volume(hull: HullBlock) -> float:
     """Return the volume of the hull. [m3]."""
     if hull.shape == 'balloon':
         # Mylar balloon: its volume is a factor times the cube of the flat radius
-        return _to_si(hull.volume_factor) * (0.5 * _to_si(hull.diameter)) ** 3
+        return _length_or_zero(hull.volume_factor) * (0.5 * _length_or_zero(hull.diameter)) ** 3
     a, b, c = half_axes(hull)
     return 4.0 / 3.0 * math.pi * a * b * c
 
 
 def half_axes(hull: HullBlock) -> tuple[float, float, float]:
     """Return half the size along x, y, z; zeros where there is no hull. [m]."""
-    radius = 0.5 * _to_si(hull.diameter)
+    radius = 0.5 * _length_or_zero(hull.diameter)
     axes = [radius, radius, radius]
     if hull.shape == 'balloon':
         # A balloon is flat along body z
-        axes[2] = 0.5 * _to_si(hull.height)
+        axes[2] = 0.5 * _length_or_zero(hull.height)
     elif hull.shape == 'spheroid':
-        axes['xyz'.index(hull.axis or 'z')] = 0.5 * _to_si(hull.length)
+        axes['xyz'.index(hull.axis or 'z')] = 0.5 * _length_or_zero(hull.length)
     return (axes[0], axes[1], axes[2])
 
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final, Self
 
-from lta_config.schema.vehicle_body import MeasuredBlock, PartBlock
+from lta_config.schema.vehicle_body import MeasuredMassBlock, PartBlock
 import numpy as np
 from numpy.typing import NDArray
 
@@ -69,7 +69,7 @@ class MassProperties:
         return cls(mass, cg, total)
 
     @classmethod
-    def from_measurement(cls, measurement: MeasuredBlock) -> Self:
+    def from_measurement(cls, measurement: MeasuredMassBlock) -> Self:
         """Return the properties of a vehicle that was weighed and swung as a whole."""
         # Diagonal of the tensor, then its products
         inertia = np.diag(measurement.inertia.vector)

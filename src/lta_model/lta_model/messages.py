@@ -17,7 +17,7 @@ from std_msgs.msg import Header
 NAN = float('nan')
 
 
-def build_imu(
+def build_imu_message(
     stamp: Time,
     force: tuple[float, ...],
     rates: tuple[float, ...],
@@ -43,7 +43,7 @@ def build_imu(
     return message
 
 
-def build_range(stamp: Time, distance: float, settings: RangeSettings) -> Range:
+def build_range_message(stamp: Time, distance: float, settings: RangeSettings) -> Range:
     """Return a downward distance [m]; +Inf is no return (REP-117)."""
     return Range(
         header=_build_header(stamp, 'range'),
@@ -55,7 +55,7 @@ def build_range(stamp: Time, distance: float, settings: RangeSettings) -> Range:
     )
 
 
-def build_pressure(stamp: Time, value: float, deviation: float) -> FluidPressure:
+def build_pressure_message(stamp: Time, value: float, deviation: float) -> FluidPressure:
     """Return the air pressure, with the square of its deviation as variance. [Pa]"""
     return FluidPressure(
         header=_build_header(stamp, 'pressure'),
@@ -64,7 +64,7 @@ def build_pressure(stamp: Time, value: float, deviation: float) -> FluidPressure
     )
 
 
-def build_light_block(stamp: Time, block: NDArray[np.uint16]) -> Image:
+def build_light_block_message(stamp: Time, block: NDArray[np.uint16]) -> Image:
     """Return an ADC block, shape (samples, diodes). [counts]"""
     rows, columns = block.shape
     image = Image()
@@ -78,7 +78,7 @@ def build_light_block(stamp: Time, block: NDArray[np.uint16]) -> Image:
     return image
 
 
-def build_illuminance(stamp: Time, lux: float) -> Illuminance:
+def build_illuminance_message(stamp: Time, lux: float) -> Illuminance:
     """Return the light at the panel. [lx]"""
     return Illuminance(header=_build_header(stamp, 'illuminance'), illuminance=lux)
 
@@ -115,7 +115,7 @@ def build_odometry(stamp: Time, motion: Sequence[float]) -> Odometry:
     return message
 
 
-def build_wind(stamp: Time, velocity: tuple[float, ...]) -> Vector3Stamped:
+def build_wind_message(stamp: Time, velocity: tuple[float, ...]) -> Vector3Stamped:
     """Return the velocity of the air in `map`. [m/s]"""
     message = Vector3Stamped(header=_build_header(stamp, 'wind'))
     message.vector.x, message.vector.y, message.vector.z = velocity

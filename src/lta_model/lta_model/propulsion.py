@@ -26,7 +26,7 @@ Six = tuple[float, float, float, float, float, float]
 
 @final
 @dataclass(frozen=True, slots=True)
-class RotorUnit:
+class RotorModel:
     """
     One rotor as the model takes it.
 
@@ -74,13 +74,15 @@ class RotorUnit:
         # The force part of a geometric column is the unit axis
         axis, (p, q, r) = (x, y, z), rotor.position.vector
         if column:
-            forward = backward = _to_six((*column.force.vector, *column.moment.vector))
+            forward = backward = _to_six_tuple((*column.force.vector, *column.moment.vector))
             if column.reverse:
-                backward = _to_six((*column.reverse.force.vector, *column.reverse.moment.vector))
+                backward = _to_six_tuple(
+                    (*column.reverse.force.vector, *column.reverse.moment.vector)
+                )
         forward, backward = (_add_motor_torque(each, rotor, axis) for each in (forward, backward))
         a, b = curve.a.si, curve.b.si
         if curve.reverse:  # the column includes it, because the model's curve is an odd function
-            backward = _to_six(curve.reverse.si / (a + b) * number for number in backward)
+            backward = _to_six_tuple(curve.reverse.si / (a + b) * number for number in backward)
         return cls(name, rotor.reversible, (p, q, r), axis, a, b, forward, backward)
 
 
@@ -93,10 +95,10 @@ def geometric_column(rotor: RotorBlock) -> Six:
     return (x, y, z, q * z - r * y, r * x - p * z, p * y - q * x)
 
 
-def build_rotors(file: VehicleFile) -> tuple[RotorUnit, ...]:
+def build_rotors(file: VehicleFile) -> tuple[RotorModel, ...]:
     """Return the rotors of a vehicle in the order of its file."""
     return tuple(
-        RotorUnit.from_entry(
+        RotorModel.from_entry(
             name, rotor, file.aero.thrust_allocation.get(name), _select_thrust_curve(file, rotor)
         )
         for name, rotor in file.rotors.items()
@@ -104,7 +106,7 @@ def build_rotors(file: VehicleFile) -> tuple[RotorUnit, ...]:
 
 
 def interaction_parameters(
-    rotors: tuple[RotorUnit, ...], coupling: RotorCoupling | None
+    rotors: tuple[RotorModel, ...], coupling: RotorCoupling | None
 ) -> dict[str, float]:
     """Return the parameters of `rotor_envelope_interaction`; empty if B suffices."""
     axes = ('surge', 'sway', 'heave', 'roll', 'pitch', 'yaw')
@@ -141,6 +143,6 @@ def _add_motor_torque(jet: Six, rotor: RotorBlock, axis: Three) -> Six:
     return (a, b, c, d + turn * x, e + turn * y, f + turn * z)
 
 
-def _to_six(numbers: Iterable[float]) -> Six:
+def _to_six_tuple(numbers: Iterable[float]) -> Six:
     a, b, c, d, e, f = numbers
     return (a, b, c, d, e, f)

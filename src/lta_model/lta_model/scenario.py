@@ -177,7 +177,7 @@ class Scenario(StrictModel):
             None
             if self.daylight is None
             else self.daylight.build_daylight(self.room.albedo.floor),
-            None if self.outside is None else self.outside.outside,
+            None if self.outside is None else self.outside.outdoor_area,
         )
 
 

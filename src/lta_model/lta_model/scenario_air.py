@@ -87,7 +87,7 @@ class Turbulence(StrictModel):
     height: Annotated[Quantity, si_quantity('m')] | None = None
 
     @model_validator(mode='after')
-    def _check_one_form(self) -> Self:
+    def _check_exclusive_forms(self) -> Self:
         own, standard = (self.intensity, self.length), (self.by, self.wind, self.height)
         if None not in own and standard == (None,) * 3:
             return self

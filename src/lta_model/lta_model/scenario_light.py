@@ -100,7 +100,7 @@ class LampScene(StrictModel):
         )
 
 
-def _check_parts(quantity: Quantity) -> Quantity:
+def _check_shares(quantity: Quantity) -> Quantity:
     """Return a quantity of any number of shares from 0 to 1, or refuse it."""
     if complaint := describe_misfit(quantity, '1', 0.0, 1.0, length=len(quantity.vector)):
         raise ValueError(complaint)
@@ -113,7 +113,7 @@ class AmbientScene(StrictModel):
     steady: Annotated[Quantity, si_quantity('lx', low=0.0, high=2e5)]
     mains_amplitude: Annotated[Quantity, si_quantity('lx', low=0.0, high=2e5)]
     mains_frequency: Annotated[Quantity, si_quantity('Hz', above=0.0, high=1e4)]
-    mains_harmonics: Annotated[Quantity, AfterValidator(_check_parts)] = Quantity(
+    mains_harmonics: Annotated[Quantity, AfterValidator(_check_shares)] = Quantity(
         value=(), unit='1'
     )
     efficacy: Efficacy
@@ -168,7 +168,7 @@ class OutsideScene(StrictModel):
     wind: Annotated[Quantity, si_quantity('m/s', low=-50.0, high=50.0, length=3)]
 
     @property
-    def outside(self) -> OutdoorArea:
+    def outdoor_area(self) -> OutdoorArea:
         """The light outdoors; `BadInput` if it is impossible."""
         door = self.door
         daylight = self.daylight.build_daylight(self.ground)

@@ -26,12 +26,12 @@ def find_fastest_damping(model: VehicleModel) -> tuple[str, float]:
     inverse = model.inverse.reshape(6, 6)
     rates = {
         name: float(np.linalg.eigvals(inverse @ damping).real.max())
-        for name, damping in compute_dampings(model).items()
+        for name, damping in compute_linear_damping(model).items()
     }
     return max(rates.items(), key=lambda item: item[1], default=('', 0.0))
 
 
-def compute_dampings(model: VehicleModel) -> dict[str, Array]:
+def compute_linear_damping(model: VehicleModel) -> dict[str, Array]:
     """Return the damping of each effect that is linear in the velocity. [N s/m, N m s]"""
     found = {}
     given = model.given

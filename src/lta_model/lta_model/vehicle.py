@@ -157,7 +157,7 @@ class Vehicle:
         return hull.added_mass(self.file.hull, self.air_density)
 
     @cached_property
-    def rotors(self) -> tuple[propulsion.RotorUnit, ...]:
+    def rotors(self) -> tuple[propulsion.RotorModel, ...]:
         """The rotors in the order of `motors`."""
         return propulsion.build_rotors(self.file)
 
@@ -279,7 +279,7 @@ class Vehicle:
         stiffness.check_time_step(self.file.name, model or self.build_model(), step)
 
     @property
-    def height_on_floor(self) -> float:
+    def hull_height_on_floor(self) -> float:
         """Height of the hull centre when the vehicle stands on the floor. [m]."""
         foot = self.collect_effects().get('floor_contact')
         if foot is None:

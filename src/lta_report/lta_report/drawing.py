@@ -89,7 +89,7 @@ def decimate_line(time: Array, values: Array) -> tuple[Array, Array]:
     return time.astype(np.float32), values.astype(np.float32)
 
 
-def build_line(
+def build_line_trace(
     name: str,
     time: Array,
     values: Array,
@@ -112,7 +112,7 @@ def build_line(
     )
 
 
-def build_dots(name: str, time: Array, values: Array, colour: str, *, unit: str) -> Scatter:
+def build_dot_trace(name: str, time: Array, values: Array, colour: str, *, unit: str) -> Scatter:
     """Return raw measurements as small dots."""
     x, y = decimate_line(time, values)
     return Scatter(

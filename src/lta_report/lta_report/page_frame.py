@@ -13,7 +13,7 @@ from typing import Final
 
 from lta_config.atomic_file import replace_atomically
 from lta_config.errors import BadInput
-from lta_report.page_parts import embed_data, render_footer
+from lta_report.html_elements import embed_data, render_footer
 from lta_report.palette import DARK
 from plotly.offline import get_plotlyjs
 

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import Any, Final, final, Literal, NamedTuple
 
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_report.browser import Browser
 from lta_report.page_frame import write_file
 
@@ -184,7 +184,7 @@ def locate_part(browser: Browser, panel: str) -> Mapping[str, float]:
     box: Mapping[str, float] | None = browser.evaluate(BOX % {'panel': panel})
     if box is None:
         known = [found['name'] for found in browser.evaluate(COUNT_PANELS)]
-        raise unknown_name('panel', panel, [TOP, *known])
+        raise unknown_name_error('panel', panel, [TOP, *known])
     return box
 
 

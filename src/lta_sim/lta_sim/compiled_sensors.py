@@ -74,7 +74,7 @@ def draw_symmetric_pair(seed: int, lane: int) -> tuple[float, float]:
     return 2.0 * a - 1.0, 2.0 * b - 1.0
 
 
-def draw_six(bound: Six, seed: int, lane: int) -> Six:
+def draw_six_uniforms(bound: Six, seed: int, lane: int) -> Six:
     """Return six numbers uniform within plus or minus the given bounds."""
     a, b = draw_symmetric_pair(seed, lane)
     c, d = draw_symmetric_pair(seed, lane + 1)
@@ -87,20 +87,20 @@ def draw_six(bound: Six, seed: int, lane: int) -> Six:
 def draw_errors(sensors: SensorDatasheets, seed: int) -> SensorErrors:
     """Return the errors of one flight."""
     imu = sensors.imu
-    # Each `draw_six` uses three lanes: gains 0 to 2, offsets 3 to 5, then one lane per scalar pair
-    g = draw_six(imu.gain, seed, 0)
+    # Each call uses three lanes: gains 0 to 2, offsets 3 to 5, then one lane per scalar pair
+    g = draw_six_uniforms(imu.gain, seed, 0)
     gain = (1.0 + g[0], 1.0 + g[1], 1.0 + g[2], 1.0 + g[3], 1.0 + g[4], 1.0 + g[5])
     offset, drift = draw_symmetric_pair(seed, 6)
     near, _ = draw_symmetric_pair(seed, 7)
     return SensorErrors(
-        ImuAxes(gain, draw_six(imu.offset, seed, 3), imu.noise, imu.step, imu.full_scale),
+        ImuAxes(gain, draw_six_uniforms(imu.offset, seed, 3), imu.noise, imu.step, imu.full_scale),
         sensors.range_offset * near,
         sensors.pressure_offset * offset,
         sensors.drift * drift,
     )
 
 
-def sample_axis(imu: ImuAxes, axis: int, truth: float, normal: float) -> float:
+def simulate_axis_reading(imu: ImuAxes, axis: int, truth: float, normal: float) -> float:
     """Return the reading of one axis, quantised and clipped at full scale. [m/s2 or rad/s]"""
     value = imu.gain[axis] * truth + imu.offset[axis] + imu.noise[axis] * normal
     told, end = round_to_step(value, imu.step[axis]), imu.full_scale[axis]
@@ -124,7 +124,7 @@ def specific_force_at(
     )
 
 
-def sample_imu(
+def simulate_imu_reading(
     errors: SensorErrors, seed: int, step: int, force: Vector, rates: Vector
 ) -> tuple[Vector, Vector]:
     """
@@ -137,17 +137,17 @@ def sample_imu(
     c, d = draw_normals(seed, IMU, step, 1)
     e, f = draw_normals(seed, IMU, step, 2)
     return (
-        sample_axis(imu, 0, force[0], a),
-        sample_axis(imu, 1, force[1], b),
-        sample_axis(imu, 2, force[2], c),
+        simulate_axis_reading(imu, 0, force[0], a),
+        simulate_axis_reading(imu, 1, force[1], b),
+        simulate_axis_reading(imu, 2, force[2], c),
     ), (
-        sample_axis(imu, 3, rates[0], d),
-        sample_axis(imu, 4, rates[1], e),
-        sample_axis(imu, 5, rates[2], f),
+        simulate_axis_reading(imu, 3, rates[0], d),
+        simulate_axis_reading(imu, 4, rates[1], e),
+        simulate_axis_reading(imu, 5, rates[2], f),
     )
 
 
-def sample_range(
+def simulate_range_reading(
     sensors: SensorDatasheets, errors: SensorErrors, seed: int, tick: int, state: tuple[float, ...]
 ) -> float:
     """Return range reading number `tick` in whole millimetres, NaN out of range. [m]"""
@@ -164,7 +164,7 @@ def sample_range(
     return round_to_step(told, RESOLUTION)
 
 
-def sample_pressure(
+def simulate_pressure_reading(
     sensors: SensorDatasheets,
     errors: SensorErrors,
     seed: int,

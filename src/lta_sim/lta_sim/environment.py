@@ -99,7 +99,7 @@ class FlightEnvironment:
         self.numbers[VOLTAGE] = voltage
         self.numbers[WIND : WIND + 3] = steady_wind_at(self._steady, pose[0])
         if self._record is not None:
-            wind, rate = self._record.sample_span(elapsed, elapsed + self._period)
+            wind, rate = self._record.average_wind_over_span(elapsed, elapsed + self._period)
             self.numbers[WIND : WIND + 3] += wind
             self.numbers[WIND_RATE : WIND_RATE + 3] = rate
         if self._turbulent:

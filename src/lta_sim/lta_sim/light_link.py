@@ -21,7 +21,7 @@ bins).
 import math
 from typing import NamedTuple
 
-from lta_model.light.block_motion import add_direct_readings
+from lta_model.light.block_readings import add_direct_readings
 from lta_model.light.field import LightField
 from lta_model.light.flicker import BlockSampling, sample_lamp_wave, sample_mains_wave
 from lta_model.light.lambertian import DiodeResponse, LampBeam

@@ -41,7 +41,7 @@ def vehicle_reach(vehicle: Vehicle) -> tuple[float, float]:
         for part in vehicle.file.parts.values()
     ]
     ends += [np.abs(rotor.place).tolist() for rotor in vehicle.rotors]
-    ends.append((0.0, 0.0, vehicle.height_on_floor))
+    ends.append((0.0, 0.0, vehicle.hull_height_on_floor))
     return max(math.hypot(x, y) for x, y, _ in ends), max(z for _, _, z in ends)
 
 

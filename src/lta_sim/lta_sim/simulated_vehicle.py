@@ -7,21 +7,21 @@ from typing import final
 from lta_config.compilation.kernel_cache import is_cached, load_kernel
 from lta_model.effects import EFFECTS
 from lta_model.model import VehicleModel
-from lta_sim.kernels.compose import build_layout, write_kernel_source
-from lta_sim.kernels.row import row_places
+from lta_sim.kernels.compose import build_layout, render_kernel_source
+from lta_sim.kernels.row import row_slices
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
 LAYOUT = build_layout(EFFECTS)
-PLACES = row_places(LAYOUT)
+PLACES = row_slices(LAYOUT)
 
 
 @cache
 def _build_source() -> str:
     """Return the source of the kernel with all effects."""
-    return write_kernel_source(EFFECTS)
+    return render_kernel_source(EFFECTS)
 
 
 @cache

@@ -11,7 +11,7 @@ from lta_model.electrical.panel import current_at_voltage
 from lta_model.scenario_faults import SupplyFaults
 from lta_model.vehicle import Vehicle
 from lta_sim.sensors import power
-from lta_sim.supply_step import advance_supply, SupplyInputs, SupplyParts, SupplyState
+from lta_sim.supply_step import advance_supply, SupplyComponents, SupplyInputs, SupplyState
 import numpy as np
 from numpy.random import Generator
 
@@ -31,7 +31,7 @@ class Supply:
         faults: SupplyFaults,
         looking: float = 0.0,
     ) -> None:
-        self._parts = SupplyParts(vehicle.battery, vehicle.charger, vehicle.panel)
+        self._parts = SupplyComponents(vehicle.battery, vehicle.charger, vehicle.panel)
         self._loads, self._chance, self._faults = vehicle.loads, chance, faults
         self._looking = looking
         self._meter = power.PowerMeterSettings()
@@ -60,12 +60,12 @@ class Supply:
         return self._account.flow
 
     @property
-    def cell_electrics(self) -> Electrics:
+    def cell_voltage_and_current(self) -> Electrics:
         """Voltage and current of the cell."""
         return self.flow.voltage, self.flow.current
 
     @property
-    def energy_books(self) -> EnergyBalance:
+    def energy_totals(self) -> EnergyBalance:
         """True energy totals since the start. [J]."""
         now = self._account
         stored = total_stored_energy(self._parts.cell, now.flow) - self._begun
@@ -85,21 +85,24 @@ class Supply:
         self._step(self._constants, self._memory, meantime, NOTHING)
         self._account = self._layout.read(self._memory)
 
-    def measure_battery(self) -> Electrics:
+    def read_battery_meter(self) -> Electrics:
         """Return the reading of the cell's meter, which is behind the load cut-off."""
         # After a cut-off the meter has no supply either and reads zero
-        voltage, current = self.cell_electrics if self.flow.fed else (0.0, 0.0)
-        return power.measure_power(
+        voltage, current = self.cell_voltage_and_current if self.flow.fed else (0.0, 0.0)
+        return power.measure_voltage_and_current(
             self._meter, self.meters['battery'], voltage, current, self._chance['battery']
         )
 
-    def measure_panel(self) -> Electrics:
+    def read_array_meter(self) -> Electrics:
         """Return the reading of the array's meter."""
-        return power.measure_power(
-            self._meter, self.meters['panel'], *self._array_electrics(), self._chance['panel']
+        return power.measure_voltage_and_current(
+            self._meter,
+            self.meters['panel'],
+            *self._array_voltage_and_current(),
+            self._chance['panel'],
         )
 
-    def _array_electrics(self) -> Electrics:
+    def _array_voltage_and_current(self) -> Electrics:
         """Return voltage and current of the array near its maximum power point."""
         now = self._account
         if self._faults.is_shorted(self._elapsed):

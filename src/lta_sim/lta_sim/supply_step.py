@@ -4,10 +4,10 @@ from typing import Any, NamedTuple
 
 from lta_model.electrical.battery import BatteryModel
 from lta_model.electrical.charger import advance_power_path, ChargerModel, PowerFlow
-from lta_model.electrical.panel import find_max_power, SolarArrayModel
+from lta_model.electrical.panel import find_max_power_point, SolarArrayModel
 
 
-class SupplyParts(NamedTuple):
+class SupplyComponents(NamedTuple):
     """Components of the supply."""
 
     cell: BatteryModel
@@ -38,7 +38,7 @@ class SupplyState(NamedTuple):
 
 
 def advance_supply(
-    parts: SupplyParts,
+    parts: SupplyComponents,
     before: SupplyState,
     meantime: SupplyInputs,
     scratch: Any,  # noqa: ANN401
@@ -47,7 +47,7 @@ def advance_supply(
     voltage, current = before.voltage, before.current
     # The search for the maximum power point is slow; light is updated less often than loads
     if meantime.irradiance != before.irradiance:
-        voltage, current = find_max_power(parts.array, meantime.irradiance)
+        voltage, current = find_max_power_point(parts.array, meantime.irradiance)
     now, dt = before.flow, meantime.dt
     begin = PowerFlow(
         now.charge, now.relaxation, now.voltage, now.current, now.harvested, now.consumed,

@@ -68,7 +68,7 @@ class SimulatedTracker:
             when_ns = round(apply_chain(self._time, clock, now)[0] * NANOSECONDS)
             # Positive where the tracker's clock is ahead: predict, instead of looking back
             span_ns = when_ns - self._now_ns
-            self._drop_before(when_ns)
+            self._drop_old_records(when_ns)
             motion = (
                 tuple(ahead(span_ns)[:RIGID].tolist()) if span_ns > 0 else self._motion_at(when_ns)
             )
@@ -77,7 +77,7 @@ class SimulatedTracker:
             motion = (*apply_chain(self._pose, motion[:7], now), *motion[7:])
         return motion
 
-    def _drop_before(self, when_ns: int) -> None:
+    def _drop_old_records(self, when_ns: int) -> None:
         """Drop records before a time, except the one needed for interpolation."""
         past = self._past
         while len(past) > 1 and past[1][0] <= when_ns:

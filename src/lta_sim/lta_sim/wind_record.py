@@ -76,7 +76,7 @@ class WindRecord:
             )
         return cls(rows[:, 0] - rows[0, 0], np.ascontiguousarray(rows[:, 1:]))
 
-    def sample_span(self, begin: float, end: float) -> tuple[Array, Array]:
+    def average_wind_over_span(self, begin: float, end: float) -> tuple[Array, Array]:
         """Return the mean wind [m/s] and its mean rate [m/s2] over a time span [s]."""
         middle, first, last = (
             self._interpolate_wind(t) for t in (0.5 * (begin + end), begin, end)

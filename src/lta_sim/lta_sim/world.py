@@ -160,7 +160,7 @@ class World:
         x, y = start.position.vector
         spread = start.heading_spread.si
         heading = start.heading.si + float(self._chance['start'].uniform(-spread, spread))
-        height = self.vehicle.height_on_floor
+        height = self.vehicle.hull_height_on_floor
         memory = draw_initial_memory(self._model.given, self._chance['turbulence'])
         return pack_state((x, y, height), heading, memory=memory)
 
@@ -254,12 +254,12 @@ class World:
             begun = self.stamp_ns - self._rhythm['photodiodes'][0]
             readings.block = (
                 begun,
-                self._light.read_block(begun, *self._shape, self._chance['photodiodes']),
+                self._light.sample_light_block(begun, *self._shape, self._chance['photodiodes']),
             )
         if self._is_due('battery'):
             readings.illuminance, _ = self._light.panel_light(self._pose())
-            readings.battery = self.supply.measure_battery()
-            readings.panel = self.supply.measure_panel()
+            readings.battery = self.supply.read_battery_meter()
+            readings.panel = self.supply.read_array_meter()
         self._tracker.record_motion(
             self.steps * self._control_ns, tuple(self.state[:RIGID].tolist())
         )
@@ -320,7 +320,7 @@ class World:
     def _begin_period(self, pose: Pose) -> None:
         """Update command and surroundings for the next control period."""
         self._light.record_pose(pose)
-        self._around.refresh(pose, self.supply.cell_electrics[0], self.elapsed)
+        self._around.refresh(pose, self.supply.cell_voltage_and_current[0], self.elapsed)
         self._craft.surroundings[:] = self._around.numbers
 
     def _integrate_until(self, now: int, end: int) -> None:
@@ -331,12 +331,12 @@ class World:
             # Number of the next range reading on its grid
             turn = (now - self._start_ns) // period + 1
             until = min(end, self._start_ns + turn * period)
-            self._advance_state(until - now)
+            self._integrate_for_duration(until - now)
             now = until
             if (now - self._start_ns) % period == 0:
                 self._sense_range(now)
 
-    def _advance_state(self, span_ns: int) -> None:
+    def _integrate_for_duration(self, span_ns: int) -> None:
         """Integrate for a duration under the present command. [ns]"""
         # Rounded up, so that no integration step exceeds the stable one.
         steps = -(-span_ns // stiffness.STEP_NS)
@@ -349,7 +349,7 @@ class World:
         """Return the state after a duration under the present command. [ns]"""
         # The state is one array in place: integrate ahead, then restore it.
         now = self.state.copy()
-        self._advance_state(span_ns)
+        self._integrate_for_duration(span_ns)
         later = self.state.copy()
         self.state[:] = now
         return later

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import math
 from typing import Any, final
 
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_config.files import find_file, load_yaml, validate_content
 from lta_config.parameter_override import parse_assignment, replace_parameter
 from lta_config.schema.vehicle_file import VehicleFile
@@ -147,7 +147,7 @@ def _replace_layer(content: dict[str, Any], swap: str, where: str) -> dict[str, 
     for layers, of in ((own, where), (donor_layers, str(path))):
         if not isinstance(layers, Mapping) or layer not in layers:
             names = [str(key) for key in layers] if isinstance(layers, Mapping) else []
-            raise unknown_name(f'layer of {of}', layer, names)
+            raise unknown_name_error(f'layer of {of}', layer, names)
     return {**content, 'layers': {**own, layer: donor_layers[layer]}}  # type: ignore[dict-item, index]
 
 
@@ -170,7 +170,7 @@ def find_changes(before: VehicleFile, after: VehicleFile) -> list[VehicleChange]
     return [
         VehicleChange(place, a.get(place), b.get(place))
         for place in places
-        if place not in WORDS and not is_same_entry(a.get(place), b.get(place))
+        if place not in WORDS and not has_same_value(a.get(place), b.get(place))
     ]
 
 
@@ -196,7 +196,7 @@ def _merge_entries(
         own[group] = VehicleFileEntry(group, value, first.source)
 
 
-def is_same_entry(a: VehicleFileEntry | None, b: VehicleFileEntry | None) -> bool:
+def has_same_value(a: VehicleFileEntry | None, b: VehicleFileEntry | None) -> bool:
     """Return whether two entries have the same value; their sources may differ."""
     if a is None or b is None:
         return a is b

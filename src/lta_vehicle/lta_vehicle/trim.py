@@ -21,7 +21,7 @@ from typing import Final, final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
-from lta_data.even_grid import build_even_grid
+from lta_data.even_grid import build_uniform_time_grid
 from lta_model.effect_parameters import Effects, OTHER_CURVES
 from lta_model.vehicle import Vehicle
 from lta_vehicle.flight_record import Array, RotorCommands, VehiclePath
@@ -116,10 +116,10 @@ def estimate_heaviness(
             f'{CALM_CLIMB:g} m/s, ground speed below {CALM_SPEED:g} m/s); let it hover in still '
             'air for 20 s.'
         )
-    return _summarize_stretches(vehicle, samples, commands, grid, stretches)
+    return _estimate_from_samples(vehicle, samples, commands, grid, stretches)
 
 
-def _summarize_stretches(
+def _estimate_from_samples(
     vehicle: Vehicle,
     samples: Sequence[float],
     commands: RotorCommands,
@@ -168,7 +168,7 @@ def _estimate_velocity(path: VehiclePath, grid: Array) -> Array:
     """Return the velocity at the grid times, by a line fit to the poses around each."""
     step = float(np.median(np.diff(path.time)))
     half = max(1, round(0.5 * SMOOTH / step))
-    uniform = build_even_grid(path.time[0], path.time[-1], step, len(path.time))
+    uniform = build_uniform_time_grid(path.time[0], path.time[-1], step, len(path.time))
     if not len(uniform):
         raise BadInput(
             f'The {len(path.time)} poses span {path.time[-1] - path.time[0]:.0f} s, which is too '

@@ -12,7 +12,7 @@ from typing import Final, final, NamedTuple
 
 from lta_config.constants import AIR_DENSITY
 from lta_config.errors import BadInput
-from lta_config.files import FOLDERS, list_shipped, load_yaml
+from lta_config.files import FOLDERS, list_shipped_names, load_yaml
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_config.validation_errors import format_errors
 from lta_model import effect_parameters, hull, propulsion
@@ -90,8 +90,8 @@ def _find_faults(file: VehicleFile) -> Iterator[str]:
     ]
     yield from plain
     gains = file.control.gains if file.control else None
-    if gains and gains not in list_shipped(FOLDERS['gains']):
-        names = ', '.join(list_shipped(FOLDERS['gains']))
+    if gains and gains not in list_shipped_names(FOLDERS['gains']):
+        names = ', '.join(list_shipped_names(FOLDERS['gains']))
         yield f"control.gains is '{gains}', which is not shipped; known: {names}."
     # Check numerical stability last: it needs a complete, valid model
     if not plain and not own:
@@ -141,13 +141,17 @@ def _find_balance_warnings(sheet: VehicleSheet) -> Iterator[str]:
             'righting moment is small; move mass down.'
         )
     if 'lean' in f and (f['lean'].value or 0.0) > LEANING:
-        yield f'It hangs {f["lean"].text} off the vertical; move mass to the other side.'
+        hanging = f['lean'].value_with_unit
+        yield f'It hangs {hanging} off the vertical; move mass to the other side.'
     lean = f.get('push_lean')
     # No lean exists if the thrust moment exceeds the largest righting moment
     if lean is not None and lean.value is None:
         yield f'Full forward thrust turns it over: {lean.note}.'
     elif lean is not None and (lean.value or 0.0) > STEEP:
-        yield f'It leans {lean.text} at full forward thrust; move the rotors closer to the CB.'
+        yield (
+            f'It leans {lean.value_with_unit} at full forward thrust; move the rotors closer to '
+            'the CB.'
+        )
 
 
 def _find_lift_warnings(sheet: VehicleSheet) -> Iterator[str]:
@@ -156,12 +160,15 @@ def _find_lift_warnings(sheet: VehicleSheet) -> Iterator[str]:
     if duty.value is None:
         yield duty.note or 'Its rotors cannot lift it.'
     elif duty.value > BUSY:
-        yield f'It needs {duty.text} duty to hover, which leaves little for control and climb.'
+        yield (
+            f'It needs {duty.value_with_unit} duty to hover, which leaves little for control and '
+            'climb.'
+        )
     ballast = f.get('ballast')
     if ballast is not None and (ballast.value or 0.0) < LIGHT:
         yield (
-            f'It carries only {ballast.text} of ballast; if a part is heavier than its number, '
-            'it cannot be made light enough.'
+            f'It carries only {ballast.value_with_unit} of ballast; if a part is heavier than '
+            'its number, it cannot be made light enough.'
         )
     loss, leak = f.get('hover_loss'), f.get('leak_high')
     if loss is not None and leak is not None and loss.value and leak.value:
@@ -169,8 +176,8 @@ def _find_lift_warnings(sheet: VehicleSheet) -> Iterator[str]:
         soon = loss.value / leak.value
         if soon < SOON:
             yield (
-                f'It cannot hover after losing {loss.text} of lift, which may happen within '
-                f'{soon:.0f} days.'
+                f'It cannot hover after losing {loss.value_with_unit} of lift, which may happen '
+                f'within {soon:.0f} days.'
             )
     if up.value is None:
         yield 'Its rotors cannot lift it while they hold heading and position.'
@@ -210,8 +217,8 @@ def _find_push_warnings(sheet: VehicleSheet) -> Iterator[str]:
     limit = math.inf if tumble is None or tumble.value is None else tumble.value
     if tumble is not None and level.value is not None and level.value > limit:
         yield (
-            f'It can fly {level.text}, but its hull may tumble above {tumble.text}; limit '
-            'its speed.'
+            f'It can fly {level.value_with_unit}, but its hull may tumble above '
+            f'{tumble.value_with_unit}; limit its speed.'
         )
     yield from find_stale_columns(sheet.vehicle.file)
     turns = [f[f'push_turn_{side}'].value for side in ('left', 'right')]

@@ -17,8 +17,8 @@ from lta_vlc.faults import detect_sample_faults, detect_tone_faults, DiodeFault,
 from lta_vlc.settings import DemodulationSettings
 from lta_vlc.spectral.bins import BeaconBins, plan_beacon_bins
 from lta_vlc.spectral.samples import center_samples
-from lta_vlc.spectral.snr import signal_to_noise_ratio
-from lta_vlc.spectral.spectrum import compute_magnitudes, fourier_transform
+from lta_vlc.spectral.snr import signal_to_noise
+from lta_vlc.spectral.spectrum import amplitudes_from_transform, fourier_transform
 from lta_vlc.spectral.spectrum_scan import scan_spectrum
 from lta_vlc.spectral.tone import estimate_tones
 import numpy as np
@@ -86,7 +86,7 @@ def find_peaks(spectrum: NDArray[np.float64], bins: BeaconBins) -> Peaks:
     highest, peak = searched.argmax(axis=0), searched.max(axis=0)
     noise = spectrum[bins.quiet].mean(axis=0)
     frequency = (bins.first + highest) * bins.width
-    return Peaks(peak, signal_to_noise_ratio(peak, noise), frequency, noise)
+    return Peaks(peak, signal_to_noise(peak, noise), frequency, noise)
 
 
 def demodulate_block(
@@ -124,13 +124,13 @@ def demodulate_block(
     sound = (faults & SPOILT.value) == 0
     weight = sound.astype(np.float64)
     spectrum = fourier_transform(waves)
-    size = compute_magnitudes(spectrum, bins.samples)
+    size = amplitudes_from_transform(spectrum, bins.samples)
     ranges = np.array([(one.first, one.last) for one in beacons])
     found = scan_spectrum(size, ranges, bins.quiet, bins.unlit, weight)
     # Only now: it needs the spectrum
     faults |= detect_tone_faults(found)
     # 0 marks a diode that later stages leave out
-    snr = np.where(sound, signal_to_noise_ratio(found.peak, found.noise), 0.0)
+    snr = np.where(sound, signal_to_noise(found.peak, found.noise), 0.0)
     tones = estimate_tones(spectrum, found.highest, weight, bins.samples)
     return DemodulatedBlock(
         tuple(

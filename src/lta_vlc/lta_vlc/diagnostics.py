@@ -36,10 +36,10 @@ def describe_beacons(
         # Diode faults concern all beacons; they are reported once
         if one == 0:
             values |= {
-                'saturated_diodes': _count_faults(hearing, DiodeFault.SATURATED),
-                'flat_diodes': _count_faults(hearing, DiodeFault.FLAT),
-                'wild_diodes': _count_faults(hearing, DiodeFault.NOT_A_NUMBER),
-                'aliased_diodes': _count_faults(hearing, DiodeFault.ALIASED),
+                'saturated_diodes': _count_faulty_diodes(hearing, DiodeFault.SATURATED),
+                'flat_diodes': _count_faulty_diodes(hearing, DiodeFault.FLAT),
+                'wild_diodes': _count_faulty_diodes(hearing, DiodeFault.NOT_A_NUMBER),
+                'aliased_diodes': _count_faulty_diodes(hearing, DiodeFault.ALIASED),
                 'blocks_missing': str(missing),
                 'blocks_refused': str(refused),
             }
@@ -52,6 +52,6 @@ def describe_beacons(
         )
 
 
-def _count_faults(hearing: DemodulatedBlock, fault: DiodeFault) -> str:
+def _count_faulty_diodes(hearing: DemodulatedBlock, fault: DiodeFault) -> str:
     """Return how many diodes have a fault."""
     return str(sum(fault in each for each in hearing.faults))

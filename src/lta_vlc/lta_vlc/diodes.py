@@ -6,7 +6,7 @@ import math
 from typing import final
 
 from lta_config.errors import BadInput
-from lta_config.schema.vehicle_diodes import DiodesBlock as DiodesEntry
+from lta_config.schema.vehicle_diodes import PhotodiodesBlock as DiodesEntry
 from lta_model.diode_ring import DiodeRing, spread_azimuths
 
 Axis = tuple[float, float, float]
@@ -63,7 +63,7 @@ class DiodeArray:
         if not (math.isfinite(self.spread) and self.spread >= 0.0):
             raise BadInput(f'The spread {self.spread} of the diode gains must be 0 or more.')
 
-    def check_count(self, count: int) -> None:
+    def check_diode_count(self, count: int) -> None:
         """Refuse readings of another number of diodes."""
         if count != len(self.axes):
             raise BadInput(

@@ -9,7 +9,7 @@ from lta_vlc.demodulation import Peaks
 from lta_vlc.diodes import DiodeArray
 from lta_vlc.direction_fit import DirectionFit, fit_direction
 from lta_vlc.lamp import LampPrior
-from lta_vlc.reading_model import DirectionPrior, FIT_SCRATCH, FitArray
+from lta_vlc.reading_model import DiodeFitInputs, DirectionPrior, FIT_SCRATCH
 import numpy as np
 from numpy.typing import NDArray
 
@@ -87,7 +87,7 @@ class DirectionFinder:
         core: Callable[..., Any] = fit_direction,
         numbers: Callable[[Sequence[float]], Any] = tuple,
     ) -> None:
-        self._array = build_fit_array(diodes, numbers)
+        self._array = build_fit_inputs(diodes, numbers)
         self._core = core
         self._numbers = numbers
         # Lists are faster than arrays in plain Python, arrays are needed by compiled code
@@ -126,14 +126,14 @@ class DirectionFinder:
         )  # fmt: skip
 
 
-def build_fit_array(
+def build_fit_inputs(
     diodes: DiodeArray, numbers: Callable[[Sequence[float]], Any] = tuple
-) -> FitArray:
+) -> DiodeFitInputs:
     """Return the diodes as the fit takes them."""
     nx, ny, nz = (numbers(column) for column in zip(*diodes.axes, strict=True))
     rx, ry, rz = (numbers(column) for column in zip(*diodes.places, strict=True))
     gains = numbers(diodes.gains)
-    return FitArray(nx, ny, nz, rx, ry, rz, gains, diodes.response, diodes.spread)
+    return DiodeFitInputs(nx, ny, nz, rx, ry, rz, gains, diodes.response, diodes.spread)
 
 
 def build_direction_prior(prior: LampPrior) -> DirectionPrior:

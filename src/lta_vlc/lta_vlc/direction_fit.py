@@ -15,11 +15,11 @@ from typing import NamedTuple
 from lta_vlc.reading_model import (
     AZIMUTH,
     build_normal_equations,
+    DiodeFitInputs,
     DirectionPrior,
     ELEVATION,
     FAINT,
     FALL,
-    FitArray,
     MISFIT,
     NEARNESS,
     NORMAL,
@@ -71,7 +71,11 @@ class DirectionFit(NamedTuple):
 
 
 def fit_direction(
-    array: FitArray, expected: DirectionPrior, readings: Numbers, errors: Numbers, scratch: Scratch
+    array: DiodeFitInputs,
+    expected: DirectionPrior,
+    readings: Numbers,
+    errors: Numbers,
+    scratch: Scratch,
 ) -> DirectionFit:
     """
     Return the direction to a lamp.
@@ -100,7 +104,7 @@ def fit_direction(
         # The unknowns besides the direction are linear or converge with it
         if length < DONE:
             break
-    return build_fit(scratch, x, y, z, variance_inflation(scratch, errors))
+    return build_direction_fit(scratch, x, y, z, variance_inflation(scratch, errors))
 
 
 def failed_fit() -> DirectionFit:
@@ -123,7 +127,9 @@ def variance_inflation(scratch: Scratch, errors: Numbers) -> float:
     return max(1.0, scratch[MISFIT] / count)
 
 
-def build_fit(scratch: Scratch, x: float, y: float, z: float, strange: float) -> DirectionFit:
+def build_direction_fit(
+    scratch: Scratch, x: float, y: float, z: float, strange: float
+) -> DirectionFit:
     """Return a direction with its covariance, from the last corner of the Cholesky factor."""
     level = math.sqrt(x * x + y * y)
     # Rows of the lower Cholesky factor L; covariance (L L^T)^-1
@@ -151,7 +157,11 @@ def build_fit(scratch: Scratch, x: float, y: float, z: float, strange: float) ->
 
 
 def guess_direction(
-    array: FitArray, expected: DirectionPrior, readings: Numbers, errors: Numbers, scratch: Scratch
+    array: DiodeFitInputs,
+    expected: DirectionPrior,
+    readings: Numbers,
+    errors: Numbers,
+    scratch: Scratch,
 ) -> tuple[float, float, float, float]:
     """Return a first direction, and the highest reading; write first values of the rest."""
     # The lowest reading is the first guess of the pedestal

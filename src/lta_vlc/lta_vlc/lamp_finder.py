@@ -32,7 +32,7 @@ class LampFinder:
         """Compile the fit, or load it from disk, before the first block."""
         self._finder.prepare()
 
-    def find(self, peaks: Peaks, threshold: float, prior: LampPrior) -> LampDetection:
+    def find_lamp(self, peaks: Peaks, threshold: float, prior: LampPrior) -> LampDetection:
         """Return bearing and position of the wanted beacon; `threshold` is an SNR."""
         towards = estimate_bearing(peaks, self.diodes.ring, threshold)
         direction = self._finder.find(peaks, threshold, prior)

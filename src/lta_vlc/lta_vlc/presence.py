@@ -12,7 +12,7 @@ class BeaconPresence(NamedTuple):
     found: bool = False
     against: int = 0
 
-    def update(self, detected: bool, blocks: int = 1) -> 'BeaconPresence':
+    def update_presence(self, detected: bool, blocks: int = 1) -> 'BeaconPresence':
         """Return the presence after blocks with or without the beacon."""
         # Confirmed: the count of contradicting blocks restarts
         if detected == self.found:

@@ -62,7 +62,7 @@ AROUND = math.pi * math.pi / 3.0  # variance of a uniformly distributed azimuth 
 FAINT = 1e-6  # least error of a reading, part of the highest
 
 
-class FitArray(NamedTuple):
+class DiodeFitInputs(NamedTuple):
     """
     The diodes as the fit takes them; sequences with a value for each diode.
 
@@ -109,7 +109,7 @@ def pedestal_unevenness(strength: float, pedestal: float) -> float:
 
 
 def build_normal_equations(
-    array: FitArray,
+    array: DiodeFitInputs,
     expected: DirectionPrior,
     readings: Numbers,
     errors: Numbers,
@@ -180,7 +180,7 @@ def add_prior(scratch: Scratch, unknown: int, off: float, deviation: float) -> N
 
 
 def compute_jacobian_row(
-    array: FitArray, i: int, x: float, y: float, z: float, scratch: Scratch
+    array: DiodeFitInputs, i: int, x: float, y: float, z: float, scratch: Scratch
 ) -> float:
     """Write the derivatives of a diode's reading over its gain; return S f (1 + ...)."""
     nx, ny, nz = array.nx[i], array.ny[i], array.nz[i]

@@ -124,7 +124,7 @@ class BeaconReceiver:
         except BadInput:  # tracked to a frequency that cannot be detected
             return plan_beacon_bins(beacons, self._settings, *self._shape)
 
-    def demodulate(self, block: ArrayLike) -> DemodulatedBlock:
+    def demodulate_next_block(self, block: ArrayLike) -> DemodulatedBlock:
         """
         Return the results of the next block of ADC counts, shape (n, d), and update the trackers.
 
@@ -143,15 +143,21 @@ class BeaconReceiver:
         ):
             # One diode above the threshold is enough
             heard = bool(peaks.snr.max() >= self._settings.threshold)
-            self.presences[one] = self.presences[one].update(heard)
+            self.presences[one] = self.presences[one].update_presence(heard)
             tracker = self._trackers[one]
             self._trackers[one] = (
-                tracker.update(frequency, self._reaches[one]) if heard else tracker.coast()
+                tracker.update_frequency(frequency, self._reaches[one])
+                if heard
+                else tracker.coast_without_detection()
             )
         return hearing
 
     def skip_blocks(self, blocks: int) -> None:
         """Update trackers and presences for missing blocks."""
         if blocks > 0:
-            self._trackers = {one: it.coast(blocks) for one, it in self._trackers.items()}
-            self.presences = {one: it.update(False, blocks) for one, it in self.presences.items()}
+            self._trackers = {
+                one: it.coast_without_detection(blocks) for one, it in self._trackers.items()
+            }
+            self.presences = {
+                one: it.update_presence(False, blocks) for one, it in self.presences.items()
+            }

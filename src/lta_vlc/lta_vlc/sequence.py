@@ -26,7 +26,7 @@ class BlockSequence:
         self._newest: int | None = None
         self.missing = 0
 
-    def accept_block(self, stamp_ns: int) -> int:
+    def count_missing_blocks(self, stamp_ns: int) -> int:
         """
         Return how many blocks are missing before the one whose first sample has this stamp. [ns]
 

@@ -28,13 +28,13 @@ class FrequencyTracker:
     error: float = 0.0
     silent: int = 0
 
-    def update(self, frequency: float, reach: float) -> 'FrequencyTracker':
+    def update_frequency(self, frequency: float, reach: float) -> 'FrequencyTracker':
         """Return the tracker after a detection; `reach` limits the deviation. [Hz]"""
         # First-order low pass
         error = self.error + PULL * (frequency - self.nominal - self.error)
         return FrequencyTracker(self.nominal, min(max(error, -reach), reach))
 
-    def coast(self, blocks: int = 1) -> 'FrequencyTracker':
+    def coast_without_detection(self, blocks: int = 1) -> 'FrequencyTracker':
         """Return the tracker after blocks without the beacon."""
         silent = self.silent + blocks
         return replace(self, error=0.0 if silent >= PATIENCE else self.error, silent=silent)

@@ -248,7 +248,7 @@ def test_reserve_covers_what_closing_writes(tmp_path):
         for k in range(30):
             bag.write(f'/lta1/topic_{k}', FALSE, i)
         bag.flush()
-    reserve = bag.closing_size
+    reserve = bag.required_closing_space
     before = (tmp_path / 'bag' / 'bag_0.mcap').stat().st_size
     bag.close()
     used = (tmp_path / 'bag' / 'bag_0.mcap').stat().st_size - before

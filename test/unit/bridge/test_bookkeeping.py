@@ -5,7 +5,7 @@ import struct
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_bridge.message_accounting import JUMP_NS, MessageAccounting, read_stamp
+from lta_bridge.log_time_assigner import JUMP_NS, LogTimeAssigner, read_stamp
 from lta_config.topics import load_topic_table
 import pytest
 
@@ -26,7 +26,7 @@ def test_stamp_is_read_in_either_order(stamp, little):
 
 
 def test_log_time_is_the_message_s_own_publication():
-    books = MessageAccounting(TABLE, lockstep=True)
+    books = LogTimeAssigner(TABLE, lockstep=True)
     heard = [
         ('imu', START, START),
         ('imu', START + 10 * MS, START + 10 * MS),
@@ -42,7 +42,7 @@ def test_log_time_is_the_message_s_own_publication():
 
 
 def test_what_has_no_stamp_is_dated_by_its_turn_or_by_the_newest():
-    exact, live = MessageAccounting(TABLE, lockstep=True), MessageAccounting(TABLE, lockstep=False)
+    exact, live = LogTimeAssigner(TABLE, lockstep=True), LogTimeAssigner(TABLE, lockstep=False)
     for books in (exact, live):
         books.assign_log_time('imu', cdr(START + 250 * MS))
     turns = [exact.assign_log_time('energy/reserve', bytes([0, 1, 0, 0, 1])) for _ in range(3)]
@@ -52,7 +52,7 @@ def test_what_has_no_stamp_is_dated_by_its_turn_or_by_the_newest():
 
 
 def test_in_a_replay_what_has_no_stamp_is_dated_by_when_the_player_says_it_is_due():
-    books = MessageAccounting(TABLE, lockstep=False)
+    books = LogTimeAssigner(TABLE, lockstep=False)
     books.assign_log_time('imu', cdr(START + 250 * MS))
     books.due = {'energy/reserve': [START + 30 * MS, START + 190 * MS]}
     found = [books.assign_log_time('energy/reserve', bytes([0, 1, 0, 0, 1])) for _ in range(3)]
@@ -65,7 +65,7 @@ def test_in_a_replay_what_has_no_stamp_is_dated_by_when_the_player_says_it_is_du
 
 def test_losses_are_counted_from_the_start_in_lockstep_alone():
     late = [START + k * 10 * MS for k in (3, 4, 6)]
-    books = {lockstep: MessageAccounting(TABLE, lockstep) for lockstep in (True, False)}
+    books = {lockstep: LogTimeAssigner(TABLE, lockstep) for lockstep in (True, False)}
     for stamp in late:
         for each in books.values():
             each.assign_log_time('imu', cdr(stamp))
@@ -76,7 +76,7 @@ def test_losses_are_counted_from_the_start_in_lockstep_alone():
 @pytest.mark.parametrize('jump', [JUMP_NS + 1, 10**18])
 @pytest.mark.parametrize('lockstep', [True, False])
 def test_a_wild_stamp_moves_no_time_and_counts_as_itself(jump, lockstep):
-    books = MessageAccounting(TABLE, lockstep)
+    books = LogTimeAssigner(TABLE, lockstep)
     books.assign_log_time('imu', cdr(START))
     books.assign_log_time('odom', cdr(START))
     assert books.assign_log_time('odom', cdr(START + jump)) == START
@@ -88,7 +88,7 @@ def test_a_wild_stamp_moves_no_time_and_counts_as_itself(jump, lockstep):
 
 def test_a_node_that_is_wild_for_good_is_not_believed_beside_others():
     wall = count()
-    books = MessageAccounting(TABLE, lockstep=True, clock=lambda: 0.4 * next(wall))
+    books = LogTimeAssigner(TABLE, lockstep=True, clock=lambda: 0.4 * next(wall))
     for turn in range(100):
         books.assign_log_time('odom', cdr(EPOCH + turn * 10 * MS))
         now = books.assign_log_time('imu', cdr(START + turn * 10 * MS))
@@ -97,14 +97,14 @@ def test_a_node_that_is_wild_for_good_is_not_believed_beside_others():
 
 
 def test_a_queue_of_wild_stamps_at_once_is_not_believed():
-    books = MessageAccounting(TABLE, lockstep=True)
+    books = LogTimeAssigner(TABLE, lockstep=True)
     times = {books.assign_log_time('odom', cdr(EPOCH + k * 10 * MS)) for k in range(2000)}
     assert times == {START}
 
 
 def test_time_that_has_moved_on_for_all_is_believed_after_a_second():
     wall = count()
-    books = MessageAccounting(TABLE, lockstep=False, clock=lambda: 0.01 * next(wall))
+    books = LogTimeAssigner(TABLE, lockstep=False, clock=lambda: 0.01 * next(wall))
     books.assign_log_time('imu', cdr(START))
     times = [books.assign_log_time('imu', cdr(START + 60 * S + k * 10 * MS)) for k in range(102)]
     assert times[:99] == [START] * 99
@@ -113,13 +113,13 @@ def test_time_that_has_moved_on_for_all_is_believed_after_a_second():
 
 
 def test_a_real_vehicle_has_the_time_of_the_wall_at_once():
-    books = MessageAccounting(TABLE, lockstep=False)
+    books = LogTimeAssigner(TABLE, lockstep=False)
     assert books.assign_log_time('imu', cdr(EPOCH)) == EPOCH
     assert (books.wild, books.lost) == ({}, {})
 
 
 def test_a_stamp_from_the_past_is_no_loss_later():
-    books = MessageAccounting(TABLE, lockstep=True)
+    books = LogTimeAssigner(TABLE, lockstep=True)
     for stamp in (START, START + 10 * MS, 0, START + 20 * MS):
         books.assign_log_time('imu', cdr(stamp))
     assert books.lost == {}
@@ -127,7 +127,7 @@ def test_a_stamp_from_the_past_is_no_loss_later():
 
 @pytest.mark.parametrize('length', range(12))
 def test_a_message_cut_short_is_counted_and_dated_now(length):
-    books = MessageAccounting(TABLE, lockstep=True)
+    books = LogTimeAssigner(TABLE, lockstep=True)
     books.assign_log_time('imu', cdr(START + 0))
     assert books.assign_log_time('odom', cdr(START)[:length]) == START
     assert (books.torn, books.wild, books.lost) == ({'odom': 1}, {}, {})
@@ -135,7 +135,7 @@ def test_a_message_cut_short_is_counted_and_dated_now(length):
 
 @given(st.lists(st.tuples(st.sampled_from(sorted(TABLE.topics)), st.binary(max_size=20))))
 def test_whatever_comes_has_a_log_time(messages):
-    books = MessageAccounting(TABLE, lockstep=True)
+    books = LogTimeAssigner(TABLE, lockstep=True)
     times = [books.assign_log_time(name, data) for name, data in messages]
     assert all(START <= when < 2**63 for when in times)
     assert sum(books.counts.values()) == len(messages)
@@ -143,5 +143,5 @@ def test_whatever_comes_has_a_log_time(messages):
 
 def test_a_real_drone_is_dated_from_the_time_of_day():
     """What comes before any stamp, such as diagnostics, would else stretch the bag to 1970."""
-    books = MessageAccounting(TABLE, lockstep=False, begun_ns=10**18)
+    books = LogTimeAssigner(TABLE, lockstep=False, begun_ns=10**18)
     assert books.assign_log_time('/diagnostics', bytes(20)) == 10**18

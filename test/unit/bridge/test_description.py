@@ -5,7 +5,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from lta_bridge.live.frames import list_sensor_frames
-from lta_bridge.live.shapes import EllipsoidShape, LineShape
+from lta_bridge.live.shapes import EllipsoidShape, PolylineShape
 from lta_bridge.nodes.description import to_fixed_transform, to_transform
 from lta_bridge.urdf import build_urdf, convert_to_rods, list_fixed_frames, slice_into_discs
 from lta_model.vehicle import load_vehicle
@@ -70,7 +70,7 @@ def test_the_discs_fill_the_hull_and_stand_along_its_axis(size, axis):
 
 def test_a_rod_joins_the_ends_of_its_stroke():
     ends = ((0.1, 0.0, 0.2), (0.4, -0.4, 0.2))
-    (rod,) = convert_to_rods(LineShape(ends, 0.01, (0, 0, 0, 1), pairs=True))
+    (rod,) = convert_to_rods(PolylineShape(ends, 0.01, (0, 0, 0, 1), pairs=True))
     half = Rotation.from_quat(rod.turn).apply([0.0, 0.0, 0.5 * rod.size[2]])
     assert np.array(rod.place) - half == pytest.approx(ends[0])
     assert np.array(rod.place) + half == pytest.approx(ends[1])

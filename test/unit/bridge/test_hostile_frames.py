@@ -13,7 +13,7 @@ from lta_bridge.teensy.dialect import (
     TIMESYNC,
 )
 from lta_bridge.teensy.frame_parser import FrameParser
-from lta_bridge.teensy.health_facts import describe_health, TASK
+from lta_bridge.teensy.health_diagnostics import describe_health, TASK
 from lta_bridge.teensy.light_board import LightBoard, LightPeaks, QUESTIONS
 from lta_bridge.teensy.message import MavlinkMessage
 from lta_bridge.teensy.sender_filter import LOYAL_NS, SenderFilter
@@ -22,7 +22,7 @@ from lta_config.topics import load_topic_table
 from lta_emulation.teensy.emulated_board import COMPONENT, EmulatedBoard, SYSTEM
 from lta_graph.health import HealthFact, HealthLevel
 from lta_graph.ros.stamps import to_stamp
-from lta_model.messages import build_light_block
+from lta_model.messages import build_light_block_message
 from lta_vlc.diodes import build_diode_array
 from lta_vlc.lamp import LampPrior
 from lta_vlc.lamp_finder import LampFinder
@@ -69,7 +69,7 @@ class Linked:
             self.hear(self.good.encode_status() + told)
 
     def hear(self, data):
-        for came in self.board.receive_data(data, self.now):
+        for came in self.board.receive_bytes(data, self.now):
             published(came)
             self.got.append(came)
 
@@ -82,9 +82,9 @@ def published(came):
     """Make the messages of what came, as the node does, down to their bytes."""
     stamp = to_stamp(came.stamp_ns)
     if not isinstance(came, LightPeaks):
-        assert serialize_message(build_light_block(stamp, came.samples))
+        assert serialize_message(build_light_block_message(stamp, came.samples))
         return
-    found = FINDER.find(came.peaks, 5.0, LampPrior())
+    found = FINDER.find_lamp(came.peaks, 5.0, LampPrior())
     header = Header(stamp=stamp)
     for message in (
         from_bearing(header, found.towards),
@@ -163,7 +163,7 @@ def test_a_message_at_its_extremes_breaks_nothing(message, data):
         link = LightBoard(LIGHT, 8, peaks)
         frames = data.draw(st.lists(frame_of(message), min_size=1, max_size=3))
         for frame in frames:
-            for came in link.receive_data(frame, BOOT):
+            for came in link.receive_bytes(frame, BOOT):
                 published(came)
         assert (link.framing.frames, link.framing.crc_errors) == (len(frames), 0)
 
@@ -189,7 +189,7 @@ def test_peaks_of_any_size_become_messages_or_are_counted(amplitude, noise, freq
     assert len(link.got) - before + link.board.unfit == 1
     for came in link.got[before:]:
         assert (came.peaks.amplitude >= 0.0).all()
-        lamp = FINDER.find(came.peaks, 5.0, LampPrior()).lamp
+        lamp = FINDER.find_lamp(came.peaks, 5.0, LampPrior()).lamp
         assert lamp is None or np.isfinite(lamp).all()
 
 
@@ -288,7 +288,7 @@ def test_a_link_is_silent_after_half_a_second_and_its_own_trouble_comes_first():
     assert told(1_500_000_000) == (HealthLevel.OK, 'receiving light')
     assert told(1_500_000_000, active=False)[1] == 'receiving light, not publishing'
     assert told(1_500_000_001) == (HealthLevel.ERROR, 'silent for 0.5 s')
-    assert list(link.receive_data(EmulatedBoard(0, dialect=9).encode_status(), 10**9)) == []
+    assert list(link.receive_bytes(EmulatedBoard(0, dialect=9).encode_status(), 10**9)) == []
     level, message = told(10**9)
     assert (level, message) == (HealthLevel.ERROR, link.fault)
     assert 'version 9' in message

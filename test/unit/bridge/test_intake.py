@@ -57,10 +57,10 @@ def test_each_robot_has_its_time_and_what_is_of_all_the_newest():
     taking, writer = intake('a', 'b')
     odom = 'nav_msgs/msg/Odometry'
     take = {
-        name: taking.build_receiver(name, odom, bytes)
+        name: taking.create_topic_callback(name, odom, bytes)
         for name in ('/a/odom', '/b/odom', '/b/extra')
     }
-    clock = taking.build_receiver('/clock', 'rosgraph_msgs/msg/Clock', bytes)
+    clock = taking.create_topic_callback('/clock', 'rosgraph_msgs/msg/Clock', bytes)
     for name, step in (('/a/odom', 0), ('/b/odom', 0), ('/b/odom', 1), ('/a/odom', 1)):
         take[name](cdr(START + step * 10 * MS))
     take['/b/odom'](cdr(START + 20 * MS))
@@ -74,8 +74,10 @@ def test_only_what_would_not_repeat_itself_is_written_anew():
     taking, writer = intake('lta1')
     kind = 'diagnostic_msgs/msg/DiagnosticArray'
     for name in ('/lta1/energy/status', '/diagnostics', '/lta1/other'):
-        taking.build_receiver(name, kind, lambda data: b'clean')(cdr(START))
-    taking.build_receiver('/lta1/odom', 'nav_msgs/msg/Odometry', lambda data: b'clean')(cdr(START))
+        taking.create_topic_callback(name, kind, lambda data: b'clean')(cdr(START))
+    taking.create_topic_callback('/lta1/odom', 'nav_msgs/msg/Odometry', lambda data: b'clean')(
+        cdr(START)
+    )
     cleaned = [topic for topic, data, _ in writer.messages if data == b'clean']
     assert cleaned == ['/lta1/energy/status']
 
@@ -83,12 +85,12 @@ def test_only_what_would_not_repeat_itself_is_written_anew():
 @pytest.mark.parametrize(('robots', 'name'), [(('lta1',), 'odom'), (('lta1', 'b'), '/lta1/odom')])
 def test_what_is_missing_is_counted_by_topic_and_cause(robots, name):
     taking, writer = intake(*robots)
-    take = taking.build_receiver('/lta1/odom', 'nav_msgs/msg/Odometry', bytes)
+    take = taking.create_topic_callback('/lta1/odom', 'nav_msgs/msg/Odometry', bytes)
     for step in (0, 1, 5):
         take(cdr(START + step * 10 * MS))
-    assert taking.summarize({})[:2] == (HealthLevel.WARN, '3 messages lost')
+    assert taking.summarize_recording({})[:2] == (HealthLevel.WARN, '3 messages lost')
     writer.dropped['/lta1/odom'] += 7
-    level, words, figures = taking.summarize({'/lta1/odom': 2})
+    level, words, figures = taking.summarize_recording({'/lta1/odom': 2})
     assert level == HealthLevel.WARN
     assert words == '3 messages lost, 2 messages lost by the middleware, 7 messages dropped'
     assert figures == {
@@ -102,8 +104,8 @@ def test_what_is_missing_is_counted_by_topic_and_cause(robots, name):
 
 def test_when_nothing_is_missing_it_records():
     taking, _ = intake('lta1')
-    taking.build_receiver('/rosout', 'rcl_interfaces/msg/Log', bytes)(b'')
-    assert taking.summarize({}) == (
+    taking.create_topic_callback('/rosout', 'rcl_interfaces/msg/Log', bytes)(b'')
+    assert taking.summarize_recording({}) == (
         HealthLevel.OK,
         'recording',
         {'messages': 1, 'waiting_bytes': 12},
@@ -113,7 +115,8 @@ def test_when_nothing_is_missing_it_records():
 def test_what_is_due_is_learnt_by_robot():
     taking, writer = intake('a', 'b', lockstep=False)
     take = [
-        taking.build_receiver(f'/{who}/energy/reserve', 'std_msgs/msg/Bool', bytes) for who in 'ab'
+        taking.create_topic_callback(f'/{who}/energy/reserve', 'std_msgs/msg/Bool', bytes)
+        for who in 'ab'
     ]
     taking.set_due_times('b', {'energy/reserve': [START + 7 * MS]})
     for each in take:
@@ -123,9 +126,10 @@ def test_what_is_due_is_learnt_by_robot():
 
 def test_a_tick_of_the_clock_that_the_next_one_replaced_is_not_a_loss():
     taking, _ = intake('lta1')
-    level, words, figures = taking.summarize({'/clock': 2})
+    level, words, figures = taking.summarize_recording({'/clock': 2})
     assert (level, words) == (HealthLevel.OK, 'recording')
     assert set(figures) == {'messages', 'waiting_bytes'}
     assert (
-        taking.summarize({'/clock': 2, '/lta1/odom': 1})[1] == '1 messages lost by the middleware'
+        taking.summarize_recording({'/clock': 2, '/lta1/odom': 1})[1]
+        == '1 messages lost by the middleware'
     )

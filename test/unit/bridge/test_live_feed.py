@@ -4,8 +4,8 @@ import struct
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_bridge.live.address import build_app_url, check_port
-from lta_bridge.live.feed import FASTEST, LiveFeed
+from lta_bridge.live.address import build_app_url, check_port_available
+from lta_bridge.live.feed import FASTEST, TopicThrottle
 from lta_bridge.live.rate_limiter import RateLimiter
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
@@ -52,7 +52,7 @@ def test_what_comes_at_the_pace_passes_whole_however_unsteady(jitter):
 
 def test_a_fast_flight_is_thinned_and_the_gaps_are_counted():
     wall = Wall()
-    feed = LiveFeed(TABLE, wall)
+    feed = TopicThrottle(TABLE, wall)
     shown = []
     for k in range(1000):  # 10 s of flight within 1 s: 1000 messages of odom
         wall.now += 0.001
@@ -64,7 +64,7 @@ def test_a_fast_flight_is_thinned_and_the_gaps_are_counted():
 
 def test_what_the_middleware_dropped_is_counted_as_well():
     wall = Wall()
-    feed = LiveFeed(TABLE, wall)
+    feed = TopicThrottle(TABLE, wall)
     for k in (0, 1, 5):
         wall.now += 1.0
         assert (
@@ -76,7 +76,7 @@ def test_what_the_middleware_dropped_is_counted_as_well():
 
 def test_nobody_misses_what_nobody_looks_at():
     wall = Wall()
-    feed = LiveFeed(TABLE, wall)
+    feed = TopicThrottle(TABLE, wall)
     for k, wanted in enumerate((True, False, False, True)):
         wall.now += 1.0
         feed.admit_message('imu', cdr(START + 10 * k * MS), has_viewers=wanted)
@@ -85,7 +85,7 @@ def test_nobody_misses_what_nobody_looks_at():
 
 def test_log_times_are_those_of_a_recording():
     wall = Wall()
-    feed = LiveFeed(TABLE, wall)
+    feed = TopicThrottle(TABLE, wall)
     assert feed.admit_message('photodiodes', cdr(START), has_viewers=True) == START + 100 * MS
     assert (
         feed.admit_message('energy/reserve', b'\0\1\0\0\1', has_viewers=True) == START + 100 * MS
@@ -95,7 +95,7 @@ def test_log_times_are_those_of_a_recording():
 
 def test_light_blocks_come_ten_times_a_second_and_diagnostics_all():
     wall = Wall()
-    feed = LiveFeed(TABLE, wall)
+    feed = TopicThrottle(TABLE, wall)
     for k in range(90):  # a second at nine times real time
         wall.now += 1.0 / 90.0
         feed.admit_message('photodiodes', cdr(START + 100 * k * MS), has_viewers=True)
@@ -111,4 +111,4 @@ def test_the_address_is_the_one_that_foxglove_opens():
 
 def test_an_address_of_another_machine_is_refused():
     with pytest.raises(BadInput, match=r'Port 8765 cannot be used for the live view \(.+\); stop'):
-        check_port('192.0.2.1', 8765)
+        check_port_available('192.0.2.1', 8765)

@@ -12,12 +12,12 @@ from lta_bridge.live.room_shapes import draw_lamp, draw_static_scene, draw_walls
 from lta_bridge.live.scene import LiveScene, SceneState
 from lta_bridge.live.shapes import (
     ArrowShape,
+    BillboardText,
     BoxShape,
     CylinderShape,
     EllipsoidShape,
-    LabelShape,
-    LineShape,
     ORIGIN,
+    PolylineShape,
     rotation_between,
     ShapeEntity,
 )
@@ -99,7 +99,7 @@ def test_a_reversed_rotor_pulls_back():
 
 
 def test_the_ray_starts_at_the_photodiodes_and_points_where_the_bearing_does():
-    (ray,) = shapes(draw_bearing(GTMAB, (0.3, 0.4, 0.0), 2.0), LineShape)
+    (ray,) = shapes(draw_bearing(GTMAB, (0.3, 0.4, 0.0), 2.0), PolylineShape)
     assert ray.points == (pytest.approx((0, 0, -0.33)), pytest.approx((1.2, 1.6, -0.33)))
     assert draw_bearing(GTMAB, ORIGIN, 2.0) == ShapeEntity('bearing', 'base_link', ())
 
@@ -126,7 +126,7 @@ def test_the_cone_begins_at_the_lamp_and_opens_along_its_axis():
     assert mouth - tip == pytest.approx((-0.5, 0.0, 0.0), abs=1e-9)
     opening = 2.0 * math.atan2(cone.size[0] / 2, cone.size[2])
     assert math.degrees(opening) == pytest.approx(120.0)
-    assert [label.text for label in shapes(entity, LabelShape)] == ['lamp, 150 Hz']
+    assert [label.text for label in shapes(entity, BillboardText)] == ['lamp, 150 Hz']
 
 
 def test_every_lamp_stands_and_every_stop_of_the_route_has_its_circle():
@@ -137,7 +137,7 @@ def test_every_lamp_stands_and_every_stop_of_the_route_has_its_circle():
     assert bulbs == [(-3.5, -2.0, 0.1), (3.5, -2.0, 0.1), (0.0, 4.0, 0.1)]
     cones = [shapes(things[f'lamp/{name}'], CylinderShape)[0] for name in patrol.lamps]
     assert max(cone.size[0] for cone in cones) < 2.0  # of lanterns that shine nearly sideways
-    aisle, gate = shapes(things['goal'], LineShape)  # dock is on no route
+    aisle, gate = shapes(things['goal'], PolylineShape)  # dock is on no route
     assert aisle.points[0] == pytest.approx((4.5, -2.0, 0.0))
     assert gate.points[0] == pytest.approx((1.0, 4.0, 0.0))
 
@@ -147,14 +147,14 @@ def test_the_room_has_a_floor_twelve_edges_and_walls_only_where_they_are_solid()
     (floor,) = shapes(entity, BoxShape)
     assert floor.size[:2] == (10.0, 8.0)
     assert floor.place[2] + floor.size[2] / 2 == 0.0
-    (edges,) = shapes(entity, LineShape)
+    (edges,) = shapes(entity, PolylineShape)
     pairs = list(zip(edges.points[::2], edges.points[1::2], strict=True))
     assert len({frozenset(pair) for pair in pairs}) == 12
     lengths = sorted(math.dist(*pair) for pair in pairs)
     assert lengths == [3.0] * 4 + [8.0] * 4 + [10.0] * 4
     solid = ROOM.model_copy(update={'room': ROOM.room.model_copy(update={'walls': 'solid'})})
     assert len(shapes(draw_walls(solid), BoxShape)) == 5
-    (ring,) = shapes(draw_static_scene(ROOM)[2], LineShape)
+    (ring,) = shapes(draw_static_scene(ROOM)[2], PolylineShape)
     assert {round(math.dist(point, (3.5, 0.0, 0.0)), 9) for point in ring.points} == {1.0}
 
 
@@ -189,7 +189,7 @@ def test_the_wind_blows_above_the_vehicle_a_metre_for_each_metre_a_second():
 def test_a_path_begins_where_the_flight_did_and_has_no_crowd(places):
     track = PathTrace()
     for place in places:
-        track.add_place(place)
+        track.add_position(place)
     assert track.points[0] == places[0]
     for before, after in zip(track.points, track.points[1:], strict=False):
         assert math.dist(before, after) >= track.step
@@ -198,7 +198,7 @@ def test_a_path_begins_where_the_flight_did_and_has_no_crowd(places):
 def test_a_long_path_stays_short_and_reaches_to_the_end():
     track = PathTrace()
     for k in range(100_000):
-        track.add_place((0.01 * k, 0.0, 0.0))
+        track.add_position((0.01 * k, 0.0, 0.0))
     assert MOST / 2 <= len(track.points) <= MOST
     assert track.points[0] == ORIGIN
     assert math.dist(track.points[-1], (999.99, 0.0, 0.0)) <= 2 * track.step

@@ -61,7 +61,7 @@ def reel(path, **options):
 def taken(found, most=10_000):
     items = []
     while found.next_ns is not None and len(items) < most:
-        items.append(found.take_next())
+        items.append(found.pop_message())
     return items
 
 

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_bridge.playback.due_times import compute_answer_times, compute_due_times
 from lta_bridge.playback.node_selection import (
-    list_answering_roles,
+    list_replayable_roles,
     list_supporting_roles,
     select_nodes,
 )
@@ -22,7 +22,7 @@ from lta_bridge.playback.recording import RecordedMessage
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
 from lta_graph.inbox import Inbox
-from lta_graph.lockstep import RecordedTurns
+from lta_graph.lockstep import RecordedSchedule
 import pytest
 
 TABLE = load_topic_table()
@@ -62,7 +62,7 @@ def graph(cast, told):
         trigger = TABLE.trigger_topic(role)
         inputs = list(dict.fromkeys((*TABLE.read_by(role), trigger)))
         nodes.append(Node(role, Inbox(TABLE, role, inputs, trigger, True, replayed=True)))
-        nodes[-1].inbox.turns = RecordedTurns(TABLE, told)
+        nodes[-1].inbox.turns = RecordedSchedule(TABLE, told)
     return nodes
 
 
@@ -82,7 +82,7 @@ def played(messages, cast, seed):
                 wires.setdefault((number, name), []).append((stamp, what))
 
     while True:
-        while reel and reel[0].time_ns <= owed.play_horizon(AHEAD):
+        while reel and reel[0].time_ns <= owed.latest_play_time(AHEAD):
             item = reel.pop(0)
             row = TABLE[item.topic]
             stamp = struct.unpack('<iI', item.data[4:12]) if row.stamped else (0, 0)
@@ -99,7 +99,7 @@ def played(messages, cast, seed):
             turn = len(node.steps)
             node.steps.append((step.stamp_ns, {k: tuple(v) for k, v in step.messages.items()}))
             for out in TABLE.published_by(node.role):
-                owed.take_answer(out)
+                owed.register_answer(out)
                 send(out, step.stamp_ns, (out, turn))
     return {node.role: node.steps for node in nodes}, owed, reel
 
@@ -108,7 +108,7 @@ def played(messages, cast, seed):
 def recordings(draw):
     """Return a cast, and a recording with gaps, jitter, late logs, jumps and missing topics."""
     again = tuple(
-        draw(st.lists(st.sampled_from(list_answering_roles(TABLE)), min_size=1, unique=True))
+        draw(st.lists(st.sampled_from(list_replayable_roles(TABLE)), min_size=1, unique=True))
     )
     cast = select_nodes(TABLE, again, list_supporting_roles(TABLE, again))
     start = draw(st.sampled_from([START, START + 5 * MS, 3, 1_700_000_000 * 10**9]))
@@ -140,7 +140,7 @@ def test_no_recording_keeps_a_replay_waiting_and_all_is_answered_once(drawn, see
     cast, messages = drawn
     steps, owed, left = played(messages, cast, seed)
     assert left == []
-    assert owed.total_left == 0
+    assert owed.total_pending == 0
     assert owed.oldest_due() == NEVER
     for role in cast.nodes:
         trigger = TABLE.trigger_topic(role)
@@ -181,7 +181,7 @@ def test_a_whole_recording_is_answered_as_the_table_says(seed):
 def test_what_is_due_of_a_whole_recording_is_what_the_table_says():
     cast = select_nodes(TABLE, [], [])
     times = compute_due_times(whole(cast.played), TABLE)
-    turns = RecordedTurns(
+    turns = RecordedSchedule(
         TABLE,
         {
             name: each.due
@@ -214,18 +214,18 @@ def test_nothing_is_handed_out_before_the_player_has_said_what_is_due():
     inbox = Inbox(TABLE, 'demodulator', ['photodiodes'], 'photodiodes', True, replayed=True)
     inbox.put('photodiodes', START, 'block')
     assert inbox.pop() is None
-    inbox.turns = RecordedTurns(TABLE, {})
+    inbox.turns = RecordedSchedule(TABLE, {})
     assert inbox.pop() is not None
 
 
 def test_whoever_owes_the_oldest_answer_is_named():
     owed = PendingAnswers({'odom': [10, 20], 'motors': [10, 20]})
-    assert owed.play_horizon(5) == 15
-    assert (owed.take_answer('odom'), owed.list_oldest_topics()) == (10, ['motors'])
-    assert (owed.take_answer('motors'), owed.oldest_due()) == (10, 20)
-    assert (owed.take_answer('odom'), owed.take_answer('motors')) == (20, 20)
-    assert owed.take_answer('odom') is None  # more than was owed
-    assert (owed.total, owed.total_left, owed.play_horizon(5)) == (4, 0, NEVER)
+    assert owed.latest_play_time(5) == 15
+    assert (owed.register_answer('odom'), owed.list_oldest_topics()) == (10, ['motors'])
+    assert (owed.register_answer('motors'), owed.oldest_due()) == (10, 20)
+    assert (owed.register_answer('odom'), owed.register_answer('motors')) == (20, 20)
+    assert owed.register_answer('odom') is None  # more than was owed
+    assert (owed.total, owed.total_pending, owed.latest_play_time(5)) == (4, 0, NEVER)
 
 
 def test_a_cast_is_every_topic_of_its_roles_and_refuses_what_cannot_be():

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from lta_bridge.bag import build_offered_qos, storage, StorageFault
 from lta_bridge.bag.background_writer import BackgroundWriter
 from lta_bridge.bag.snapshot_buffer import GRAIN_NS, SnapshotBuffer
-from lta_bridge.fault_watch import FaultWatch, TaskStatus
+from lta_bridge.fault_watch import DiagnosticsEntry, FaultWatch
 from lta_bridge.snapshots import SnapshotScheduler
 from lta_config.errors import BadInput
 from lta_data.bag.reader import read_bag
@@ -109,14 +109,14 @@ def test_a_full_disk_costs_a_snapshot_and_not_the_memory(tmp_path, monkeypatch):
     saving = snapshots.request_snapshot()
     assert saving.done.wait(PATIENCE)
     assert saving.made is None
-    assert 'The recording ends here and stays readable' in saving.summary
+    assert 'The recording ends here and stays readable' in saving.status_text
     assert snapshots.summarize()[0] == HealthLevel.WARN
     monkeypatch.undo()
     writer.write('/a', FALSE, 2)
     again = snapshots.request_snapshot()
     assert again.done.wait(PATIENCE)
     assert again.made.messages == 2
-    assert again.summary == f"2 messages are in '{again.made.path}'."
+    assert again.status_text == f"2 messages are in '{again.made.path}'."
     level, _, figures = snapshots.summarize()
     assert (level, figures['written'], figures['failed']) == (HealthLevel.OK, 1, 1)
     writer.close()
@@ -143,37 +143,37 @@ def test_a_busy_folder_is_refused(tmp_path):
 def test_a_fault_is_told_once_until_it_is_over():
     watch = FaultWatch()
     watch.add_statuses(
-        [TaskStatus('lta1', 'a: state', False), TaskStatus('lta1', 'b: state', True)]
+        [DiagnosticsEntry('lta1', 'a: state', False), DiagnosticsEntry('lta1', 'b: state', True)]
     )
     assert watch.take_new_faults(100.0) == ['lta1/b: state']
-    watch.add_statuses([TaskStatus('lta1', 'b: state', True)])
+    watch.add_statuses([DiagnosticsEntry('lta1', 'b: state', True)])
     assert watch.take_new_faults(120.0) == []
-    watch.add_statuses([TaskStatus('lta1', 'b: state', False)])
-    watch.add_statuses([TaskStatus('lta1', 'b: state', True)])
+    watch.add_statuses([DiagnosticsEntry('lta1', 'b: state', False)])
+    watch.add_statuses([DiagnosticsEntry('lta1', 'b: state', True)])
     assert watch.take_new_faults(120.0) == ['lta1/b: state']
 
 
 def test_whoever_waits_for_a_vehicle_whose_flight_is_over_has_no_fault():
     watch = FaultWatch()
-    waits = TaskStatus('lta1', 'controller: inputs', True)
+    waits = DiagnosticsEntry('lta1', 'controller: inputs', True)
     watch.add_statuses([waits._replace(robot='lta2')])
     assert watch.take_new_faults(0.0) == ['lta2/controller: inputs']
-    watch.add_statuses([TaskStatus('lta1', 'simulator: flight', False, over=True), waits])
+    watch.add_statuses([DiagnosticsEntry('lta1', 'simulator: flight', False, over=True), waits])
     assert watch.take_new_faults(10.0) == []
     # Another robot's flight goes on, and so does what else can fail.
     watch.add_statuses(
-        [waits._replace(robot='lta3'), TaskStatus('lta1', 'recorder: recording', True)]
+        [waits._replace(robot='lta3'), DiagnosticsEntry('lta1', 'recorder: recording', True)]
     )
     assert watch.take_new_faults(20.0) == ['lta3/controller: inputs', 'lta1/recorder: recording']
 
 
 def test_faults_that_come_together_wait_for_the_rest_to_end_and_count_as_one():
     watch = FaultWatch()
-    watch.add_statuses([TaskStatus('', 'a', True)])
+    watch.add_statuses([DiagnosticsEntry('', 'a', True)])
     assert watch.take_new_faults(0.0) == ['a']
-    watch.add_statuses([TaskStatus('', 'b', True), TaskStatus('', 'c', True)])
-    watch.add_statuses([TaskStatus('', 'b', False), TaskStatus('', 'c', True)])
-    watch.add_statuses([TaskStatus('', 'b', True)])
+    watch.add_statuses([DiagnosticsEntry('', 'b', True), DiagnosticsEntry('', 'c', True)])
+    watch.add_statuses([DiagnosticsEntry('', 'b', False), DiagnosticsEntry('', 'c', True)])
+    watch.add_statuses([DiagnosticsEntry('', 'b', True)])
     assert watch.take_new_faults(9.9) == []
     assert watch.take_new_faults(10.0) == ['b', 'c']
     assert watch.take_new_faults(20.0) == []
@@ -184,11 +184,11 @@ def test_a_fault_in_the_diagnostics_is_saved_with_its_name(tmp_path):
     writer = BackgroundWriter(memory, 1000)
     snapshots = SnapshotScheduler(memory, writer)
     writer.write('/a', FALSE, 5)
-    snapshots.add_statuses([TaskStatus('lta1', 'motors', False)], 1.0)
+    snapshots.add_statuses([DiagnosticsEntry('lta1', 'motors', False)], 1.0)
     snapshots.add_statuses(
-        [TaskStatus('lta1', 'motors', True), TaskStatus('lta1', 'light', True)], 2.0
+        [DiagnosticsEntry('lta1', 'motors', True), DiagnosticsEntry('lta1', 'light', True)], 2.0
     )
-    snapshots.add_statuses([TaskStatus('lta1', 'motors', True)], 22.0)
+    snapshots.add_statuses([DiagnosticsEntry('lta1', 'motors', True)], 22.0)
     writer.close()
     (path,) = (tmp_path / 'bag').iterdir()
     assert read_bag(path).provenance['snapshot'] == 'lta1/motors; lta1/light'
@@ -198,10 +198,10 @@ def test_a_fault_in_the_diagnostics_is_saved_with_its_name(tmp_path):
 @pytest.mark.parametrize(
     ('heard', 'why'),
     [
-        ([TaskStatus('lta1', 'simulator: flight', False, over=True)], None),
+        ([DiagnosticsEntry('lta1', 'simulator: flight', False, over=True)], None),
         ([], 'stopped before the flight was over'),
         (
-            [TaskStatus('lta2', 'simulator: flight', False, over=True)],
+            [DiagnosticsEntry('lta2', 'simulator: flight', False, over=True)],
             'stopped before the flight was over',
         ),
     ],
@@ -222,12 +222,12 @@ def test_a_fault_that_waits_is_saved_at_the_end(tmp_path):
     memory = memory_of(tmp_path / 'bag')
     snapshots = SnapshotScheduler(memory, writer := BackgroundWriter(memory, 1000))
     memory.write('/a', FALSE, 5)
-    over = TaskStatus('lta1', 'simulator: flight', False, over=True)
-    snapshots.add_statuses([over, TaskStatus('lta1', 'a: state', True)], 1.0)
-    snapshots.add_statuses([TaskStatus('lta1', 'b: state', True)], 2.0)
+    over = DiagnosticsEntry('lta1', 'simulator: flight', False, over=True)
+    snapshots.add_statuses([over, DiagnosticsEntry('lta1', 'a: state', True)], 1.0)
+    snapshots.add_statuses([DiagnosticsEntry('lta1', 'b: state', True)], 2.0)
     saving = snapshots.save_remaining(['lta1'])
     writer.close()
-    assert saving.summary == f"1 messages are in '{tmp_path}/bag/snapshot_1'."
+    assert saving.status_text == f"1 messages are in '{tmp_path}/bag/snapshot_1'."
     assert read_bag(tmp_path / 'bag/snapshot_1').provenance['snapshot'] == 'lta1/b: state'
 
 

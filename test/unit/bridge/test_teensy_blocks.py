@@ -103,10 +103,10 @@ def test_old_rows_between_good_ones_are_no_new_beginning():
 def test_nothing_is_torn_where_no_block_is_being_filled():
     blocks = BlockAssembler(30, 10e3)
     assert len(fill(blocks, [0, 1])) == 1
-    blocks.restart()
+    blocks.restart_row_count()
     assert (blocks.torn, blocks.restarts) == (0, 1)
     fill(blocks, [40])
-    blocks.restart()
+    blocks.restart_row_count()
     assert (blocks.torn, blocks.lost) == (1, 0)
 
 

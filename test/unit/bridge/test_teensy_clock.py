@@ -131,7 +131,7 @@ def test_the_line_is_that_of_weighted_least_squares_over_the_newest_128(count):
     newest = every[-1]
     for later in (0, 5_000_000_000):
         expected = later + 1e9 * offset + drift * later  # integers first, for precision
-        assert clock.to_host_time(newest.board + later) - newest.midpoint == pytest.approx(
+        assert clock.to_host_time(newest.board + later) - newest.host_midpoint == pytest.approx(
             expected, abs=1
         )
 
@@ -161,4 +161,7 @@ def test_before_any_answer_nothing_is_known():
         0.0,
         0,
     )
-    assert [ClockExchange(10, 0, 21).midpoint, ClockExchange(10, 0, 21).round_trip] == [15, 11]
+    assert [ClockExchange(10, 0, 21).host_midpoint, ClockExchange(10, 0, 21).round_trip] == [
+        15,
+        11,
+    ]

@@ -21,11 +21,11 @@ def flown(board, samples=SAMPLES, start=BOOT + 2_000_000_000, link=None):
     for k in range(-5, len(samples) // 1000):  # half a second of answers comes first
         now = start + k * 100_000_000
         answer = board.answer_timesync(link.compose_due_messages(now), now + 150_000)
-        found += link.receive_data(answer, now + 300_000)
+        found += link.receive_bytes(answer, now + 300_000)
         if k >= 0:
             status = board.encode_status() if k % 10 == 0 else b''
             light = board.encode_light(samples[1000 * k : 1000 * (k + 1)])
-            found += link.receive_data(status + light, now + 100_000_000)
+            found += link.receive_bytes(status + light, now + 100_000_000)
     return link, found
 
 
@@ -79,7 +79,7 @@ def test_light_of_a_board_that_was_just_reset_waits_for_its_new_clock():
     link, _ = flown(EmulatedBoard(BOOT, first=4_000_000_000))
     now = BOOT + 5_100_000_000
     again = EmulatedBoard(now - 100_000_000)
-    assert list(link.receive_data(again.encode_light(SAMPLES[:1500]), now)) == []
+    assert list(link.receive_bytes(again.encode_light(SAMPLES[:1500]), now)) == []
     assert (link.clock.is_synchronized, link.undated, link.blocks.lost) == (False, 1, 0)
     link, after = flown(again, SAMPLES[1500:], start=now + 1_000_000_000, link=link)
     assert (link.clock.restarts, link.blocks.restarts, link.blocks.lost) == (1, 1, 0)
@@ -93,8 +93,8 @@ def test_our_own_clock_set_back_by_an_hour_costs_no_more_than_a_few_blocks():
     found = []
     for k in range(20):
         answer = board.answer_timesync(link.compose_due_messages(now - hour), now + 150_000)
-        found += link.receive_data(answer, now + 300_000 - hour)
-        found += link.receive_data(
+        found += link.receive_bytes(answer, now + 300_000 - hour)
+        found += link.receive_bytes(
             board.encode_light(SAMPLES[1000 * k : 1000 * (k + 1)]), now + 10**8 - hour
         )
         now += 10**8
@@ -109,7 +109,7 @@ def test_a_datagram_that_was_overtaken_is_no_reset():
     frames = [board.encode_light(SAMPLES[15 * k : 15 * k + 15]) for k in range(40)]
     frames.insert(35, frames.pop(5))
     for frame in frames:
-        list(link.receive_data(frame, BOOT + 5_100_000_000))
+        list(link.receive_bytes(frame, BOOT + 5_100_000_000))
     assert (link.clock.restarts, link.blocks.restarts, link.blocks.lost) == (0, 0, 15)
 
 
@@ -124,13 +124,13 @@ def test_a_time_that_cannot_be_is_no_block(time_usec):
         frame = LTA_LIGHT_BLOCK.build_frame(
             k, 1, 191, sequence=sequence, time_usec=time_usec, **values
         )
-        assert list(link.receive_data(frame, now)) == []
+        assert list(link.receive_bytes(frame, now)) == []
     assert link.undated == undated + 1
 
 
 def test_without_the_board_s_time_there_is_no_block():
     board, link = EmulatedBoard(BOOT), LightBoard(LIGHT, 8)
-    assert list(link.receive_data(board.encode_light(SAMPLES[:2010]), BOOT)) == []
+    assert list(link.receive_bytes(board.encode_light(SAMPLES[:2010]), BOOT)) == []
     assert link.undated == 2
 
 
@@ -154,16 +154,16 @@ def test_only_answers_to_our_own_questions_are_believed():
     board, link = EmulatedBoard(BOOT), LightBoard(LIGHT, 8)
     link.clock.add_exchange = None  # nothing may get there
     late = board.answer_timesync(link.compose_due_messages(BOOT), BOOT)
-    assert list(link.receive_data(late, BOOT + 2_000_000_000)) == []
+    assert list(link.receive_bytes(late, BOOT + 2_000_000_000)) == []
     stranger = LightBoard(LIGHT, 8).compose_due_messages(BOOT + 77)
-    assert list(link.receive_data(board.answer_timesync(stranger, BOOT), BOOT + 100)) == []
+    assert list(link.receive_bytes(board.answer_timesync(stranger, BOOT), BOOT + 100)) == []
 
 
 def test_a_board_that_asks_gets_our_time():
     link = LightBoard(LIGHT, 8)
     link.compose_due_messages(BOOT)
     assert (
-        list(link.receive_data(LightBoard(LIGHT, 8).compose_due_messages(123_456), BOOT + 1_000))
+        list(link.receive_bytes(LightBoard(LIGHT, 8).compose_due_messages(123_456), BOOT + 1_000))
         == []
     )
     told = [

@@ -40,7 +40,7 @@ def through(samples, link):
         now = BOOT + 20_000_000 * turn
         assert (
             list(
-                link.receive_data(
+                link.receive_bytes(
                     board.answer_timesync(link.compose_due_messages(now), now + 100_000),
                     now + 200_000,
                 )
@@ -48,7 +48,7 @@ def through(samples, link):
             == []
         )
     frame = board.encode_peaks(samples, FREQUENCY, BOOT + 1_000_000_000)
-    return list(link.receive_data(board.encode_status() + frame, BOOT + 1_100_000_000))
+    return list(link.receive_bytes(board.encode_status() + frame, BOOT + 1_100_000_000))
 
 
 @pytest.mark.parametrize('azimuth', [0.0, 0.7, 2.5, -1.9])
@@ -59,7 +59,9 @@ def test_they_lead_where_the_samples_lead(azimuth):
     assert came.stamp_ns == pytest.approx(BOOT + 1_000_000_000, abs=200_000)
     settings = DemodulationSettings()
     heard = (
-        BeaconReceiver(settings, LIGHT.sample_rate.si, LIGHT.samples).demodulate(samples).peaks[0]
+        BeaconReceiver(settings, LIGHT.sample_rate.si, LIGHT.samples)
+        .demodulate_next_block(samples)
+        .peaks[0]
     )
     bright = heard.amplitude > 50.0
     assert came.peaks.amplitude[bright] == pytest.approx(heard.amplitude[bright], rel=0.01)
@@ -67,7 +69,7 @@ def test_they_lead_where_the_samples_lead(azimuth):
     assert (came.peaks.snr[bright] > settings.threshold).all()
     assert (came.peaks.snr[bright] < heard.snr[bright]).all()
     one, other = (
-        FINDER.find(peaks, settings.threshold, LampPrior()).towards
+        FINDER.find_lamp(peaks, settings.threshold, LampPrior()).towards
         for peaks in (came.peaks, heard)
     )
     assert np.arctan2(one.y, one.x) == pytest.approx(azimuth, abs=np.radians(3.0))
@@ -78,7 +80,7 @@ def test_in_the_dark_no_diode_is_believed():
     dark = np.random.default_rng(2).normal(200.0, 3.0, (1000, 8)).astype(np.uint16)
     (came,) = through(dark, LightBoard(LIGHT, 8, finds_peaks=True))
     assert (came.peaks.snr < DemodulationSettings().threshold).all()
-    found = FINDER.find(came.peaks, DemodulationSettings().threshold, LampPrior())
+    found = FINDER.find_lamp(came.peaks, DemodulationSettings().threshold, LampPrior())
     assert found == (None, None)
 
 
@@ -95,7 +97,7 @@ def test_samples_where_peaks_were_asked_for_and_peaks_of_no_number_are_one_sente
     link = LightBoard(LIGHT, 8, finds_peaks=True)
     board = EmulatedBoard(BOOT)
     assert (
-        list(link.receive_data(board.encode_light(lamp(0.0)) + board.encode_status(), BOOT + 1))
+        list(link.receive_bytes(board.encode_light(lamp(0.0)) + board.encode_status(), BOOT + 1))
         == []
     )
     assert 'sends samples and no peaks; start without light_peaks:=true' in link.fault
@@ -103,5 +105,5 @@ def test_samples_where_peaks_were_asked_for_and_peaks_of_no_number_are_one_sente
     assert link.fault == ''
     record = {'diodes': 8, 'window': 1000, 'frequency': np.nan}
     frame = LTA_LIGHT_PEAKS.build_frame(0, 1, 191, **record)
-    assert list(link.receive_data(frame, BOOT + 1)) == []
+    assert list(link.receive_bytes(frame, BOOT + 1)) == []
     assert 'outside of the range of an ADC' in link.fault

@@ -119,12 +119,12 @@ def test_who_flies_by_whom_is_read_from_the_health_of_this_drone_s_nodes():
 
     flyers = SetpointFollowers('/lta1')
     for other in (told('teleop: helm'), told('controller: helm', 'lta2', held='True')):
-        flyers.update(other)
-        assert flyers.person_steers is None
-    flyers.update(told('controller: helm', held='False'))
-    assert flyers.person_steers is False
-    flyers.update(told('crazyflie_bridge: helm', held='True'))
-    assert flyers.person_steers is True
+        flyers.add_diagnostics(other)
+        assert flyers.is_operator_steering is None
+    flyers.add_diagnostics(told('controller: helm', held='False'))
+    assert flyers.is_operator_steering is False
+    flyers.add_diagnostics(told('crazyflie_bridge: helm', held='True'))
+    assert flyers.is_operator_steering is True
 
 
 def test_a_gamepad_is_read_and_its_loss_is_noticed(tmp_path):

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from lta_bridge.tracking.motion import estimate_motion, GAP_NS, MotionWindow
 from lta_bridge.tracking.pose import (
     angle_between,
+    build_level_pose,
     compose_poses,
-    level_pose,
     rotate_vector,
     TrackerPose,
 )
@@ -53,7 +53,7 @@ def test_a_motion_of_constant_acceleration_is_exact_whatever_the_spacing(
 ):
     """Poses come unevenly; velocity at each is that of the parabola, in the body's frame."""
     stamps = np.cumsum([0, *steps]) * 5 * MS
-    turn = level_pose(0, 0, 0, 1.0).turn
+    turn = build_level_pose(0, 0, 0, 1.0).turn
     t = 1e-9 * stamps[:, None]
     path = np.array(place) + np.array(velocity) * t + 0.5 * np.array(acceleration) * t * t
     window = MotionWindow()
@@ -220,7 +220,9 @@ def test_our_own_clock_set_back_by_an_hour_keeps_nothing_from_being_told():
 
 def test_frames_are_placed_where_the_settings_say():
     """A tracker turned left by 90 degrees, 1 m east; the hull 0.3 m above the markers."""
-    tracked = TrackedDrone(level_pose(1, 0, 0, math.pi / 2), level_pose(0, 0, 0.3, 0), 0)
+    tracked = TrackedDrone(
+        build_level_pose(1, 0, 0, math.pi / 2), build_level_pose(0, 0, 0.3, 0), 0
+    )
     told = [
         motion
         for k in range(30)

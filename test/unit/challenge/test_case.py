@@ -6,17 +6,17 @@ import shutil
 from lta_challenge.answer_key import NAME, read_answers, write_answers
 from lta_challenge.case import CaseGenerator, ChallengeCase, wrench_strength
 from lta_challenge.course import COURSES
-from lta_challenge.effect_injection import CLEAR, list_candidates
+from lta_challenge.effect_injection import CLEAR, list_injectable_parameters
 from lta_challenge.make import (
     case_folder,
     ChallengeRequest,
+    generate_challenge,
     load_challenge_vehicle,
-    make_challenge,
 )
 from lta_challenge.outside import OUTSIDE, STRANGE, STRUCTURED
-from lta_challenge.rows import find_row, Kind, KINDS, ROWS
+from lta_challenge.rows import find_challenge_row, Kind, KINDS, ROWS
 from lta_challenge.score import score_challenge
-from lta_challenge.truth_vehicle import compose_truth
+from lta_challenge.truth_vehicle import build_truth_model
 from lta_config.errors import BadInput
 from lta_data.bag.recorded_flight import open_flight
 import numpy as np
@@ -56,13 +56,15 @@ def test_kinds_hide_what_they_say() -> None:
 
 
 # The other simulator has a pilot, and tests, of its own.
-@pytest.mark.parametrize('name', [name for name in ROWS if not find_row(name).independent])
+@pytest.mark.parametrize(
+    'name', [name for name in ROWS if not find_challenge_row(name).independent]
+)
 def test_each_row_records_what_it_says(name: str) -> None:
     case = drawn(0, 'clean', name)
-    command = 'wrench_command' if find_row(name).pushed else 'motors'
+    command = 'wrench_command' if find_challenge_row(name).pushed else 'motors'
     for flight in case.flights:
-        assert set(flight.streams) == {*find_row(name).topics, command}
-        assert flight.course in find_row(name).courses
+        assert set(flight.streams) == {*find_challenge_row(name).topics, command}
+        assert flight.course in find_challenge_row(name).courses
         time = flight.streams[command][0]
         assert SHORT[0] - 1.0 <= time[-1] <= SHORT[1] + 1.0
         height = flight.streams['ground_truth/odom'][1][:, 2]
@@ -80,7 +82,7 @@ def test_what_is_outside_comes_to_the_strength_that_was_drawn() -> None:
 
 def test_what_is_outside_is_known_to_the_truth_alone() -> None:
     assert len(OUTSIDE) >= 8
-    assert set(STRANGE) == {*OUTSIDE, *STRUCTURED} == set(compose_truth().strange)
+    assert set(STRANGE) == {*OUTSIDE, *STRUCTURED} == set(build_truth_model().strange)
     for name, kind in STRANGE.items():
         assert kind.effect.name == name
         assert kind.effect.parameters[0].name == 'size'
@@ -89,11 +91,17 @@ def test_what_is_outside_is_known_to_the_truth_alone() -> None:
 
 def test_only_what_such_data_can_show_is_hidden() -> None:
     names = {
-        knob.name for knob in list_candidates(load_challenge_vehicle().knobs, find_row('pose'))
+        knob.name
+        for knob in list_injectable_parameters(
+            load_challenge_vehicle().knobs, find_challenge_row('pose')
+        )
     }
     assert 'range_offset.offset' not in names
     assert 'superheat.warming' not in {
-        k.name for k in list_candidates(load_challenge_vehicle().knobs, find_row('base'))
+        k.name
+        for k in list_injectable_parameters(
+            load_challenge_vehicle().knobs, find_challenge_row('base')
+        )
     }
     assert {'linear_drag.surge', 'motor_lag', 'tracker_delay.delay'} <= names
     assert set(COURSES) == {course for each in ROWS.values() for course in each.courses}
@@ -101,7 +109,7 @@ def test_only_what_such_data_can_show_is_hidden() -> None:
 
 def test_bags_say_nothing_of_what_is_hidden(tmp_path: Path) -> None:
     folder = tmp_path / 'challenge'
-    make_challenge(ChallengeRequest(5, 1, 'base', 'single', SHORT), folder)
+    generate_challenge(ChallengeRequest(5, 1, 'base', 'single', SHORT), folder)
     hidden = read_answers(folder / NAME)['0']['hidden'][0]['knob']
     case = folder / case_folder(0)
     files = [path for path in case.rglob('*') if path.is_file()]
@@ -145,7 +153,7 @@ def test_answers_that_were_changed_are_refused(tmp_path: Path) -> None:
 
 def test_a_challenge_of_which_something_is_gone_is_not_scored(tmp_path: Path) -> None:
     folder = tmp_path / 'hidden'
-    make_challenge(ChallengeRequest(5, 1, 'base', 'clean', SHORT), folder)
+    generate_challenge(ChallengeRequest(5, 1, 'base', 'clean', SHORT), folder)
     assert sorted(one.name for one in folder.iterdir()) == [NAME, 'case_0000', 'challenge.json']
     shutil.rmtree(folder / 'case_0000')
     with pytest.raises(BadInput, match='is missing'):
@@ -160,7 +168,7 @@ def test_a_challenge_that_is_stopped_leaves_nothing(tmp_path: Path) -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        make_challenge(
+        generate_challenge(
             ChallengeRequest(5, 2, 'base', 'clean', SHORT), tmp_path / 'hidden', 1, stop
         )
     assert list(tmp_path.iterdir()) == []

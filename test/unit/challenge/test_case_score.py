@@ -6,8 +6,8 @@ from typing import Any
 from lta_challenge.case_score import confusion_cell, score_case, ScoredCase
 from lta_challenge.page import render_page
 from lta_challenge.score import ChallengeScore
-from lta_challenge.score_report import format_outside, format_share, render_markdown
-from lta_challenge.score_statistics import compute_figures, median_errors, shares_by_strength
+from lta_challenge.score_report import format_outside_kinds, format_share, render_markdown
+from lta_challenge.score_statistics import compute_score_figures, median_errors, shares_by_strength
 import pytest
 
 
@@ -95,7 +95,7 @@ def test_figures_are_counted_by_kind_and_strength() -> None:
         case({}, {}, kind='outside', outside='tether', verdict='unexplained'),
         case(drag, drag, kind='mixed', outside='skin', verdict='named+unexplained'),
     ]
-    found = {each.name: each for each in compute_figures(cases)}
+    found = {each.name: each for each in compute_score_figures(cases)}
     clear = found['one effect, 6 sigma or more: exact']
     assert (clear.share.hits, clear.share.of, clear.target_met) == (9, 10, 'no')
     assert found['one effect, 3 to 6 sigma: exact'].share.value == 0.5
@@ -123,7 +123,7 @@ def test_kinds_that_were_kept_from_discovery_have_lines_of_their_own() -> None:
         case(drag, drag),
     ]
     assert [one.late for one in cases] == [False] * 3 + [True] * 2 + [False, True, False]
-    found = {each.name: each.share[:2] for each in compute_figures(cases)}
+    found = {each.name: each.share[:2] for each in compute_score_figures(cases)}
     alone, beside = 'outside the library', 'an effect and something outside'
     for when, flagged, named, both in (
         ('', (4, 5), (1, 5), (1, 2)),
@@ -133,7 +133,7 @@ def test_kinds_that_were_kept_from_discovery_have_lines_of_their_own() -> None:
         assert found[f'{alone}{when}: unexplained'] == flagged
         assert found[f'{alone}{when}: a name'] == named
         assert found[f'{beside}{when}: named and unexplained'] == both
-    lines = {line[0]: line[2:] for line in format_outside(cases)}
+    lines = {line[0]: line[2:] for line in format_outside_kinds(cases)}
     assert lines == {
         'tether': ['early', '3', '3', '0'],
         'leash': ['late', '1', '1', '0'],

@@ -5,7 +5,12 @@ import math
 
 from lta_challenge.case import CaseGenerator, wrench_strength
 from lta_challenge.course import plan_pilot_inputs
-from lta_challenge.effect_injection import choose_outside, draw_outside, FAINT, scale_outside
+from lta_challenge.effect_injection import (
+    choose_outside_kind,
+    draw_outside_parameters,
+    FAINT,
+    scale_outside_effect,
+)
 from lta_challenge.make import load_challenge_vehicle
 from lta_challenge.outside import OUTSIDE
 from lta_challenge.truth_simulation import simulate_flight, TruthTrajectory
@@ -67,7 +72,7 @@ def test_half_of_the_cases_have_kinds_that_were_written_late() -> None:
     assert len(LATE) >= 4
     draw = np.random.default_rng(0)
     for late in (False, True):
-        drawn = {choose_outside(draw, late=late) for _ in range(300)}
+        drawn = {choose_outside_kind(draw, late=late) for _ in range(300)}
         assert drawn == {name for name, one in OUTSIDE.items() if one.late == late}
     for number in range(2):
         answer = (
@@ -83,7 +88,7 @@ def flight_with(
 ) -> tuple[dict[str, float], TruthTrajectory, TruthTrajectory]:
     """Return a drawn kind, a flight with it as strong as ten floors, and one without it."""
     nominal = load_challenge_vehicle().nominal
-    given = draw_outside(name, np.random.default_rng(number))
+    given = draw_outside_parameters(name, np.random.default_rng(number))
     course = ('climbs', 'steps', 'laps')[number % 3]
 
     def fly(some: dict[str, dict[str, float]]) -> TruthTrajectory:
@@ -92,7 +97,7 @@ def flight_with(
 
     for _ in range(3):
         happened = fly({name: given})
-        given = scale_outside(
+        given = scale_outside_effect(
             name, given, min(10.0 / max(wrench_strength(happened.strange), 0.5), 5.0)
         )
     return given, fly({name: given}), fly({})
@@ -296,5 +301,5 @@ def test_a_wet_hull_dries_faster_in_the_wind() -> None:
 
 
 def test_sizes_end_where_the_vehicle_would_no_longer_fly() -> None:
-    given = scale_outside('plume', {'size': 0.02, 'wide': 0.5}, 4.0)
+    given = scale_outside_effect('plume', {'size': 0.02, 'wide': 0.5}, 4.0)
     assert given == {'size': 0.025, 'wide': 0.5}

@@ -7,7 +7,7 @@ import string
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config import files
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_config.files import find_file, load_file, load_yaml, StrictModel
 from lta_config.settings import setting, Settings
 from pydantic import ValidationError
@@ -129,7 +129,7 @@ def test_names_are_shipped_files_and_paths_are_paths(tmp_path, monkeypatch):
         (tmp_path / name).touch()
     monkeypatch.setattr(files, 'share_folder', lambda: tmp_path)
     monkeypatch.chdir(tmp_path)
-    assert files.list_shipped('vehicles') == ['a', 'b']
+    assert files.list_shipped_names('vehicles') == ['a', 'b']
     assert find_file('vehicle', 'a') == tmp_path / 'vehicles/a.yaml'
     assert find_file('vehicle', 'own.yaml') == Path('own.yaml')
     assert find_file('vehicle', 'vehicles/b.yaml') == Path('vehicles/b.yaml')
@@ -147,10 +147,10 @@ def test_the_data_is_found():
 
 
 def test_unknown_names_the_known():
-    assert str(unknown_name('wind', 'x', ['b', 'a'])) == "Unknown wind 'x'; known: a, b."
-    assert str(unknown_name('wind', 'x', [])) == "Unknown wind 'x'; known: none."
+    assert str(unknown_name_error('wind', 'x', ['b', 'a'])) == "Unknown wind 'x'; known: a, b."
+    assert str(unknown_name_error('wind', 'x', [])) == "Unknown wind 'x'; known: none."
     meant = "Unknown wind 'outdoor'; known: indoors, outdoors (did you mean 'outdoors'?)."
-    assert str(unknown_name('wind', 'outdoor', ['indoors', 'outdoors'])) == meant
+    assert str(unknown_name_error('wind', 'outdoor', ['indoors', 'outdoors'])) == meant
 
 
 def test_a_default_outside_its_bounds_is_a_mistake():

@@ -1,9 +1,9 @@
 """Manoeuvres and comparisons: what they ask for when, and what they refuse."""
 
 from lta_config.errors import BadInput
-from lta_config.files import find_file, list_shipped, load_yaml
+from lta_config.files import find_file, list_shipped_names, load_yaml
 from lta_config.schema.comparison_file import ComparisonFile, load_comparison
-from lta_config.schema.maneuver_file import load_maneuver, ManeuverFile
+from lta_config.schema.maneuver_file import load_maneuver_file, ManeuverFile
 from pydantic import ValidationError
 import pytest
 import yaml
@@ -55,14 +55,14 @@ def test_what_cannot_be_is_refused(changes, sentence):
         ManeuverFile.model_validate(MANOEUVRE | changes)
 
 
-@pytest.mark.parametrize('name', list_shipped('manoeuvres'))
+@pytest.mark.parametrize('name', list_shipped_names('manoeuvres'))
 def test_shipped_manoeuvres_are_what_their_files_are_called(name):
-    assert load_maneuver(name).name == name
+    assert load_maneuver_file(name).name == name
 
 
 def test_an_unknown_manoeuvre_lists_the_known():
     with pytest.raises(BadInput, match='climb'):
-        load_maneuver('climbing')
+        load_maneuver_file('climbing')
 
 
 def test_the_shipped_comparison_names_what_there_is():
@@ -73,10 +73,10 @@ def test_the_shipped_comparison_names_what_there_is():
     for each in comparison.ablations.values():
         asked |= {*each.manoeuvres}
         assert each.why  # an ablation says what it changes
-    assert asked <= {*list_shipped('manoeuvres')}
+    assert asked <= {*list_shipped_names('manoeuvres')}
     # A vehicle may ship without taking part; a line in the comparison enters it.
     assert {each.vehicle for each in comparison.contestants.values()} <= {
-        *list_shipped('vehicles')
+        *list_shipped_names('vehicles')
     }
 
 

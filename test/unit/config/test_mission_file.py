@@ -1,13 +1,13 @@
 """Mission files and lights of the day: what is shipped is whole, what is wrong is one sentence."""
 
 from lta_config.errors import BadInput
-from lta_config.files import find_file, list_shipped, load_yaml
+from lta_config.files import find_file, list_shipped_names, load_yaml
 from lta_config.schema.light_day_file import load_light_day
 from lta_config.schema.mission_file import load_mission
 import pytest
 import yaml
 
-MISSIONS, DAYS = list_shipped('missions'), list_shipped('light_days')
+MISSIONS, DAYS = list_shipped_names('missions'), list_shipped_names('light_days')
 
 
 @pytest.mark.parametrize('name', MISSIONS)
@@ -15,7 +15,7 @@ def test_shipped_missions_are_what_their_files_are_called(name):
     mission = load_mission(name)
     assert mission.name == name
     assert mission.light in DAYS
-    assert mission.scene in list_shipped('scenarios')
+    assert mission.scene in list_shipped_names('scenarios')
 
 
 @pytest.mark.parametrize('name', DAYS)

@@ -1,7 +1,7 @@
 """Mount files: what is read, what is refused, and what becomes of a vehicle file."""
 
 from lta_config.errors import BadInput
-from lta_config.files import find_file, list_shipped, load_yaml
+from lta_config.files import find_file, list_shipped_names, load_yaml
 from lta_config.schema.mount_file import load_mount, mount_panels
 import pytest
 import yaml
@@ -9,12 +9,12 @@ import yaml
 VEHICLE = load_yaml(find_file('vehicle', 'gtmab'))
 
 
-@pytest.mark.parametrize('name', list_shipped('mounts'))
+@pytest.mark.parametrize('name', list_shipped_names('mounts'))
 def test_shipped_mounts_are_what_their_files_are_called(name):
     assert load_mount(name).name == name
 
 
-@pytest.mark.parametrize('name', list_shipped('mounts'))
+@pytest.mark.parametrize('name', list_shipped_names('mounts'))
 def test_every_mount_carries_the_papers_panels(name):
     mount = load_mount(name)
     panels = [mount.parts[panel] for panel in mount.panels]

@@ -2,16 +2,16 @@
 
 import copy
 
-from lta_config.arithmetic import evaluate_sum
+from lta_config.arithmetic import evaluate_expression
 from lta_config.errors import BadInput
-from lta_config.files import find_file, list_shipped, load_yaml, validate_content
+from lta_config.files import find_file, list_shipped_names, load_yaml, validate_content
 from lta_config.schema.paper_file import load_paper_row, load_paper_rows, PaperRow
 import pytest
 
 CELLS = load_yaml(find_file('row of the paper', 'cells'))
 
 
-@pytest.mark.parametrize('name', list_shipped('paper'))
+@pytest.mark.parametrize('name', list_shipped_names('paper'))
 def test_every_row_is_read_and_is_called_what_its_file_is(name):
     assert load_paper_row(name).name == name
 
@@ -51,11 +51,11 @@ def test_what_does_not_hold_together_is_one_sentence(path, value, word):
 
 
 def test_sums_are_worked_out_and_nothing_else():
-    assert evaluate_sum('pi * 7 ** 2 / 3 - (1 + 2)') == pytest.approx(48.3127)
-    assert evaluate_sum('-2 * 3') == -6.0
+    assert evaluate_expression('pi * 7 ** 2 / 3 - (1 + 2)') == pytest.approx(48.3127)
+    assert evaluate_expression('-2 * 3') == -6.0
     for text in ('open("x")', '1 / 0', 'x', '1 if 2 else 3', '', '9e9 ** 9e9', '(1).real'):
         with pytest.raises(ValueError, match='not an arithmetic expression'):
-            evaluate_sum(text)
+            evaluate_expression(text)
 
 
 def test_a_defect_tells_its_arithmetic():

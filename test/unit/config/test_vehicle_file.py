@@ -3,7 +3,7 @@
 import math
 
 from lta_config.errors import BadInput
-from lta_config.files import find_file, list_shipped, load_yaml
+from lta_config.files import find_file, list_shipped_names, load_yaml
 from lta_config.schema.vehicle_file import load_vehicle_file
 import pytest
 
@@ -26,7 +26,7 @@ def numbers(content, place=''):
         yield place, content
 
 
-@pytest.mark.parametrize('name', list_shipped('vehicles'))
+@pytest.mark.parametrize('name', list_shipped_names('vehicles'))
 def test_every_number_of_a_platform_has_unit_and_source(name):
     content = load_yaml(find_file('vehicle', name))
     assert content['name'] == name
@@ -212,7 +212,7 @@ def test_jets_that_meet_must_be_of_rotors(tmp_path):
 def test_an_unknown_vehicle_lists_the_known_ones():
     with pytest.raises(BadInput) as caught:
         load_vehicle_file('gtmap')
-    shipped = ', '.join(list_shipped('vehicles'))
+    shipped = ', '.join(list_shipped_names('vehicles'))
     assert str(caught.value) == (
         f"Unknown vehicle 'gtmap'; known: {shipped} (did you mean 'gtmab'?)."
     )

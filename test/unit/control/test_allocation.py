@@ -3,7 +3,7 @@
 from lta_config.errors import BadInput
 from lta_control.allocation import (
     allocate,
-    create_scratch,
+    create_working_array,
     Rotors,
     thrust_to_duty,
     thrusts_to_duties,
@@ -21,7 +21,7 @@ REST = NONE
 
 
 def give(surge=0.0, heave=0.0, yaw=0.0, rotors=ROTORS, start=REST):
-    return allocate(rotors, (surge, 0.0, heave, 0.0, 0.0, yaw), start, create_scratch())
+    return allocate(rotors, (surge, 0.0, heave, 0.0, 0.0, yaw), start, create_working_array())
 
 
 def test_the_rotors_of_the_file():

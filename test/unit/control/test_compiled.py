@@ -10,7 +10,7 @@ import sys
 
 from lta_config.compilation.extract import SourceExtract
 from lta_config.settings import to_named_tuple
-from lta_control.allocation import create_scratch, SCRATCH
+from lta_control.allocation import create_working_array, SCRATCH
 from lta_control.attitude import attitude_step
 from lta_control.cascade import (
     CascadeGains,
@@ -27,7 +27,7 @@ from lta_control.estimator import (
 )
 from lta_control.per_rotor import pad_to_slots
 from lta_control.strategies import STRATEGIES
-from lta_control.strategies.protocol import LightSight
+from lta_control.strategies.protocol import LightMeasurement
 from lta_control.strategies.settings import StrategySettings
 from lta_control.vehicle_parameters import build_estimator_model, build_rotors
 from lta_model.vehicle import load_vehicle
@@ -63,7 +63,7 @@ def compiled(function):
     extract = SourceExtract()
     name = extract.add_function(function, 'core')
     space = {'math': math, 'namedtuple': lambda name, _: TUPLES[name], 'njit': numba.njit}
-    exec(extract.render('@njit'), space)
+    exec(extract.render_pieces('@njit'), space)
     return space[name]
 
 
@@ -84,7 +84,7 @@ def test_control_compiles():
         measured = CascadeMeasurement(*generator.normal(0.3, 0.5, 7).tolist())
         setpoint = Setpoint(*generator.normal(0.4, 0.4, 3).tolist())
         slow, slow_memory = control_step(
-            GAINS, rotors, drag, slow_memory, measured, setpoint, 0.01, create_scratch()
+            GAINS, rotors, drag, slow_memory, measured, setpoint, 0.01, create_working_array()
         )
         quick, fast_memory = fast(
             to_named_tuple(GAINS), rotors, drag, fast_memory, measured, setpoint, 0.01, scratch
@@ -137,7 +137,7 @@ def test_every_strategy_compiles(name):
     for seen in (True, False, False, True):
         light = (0.02, 800.0, 0.1) if seen else (0.0, 0.0, 0.0)
         bearing, place = 0.3 if seen else 0.0, (0.4, -0.2)
-        sight = LightSight(
+        sight = LightMeasurement(
             seen, bearing, -1.2, (1.0, 2.0, 3.0, 4.0), 0.1, *light, place, (0.5, 0.1)
         )
         fast = steer(to_named_tuple(settings), memory, sight)

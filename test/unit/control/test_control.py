@@ -1,6 +1,6 @@
 """One step of control: cascade, allocation and duty in a chain, and the shortfall back."""
 
-from lta_control.allocation import create_scratch
+from lta_control.allocation import create_working_array
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.control import control_step, ControlMemory, has_landed, step_duration
 from lta_control.per_rotor import NONE
@@ -28,7 +28,7 @@ def control(measured=AT_REST, setpoint=HOLD, memory=None, gains=None):
         measured,
         setpoint,
         0.01,
-        create_scratch(),
+        create_working_array(),
     )
 
 

@@ -4,7 +4,7 @@ import itertools
 import math
 
 from lta_control.strategies.homing import reset_for_next_lamp, start, steer, STRATEGY, watch
-from lta_control.strategies.protocol import LightSight
+from lta_control.strategies.protocol import LightMeasurement
 from lta_control.strategies.settings import StrategySettings
 import pytest
 
@@ -18,11 +18,13 @@ def sight(x, y, lamp=LAMP, share=1.0, heading=0.0):
     away = math.hypot(lamp[0] - x, lamp[1] - y)
     bearing = math.atan2(lamp[1] - y, lamp[0] - x) - heading
     strength = share * OWN.brightness / away**2
-    return LightSight(True, bearing, heading, (0.0,), 0.1, 0.02, strength, 0.0, (x, y), (0.4, 0.0))
+    return LightMeasurement(
+        True, bearing, heading, (0.0,), 0.1, 0.02, strength, 0.0, (x, y), (0.4, 0.0)
+    )
 
 
 def blind(x, y):
-    return LightSight(False, 0.0, 0.0, (0.0,), 0.1, 0.0, 0.0, 0.0, (x, y), (0.4, 0.0))
+    return LightMeasurement(False, 0.0, 0.0, (0.0,), 0.1, 0.0, 0.0, 0.0, (x, y), (0.4, 0.0))
 
 
 def flown(sights, memory=None):

@@ -3,16 +3,16 @@
 import math
 
 from lta_control.strategies.homing import (
-    build_optics,
-    follow_sight,
+    build_filter_prior,
     full_turn_time,
-    HomingMemory,
     HomingSettings,
+    HomingState,
     reset_for_next_lamp,
     start,
     steer,
     steer_search,
     steer_to_lamp,
+    update_with_sight,
     watch,
 )
 from lta_control.strategies.lamp_ekf import (
@@ -21,7 +21,7 @@ from lta_control.strategies.lamp_ekf import (
     normalized_innovation,
     predict_fix,
 )
-from lta_control.strategies.protocol import LightSight
+from lta_control.strategies.protocol import LightMeasurement
 from lta_control.strategies.settings import StrategySettings
 import pytest
 
@@ -38,7 +38,7 @@ def placed(x=4.0, y=0.0, wind=(0.0, 0.0), **changes):
 
 
 def dark():
-    return LightSight(False, 0.0, 0.0, (0.0,), QUARTER)
+    return LightMeasurement(False, 0.0, 0.0, (0.0,), QUARTER)
 
 
 def lit(memory, share=1.0, off=0.0):
@@ -52,8 +52,8 @@ def test_the_drift_noise_is_larger_until_the_airspeed_has_settled():
     """hypot(0.3, 0.4) = 0.5 at first; after `settling` the second part has fallen to 1 / e."""
     own = HomingSettings(gusts=0.3, unsettled=0.4, settling=5.0)
     first = (math.log(2100.0), 0.5, 0.03, 0.15, 0.4, pytest.approx(0.5))
-    assert build_optics(own, 0.0) == first
-    assert build_optics(own, 5.0).gusts == pytest.approx(math.hypot(0.3, 0.4 / math.e))
+    assert build_filter_prior(own, 0.0) == first
+    assert build_filter_prior(own, 5.0).gusts == pytest.approx(math.hypot(0.3, 0.4 / math.e))
 
 
 def test_the_first_memory_holds_the_heading_alone():
@@ -65,7 +65,7 @@ def test_the_first_memory_holds_the_heading_alone():
 
 
 def test_for_the_next_lamp_only_the_wind_the_place_and_the_flight_time_are_kept():
-    memory = HomingMemory(0.1, True, placed().fix, True, (1.0, 2.0), 7.0, 3.0, 1.0, 2.0, True)
+    memory = HomingState(0.1, True, placed().fix, True, (1.0, 2.0), 7.0, 3.0, 1.0, 2.0, True)
     assert reset_for_next_lamp(memory) == memory._replace(
         known=False, lost=0.0, doubted=0.0, searched=0.0, arrived=False
     )
@@ -95,7 +95,7 @@ def test_a_strength_below_one_count_is_taken_as_one_count():
 )
 def test_a_light_fits_from_a_quarter_to_four_times_the_expected_strength(share, lost, doubted):
     memory = placed(lost=0.25, doubted=0.25)
-    after = follow_sight(QUICK, memory, lit(memory, share))
+    after = update_with_sight(QUICK, memory, lit(memory, share))
     assert (after.lost, after.doubted, after.known) == (lost, doubted, True)
     assert (after.fix.brightness == memory.fix.brightness) is (lost > 0.0)
 
@@ -103,9 +103,9 @@ def test_a_light_fits_from_a_quarter_to_four_times_the_expected_strength(share, 
 @pytest.mark.parametrize(('sigmas', 'fits'), [(3.99, True), (4.01, False)])
 def test_a_bearing_fits_within_four_deviations(sigmas, fits):
     memory = placed()
-    ahead = predict_fix(build_optics(QUICK.homing, 0.0), memory.fix, 0.0, 0.0, QUARTER)
-    one = 0.1 / normalized_innovation(ahead, build_optics(QUICK.homing, 0.0), 0.1, 0.02)
-    assert (follow_sight(QUICK, memory, lit(memory, 1.0, sigmas * one)).lost == 0.0) is fits
+    ahead = predict_fix(build_filter_prior(QUICK.homing, 0.0), memory.fix, 0.0, 0.0, QUARTER)
+    one = 0.1 / normalized_innovation(ahead, build_filter_prior(QUICK.homing, 0.0), 0.1, 0.02)
+    assert (update_with_sight(QUICK, memory, lit(memory, 1.0, sigmas * one)).lost == 0.0) is fits
 
 
 def test_a_light_elsewhere_replaces_the_fix_after_the_doubt_time():
@@ -113,7 +113,7 @@ def test_a_light_elsewhere_replaces_the_fix_after_the_doubt_time():
     memory = placed(wind=(0.0, 0.125))
     other, fixes = lit(memory, 1.0, 2.0), []
     for _ in range(3):
-        memory = follow_sight(QUICK, memory, other)
+        memory = update_with_sight(QUICK, memory, other)
         fixes.append((memory.fix.x > 0.0, memory.lost, memory.doubted))
     assert fixes == [(True, 0.25, 0.25), (True, 0.5, 0.5), (False, 0.0, 0.0)]
     assert (memory.fix.wind_x, memory.fix.wind_y) == (0.0, 0.125)
@@ -124,17 +124,17 @@ def test_any_light_replaces_the_fix_after_a_search_of_more_than_a_whole_turn():
     assert turn == pytest.approx(2.0 * math.pi / 0.3)
     for searched, followed_it in ((turn, False), (1.001 * turn, True)):
         memory = placed(searched=searched)
-        after = follow_sight(QUICK, memory, lit(memory, 0.1))
+        after = update_with_sight(QUICK, memory, lit(memory, 0.1))
         assert (after.lost == 0.0) is followed_it
     sought = placed(searched=1.001 * turn)
     # A light that fits updates the fix instead; the brightness is not reset to its prior.
-    assert follow_sight(QUICK, sought, lit(sought)).fix.brightness != math.log(2100.0)
+    assert update_with_sight(QUICK, sought, lit(sought)).fix.brightness != math.log(2100.0)
 
 
 def test_dead_reckoning_moves_the_lamp_relative_to_the_drone():
     """The drone flies by (0.5, -0.25) m while the air carries it by 0.4 m/s * 0.25 s along y."""
     memory = placed(wind=(0.0, 0.4), place=(1.0, 2.0), flown=3.0)
-    after = follow_sight(QUICK, memory, dark()._replace(position=(1.5, 1.75)))
+    after = update_with_sight(QUICK, memory, dark()._replace(position=(1.5, 1.75)))
     assert (after.fix.x, after.fix.y) == pytest.approx((3.5, 0.25 - 0.1))
     assert (after.place, after.flown, after.begun) == ((1.5, 1.75), 3.25, True)
 
@@ -144,9 +144,9 @@ def test_dead_reckoning_moves_the_lamp_relative_to_the_drone():
     [(0.8, False, True), (0.801, False, False), (1.6, True, True), (1.601, True, False)],
 )
 def test_it_arrives_within_80_cm_and_remains_arrived_within_twice_that(away, before, arrived):
-    assert follow_sight(QUICK, placed(away, arrived=before), dark()).arrived is arrived
+    assert update_with_sight(QUICK, placed(away, arrived=before), dark()).arrived is arrived
     unknown = placed(away, arrived=before, known=False)
-    assert not follow_sight(QUICK, unknown, dark()).arrived
+    assert not update_with_sight(QUICK, unknown, dark()).arrived
 
 
 def test_without_light_it_keeps_its_course_and_then_searches():

@@ -7,11 +7,11 @@ The allocation has its own tests: here it is a stand-in, which keeps what is ask
 import math
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_control.allocation import create_scratch, thrusts_to_duties
+from lta_control.allocation import create_working_array, thrusts_to_duties
 from lta_control.cascade import Setpoint
 from lta_control.gains_file import load_law_gains
 from lta_control.laws import (
-    find_law,
+    find_control_law,
     glide,
     lateral,
     omnidirectional,
@@ -37,7 +37,7 @@ def thrusts(rotors):
 
 def ready(name):
     vehicle = load_vehicle(name)
-    made = find_law(vehicle.file.control.law)
+    made = find_control_law(vehicle.file.control.law)
     return made, made.known(load_law_gains(made.gains, vehicle.file.control.gains), vehicle)
 
 
@@ -116,7 +116,7 @@ def test_skye_holds_a_moving_point_in_six_degrees_of_freedom(asked, seed, begun)
     memory = made.start._replace(
         begun=begun, goal=tuple(goal[:2]), integral=tuple(before), thrusts=(0.5,) * 8
     )
-    after = made.step(constants, memory, LawInputs(motion, setpoint, DT), create_scratch())
+    after = made.step(constants, memory, LawInputs(motion, setpoint, DT), create_working_array())
     wanted = along(setpoint.heading, setpoint.speed)
     if not begun:
         goal[:2] = motion.position[:2]
@@ -144,7 +144,7 @@ def test_sblimp_pushes_the_way_the_velocity_should_change(asked, seed):
     climb, east, north = chance.normal(0.0, 0.05, 3).tolist()
     gap = chance.normal(0.0, 0.05, 3).tolist()
     memory = made.start._replace(climb=climb, east=east, north=north, missing=tuple(gap))
-    after = made.step(constants, memory, LawInputs(motion, setpoint, DT), create_scratch())
+    after = made.step(constants, memory, LawInputs(motion, setpoint, DT), create_working_array())
     lag = along(setpoint.heading, setpoint.speed) - turn.apply(motion.velocity)
     up, climb = climbing(gains, climb, setpoint.altitude - motion.position[2], -lag[2], gap[2])
     fx, east = pid(gains.velocity, east, lag[0], 0.0, gap[0])
@@ -170,7 +170,7 @@ def test_the_multirotor_tilts_as_its_velocity_needs(asked, seed, begun):
         begun=begun, climb=climb, east=east, north=north, missing=gap,
         rates=tuple(rates.tolist()), slopes=tuple(slopes.tolist()),
     )  # fmt: skip
-    after = made.step(constants, memory, LawInputs(motion, setpoint, DT), create_scratch())
+    after = made.step(constants, memory, LawInputs(motion, setpoint, DT), create_working_array())
     lag = along(setpoint.heading, setpoint.speed) - turn.apply(motion.velocity)
     push, climb = climbing(gains, climb, setpoint.altitude - motion.position[2], -lag[2], gap)
     thrust = (constants.weight + push) / max(turn.as_matrix()[2, 2], 0.5)
@@ -211,7 +211,7 @@ def test_beavis_pushes_along_its_course_whatever_its_heading(monkeypatch, seed):
         return thrusts(constants.rotors), 0.75, 0.02
 
     monkeypatch.setattr(lateral, 'mix_thrusts', mixed)
-    after = made.step(constants, memory, LawInputs(motion, setpoint, DT), create_scratch())
+    after = made.step(constants, memory, LawInputs(motion, setpoint, DT), create_working_array())
     rising = turn.apply(motion.velocity)[2]
     error = setpoint.altitude - motion.position[2]
     push, climb = climbing(gains, climb, error, rising, gap[0])
@@ -239,7 +239,7 @@ def test_rgblimp_sets_pitch_by_its_mass_and_yaw_by_its_propellers(seed):
     memory = made.start._replace(
         climb=climb, pitch=pitch, speed=speed, yaw_rate=yaw_rate, missing=tuple(gap)
     )
-    after = made.step(constants, memory, LawInputs(motion, setpoint, DT), create_scratch())
+    after = made.step(constants, memory, LawInputs(motion, setpoint, DT), create_working_array())
     rising = turn.apply(motion.velocity)[2]
     error = gains.altitude_kp * (setpoint.altitude - motion.position[2])
     wanted = np.clip(error, -gains.climb_limit, gains.climb_limit)
@@ -287,10 +287,10 @@ def test_blimp2b_asks_for_the_drag_and_weight_of_steady_motion_to_its_setpoint(a
     memory = made.start._replace(begun=begun, altitude=altitude, heading=heading)
     memory = memory._replace(thrusts=(0.5,) * 8)
     after = made.step(
-        constants, memory, LawInputs(ControlMotion(), setpoint, DT), create_scratch()
+        constants, memory, LawInputs(ControlMotion(), setpoint, DT), create_working_array()
     )
     if not begun:
-        altitude = vehicle.height_on_floor
+        altitude = vehicle.hull_height_on_floor
     limits = (gains.climb_rate, gains.turn_rate)
     wanted = np.array([setpoint.altitude - altitude, wrapped(setpoint.heading - heading)]) / DT
     climb, turn = np.clip(wanted, [-x for x in limits], limits)

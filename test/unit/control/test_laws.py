@@ -5,22 +5,22 @@ import math
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
-from lta_config.files import list_shipped
-from lta_control.allocation import create_scratch
+from lta_config.files import list_shipped_names
+from lta_control.allocation import create_working_array
 from lta_control.cascade import Setpoint
 from lta_control.control import control_step, ControlMemory
 from lta_control.gains_file import load_gains, load_law_gains
 from lta_control.law_autopilot import motion_from_tracker
-from lta_control.laws import find_law, LAWS
+from lta_control.laws import find_control_law, LAWS
 from lta_control.laws.frames import (
     quaternion_from_angles,
-    rotate_level,
+    rotate_level_to_world,
     rotation_between,
     to_body,
     to_world,
 )
 from lta_control.laws.lateral import mix_thrusts
-from lta_control.laws.onboard_law import check_onboard_law, law_name, OnboardLaw
+from lta_control.laws.onboard_law import check_onboard_law, OnboardLaw, vehicle_law_name
 from lta_control.laws.protocol import ControlMotion, Feedback, LawCommand, LawInputs
 from lta_control.message_rounding import build_measurement
 from lta_control.vehicle_parameters import build_rotors, surge_drag_coefficients
@@ -29,20 +29,22 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-VEHICLES = list_shipped('vehicles')
+VEHICLES = list_shipped_names('vehicles')
 DT = 0.01
 
 
 def ready(name, law_name=None, gains=None):
     """Return a vehicle, its law, and what the law knows."""
     vehicle = load_vehicle(name)
-    made = find_law(law_name or vehicle.file.control.law)
+    made = find_control_law(law_name or vehicle.file.control.law)
     found = load_law_gains(made.gains, gains or vehicle.file.control.gains)
     return vehicle, made, made.known(found, vehicle)
 
 
 def once(made, constants, motion, setpoint):
-    return made.step(constants, made.start, LawInputs(motion, setpoint, DT), create_scratch())
+    return made.step(
+        constants, made.start, LawInputs(motion, setpoint, DT), create_working_array()
+    )
 
 
 def thrusts(vehicle, duties):
@@ -78,13 +80,13 @@ def test_every_vehicle_names_a_law_and_gains_that_fit():
 
 def test_an_unknown_law_lists_the_known():
     with pytest.raises(BadInput, match='cascade, glide, lateral'):
-        find_law('lateral_thinking')
+        find_control_law('lateral_thinking')
 
 
 @pytest.mark.parametrize('name', ['beavis', 'sblimp', 'skye', 'multirotor', 'blimp2b'])
 def test_without_error_the_rotors_carry_the_weight_and_nothing_else(name):
     vehicle, made, constants = ready(name)
-    height = vehicle.height_on_floor if name == 'blimp2b' else 2.0
+    height = vehicle.hull_height_on_floor if name == 'blimp2b' else 2.0
     motion = ControlMotion(position=(0.0, 0.0, height))
     after = once(made, constants, motion, Setpoint(height, 0.0, 0.0))
     total = wrench(vehicle, after.command.duties)
@@ -125,7 +127,7 @@ def test_the_cascade_among_the_laws_is_the_cascade():
         load_gains('gtmab'), build_rotors(vehicle), surge_drag_coefficients(vehicle),
         ControlMemory(),
         build_measurement(motion.attitude, 0.4, motion.velocity, motion.rates), setpoint, DT,
-        create_scratch(),
+        create_working_array(),
     )  # fmt: skip
     assert after == type(after)(LawCommand(duties, (0.0, 0.0, 0.0)), memory)
 
@@ -174,7 +176,7 @@ def test_a_mixer_that_ignores_the_collision_loses_lift_by_its_share_of_the_offse
     ],
 )
 def test_a_vehicle_of_another_kind_is_refused(name, law_name, sentence):
-    vehicle, made = load_vehicle(name), find_law(law_name)
+    vehicle, made = load_vehicle(name), find_control_law(law_name)
     with pytest.raises(BadInput, match=sentence):
         made.known(
             load_law_gains(made.gains, {'lateral': 'beavis', 'glide': 'rgblimp'}[law_name]),
@@ -194,22 +196,22 @@ def test_rotors_that_push_straight_outwards_cannot_turn_beavis(tmp_path):
     file = vehicle.file.model_copy(
         update={'aero': aero.model_copy(update={'thrust_allocation': straight})}
     )
-    made = find_law('lateral')
+    made = find_control_law('lateral')
     with pytest.raises(BadInput, match='cannot push along x and y and turn independently'):
         made.known(load_law_gains(made.gains, 'beavis'), type(vehicle)(file))
 
 
 def test_a_law_that_needs_a_tracker_is_refused_aboard():
     vehicle = load_vehicle('skye')
-    assert law_name(vehicle) == 'omnidirectional'
+    assert vehicle_law_name(vehicle) == 'omnidirectional'
     with pytest.raises(BadInput, match='needs a tracker'):
         OnboardLaw('omnidirectional', vehicle)
 
 
-@pytest.mark.parametrize('name', list_shipped('vehicles'))
+@pytest.mark.parametrize('name', list_shipped_names('vehicles'))
 def test_a_vehicle_flies_by_its_own_sensors_unless_its_law_needs_a_tracker(name):
     vehicle = load_vehicle(name)
-    if find_law(law_name(vehicle)).feedback is Feedback.TRACKER:
+    if find_control_law(vehicle_law_name(vehicle)).feedback is Feedback.TRACKER:
         with pytest.raises(BadInput, match='needs a tracker'):
             check_onboard_law(vehicle)
     else:
@@ -247,7 +249,7 @@ def test_frames_agree_with_scipy():
     assert rotation_between(q, there) == pytest.approx((0.002, -0.001, 0.003), rel=1e-5)
     other_sign = tuple(-part for part in there)  # the same attitude
     assert rotation_between(q, other_sign) == pytest.approx((0.002, -0.001, 0.003), rel=1e-5)
-    assert rotate_level(math.pi / 2, 2.0, 1.0) == pytest.approx((-1.0, 2.0))
+    assert rotate_level_to_world(math.pi / 2, 2.0, 1.0) == pytest.approx((-1.0, 2.0))
 
 
 def test_a_tracker_s_frame_begins_with_the_vehicle():

@@ -18,9 +18,9 @@ from lta_control.messages import (
     from_duties,
     from_estimate,
     from_setpoint,
+    to_cascade_measurement,
     to_distance,
     to_duties,
-    to_measurement,
     to_setpoint,
     UNKNOWN,
     update_reserve_report,
@@ -55,7 +55,7 @@ def test_the_twist_is_in_the_body_frame():
 
 
 def test_the_climb_comes_back():
-    measured = to_measurement(odometry(FLYING))
+    measured = to_cascade_measurement(odometry(FLYING))
     assert measured.climb == pytest.approx(0.1)
     assert measured == pytest.approx((0.5, 0.1, 0.0, 0.03, 0.4, 0.05, 0.02), abs=1e-12)
 
@@ -63,7 +63,7 @@ def test_the_climb_comes_back():
 def test_an_estimate_that_is_not_ready_is_unknown():
     message = odometry(MotionEstimate())
     assert message.pose.covariance[0] == UNKNOWN
-    assert to_measurement(message) is None
+    assert to_cascade_measurement(message) is None
 
 
 def test_dead_reckoning_says_how_far_off_it_may_be():
@@ -136,7 +136,7 @@ def test_the_climb_rate_of_a_rolled_vehicle_includes_its_sway():
     rolled = FLYING._replace(attitude=(math.sin(roll / 2), 0.0, 0.0, math.cos(roll / 2)))
     heave = (0.1 - 0.05 * math.sin(roll)) / math.cos(roll)
     assert air_relative_velocity(rolled) == pytest.approx((0.4, 0.05, heave))
-    assert to_measurement(odometry(rolled)).climb == pytest.approx(0.1)
+    assert to_cascade_measurement(odometry(rolled)).climb == pytest.approx(0.1)
 
 
 def energy(stamp, reserve=None, level=None, why=''):

@@ -7,15 +7,15 @@ from lta_config.course import Course
 from lta_control.cascade import Setpoint
 from lta_control.mission import course_step, mission_step, MissionSettings, remove_light
 from lta_control.phases import Mission, Phase, SWITCHING
-from lta_control.reserve import FlightPermission, ReserveActionSettings
-from lta_control.strategies import find_strategy
-from lta_control.strategies.protocol import LightSight
+from lta_control.reserve import FlightPermission, ReserveResponseSettings
+from lta_control.strategies import find_navigation_strategy
+from lta_control.strategies.protocol import LightMeasurement
 import pytest
 
 SETTINGS = MissionSettings()
-LAND = ReserveActionSettings().rule
-BAG = find_strategy('bag')
-SEEN = LightSight(seen=True, bearing=0.4, heading=1.0, amplitudes=(0.0,) * 8, interval=0.1)
+LAND = ReserveResponseSettings().rule
+BAG = find_navigation_strategy('bag')
+SEEN = LightMeasurement(seen=True, bearing=0.4, heading=1.0, amplitudes=(0.0,) * 8, interval=0.1)
 BLIND = SEEN._replace(seen=False, bearing=0.0)
 
 
@@ -95,7 +95,9 @@ def test_phases_only_go_forward():
 
 
 def test_blind_removes_only_the_light_from_a_sight():
-    told = LightSight(True, 0.4, 1.0, (5.0, 6.0), 0.1, 0.2, 800.0, 0.3, (1.0, 2.0), (0.5, 0.1))
+    told = LightMeasurement(
+        True, 0.4, 1.0, (5.0, 6.0), 0.1, 0.2, 800.0, 0.3, (1.0, 2.0), (0.5, 0.1)
+    )
     without = (False, 0.0, 1.0, (5.0, 6.0), 0.1, 0.0, 0.0, 0.0, (1.0, 2.0), (0.5, 0.1))
     assert remove_light(told) == without
 

@@ -3,7 +3,7 @@
 import math
 
 from lta_control import onboard
-from lta_control.allocation import create_scratch
+from lta_control.allocation import create_working_array
 from lta_control.autopilot import Autopilot, build_drone_constants, ESTIMATE
 from lta_control.cascade import Setpoint
 from lta_control.estimator import EstimatorSettings
@@ -24,7 +24,7 @@ UP = Setpoint(0.6, 0.5, 0.2)
 
 def run(memory, steps, heard=STILL, drone=DRONE):
     for _ in range(steps):
-        memory = onboard_step(drone, memory, heard, create_scratch())
+        memory = onboard_step(drone, memory, heard, create_working_array())
     return memory
 
 

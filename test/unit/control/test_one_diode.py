@@ -3,24 +3,24 @@
 import math
 
 from lta_control.strategies import dither, gradient
-from lta_control.strategies.dither import DitherMemory, DitherSettings
+from lta_control.strategies.dither import DitherSettings, DitherState
 from lta_control.strategies.gradient import (
     add_pair,
     EMPTY,
-    GradientMemory,
     GradientSettings,
+    GradientState,
     NONE,
     PAIRS,
     steepest_heading,
 )
-from lta_control.strategies.protocol import LightSight
+from lta_control.strategies.protocol import LightMeasurement
 from lta_control.strategies.settings import StrategySettings
 import numpy as np
 import pytest
 
 
 def light(amplitude, heading=0.0):
-    return LightSight(True, 0.0, heading, (amplitude, 0.0), 0.1)
+    return LightMeasurement(True, 0.0, heading, (amplitude, 0.0), 0.1)
 
 
 def test_des_swings_about_its_estimate():
@@ -38,7 +38,7 @@ def test_des_swings_about_its_estimate():
 def turned(own, before, after, heading):
     """Return by how much the estimate moves when light changes at a heading; it stood at 0."""
     settings = StrategySettings(des=own)
-    memory = DitherMemory(0.0, 0.0, 0.0, True, math.log(before + own.floor), math.log(100.0))
+    memory = DitherState(0.0, 0.0, 0.0, True, math.log(before + own.floor), math.log(100.0))
     return dither.steer(settings, memory, light(after, heading))[1].estimate
 
 
@@ -120,10 +120,10 @@ def test_dga_computes_late_and_stops_for_a_sharp_turn():
 def test_the_mean_of_des_does_not_pass_the_newest_light():
     """20 s exceed the washout of 15 s: the mean is the level, and the estimate does not turn."""
     settings = StrategySettings(des=DitherSettings(scan=0.3, gradient=0.0))
-    memory = DitherMemory(0.0, 0.0, 1.0, True, 0.0, math.log(50.0))
+    memory = DitherState(0.0, 0.0, 1.0, True, 0.0, math.log(50.0))
     late = light(100.0, 0.5)._replace(interval=20.0)
     course, memory = dither.steer(settings, memory, late)
-    assert memory == DitherMemory(
+    assert memory == DitherState(
         course.heading, 0.0, 21.0, True, math.log(105.0), pytest.approx(math.log(105.0))
     )
     assert (course.speed, course.arrived) == (settings.speed, False)
@@ -171,7 +171,7 @@ BRIGHTER = ((0.0, 0.0, 1.0), (0.1, 0.0, 2.0), (0.0, 0.1, 1.0))  # brighter along
 
 def ascending(**changes):
     """Return the memory of a drone with three pairs that flies along a heading of 0.5 rad."""
-    memory = GradientMemory(0.5, 1.0, 2.0, 0.4, 0.5, 0.7, 0.0, False, 3.0, EMPTY[3:] + BRIGHTER)
+    memory = GradientState(0.5, 1.0, 2.0, 0.4, 0.5, 0.7, 0.0, False, 3.0, EMPTY[3:] + BRIGHTER)
     return memory._replace(**changes)
 
 

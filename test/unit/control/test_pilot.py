@@ -6,7 +6,7 @@ from lta_control.cascade import Setpoint
 from lta_control.estimator import EstimatorSettings
 from lta_control.gains_file import load_law_gains
 from lta_control.law_autopilot import LawAutopilot
-from lta_control.laws import find_law
+from lta_control.laws import find_control_law
 from lta_control.laws.frames import quaternion_from_angles
 from lta_control.laws.protocol import LawCommand
 from lta_control.per_rotor import NONE
@@ -22,7 +22,7 @@ UP = Setpoint(1.2, 0.0, 0.0)
 def piloted(name):
     """Return a pilot of the vehicle's own law, at rest until its estimate is ready."""
     vehicle = load_vehicle(name)
-    made = find_law(vehicle.file.control.law)
+    made = find_control_law(vehicle.file.control.law)
     gains = load_law_gains(made.gains, vehicle.file.control.gains)
     pilot = LawAutopilot(made, gains, vehicle, EstimatorSettings(rest_time=0.1), DT)
     pilot.set_setpoint(UP)
@@ -140,7 +140,7 @@ def test_the_estimator_follows_the_duties_given_by_instead(beavis):
 def test_it_does_not_move_before_a_setpoint_and_a_tracked_pose_have_come():
     """RGBlimp's motors stay off, and its moving mass stays where the vehicle file puts it."""
     vehicle = load_vehicle('rgblimp')
-    made = find_law('glide')
+    made = find_control_law('glide')
     gains = load_law_gains(made.gains, 'rgblimp')
     pilot = LawAutopilot(made, gains, vehicle, EstimatorSettings(rest_time=0.1), DT)
     rest = LawCommand(NONE, vehicle.file.moving_mass.position.vector)
@@ -160,5 +160,5 @@ def test_it_does_not_move_before_a_setpoint_and_a_tracked_pose_have_come():
     pilot.receive_tracking((0.5, 0.25, 1.0, *truth[3:]))
     assert pilot.motion.position == (0.5, 0.25, 1.0)  # relative to the first tracked place
     pilot.set_setpoint(Setpoint(0.0, 0.0, 0.0))
-    pilot.receive_tracking((0.0, 0.0, vehicle.height_on_floor, *truth[3:]))
+    pilot.receive_tracking((0.0, 0.0, vehicle.hull_height_on_floor, *truth[3:]))
     assert command() == rest  # landed

@@ -10,18 +10,20 @@ from lta_control.reserve import (
     decide_permission,
     explain_restriction,
     FlightPermission,
-    ReserveActionSettings,
     ReserveReport,
+    ReserveResponseSettings,
 )
 from lta_control.reserve_policy import check_reserve
-from lta_control.strategies import find_strategy
-from lta_control.strategies.protocol import LightSight, NavigationStrategy, SteeringCommand
+from lta_control.strategies import find_navigation_strategy
+from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy, SteeringCommand
 import pytest
 
 SECOND = 1_000_000_000
 SETTINGS = MissionSettings(speed=0.5)
-LAND, RETURN, PERCH = (ReserveActionSettings(action=word) for word in ('land', 'return', 'perch'))
-SIGHT = LightSight(seen=True, bearing=0.0, heading=0.2, amplitudes=(0.0,), interval=0.1)
+LAND, RETURN, PERCH = (
+    ReserveResponseSettings(action=word) for word in ('land', 'return', 'perch')
+)
+SIGHT = LightMeasurement(seen=True, bearing=0.0, heading=0.2, amplitudes=(0.0,), interval=0.1)
 
 
 def arriving(settings, memory, sight):
@@ -124,10 +126,10 @@ def test_a_climb_is_broken_off():
 
 
 def test_only_who_arrives_can_perch():
-    check_reserve(PERCH, find_strategy('homing'))
-    check_reserve(RETURN, find_strategy('bag'))
+    check_reserve(PERCH, find_navigation_strategy('homing'))
+    check_reserve(RETURN, find_navigation_strategy('bag'))
     with pytest.raises(BadInput, match='bag never reports an arrival'):
-        check_reserve(PERCH, find_strategy('bag'))
+        check_reserve(PERCH, find_navigation_strategy('bag'))
 
 
 @pytest.mark.parametrize(('away', 'phase'), [(0.5, Phase.LAND), (0.501, Phase.HOME)])

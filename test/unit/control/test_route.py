@@ -3,14 +3,14 @@
 from lta_config.errors import BadInput
 from lta_control.mission import mission_step, MissionSettings
 from lta_control.phases import Mission, Phase, SWITCHING
-from lta_control.reserve import FlightPermission, ReserveActionSettings
-from lta_control.strategies import check_route, find_strategy
-from lta_control.strategies.protocol import LightSight, NavigationStrategy, SteeringCommand
+from lta_control.reserve import FlightPermission, ReserveResponseSettings
+from lta_control.strategies import check_route, find_navigation_strategy
+from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy, SteeringCommand
 import pytest
 
 SETTINGS = MissionSettings()
-LAND = ReserveActionSettings().rule
-SEEN = LightSight(True, 0.4, 1.0, (0.0,), 0.1, 0.05, 800.0)
+LAND = ReserveResponseSettings().rule
+SEEN = LightMeasurement(True, 0.4, 1.0, (0.0,), 0.1, 0.05, 800.0)
 BLIND = SEEN._replace(seen=False)
 
 
@@ -94,10 +94,10 @@ def test_the_reserve_lands_it_on_a_route_too():
 
 
 def test_who_never_arrives_is_refused_on_a_route():
-    check_route(find_strategy('homing'), 3)
-    check_route(find_strategy('bag'), 1)
+    check_route(find_navigation_strategy('homing'), 3)
+    check_route(find_navigation_strategy('bag'), 1)
     with pytest.raises(BadInput) as caught:
-        check_route(find_strategy('bag'), 3)
+        check_route(find_navigation_strategy('bag'), 3)
     assert str(caught.value) == (
         'The strategy bag never reports an arrival, but the route has 3 lamps; choose homing.'
     )

@@ -9,7 +9,7 @@ from lta_control.sighting import (
     facing_strength,
     LampPosition,
 )
-from lta_control.strategies.protocol import LightSight, SteeringCommand
+from lta_control.strategies.protocol import LightMeasurement, SteeringCommand
 import pytest
 
 STILL = DeadReckonedMotion(0.3, 1.0, 2.0, 0.4, -0.1)
@@ -83,5 +83,11 @@ def test_the_deviation_of_a_bearing_by_hand():
 
 
 def test_optional_fields_of_sight_and_course_default_to_zero():
-    assert LightSight(False, 0.1, 0.2, (0.3,), 0.4)[5:] == (0.0, 0.0, 0.0, (0.0, 0.0), (0.0, 0.0))
+    assert LightMeasurement(False, 0.1, 0.2, (0.3,), 0.4)[5:] == (
+        0.0,
+        0.0,
+        0.0,
+        (0.0, 0.0),
+        (0.0, 0.0),
+    )
     assert SteeringCommand(0.1, 0.2).arrived is False

@@ -1,25 +1,25 @@
 """The strategies by name, and BAG."""
 
 from lta_config.errors import BadInput
-from lta_control.strategies import find_strategy, STRATEGIES
+from lta_control.strategies import find_navigation_strategy, STRATEGIES
 from lta_control.strategies.bearing_angle import STRATEGY
-from lta_control.strategies.protocol import LightSight, SteeringCommand
+from lta_control.strategies.protocol import LightMeasurement, SteeringCommand
 from lta_control.strategies.settings import StrategySettings
 import pytest
 
 SETTINGS = StrategySettings(speed=0.4, search_rate=0.2)
-SEEN = LightSight(seen=True, bearing=-0.5, heading=2.0, amplitudes=(1.0,) * 8, interval=0.1)
+SEEN = LightMeasurement(seen=True, bearing=-0.5, heading=2.0, amplitudes=(1.0,) * 8, interval=0.1)
 BLIND = SEEN._replace(seen=False, bearing=0.0)
 
 
 def test_bag_is_known():
-    assert find_strategy('bag') is STRATEGY
+    assert find_navigation_strategy('bag') is STRATEGY
     assert (STRATEGY.arrives, STRATEGY.ranges) == (False, False)
 
 
 def test_an_unknown_name_is_refused_with_the_known_ones():
     with pytest.raises(BadInput) as caught:
-        find_strategy('bug')
+        find_navigation_strategy('bug')
     known = ', '.join(STRATEGIES)
     assert str(caught.value) == f"Unknown strategy 'bug'; known: {known} (did you mean 'bag'?)."
 

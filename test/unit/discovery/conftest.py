@@ -2,7 +2,7 @@
 
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 import pytest
 
 from .hidden_bags import hidden_bags as hidden_bags

@@ -6,7 +6,7 @@ from dataclasses import replace
 from lta_config.topics import load_topic_table
 from lta_control.cascade import Setpoint
 from lta_discovery.flights.measured_flight import FlightStreams, resample_flight, Stream
-from lta_discovery.flights.windows import cut_windows
+from lta_discovery.flights.windows import cut_into_pieces
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters
 from lta_discovery.model.quaternions import (
@@ -14,11 +14,11 @@ from lta_discovery.model.quaternions import (
     quaternion_product,
     rotation_matrix,
 )
-from lta_discovery.replay.linearizer import FlightLinearizer
-from lta_discovery.replay.replay import ModelReplay
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.replay import FlightReplay
 from lta_discovery.replay.sensing import estimate_floor_pressure, SensorPlaces
 from lta_flight.closed_loop import ClosedLoop
-from lta_flight.flight_spec import build_parts, load_spec
+from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_sim.scene_model import build_scene_model
 from lta_sim.world import World
@@ -51,12 +51,14 @@ def world_of(
         'scenario.start.position': {'value': [0.0, 0.0], 'unit': 'm'},
     }
     made = made.with_values({**scene, **changes})
-    vehicle, scenario, policy = build_parts(made)
+    vehicle, scenario, policy = build_vehicle_scenario_stack(made)
     table = load_topic_table()
     plan = course(seed, turn)
     policy = replace(policy, course=lambda t: plan[int(t // 8.0)])
     world = World(vehicle, scenario, table, seed)
-    known = Vehicle(build_parts(load_spec('gtmab', 'lamp_room', 'bag', 'gtmab'))[0].file)
+    known = Vehicle(
+        build_vehicle_scenario_stack(load_spec('gtmab', 'lamp_room', 'bag', 'gtmab'))[0].file
+    )
     return world, ClosedLoop(world, table, policy, known)
 
 
@@ -145,7 +147,7 @@ def nominal() -> tuple[NominalVehicle, list[FreeParameter]]:
 def prepared(streams: FlightStreams, turned: list[FreeParameter]) -> FlightLinearizer:
     """Return a flight ready to be linearised."""
     vehicle, flight = load_vehicle('gtmab'), resample_flight(streams)
-    replay = ModelReplay(flight, cut_windows(flight), vehicle.pack_command(()))
+    replay = FlightReplay(flight, cut_into_pieces(flight), vehicle.pack_command(()))
     places = SensorPlaces.from_vehicle(vehicle, 101325.0)
     return FlightLinearizer(
         replay, turned, SensorPlaces.from_vehicle(vehicle, estimate_floor_pressure(flight, places))

@@ -4,12 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from lta_discovery.finding import (
-    DiscoveryFinding,
+    ChannelErrors,
     Discrepancy,
-    LadderRung,
     NamedEffect,
     ParameterEstimate,
-    PredictionGap,
+    SearchCandidate,
+    StudyResult,
 )
 from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.fit.evidence import build_prior
@@ -17,8 +17,8 @@ from lta_discovery.fit.joint_fit import fit_flight, FlightFit
 from lta_discovery.forecast.prediction_errors import compute_prediction_errors
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.replay.linearized_flight import build_origin, LinearizationPoint
-from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.linearized_flight import LinearizationPoint, unchanged_vehicle_point
 from lta_discovery.study import DiscoveryStudy, StudyFlight, ThreeModelComparison
 
 from .hidden_flight import flown, prepared
@@ -30,11 +30,11 @@ PLACES = (
 )
 LADDER = (
     (
-        LadderRung(DRAG, 41.3, 36.2, 33.7, 0.4, True),
-        LadderRung('quadratic_drag.surge', 22.1, 19.4, 8.6, 2.2, False),
-        LadderRung('added_mass.surge', 3.2, -1.7, -4.4, 5.7, False),
+        SearchCandidate(DRAG, 41.3, 36.2, 33.7, 0.4, True),
+        SearchCandidate('quadratic_drag.surge', 22.1, 19.4, 8.6, 2.2, False),
+        SearchCandidate('added_mass.surge', 3.2, -1.7, -4.4, 5.7, False),
     ),
-    (LadderRung('cg_offset.x', 1.2, -0.6, -0.3, 1.1, False),),
+    (SearchCandidate('cg_offset.x', 1.2, -0.6, -0.3, 1.1, False),),
 )
 WARNINGS = ('The tracker was silent for 2.4 s in hidden_2; that part is left out.',)
 
@@ -46,7 +46,7 @@ def fitted(
 ) -> FlightFit:
     """Return one flight fitted with some effects."""
     nominal, knobs = known
-    begin = build_origin(nominal, knobs, flight.replay.cut)
+    begin = unchanged_vehicle_point(nominal, knobs, flight.replay.cut)
     return fit_flight(flight, nominal, build_prior(knobs, names), begin)
 
 
@@ -58,10 +58,10 @@ def carried(
     values = of.fitted.mean.copy()
     values[: len(knobs)] *= [not knob.per_flight for knob in knobs]
     after, within = apply_parameters(nominal, knobs, values)
-    return replace(build_origin(after, knobs, flight.replay.cut), values=within)
+    return replace(unchanged_vehicle_point(after, knobs, flight.replay.cut), values=within)
 
 
-def gaps_of(shown: ThreeModelComparison) -> tuple[PredictionGap, ...]:
+def gaps_of(shown: ThreeModelComparison) -> tuple[ChannelErrors, ...]:
     """Return the gaps of one flight, as `compute_prediction_errors` has them."""
     three = [
         compute_prediction_errors(shown.flown.flight, point)
@@ -72,7 +72,7 @@ def gaps_of(shown: ThreeModelComparison) -> tuple[PredictionGap, ...]:
         tuned, after = (each.model[what, horizon].mean for each in three[1:])
         shrink = 1.0 - after / before.mean
         out.append(
-            PredictionGap(
+            ChannelErrors(
                 what, {'position': 'm', 'attitude': 'rad'}[what], horizon, before.mean, tuned,
                 after, three[0].coast[what, horizon].mean, three[0].noise[what], shrink,
                 (shrink - 0.08, shrink + 0.06), before.pieces,
@@ -98,11 +98,11 @@ def study(
     ]
     plain, full = (fitted(known, flights[0], chosen) for chosen in ((), names))
     last = flights[2]
-    start = build_origin(nominal, knobs, last.replay.cut)
+    start = unchanged_vehicle_point(nominal, knobs, last.replay.cut)
     shown = ThreeModelComparison(
         named[2], start, carried(known, last, plain), carried(known, last, full)
     )
-    finding = DiscoveryFinding(
+    finding = StudyResult(
         verdict='named',
         effects=tuple(effect(name, full, knobs) for name in names),
         ladder=LADDER,

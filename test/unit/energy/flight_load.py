@@ -21,7 +21,7 @@ def flown():
     loop = build_loop(load_spec('gtmab', 'lamp_room', 'bag', ''), 3)
     drawn = []
     for step, _ in enumerate(loop.iterate_steps()):
-        voltage, current = loop.world.supply.cell_electrics
+        voltage, current = loop.world.supply.cell_voltage_and_current
         if step % 10 == 5:
             drawn.append(-voltage * current)
     return np.array(drawn)

@@ -84,7 +84,7 @@ class Metered:
         """Return the next turn of the meters."""
         for _ in range(self.every):
             self.step(watts)
-        volts, amperes = power.measure_power(
+        volts, amperes = power.measure_voltage_and_current(
             self.settings, self.errors, self.voltage, self.current, self.rng
         )
         return MeterReading(

@@ -4,8 +4,8 @@ from dataclasses import replace
 import math
 
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_energy.faults.all_detectors import update_detectors
 from lta_energy.faults.detector import MeterObservation
+from lta_energy.faults.fault_monitor import update_detectors
 from lta_energy.monitoring import alarms
 from lta_energy.monitoring.energy_balance import add_interval, EnergyBalance
 from lta_energy.monitoring.estimate import EnergyEstimate
@@ -81,14 +81,17 @@ def test_what_is_worst_is_said_first():
 
 
 def test_the_way_home_is_told_with_what_is_to_spare():
-    told = alarms.assess_way_home(WELL)
+    told = alarms.compute_return_margin(WELL)
     assert told == (HealthLevel.OK, 'home is 12.3 m away, 700 J to spare')
     even = WELL._replace(stock=ReserveMargin(0.48, 0.012, 0.0))
-    assert alarms.assess_way_home(even) == (HealthLevel.WARN, 'home is 12.3 m away, 0 J to spare')
+    assert alarms.compute_return_margin(even) == (
+        HealthLevel.WARN,
+        'home is 12.3 m away, 0 J to spare',
+    )
     for unknown in (
         {'stock': None}, {'last': None}, {'last': replace(READ, where=None)},
     ):  # fmt: skip
-        assert alarms.assess_way_home(WELL._replace(**unknown)) == (
+        assert alarms.compute_return_margin(WELL._replace(**unknown)) == (
             HealthLevel.OK,
             'the position of the drone is unknown; no energy is reserved for the way home',
         )
@@ -96,7 +99,7 @@ def test_the_way_home_is_told_with_what_is_to_spare():
 
 def test_at_first_nothing_is_known_and_the_reserve_counts_as_reached():
     none = EnergyEstimate()
-    assert (none.reserve, none.is_urgent, none.low, none.critical) == (
+    assert (none.reserve, none.is_landing_urgent, none.low, none.critical) == (
         True,
         True,
         False,
@@ -106,7 +109,7 @@ def test_at_first_nothing_is_known_and_the_reserve_counts_as_reached():
     assert math.isnan(none.charge)
     assert math.isnan(none.deviation)
     assert not none.watch.faults
-    assert WELL.is_urgent is False
+    assert WELL.is_landing_urgent is False
     assert (WELL.charge, WELL.deviation) == (0.5, pytest.approx(0.02))
 
 

@@ -98,9 +98,9 @@ def test_a_brown_out_halves_the_voltage():
 
 def test_counting_by_hand():
     # 0.9 A for 100 s is a tenth of 900 C.
-    assert battery.count_charge(0.5, -0.9, 900.0, 100.0) == pytest.approx(0.4, rel=1e-14)
-    assert battery.count_charge(0.05, -0.9, 900.0, 100.0) == 0.0
-    assert battery.count_charge(0.95, 0.9, 900.0, 100.0) == 1.0
+    assert battery.integrate_charge(0.5, -0.9, 900.0, 100.0) == pytest.approx(0.4, rel=1e-14)
+    assert battery.integrate_charge(0.05, -0.9, 900.0, 100.0) == 0.0
+    assert battery.integrate_charge(0.95, 0.9, 900.0, 100.0) == 1.0
 
 
 def test_advance_is_of_second_order():

@@ -3,7 +3,7 @@
 import math
 
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_energy.break_even import (
+from lta_energy.break_even_illuminance import (
     break_even_illuminance,
     charging_power,
     irradiance_from_lux,
@@ -13,7 +13,7 @@ from lta_energy.break_even import (
 from lta_energy.harvest import HarvestCurve
 from lta_energy.irradiance import PanelIrradiance
 from lta_model.electrical.charger import ChargerModel
-from lta_model.electrical.panel import find_max_power, SolarArrayModel
+from lta_model.electrical.panel import find_max_power_point, SolarArrayModel
 import pytest
 
 ENERGY = load_vehicle_file('gtmab').energy
@@ -42,7 +42,7 @@ def test_the_same_lux_of_the_sun_go_further_by_their_efficacy():
 def test_idling_by_hand():
     """97 + 22 mW behind 85 % and 95 %: 147.4 mW of the array."""
     needed = (0.097 + 0.022) / (0.85 * 0.95)
-    voltage, current = find_max_power(
+    voltage, current = find_max_power_point(
         SolarArrayModel.from_energy(ENERGY), lux('sun', 0.097) / 110.0
     )
     assert voltage * current == pytest.approx(needed, rel=5e-4)

@@ -15,7 +15,7 @@ from lta_energy.harvest import HarvestCurve
 from lta_energy.irradiance import DARK
 from lta_model.electrical.battery import BatteryModel
 from lta_model.electrical.charger import ChargerModel
-from lta_model.electrical.panel import find_max_power, SolarArrayModel
+from lta_model.electrical.panel import find_max_power_point, SolarArrayModel
 import numpy as np
 import pytest
 
@@ -66,19 +66,19 @@ def test_an_empty_cell_goes_out():
 
 def test_a_table_gives_what_the_diode_gives():
     for light in (0.3, 7.0, 55.5, 333.0, 981.0):
-        voltage, current = find_max_power(PANEL, light)
-        assert HARVEST.steady_power(light) == pytest.approx(voltage * current, rel=2e-4)
+        voltage, current = find_max_power_point(PANEL, light)
+        assert HARVEST.steady_light_power(light) == pytest.approx(voltage * current, rel=2e-4)
 
 
 def test_a_flickering_lamp_brings_its_duty_of_its_own_brightness():
     flickering = HARVEST(DARK._replace(beacon=200.0, duty=0.5))
-    assert flickering == pytest.approx(0.5 * HARVEST.steady_power(200.0))
-    assert flickering > HARVEST.steady_power(
+    assert flickering == pytest.approx(0.5 * HARVEST.steady_light_power(200.0))
+    assert flickering > HARVEST.steady_light_power(
         100.0
     )  # a diode gives more than twice in twice the light
     both = HARVEST(DARK._replace(sun=100.0, beacon=200.0, duty=0.25))
     assert both == pytest.approx(
-        0.75 * HARVEST.steady_power(100.0) + 0.25 * HARVEST.steady_power(300.0)
+        0.75 * HARVEST.steady_light_power(100.0) + 0.25 * HARVEST.steady_light_power(300.0)
     )
 
 
@@ -107,14 +107,18 @@ def test_the_books_add_up_entry_by_entry():
 def test_the_table_has_256_points_from_a_hundredth_to_two_thousand_watts():
     """At a table point the value is that of the diode equation, without interpolation."""
     for light in np.geomspace(0.01, 2000.0, 256)[[0, 1, 100, 255]]:
-        voltage, current = find_max_power(PANEL, float(light))
-        assert HARVEST.steady_power(float(light)) == pytest.approx(voltage * current, rel=1e-9)
-    assert HARVEST.steady_power(0.0) == 0.0
-    assert HARVEST.steady_power(0.005) == pytest.approx(0.5 * HARVEST.steady_power(0.01))
-    assert HARVEST.steady_power(3000.0) == HARVEST.steady_power(2000.0)
+        voltage, current = find_max_power_point(PANEL, float(light))
+        assert HARVEST.steady_light_power(float(light)) == pytest.approx(
+            voltage * current, rel=1e-9
+        )
+    assert HARVEST.steady_light_power(0.0) == 0.0
+    assert HARVEST.steady_light_power(0.005) == pytest.approx(
+        0.5 * HARVEST.steady_light_power(0.01)
+    )
+    assert HARVEST.steady_light_power(3000.0) == HARVEST.steady_light_power(2000.0)
 
 
 def test_without_a_beacon_light_is_sun_and_lamps():
     both = HARVEST(DARK._replace(sun=100.0, lamps=20.0, duty=0.5))
-    assert both == pytest.approx(HARVEST.steady_power(120.0))
+    assert both == pytest.approx(HARVEST.steady_light_power(120.0))
     assert DARK == (0.0, 0.0, 0.0, 1.0)

@@ -7,8 +7,8 @@ The figures are those of docs/energy.md and of each file's own words.
 import math
 
 from lta_energy.faults import frozen, panel_short, reversed_sign
-from lta_energy.faults.all_detectors import DETECTORS, DetectorStates, update_detectors
 from lta_energy.faults.detector import MeterObservation
+from lta_energy.faults.fault_monitor import DETECTORS, DetectorStates, update_detectors
 from lta_energy.monitoring.load import initial_load, LoadEstimate
 from lta_energy.monitoring.reading import MeterReading
 from lta_graph.health import HealthLevel

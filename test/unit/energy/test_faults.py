@@ -5,7 +5,7 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_energy.faults.all_detectors import DETECTORS
+from lta_energy.faults.fault_monitor import DETECTORS
 from lta_energy.monitoring import alarms
 from lta_energy.monitoring.estimate import EnergyEstimate
 from lta_energy.monitoring.latch import Latch, ROUNDING, update_latch
@@ -75,7 +75,7 @@ def test_a_fault_of_the_battery_is_named_and_ends_the_flight(name):
     assert name in named
     assert named == {name}
     assert estimate.reserve
-    assert estimate.is_urgent
+    assert estimate.is_landing_urgent
     level, sentence = alarms.assess_meters(estimate)
     assert level is HealthLevel.ERROR
     assert sentence.startswith(name)
@@ -94,7 +94,7 @@ def test_a_fault_of_the_panel_is_named_and_the_flight_goes_on(name):
     named, estimate = flown(PANEL[name], lit=True)
     assert named == {name}
     assert not estimate.reserve
-    assert not estimate.is_urgent
+    assert not estimate.is_landing_urgent
     assert alarms.assess_meters(estimate)[0] is HealthLevel.WARN
 
 
@@ -121,7 +121,7 @@ def test_another_cell_is_noticed_and_its_charge_estimated_anew():
     cell.charge, cell.relaxation = 0.35, 0.0
     estimate = follow(clean(3), estimate=estimate)
     assert 'swapped' in names(estimate)
-    assert estimate.is_urgent
+    assert estimate.is_landing_urgent
     estimate = follow(clean(600), estimate=estimate)
     assert names(estimate) == set()
     assert estimate.charge == pytest.approx(cell.charge, abs=0.05)
@@ -164,7 +164,7 @@ def test_a_clock_that_is_set_back_is_told_and_the_energy_stays_known(back):
         last, estimate = estimate, update_estimate(SETTINGS, ABOARD, estimate, reading)
         named |= names(estimate)
         told |= {fault.sentence for fault in estimate.watch.faults}
-        assert not estimate.is_urgent
+        assert not estimate.is_landing_urgent
         assert not estimate.reserve
         assert abs(estimate.books.stored - last.books.stored) < 2.0  # J; of 0.2 s, not of the leap
     assert named == {'set back'}

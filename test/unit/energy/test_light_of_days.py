@@ -62,7 +62,9 @@ def test_a_seed_is_a_sky():
     np.testing.assert_array_equal(first.sun, again.sun)
     assert np.abs(first.sun - other.sun).max() > 50.0
     np.testing.assert_array_equal(first.clear, other.clear)
-    assert first.forecast(12 * HOUR).sun == pytest.approx(first.mean * first.clear[MINUTES // 2])
+    assert first.forecast_irradiance(12 * HOUR).sun == pytest.approx(
+        first.mean * first.clear[MINUTES // 2]
+    )
 
 
 def test_lamps_burn_by_their_timers_over_midnight_too():
@@ -99,7 +101,10 @@ def test_before_and_after_the_days_the_first_and_the_last_minute_stand():
     ramp = dataclasses.replace(light, sun=np.arange(2880.0), clear=np.arange(2880.0), mean=0.5)
     told = [ramp.at(time).sun for time in (-90.0, 0.0, 59.9, 60.0, light.end - 1.0, light.end)]
     assert told == [0.0, 0.0, 0.0, 1.0, 2879.0, 2879.0]
-    days = [ramp.forecast(time).sun for time in (0.0, 61.0, 24 * HOUR - 1.0, 24 * HOUR + 61.0)]
+    days = [
+        ramp.forecast_irradiance(time).sun
+        for time in (0.0, 61.0, 24 * HOUR - 1.0, 24 * HOUR + 61.0)
+    ]
     assert days == [0.0, 0.5, 719.5, 0.5]
 
 

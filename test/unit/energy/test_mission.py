@@ -17,7 +17,7 @@ from lta_energy.mission_log import ALOFT, ASLEEP, MissionFlight, PERCHED
 from lta_energy.schedule import (
     build_fixed_schedule,
     forecast_charge,
-    is_within_hours,
+    is_within_working_hours,
     night_energy,
     schedule_by_light,
     ScheduleDecision,
@@ -237,7 +237,7 @@ def test_states_are_told():
 def test_a_flight_is_back_within_the_hours_of_work_with_half_of_it_to_spare(work, hours, fits):
     """400 s take 600 s, a sixth of an hour; work may go on over midnight."""
     hired = known(work=(work[0] * HOUR, work[1] * HOUR), flight=400.0)
-    assert [is_within_hours(hired._replace(time=hour * HOUR)) for hour in hours] == list(
+    assert [is_within_working_hours(hired._replace(time=hour * HOUR)) for hour in hours] == list(
         map(bool, fits)
     )
 

@@ -98,17 +98,17 @@ def test_an_unknown_charge_counts_as_reserve_reached():
     unknown = EnergyEstimate()
     for reading in readings((math.nan, -0.1), (3.9, math.nan), (0.0, 0.0)):
         unknown = update_estimate(SETTINGS, ABOARD, unknown, reading)
-        assert (unknown.reserve, unknown.is_urgent) == (True, True)
+        assert (unknown.reserve, unknown.is_landing_urgent) == (True, True)
         assert math.isnan(unknown.charge)
     known = follow(readings(*[resting(0.9)] * 50))
-    assert (known.reserve, known.is_urgent) == (False, False)
+    assert (known.reserve, known.is_landing_urgent) == (False, False)
 
 
 def test_a_doubtful_charge_counts_as_reserve_reached():
     strict = MonitorSettings(doubt=0.01)
     estimate = follow(readings(*[resting(0.9)] * 50), strict)
     assert estimate.reserve
-    assert not estimate.is_urgent
+    assert not estimate.is_landing_urgent
     assert 'doubtful' in alarms.assess_battery(strict, CELL, estimate)[1]
     edge = MonitorSettings(doubt=estimate.deviation)
     assert not follow(readings(*[resting(0.9)] * 50), edge).reserve
@@ -123,9 +123,9 @@ def test_the_way_home_brings_the_reserve_nearer():
     assert far.reserve
     # 100 m at 0.4 m/s over the ground and 1.4 W are 350 J of some 3400 J.
     assert far.stock.home == pytest.approx(350.0 / (900.0 * 3.88), rel=0.02)
-    assert alarms.assess_way_home(far)[0] is HealthLevel.WARN
-    assert 'home is 100.0 m away' in alarms.assess_way_home(far)[1]
-    assert alarms.assess_way_home(near)[0] is HealthLevel.OK
+    assert alarms.compute_return_margin(far)[0] is HealthLevel.WARN
+    assert 'home is 100.0 m away' in alarms.compute_return_margin(far)[1]
+    assert alarms.compute_return_margin(near)[0] is HealthLevel.OK
 
 
 def test_a_low_voltage_must_recover_before_it_is_taken_back():

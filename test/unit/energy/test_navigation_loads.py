@@ -30,6 +30,6 @@ def test_the_cell_of_a_flight_feeds_what_lamps_are_found_with(strategy):
     )
     for _ in range(100):
         world.advance((0.0,) * 4)
-    assert world.supply.energy_books.consumed == pytest.approx(
+    assert world.supply.energy_totals.consumed == pytest.approx(
         0.120 + loads.navigation_power(ENERGY, strategy), rel=1e-6
     )

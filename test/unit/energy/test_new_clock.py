@@ -1,6 +1,6 @@
 """Readings in order after their clock was set back."""
 
-from lta_energy.monitoring.clock_shift import ENOUGH, extend_ordered_stamps, shift_stamps
+from lta_energy.monitoring.clock_shift import append_stamp, ENOUGH, shift_stamps
 from lta_energy.monitoring.estimate import EnergyEstimate
 from lta_energy.monitoring.reading import MeterReading
 import pytest
@@ -18,7 +18,7 @@ import pytest
     ],
 )
 def test_stamps_are_in_order_while_each_is_later(before, stamp, after):
-    assert extend_ordered_stamps(before, stamp) == after
+    assert append_stamp(before, stamp) == after
     assert ENOUGH == 3
 
 

@@ -127,7 +127,7 @@ def test_what_flying_takes_is_learnt_while_the_drone_moves():
 def test_the_reserve_counts_what_is_sure_and_the_way_home():
     settings = EnergyReserveSettings(reserve=0.25, caution=2.0)
     home = 34.56  # J: 1 % of a cell at 3.84 V and 900 C
-    stock = reserve.compute_margin(settings, CELL, known(0.5, deviation=0.02), home)
+    stock = reserve.compute_reserve_margin(settings, CELL, known(0.5, deviation=0.02), home)
     assert stock.sure == pytest.approx(0.46)
     assert stock.home == pytest.approx(0.01)
     spare = stored_energy(0.46, 900.0) - stored_energy(0.25, 900.0) - home
@@ -176,7 +176,9 @@ def test_a_charge_that_is_not_sure_at_all_is_none():
     At 10 +- 20 % the whole reserve is missing; the cell holds 720 C, not the 900 C of its file.
     """
     settings = EnergyReserveSettings(reserve=0.25, caution=1.0)
-    told = reserve.compute_margin(settings, CELL, known(0.1, inverse=1.25, deviation=0.2), 10.0)
+    told = reserve.compute_reserve_margin(
+        settings, CELL, known(0.1, inverse=1.25, deviation=0.2), 10.0
+    )
     assert told.sure == pytest.approx(-0.1)
     assert told.home == pytest.approx(10.0 / (3.69 * 720.0))
     assert told.spare == pytest.approx(-stored_energy(0.25, 720.0) - 10.0)

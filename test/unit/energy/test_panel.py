@@ -6,16 +6,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.compilation.compiler import compile_functions
 from lta_config.errors import BadInput
-from lta_config.files import find_file, list_shipped, load_yaml
+from lta_config.files import find_file, list_shipped_names, load_yaml
 from lta_config.schema.cell_file import load_cell_file
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.settings import to_named_tuple
-from lta_model.electrical.diode_fit import fit_diode, SingleDiode, THERMAL
+from lta_model.electrical.diode_fit import fit_diode, SingleDiodeModel, THERMAL
 from lta_model.electrical.panel import (
     AIR_TEMPERATURE,
-    compute_curve,
+    compute_curve_parameters,
     current_at_voltage,
-    find_max_power,
+    find_max_power_point,
     junction_current,
     power_slope,
     SolarArrayModel,
@@ -24,13 +24,13 @@ from lta_model.electrical.panel import (
 import pytest
 import yaml
 
-CELLS = list_shipped('cells')
+CELLS = list_shipped_names('cells')
 LIGHT = st.floats(0.1, 1200.0)
 pvsystem = pytest.importorskip('pvlib').pvsystem
 
 
 def pvlib_curve(panel, irradiance):
-    light, saturation, thermal, series, shunt = compute_curve(panel, irradiance)
+    light, saturation, thermal, series, shunt = compute_curve_parameters(panel, irradiance)
     return pvsystem.singlediode(light, saturation, series, 1.0 / shunt, thermal)
 
 
@@ -49,7 +49,7 @@ def test_the_diode_has_the_points_of_the_data_sheet(name):
 @pytest.mark.parametrize('irradiance', [1.0, 60.0, 267.0, 1000.0])
 def test_pvlib_finds_the_same_point_of_largest_power(name, irradiance):
     panel = SolarArrayModel.from_cells(name, 2, 3)
-    voltage, current = find_max_power(panel, irradiance)
+    voltage, current = find_max_power_point(panel, irradiance)
     theirs = pvlib_curve(panel, irradiance)
     assert voltage * current == pytest.approx(theirs['p_mp'], rel=1e-9)
     assert voltage == pytest.approx(theirs['v_mp'], rel=1e-5)
@@ -60,7 +60,7 @@ def test_pvlib_finds_the_same_point_of_largest_power(name, irradiance):
 
 
 def _arguments(panel, irradiance):
-    light, saturation, thermal, series, shunt = compute_curve(panel, irradiance)
+    light, saturation, thermal, series, shunt = compute_curve_parameters(panel, irradiance)
     return light, saturation, series, 1.0 / shunt, thermal
 
 
@@ -73,7 +73,7 @@ def test_warmth_is_pvlibs(name, irradiance):
         data.current_drift.si * diode.light, data.ideality.si, 0.0, diode.light,
         diode.saturation, 100.0, 100.0, diode.series, data.junctions, EgRef=data.gap.si,
     )  # fmt: skip
-    ours = compute_curve(SolarArrayModel.from_cells(name, 1, 1), irradiance)
+    ours = compute_curve_parameters(SolarArrayModel.from_cells(name, 1, 1), irradiance)
     assert ours[0] == pytest.approx(light, rel=1e-6)
     assert ours[1] == pytest.approx(saturation, rel=1e-5)
     assert ours[2] == pytest.approx(thermal, rel=1e-6)
@@ -88,8 +88,10 @@ def test_silicon_loses_a_quarter_of_a_percent_of_voltage_a_kelvin():
 
 @given(LIGHT, st.integers(1, 5), st.integers(1, 5))
 def test_strings_add_up(irradiance, series, parallel):
-    voltage, current = find_max_power(SolarArrayModel.from_cells('anysolar', 1, 1), irradiance)
-    volts, amperes = find_max_power(
+    voltage, current = find_max_power_point(
+        SolarArrayModel.from_cells('anysolar', 1, 1), irradiance
+    )
+    volts, amperes = find_max_power_point(
         SolarArrayModel.from_cells('anysolar', series, parallel), irradiance
     )
     assert volts == pytest.approx(series * voltage, rel=1e-6)
@@ -101,7 +103,7 @@ def test_more_light_gives_more(one, other):
     low, high = sorted((one, other))
     panel = SolarArrayModel.from_cells('adafruit', 1, 1).model_copy(update={'warming': 0.0})
     powers = [
-        volts * amperes for volts, amperes in (find_max_power(panel, x) for x in (low, high))
+        volts * amperes for volts, amperes in (find_max_power_point(panel, x) for x in (low, high))
     ]
     assert powers[0] <= powers[1]
 
@@ -109,7 +111,8 @@ def test_more_light_gives_more(one, other):
 def test_dim_light_gives_less_than_in_proportion():
     panel = SolarArrayModel.from_cells('anysolar', 1, 1).model_copy(update={'warming': 0.0})
     powers = [
-        volts * amperes for volts, amperes in (find_max_power(panel, x) for x in (1.0, 1000.0))
+        volts * amperes
+        for volts, amperes in (find_max_power_point(panel, x) for x in (1.0, 1000.0))
     ]
     # The open circuit loses 0.226 V ln 1000 = 1.56 V of its 5.53 V; the rest is lost in shape.
     assert powers[0] == pytest.approx(0.75e-3 * powers[1], rel=0.01)
@@ -117,10 +120,10 @@ def test_dim_light_gives_less_than_in_proportion():
 
 def test_darkness_gives_nothing():
     panel = SolarArrayModel.from_cells('anysolar', 2, 1)
-    assert find_max_power(panel, 0.0) == (0.0, 0.0)
-    assert find_max_power(panel, -1.0) == (0.0, 0.0)
+    assert find_max_power_point(panel, 0.0) == (0.0, 0.0)
+    assert find_max_power_point(panel, -1.0) == (0.0, 0.0)
     assert current_at_voltage(panel, 0.0, 0.0) == 0.0
-    assert find_max_power(
+    assert find_max_power_point(
         SolarArrayModel.from_energy(load_vehicle_file('sblimp').energy), 500.0
     ) == (0.0, 0.0)
 
@@ -146,8 +149,8 @@ def test_what_is_no_cell_is_one_sentence(tmp_path, key, value, sentence):
 
 def test_the_array_compiles_to_the_same():
     panel = to_named_tuple(SolarArrayModel.from_cells('anysolar', 2, 1))
-    brightest, at = compile_functions(find_max_power, current_at_voltage)
-    assert brightest(panel, 60.0) == find_max_power(panel, 60.0)
+    brightest, at = compile_functions(find_max_power_point, current_at_voltage)
+    assert brightest(panel, 60.0) == find_max_power_point(panel, 60.0)
     assert at(panel, 60.0, 3.0) == current_at_voltage(panel, 60.0, 3.0)
 
 
@@ -181,17 +184,17 @@ def test_no_current_flows_back_and_the_warmth_is_that_of_the_light():
     assert current_at_voltage(panel, -1.0, 0.0) == 0.0
     unlit = panel.model_copy(update={'light': 0.0})
     assert current_at_voltage(unlit, 1000.0, 0.0) == 0.0
-    assert find_max_power(unlit, 1000.0) == (0.0, 0.0)
+    assert find_max_power_point(unlit, 1000.0) == (0.0, 0.0)
     # 20 degC of the air and 10 K by 1000 W/m2: 303.15 K of 298.15 K.
     warm = panel.model_copy(update={'warming': 0.01, 'drift': 1e-3})
-    light, saturation, thermal, series, shunt = compute_curve(warm, 1000.0)
+    light, saturation, thermal, series, shunt = compute_curve_parameters(warm, 1000.0)
     ratio = 303.15 / 298.15
     assert light == pytest.approx(panel.light * 1.005)
     assert thermal == pytest.approx(panel.thermal * ratio)
     freed = panel.gap * (1.0 - 1.0 / ratio) / (8.617333262e-5 * 298.15)
     assert saturation == pytest.approx(panel.saturation * ratio**3 * math.exp(freed))
     assert (series, shunt) == (panel.series, panel.shunt)
-    assert compute_curve(warm, 500.0)[4] == pytest.approx(0.5 * panel.shunt)
+    assert compute_curve_parameters(warm, 500.0)[4] == pytest.approx(0.5 * panel.shunt)
 
 
 @pytest.mark.parametrize('name', CELLS)
@@ -200,7 +203,7 @@ def test_the_diode_of_a_sheet_solves_its_three_equations(name):
     The three equations are short circuit, open circuit and zero slope of the power at its maximum.
     """
     sheet, diode = load_cell_file(name).electrical, fit_diode(load_cell_file(name))
-    assert isinstance(diode, SingleDiode)
+    assert isinstance(diode, SingleDiodeModel)
     # k T / q at 298.15 K.
     assert pytest.approx(1.380649e-23 * 298.15 / 1.602176634e-19, rel=1e-7) == THERMAL
     assert diode.thermal == pytest.approx(sheet.ideality.si * sheet.junctions * THERMAL)

@@ -62,7 +62,7 @@ def test_whoever_falls_silent_is_named_once():
     said = []
     lookout = StallMonitor(said.append)
     for silent in ([], ['estimator'], ['estimator'], [], ['navigator']):
-        lookout.update({}, silent)
+        lookout.report_stalled_nodes({}, silent)
     assert said == ['Nothing comes from estimator.', 'Nothing comes from navigator.']
 
 
@@ -70,11 +70,11 @@ def test_after_the_flight_nobody_is_named_though_the_graph_stands(clock):
     said = []
     lookout = StallMonitor(said.append)
     over = HealthFact(FLIGHT, HealthLevel.OK, 'reached', {'outcome': 'reached'})
-    lookout.update({FLIGHT: over}, [])
+    lookout.report_stalled_nodes({FLIGHT: over}, [])
     clock[0] += 3.0
-    lookout.update({FLIGHT: over}, ['simulator'])
+    lookout.report_stalled_nodes({FLIGHT: over}, ['simulator'])
     assert said == []
-    assert lookout.stall_time == 3.0
+    assert lookout.stall_duration == 3.0
 
 
 @pytest.mark.usefixtures('clock')
@@ -85,9 +85,9 @@ def test_a_robot_that_is_there_is_not_blamed_for_standing_and_the_other_still_is
         f'lta1/{FLIGHT}': HealthFact(f'lta1/{FLIGHT}', HealthLevel.OK, '', {'outcome': 'reached'}),
         f'lta2/{FLIGHT}': HealthFact(f'lta2/{FLIGHT}', HealthLevel.OK, '', {'outcome': 'flying'}),
     }
-    lookout.update(facts, ['lta1/simulator'])
-    lookout.update(facts, ['lta1/simulator', 'lta2/estimator'])
-    lookout.update(facts, ['recorder'])
+    lookout.report_stalled_nodes(facts, ['lta1/simulator'])
+    lookout.report_stalled_nodes(facts, ['lta1/simulator', 'lta2/estimator'])
+    lookout.report_stalled_nodes(facts, ['recorder'])
     assert said == ['Nothing comes from lta2/estimator.', 'Nothing comes from recorder.']
 
 
@@ -96,23 +96,23 @@ def test_who_still_loads_is_excused_and_named_only_once_it_has_spoken(clock):
     lookout = StallMonitor(said.append)
     waits = HealthFact('estimator: inputs', HealthLevel.ERROR, '', {'suspects': 'vehicle'})
     for _ in range(60):
-        lookout.update({waits.task: waits}, [], unheard=['simulator'])
+        lookout.report_stalled_nodes({waits.task: waits}, [], unheard=['simulator'])
         clock[0] += 1.0
-    assert lookout.stall_time == 0.0
+    assert lookout.stall_duration == 0.0
     (sentence,) = said
     assert sentence.startswith('Waiting for vehicle to load; the first flight compiles')
     for _ in range(3):
-        lookout.update({waits.task: waits}, [])
+        lookout.report_stalled_nodes({waits.task: waits}, [])
         clock[0] += 1.0
     assert said[1:] == ['Nothing comes from vehicle.']
-    assert lookout.stall_time == 3.0
+    assert lookout.stall_duration == 3.0
 
 
 def test_before_the_first_step_nobody_says_that_it_waits_and_the_model_is_still_excused(clock):
     said = []
     lookout = StallMonitor(said.append)
     for _ in range(60):
-        lookout.update({}, [], unheard=['lta2/simulator', 'theirs'])
+        lookout.report_stalled_nodes({}, [], unheard=['lta2/simulator', 'theirs'])
         clock[0] += 1.0
     (sentence,) = said
     assert sentence.startswith('Waiting for lta2/vehicle to load; the first flight compiles')
@@ -131,15 +131,15 @@ def test_what_nodes_call_an_error_is_said_once_until_it_is_another(clock):
     lookout = StallMonitor(said.append, told.append)
     for message in ('silent for 0.5 s', 'silent for 0.6 s', 'unplugged', 'unplugged'):
         fact = HealthFact('bridge: link', HealthLevel.ERROR, message)
-        lookout.update({fact.task: fact}, [])
+        lookout.report_stalled_nodes({fact.task: fact}, [])
         clock[0] += 0.1
     assert said == ['bridge: silent for 0.5 s.', 'bridge: unplugged.']
     for level in (HealthLevel.OK, HealthLevel.WARN, HealthLevel.ERROR):  # it comes and goes
         fact = HealthFact('bridge: link', level, 'unplugged')
-        lookout.update({fact.task: fact}, [])
+        lookout.report_stalled_nodes({fact.task: fact}, [])
     assert len(said) == 2
     clock[0] += REPEATED + 0.1
-    lookout.update({fact.task: fact}, [])
+    lookout.report_stalled_nodes({fact.task: fact}, [])
     assert said[2:] == ['bridge: unplugged (again once in 10 s).', 'bridge: unplugged.']
     assert told == []  # the node says it itself
 
@@ -152,7 +152,7 @@ def test_an_error_that_keeps_coming_back_is_counted(clock):
         fact = HealthFact(
             'bridge: link', HealthLevel.OK if k % 2 else HealthLevel.ERROR, f'silent for {k} s'
         )
-        lookout.update({fact.task: fact}, [])
+        lookout.report_stalled_nodes({fact.task: fact}, [])
         clock[0] += 1.0
     assert said == [
         'bridge: silent for 0 s.',
@@ -160,7 +160,7 @@ def test_an_error_that_keeps_coming_back_is_counted(clock):
         'bridge: silent for 12 s (again 5 times in 11 s).',
     ]
     for _ in range(30):
-        lookout.update({}, [])
+        lookout.report_stalled_nodes({}, [])
         clock[0] += 1.0
     assert said[3:] == ['bridge: silent for 22 s (again 5 times in 11 s).']  # and nothing ails
 
@@ -171,9 +171,9 @@ def test_a_fault_is_said_at_once_although_it_showed_for_a_moment_before(clock):
     lookout = StallMonitor(said.append)
     for seconds in (0.1, 3.0, 0.1):
         fact = HealthFact('recorder: disk', HealthLevel.ERROR, f'slow: busy for {seconds} s')
-        lookout.update({fact.task: fact}, [])
+        lookout.report_stalled_nodes({fact.task: fact}, [])
         clock[0] += 0.1
-        lookout.update({}, [])
+        lookout.report_stalled_nodes({}, [])
         clock[0] += 3.0
     assert said == ['recorder: slow: busy for 0.1 s.', 'recorder: slow: busy for 3.0 s.']
 
@@ -185,14 +185,14 @@ def test_errors_that_have_sentences_of_their_own_are_not_said_twice(clock):
         HealthFact('estimator: inputs', HealthLevel.ERROR, 'waiting for imu', {'suspects': ''}),
         HealthFact('launcher: processes', HealthLevel.ERROR, 'Nothing comes from estimator.'),
     ]
-    lookout.update({fact.task: fact for fact in facts}, ['estimator'])
+    lookout.report_stalled_nodes({fact.task: fact for fact in facts}, ['estimator'])
     assert said == told == ['Nothing comes from estimator.']
 
 
 def test_a_full_disk_is_said_before_the_recorder_has_left(clock):
     said = []
     full = HealthFact('recorder: recording', HealthLevel.ERROR, 'The disk is full: make room.')
-    StallMonitor(said.append).update({full.task: full}, [])
+    StallMonitor(said.append).report_stalled_nodes({full.task: full}, [])
     assert said == ['recorder: The disk is full: make room.']
 
 

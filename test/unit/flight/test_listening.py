@@ -3,9 +3,9 @@
 from dataclasses import replace
 
 from lta_config.errors import BadInput
-from lta_config.files import list_shipped
+from lta_config.files import list_shipped_names
 from lta_flight.flight import FlightRequest, fly_once
-from lta_flight.flight_spec import build_parts, load_spec
+from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
 from lta_flight.lamp_frequency import check_lamp_frequency
 from lta_model.scenario import load_scenario
 from lta_vlc.settings import DemodulationSettings
@@ -31,16 +31,16 @@ def other():
 
 def test_a_lamp_that_nobody_listens_for_is_refused_with_both_frequencies(other):
     with pytest.raises(BadInput, match=r'flickers at 230 Hz.* listens at 150 Hz.*route: \[lamp\]'):
-        build_parts(other())
+        build_vehicle_scenario_stack(other())
 
 
 def test_either_remedy_lets_it_fly(other):
-    build_parts(other(route=['lamp']))
-    build_parts(other().with_values({'demodulator.frequency': 230.0}))
+    build_vehicle_scenario_stack(other(route=['lamp']))
+    build_vehicle_scenario_stack(other().with_values({'demodulator.frequency': 230.0}))
 
 
 def test_on_a_course_nobody_seeks_a_lamp(other):
-    build_parts(other(course={'between': 'step', 'rows': [ROW]}))
+    build_vehicle_scenario_stack(other(course={'between': 'step', 'rows': [ROW]}))
 
 
 def test_the_line_is_where_another_bin_is_the_nearest_one():
@@ -48,7 +48,7 @@ def test_the_line_is_where_another_bin_is_the_nearest_one():
     assert (bins.first, bins.last, bins.frequency_limits) == (13, 17, (125.0, 175.0))
 
 
-@pytest.mark.parametrize('name', list_shipped('scenarios'))
+@pytest.mark.parametrize('name', list_shipped_names('scenarios'))
 def test_every_shipped_scene_is_heard(name):
     check_lamp_frequency(load_scenario(name), DemodulationSettings())
 

@@ -7,7 +7,7 @@ import math
 from lta_config.files import find_file, load_yaml
 from lta_config.topics import load_topic_table
 from lta_control import message_rounding
-from lta_control.allocation import create_scratch
+from lta_control.allocation import create_working_array
 from lta_control.attitude import yaw_from_quaternion
 from lta_control.autopilot import build_drone_constants, MEMORY
 from lta_control.cascade import Setpoint, wrap_angle
@@ -16,7 +16,7 @@ from lta_control.gains_file import load_gains
 from lta_control.mission import MissionSettings
 from lta_control.onboard import onboard_step, OnboardMemory, SensorInputs
 from lta_control.phases import Phase
-from lta_control.strategies import find_strategy
+from lta_control.strategies import find_navigation_strategy
 from lta_control.strategies.bearing_angle import STRATEGY
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_stack import FlightStack
@@ -38,7 +38,7 @@ def start(seed, vehicle='gtmab', **policy):
     scenario = load_scenario('lamp_room')
     vehicle = load_vehicle(str(vehicle), scenario.air.density)
     table = load_topic_table()
-    policy = {'strategy': find_strategy('bag'), 'gains': load_gains('gtmab'), **policy}
+    policy = {'strategy': find_navigation_strategy('bag'), 'gains': load_gains('gtmab'), **policy}
     world = World(vehicle, scenario, table, seed)
     return ClosedLoop(world, table, FlightStack(**policy))
 
@@ -184,7 +184,7 @@ def test_a_bearing_is_added_to_the_heading_at_the_middle_of_its_block():
 
 def test_it_decides_as_plain_python_does():
     """A whole climb and search: the compiled step and the same functions in Python, to the bit."""
-    loop, scratch = start(2), create_scratch()
+    loop, scratch = start(2), create_working_array()
     vehicle = load_vehicle('gtmab')
     drone = build_drone_constants(vehicle, EstimatorSettings(), load_gains('gtmab'), 0.01)
     memory, taken = OnboardMemory(), []
@@ -247,7 +247,9 @@ def test_the_forward_rotors_keep_the_hull_from_swinging(gain, calm):
     loop = ClosedLoop(
         world,
         table,
-        FlightStack(find_strategy('bag'), gains, course=lambda time: Setpoint(0.6, 0.0, 0.6)),
+        FlightStack(
+            find_navigation_strategy('bag'), gains, course=lambda time: Setpoint(0.6, 0.0, 0.6)
+        ),
     )
     tilts = []
     while world.elapsed < 60.0:
@@ -313,7 +315,9 @@ def test_a_course_ends_on_the_floor_with_its_motors_off_and_counts_as_reached():
     scene['course'] = {'between': 'step', 'rows': [up, down]}
     table, vehicle = load_topic_table(), load_vehicle('gtmab')
     world = World(vehicle, Scenario.model_validate(scene), table, 1)
-    loop = ClosedLoop(world, table, FlightStack(find_strategy('bag'), load_gains('gtmab')))
+    loop = ClosedLoop(
+        world, table, FlightStack(find_navigation_strategy('bag'), load_gains('gtmab'))
+    )
     heights, began = {}, world.state[2]
     turned = yaw_from_quaternion(tuple(world.state[3:7].tolist()))
     for _ in loop.iterate_steps():

@@ -52,7 +52,7 @@ def test_it_lands_where_the_reserve_is_reached():
     loop, phases, _, there = fly(small(), 30.0)
     assert phases == [Phase.REST, Phase.CLIMB, Phase.SEEK, Phase.LAND]
     assert 2.0 < there < 5.0
-    assert loop.world.state[2] == pytest.approx(loop.world.vehicle.height_on_floor, abs=0.01)
+    assert loop.world.state[2] == pytest.approx(loop.world.vehicle.hull_height_on_floor, abs=0.01)
 
 
 def test_it_returns_to_its_start_and_lands_there():

@@ -1,7 +1,7 @@
 """A launch plan is checked before anything starts."""
 
 from lta_config.errors import BadInput
-from lta_config.files import find_file, list_shipped
+from lta_config.files import find_file, list_shipped_names
 from lta_control.strategies import STRATEGIES
 from lta_flight.preflight import check_plan
 from lta_graph.launch_file import LaunchPlan, load_plan
@@ -19,11 +19,11 @@ def plan(*words, package='lta_sim'):
     [
         (
             'vehicle:="nope"',
-            f"Unknown vehicle 'nope'; known: {', '.join(list_shipped('vehicles'))}.",
+            f"Unknown vehicle 'nope'; known: {', '.join(list_shipped_names('vehicles'))}.",
         ),
         (
             'scenario:="moon"',
-            f"Unknown scenario 'moon'; known: {', '.join(list_shipped('scenarios'))}.",
+            f"Unknown scenario 'moon'; known: {', '.join(list_shipped_names('scenarios'))}.",
         ),
         ('strategy:="luck"', f"Unknown strategy 'luck'; known: {', '.join(STRATEGIES)}."),
         ('seed:=-1', 'The seed is -1, but must be a whole number from 0 to 2147483647.'),

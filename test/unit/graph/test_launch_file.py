@@ -5,7 +5,7 @@ from pathlib import Path
 from lta_config.errors import BadInput
 from lta_graph.launch_file import LaunchArgument, list_arguments, load_plan
 from lta_graph.launch_node import format_ros_yaml
-from lta_graph.launch_substitutions import LaunchContext, split_command_line, substitute_text
+from lta_graph.launch_substitutions import expand_substitutions, LaunchContext, split_command_line
 import pytest
 import yaml
 
@@ -357,7 +357,7 @@ def test_substitutions_nest_and_quote(monkeypatch, tmp_path):
     context = LaunchContext(tmp_path, {'p': 'lta_config', 'q': 'p', 's': 'two words'})
 
     def made(text: str) -> str:
-        return substitute_text(text, context)
+        return expand_substitutions(text, context)
 
     assert made('$(find-pkg-share $(var p))/x') == f'{tmp_path}/share/lta_config/x'
     assert made('$(var $(var q))') == 'lta_config'

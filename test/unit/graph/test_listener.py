@@ -34,7 +34,7 @@ def test_of_several_robots_each_fact_has_its_robot_s_name():
         'lta2/estimator: state',
         'recorder: state',
     }
-    assert both.find_pending(['lta1/estimator', 'lta2/estimator', 'recorder', 'other']) == [
+    assert both.find_pending_nodes(['lta1/estimator', 'lta2/estimator', 'recorder', 'other']) == [
         'other'
     ]
     assert set(one.facts) == {'estimator: state'}
@@ -46,13 +46,13 @@ def test_silence_means_nothing_before_all_have_spoken_and_could_speak_again(cloc
     assert not ears.is_settled(nodes)
     ears._on_diagnostics(said('lta1/estimator'))
     clock[0] += 3.0
-    assert ears.find_silent(['lta1/estimator']) == ['lta1/estimator']
+    assert ears.find_silent_nodes(['lta1/estimator']) == ['lta1/estimator']
     assert not ears.is_settled(nodes)
     ears._on_diagnostics(said('lta2/estimator'))
     assert not ears.is_settled(nodes)
     clock[0] += SILENCE + 0.01
     assert ears.is_settled(nodes)
-    assert ears.find_silent(nodes) == nodes
+    assert ears.find_silent_nodes(nodes) == nodes
 
 
 def test_one_that_never_speaks_does_not_keep_silence_meaningless_for_ever(clock):
@@ -63,6 +63,6 @@ def test_one_that_never_speaks_does_not_keep_silence_meaningless_for_ever(clock)
     clock[0] += SILENCE + 0.01
     assert ears.is_settled(['estimator', 'theirs'])
     ears._on_diagnostics(said('lta1/estimator'))
-    assert ears.find_silent(['estimator', 'theirs']) == []
+    assert ears.find_silent_nodes(['estimator', 'theirs']) == []
     clock[0] += LOADING
-    assert ears.find_silent(['theirs']) == ['theirs']
+    assert ears.find_silent_nodes(['theirs']) == ['theirs']

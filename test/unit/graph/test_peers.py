@@ -22,7 +22,7 @@ def test_who_is_ahead_waits_by_hand():
     peers.mark_ended('lta2')
     peers.mark_ended('lta2')
     assert peers.find_lagging(START + 100 * LEAD) == []
-    assert peers.active == []
+    assert peers.active_robots == []
 
 
 def test_who_has_no_peers_never_waits():

@@ -1,7 +1,7 @@
 """Who holds several robots up: the one that somebody waits for and that does not wait itself."""
 
 from lta_graph.health import HealthFact, HealthLevel
-from lta_graph.stall_attribution import find_stalled_roles
+from lta_graph.stall_attribution import find_stalling_roles
 
 
 def waiting(node, *suspects):
@@ -11,8 +11,8 @@ def waiting(node, *suspects):
 def test_one_robot_by_hand():
     facts = [waiting('controller', 'estimator'), waiting('simulator', 'controller')]
     facts.append(waiting('energy_monitor', 'vehicle'))
-    assert find_stalled_roles(facts) == ['estimator']
-    assert find_stalled_roles([waiting('simulator', '')]) == []
+    assert find_stalling_roles(facts) == ['estimator']
+    assert find_stalling_roles([waiting('simulator', '')]) == []
 
 
 def test_a_robot_that_waits_for_another_blames_neither_itself_nor_the_other_s_simulator():
@@ -24,9 +24,9 @@ def test_a_robot_that_waits_for_another_blames_neither_itself_nor_the_other_s_si
         waiting('lta1/estimator', 'vehicle'),
         waiting('lta1/controller', 'estimator'),
     ]
-    assert find_stalled_roles(facts) == ['lta2/estimator']
+    assert find_stalling_roles(facts) == ['lta2/estimator']
     # The same name in the other robot is not excused by this one's waiting.
-    assert find_stalled_roles([waiting('lta1/estimator', 'vehicle'), facts[0]]) == [
+    assert find_stalling_roles([waiting('lta1/estimator', 'vehicle'), facts[0]]) == [
         'lta1/vehicle',
         'lta2/estimator',
     ]

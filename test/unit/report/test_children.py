@@ -27,7 +27,7 @@ def test_what_is_done_comes_back_whoever_does_it():
 def dead(monkeypatch):
     """Let every flight, study and examination end the process that it runs in."""
     monkeypatch.setattr(platforms, 'fly_job', os._exit)
-    monkeypatch.setattr(workers, '_evaluate_indexed', _ends)
+    monkeypatch.setattr(workers, '_evaluate_with_index', _ends)
     monkeypatch.setattr(reproduce, '_study_with_name', _ends)
 
 
@@ -44,7 +44,7 @@ def test_a_worker_that_dies_is_told_in_a_sentence(dead, tmp_path):
     with workers.create_workers(2) as processes:
         for _ in range(2):  # whoever asks once more hears the same
             with pytest.raises(BadInput, match=DIED + GOES_ON):
-                workers.evaluate_all(['any'], processes)
+                workers.evaluate_jobs(['any'], processes)
     assert not active_children()
 
 

@@ -10,11 +10,11 @@ from lta_config.files import find_file
 from lta_flight.replay.comparison import compare_topic
 from lta_flight.replay.decisions import compare_decisions
 from lta_flight.replay.page import render_page as replay_page
-from lta_flight.replay.request import ReplayRequest
+from lta_flight.replay.replay_request import ReplayRequest
 from lta_flight.replay.topic_messages import TopicMessages
 from lta_flight.replay.verdict import ReplayVerdict
 from lta_flight.report import write_page as write_report
-from lta_report.page_parts import sanitize_figure as inert_figure
+from lta_report.html_elements import sanitize_figure as inert_figure
 import numpy as np
 from plotly.graph_objects import Figure
 import pytest

@@ -1,6 +1,6 @@
 """Vehicles side by side, as Python and compiled."""
 
-from lta_sim.kernels import batch
+from lta_sim.kernels import cpu_batch
 from numba.core import config
 import pytest
 
@@ -16,6 +16,6 @@ def steps(request, monkeypatch):
         return 200
     with monkeypatch.context() as while_loading:
         while_loading.setattr(config, 'DISABLE_JIT', 1)
-        plain = batch._load_kernel.__wrapped__()
-    monkeypatch.setattr(batch, '_load_kernel', lambda: plain)
+        plain = cpu_batch._load_kernel.__wrapped__()
+    monkeypatch.setattr(cpu_batch, '_load_kernel', lambda: plain)
     return 2

@@ -2,7 +2,7 @@
 
 from lta_config.errors import BadInput
 from lta_sim.kernels import kernel
-from lta_sim.kernels.batch import advance_many
+from lta_sim.kernels.cpu_batch import advance_many
 from lta_sim.kernels.vehicle_batch import VehicleBatch
 import numpy as np
 import pytest

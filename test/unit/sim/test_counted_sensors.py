@@ -43,7 +43,7 @@ def test_the_inertial_sensor_is_the_same():
     force, rates = (0.31, -0.2, 9.9), (0.01, 0.5, -12.0)  # the last beyond full scale
     deviates = [x for lane in (0, 1, 2) for x in draw_normals(SEED, counted.IMU, STEP, lane)]
     expected = imu.measure_imu(own, force, rates, giving(*deviates))
-    assert counted.sample_imu(ERRORS, SEED, STEP, force, rates) == expected
+    assert counted.simulate_imu_reading(ERRORS, SEED, STEP, force, rates) == expected
 
 
 def test_its_errors_are_drawn_within_the_bounds_of_the_data_sheet():
@@ -67,7 +67,9 @@ def test_the_range_finder_is_the_same(height):
     deviate = draw_normals(SEED, counted.RANGE, STEP, 0)[0]
     told = range.measure_range(settings, own, *outlook, giving(deviate))
     expected = told if math.isfinite(told) else math.nan
-    np.testing.assert_equal(counted.sample_range(SENSORS, ERRORS, SEED, STEP, state), expected)
+    np.testing.assert_equal(
+        counted.simulate_range_reading(SENSORS, ERRORS, SEED, STEP, state), expected
+    )
 
 
 def test_the_barometer_is_the_same():
@@ -77,7 +79,7 @@ def test_the_barometer_is_the_same():
     expected = pressure.measure_pressure(
         pressure.PressureSettings(floor=101325.0), own, height, 3.0, giving(deviate)
     )
-    assert counted.sample_pressure(SENSORS, ERRORS, SEED, STEP, 0.7, 3.0) == expected
+    assert counted.simulate_pressure_reading(SENSORS, ERRORS, SEED, STEP, 0.7, 3.0) == expected
 
 
 @pytest.mark.parametrize(
@@ -101,7 +103,7 @@ def test_the_lamp_is_heard_as_through_blocks(distance):
         pose = (x, 0.0, 0.5, 0.0, 0.0, math.sin(half), math.cos(half))
         view = LightView(scene.light_field, VEHICLE, diodes)
         view.record_pose(pose)
-        block = view.read_block(k * 10**8, rate, light.samples, chance)
+        block = view.sample_light_block(k * 10**8, rate, light.samples, chance)
         silent = listening._replace(variance=0.0, shot=0.0)
         read = readings(LightView(scene.light_field, VEHICLE, diodes), pose)
         both = (demodulate_beacon(block, bins), heard(listening, read, k), heard(silent, read, k))
@@ -118,7 +120,7 @@ def test_the_lamp_is_heard_as_through_blocks(distance):
 
 def readings(view, pose):
     """Return what a ring reads at a pose, as `write_ring_light` writes it."""
-    light = view.compute_illuminance([pose])
+    light = view.compute_diode_readings([pose])
     read = np.zeros((LAMPS + 1, len(DIODES)))
     read[SHARE] = light.steady[0] / view.field.ambient.steady
     read[LAMPS] = light.modulated[0, 0]

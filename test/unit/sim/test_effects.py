@@ -126,7 +126,7 @@ class Point:
 def test_installed_effects_are_checked(monkeypatch, effect, words):
     monkeypatch.setattr(effects, 'entry_points', lambda group: [Point(effect)])
     with pytest.raises(BadInput, match=words):
-        effects.merge_installed({'linear_drag': effects.EFFECTS['linear_drag']})
+        effects.merge_installed_effects({'linear_drag': effects.EFFECTS['linear_drag']})
 
 
 def test_what_others_install_is_not_of_the_library(monkeypatch):
@@ -134,5 +134,5 @@ def test_what_others_install_is_not_of_the_library(monkeypatch):
     before = render_page()
     monkeypatch.setitem(effects.EFFECTS, 'guide_rope', rope)
     assert effects.get_effect('guide_rope') is rope
-    assert list(effects.select_built_in()) == list(effects.BUILT_IN)
+    assert list(effects.select_built_in_effects()) == list(effects.BUILT_IN)
     assert render_page() == before

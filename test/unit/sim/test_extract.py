@@ -9,7 +9,7 @@ from lta_config.errors import BadInput
 from lta_model.effects import EFFECTS
 from lta_model.effects.aerodynamics import linear_drag, quadratic_drag
 from lta_model.effects.protocol import KernelEffect, VehicleMotion
-from lta_sim.kernels.compose import write_kernel_source
+from lta_sim.kernels.compose import render_kernel_source
 import pytest
 
 PAIR = (2.0, 3.0)
@@ -40,7 +40,7 @@ def bad(x: float) -> str:
 def text_of(*functions):
     extract = SourceExtract()
     names = [extract.add_function(function, 'box') for function in functions]
-    text = extract.render('@plain')
+    text = extract.render_pieces('@plain')
     space = {'math': math, 'plain': lambda function: function}
     exec('from collections import namedtuple\n' + text, space)
     return text, [space[name] for name in names]
@@ -87,7 +87,7 @@ def test_two_things_cannot_share_a_name():
 
 
 def test_the_kernel_needs_numba_only():
-    source = write_kernel_source(EFFECTS)
+    source = render_kernel_source(EFFECTS)
     imports = [line for line in source.splitlines() if line.startswith(('import', 'from'))]
     assert imports == [
         'from collections import namedtuple',

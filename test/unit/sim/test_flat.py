@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from lta_config.compilation.flat import compile_core, render_core, TupleLayout
+from lta_config.compilation.flat import compile_core, render_core_source, TupleLayout
 from lta_config.settings import setting, Settings, to_named_tuple
 import numpy as np
 import pytest
@@ -45,11 +45,11 @@ def core(constants, memory, given, scratch):
 def test_the_layout_is_in_order():
     layout = TupleLayout(Outer())
     assert layout.paths == ('pair[0]', 'pair[1]', 'inner.count', 'inner.on', 'last')
-    assert layout.slice_of('inner') == slice(2, 4)
-    assert layout.slice_of('pair') == slice(0, 2)
-    assert layout.slice_of('last') == slice(4, 5)
+    assert layout.part_slice('inner') == slice(2, 4)
+    assert layout.part_slice('pair') == slice(0, 2)
+    assert layout.part_slice('last') == slice(4, 5)
     with pytest.raises(KeyError):
-        layout.slice_of('inne')
+        layout.part_slice('inne')
 
 
 def test_there_and_back():
@@ -89,7 +89,7 @@ def test_the_text_has_all_and_only_its_own():
         TupleLayout(Outer()),
         TupleLayout(Given(0.0)),
     )
-    text = render_core(core, *layouts)
+    text = render_core_source(core, *layouts)
     for kind in ('Constants', 'Weights', 'Outer', 'Inner', 'Given'):
         assert text.count(f'core_{kind} = namedtuple(') == 1
     imports = [line for line in text.splitlines() if line.startswith(('import', 'from'))]

@@ -4,8 +4,8 @@ from functools import cache
 
 from lta_model.effects import EFFECTS
 from lta_sim.kernels import kernel, row
-from lta_sim.kernels.batch import advance_many
-from lta_sim.kernels.compose import write_kernel_source
+from lta_sim.kernels.compose import render_kernel_source
+from lta_sim.kernels.cpu_batch import advance_many
 from lta_sim.kernels.kernel import LAYOUT
 from lta_sim.kernels.vehicle_batch import VehicleBatch
 import numpy as np
@@ -48,7 +48,7 @@ def alone(models, states, commands, around, steps):
 @pytest.fixture(scope='module')
 def text():
     """Return `advance` of the kernel's text as plain, slow Python."""
-    source = write_kernel_source(EFFECTS).replace('from numba import njit', '')
+    source = render_kernel_source(EFFECTS).replace('from numba import njit', '')
     space = {'njit': lambda **_: lambda function: function}
     exec(source, space)
     return space['advance']
@@ -65,7 +65,7 @@ def test_side_by_side_as_alone(seed, kinds, steps):
 
 def in_python(advance, model, state, command, around, steps):
     """Return the later state by the text, from a list of floats."""
-    where = row.row_places(LAYOUT)
+    where = row.row_slices(LAYOUT)
     numbers = [0.0] * where['wind'].stop
     for name, values in {
         'state': state,

@@ -5,7 +5,7 @@ Everything is what the library has: an effect that others installed has no secon
 is off.
 """
 
-from lta_model.effects import BUILT_IN, select_built_in
+from lta_model.effects import BUILT_IN, select_built_in_effects
 from lta_model.effects.protocol import (
     ActuatorEffect,
     AirEffect,
@@ -32,7 +32,9 @@ BLOCKS = {'position': slice(0, 3), 'attitude': slice(3, 7), 'motion': slice(7, 1
 
 
 def kind(kind_):
-    return [name for name, effect in select_built_in().items() if isinstance(effect, kind_)]
+    return [
+        name for name, effect in select_built_in_effects().items() if isinstance(effect, kind_)
+    ]
 
 
 def own(wrenches):
@@ -60,7 +62,7 @@ def test_every_effect_has_an_oracle_in_its_order():
     assert list(BODY) == kind(BodyEffect)
     assert list(INERTIA) == kind(InertiaEffect)
     assert set(oracle.WRENCHES) == set(kind(WrenchEffect))
-    assert set(select_built_in()) == set(oracle.KNOWN) | set(kind(MeasurementEffect))
+    assert set(select_built_in_effects()) == set(oracle.KNOWN) | set(kind(MeasurementEffect))
 
 
 @pytest.mark.parametrize('seed', range(60))

@@ -4,7 +4,7 @@ import math
 
 from lta_config.compilation.compiler import compile_functions
 from lta_model.light.ambient import Ambient
-from lta_model.light.block_motion import write_pose_readings
+from lta_model.light.block_readings import write_pose_readings
 from lta_model.light.field import LightField
 from lta_model.light.lambertian import build_beam, DiodeResponse, plane_illuminance
 from lta_model.light.lamp import BeaconLamp, direct_illuminance
@@ -54,7 +54,7 @@ def test_a_ring_is_lit_as_by_the_arrays():
     field = LightField((LAMP, OTHER), Ambient(300.0))
     flight = poses(11)
     turns = np.array([rotation_matrix(tuple(pose[3:])) for pose in flight]).reshape(-1, 3, 3)
-    place = RING.place_in_map(flight[:, :3], turns)
+    place = RING.transform_to_map(flight[:, :3], turns)
     for function in (write_pose_readings, compile_functions(write_pose_readings)[0]):
         before, later, lit = np.zeros((4, 8)), np.zeros((4, 8)), np.empty((2, 11, 8))
         later[SHARE], later[DAY], later[LAMPS] = 0.5, 30.0, 4.0

@@ -244,7 +244,7 @@ def pose(distance: float, yaw: float):
         ]
     )
     array = ring()
-    return array.place_in_map(np.array([7.0 - distance, 0.0, 1.0 + array.depth]), turn)
+    return array.transform_to_map(np.array([7.0 - distance, 0.0, 1.0 + array.depth]), turn)
 
 
 @pytest.mark.parametrize('room', [None, Room((10.0, 8.0, 3.0), uniform_albedo(0.5))])

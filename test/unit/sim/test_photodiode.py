@@ -54,7 +54,7 @@ def test_noises_add_as_squares():
 
 def test_ring_looks_around_and_hangs_below():
     array = ring(count=4, depth=0.3, radius=0.1)
-    points, axes = array.place_in_map(np.array([1.0, 2.0, 3.0]), np.eye(3))
+    points, axes = array.transform_to_map(np.array([1.0, 2.0, 3.0]), np.eye(3))
     hand = [[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]]
     assert axes == pytest.approx(np.array(hand, dtype=float), abs=1e-15)
     assert points == pytest.approx(np.array([1.0, 2.0, 2.7]) + 0.1 * np.array(hand), abs=1e-15)
@@ -62,7 +62,7 @@ def test_ring_looks_around_and_hangs_below():
 
 def test_ring_turns_with_the_drone():
     left = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    points, axes = ring(count=4, radius=0.1).place_in_map(np.zeros(3), left)
+    points, axes = ring(count=4, radius=0.1).transform_to_map(np.zeros(3), left)
     assert axes[0] == pytest.approx([0.0, 1.0, 0.0], abs=1e-15)
     assert points[0] == pytest.approx([0.0, 0.1, -0.33], abs=1e-15)
 
@@ -70,7 +70,7 @@ def test_ring_turns_with_the_drone():
 def test_ring_tilts_with_the_drone():
     # Nose down by 90 degrees (positive pitch): forward looks down, the ring swings back.
     pitch = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
-    points, axes = ring(count=4, radius=0.0).place_in_map(np.zeros(3), pitch)
+    points, axes = ring(count=4, radius=0.0).transform_to_map(np.zeros(3), pitch)
     assert axes[0] == pytest.approx([0.0, 0.0, -1.0], abs=1e-15)
     assert points[0] == pytest.approx([-0.33, 0.0, 0.0], abs=1e-15)
 
@@ -80,10 +80,10 @@ def test_many_poses_are_as_one_by_one():
     positions = generator.normal(size=(5, 3))
     rotations = np.linalg.qr(generator.normal(size=(5, 3, 3)))[0]
     array = ring()
-    points, axes = array.place_in_map(positions, rotations)
+    points, axes = array.transform_to_map(positions, rotations)
     assert points.shape == axes.shape == (5, 8, 3)
     for k in range(5):
-        one = array.place_in_map(positions[k], rotations[k])
+        one = array.transform_to_map(positions[k], rotations[k])
         assert points[k] == pytest.approx(one[0], abs=1e-14)
         assert axes[k] == pytest.approx(one[1], abs=1e-14)
 

@@ -3,7 +3,7 @@
 import math
 
 from lta_config.errors import BadInput
-from lta_config.files import list_shipped, share_folder
+from lta_config.files import list_shipped_names, share_folder
 from lta_model.effects import initial_memory
 from lta_model.hull import added_mass
 from lta_model.limits import level_force, level_speed, tumble_speed
@@ -22,7 +22,7 @@ SURGE, HEAVE, YAW = 0, 2, 5
 
 @pytest.fixture(scope='module')
 def vehicles():
-    return {name: load_vehicle(name, RHO) for name in list_shipped('vehicles')}
+    return {name: load_vehicle(name, RHO) for name in list_shipped_names('vehicles')}
 
 
 def flown(vehicle, duty, seconds, step=0.002):
@@ -57,13 +57,13 @@ def test_all_platforms_of_the_comparison_are_there(vehicles):
     }  # fmt: skip
 
 
-@pytest.mark.parametrize('name', list_shipped('vehicles'))
+@pytest.mark.parametrize('name', list_shipped_names('vehicles'))
 def test_each_stands_on_its_feet(vehicles, name):
     vehicle = vehicles[name]
-    state = pack_state((0.0, 0.0, vehicle.height_on_floor), memory=initial_memory())
+    state = pack_state((0.0, 0.0, vehicle.hull_height_on_floor), memory=initial_memory())
     command = vehicle.pack_command([0.0] * len(vehicle.rotors))
     state = kernel.advance(state, vehicle.build_model(), command, np.zeros(3), 0.002, 5000)
-    assert state[2] == pytest.approx(vehicle.height_on_floor, abs=2e-3)
+    assert state[2] == pytest.approx(vehicle.hull_height_on_floor, abs=2e-3)
     tilt = Rotation.from_quat(state[3:7]).apply((0.0, 0.0, 1.0))[2]
     assert math.degrees(math.acos(min(tilt, 1.0))) < 3.0
 

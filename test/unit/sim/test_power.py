@@ -13,7 +13,9 @@ EXACT = power.PowerMeterErrors(voltage_gain=1.0, current_gain=1.0, current_offse
 
 
 def read(voltage, current, settings=SILENT, errors=EXACT):
-    return power.measure_power(settings, errors, voltage, current, np.random.default_rng(1))
+    return power.measure_voltage_and_current(
+        settings, errors, voltage, current, np.random.default_rng(1)
+    )
 
 
 def test_steps_are_the_data_sheets():
@@ -28,7 +30,9 @@ def test_the_current_is_clipped_at_320_millivolts_over_the_shunt(true, expected)
 
 def test_a_dead_cell_reads_zero_and_never_less():
     readings = {
-        power.measure_power(SETTINGS, EXACT, 0.0, 0.0, np.random.default_rng(seed))[0]
+        power.measure_voltage_and_current(SETTINGS, EXACT, 0.0, 0.0, np.random.default_rng(seed))[
+            0
+        ]
         for seed in range(200)
     }
     assert min(readings) == 0.0
@@ -46,7 +50,10 @@ def test_noise_is_half_a_step_before_rounding():
     # Away from a step's middle the rounding is not uniform noise: spread the truth over steps.
     truth = rng.uniform(3.0, 4.2, size), rng.uniform(-1.0, 0.0, size)
     sample = np.array(
-        [power.measure_power(SETTINGS, EXACT, v, i, rng) for v, i in zip(*truth, strict=True)]
+        [
+            power.measure_voltage_and_current(SETTINGS, EXACT, v, i, rng)
+            for v, i in zip(*truth, strict=True)
+        ]
     )
     low, high = chi2.ppf([1e-6, 1 - 1e-6], size - 1) / (size - 1)
     assert 0.95**2 < low < high < 1.05**2

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from lta_config.compilation.compiler import compile_functions
 from lta_config.errors import BadInput
 from lta_model.light.ambient import Ambient
-from lta_model.light.block_motion import write_pose_readings
+from lta_model.light.block_readings import write_pose_readings
 from lta_model.light.daylight import Daylight
 from lta_model.light.field import LightField
 from lta_model.light.lambertian import build_beam, DiodeResponse

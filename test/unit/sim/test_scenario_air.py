@@ -3,7 +3,7 @@
 import math
 
 from lta_config.errors import BadInput
-from lta_config.files import list_shipped, load_yaml, share_folder
+from lta_config.files import list_shipped_names, load_yaml, share_folder
 from lta_config.quantity import Quantity
 from lta_model.military_turbulence import low_altitude_turbulence
 from lta_model.scenario import load_scenario, Scenario
@@ -37,7 +37,7 @@ def effects(vehicle='gtmab', **changes):
     return collect_scene_effects(load_vehicle(vehicle), scene(**changes))
 
 
-@pytest.mark.parametrize('name', list_shipped('scenarios'))
+@pytest.mark.parametrize('name', list_shipped_names('scenarios'))
 def test_every_shipped_scenario_can_be_flown_in(name):
     scenario = load_scenario(name)
     assert scenario.name == name

@@ -3,7 +3,7 @@
 from lta_config.errors import BadInput
 from lta_config.files import find_file, load_yaml
 from lta_config.topics import load_topic_table
-from lta_model.light.gain_selection import read_gain_scale, select_diode_gain
+from lta_model.light.gain_selection import compute_gain_scale, select_diode_gain
 from lta_model.light.view import LightView
 from lta_model.scenario import load_scenario, Scenario
 from lta_model.state import WIND
@@ -30,12 +30,12 @@ def test_the_resistor_suits_the_light(scene, resistor):
     assert (
         select_diode_gain(load_scenario(scene).light_field, GTMAB).feedback_resistance == resistor
     )
-    assert read_gain_scale(scene, 'gtmab') == resistor / 1e5
+    assert compute_gain_scale(scene, 'gtmab') == resistor / 1e5
 
 
 def test_with_one_resistor_or_no_scene_there_is_nothing_to_tell():
-    assert read_gain_scale('sunny_field', 'skye') == 1.0
-    assert read_gain_scale('', 'gtmab') == 1.0
+    assert compute_gain_scale('sunny_field', 'skye') == 1.0
+    assert compute_gain_scale('', 'gtmab') == 1.0
 
 
 @pytest.mark.parametrize('scene', ['lamp_room', 'sunny_field'])
@@ -44,7 +44,7 @@ def test_the_lamp_is_heard_at_seven_metres(scene):
     field = load_scenario(scene).light_field
     view = LightView(field, GTMAB, select_diode_gain(field, GTMAB))
     view.record_pose((-3.5, 0.0, 0.5, 0.0, 0.0, 0.0, 1.0))
-    block = view.read_block(10**9, 1e4, 1000, np.random.default_rng(1))
+    block = view.sample_light_block(10**9, 1e4, 1000, np.random.default_rng(1))
     snr = demodulate_beacon(block, plan_bins(DemodulationSettings(), 1e4, 1000)).snr
     assert snr.argmax() == 0
     assert snr.max() > 30.0

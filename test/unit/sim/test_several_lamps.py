@@ -101,7 +101,7 @@ def test_two_poles_are_those_of_a_fine_simulation():
     lamp = replace(LAMP, wave=SquareWave(137.0, 0.4), rise=1e-3)
     own, behind = 1e-3 / math.log(9.0), 0.7e-3
     fine = np.arange(-60_000, 20_000, dtype=np.int64) * 1000
-    drive, first, second, told = lamp.wave.sample(fine), 0.0, 0.0, []
+    drive, first, second, told = lamp.wave.sample_wave(fine), 0.0, 0.0, []
     for level in drive.tolist():
         told.append(second)
         second += (first - second) * 1e-6 / behind

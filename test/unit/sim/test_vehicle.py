@@ -7,7 +7,7 @@ from lta_config.files import find_file
 from lta_config.quantity import Quantity
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_model.effects import EFFECTS, initial_memory
-from lta_model.electrical.panel import find_max_power
+from lta_model.electrical.panel import find_max_power_point
 from lta_model.state import DISPLACED, MASS, MASS_MOMENT, pack_state, RIGID
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_sim.kernels import kernel
@@ -104,16 +104,16 @@ def test_added_mass_is_lambs(gtmab):
 
 
 def test_it_stands_where_its_gear_sinks_under_two_grams(gtmab):
-    assert gtmab.height_on_floor == pytest.approx(0.42 - 0.002 * G / 20.0, rel=1e-12)
+    assert gtmab.hull_height_on_floor == pytest.approx(0.42 - 0.002 * G / 20.0, rel=1e-12)
 
 
 def test_without_a_gear_it_stands_on_its_hull():
-    assert build(('effects.floor_contact', None)).height_on_floor == pytest.approx(0.2995)
+    assert build(('effects.floor_contact', None)).hull_height_on_floor == pytest.approx(0.2995)
 
 
 def test_lighter_than_air_its_gear_does_not_sink():
     light = build(('trim.heaviness', given(-2, 'g')))
-    assert light.height_on_floor == pytest.approx(0.42)
+    assert light.hull_height_on_floor == pytest.approx(0.42)
     assert light.hover_duty == 0.0
 
 
@@ -152,7 +152,9 @@ def test_what_the_controllers_get(gtmab):
     assert gtmab.battery.resistance == 0.15
     assert (gtmab.loads.idle, gtmab.loads.transmitting) == pytest.approx((0.097, 0.023))
     assert (gtmab.loads.rotor_offset, gtmab.loads.rotor_slope) == pytest.approx((0.027, 23.96))
-    voltage, current = find_max_power(gtmab.panel.model_copy(update={'warming': 0.0}), 1000.0)
+    voltage, current = find_max_power_point(
+        gtmab.panel.model_copy(update={'warming': 0.0}), 1000.0
+    )
     assert voltage == pytest.approx(8.92, rel=0.02)  # two in series, and air of 20 degC
     assert voltage * current == pytest.approx(2.4976, rel=0.02)
     ring = gtmab.diodes

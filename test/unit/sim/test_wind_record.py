@@ -31,10 +31,10 @@ ROWS = [(100.0, 0.0, 0.0, 0.0), (101.0, 1.0, -0.5, 0.2), (102.5, 1.0, 1.0, 0.0),
 def test_it_begins_with_the_flight_and_is_interpolated(tmp_path):
     record = WindRecord.read(series(tmp_path, ROWS), 4.0)
     assert record.time.tolist() == [0.0, 1.0, 2.5, 4.0]
-    wind, rate = record.sample_span(0.4, 0.6)
+    wind, rate = record.average_wind_over_span(0.4, 0.6)
     np.testing.assert_allclose(wind, (0.5, -0.25, 0.1), rtol=1e-15)
     np.testing.assert_allclose(rate, (1.0, -0.5, 0.2), rtol=1e-12)
-    wind, rate = record.sample_span(0.9, 1.1)  # over a corner: the mean rate
+    wind, rate = record.average_wind_over_span(0.9, 1.1)  # over a corner: the mean rate
     np.testing.assert_allclose(wind, (1.0, -0.5, 0.2))
     np.testing.assert_allclose(rate, (0.5, 0.25, (0.2 * (1 - 0.1 / 1.5) - 0.18) / 0.2))
 
@@ -84,7 +84,7 @@ def test_it_stands_beside_the_scenario(tmp_path, monkeypatch):
     (tmp_path / 'scene.yaml').write_text(yaml.safe_dump(content))
     scenario = load_scenario(str(tmp_path / 'scene.yaml'))
     assert scenario.wind_file == tmp_path / 'wind.csv'
-    assert load_wind_record(scenario).sample_span(0.0, 0.01)[0][0] == 0.3
+    assert load_wind_record(scenario).average_wind_over_span(0.0, 0.01)[0][0] == 0.3
     monkeypatch.chdir(tmp_path.parent)
     assert load_scenario(f'{tmp_path.name}/scene.yaml').wind_file == tmp_path / 'wind.csv'
 
@@ -118,7 +118,7 @@ def test_an_inviscid_neutral_balloon_goes_with_the_recorded_air_exactly(tmp_path
     model = balloon.model(balloon.NEUTRAL | balloon.ADDED, (0.0, 0.0, 0.0), displaced=balloon.MASS)
     state, around = balloon.at(), np.zeros(SURROUNDINGS)
     for k in range(400):
-        wind, rate = record.sample_span(k * 0.01, (k + 1) * 0.01)
+        wind, rate = record.average_wind_over_span(k * 0.01, (k + 1) * 0.01)
         around[WIND : WIND + 3], around[WIND_RATE : WIND_RATE + 3] = wind, rate
         state = advance(state, model, np.zeros(4), around, 0.005, 2)
         now = [np.interp((k + 1) * 0.01, record.time, axis) for axis in record.wind.T]

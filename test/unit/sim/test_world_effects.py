@@ -226,7 +226,7 @@ def test_surroundings_hold_wind_and_voltage_and_no_noise_unless_asked():
     around, world = surrounded(())
     around.refresh(world._pose(), 3.9, 0.0)
     assert around.numbers.tolist() == [0.4, -0.2, 0.1, 0.0, 0.0, 0.0, 0.0, 3.9, 0.0, 0.0, 0.0]
-    assert world._around.numbers[VOLTAGE] == world.supply.cell_electrics[0]
+    assert world._around.numbers[VOLTAGE] == world.supply.cell_voltage_and_current[0]
     assert world._around.numbers[WIND] == 0.4
 
 

@@ -2,10 +2,10 @@
 
 import math
 
-from lta_config.files import list_shipped
+from lta_config.files import list_shipped_names
 from lta_config.topics import load_topic_table
 from lta_model.electrical.battery import open_circuit_voltage
-from lta_model.electrical.panel import find_max_power, SolarArrayModel
+from lta_model.electrical.panel import find_max_power_point, SolarArrayModel
 from lta_model.hull import half_axes
 from lta_model.light.panel_light import build_panel_plane
 from lta_model.scenario import load_scenario
@@ -34,7 +34,7 @@ def test_the_battery_drains_by_what_the_loads_draw(duty):
     # By hand: 97 + 23 mW, and of each turning rotor 27 mW + 23.96 W/N of 0.0915 u^2 + 0.0677 u.
     thrust = 0.0915 * duty**2 + 0.0677 * duty
     power = 0.120 + 4 * (0.027 + 23.96 * thrust) * (duty > 0)
-    assert world.supply.energy_books.harvested == 0.0  # too dim for the charger
+    assert world.supply.energy_totals.harvested == 0.0  # too dim for the charger
     resting = open_circuit_voltage(world.charge)
     # (E - 0.15 I) I = P for 5 s of 900 C; the RC pair adds 0.094 ohm of 6 s / 33 s.
     current = (resting - math.sqrt(resting**2 - 4 * 0.15 * power)) / (2 * 0.15)
@@ -52,7 +52,7 @@ def test_light_on_the_panel_charges():
     readings = fly(bright, 200)
     lux = readings[10].illuminance
     assert lux == pytest.approx(1e5, rel=1e-9)
-    voltage, current = find_max_power(PANEL, 1e5 / 300.0)
+    voltage, current = find_max_power_point(PANEL, 1e5 / 300.0)
     assert readings[10].panel[0] == pytest.approx(voltage, abs=0.04)
     assert readings[10].panel[1] == pytest.approx(TRACKED * current, abs=0.002)
     net = TRACKED * CONVERTED * voltage * current - OWN - 0.12
@@ -69,7 +69,7 @@ def test_the_panel_gives_more_of_the_sun_than_of_leds():
 
     # 50 klx are 476 W/m2 of sunlight and 167 W/m2 of LEDs: 2.86 times; warmth takes 3 % of it.
     assert harvest('105 lm/W') == pytest.approx(
-        TRACKED * math.prod(find_max_power(PANEL, 5e4 / 105.0)), rel=1e-9
+        TRACKED * math.prod(find_max_power_point(PANEL, 5e4 / 105.0)), rel=1e-9
     )
     assert harvest('105 lm/W') / harvest('300 lm/W') == pytest.approx(2.86, rel=0.03)
 
@@ -164,13 +164,13 @@ def test_the_panels_place_and_side_decide_its_light():
     assert below([0, 0, -1]) == 0.0
 
 
-@pytest.mark.parametrize('name', list_shipped('scenarios'))
+@pytest.mark.parametrize('name', list_shipped_names('scenarios'))
 def test_the_books_balance_in_every_scenario(name):
     scenario = load_scenario(name)
     world = World(load_vehicle('gtmab', scenario.air.density), scenario, load_topic_table(), 1)
     for step in range(300):
         world.advance((0.4, 0.4, 0.002 * step, 0.0))
-    books = world.supply.energy_books
+    books = world.supply.energy_totals
     assert books.consumed > 3 * 0.12
     assert abs(books.imbalance) < 1e-9 * books.consumed
 

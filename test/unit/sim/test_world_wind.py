@@ -33,7 +33,7 @@ def test_the_topic_tells_the_wind_over_rough_ground_at_the_hull():
 
     mean = (area(z + half) - area(z - half)) / (2.0 * half * math.log(10.0 / rough))
     assert world.wind == pytest.approx((0.0, 8.0 * mean, 0.0), rel=1e-12, abs=1e-12)
-    message = messages.build_wind(messages.Time(), world.wind)
+    message = messages.build_wind_message(messages.Time(), world.wind)
     assert message.vector.y == world.wind[1]
 
 

@@ -3,7 +3,7 @@
 from io import StringIO
 import math
 
-from lta_config.files import list_shipped
+from lta_config.files import list_shipped_names
 from lta_config.schema.aero_file import load_aero_file
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_model.propulsion import geometric_column
@@ -21,8 +21,8 @@ WIDE = [
 ]
 # Vehicles, and vehicles as they fly with what is shipped beside them.
 FLOWN = [
-    *((name, None) for name in list_shipped('vehicles')),
-    *((load_aero_file(name).vehicle, name) for name in list_shipped('aero', '.aero.yaml')),
+    *((name, None) for name in list_shipped_names('vehicles')),
+    *((load_aero_file(name).vehicle, name) for name in list_shipped_names('aero', '.aero.yaml')),
 ]
 
 

@@ -2,7 +2,7 @@
 
 import math
 
-from lta_config.files import list_shipped
+from lta_config.files import list_shipped_names
 from lta_config.schema.vehicle_body import HullBlock
 from lta_model.effects import initial_memory
 from lta_model.limits import level_force
@@ -15,7 +15,7 @@ from lta_vehicle.figures.helium_leak import film_area
 from lta_vehicle.figures.pendulum import compute_pendulum_mode
 from lta_vehicle.figures.sheet import build_sheet
 from lta_vehicle.figures.wrench_limit import solve_wrench_limit
-from lta_vehicle.views.summary import describe_vehicle, format_headline
+from lta_vehicle.views.sheet_summary import describe_vehicle, format_headline
 import numpy as np
 import pytest
 
@@ -23,7 +23,7 @@ from ..sim.changed_vehicle import build, given  # noqa: TID252 - `test` is Pytho
 
 G = 9.80665
 FULL = 0.0915 + 0.0677  # N of one rotor
-VEHICLES = list_shipped('vehicles')
+VEHICLES = list_shipped_names('vehicles')
 
 
 @pytest.fixture(scope='module')
@@ -228,7 +228,7 @@ def test_every_figure_says_what_it_follows_from_and_why_it_is_missing(name):
     for figure in sheet.figures:
         assert figure.source, figure
         assert figure.value is not None or figure.note, figure
-        assert 'nan' not in figure.text
+        assert 'nan' not in figure.value_with_unit
 
 
 def test_a_vehicle_that_leans_over_at_full_push_says_so():

@@ -4,7 +4,7 @@ from functools import partial
 import json
 import re
 
-from lta_config.files import find_file, list_shipped
+from lta_config.files import find_file, list_shipped_names
 import pytest
 
 SHIPPED = find_file('vehicle', 'gtmab').read_text('utf-8')
@@ -35,7 +35,7 @@ def test_a_new_vehicle_is_a_copy_with_comments_that_loads(call, tmp_path):
     assert 'have the same content' in call('diff', 'gtmab', 'my_blimp.yaml')[1].out
 
 
-@pytest.mark.parametrize('model', list_shipped('vehicles'))
+@pytest.mark.parametrize('model', list_shipped_names('vehicles'))
 def test_every_shipped_vehicle_is_a_start(call, tmp_path, model):
     assert call('new', 'mine', '--from', model)[0] == 0
     assert '\nname: mine\n' in (tmp_path / 'mine.yaml').read_text('utf-8')
@@ -146,7 +146,7 @@ def test_show_gives_numbers_to_scripts(call):
     assert found['assumed'] == sum(entry['assumed'] for entry in found['numbers']) == 37
 
 
-@pytest.mark.parametrize('name', list_shipped('vehicles'))
+@pytest.mark.parametrize('name', list_shipped_names('vehicles'))
 def test_every_vehicle_is_shown_in_a_narrow_window(call, name):
     status, said = call('show', name, columns=60)
     assert status == 0

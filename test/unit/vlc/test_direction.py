@@ -10,7 +10,7 @@ from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_vlc.demodulation import Peaks
 from lta_vlc.diodes import build_diode_array, build_even_ring, DiodeArray
-from lta_vlc.direction import build_direction_prior, build_fit_array, DirectionFinder, PART
+from lta_vlc.direction import build_direction_prior, build_fit_inputs, DirectionFinder, PART
 from lta_vlc.direction_fit import fit_direction
 from lta_vlc.lamp import LampPrior
 from lta_vlc.reading_model import (
@@ -284,7 +284,7 @@ def test_a_vehicles_diodes_are_those_of_its_file():
     assert len(diodes.axes) == entry.count == 8
     assert diodes.axes[2] == pytest.approx((0.0, 1.0, 0.0), abs=1e-15)
     assert diodes.places[2] == pytest.approx((0.0, 0.07, 0.0), abs=1e-15)
-    array = build_fit_array(diodes)
+    array = build_fit_inputs(diodes)
     assert array.rx[0] == pytest.approx(0.07)
     assert array.gains == (1.0,) * 8
 
@@ -307,7 +307,7 @@ def test_diodes_that_cannot_be_are_refused(wrong, sentence):
 
 def test_another_number_of_diodes_is_refused():
     with pytest.raises(BadInput, match='4 diodes, but the vehicle file has 8'):
-        build_even_ring(8).check_count(4)
+        build_even_ring(8).check_diode_count(4)
 
 
 def test_readings_that_follow_no_model_widen_the_interval():

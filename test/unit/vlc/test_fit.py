@@ -4,7 +4,7 @@ import math
 import sys
 
 from lta_vlc.direction_fit import (
-    build_fit,
+    build_direction_fit,
     factorize_cholesky,
     failed_fit,
     fit_direction,
@@ -16,11 +16,11 @@ from lta_vlc.direction_fit import (
 )
 from lta_vlc.reading_model import (
     AZIMUTH,
+    DiodeFitInputs,
     DirectionPrior,
     ELEVATION,
     FALL,
     FIT_SCRATCH,
-    FitArray,
     MISFIT,
     NEARNESS,
     NORMAL,
@@ -42,7 +42,7 @@ EXPECTED = DirectionPrior(0.3, 0.1, 0.25, 0.1)
 def four(gains=SURE):
     """Return four level diodes at right angles, the first facing forward."""
     x, y = zip(*CROSS, strict=True)
-    return FitArray(x, y, NONE, NONE, NONE, NONE, gains, 1.0, 0.0)
+    return DiodeFitInputs(x, y, NONE, NONE, NONE, NONE, gains, 1.0, 0.0)
 
 
 def normal(seed=1):
@@ -83,7 +83,7 @@ def test_the_covariance_is_the_inverse_of_the_normal_matrix(seed):
     factorize_cholesky(scratch)
     scratch[VALUES + STRENGTH], scratch[VALUES + PEDESTAL] = 70.0, 8.0
     inverse = np.linalg.inv(matrix)
-    found = build_fit(scratch, 0.48, -0.64, 0.6, 2.5)
+    found = build_direction_fit(scratch, 0.48, -0.64, 0.6, 2.5)
     assert found[:4] == (True, 0.48, -0.64, 0.6)
     assert found.azimuth_variance == pytest.approx(2.5 * inverse[AZIMUTH, AZIMUTH] / 0.8**2)
     assert found.covariance == pytest.approx(2.5 * inverse[AZIMUTH, ELEVATION] / 0.8)
@@ -99,7 +99,7 @@ def test_an_azimuth_deviation_of_a_radian_or_more_gives_no_direction(side, level
     scratch = np.zeros(FIT_SCRATCH)
     for unknown in range(UNKNOWNS):
         scratch[NORMAL + (UNKNOWNS + 1) * unknown] = 1.0 / side
-    told = build_fit(scratch, level, 0.0, math.sqrt(1.0 - level**2), 1.0)
+    told = build_direction_fit(scratch, level, 0.0, math.sqrt(1.0 - level**2), 1.0)
     assert told.found is found
     assert (told == failed_fit()) is not found
     assert failed_fit() == (False, *(0.0,) * 9)

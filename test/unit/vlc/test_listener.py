@@ -30,7 +30,9 @@ def counts(*lamps, noise=3.0, seed=1):
 
 
 def test_two_lamps_are_heard_each_from_its_side():
-    heard = listener(others=(250.0,)).demodulate(counts((150.0, 200.0, 0), (250.0, 20.0, 3)))
+    heard = listener(others=(250.0,)).demodulate_next_block(
+        counts((150.0, 200.0, 0), (250.0, 20.0, 3))
+    )
     near, far = heard.peaks
     assert near.amplitude.argmax() == 0
     assert far.amplitude.argmax() == 3
@@ -46,8 +48,8 @@ def test_two_lamps_are_heard_each_from_its_side():
 def test_the_other_lamp_is_no_noise():
     """Without its harmonics masked, those of the near lamp would bury the far one."""
     block = counts((150.0, 400.0, 0), (250.0, 2.0, 0))
-    both = listener(others=(250.0,)).demodulate(block)
-    alone = listener(frequency=250.0).demodulate(block)
+    both = listener(others=(250.0,)).demodulate_next_block(block)
+    alone = listener(frequency=250.0).demodulate_next_block(block)
     assert both.peaks[1].snr[0] > 6.0
     assert alone.peaks[0].snr[0] < 2.0
 
@@ -55,13 +57,13 @@ def test_the_other_lamp_is_no_noise():
 def test_what_is_wanted_comes_first_and_the_rest_stays():
     ears = listener()
     block = counts((150.0, 200.0, 0), (250.0, 20.0, 3))
-    assert len(ears.demodulate(block).peaks) == 1
+    assert len(ears.demodulate_next_block(block).peaks) == 1
     ears.prioritize_beacon(250.0)
     assert ears.beacons == (250.0, 150.0)
-    assert ears.demodulate(block).peaks[0].amplitude.argmax() == 3
+    assert ears.demodulate_next_block(block).peaks[0].amplitude.argmax() == 3
     ears.prioritize_beacon(NO_WISH)
     assert ears.beacons == (150.0, 250.0)
-    assert ears.demodulate(block).peaks[0].amplitude.argmax() == 0
+    assert ears.demodulate_next_block(block).peaks[0].amplitude.argmax() == 0
 
 
 def test_a_wish_pushes_out_what_it_collides_with():
@@ -93,22 +95,22 @@ def test_a_clock_that_drifts_is_followed_out_of_the_window():
     ears, errors = listener(frequency=1250.0), []
     for k in range(120):
         frequency = 1250.0 + 37.0 * min(k / 100.0, 1.0)
-        heard = ears.demodulate(counts((frequency, 50.0, 0), seed=k))
+        heard = ears.demodulate_next_block(counts((frequency, 50.0, 0), seed=k))
         assert heard.peaks[0].snr[0] > 6.0, k
         errors.append(heard.frequencies[0] - frequency)
     assert np.abs(errors).max() < 0.1  # Hz, of 10 Hz a bin
-    still = listener(frequency=1250.0).demodulate(counts((1287.0, 50.0, 0)))
+    still = listener(frequency=1250.0).demodulate_next_block(counts((1287.0, 50.0, 0)))
     assert abs(still.frequencies[0] - 1287.0) > 5.0  # not in the window from the start
 
 
 def test_a_lamp_that_is_gone_is_sought_where_it_should_be():
     ears = listener(frequency=1250.0)
     for k in range(30):
-        ears.demodulate(counts((1265.0, 50.0, 0), seed=k))
-    aside = ears.demodulate(counts((1282.0, 50.0, 0)))
+        ears.demodulate_next_block(counts((1265.0, 50.0, 0), seed=k))
+    aside = ears.demodulate_next_block(counts((1282.0, 50.0, 0)))
     assert aside.frequencies[0] == pytest.approx(1282.0, abs=0.2)
     ears.skip_blocks(20)
-    back = ears.demodulate(counts((1235.0, 50.0, 0)))
+    back = ears.demodulate_next_block(counts((1235.0, 50.0, 0)))
     assert back.frequencies[0] == pytest.approx(1235.0, abs=0.2)
 
 
@@ -116,7 +118,7 @@ def test_a_beacon_is_found_and_lost_with_patience():
     ears, bright, dark = listener(), counts((150.0, 50.0, 0)), counts()
     told = []
     for block in [bright, bright, dark, bright, dark, dark, dark, dark, dark, bright]:
-        ears.demodulate(block)
+        ears.demodulate_next_block(block)
         told.append(ears.presences[150.0].found)
     assert told == [False, True, True, True, True, True, True, True, False, False]
 
@@ -144,19 +146,21 @@ def test_what_clips_is_what_the_converter_says(bits, factor):
     """800 counts of 12 bits with 200 of a lamp on them: the top of 10 bits, and far from it."""
     top = 2.0**bits - 1.0
     ears = BeaconReceiver(DemodulationSettings(), RATE, SAMPLES, top)
-    heard = ears.demodulate((factor * counts((150.0, 400.0, 0)).astype(float)).clip(0.0, top))
+    heard = ears.demodulate_next_block(
+        (factor * counts((150.0, 400.0, 0)).astype(float)).clip(0.0, top)
+    )
     assert (heard.faults[0] is DiodeFault.SATURATED) == (bits == 10)
     assert heard.faults[4] is DiodeFault.NONE
 
 
 def test_a_tone_that_nobody_knows_is_told_and_mains_are_known():
     strange = counts((150.0, 5.0, 0)) + np.rint(200.0 + 40.0 * tone(3210.0))[:, None].astype(int)
-    assert set(listener().demodulate(strange).faults) == {DiodeFault.ALIASED}
+    assert set(listener().demodulate_next_block(strange).faults) == {DiodeFault.ALIASED}
     mains = counts((150.0, 5.0, 0)) + np.rint(200.0 + 40.0 * tone(100.4))[:, None].astype(int)
-    assert set(listener().demodulate(mains).faults) == {DiodeFault.NONE}
+    assert set(listener().demodulate_next_block(mains).faults) == {DiodeFault.NONE}
 
 
 @pytest.mark.parametrize('shape', [(999, 8), (1000,), (8, 1000), (1000, 8, 1), (1000, 0)])
 def test_a_truncated_block_is_refused(shape):
     with pytest.raises(BadInput, match='1000 samples by diodes are expected'):
-        listener().demodulate(np.zeros(shape))
+        listener().demodulate_next_block(np.zeros(shape))

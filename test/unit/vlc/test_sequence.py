@@ -12,7 +12,7 @@ START = 1_000_000_000
 def taken(*blocks: float) -> list[int]:
     """Return how many blocks are missing before each of these, counted in blocks."""
     sequence = BlockSequence(PERIOD)
-    return [sequence.accept_block(START + round(block * PERIOD)) for block in blocks]
+    return [sequence.count_missing_blocks(START + round(block * PERIOD)) for block in blocks]
 
 
 def test_blocks_go_on_from_one_another():
@@ -25,19 +25,24 @@ def test_a_clock_that_trembles_loses_nothing():
 
 def test_missing_blocks_are_counted():
     sequence = BlockSequence(PERIOD)
-    assert [sequence.accept_block(START + k * PERIOD) for k in (0, 3, 4, 9)] == [0, 2, 0, 4]
+    assert [sequence.count_missing_blocks(START + k * PERIOD) for k in (0, 3, 4, 9)] == [
+        0,
+        2,
+        0,
+        4,
+    ]
     assert sequence.missing == 6
 
 
 @pytest.mark.parametrize('late', [1, 0, 1.4, 1.4999, -8.9999])
 def test_a_block_out_of_order_is_refused_and_the_newest_kept(late):
     sequence = BlockSequence(PERIOD)
-    sequence.accept_block(START + PERIOD)
+    sequence.count_missing_blocks(START + PERIOD)
     with pytest.raises(
         BadInput, match=r'comes after one stamped 1.100 s, though a block lasts 0.1 s'
     ):
-        sequence.accept_block(START + round(late * PERIOD))
-    assert sequence.accept_block(START + 2 * PERIOD) == 0
+        sequence.count_missing_blocks(START + round(late * PERIOD))
+    assert sequence.count_missing_blocks(START + 2 * PERIOD) == 0
 
 
 def test_a_recording_may_begin_again():
@@ -45,10 +50,10 @@ def test_a_recording_may_begin_again():
 
 
 def test_presence_takes_blocks_that_are_missing_for_silent():
-    assert BeaconPresence(True).update(False, 4) == (True, 4)
-    assert BeaconPresence(True).update(False, 5) == (False, 0)
-    assert BeaconPresence(True, 4).update(True) == (True, 0)
-    assert BeaconPresence().update(True).update(True) == (True, 0)
+    assert BeaconPresence(True).update_presence(False, 4) == (True, 4)
+    assert BeaconPresence(True).update_presence(False, 5) == (False, 0)
+    assert BeaconPresence(True, 4).update_presence(True) == (True, 0)
+    assert BeaconPresence().update_presence(True).update_presence(True) == (True, 0)
 
 
 def test_gaps_between_stamps_are_rounded_to_whole_blocks():

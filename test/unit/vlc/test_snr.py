@@ -1,6 +1,6 @@
 """Which bins count as quiet, and the ratio, by hand."""
 
-from lta_vlc.spectral.snr import select_quiet_bins, signal_to_noise_ratio
+from lta_vlc.spectral.snr import select_quiet_bins, signal_to_noise
 import numpy as np
 import pytest
 
@@ -35,4 +35,4 @@ def test_mains_stays_in_the_noise():
 def test_ratio_with_its_limits():
     peak = np.array([6.0, 0.0, 0.0, 2.0])
     noise = np.array([1.5, 1.5, 0.0, 0.0])
-    assert signal_to_noise_ratio(peak, noise) == pytest.approx([4.0, 0.0, 0.0, np.inf])
+    assert signal_to_noise(peak, noise) == pytest.approx([4.0, 0.0, 0.0, np.inf])

@@ -88,7 +88,7 @@ class BackgroundWriter:
         self._wake = threading.Event()
         self.dropped: Counter[str] = Counter()
         self.fault: Exception | None = None
-        self._thread = threading.Thread(target=self._run, name='bag', daemon=True)
+        self._thread = threading.Thread(target=self._run_writer_loop, name='bag', daemon=True)
         self._thread.start()
 
     @property
@@ -153,7 +153,7 @@ class BackgroundWriter:
         if self.fault is not None:
             raise self.fault
 
-    def _run(self) -> None:
+    def _run_writer_loop(self) -> None:
         """Write until `close` is called or the sink fails, then close the sink."""
         try:
             self._write_until_closed()

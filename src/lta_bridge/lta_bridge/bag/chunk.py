@@ -21,7 +21,7 @@ ENTRIES_HEAD = 6  # bytes of an index record before its entries
 
 @final
 @dataclass(frozen=True, slots=True)
-class PlacedChunk:
+class FinishedChunk:
     """A chunk ready for the file: its bytes, index record and message counts by channel."""
 
     data: bytes
@@ -65,7 +65,7 @@ class CompressedChunk:
         """Memory use. [bytes]"""
         return len(self.record) + sum(map(len, self.entries.values()))
 
-    def place_at(self, offset: int) -> PlacedChunk:
+    def place_at(self, offset: int) -> FinishedChunk:
         """Return the chunk and its message indexes for a byte offset in a file."""
         places, indexes = {}, b''
         for channel, entries in self.entries.items():
@@ -85,7 +85,7 @@ class CompressedChunk:
             message_start_time=self.start,
             uncompressed_size=self.size,
         )
-        return PlacedChunk(self.record + indexes, index, self.message_counts)
+        return FinishedChunk(self.record + indexes, index, self.message_counts)
 
 
 @final

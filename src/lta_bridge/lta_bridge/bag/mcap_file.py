@@ -158,7 +158,7 @@ class McapFile:
         """Close the file and remove it."""
         self._file.discard()
 
-    def _count_records(self) -> Statistics:
+    def _build_statistics(self) -> Statistics:
         """Return the statistics record of the file."""
         return Statistics(
             attachment_count=0,
@@ -179,7 +179,7 @@ class McapFile:
         groups = {
             Opcode.SCHEMA: encode_records(self._schemas.values()),
             Opcode.CHANNEL: encode_records(self._channels),
-            Opcode.STATISTICS: encode_records([self._count_records()]),
+            Opcode.STATISTICS: encode_records([self._build_statistics()]),
             Opcode.CHUNK_INDEX: self._chunk_index.decompress(),
             Opcode.METADATA_INDEX: encode_records(self._metadata),
         }

@@ -43,7 +43,7 @@ class BagFileEntry:
         return sum(self.counts.values())
 
 
-def build_topic_entry(topic: TopicRecord, count: int) -> dict[str, object]:
+def build_topic_metadata(topic: TopicRecord, count: int) -> dict[str, object]:
     """Return one entry of `topics_with_message_count`."""
     return {
         'topic_metadata': {
@@ -57,7 +57,7 @@ def build_topic_entry(topic: TopicRecord, count: int) -> dict[str, object]:
     }
 
 
-def build_metadata(
+def build_bag_metadata(
     parts: Sequence[BagFileEntry], topics: Sequence[TopicRecord], provenance: Mapping[str, str]
 ) -> dict[str, object]:
     """
@@ -78,7 +78,7 @@ def build_metadata(
             'storage_identifier': 'mcap',
             **build_time_range(start, end, counts.total()),
             'topics_with_message_count': [
-                build_topic_entry(topic, counts[topic.channel]) for topic in topics
+                build_topic_metadata(topic, counts[topic.channel]) for topic in topics
             ],
             'compression_format': '',
             'compression_mode': '',

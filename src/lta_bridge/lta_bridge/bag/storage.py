@@ -80,7 +80,7 @@ def check_room(path: Path, needed: int) -> None:
         raise DiskNearlyFull(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
 
 
-def sync_file(path: Path) -> None:
+def fsync_file(path: Path) -> None:
     """Sync a closed file to the disk, so that it survives a power cut."""
     try:
         fd = os.open(path, os.O_RDONLY | os.O_CLOEXEC)

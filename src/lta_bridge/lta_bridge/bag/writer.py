@@ -14,12 +14,18 @@ from typing import final, Self
 
 from lta_bridge.bag.chunk import CompressedChunk
 from lta_bridge.bag.mcap_file import McapFile
-from lta_bridge.bag.metadata import BagFileEntry, build_metadata, NAME, TopicRecord, write_metadata
+from lta_bridge.bag.metadata import (
+    BagFileEntry,
+    build_bag_metadata,
+    NAME,
+    TopicRecord,
+    write_metadata,
+)
 from lta_bridge.bag.qos import format_offered_qos, OfferedQos
 from lta_bridge.bag.records import PROVENANCE
 from lta_bridge.bag.schemas import generate_definition, MessageDefinition
 from lta_bridge.bag.split import SplitLimits, WHOLE
-from lta_bridge.bag.storage import check_room, StorageFault, sync_file
+from lta_bridge.bag.storage import check_room, fsync_file, StorageFault
 from lta_config.errors import BadInput
 
 LIBRARY = 'lta'
@@ -87,7 +93,7 @@ class BagWriter:
         self._write_metadata()
 
     @property
-    def closing_size(self) -> int:
+    def required_closing_space(self) -> int:
         """Space that `close` needs: stop recording before less is left. [bytes]"""
         # Upper bound of metadata.yaml: head and topics, then the list of files.
         described = 1024 * (4 + len(self._topics)) + 256 * len(self._parts)
@@ -216,7 +222,7 @@ class BagWriter:
 
     def check_room(self) -> None:
         """Raise `DiskNearlyFull` if the disk has little more room than closing needs."""
-        check_room(self.path, self.closing_size)
+        check_room(self.path, self.required_closing_space)
 
     def close(self) -> None:
         """
@@ -233,7 +239,7 @@ class BagWriter:
         self._open = False
         earlier_fault = self._fault
         # Try every step even after a fault: each makes the bag more complete.
-        for step in (self._mcap.flush, self._mcap.close, self._write_metadata, self._sync_files):
+        for step in (self._mcap.flush, self._mcap.close, self._write_metadata, self._fsync_files):
             try:
                 step()
             except StorageFault as fault:
@@ -291,16 +297,16 @@ class BagWriter:
         """Return the metadata.yaml entry of a file."""
         return BagFileEntry(mcap.path.name, mcap.start, mcap.end, Counter(mcap.counts))
 
-    def _sync_files(self) -> None:
+    def _fsync_files(self) -> None:
         """Sync all files, so that the bag survives a power cut; slow on a slow disk."""
         for name in (*(part.name for part in self._parts), NAME):
-            sync_file(self.path / name)
+            fsync_file(self.path / name)
 
     def _write_metadata(self) -> None:
         """Write metadata.yaml with the present topics and files."""
         topics = list(self._topics.values())
         parts = [*self._parts, self._describe_file(self._mcap)]
-        write_metadata(self.path, build_metadata(parts, topics, self._provenance))
+        write_metadata(self.path, build_bag_metadata(parts, topics, self._provenance))
         self._described = len(topics)
 
     def __enter__(self) -> Self:

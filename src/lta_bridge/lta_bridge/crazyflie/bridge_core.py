@@ -147,7 +147,7 @@ class BridgeCore:
         word = 0 if self.motors is None else self.motors.word
         return bool(word & SupervisorBit.ARMED) and not word & SupervisorBit.AUTO_ARM
 
-    def reset(self) -> None:
+    def clear_connection_data(self) -> None:
         """Discard everything that came over the previous connection."""
         with self._lock:
             self.clock, self.trips = DeviceClock(), RoundTrips()
@@ -164,7 +164,7 @@ class BridgeCore:
         """Convert a log packet to a reading with its graph time."""
         with self._lock:
             self.packets += 1
-            stamp = self.clock.stamp_packet(packet.stamp_ms, packet.arrival_ns)
+            stamp = self.clock.compute_packet_time(packet.stamp_ms, packet.arrival_ns)
             values = packet.values
             if why := readings.find_value_fault(packet.block, values):
                 self.malformed.add(why)
@@ -200,7 +200,9 @@ class BridgeCore:
         """Store the newest position estimate."""
         self._where = where
 
-    def collect_inputs(self, now_ns: int, linked: bool, active: bool) -> safety.SafetyInputs:
+    def collect_safety_inputs(
+        self, now_ns: int, linked: bool, active: bool
+    ) -> safety.SafetyInputs:
         """Return the inputs of the safety state machine at a graph time. [ns]"""
         command, motors, where = self._asked, self.motors, self._where
         since = None if command is None else command.stamp_ns
@@ -243,7 +245,7 @@ class BridgeCore:
 
         """
         with self._lock:
-            inputs = self.collect_inputs(now_ns, linked, active)
+            inputs = self.collect_safety_inputs(now_ns, linked, active)
             self.state, order = safety.step_state(self.state, now, inputs, request, self.limits)
             self._send_outputs(order)
             return order
@@ -251,7 +253,7 @@ class BridgeCore:
     def find_arming_refusal(self, now_ns: int, linked: bool, active: bool) -> str:
         """Return why arming would be refused now; empty if it would be accepted."""
         return safety.find_arming_refusal(
-            self.state, self.collect_inputs(now_ns, linked, active), self.limits
+            self.state, self.collect_safety_inputs(now_ns, linked, active), self.limits
         )
 
     def _send_outputs(self, order: safety.SafetyOutputs) -> None:

@@ -21,7 +21,7 @@ TURNING: Final = ('motorPowerSet.enable', 'powerDist.idleThrust')
 FIRST, LONGEST = 0.5, 8.0  # s of pause after a failed attempt
 
 
-def apply_parameters(
+def enforce_parameters(
     link: CrazyflieLink, expected: Mapping[str, ExpectedParameter], compensated: bool | None = None
 ) -> None:
     """
@@ -100,7 +100,7 @@ class ConnectionManager:
     link : CrazyflieLink
         Only the manager may open and close it.
     expected, compensated
-        See `apply_parameters`.
+        See `enforce_parameters`.
     on_closed : callable
         Called from the manager's thread when the link is closed for good.
 
@@ -167,7 +167,7 @@ class ConnectionManager:
         try:
             self._link.open(DEADLINE)
             if not self._leave.is_set():
-                apply_parameters(self._link, self._expected, self._compensated)
+                enforce_parameters(self._link, self._expected, self._compensated)
         except LinkFailed as error:
             return str(error)
         except Exception as error:  # drivers raise various types; the thread must survive them

@@ -25,7 +25,7 @@ class DeviceClock:
         """Relative rate error of the drone's clock, positive if it runs fast. [1]"""
         return self.line.drift
 
-    def stamp_packet(self, stamp_ms: int, arrival_ns: int) -> int:
+    def compute_packet_time(self, stamp_ms: int, arrival_ns: int) -> int:
         """
         Return the graph time of a log packet, never later than its arrival.
 
@@ -47,7 +47,7 @@ class DeviceClock:
         # Shortest signed distance on the circle of 2^24 ms.
         ahead = (stamp_ms - self._newest + WRAP // 2) % WRAP - WRAP // 2
         if ahead < -BACK_MS:  # too far back for a late packet: the drone has restarted
-            self.line.restart()
+            self.line.discard_estimate()
             self._newest = stamp_ms
             return stamp_ms
         time = self._newest + ahead

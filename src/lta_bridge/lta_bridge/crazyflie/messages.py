@@ -26,7 +26,7 @@ def to_imu(
     stamp: Time, motion: ImuReading, attitude: tuple[float, float, float, float] | None
 ) -> Imu:
     """Return the IMU message, with the attitude (x y z w) if it is known."""
-    message = messages.build_imu(stamp, motion.force, motion.rates, IMU_NOISE)
+    message = messages.build_imu_message(stamp, motion.force, motion.rates, IMU_NOISE)
     if attitude is not None:
         q = message.orientation
         q.x, q.y, q.z, q.w = attitude
@@ -38,8 +38,8 @@ def to_imu(
 def to_range_pressure(stamp: Time, felt: AirReading) -> tuple[Range, FluidPressure]:
     """Return the range and the pressure message."""
     return (
-        messages.build_range(stamp, felt.distance, RANGE),
-        messages.build_pressure(stamp, felt.pressure, PressureSettings().noise),
+        messages.build_range_message(stamp, felt.distance, RANGE),
+        messages.build_pressure_message(stamp, felt.pressure, PressureSettings().noise),
     )
 
 

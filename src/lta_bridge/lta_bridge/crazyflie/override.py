@@ -33,7 +33,9 @@ def check_tether(command: str, tethered: bool) -> None:
         )
 
 
-def select_parameters(file: CrazyflieFile, command: str) -> Mapping[str, ExpectedParameter]:
+def select_expected_parameters(
+    file: CrazyflieFile, command: str
+) -> Mapping[str, ExpectedParameter]:
     """Return the expected parameters for a command mode."""
     if command != OVERRIDE:
         return file.expected

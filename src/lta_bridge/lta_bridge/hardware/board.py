@@ -8,7 +8,7 @@ from typing import Final, final
 from lta_bridge.hardware.check_result import HardwareCheck
 from lta_bridge.teensy.light_board import LightBlock, LightBoard, LightPeaks
 from lta_bridge.teensy.reader import BoardReader
-from lta_config.schema.vehicle_diodes import DiodesBlock
+from lta_config.schema.vehicle_diodes import PhotodiodesBlock
 from lta_config.topics import AdcBlockShape
 from lta_vlc.demodulation import demodulate_block
 from lta_vlc.faults import SPOILT
@@ -75,7 +75,7 @@ class BoardMeasurement:
 def measure_board(
     port: str,
     light: AdcBlockShape,
-    diodes: DiodesBlock,
+    diodes: PhotodiodesBlock,
     bins: BeaconBins,
     seconds: float,
     tick: Callable[[float], None],
@@ -107,11 +107,11 @@ def measure_board(
     board = LightBoard(light, diodes.count, bits=diodes.bits)
     blocks: list[LightBlock] = []
 
-    def keep_block(block: LightBlock | LightPeaks) -> None:
+    def store_block(block: LightBlock | LightPeaks) -> None:
         if isinstance(block, LightBlock):
             blocks.append(block)
 
-    reader = BoardReader(port, board, keep_block, time.time_ns)
+    reader = BoardReader(port, board, store_block, time.time_ns)
     began = time.monotonic()
     try:
         while (elapsed := time.monotonic() - began) < seconds:
@@ -163,7 +163,7 @@ def measure_diodes(
         )  # fmt: skip
 
 
-def judge_board(
+def assess_board(
     measurement: BoardMeasurement, light: AdcBlockShape, threshold: float
 ) -> Iterator[HardwareCheck]:
     """Yield the checks of a light board, the most fundamental first."""
@@ -174,12 +174,12 @@ def judge_board(
         return
     if measurement.wrong:
         yield HardwareCheck('light board', 'fail', measurement.wrong)
-    yield _judge_rows(measurement, light.sample_rate.si)
-    yield _judge_clock(measurement)
-    yield _judge_diodes(measurement.diodes, threshold)
+    yield _assess_rows(measurement, light.sample_rate.si)
+    yield _assess_clock(measurement)
+    yield _assess_diodes(measurement.diodes, threshold)
 
 
-def _judge_rows(measurement: BoardMeasurement, nominal_rate: float) -> HardwareCheck:
+def _assess_rows(measurement: BoardMeasurement, nominal_rate: float) -> HardwareCheck:
     finding = (
         f'{measurement.rate:.0f} of {nominal_rate:.0f} rows a second, {measurement.lost} lost on '
         f'the link, '
@@ -190,7 +190,7 @@ def _judge_rows(measurement: BoardMeasurement, nominal_rate: float) -> HardwareC
     return HardwareCheck('light', 'ok', finding)
 
 
-def _judge_clock(measurement: BoardMeasurement) -> HardwareCheck:
+def _assess_clock(measurement: BoardMeasurement) -> HardwareCheck:
     if (
         measurement.round_trip is None
         or measurement.drift is None
@@ -207,7 +207,7 @@ def _judge_clock(measurement: BoardMeasurement) -> HardwareCheck:
     )  # fmt: skip
 
 
-def _judge_diodes(diodes: Sequence[DiodeMeasurement], threshold: float) -> HardwareCheck:
+def _assess_diodes(diodes: Sequence[DiodeMeasurement], threshold: float) -> HardwareCheck:
     if not diodes:
         return HardwareCheck('diodes', 'fail', 'no complete block received', 'Check for longer.')
     spoilt = [str(k + 1) for k, each in enumerate(diodes) if each.spoilt]

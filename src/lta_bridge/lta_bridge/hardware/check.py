@@ -36,7 +36,7 @@ from lta_vlc.settings import DemodulationSettings
 INSTALL = '.venv/bin/pip install -c constraints.txt -r requirements-hardware.txt'
 
 
-def judge_devices(
+def assess_device_access(
     usb_devices: Sequence[UsbDevice], serial: Sequence[SerialPortInfo]
 ) -> Iterator[HardwareCheck]:
     """Yield a check of the access rights of each device."""
@@ -80,7 +80,7 @@ def find_board(port: str, serial: Sequence[SerialPortInfo]) -> str:
     return port or next((each.path for each in serial if each.teensy and each.usable), '')
 
 
-def check_any_hardware(
+def require_hardware(
     usb_devices: Sequence[UsbDevice], serial: Sequence[SerialPortInfo], drone: str, board: str
 ) -> None:
     """
@@ -138,7 +138,7 @@ class HardwareCheckReport:
     board: BoardMeasurement | None
 
 
-def run_check(
+def run_hardware_check(
     request: HardwareCheckRequest, tell: Callable[[str, float], None]
 ) -> HardwareCheckReport:
     """
@@ -156,8 +156,8 @@ def run_check(
     tell('searching for devices', 0.0)
     devices, serial = list(find_devices()), list_serial_ports()
     uri, port = find_drone(request.uri, devices), find_board(request.port, serial)
-    check_any_hardware(devices, serial, uri, port)
-    checks, drone_result, board_result = list(judge_devices(devices, serial)), None, None
+    require_hardware(devices, serial, uri, port)
+    checks, drone_result, board_result = list(assess_device_access(devices, serial)), None, None
     if uri:
         drone_result, more = _check_drone(request, uri, tell)
         checks += more
@@ -185,7 +185,7 @@ def _check_drone(
             link, uri, file, request.seconds,
             lambda elapsed: tell('listening to the Crazyflie', elapsed / request.seconds),
         )  # fmt: skip
-    return result, list(drone.judge_drone(result, file, vehicle.battery_compensated))
+    return result, list(drone.assess_drone(result, file, vehicle.battery_compensated))
 
 
 def _check_board(
@@ -199,4 +199,4 @@ def _check_board(
         port, light, diodes, bins, request.seconds,
         lambda elapsed: tell('listening to the light board', elapsed / request.seconds),
     )  # fmt: skip
-    return result, list(board.judge_board(result, light, settings.threshold))
+    return result, list(board.assess_board(result, light, settings.threshold))

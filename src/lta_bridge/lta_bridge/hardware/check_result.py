@@ -32,7 +32,7 @@ class HardwareCheck:
     remedy: str = ''
 
 
-def grade_figure(
+def grade_value(
     name: str, figure: float, warn: float, fail: float, finding: str, remedy: str
 ) -> HardwareCheck:
     """Return a check that warns or fails if the figure is below the respective limit."""

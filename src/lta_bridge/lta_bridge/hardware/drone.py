@@ -15,7 +15,7 @@ from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.crazyflie.round_trips import RoundTrips
 from lta_bridge.crazyflie.supervisor_word import explain_fault, SupervisorBit
 from lta_bridge.hardware.check_result import HardwareCheck
-from lta_bridge.hardware.stream import measure_stream, StreamStatistics
+from lta_bridge.hardware.stream import compute_stream_statistics, StreamStatistics
 from lta_config.schema.crazyflie_file import CrazyflieFile, ExpectedParameter
 
 DEADLINE: Final = 8.0  # s for the connection, as in the bridge
@@ -94,7 +94,7 @@ def measure_drone(
         match event:
             case LogPacket() as packet:
                 received[packet.block].append(packet)
-                clock.stamp_packet(packet.stamp_ms, packet.arrival_ns)
+                clock.compute_packet_time(packet.stamp_ms, packet.arrival_ns)
             case Ping(took):
                 trips.add(took)
             case LinkLost(why):
@@ -105,7 +105,7 @@ def measure_drone(
         uri=uri,
         protocol=int(getattr(link, 'protocol', -1)),
         revision=format_revision({name: link.read_parameter(name) for name in RELEASE}),
-        streams=tuple(measure_stream(block, received[block.name]) for block in BLOCKS),
+        streams=tuple(compute_stream_statistics(block, received[block.name]) for block in BLOCKS),
         latency=trips.latency,
         drift=clock.drift,
         voltage=power[0].voltage if power else math.nan,
@@ -124,7 +124,7 @@ def format_revision(parameters: Mapping[str, float | None]) -> str:
     return f'{int(high):08x}' + ('' if low is None else f'{int(low):04x}')
 
 
-def judge_drone(
+def assess_drone(
     measurement: DroneMeasurement, file: CrazyflieFile, compensated: bool
 ) -> Iterator[HardwareCheck]:
     """
@@ -141,18 +141,18 @@ def judge_drone(
         'ok',
         f'revision {measurement.revision}, protocol {measurement.protocol} at {measurement.uri}',
     )
-    yield _judge_streams(measurement)
-    yield _judge_latency(measurement.latency)
-    yield _judge_battery(measurement.voltage, file.limits.voltage.si)
-    yield _judge_supervisor(measurement.word)
-    yield _judge_duties(measurement, compensated)
+    yield _assess_streams(measurement)
+    yield _assess_latency(measurement.latency)
+    yield _assess_battery(measurement.voltage, file.limits.voltage.si)
+    yield _assess_supervisor(measurement.word)
+    yield _assess_duties(measurement, compensated)
     for name, want in file.expected.items():
-        check = _judge_parameter(name, measurement.parameters[name], want)
+        check = _assess_parameter(name, measurement.parameters[name], want)
         if check is not None:
             yield check
 
 
-def _judge_streams(measurement: DroneMeasurement) -> HardwareCheck:
+def _assess_streams(measurement: DroneMeasurement) -> HardwareCheck:
     silent = [each.name for each in measurement.streams if not each.packets]
     if silent:
         remedy = 'Switch the Crazyflie off and on; update its firmware if that does not help.'
@@ -170,7 +170,7 @@ def _judge_streams(measurement: DroneMeasurement) -> HardwareCheck:
     return HardwareCheck('telemetry', 'ok', finding)
 
 
-def _judge_latency(latency: float) -> HardwareCheck:
+def _assess_latency(latency: float) -> HardwareCheck:
     if math.isnan(latency):
         return HardwareCheck('latency', 'warn', 'no answer to a ping', 'Check for longer.')
     finding = f'round trip {1e3 * latency:.1f} ms (95th percentile)'
@@ -181,7 +181,7 @@ def _judge_latency(latency: float) -> HardwareCheck:
     return HardwareCheck('latency', 'ok', finding)
 
 
-def _judge_battery(voltage: float, least: float) -> HardwareCheck:
+def _assess_battery(voltage: float, least: float) -> HardwareCheck:
     if math.isnan(voltage):
         return HardwareCheck('battery', 'warn', 'no voltage received', 'Check for longer.')
     if voltage < least:
@@ -190,7 +190,7 @@ def _judge_battery(voltage: float, least: float) -> HardwareCheck:
     return HardwareCheck('battery', 'ok', f'{voltage:.2f} V')
 
 
-def _judge_supervisor(word: int | None) -> HardwareCheck:
+def _assess_supervisor(word: int | None) -> HardwareCheck:
     if word is None:
         return HardwareCheck('supervisor', 'fail', 'no status received', 'Update the firmware.')
     if why := explain_fault(word):
@@ -203,7 +203,7 @@ def _judge_supervisor(word: int | None) -> HardwareCheck:
     return HardwareCheck('supervisor', 'ok', 'disarmed, and can be armed' if ready else 'disarmed')
 
 
-def _judge_duties(measurement: DroneMeasurement, compensated: bool) -> HardwareCheck:
+def _assess_duties(measurement: DroneMeasurement, compensated: bool) -> HardwareCheck:
     """Check how the firmware changes a duty before it reaches a motor."""
     if why := explain_mismatch(measurement.compensates, compensated):
         # The sentence has the form 'finding: remedy'
@@ -217,7 +217,7 @@ def _judge_duties(measurement: DroneMeasurement, compensated: bool) -> HardwareC
     )
 
 
-def _judge_parameter(
+def _assess_parameter(
     name: str, value: float | None, want: ExpectedParameter
 ) -> HardwareCheck | None:
     """Check a parameter; return None if it is as expected."""

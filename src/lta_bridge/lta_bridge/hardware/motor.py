@@ -16,7 +16,7 @@ from typing import Final, final, NamedTuple, NoReturn
 
 from lta_bridge.crazyflie import readings
 from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand, HOLD_MS, RATE
-from lta_bridge.crazyflie.connection_manager import apply_parameters
+from lta_bridge.crazyflie.connection_manager import enforce_parameters
 from lta_bridge.crazyflie.link import CrazyflieLink, LinkFailed, LinkLost, LogPacket
 from lta_bridge.crazyflie.safety import SafetyRequest as Wish
 from lta_bridge.crazyflie.safety import SafetyStage
@@ -94,7 +94,7 @@ class MotorBench:
             If the drone refuses, disarms itself, or stops sending.
 
         """
-        apply_parameters(self._link, self._file.expected, self._vehicle.battery_compensated)
+        enforce_parameters(self._link, self._file.expected, self._vehicle.battery_compensated)
         try:
             self._arm()
             self._drive(duty, seconds, tick)

@@ -35,7 +35,7 @@ class StreamStatistics(NamedTuple):
     jitter: float
 
 
-def measure_stream(block: LogBlock, packets: Sequence[LogPacket]) -> StreamStatistics:
+def compute_stream_statistics(block: LogBlock, packets: Sequence[LogPacket]) -> StreamStatistics:
     """Return the statistics of one block; the packets must be in the order of arrival."""
     wanted = 1e3 / block.period_ms
     if len(packets) < 2:

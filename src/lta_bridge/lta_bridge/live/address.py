@@ -18,7 +18,7 @@ def build_port_error(port: int, reason: str) -> BadInput:
     )
 
 
-def check_port(host: str, port: int) -> None:
+def check_port_available(host: str, port: int) -> None:
     """
     Check that a port can be listened on.
 

@@ -6,14 +6,14 @@ import foxglove.messages as fg
 from lta_bridge.live.frames import SceneFrame
 from lta_bridge.live.shapes import (
     ArrowShape,
+    BillboardText,
     BoxShape,
     Colour,
     CylinderShape,
     EllipsoidShape,
-    LabelShape,
     LEVEL,
-    LineShape,
     ORIGIN,
+    PolylineShape,
     Shape,
     ShapeEntity,
     Three,
@@ -70,8 +70,8 @@ def _encode_entity(item: ShapeEntity, stamp_ns: int) -> fg.SceneEntity:
             if isinstance(s, EllipsoidShape)
         ],
         cylinders=[_encode_cylinder(s) for s in shapes if isinstance(s, CylinderShape)],
-        lines=[_encode_line(s) for s in shapes if isinstance(s, LineShape)],
-        texts=[_encode_label(s) for s in shapes if isinstance(s, LabelShape)],
+        lines=[_encode_line(s) for s in shapes if isinstance(s, PolylineShape)],
+        texts=[_encode_label(s) for s in shapes if isinstance(s, BillboardText)],
     )
 
 
@@ -96,8 +96,8 @@ def _encode_color(colour: Colour) -> fg.Color:
 
 def _encode_pose(shape: Shape) -> fg.Pose:
     # The points of a line carry its position already
-    place = ORIGIN if isinstance(shape, LineShape) else shape.place
-    turn = LEVEL if isinstance(shape, LineShape | LabelShape) else shape.turn
+    place = ORIGIN if isinstance(shape, PolylineShape) else shape.place
+    turn = LEVEL if isinstance(shape, PolylineShape | BillboardText) else shape.turn
     return fg.Pose(position=_encode_vector(place), orientation=_encode_quaternion(turn))
 
 
@@ -123,7 +123,7 @@ def _encode_arrow(shape: ArrowShape) -> fg.ArrowPrimitive:
     )
 
 
-def _encode_line(shape: LineShape) -> fg.LinePrimitive:
+def _encode_line(shape: PolylineShape) -> fg.LinePrimitive:
     kinds = fg.LinePrimitiveLineType
     return fg.LinePrimitive(
         type=kinds.LineList if shape.pairs else kinds.LineStrip,
@@ -134,7 +134,7 @@ def _encode_line(shape: LineShape) -> fg.LinePrimitive:
     )
 
 
-def _encode_label(shape: LabelShape) -> fg.TextPrimitive:
+def _encode_label(shape: BillboardText) -> fg.TextPrimitive:
     return fg.TextPrimitive(
         pose=_encode_pose(shape),
         billboard=True,  # always faces the viewer

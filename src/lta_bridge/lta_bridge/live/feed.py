@@ -5,7 +5,7 @@ import time
 from typing import final
 
 from lta_bridge.live.rate_limiter import RateLimiter
-from lta_bridge.message_accounting import MessageAccounting, read_stamp
+from lta_bridge.log_time_assigner import LogTimeAssigner, read_stamp
 from lta_config.topics import TopicTable
 
 FASTEST = 60.0  # Hz of wall time: a usual screen rate
@@ -13,7 +13,7 @@ HEAVY = {'sensor_msgs/msg/Image': 10.0}  # Hz, limits of large messages; a light
 
 
 @final
-class LiveFeed:
+class TopicThrottle:
     """
     Limit the rate of each topic for viewers.
 
@@ -30,7 +30,7 @@ class LiveFeed:
     def __init__(self, table: TopicTable, clock: Callable[[], float] = time.monotonic) -> None:
         self._table = table
         self._clock = clock
-        self._books = MessageAccounting(table, lockstep=False, clock=clock)
+        self._books = LogTimeAssigner(table, lockstep=False, clock=clock)
         self._paces = {
             name: RateLimiter(HEAVY.get(topic.type, FASTEST))
             for name, topic in table.topics.items()

@@ -3,7 +3,7 @@
 import math
 from typing import final
 
-from lta_bridge.live.shapes import LineShape, ShapeEntity, Three
+from lta_bridge.live.shapes import PolylineShape, ShapeEntity, Three
 
 MOST = 800  # points
 COLOUR = (0.10, 0.45, 0.85, 1.0)
@@ -22,7 +22,7 @@ class PathTrace:
         self.step = step
         self.points: list[Three] = []
 
-    def add_place(self, place: Three) -> None:
+    def add_position(self, place: Three) -> None:
         """Add a position. [m]"""
         if self.points and math.dist(self.points[-1], place) < self.step:
             return
@@ -35,4 +35,4 @@ class PathTrace:
         """Return the path as a line."""
         if len(self.points) < 2:
             return ShapeEntity('path', frame, ())
-        return ShapeEntity('path', frame, (LineShape(tuple(self.points), 0.015, COLOUR),))
+        return ShapeEntity('path', frame, (PolylineShape(tuple(self.points), 0.015, COLOUR),))

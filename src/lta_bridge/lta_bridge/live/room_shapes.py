@@ -4,13 +4,13 @@ import math
 from typing import Final
 
 from lta_bridge.live.shapes import (
+    BillboardText,
     BoxShape,
     Colour,
     CylinderShape,
     EllipsoidShape,
-    LabelShape,
-    LineShape,
     move_point,
+    PolylineShape,
     rotation_between,
     ShapeEntity,
     Three,
@@ -50,9 +50,9 @@ def draw_walls(scenario: Scenario) -> ShapeEntity:
     """Return the floor and the edges of the room; walls only if they stop a drone."""
     length, width, height = scenario.room.size.vector
     x, y = length / 2, width / 2
-    shapes: list[BoxShape | LineShape] = [
+    shapes: list[BoxShape | PolylineShape] = [
         BoxShape((0.0, 0.0, -THIN / 2), (length, width, THIN), FLOOR),
-        LineShape(tuple(_box_edges(x, y, height)), 0.02, EDGE, pairs=True),
+        PolylineShape(tuple(_box_edges(x, y, height)), 0.02, EDGE, pairs=True),
     ]
     if scenario.room.walls == 'solid':
         for side in (-1.0, 1.0):
@@ -87,7 +87,9 @@ def draw_lamp(name: str, scene: LampScene) -> ShapeEntity:
         rotation_between(Z, axis),
         bottom=0.0,  # the tip of the cone is at the lamp
     )
-    words = LabelShape(move_point(place, Z, 0.3), f'{name}, {scene.frequency.si:g} Hz', 0.15, LAMP)
+    words = BillboardText(
+        move_point(place, Z, 0.3), f'{name}, {scene.frequency.si:g} Hz', 0.15, LAMP
+    )
     shapes = EllipsoidShape(place, (BULB, BULB, BULB), LAMP), cone, words
     return ShapeEntity(f'lamp/{name}', MAP, shapes)
 
@@ -98,7 +100,7 @@ def draw_goals(scenario: Scenario) -> ShapeEntity:
     # One more point, to close the circle
     angles = [2.0 * math.pi * k / CORNERS for k in range(CORNERS + 1)]
     circles = [
-        LineShape(
+        PolylineShape(
             tuple((x + radius * math.cos(a), y + radius * math.sin(a), 0.0) for a in angles),
             0.02,
             GOAL,

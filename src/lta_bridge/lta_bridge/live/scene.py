@@ -64,7 +64,7 @@ class LiveScene:
 
     def draw_moving(self, state: SceneState) -> list[ShapeEntity]:
         """Return thrust, bearing and wind; add the position to the path."""
-        self.track.add_place(state.place)
+        self.track.add_position(state.place)
         return [
             draw_thrust(self._vehicle, state.duties),
             draw_bearing(self._vehicle, state.seen, RAY),

@@ -47,7 +47,7 @@ class Audience(ServerListener):
         with self._lock:
             return len({client for client, _ in self._looks})
 
-    def pop_newcomer(self, topic: str) -> bool:
+    def has_new_viewer(self, topic: str) -> bool:
         """Return whether a topic has a new viewer since the last call."""
         with self._lock:
             found = topic in self._newcomers

@@ -57,7 +57,7 @@ class ArrowShape(NamedTuple):
     turn: Turn = LEVEL
 
 
-class LineShape(NamedTuple):
+class PolylineShape(NamedTuple):
     """A line through points; with `pairs`, separate strokes between pairs of points."""
 
     points: tuple[Three, ...]
@@ -66,7 +66,7 @@ class LineShape(NamedTuple):
     pairs: bool = False
 
 
-class LabelShape(NamedTuple):
+class BillboardText(NamedTuple):
     """A text that always faces the viewer."""
 
     place: Three
@@ -75,7 +75,7 @@ class LabelShape(NamedTuple):
     colour: Colour
 
 
-Shape = EllipsoidShape | BoxShape | CylinderShape | ArrowShape | LineShape | LabelShape
+Shape = EllipsoidShape | BoxShape | CylinderShape | ArrowShape | PolylineShape | BillboardText
 
 
 class ShapeEntity(NamedTuple):

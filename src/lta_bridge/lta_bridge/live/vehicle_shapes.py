@@ -9,9 +9,9 @@ from lta_bridge.live.shapes import (
     Colour,
     CylinderShape,
     EllipsoidShape,
-    LineShape,
     move_point,
     ORIGIN,
+    PolylineShape,
     rotation_between,
     Shape,
     ShapeEntity,
@@ -73,7 +73,7 @@ def draw_body(vehicle: Vehicle) -> ShapeEntity:
     if not boxes:  # without parts, draw a body at the centre of gravity
         centre = to_triple(tuple(float(number) for number in vehicle.cg))
         points = tuple(point for rotor in vehicle.rotors for point in (centre, rotor.place))
-        shapes.append(LineShape(points, 0.2 * radius, PART, pairs=True))
+        shapes.append(PolylineShape(points, 0.2 * radius, PART, pairs=True))
     return ShapeEntity('vehicle', BASE, tuple(shapes))
 
 
@@ -125,4 +125,6 @@ def draw_bearing(
     # Centre of the ring of photodiodes
     ring = (0.0, 0.0, float(vehicle.file.sensors.diodes.height.si))
     end = move_point(ring, to_triple(tuple(number / size for number in direction)), length)
-    return ShapeEntity('bearing', BASE, (LineShape((ring, end), 0.02, (0.95, 0.75, 0.10, 1.0)),))
+    return ShapeEntity(
+        'bearing', BASE, (PolylineShape((ring, end), 0.02, (0.95, 0.75, 0.10, 1.0)),)
+    )

@@ -14,11 +14,15 @@ from lta_bridge.crazyflie import messages, readings
 from lta_bridge.crazyflie.bridge_core import BridgeCore, RATE, StampedReading
 from lta_bridge.crazyflie.connection_manager import ConnectionManager
 from lta_bridge.crazyflie.drone_lock import DroneLock
-from lta_bridge.crazyflie.health_facts import describe_connection, describe_health
+from lta_bridge.crazyflie.health_diagnostics import describe_connection, describe_health
 from lta_bridge.crazyflie.link import LinkLost, MalformedPacket, Ping
 from lta_bridge.crazyflie.links import create_link
 from lta_bridge.crazyflie.log_table import BLOCKS, check_log_table
-from lta_bridge.crazyflie.override import check_tether, required_compensation, select_parameters
+from lta_bridge.crazyflie.override import (
+    check_tether,
+    required_compensation,
+    select_expected_parameters,
+)
 from lta_bridge.crazyflie.power_model import CrazyfliePowerModel
 from lta_bridge.crazyflie.safety import LEAVE, SafetyRequest, SafetyStage
 from lta_bridge.crazyflie.settings import CrazyflieBridgeSettings
@@ -60,7 +64,7 @@ class CrazyflieBridge(DeviceNode):
         vehicle = self._vehicle = load_vehicle(settings.vehicle)
         self._names = vehicle.rotor_names
         self._consumption = CrazyfliePowerModel.from_energy(vehicle.file.energy)
-        link = self._link = create_link(settings.uri, BLOCKS, self._now_ns)
+        link = self._link = create_link(settings.uri, BLOCKS, self._graph_time_ns)
         file = self._file = find_crazyflie(settings.vehicle, vehicle.file.name, settings.crazyflie)
         self._bridge = BridgeCore(link, file, self._names, settings.command, settings.watchdog)
         self._keeper: ConnectionManager | None = None
@@ -96,7 +100,7 @@ class CrazyflieBridge(DeviceNode):
         self._helm = CommandMux(self, self._accept_setpoint)
         self._links = ReaderLinks(self, self.table)
 
-    def _now_ns(self) -> int:
+    def _graph_time_ns(self) -> int:
         return self.get_clock().now().nanoseconds
 
     @property
@@ -123,7 +127,7 @@ class CrazyflieBridge(DeviceNode):
         command = self._bridge.command
         self._keeper = ConnectionManager(
             self._link,
-            select_parameters(self._file, command),
+            select_expected_parameters(self._file, command),
             claim.close,
             required_compensation(self._vehicle, command),
         )
@@ -172,7 +176,7 @@ class CrazyflieBridge(DeviceNode):
 
     def _on_arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         """Arm or disarm, and answer with the confirmed state."""
-        why = self._bridge.find_arming_refusal(self._now_ns(), self._is_linked, self.active)
+        why = self._bridge.find_arming_refusal(self._graph_time_ns(), self._is_linked, self.active)
         if not (request.data and why):
             if request.data and self._bridge.state.stage is SafetyStage.DISARMED:
                 self._wait_for_links()
@@ -244,10 +248,10 @@ class CrazyflieBridge(DeviceNode):
     # Periodic work.
 
     def _tick(self) -> None:
-        up, now_ns = self._is_linked, self._now_ns()
+        up, now_ns = self._is_linked, self._graph_time_ns()
         # A new connection: nothing known from the last one is valid
         if up and not self._was_up:
-            self._bridge.reset()
+            self._bridge.clear_connection_data()
             self._connected = time.monotonic()
         self._was_up = up
         # Each request counts for one tick only
@@ -256,7 +260,7 @@ class CrazyflieBridge(DeviceNode):
         self._arm_controller()
         # A fresh connection needs time for its first log packets
         if up and time.monotonic() - self._connected > DEAD:
-            silence = self._bridge.collect_inputs(now_ns, up, self.active).silence
+            silence = self._bridge.collect_safety_inputs(now_ns, up, self.active).silence
             if silence > DEAD and self._keeper is not None:
                 self._keeper.reconnect(f'no packets for {silence:.1f} s')
 
@@ -306,7 +310,9 @@ class CrazyflieBridge(DeviceNode):
         if why not in (self._complained, ''):
             self._complained = why
             self.get_logger().warning(f'no link: {why}')
-        inputs = self._bridge.collect_inputs(self._now_ns(), self._is_linked, self.active)
+        inputs = self._bridge.collect_safety_inputs(
+            self._graph_time_ns(), self._is_linked, self.active
+        )
         for fact in describe_health(self._bridge, why, attempts, self._link.protocol, inputs):
             self.health.report(fact.task, fact.level, fact.message, **fact.values)
         super().publish_health()

@@ -14,12 +14,12 @@ from foxglove.messages import FrameTransforms, SceneUpdate
 from lta_bridge.bag.schemas import generate_definition
 from lta_bridge.live.address import LOCAL, PORT
 from lta_bridge.live.encoding import encode_frame_transforms, encode_scene_update
-from lta_bridge.live.feed import LiveFeed
+from lta_bridge.live.feed import TopicThrottle
 from lta_bridge.live.messages import to_duties, to_pose, to_vector
 from lta_bridge.live.rate_limiter import RateLimiter
 from lta_bridge.live.scene import LiveScene, SceneState
 from lta_bridge.live.server import LiveServer
-from lta_bridge.message_accounting import read_stamp
+from lta_bridge.log_time_assigner import read_stamp
 from lta_config.settings import setting, Settings
 from lta_config.topics import robot_topic
 from lta_graph.health import HealthLevel
@@ -53,7 +53,7 @@ class LiveSettings(Settings):
     port: int = setting(PORT, 'Port of the live page.', low=1, high=65535, fixed=True)
 
 
-class LiveNode(GraphNode):
+class LiveViewNode(GraphNode):
     """Show raw messages and a scene to viewers."""
 
     def __init__(self) -> None:
@@ -62,7 +62,7 @@ class LiveNode(GraphNode):
         self._robot = self.get_namespace().strip('/')
         scenario = load_scenario(settings.scenario)
         self._scene = LiveScene(load_vehicle(settings.vehicle, scenario.air.density), scenario)
-        self._feed = LiveFeed(self.table)
+        self._feed = TopicThrottle(self.table)
         self._raw: dict[str, bytes] = {}
         self._torn = 0
         self._draw, self._path = RateLimiter(DRAW_RATE), RateLimiter(PATH_RATE)
@@ -93,10 +93,10 @@ class LiveNode(GraphNode):
         # Best effort never blocks a publisher, however slow the viewers are
         asked = QoSProfile(depth=depth, reliability=ReliabilityPolicy.BEST_EFFORT)
         self.create_subscription(
-            find_message_type(topic), name, self._build_receiver_for(name), asked, raw=True
+            find_message_type(topic), name, self._build_raw_receiver(name), asked, raw=True
         )
 
-    def _build_receiver_for(self, name: str) -> Callable[[bytes], None]:
+    def _build_raw_receiver(self, name: str) -> Callable[[bytes], None]:
         absolute, server, feed = self._absolute_name(name), self._server, self._feed
 
         def show(data: bytes) -> None:
@@ -153,7 +153,7 @@ class LiveNode(GraphNode):
             frames = encode_frame_transforms(self._scene.list_frames(state), stamp)
             server.send_message(self._tf_topic, frames, stamp)
         if server.has_viewers(self._scene_topic):
-            if server.audience.pop_newcomer(self._scene_topic):
+            if server.audience.has_new_viewer(self._scene_topic):
                 # A new viewer needs the static scene once
                 entities += [*self._scene.standing, self._scene.draw_path()]
             elif self._path.try_acquire(now):
@@ -189,4 +189,4 @@ class LiveNode(GraphNode):
 
 def main(args: list[str] | None = None) -> None:
     """Run the node until it is stopped."""
-    run_node(LiveNode, args)
+    run_node(LiveViewNode, args)

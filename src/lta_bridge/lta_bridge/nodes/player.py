@@ -70,7 +70,7 @@ class Player(GraphNode):
         self._telling = self.create_output(CLOCK)
         self._due = self.create_output('replay/due')
         self._owed = PendingAnswers(
-            self._plan_answers() if self.lockstep else {n: [] for n in self._cast.answers}
+            self._publish_due_times() if self.lockstep else {n: [] for n in self._cast.answers}
         )
         self._pace = PlaybackClock(
             self._reel.begin_ns, None if self.lockstep else settings.rate, settings.paused
@@ -85,12 +85,12 @@ class Player(GraphNode):
         self._began = self._clocked = self._news = 0.0
         self._ended = ''
         self.create_service(SetBool, 'player/pause', self._on_pause)
-        self.create_service(Trigger, 'player/step', self._on_step)
+        self.create_service(Trigger, 'player/step', self._on_step_request)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         # In lockstep the answers drive the replay; the timer only detects overdue ones
         self.create_timer(0.1 if self.lockstep else TICK, self._tick, clock=steady)
 
-    def _plan_answers(self) -> dict[str, list[int]]:
+    def _publish_due_times(self) -> dict[str, list[int]]:
         """Publish the due times of the nodes' inputs; return those of their answers. [ns]"""
         read = {name for node in self._cast.nodes for name in self.table.read_by(node)}
         # The trigger determines when a node answers, so its times are needed too
@@ -131,7 +131,7 @@ class Player(GraphNode):
         super().run()
         if self._ended == 'unanswered':
             late = ', '.join(
-                f'{n} from {self.find_source(n)}' for n in self._owed.list_oldest_topics()
+                f'{n} from {self.find_publishing_role(n)}' for n in self._owed.list_oldest_topics()
             )
             sys.stderr.write(f'No answer within {self._settings.patience:g} s: {late}.\n')
             sys.exit(1)
@@ -155,18 +155,20 @@ class Player(GraphNode):
             if publisher.get_subscription_count() < len(readers):
                 waiting |= readers
         waiting |= {
-            self.find_source(n) for n in self._cast.answers if not self.count_publishers(n)
+            self.find_publishing_role(n)
+            for n in self._cast.answers
+            if not self.count_publishers(n)
         }
         if self.lockstep and self._settings.record:  # it needs the due times of unstamped topics
             readers_of_due = self.get_subscriptions_info_by_topic(self._due.topic_name)
             waiting |= {'recorder'} - {each.node_name for each in readers_of_due}
         return sorted(waiting)
 
-    def list_wakeups(self) -> Iterable[Subscription]:
+    def list_wakeup_subscriptions(self) -> Iterable[Subscription]:
         """Return the subscriptions to wake up for: the answers."""
         return self._heard_answers
 
-    def list_missing(self) -> list[str]:
+    def list_missing_inputs(self) -> list[str]:
         """Return the answers that the player waits for."""
         if not self.lockstep or not self.begun or self._pace.paused or self._ended:
             return []
@@ -175,7 +177,7 @@ class Player(GraphNode):
     def _build_answer_receiver(self, name: str) -> Callable[[bytes], None]:
         def take(data: bytes) -> None:
             self._news = time.monotonic()
-            due = self._owed.take_answer(name)
+            due = self._owed.register_answer(name)
             if self._kept is not None:
                 self._kept.write(name, data, due, self._now)
             if self.lockstep:
@@ -206,7 +208,7 @@ class Player(GraphNode):
         if not self.begun or self._ended:
             return
         # Neither ahead of the playback clock nor too far ahead of an unanswered input
-        until = min(self._pace.now(time.monotonic()), self._owed.play_horizon(AHEAD_NS))
+        until = min(self._pace.now(time.monotonic()), self._owed.latest_play_time(AHEAD_NS))
         for _ in range(MOST):
             due = self._reel.next_ns
             if due is None or due > until:
@@ -215,12 +217,12 @@ class Player(GraphNode):
         self._publish_clock()
         # In real time the number of answers is unknown: wait until they cease
         late = not self.lockstep and time.monotonic() - self._news < QUIET
-        if self._reel.next_ns is None and not self._owed.total_left and not late:
+        if self._reel.next_ns is None and not self._owed.total_pending and not late:
             self._ended, self.running, self.farewell = 'played', False, WHOLE
 
     def _publish_next(self) -> None:
         """Publish the next message."""
-        item = self._reel.take_next()
+        item = self._reel.pop_message()
         # The recording may contain reordered messages, but /clock must not go back
         self._now = max(self._now, item.time_ns)
         self._outputs[item.topic].publish(item.data)
@@ -246,7 +248,7 @@ class Player(GraphNode):
         response.success, response.message = True, self._format_position()
         return response
 
-    def _on_step(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+    def _on_step_request(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """Play all messages of the next instant."""
         due = self._reel.next_ns
         response.success = self._pace.paused and due is not None
@@ -271,7 +273,7 @@ class Player(GraphNode):
             'messages': str(self._messages),
             'answers': str(sum(self._owed.come.values())),
             'owed': str(self._owed.total),
-            'unanswered': str(self._owed.total_left),
+            'unanswered': str(self._owed.total_pending),
             'rounds': str(self._reel.rounds),
             'pace': f'{elapsed / wall:.2f}' if wall else '0.00',
         }

@@ -47,7 +47,7 @@ from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.raw_subscriptions import GENEROUS, load_message_class, RawSubscriptions
-from lta_graph.ros.replay_due import subscribe_due
+from lta_graph.ros.replay_due import subscribe_due_times
 from lta_graph.ros.spin import spin_node
 from pydantic import create_model
 from rclpy.clock import Clock, ClockType
@@ -82,7 +82,7 @@ def declare_origins(node: GraphNode, robots: list[str]) -> dict[str, RobotOrigin
     return {name: getattr(told, name) for name in robots}
 
 
-def build_cleaner(type_name: str) -> Callable[[bytes], bytes]:
+def build_reencoder(type_name: str) -> Callable[[bytes], bytes]:
     """Return a function that re-encodes a message of a type with zero padding."""
     kind = load_message_class(type_name)
 
@@ -133,7 +133,9 @@ class Recorder(GraphNode):
                     DiagnosticArray, DIAGNOSTICS, self._on_diagnostics, GENEROUS.depth, raw=True
                 )
             if self.replayed:  # created last, so that it is served first
-                subscribe_due(self, self.table, partial(self._intake.set_due_times, robots[0]))
+                subscribe_due_times(
+                    self, self.table, partial(self._intake.set_due_times, robots[0])
+                )
             self.create_service(Trigger, 'recorder/snapshot', self._on_snapshot)
             # Graph time may stop or run faster, but disk and graph follow the wall clock
             steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -190,20 +192,20 @@ class Recorder(GraphNode):
         self._types[name] = type_name
         announced, take = (
             self._announced,
-            self._intake.build_receiver(name, type_name, build_cleaner(type_name)),
+            self._intake.create_topic_callback(name, type_name, build_reencoder(type_name)),
         )
         watched = self._snapshots is not None and name == DIAGNOSTICS
 
-        def receive(data: bytes) -> None:
+        def receive_message(data: bytes) -> None:
             if name not in announced:
-                self._announce_topic(name)
+                self._update_topic_qos(name)
             take(data)
             if watched:
                 self._on_diagnostics(data)
 
-        return receive
+        return receive_message
 
-    def _announce_topic(self, name: str) -> None:
+    def _update_topic_qos(self, name: str) -> None:
         """Pass the QoS profiles of a topic's present and former publishers to the bag."""
         offered, expected = self._taps[name].list_offered_profiles(), self._expected_profile(name)
         known = self._offers.setdefault(name, [])
@@ -230,7 +232,7 @@ class Recorder(GraphNode):
         """Check the graph and the writer, and report the state of the recording."""
         for name in self._taps.poll_changes():
             if self._taps[name].publishers:
-                self._announce_topic(name)
+                self._update_topic_qos(name)
         if self._snapshots is not None:
             self._snapshots.save_if_due(time.monotonic())
             level, words, figures = self._snapshots.summarize()
@@ -250,7 +252,7 @@ class Recorder(GraphNode):
                 **self._left_out,
             )
         if not self._fault:
-            level, words, figures = self._intake.summarize(self._taps.lost_counts)
+            level, words, figures = self._intake.summarize_recording(self._taps.lost_counts)
             self.health.report('recording', level, words, **figures)
 
     def _report_disk(self) -> None:
@@ -285,7 +287,7 @@ class Recorder(GraphNode):
                 told = time.monotonic()
                 self.publish_health()
         response.success = saving.made is not None
-        response.message = saving.summary
+        response.message = saving.status_text
         return response
 
     def run(self) -> None:
@@ -317,14 +319,14 @@ class Recorder(GraphNode):
         for name in self._taps:
             # List topics without messages in the bag too
             if name not in self._announced:
-                self._announce_topic(name)
+                self._update_topic_qos(name)
         try:
             self._writer.close()
         except StorageFault as fault:
             self._fault = str(fault)
         if last is not None:
             self._fault = self._fault or last.fault
-            sys.stdout.write(f'{last.summary}\n' if last.made else '')
+            sys.stdout.write(f'{last.status_text}\n' if last.made else '')
         if self._fault:
             self.health.report(
                 'recording', HealthLevel.ERROR, self._fault, unwritten=self._writer.lost_count

@@ -8,7 +8,7 @@ It is a lifecycle node: `configure` opens the link and synchronizes with the boa
 import time
 
 from builtin_interfaces.msg import Time
-from lta_bridge.teensy.health_facts import describe_health, TASK
+from lta_bridge.teensy.health_diagnostics import describe_health, TASK
 from lta_bridge.teensy.light_board import LightBlock, LightBoard, LightPeaks
 from lta_bridge.teensy.reader import BoardReader
 from lta_config.errors import BadInput
@@ -19,7 +19,7 @@ from lta_graph.ros.device import DeviceNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
 from lta_graph.ros.stamps import to_stamp
-from lta_model.messages import build_light_block
+from lta_model.messages import build_light_block_message
 from lta_vlc.demodulation import Peaks
 from lta_vlc.diodes import build_diode_array
 from lta_vlc.lamp import LampPrior
@@ -107,7 +107,7 @@ class TeensyBridge(DeviceNode):
         board = LightBoard(self.table.light, entry.count, peaks, entry.bits)
         while True:
             try:
-                return BoardReader(port, board, self._publish_light, self._now_ns)
+                return BoardReader(port, board, self._publish_light, self._graph_time_ns)
             except BadInput:
                 if time.monotonic() >= until or not self.running:
                     raise
@@ -117,7 +117,7 @@ class TeensyBridge(DeviceNode):
         """Report the health of the board and its link."""
         # A refusal was reported in on_configure; do not replace it
         if self._reader is not None or not self.refusal:
-            fact = describe_health(self._reader, self._now_ns(), self.active)
+            fact = describe_health(self._reader, self._graph_time_ns(), self.active)
             self.health.report(fact.task, fact.level, fact.message, **fact.values)
         super().publish_health()
 
@@ -130,18 +130,18 @@ class TeensyBridge(DeviceNode):
             if self._settings.peaks:
                 self._publish_peaks(stamp, came.peaks)
         elif not self._settings.peaks:
-            self._outputs['photodiodes'].publish(build_light_block(stamp, came.samples))
+            self._outputs['photodiodes'].publish(build_light_block_message(stamp, came.samples))
 
     def _publish_peaks(self, stamp: Time, peaks: Peaks) -> None:
         """Publish the same messages as a demodulator."""
         header = Header(stamp=stamp, frame_id=self.table['light/peaks'].frame)
-        found = self._finder.find(peaks, self._settings.threshold, self._settings.prior)
+        found = self._finder.find_lamp(peaks, self._settings.threshold, self._settings.prior)
         out = self._outputs
         out['light/bearing'].publish(from_bearing(header, found.towards))
         out['light/peaks'].publish(from_peaks(header, (peaks,), self._finder.diodes.axes))
         out['light/estimate'].publish(from_lamp(header, found.lamp))
 
-    def _now_ns(self) -> int:
+    def _graph_time_ns(self) -> int:
         return int(self.get_clock().now().nanoseconds)
 
     def release_device(self) -> None:

@@ -84,7 +84,10 @@ class Teleop(GraphNode):
         self._odom_at = -FRESH
         # Sticks are read on the wall clock: a person acts in real time
         self._state, self._ticked = TeleopState(), time.monotonic()
-        for name, callback in (('odom', self._on_odom), ('/diagnostics', self._flyers.update)):
+        for name, callback in (
+            ('odom', self._on_odom),
+            ('/diagnostics', self._flyers.add_diagnostics),
+        ):
             self.subscribe_topic(name, callback)
         self._device = self._create_device(self._settings.value)
         self.create_timer(PERIOD, self._tick, clock=Clock(clock_type=ClockType.STEADY_TIME))
@@ -124,7 +127,7 @@ class Teleop(GraphNode):
             sticks,
             felt,
             rates,
-            self._flyers.person_steers,
+            self._flyers.is_operator_steering,
         )
         if order.setpoint is not None:
             # A setpoint answers the newest estimate: its age is counted from that one's stamp.

@@ -9,7 +9,7 @@ from typing import Any
 
 from geometry_msgs.msg import PoseStamped
 from lta_bridge.tracking.messages import from_pose, from_transform, to_odometry
-from lta_bridge.tracking.pose import level_pose, TrackerPose
+from lta_bridge.tracking.pose import build_level_pose, TrackerPose
 from lta_bridge.tracking.tracked_drone import TrackedDrone
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
@@ -71,7 +71,9 @@ class TrackerNode(GraphNode):
         self._truth = self.create_output('ground_truth/odom')
         settings = NodeParameters(self, TrackerSettings).value
         self._tracked = TrackedDrone(
-            level_pose(*settings.origin), level_pose(*settings.body), round(1e9 * settings.delay)
+            build_level_pose(*settings.origin),
+            build_level_pose(*settings.body),
+            round(1e9 * settings.delay),
         )
         self._frame = settings.frame
         if not settings.frame:
@@ -95,16 +97,16 @@ class TrackerNode(GraphNode):
                 self._publish_motion(from_stamp(each.header.stamp), from_transform(each))
 
     def _publish_motion(self, stamp_ns: int, pose: TrackerPose) -> None:
-        for motion in self._tracked.receive_pose(stamp_ns, pose, self._now_ns()):
+        for motion in self._tracked.receive_pose(stamp_ns, pose, self._graph_time_ns()):
             frame = self.table['ground_truth/odom'].frame
             self._truth.publish(to_odometry(to_stamp(motion.stamp_ns), frame, motion))
 
-    def _now_ns(self) -> int:
+    def _graph_time_ns(self) -> int:
         return int(self.get_clock().now().nanoseconds)
 
     def publish_health(self) -> None:
         """Report the health of the tracker."""
-        fact = self._tracked.describe_health(self._now_ns())
+        fact = self._tracked.describe_health(self._graph_time_ns())
         self.health.report(fact.task, fact.level, fact.message, **fact.values)
         super().publish_health()
 

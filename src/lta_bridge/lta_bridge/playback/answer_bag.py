@@ -13,10 +13,10 @@ from lta_bridge.bag.background_writer import FLUSH_PERIOD
 from lta_bridge.bag.qos import OfferedQos
 from lta_bridge.bag.storage import StorageFault
 from lta_bridge.bag.writer import BagWriter
-from lta_bridge.message_accounting import read_stamp
+from lta_bridge.log_time_assigner import read_stamp
 from lta_bridge.playback.node_selection import NodeSelection
 from lta_bridge.playback.origin import build_answers_origin
-from lta_bridge.playback.recording import BagRecording
+from lta_bridge.playback.recording import RobotBagRecording
 from lta_config.errors import BadInput
 from lta_config.topics import robot_topic, TopicTable
 
@@ -56,7 +56,7 @@ class AnswerBag:
     def __init__(
         self,
         path: Path,
-        recording: BagRecording,
+        recording: RobotBagRecording,
         selection: NodeSelection,
         table: TopicTable,
         robot: str,

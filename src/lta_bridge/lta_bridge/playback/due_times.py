@@ -11,7 +11,7 @@ are the times of the topic table.
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
-from lta_bridge.message_accounting import read_stamp
+from lta_bridge.log_time_assigner import read_stamp
 from lta_bridge.playback.node_selection import NodeSelection
 from lta_bridge.playback.recording import RecordedMessage
 from lta_config.topics import TopicTable
@@ -48,17 +48,17 @@ def compute_answer_times(
     """Return the due times of the nodes' answers, by topic."""
     found: dict[str, DueTimes] = {}
 
-    def find_times(name: str) -> DueTimes:
+    def find_due_times(name: str) -> DueTimes:
         if name not in selection.answers:
             return played.get(name, DueTimes([], []))
         if name not in found:
             made = DueTimes([], [])
             row = table[name]
-            for stamp, due in zip(*find_times(row.answers), strict=True):
+            for stamp, due in zip(*find_due_times(row.answers), strict=True):
                 made.add(stamp, max(stamp + row.latency_ns, due))
             found[name] = made
         return found[name]
 
     for name in selection.answers:
-        find_times(name)
+        find_due_times(name)
     return found

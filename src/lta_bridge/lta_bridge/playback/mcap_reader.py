@@ -65,7 +65,7 @@ def read_topic_types(files: list[Path]) -> tuple[dict[str, str], dict[str, str]]
             with file.open('rb') as stream:
                 if stream.read(len(MAGIC)) != MAGIC:
                     raise BadInput(f"'{file}' is not an MCAP recording; {ADVICE}.")
-                found, origin = read_summary(stream) or scan_unfinished(stream)
+                found, origin = read_summary(stream) or scan_unfinished_file(stream)
         except OSError as error:
             raise BadInput(f"'{file}' cannot be read ({error.strerror}); {ADVICE}.") from error
         except MemoryError:
@@ -75,7 +75,7 @@ def read_topic_types(files: list[Path]) -> tuple[dict[str, str], dict[str, str]]
     return types, told
 
 
-def open_indexed(stream: BinaryIO) -> tuple[McapReader, Summary] | None:
+def open_indexed_file(stream: BinaryIO) -> tuple[McapReader, Summary] | None:
     """Return a finished file's reader and summary; None without a summary."""
     stream.seek(0)
     with suppress(*BROKEN, MemoryError):
@@ -88,7 +88,7 @@ def open_indexed(stream: BinaryIO) -> tuple[McapReader, Summary] | None:
 
 def read_summary(stream: BinaryIO) -> tuple[dict[str, str], dict[str, str]] | None:
     """Return types and origin from a file's summary; None without a summary."""
-    found = open_indexed(stream)
+    found = open_indexed_file(stream)
     if found is None:
         return None
     reader, summary = found
@@ -109,7 +109,7 @@ def is_cdr(channel: Channel) -> bool:
     return str(channel.message_encoding) == MessageEncoding.CDR
 
 
-def scan_unfinished(stream: BinaryIO) -> tuple[dict[str, str], dict[str, str]]:
+def scan_unfinished_file(stream: BinaryIO) -> tuple[dict[str, str], dict[str, str]]:
     """Return types and origin from the readable records of a file without a summary."""
     types: dict[str, str] = {}
     told: dict[str, str] = {}
@@ -154,7 +154,7 @@ def iterate_by_time(
 
     """
     with file.open('rb') as stream:
-        found = open_indexed(stream)
+        found = open_indexed_file(stream)
         if found is None:
             try:
                 # Without an index the whole file must be sorted in memory

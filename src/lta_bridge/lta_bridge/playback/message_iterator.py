@@ -4,8 +4,8 @@ from collections.abc import Collection, Iterator
 import struct
 from typing import final
 
-from lta_bridge.message_accounting import read_stamp
-from lta_bridge.playback.recording import BagRecording, RecordedMessage
+from lta_bridge.log_time_assigner import read_stamp
+from lta_bridge.playback.recording import RecordedMessage, RobotBagRecording
 from lta_config.errors import BadInput
 from lta_config.topics import TopicTable
 
@@ -56,7 +56,7 @@ class MessageIterator:
 
     def __init__(
         self,
-        recording: BagRecording,
+        recording: RobotBagRecording,
         topics: Collection[str],
         table: TopicTable,
         start: float = 0.0,
@@ -101,7 +101,7 @@ class MessageIterator:
         """Time of the next message; None at the end. [ns]"""
         return None if self._next is None else self._next.time_ns + self._shift
 
-    def take_next(self) -> RecordedMessage:
+    def pop_message(self) -> RecordedMessage:
         """Return the next message and advance."""
         item = self._next
         if item is None:

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Sequence
 from typing import final, NamedTuple
 
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_config.topics import TopicTable
 
 VEHICLE = 'vehicle'
@@ -37,7 +37,7 @@ class NodeSelection(NamedTuple):
         return [name for name in table.topics if name in read - there]
 
 
-def list_answering_roles(table: TopicTable) -> list[str]:
+def list_replayable_roles(table: TopicTable) -> list[str]:
     """Return the roles that can be run again: those that answer a topic."""
     sources = dict.fromkeys(topic.source for topic in table.topics.values())
     return [role for role in sources if table.trigger_topic(role)]
@@ -62,10 +62,10 @@ def select_nodes(table: TopicTable, nodes: Sequence[str], also: Sequence[str]) -
         If a role is unknown, or would be both run and played.
 
     """
-    known = list_answering_roles(table)
+    known = list_replayable_roles(table)
     for name in (*nodes, *also):
         if name not in known:
-            raise unknown_name('node', name, known)
+            raise unknown_name_error('node', name, known)
     again = tuple(nodes) or tuple(known)
     for name in also:
         if name in again:
@@ -84,4 +84,4 @@ def select_nodes(table: TopicTable, nodes: Sequence[str], also: Sequence[str]) -
 def list_supporting_roles(table: TopicTable, nodes: Sequence[str]) -> list[str]:
     """Return the roles, besides the vehicle, whose messages some nodes read and do not send."""
     sources = {table[name].source for node in nodes for name in table.read_by(node)}
-    return [role for role in list_answering_roles(table) if role in sources - set(nodes)]
+    return [role for role in list_replayable_roles(table) if role in sources - set(nodes)]

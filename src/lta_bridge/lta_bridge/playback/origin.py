@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from lta_bridge.playback.recording import BagRecording
+from lta_bridge.playback.recording import RobotBagRecording
 from lta_bridge.provenance import describe_environment
 
 REPLAY_OF, REPLAYED = 'replay_of', 'replayed_nodes'  # keys of the origin
@@ -16,13 +16,13 @@ SCENE = (
 SET = 'set'  # parameters of the flight; only `lta replay` passes them to the nodes again
 
 
-def build_answers_origin(recording: BagRecording, nodes: tuple[str, ...]) -> dict[str, str]:
+def build_answers_origin(recording: RobotBagRecording, nodes: tuple[str, ...]) -> dict[str, str]:
     """Return the provenance of a bag with some nodes' answers to a recording."""
     told = {REPLAY_OF: str(recording.path), REPLAYED: ' '.join(nodes)}
     return {**recording.provenance, **describe_environment(), **told}
 
 
-def build_replay_origin(recording: BagRecording, graph: Mapping[str, str]) -> dict[str, str]:
+def build_replay_origin(recording: RobotBagRecording, graph: Mapping[str, str]) -> dict[str, str]:
     """
     Return the provenance of a bag recorded from a graph during a replay.
 

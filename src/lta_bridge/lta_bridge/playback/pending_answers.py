@@ -27,7 +27,7 @@ class PendingAnswers:
         self._due = due
         self.come = dict.fromkeys(due, 0)
 
-    def take_answer(self, topic: str) -> int | None:
+    def register_answer(self, topic: str) -> int | None:
         """Count an answer and return its due time; None if none was pending. [ns]"""
         turn = self.come[topic]
         self.come[topic] += 1
@@ -36,11 +36,11 @@ class PendingAnswers:
     def oldest_due(self) -> int:
         """Return the due time of the oldest pending answer; `NEVER` without one. [ns]"""
         left = (
-            times[self.come[name]] for name, times in self._due.items() if self.count_left(name)
+            times[self.come[name]] for name, times in self._due.items() if self.count_pending(name)
         )
         return min(left, default=NEVER)
 
-    def play_horizon(self, ahead_ns: int) -> int:
+    def latest_play_time(self, ahead_ns: int) -> int:
         """Return the time up to which to play, for a given largest lag of the nodes. [ns]"""
         since = self.oldest_due()
         return NEVER if since == NEVER else since + ahead_ns
@@ -51,10 +51,10 @@ class PendingAnswers:
         return [
             name
             for name, times in self._due.items()
-            if self.count_left(name) and times[self.come[name]] == since
+            if self.count_pending(name) and times[self.come[name]] == since
         ]
 
-    def count_left(self, topic: str) -> int:
+    def count_pending(self, topic: str) -> int:
         """Return the number of pending answers of a topic."""
         return max(0, len(self._due[topic]) - self.come[topic])
 
@@ -64,6 +64,6 @@ class PendingAnswers:
         return sum(map(len, self._due.values()))
 
     @property
-    def total_left(self) -> int:
+    def total_pending(self) -> int:
         """Number of pending answers."""
-        return sum(map(self.count_left, self._due))
+        return sum(map(self.count_pending, self._due))

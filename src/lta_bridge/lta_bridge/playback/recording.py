@@ -10,10 +10,10 @@ from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import final, NamedTuple
 
-from lta_bridge.message_accounting import read_stamp
+from lta_bridge.log_time_assigner import read_stamp
 from lta_bridge.playback.mcap_reader import ADVICE, iterate_by_time, read_topic_types
 from lta_bridge.provenance import extract_robot_origin
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_config.topics import TopicTable
 
 
@@ -26,7 +26,7 @@ class RecordedMessage(NamedTuple):
 
 
 @final
-class BagRecording:
+class RobotBagRecording:
     """
     One robot's part of a bag; see `open_recording`.
 
@@ -102,7 +102,7 @@ class BagRecording:
         return 0
 
 
-def open_recording(path: Path, robot: str, table: TopicTable, own: str = '') -> BagRecording:
+def open_recording(path: Path, robot: str, table: TopicTable, own: str = '') -> RobotBagRecording:
     """
     Open a bag for playing.
 
@@ -134,7 +134,7 @@ def open_recording(path: Path, robot: str, table: TopicTable, own: str = '') -> 
     files = [file for file in files if not file.is_file() or file.stat().st_size] or files
     if not files:
         raise BadInput(f"'{path}' contains no MCAP recording; {ADVICE}.")
-    return BagRecording(path, files, robot, table, own)
+    return RobotBagRecording(path, files, robot, table, own)
 
 
 def split_topic_names(names: Mapping[str, str], table: TopicTable) -> list[tuple[str, str, str]]:
@@ -158,7 +158,7 @@ def choose_robot(path: Path, robot: str, robots: list[str]) -> str:
             f"'{path}' has none of the topics listed in docs/topics.md; choose another bag."
         )
     if robot and robot not in robots:
-        raise unknown_name('robot', robot, robots)
+        raise unknown_name_error('robot', robot, robots)
     if not robot and len(robots) > 1:
         raise BadInput(f"'{path}' has several robots ({', '.join(robots)}); name the one to play.")
     return robot or robots[0]

@@ -16,7 +16,7 @@ WRAP = 2**32  # row numbers wrap here
 RESTART = 5  # consecutive messages with old row numbers after which the board counts as restarted
 
 
-class BoardBlock(NamedTuple):
+class BoardLightBlock(NamedTuple):
     """Samples of all diodes, shape (samples, diodes), and the board's time of the first. [ns]"""
 
     board_ns: int
@@ -58,7 +58,7 @@ class BlockAssembler:
 
     def add_rows(
         self, board_ns: int, sequence: int, rows: NDArray[np.uint16]
-    ) -> Iterator[BoardBlock]:
+    ) -> Iterator[BoardLightBlock]:
         """
         Add consecutive rows and yield the blocks that they complete.
 
@@ -91,7 +91,7 @@ class BlockAssembler:
             if self._have == self._samples:
                 self.whole += 1
                 # The receiver keeps this array, so the next block gets a new one
-                yield BoardBlock(self._board_ns, self._filled)
+                yield BoardLightBlock(self._board_ns, self._filled)
                 self._filled = None
 
     def _accept_rows(self, sequence: int, count: int) -> bool:
@@ -104,7 +104,7 @@ class BlockAssembler:
             if self._suspects < RESTART:
                 self.old += count
                 return False
-            self.restart()
+            self.restart_row_count()
             ahead = 0
         self._suspects = 0
         if ahead:
@@ -112,7 +112,7 @@ class BlockAssembler:
             self._drop_partial_block()
         return True
 
-    def restart(self) -> None:
+    def restart_row_count(self) -> None:
         """Start counting anew with the next rows, because the board was reset."""
         self.restarts += 1
         self._expected = None

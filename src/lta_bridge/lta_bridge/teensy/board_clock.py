@@ -27,7 +27,7 @@ class ClockExchange(NamedTuple):
     heard: int
 
     @property
-    def midpoint(self) -> int:
+    def host_midpoint(self) -> int:
         """Host time halfway between request and answer. [ns]"""
         return (self.asked + self.heard) // 2
 
@@ -81,11 +81,11 @@ class BoardClock:
     def add_exchange(self, exchange: ClockExchange) -> None:
         """Add an exchange; restart if it contradicts the estimate."""
         if self._kept and self._contradicts_fit(exchange):
-            self.restart()
+            self.discard_exchanges()
         self._kept.append(exchange)
         self._fit_offset_drift()
 
-    def restart(self) -> None:
+    def discard_exchanges(self) -> None:
         """Discard all exchanges: the board was reset, or the host's clock was set."""
         self._kept.clear()
         self.restarts += 1
@@ -99,7 +99,7 @@ class BoardClock:
     def _fit_offset_drift(self) -> None:
         """Fit offset and drift about the newest answer, where they are used."""
         newest = self._kept[-1]
-        self._base, self._anchor = newest.board, newest.midpoint
+        self._base, self._anchor = newest.board, newest.host_midpoint
         quickest = self.round_trip
         # Even the fastest exchange may be asymmetric
         best = QUICK * quickest * 1e-9 + GRAIN
@@ -110,7 +110,7 @@ class BoardClock:
             weight = (best + 1e-9 * (item.round_trip - quickest)) ** -2
             # s; relative to the newest answer, for precision
             x = 1e-9 * (item.board - self._base)
-            y = 1e-9 * (item.midpoint - self._anchor) - x
+            y = 1e-9 * (item.host_midpoint - self._anchor) - x
             aa += weight
             ab += weight * x
             bb += weight * x * x

@@ -2,7 +2,7 @@
 Protocol of the light board: parse received bytes into timed blocks, compose outgoing messages.
 
 This module is independent of the transport and of ROS. The caller passes received bytes to
-`receive_data` and sends the bytes of `compose_due_messages`.
+`receive_bytes` and sends the bytes of `compose_due_messages`.
 """
 
 from collections.abc import Iterator
@@ -23,7 +23,7 @@ from lta_bridge.teensy.message import MavlinkMessage
 from lta_bridge.teensy.sender_filter import SenderFilter
 from lta_config.topics import AdcBlockShape
 from lta_vlc.demodulation import Peaks
-from lta_vlc.spectral.snr import signal_to_noise_ratio
+from lta_vlc.spectral.snr import signal_to_noise
 import numpy as np
 from numpy.typing import NDArray
 
@@ -118,7 +118,7 @@ class LightBoard:
         """Why the blocks cannot be used, in one sentence; empty if they can."""
         return self._unlike or self._unfit
 
-    def receive_data(self, data: bytes, now_ns: int) -> Iterator[LightBlock | LightPeaks]:
+    def receive_bytes(self, data: bytes, now_ns: int) -> Iterator[LightBlock | LightPeaks]:
         """Add received bytes with their arrival [ns]; yield the blocks that they complete."""
         for frame in self.framing.parse_frames(data):
             if not self._is_from_board(frame, now_ns):
@@ -149,7 +149,7 @@ class LightBoard:
         out, self._replies = b''.join(self._replies), []
         if now_ns < self._looked_ns - BACK_NS:  # our own clock was set back
             self._next_beat = self._next_ask = now_ns
-            self.clock.restart()
+            self.clock.discard_exchanges()
         self._looked_ns = now_ns
         if now_ns >= self._next_beat:
             self._next_beat = now_ns + BEAT_NS
@@ -174,7 +174,7 @@ class LightBoard:
 
     def _take_rows(self, record: np.void, now_ns: int) -> Iterator[LightBlock]:
         self._detect_restart(_board_time_ns(record))
-        self._unfit = self._find_rows_fault(int(record['diodes']), int(record['rows']))
+        self._unfit = self._describe_rows_fault(int(record['diodes']), int(record['rows']))
         if self._unfit:
             self.unfit += 1
             return
@@ -184,11 +184,11 @@ class LightBoard:
         for block in self.blocks.add_rows(
             _board_time_ns(record), int(record['sequence']), samples
         ):
-            stamp = self._find_host_time(block.board_ns, now_ns)
+            stamp = self._to_graph_time(block.board_ns, now_ns)
             if stamp is not None:
                 yield LightBlock(stamp, block.samples)
 
-    def _find_rows_fault(self, diodes: int, rows: int) -> str:
+    def _describe_rows_fault(self, diodes: int, rows: int) -> str:
         if self._finds_peaks:
             return (
                 'The light board sends samples and no peaks; start without light_peaks:=true, or '
@@ -206,7 +206,7 @@ class LightBoard:
     def _take_peaks(self, record: np.void, now_ns: int) -> Iterator[LightPeaks]:
         self.peaks += 1
         self._detect_restart(_board_time_ns(record))
-        self._unfit = self._find_peaks_fault(record)
+        self._unfit = self._describe_peaks_fault(record)
         if self._unfit:
             self.unfit += 1
             return
@@ -215,12 +215,12 @@ class LightBoard:
         # Of white noise with this root mean square, the mean magnitude of a bin.
         noise = record['noise'][:diodes].astype(np.float64) * math.sqrt(math.pi / window)
         frequency = np.full(diodes, float(record['frequency']))
-        stamp = self._find_host_time(_board_time_ns(record), now_ns)
+        stamp = self._to_graph_time(_board_time_ns(record), now_ns)
         if stamp is not None:
-            snr = signal_to_noise_ratio(amplitude, noise)
+            snr = signal_to_noise(amplitude, noise)
             yield LightPeaks(stamp, Peaks(amplitude, snr, frequency, noise))
 
-    def _find_peaks_fault(self, record: np.void) -> str:
+    def _describe_peaks_fault(self, record: np.void) -> str:
         diodes, window = int(record['diodes']), int(record['window'])
         if not self._finds_peaks:
             return 'The light board sends peaks and no samples; start with light_peaks:=true.'
@@ -244,13 +244,13 @@ class LightBoard:
         """Reset clock and rows if the board's time has gone back."""
         if board_ns < self._newest_ns - BACK_NS:
             if self.clock.restarts == self._resets:  # an answer has not told it that already
-                self.clock.restart()
-            self.blocks.restart()
+                self.clock.discard_exchanges()
+            self.blocks.restart_row_count()
             self._newest_ns = board_ns
         self._newest_ns = max(self._newest_ns, board_ns)
         self._resets = self.clock.restarts
 
-    def _find_host_time(self, board_ns: int, now_ns: int) -> int | None:
+    def _to_graph_time(self, board_ns: int, now_ns: int) -> int | None:
         """Return the graph time of a board stamp; None if it is unknown or implausible."""
         if self._unlike:
             return None

@@ -77,7 +77,7 @@ class BoardReader:
                 if self._port is None:
                     self._port = open_port(self._address)
                     self.trouble = ''
-                self._exchange_data(self._port)
+                self._send_and_receive(self._port)
                 failures = 0
             except (Unplugged, BadInput) as error:
                 self._drop_port(str(error))
@@ -87,12 +87,12 @@ class BoardReader:
         if self._port is not None:
             self._port.close()
 
-    def _exchange_data(self, port: BoardPort) -> None:
+    def _send_and_receive(self, port: BoardPort) -> None:
         """Send due messages, read received bytes, and pause to collect more."""
         if due := self.board.compose_due_messages(self._clock()):
             port.write(due)
         if data := port.read(IDLE):
-            for block in self.board.receive_data(data, self._clock()):
+            for block in self.board.receive_bytes(data, self._clock()):
                 self._publish(block)
         time.sleep(GATHER)
 

@@ -71,8 +71,8 @@ class Gamepad:
                     tapped.add(number)
         if self._fd is None and not tapped:
             return None
-        buttons = [int(level) for level in _fill_gaps(self._buttons)]
-        return to_sticks(self._layout, _fill_gaps(self._axes), buttons, tapped)
+        buttons = [int(level) for level in _list_values_by_number(self._buttons)]
+        return to_sticks(self._layout, _list_values_by_number(self._axes), buttons, tapped)
 
     def _try_reopen(self, now: float) -> None:
         if now - self._tried < REOPEN:
@@ -108,6 +108,6 @@ class Gamepad:
             self._fd = None
 
 
-def _fill_gaps(levels: dict[int, float] | dict[int, int]) -> list[float]:
+def _list_values_by_number(levels: dict[int, float] | dict[int, int]) -> list[float]:
     """Return the values by number, with 0 for missing ones."""
     return [levels.get(number, 0) for number in range(max(levels, default=-1) + 1)]

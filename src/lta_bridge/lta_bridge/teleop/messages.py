@@ -5,7 +5,7 @@ from typing import Final, final
 from diagnostic_msgs.msg import DiagnosticArray
 from lta_bridge.teleop.steering import HeadingAltitude
 from lta_bridge.teleop.sticks import GamepadLayout, Sticks, to_sticks
-from lta_control.messages import to_measurement
+from lta_control.messages import to_cascade_measurement
 from lta_graph.rejections import RejectionCount
 from lta_graph.ros.command_mux import HELD, HELM
 from lta_graph.ros.message_validation import find_fault
@@ -72,7 +72,7 @@ class SetpointFollowers:
         self._robot = robot.strip('/')
         self._held: dict[str, bool] = {}
 
-    def update(self, array: DiagnosticArray) -> None:
+    def add_diagnostics(self, array: DiagnosticArray) -> None:
         """Add a diagnostics message."""
         for status in array.status:
             if status.hardware_id == self._robot and status.name.endswith(f': {HELM}'):
@@ -82,12 +82,12 @@ class SetpointFollowers:
                     self._held[status.name] = told[HELD] == str(True)
 
     @property
-    def person_steers(self) -> bool | None:
+    def is_operator_steering(self) -> bool | None:
         """Whether any node follows the operator's setpoints; None if none has reported."""
         return any(self._held.values()) if self._held else None
 
 
 def to_heading_altitude(odom: Odometry) -> HeadingAltitude | None:
     """Return heading and altitude; None while the estimate is not usable."""
-    measured = None if find_fault(odom) else to_measurement(odom)
+    measured = None if find_fault(odom) else to_cascade_measurement(odom)
     return None if measured is None else HeadingAltitude(measured.heading, measured.altitude)

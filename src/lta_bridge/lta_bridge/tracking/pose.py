@@ -14,7 +14,7 @@ class TrackerPose(NamedTuple):
     turn: Turn
 
 
-def level_pose(x: float, y: float, z: float, yaw: float) -> TrackerPose:
+def build_level_pose(x: float, y: float, z: float, yaw: float) -> TrackerPose:
     """Return a level pose from position [m] and heading [rad]."""
     return TrackerPose((x, y, z), (0.0, 0.0, math.sin(0.5 * yaw), math.cos(0.5 * yaw)))
 

@@ -63,12 +63,12 @@ class PoseFilter:
 
     def accept_pose(self, stamp_ns: int, pose: TrackerPose) -> bool:
         """Return whether to accept a pose; count the rejected ones."""
-        self.newest = self._find_fault(stamp_ns, pose)
+        self.newest = self._find_pose_fault(stamp_ns, pose)
         if self.newest is not None:
             self.faults[self.newest] += 1
         return self.newest is None
 
-    def _find_fault(self, stamp_ns: int, pose: TrackerPose) -> PoseFault | None:
+    def _find_pose_fault(self, stamp_ns: int, pose: TrackerPose) -> PoseFault | None:
         if not all(map(math.isfinite, (*pose.place, *pose.turn))):
             return PoseFault.NOT_A_NUMBER
         if abs(math.hypot(*pose.turn) - 1.0) > UNIT:

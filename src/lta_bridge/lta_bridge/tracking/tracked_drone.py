@@ -66,7 +66,7 @@ class TrackedDrone:
             self._refused = arrival_ns
             return
         if self.sieve.set_back > set_back:
-            self.clock.restart()
+            self.clock.discard_estimate()
         # No derivative across a jump of the clock or of the position
         if (self.sieve.set_back, self.sieve.found) != (set_back, found):
             self.window.clear()
@@ -97,10 +97,10 @@ class TrackedDrone:
             'drift_ppm': f'{1e6 * clock.drift:.1f}',
         }
         return HealthFact(
-            TASK, *self._assess_level(now_ns), {k: str(v) for k, v in figures.items()}
+            TASK, *self._assess_health(now_ns), {k: str(v) for k, v in figures.items()}
         )
 
-    def _assess_level(self, now_ns: int) -> tuple[HealthLevel, str]:
+    def _assess_health(self, now_ns: int) -> tuple[HealthLevel, str]:
         if not self._poses:
             return HealthLevel.WARN, 'no pose received yet'
         if now_ns - self._heard > SILENT_NS:

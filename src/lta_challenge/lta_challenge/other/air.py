@@ -21,7 +21,7 @@ class MovingAir(Protocol):
 
 
 @final
-class RoomDraught:
+class RoomAirMotion:
     """
     Slow random horizontal air motion, the same in the whole room.
 
@@ -84,7 +84,7 @@ class UnsteadyWind:
 
     def __init__(self, truth: VehicleTruth, seconds: float, draw: np.random.Generator) -> None:
         self._wind = truth.wind
-        self._more = RoomDraught(UNSTEADY, seconds, draw)
+        self._more = RoomAirMotion(UNSTEADY, seconds, draw)
 
     def sample_flow(self, time: float, x: float, y: float, z: float) -> Six:
         """Return velocity and acceleration of the air."""

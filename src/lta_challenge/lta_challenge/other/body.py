@@ -178,7 +178,7 @@ class KirchhoffBody:
         x, y, z = ((t.displaced + t.added_mass[k]) * gain[k] for k in range(3))
         return x, y, z, 0.0, 0.0, 0.0
 
-    def compute_accelerations(self, state: State, air: Six, push: Six, time: float) -> Six:
+    def rigid_body_accelerations(self, state: State, air: Six, push: Six, time: float) -> Six:
         """
         Return the acceleration of the hull centre in the map, and that of the body rates.
 

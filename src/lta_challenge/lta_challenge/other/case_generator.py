@@ -6,14 +6,14 @@ import math
 from typing import Any, Final, final
 
 from lta_challenge.case import CaseFlight, ChallengeCase, ROLES, SECONDS
-from lta_challenge.other.air import MovingAir, RoomDraught, UnsteadyWind
-from lta_challenge.other.effect_injection import draw_effects, inject_effects, true_values
-from lta_challenge.other.flight import FlightSimulator, SimulatedPath
+from lta_challenge.other.air import MovingAir, RoomAirMotion, UnsteadyWind
+from lta_challenge.other.effect_injection import draw_hidden_effects, inject_effects, true_values
+from lta_challenge.other.flight import FlightSimulator, SimulatedTrajectory
 from lta_challenge.other.pilot import SwingingPilot
 from lta_challenge.other.sensors import SensorSet, STAMPS, Stamps
 from lta_challenge.other.sizing import draw_unlisted, scale_unlisted, wrench_strength
-from lta_challenge.other.tolerance import perturb_flight, perturb_vehicle
-from lta_challenge.other.truth import build_truth, VehicleTruth
+from lta_challenge.other.tolerance import apply_flight_errors, perturb_vehicle
+from lta_challenge.other.truth import build_vehicle_truth, VehicleTruth
 from lta_challenge.other.unlisted import UNLISTED
 from lta_challenge.rows import Kind, KINDS
 from lta_model.vehicle import Vehicle
@@ -58,27 +58,29 @@ class OtherCaseGenerator:
         kind: Kind | None = None,
         seconds: tuple[float, float] = SECONDS,
     ) -> None:
-        self._file, self._number, self._seconds = build_truth(vehicle), number, seconds
+        self._file, self._number, self._seconds = build_vehicle_truth(vehicle), number, seconds
         self._root = [seed, number, CODE]
         kinds, weights = list(KINDS), list(KINDS.values())
 
-        drawn = kinds[int(self._make_generator(0).choice(len(kinds), p=weights))]
+        drawn = kinds[int(self._create_random_generator(0).choice(len(kinds), p=weights))]
         self.kind: Kind = kind or drawn
 
-    def _make_generator(self, part: int) -> Draw:
+    def _create_random_generator(self, part: int) -> Draw:
         """Return the random generator of one part of the case."""
         return np.random.default_rng([*self._root, part])
 
     def generate_case(self, roles: Sequence[str] = ROLES) -> ChallengeCase:
         """Generate the case with one flight per role."""
         count = {'clean': 0, 'single': 1, 'pair': 2, 'outside': 0, 'mixed': 1}[self.kind]
-        hidden = draw_effects(count, self._make_generator(1))
-        truth = inject_effects(perturb_vehicle(self._file, self._make_generator(2)), hidden)
+        hidden = draw_hidden_effects(count, self._create_random_generator(1))
+        truth = inject_effects(
+            perturb_vehicle(self._file, self._create_random_generator(2)), hidden
+        )
         stamps, draught = self._draw_conditions()
         truth = replace(truth, draught=draught)
         name, numbers, floors = '', dict[str, float](), 0.0
         if self.kind in ('outside', 'mixed'):
-            name, numbers, floors = self._draw_sized_unlisted(truth)
+            name, numbers, floors = self._draw_detectable_disturbance(truth)
         flights = tuple(
             self._record_flight(truth, index, role, stamps, name, numbers)
             for index, role in enumerate(roles)
@@ -108,15 +110,17 @@ class OtherCaseGenerator:
 
     def _draw_conditions(self) -> tuple[Stamps, float]:
         """Draw the mode of the stamps and the draught. [m/s]"""
-        draw = self._make_generator(3)
+        draw = self._create_random_generator(3)
         stamps = STAMPS[int(draw.integers(len(STAMPS)))]
         draughty, size = draw.random() < DRAUGHTY, float(draw.uniform(*DRAUGHT))
         # A draught is not a hidden effect: clean cases test whether it causes a wrong name
         return stamps, size if draughty and self.kind == 'clean' else 0.0
 
-    def _draw_sized_unlisted(self, truth: VehicleTruth) -> tuple[str, dict[str, float], float]:
+    def _draw_detectable_disturbance(
+        self, truth: VehicleTruth
+    ) -> tuple[str, dict[str, float], float]:
         """Draw and scale an effect outside the library until a flight shows it clearly."""
-        draw = self._make_generator(4)
+        draw = self._create_random_generator(4)
         best: tuple[str, dict[str, float], float] = ('', {}, 0.0)
         for _ in range(TRIALS):
             name, numbers = draw_unlisted(draw)
@@ -137,20 +141,24 @@ class OtherCaseGenerator:
 
     def _simulate_flight(
         self, truth: VehicleTruth, index: int, name: str, numbers: dict[str, float]
-    ) -> tuple[SimulatedPath, VehicleTruth, Draw]:
+    ) -> tuple[SimulatedTrajectory, VehicleTruth, Draw]:
         """Simulate one flight; its generator goes on into the sensors."""
-        draw = self._make_generator(10 + index)
+        draw = self._create_random_generator(10 + index)
         seconds = float(round(draw.uniform(*self._seconds)))
-        truth = perturb_flight(truth, draw)
+        truth = apply_flight_errors(truth, draw)
         air: list[MovingAir] = []
         if any(truth.wind):
             air.append(UnsteadyWind(truth, seconds, draw))
         if truth.draught:
-            air.append(RoomDraught(truth.draught, seconds, draw))
+            air.append(RoomAirMotion(truth.draught, seconds, draw))
         pilot = SwingingPilot(seconds, self._file, draw)
         begin = _draw_initial_state(pilot.heading, draw)
         unlisted = UNLISTED[name].make(numbers) if name else None
-        return FlightSimulator(truth, pilot, air, unlisted).simulate(begin, seconds), truth, draw
+        return (
+            FlightSimulator(truth, pilot, air, unlisted).simulate_flight(begin, seconds),
+            truth,
+            draw,
+        )
 
     def _record_flight(
         self,

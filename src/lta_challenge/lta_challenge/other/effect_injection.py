@@ -98,7 +98,7 @@ def effect_of(knob: str) -> str:
     return knob.partition('.')[0]
 
 
-def draw_effects(count: int, draw: Draw) -> dict[str, float]:
+def draw_hidden_effects(count: int, draw: Draw) -> dict[str, float]:
     """Draw parameters of different effects, all equally likely, and their values."""
     # Sorted, so that the draw is reproducible
     effects = sorted({effect_of(knob) for knob in HIDINGS})

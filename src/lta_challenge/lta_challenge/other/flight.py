@@ -28,7 +28,7 @@ class UnlistedDisturbance(Protocol):
         """Return the changed thrust of each rotor. [N]"""
         ...
 
-    def moving_air(self) -> MovingAir | None:
+    def air_motion(self) -> MovingAir | None:
         """Return its air motion, or None."""
         ...
 
@@ -51,7 +51,7 @@ class DutyPilot(Protocol):
 
 @final
 @dataclass(frozen=True, slots=True)
-class SimulatedPath:
+class SimulatedTrajectory:
     """
     The trajectory of a simulated flight.
 
@@ -143,7 +143,7 @@ class FlightSimulator:
         unlisted: UnlistedDisturbance | None = None,
     ) -> None:
         self._body, self._pilot, self._strange = KirchhoffBody(truth), pilot, unlisted
-        own = unlisted.moving_air() if unlisted else None
+        own = unlisted.air_motion() if unlisted else None
         self._plain_air = RoomAir(air)
         self._air = RoomAir([*air, own]) if own else self._plain_air
         # A second set without the disturbance, to compute what the disturbance changes
@@ -164,13 +164,13 @@ class FlightSimulator:
         wrench = self._rotors.total_wrench(self._rotor_thrusts(after))
         a, b, c, d, e, f = (one + two for one, two in zip(wrench, self._push, strict=True))
         air = self._air.sample_flow(time, state[0], state[1], state[2])
-        return self._body.compute_accelerations(state, air, (a, b, c, d, e, f), time)
+        return self._body.rigid_body_accelerations(state, air, (a, b, c, d, e, f), time)
 
     def _unlisted_wrench(self, time: float, state: State, gain: Six) -> Array:
         """Return the wrench that is equivalent to the disturbance."""
         wrench = self._plain.total_wrench(self._plain.thrusts_after(0.0))
         air = self._plain_air.sample_flow(time, state[0], state[1], state[2])
-        plain = self._body.compute_accelerations(state, air, wrench, time)
+        plain = self._body.rigid_body_accelerations(state, air, wrench, time)
         more = np.subtract(gain, plain)
         r = np.array(rotation_matrix(*state[6:10])).reshape(3, 3)
         # Map to body axes: a row vector times R is R' times the vector
@@ -178,7 +178,7 @@ class FlightSimulator:
         wrench_more: Array = self._body.masses @ more
         return wrench_more
 
-    def simulate(self, state: State, seconds: float) -> SimulatedPath:
+    def simulate_flight(self, state: State, seconds: float) -> SimulatedTrajectory:
         """Simulate a flight from a state; the first command follows TICK later."""
         count = round(seconds / TICK)
         commands: list[Sequence[float]] = []
@@ -201,7 +201,7 @@ class FlightSimulator:
             )
             state = self._step_state(time, state, gain)
         time_of = TICK * np.arange(-1, count, dtype=np.float64) + self._shift
-        return SimulatedPath(
+        return SimulatedTrajectory(
             time_of, np.array(states), np.array(gains), np.array(commands),
             np.array(thrusts), np.array(strange),
         )  # fmt: skip

@@ -32,7 +32,7 @@ class NullDisturbance:
         """Return the changed thrust of each rotor. [N]"""
         return thrusts
 
-    def moving_air(self) -> MovingAir | None:
+    def air_motion(self) -> MovingAir | None:
         """Return its air motion, or None."""
         return None
 

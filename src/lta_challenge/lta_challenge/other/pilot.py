@@ -52,7 +52,7 @@ class PilotManeuver:
     turn: float
 
 
-def draw_plan(seconds: float, draw: Draw) -> list[PilotManeuver]:
+def draw_maneuvers(seconds: float, draw: Draw) -> list[PilotManeuver]:
     """Draw a sequence of manoeuvres."""
     plan, time = list[PilotManeuver](), 0.0
     # Each flight begins with dash, rock and pump in random order (taken from the end)
@@ -85,7 +85,7 @@ class SwingingPilot:
     """
 
     def __init__(self, seconds: float, nominal: VehicleTruth, draw: Draw) -> None:
-        self.plan = draw_plan(seconds, draw)
+        self.plan = draw_maneuvers(seconds, draw)
         self._draw = draw
         self._curve = nominal.curve
         # Vertical force per newton of a lifting rotor

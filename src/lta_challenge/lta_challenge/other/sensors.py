@@ -5,7 +5,7 @@ import math
 from typing import Final, final, Literal
 
 from lta_challenge.other.body import GRAVITY
-from lta_challenge.other.flight import Array, SimulatedPath, TICK
+from lta_challenge.other.flight import Array, SimulatedTrajectory, TICK
 from lta_challenge.other.truth import VehicleTruth
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
@@ -88,7 +88,7 @@ class SensorSet:
     """
 
     def __init__(
-        self, path: SimulatedPath, truth: VehicleTruth, stamps: Stamps, draw: Draw
+        self, path: SimulatedTrajectory, truth: VehicleTruth, stamps: Stamps, draw: Draw
     ) -> None:
         self._path, self._truth, self._stamps, self._draw = path, truth, stamps, draw
         time, states, gains = path.time, path.states, path.gains

@@ -74,7 +74,7 @@ def perturb_vehicle(truth: VehicleTruth, draw: Draw) -> VehicleTruth:
     )
 
 
-def perturb_flight(truth: VehicleTruth, draw: Draw) -> VehicleTruth:
+def apply_flight_errors(truth: VehicleTruth, draw: Draw) -> VehicleTruth:
     """Return a vehicle with what differs from flight to flight."""
     return replace(
         truth,

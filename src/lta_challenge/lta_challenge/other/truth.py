@@ -162,7 +162,7 @@ def spheroid_added_mass(diameter: float, height: float, density: float) -> tuple
     return (edge, edge, broad), (tumbling, tumbling, 0.0)
 
 
-def build_plates(vehicle: Vehicle) -> tuple[DragPlate, ...]:
+def build_drag_plates(vehicle: Vehicle) -> tuple[DragPlate, ...]:
     """Return the parts that damp rotation; the aero block has their drag in straight flight."""
     out = []
     for part in vehicle.file.parts.values():
@@ -179,7 +179,7 @@ def build_plates(vehicle: Vehicle) -> tuple[DragPlate, ...]:
     return tuple(out)
 
 
-def build_truth(vehicle: Vehicle) -> VehicleTruth:
+def build_vehicle_truth(vehicle: Vehicle) -> VehicleTruth:
     """Return the parameters of a vehicle file; raise `BadInput` if its shape is not supported."""
     file = vehicle.file
     diameter, height = file.hull.diameter, file.hull.height
@@ -205,7 +205,7 @@ def build_truth(vehicle: Vehicle) -> VehicleTruth:
         linear_drag=to_triple(linear.force.vector),
         turn_linear=to_triple(linear.moment.vector),
         turn_square=to_triple(square.moment.vector),
-        plates=build_plates(vehicle),
+        plates=build_drag_plates(vehicle),
         curve=vehicle.thrust_curve,
         columns=columns,
         places=tuple(to_triple(one.position.vector) for one in file.rotors.values()),

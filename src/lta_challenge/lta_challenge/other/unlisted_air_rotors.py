@@ -14,7 +14,7 @@ from lta_challenge.other.truth import Six
 class CrossWind(NullDisturbance):
     """Oscillating wind across the room; `size` is its amplitude. [m/s]"""
 
-    def moving_air(self) -> MovingAir | None:
+    def air_motion(self) -> MovingAir | None:
         """Return itself."""
         return self
 
@@ -35,7 +35,7 @@ class FanJet(NullDisturbance):
     A round turbulent jet: its radius grows by 0.2 m per metre, its speed falls in proportion.
     """
 
-    def moving_air(self) -> MovingAir | None:
+    def air_motion(self) -> MovingAir | None:
         """Return itself."""
         return self
 

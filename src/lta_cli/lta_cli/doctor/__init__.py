@@ -8,31 +8,36 @@ most fundamental first, and are read-only.
 from collections.abc import Callable, Iterable, Iterator
 
 from lta_bridge.hardware.check_result import HardwareCheck, State
-from lta_cli.doctor.dds import check_conversation, check_ports
+from lta_cli.doctor.dds import check_message_exchange, check_ports
 from lta_cli.doctor.machine import (
-    check_cores,
-    check_disk,
-    check_memory,
+    check_available_memory,
+    check_disk_space,
     check_platform,
-    check_python,
+    check_processor_cores,
+    check_python_version,
 )
-from lta_cli.doctor.software import check_browser, check_packages, check_versions, check_wheels
+from lta_cli.doctor.software import (
+    check_browser,
+    check_dependency_imports,
+    check_dependency_versions,
+    check_workspace_packages,
+)
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 CHECKS: dict[str, Callable[[], HardwareCheck]] = {
     # Later checks depend on earlier ones, so the first failure is the cause to fix
-    'python': check_python,
+    'python': check_python_version,
     'platform': check_platform,
-    'wheels': check_wheels,
-    'versions': check_versions,
-    'packages': check_packages,
-    'dds': check_conversation,
+    'wheels': check_dependency_imports,
+    'versions': check_dependency_versions,
+    'packages': check_workspace_packages,
+    'dds': check_message_exchange,
     'ports': check_ports,
-    'disk': check_disk,
-    'cores': check_cores,
-    'memory': check_memory,
+    'disk': check_disk_space,
+    'cores': check_processor_cores,
+    'memory': check_available_memory,
     'browser': check_browser,
 }
 COLOURS: dict[State, str] = {'ok': 'green', 'warn': 'yellow', 'fail': 'bold red'}
@@ -42,13 +47,13 @@ __all__ = [
     'HardwareCheck',
     'State',
     'exit_status',
-    'iterate_checks',
+    'iterate_check_results',
     'print_checks',
     'run_checks',
 ]
 
 
-def iterate_checks() -> Iterator[HardwareCheck]:
+def iterate_check_results() -> Iterator[HardwareCheck]:
     """Run the checks and yield each result as soon as it is available."""
     for name, check in CHECKS.items():
         try:
@@ -60,7 +65,7 @@ def iterate_checks() -> Iterator[HardwareCheck]:
 
 def run_checks() -> list[HardwareCheck]:
     """Return the results of all checks."""
-    return list(iterate_checks())
+    return list(iterate_check_results())
 
 
 def exit_status(results: Iterable[HardwareCheck]) -> int:

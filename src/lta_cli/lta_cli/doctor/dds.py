@@ -52,7 +52,7 @@ def find_free_domain() -> int:
     )
 
 
-def check_conversation() -> HardwareCheck:
+def check_message_exchange() -> HardwareCheck:
     """Check that two processes discover each other and exchange messages, and time it."""
     # A domain of its own, so that a running graph neither disturbs nor is disturbed
     environment = {**os.environ, 'ROS_DOMAIN_ID': str(find_free_domain())}

@@ -6,12 +6,12 @@ import platform as host
 import shutil
 import sys
 
-from lta_bridge.hardware.check_result import grade_figure, HardwareCheck, MEGABYTE
+from lta_bridge.hardware.check_result import grade_value, HardwareCheck, MEGABYTE
 
 OLDEST_PYTHON, NEWEST_PYTHON = (3, 11), (3, 14)  # as in the Makefile; a test compares
 
 
-def check_python(version: tuple[int, int] = sys.version_info[:2]) -> HardwareCheck:
+def check_python_version(version: tuple[int, int] = sys.version_info[:2]) -> HardwareCheck:
     """Check the version of the running interpreter."""
     found = f'{host.python_version()} ({sys.executable})'
     if not OLDEST_PYTHON <= version <= NEWEST_PYTHON:
@@ -30,7 +30,7 @@ def check_platform() -> HardwareCheck:
     return HardwareCheck('platform', 'ok', found)
 
 
-def check_disk(runs: Path = Path('runs')) -> HardwareCheck:
+def check_disk_space(runs: Path = Path('runs')) -> HardwareCheck:
     """Check the disk space for recordings; a flight takes some tens of megabytes."""
     # `runs` may not exist yet: use the nearest existing parent
     folder = next(path for path in (runs.absolute(), *runs.absolute().parents) if path.is_dir())
@@ -40,26 +40,26 @@ def check_disk(runs: Path = Path('runs')) -> HardwareCheck:
         return HardwareCheck(
             'disk', 'fail', f'{folder} is not writable', 'Change to a folder that you own.'
         )
-    return grade_figure(
+    return grade_value(
         'disk', free, 2000.0, 200.0, found, 'Remove old runs or choose another folder.'
     )
 
 
-def check_cores() -> HardwareCheck:
+def check_processor_cores() -> HardwareCheck:
     """Check the processor cores that this process may use."""
     # Cores that a container or taskset allows, not those of the machine
     count = len(os.sched_getaffinity(0))
     found = f'{count} cores, load {os.getloadavg()[0]:.1f}'
     remedy = 'Seven nodes share one core: the flight will be slow; give it two or more.'
-    return grade_figure('cores', count, 2, 1, found, remedy)
+    return grade_value('cores', count, 2, 1, found, remedy)
 
 
-def check_memory(table: Path = Path('/proc/meminfo')) -> HardwareCheck:
+def check_available_memory(table: Path = Path('/proc/meminfo')) -> HardwareCheck:
     """Check the memory available; the whole graph takes about 1 GB."""
     lines = dict(line.split(':', 1) for line in table.read_text().splitlines())
     # The value is in kB; MemAvailable includes caches that can be freed
     free = int(lines['MemAvailable'].split()[0]) * 1024 / MEGABYTE
     found = f'{free:.0f} MB available'
-    return grade_figure(
+    return grade_value(
         'memory', free, 1500.0, 500.0, found, 'Close other programs before you fly.'
     )

@@ -17,7 +17,7 @@ PATIENCE = 60.0  # s; the first import after an installation reads from a cold d
 MAKE_AGAIN = "Run 'make build'; if that changes nothing, 'make clean' and 'make build'."
 
 
-def check_wheels() -> HardwareCheck:
+def check_dependency_imports() -> HardwareCheck:
     """Check that the dependencies can be imported; a subprocess survives a crashing library."""
     # Print each name before its import: the last one printed is the one that failed
     script = '; '.join(f'print({module!r}, flush=True); import {module}' for module in MODULES)
@@ -31,7 +31,7 @@ def check_wheels() -> HardwareCheck:
     return HardwareCheck('wheels', 'ok', f'{len(MODULES)} of {len(MODULES)} can be imported')
 
 
-def read_pins(constraints: Path) -> dict[str, str]:
+def read_version_pins(constraints: Path) -> dict[str, str]:
     """Return the versions that a constraints file pins, by normalised name."""
     lines = (line.split('#')[0].strip() for line in constraints.read_text().splitlines())
     pairs = (line.split('==') for line in lines if '==' in line)
@@ -43,14 +43,14 @@ def _normalize_name(name: str) -> str:
     return re.sub(r'[-_.]+', '-', name).lower()
 
 
-def check_versions(
+def check_dependency_versions(
     constraints: Path = Path(sys.prefix).parent / 'constraints.txt',
 ) -> HardwareCheck:
     """Check that the installed versions are the ones that LTA was tested with."""
     if not constraints.is_file():
         found = f'not compared: {sys.prefix} is not an environment made by make'
         return HardwareCheck('versions', 'ok', found)
-    wanted = read_pins(constraints)
+    wanted = read_version_pins(constraints)
     # A pinned package that is not installed is fine: only the tests need it. Records without
     # INSTALLER come from inside the ROS wheels, not from pip, and report other versions.
     installed = {
@@ -68,7 +68,7 @@ def check_versions(
     return HardwareCheck('versions', 'ok', f'{len(installed)} packages as pinned')
 
 
-def check_packages() -> HardwareCheck:
+def check_workspace_packages() -> HardwareCheck:
     """Check that the workspace is built and its packages are in the ament index."""
     prefixes = [Path(path) for path in os.environ.get('AMENT_PREFIX_PATH', '').split(':') if path]
     # Marker files of the ament resource index, one per package

@@ -15,7 +15,7 @@ Pictures = Annotated[
 ]
 
 
-def check_pictures(folder: Path | None) -> None:
+def check_picture_output(folder: Path | None) -> None:
     """Check, before any work, that pictures can be taken and written."""
     if folder is not None:
         find_chromium()  # raises BadInput if there is none

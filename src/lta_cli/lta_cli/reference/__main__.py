@@ -3,7 +3,7 @@
 from importlib import import_module
 import sys
 
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 
 PAGES = {  # page name to path below docs/, as `make reference` writes them
     'verbs': 'verbs.md',
@@ -17,7 +17,7 @@ PAGES = {  # page name to path below docs/, as `make reference` writes them
 def render_page(name: str) -> str:
     """Return the text of a page; raise `BadInput` if the name is unknown."""
     if name not in PAGES:
-        raise unknown_name('page of the reference', name, list(PAGES))
+        raise unknown_name_error('page of the reference', name, list(PAGES))
     # Import only the requested page: the page of parameters loads the ROS nodes
     module = import_module(f'lta_cli.reference.{name}')
     text: str = module.render_page()

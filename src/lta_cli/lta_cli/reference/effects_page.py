@@ -7,7 +7,7 @@ A test compares docs/effects.md with this output.
 from collections.abc import Iterator
 import re
 
-from lta_model.effects import select_built_in
+from lta_model.effects import select_built_in_effects
 from lta_model.effects.protocol import (
     ActuatorEffect,
     AirEffect,
@@ -77,7 +77,7 @@ def render_page() -> str:
     for kind, (title, about) in KINDS.items():
         rows = [
             f'| `{name}` | {describe_effect(effect)} | {"; ".join(format_parameters(effect))} |\n'
-            for name, effect in select_built_in().items()
+            for name, effect in select_built_in_effects().items()
             if type(effect) is kind
         ]
         table = '| effect | what | parameters |\n|---|---|---|\n' + ''.join(rows)

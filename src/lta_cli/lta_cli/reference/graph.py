@@ -44,10 +44,12 @@ def render_page() -> str:
         for column, lines in enumerate(row):
             left = MARGIN + WIDTH * column
             if column == k:
-                parts.append(draw_node(role, left, top, high))
+                parts.append(render_node_svg(role, left, top, high))
             elif lines:
                 # Below the diagonal: feedback
-                parts.append(draw_cell(lines, left, top, high, 'back' if column < k else 'cell'))
+                parts.append(
+                    render_topics_svg(lines, left, top, high, 'back' if column < k else 'cell')
+                )
         top += high
     return ''.join(parts) + '</svg>\n'
 
@@ -73,7 +75,7 @@ def list_links(table: TopicTable, role: str, reader: str) -> list[tuple[str, boo
     return lines
 
 
-def draw_node(role: str, left: int, top: int, high: int) -> str:
+def render_node_svg(role: str, left: int, top: int, high: int) -> str:
     """Return the SVG of a node on the diagonal."""
     middle, centre = left + WIDTH // 2, top + high // 2 + 4
     return (
@@ -82,7 +84,9 @@ def draw_node(role: str, left: int, top: int, high: int) -> str:
     )
 
 
-def draw_cell(lines: Sequence[tuple[str, bool]], left: int, top: int, high: int, kind: str) -> str:
+def render_topics_svg(
+    lines: Sequence[tuple[str, bool]], left: int, top: int, high: int, kind: str
+) -> str:
     """Return the SVG of the topics between two nodes; late ones have another colour."""
     box = (
         f'<rect class="{kind}" x="{left + 4}" y="{top + 4}" width="{WIDTH - 8}" '

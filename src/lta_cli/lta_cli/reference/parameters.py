@@ -31,15 +31,18 @@ in `config/control`.
 def render_page() -> str:
     """Return the page: the common parameters, then a section for each node."""
     tables = [
-        format_section('Every node', GraphSettings, 'Parameters that every node of the graph has.')
+        format_model_section(
+            'Every node', GraphSettings, 'Parameters that every node of the graph has.'
+        )
     ]
     tables += [
-        format_section(f'{package} {node}', model) for package, node, model in iterate_models()
+        format_model_section(f'{package} {node}', model)
+        for package, node, model in iterate_settings_models()
     ]
     return HEAD + ''.join(tables)
 
 
-def iterate_models() -> Iterator[tuple[str, str, type[Settings]]]:
+def iterate_settings_models() -> Iterator[tuple[str, str, type[Settings]]]:
     """Yield package, node name and settings model of each node."""
     for package in PACKAGES:
         # Every module in `nodes` is one node
@@ -61,16 +64,16 @@ def find_model_names(tree: ast.AST) -> Iterator[str]:
                 yield model.id
 
 
-def format_section(title: str, model: type[Settings], about: str = '') -> str:
+def format_model_section(title: str, model: type[Settings], about: str = '') -> str:
     """Return a heading and the table of a model's parameters."""
-    rows = ''.join(format_row(*leaf) for leaf in iterate_fields(model()))
+    rows = ''.join(format_parameter_row(*leaf) for leaf in iterate_fields(model()))
     text = f'\n## {title}\n' + (f'{about}\n\n' if about else '\n')
     return (
         f'{text}| parameter | default | unit | bounds | meaning |\n|---|---|---|---|---|\n{rows}'
     )
 
 
-def format_row(name: str, info: FieldInfo, value: Any) -> str:  # noqa: ANN401 - of the parameter's type
+def format_parameter_row(name: str, info: FieldInfo, value: Any) -> str:  # noqa: ANN401 - of the parameter's type
     """Return one parameter as a row of the table."""
     extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
     fixed = ' *Fixed.*' if extra.get('read_only') else ''

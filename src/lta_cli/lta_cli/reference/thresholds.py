@@ -50,7 +50,7 @@ class Threshold(NamedTuple):
     Attributes
     ----------
     module, name : str
-        Module below the package and constant: 'selection.acceptance', 'GAIN'.
+        Module below the package and constant: 'selection.candidate_acceptance', 'GAIN'.
     value : str
         Source text of the value.
     about : str
@@ -105,7 +105,7 @@ def render_page() -> str:
     out = [HEAD]
     for part, title in PARTS.items():
         rows = [
-            format_row(each, measured)
+            format_threshold_row(each, measured)
             for source in read_sources(part)
             for each in parse_thresholds(*source)
         ]
@@ -114,7 +114,7 @@ def render_page() -> str:
     return ''.join(out)
 
 
-def format_row(one: Threshold, measured: dict[str, dict[str, str]]) -> str:
+def format_threshold_row(one: Threshold, measured: dict[str, dict[str, str]]) -> str:
     """Return the row of one threshold."""
     moved = measured.get(one.key, {})
     cells = (f'`{one.key}`', one.value, one.about, moved.get('2', '-'), moved.get('0.5', '-'))

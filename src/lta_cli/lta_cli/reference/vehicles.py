@@ -1,6 +1,6 @@
 """Generate the page of the shipped vehicles from their files."""
 
-from lta_config.files import list_shipped
+from lta_config.files import list_shipped_names
 from lta_model.vehicle import load_vehicle
 from lta_vehicle.figures.sheet import build_sheet, VehicleSheet
 
@@ -27,14 +27,14 @@ COLUMNS = {  # key of a sheet's figure, and its heading
 
 def render_page() -> str:
     """Return the page: a comparison table, then a section for each vehicle."""
-    sheets = [build_sheet(load_vehicle(name)) for name in list_shipped('vehicles')]
+    sheets = [build_sheet(load_vehicle(name)) for name in list_shipped_names('vehicles')]
     titles = ['vehicle', *COLUMNS.values(), 'rotors', 'numbers', 'assumed']
-    rows = '\n'.join(f'| {" | ".join(format_cells(sheet))} |' for sheet in sheets)
+    rows = '\n'.join(f'| {" | ".join(format_vehicle_row(sheet))} |' for sheet in sheets)
     table = f'| {" | ".join(titles)} |\n|{"---|" * len(titles)}\n{rows}\n'
-    return HEAD + table + ''.join(format_section(sheet) for sheet in sheets)
+    return HEAD + table + ''.join(format_vehicle_section(sheet) for sheet in sheets)
 
 
-def format_cells(sheet: VehicleSheet) -> list[str]:
+def format_vehicle_row(sheet: VehicleSheet) -> list[str]:
     """Return a vehicle's table row; figures that do not apply are empty."""
     file, figures = sheet.vehicle.file, sheet.by_key
     values = [figures[key].value if key in figures else None for key in COLUMNS]
@@ -52,7 +52,7 @@ def format_amount(value: float | None, unit: str) -> str:
     return f'{value:.0f} {unit}' if abs(value) >= 1000.0 else f'{value:.3g} {unit}'
 
 
-def format_section(sheet: VehicleSheet) -> str:
+def format_vehicle_section(sheet: VehicleSheet) -> str:
     """Return the section of a vehicle: description, control law and effects."""
     file = sheet.vehicle.file
     law = file.control.law if file.control else 'none'

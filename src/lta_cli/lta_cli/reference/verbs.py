@@ -18,7 +18,7 @@ Generated from the command line by `python -m lta_cli.reference verbs > docs/ver
 def render_page() -> str:
     """Return the page: a section for each verb, in the order of `lta --help`."""
     sections = (
-        format_section(words, verb) for words, verb in iterate_verbs(get_command(build_app()))
+        format_verb_section(words, verb) for words, verb in iterate_verbs(get_command(build_app()))
     )
     return HEAD + ''.join(sections)
 
@@ -33,24 +33,26 @@ def iterate_verbs(command: Any, words: str = 'lta') -> Iterator[tuple[str, Any]]
             yield from iterate_verbs(command.commands[name], f'{words} {name}')
 
 
-def format_section(words: str, verb: Any) -> str:  # noqa: ANN401 - a command of Typer
+def format_verb_section(words: str, verb: Any) -> str:  # noqa: ANN401 - a command of Typer
     """Return a verb's heading, help text and table of arguments and options."""
     # A group is a level-2 heading, its verbs are level 3
     deep = '#' * words.count(' ')
-    text = f'\n#{deep} {words}\n{format_manual(verb.help or "")}'
+    text = f'\n#{deep} {words}\n{format_docstring(verb.help or "")}'
     rows = [
-        format_row(param) for param in verb.params if not param.hidden and param.name != 'help'
+        format_argument_row(param)
+        for param in verb.params
+        if not param.hidden and param.name != 'help'
     ]
     if rows:
         text += '\n| argument or option | meaning | default |\n|---|---|---|\n' + ''.join(rows)
     return text
 
 
-def format_manual(text: str) -> str:
+def format_docstring(text: str) -> str:
     """Format a docstring as Markdown, with examples as code."""
     paragraphs = [' '.join(part.split()) for part in text.split('\n\n')]
     lines = [
-        format_text(p) if not p.startswith('Example') else format_example(p)
+        escape_markdown(p) if not p.startswith('Example') else format_example(p)
         for p in paragraphs
         if p
     ]
@@ -63,20 +65,20 @@ def format_example(paragraph: str) -> str:
     return f'{word}: `{command}`'
 
 
-def format_row(param: Any) -> str:  # noqa: ANN401 - a parameter of Typer
+def format_argument_row(param: Any) -> str:  # noqa: ANN401 - a parameter of Typer
     """Return one argument or option as a row of the table."""
     if param.opts[0].startswith('-'):
         names = ', '.join(f'`{name}`' for name in (*param.opts, *param.secondary_opts))
     else:
         names = f'`{param.metavar or param.name.upper()}`'
-    default = '*required*' if param.required else format_default(param)
-    return f'| {names} | {format_text(param.help or "")} | {default} |\n'
+    default = '*required*' if param.required else format_option_default(param)
+    return f'| {names} | {escape_markdown(param.help or "")} | {default} |\n'
 
 
-def format_default(param: Any) -> str:  # noqa: ANN401 - a parameter of Typer
+def format_option_default(param: Any) -> str:  # noqa: ANN401 - a parameter of Typer
     """Format the default of an option; empty if there is none."""
     if isinstance(param.show_default, str):
-        return format_text(param.show_default)
+        return escape_markdown(param.show_default)
     value = param.default
     # False is the default of every flag and not worth a column entry
     if not param.show_default or value is None or value is False or value in ('', (), []):
@@ -87,7 +89,7 @@ def format_default(param: Any) -> str:  # noqa: ANN401 - a parameter of Typer
     return ' '.join(f'`{item}`' for item in values)
 
 
-def format_text(text: str) -> str:
+def escape_markdown(text: str) -> str:
     """Escape text for Markdown, on one line; quoted lta commands become code."""
     text = ' '.join(text.split()).replace('|', '\\|')
     parts = text.split('"')
@@ -96,12 +98,12 @@ def format_text(text: str) -> str:
         return escape_markup(text)
     quoted = zip(parts, range(len(parts)), strict=True)
     return ''.join(
-        f'`{part}`' if k % 2 and part.startswith('lta ') else format_quote(part, k)
+        f'`{part}`' if k % 2 and part.startswith('lta ') else escape_text_piece(part, k)
         for part, k in quoted
     )
 
 
-def format_quote(part: str, place: int) -> str:
+def escape_text_piece(part: str, place: int) -> str:
     """Escape a piece of text and restore the quotation marks of quoted pieces."""
     return f'"{escape_markup(part)}"' if place % 2 else escape_markup(part)
 

@@ -5,7 +5,7 @@ from typing import Annotated
 from lta_bridge.bag.writer import prepare_empty_folder
 from lta_cli.options.json_option import Json, print_json_text
 from lta_cli.options.out_option import Out
-from lta_cli.options.pictures_option import check_pictures, Pictures
+from lta_cli.options.pictures_option import check_picture_output, Pictures
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
@@ -56,7 +56,7 @@ def cells(
     Example: lta cells --budget "50 g"
     """
     console = plain_console(stderr=json)
-    check_pictures(pictures)
+    check_picture_output(pictures)
     # Parse before any work, so that a wrong budget is reported at once
     mass, energy = parse_mass(budget), load_vehicle_file(vehicle).energy
     # Without a charger, the surplus of an array is undefined

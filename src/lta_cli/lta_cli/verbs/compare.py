@@ -10,7 +10,7 @@ from typing import Annotated
 from lta_bridge.bag.writer import prepare_empty_folder
 from lta_cli.options.json_option import print_json
 from lta_cli.options.out_option import parse_folder
-from lta_cli.options.pictures_option import check_pictures, Pictures
+from lta_cli.options.pictures_option import check_picture_output, Pictures
 from lta_cli.options.plain_console import plain_console
 from lta_config.errors import BadInput
 from lta_config.quantity import UNITS
@@ -113,12 +113,12 @@ def compare(
     )  # fmt: skip
     # 'A:B' names a robot for each bag; a single name is used for both
     robots = (robot or '').partition(':')
-    one = open_side(a, robots[0], 'A')
-    other = open_side(b, robots[2] or robots[0], 'B')
+    one = open_comparison_flight(a, robots[0], 'A')
+    other = open_comparison_flight(b, robots[2] or robots[0], 'B')
     # The pictures are rendered from the page
     if pictures is not None and not page:
         raise BadInput('--pictures needs the page; leave out --no-page.')
-    check_pictures(pictures)
+    check_picture_output(pictures)
     # A default folder has the time in its name and is always new
     if out is not None and out.exists():
         prepare_empty_folder(out.absolute())  # fail before the work, not after
@@ -139,11 +139,11 @@ def compare(
     if written is not None:
         console.print(format_page_line(written), highlight=False, markup=False, soft_wrap=True)
     # Files and page are written first, so that the difference can be inspected
-    if same and not (found.is_identical or found.is_same):
+    if same and not (found.is_identical or found.is_within_bands):
         raise typer.Exit(1)
 
 
-def open_side(path: Path, robot: str, label: str) -> RecordedFlight:
+def open_comparison_flight(path: Path, robot: str, label: str) -> RecordedFlight:
     """Open a flight; an error about several robots names the side (A or B)."""
     try:
         return open_flight(find_bag(path), robot or None)

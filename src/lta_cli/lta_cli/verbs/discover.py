@@ -5,18 +5,17 @@ from typing import Annotated
 
 from lta_cli.options.json_option import print_json
 from lta_cli.options.out_option import Out
-from lta_cli.options.pictures_option import check_pictures, Pictures
+from lta_cli.options.pictures_option import check_picture_output, Pictures
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
-from lta_discovery.demo.demo import demonstrate_discovery
+from lta_discovery.demo.demo import run_discovery_demo
 from lta_discovery.demo.hidden_effect import DemoEffect
 from lta_discovery.flights.bags import Role
-from lta_discovery.page.verdict_text import list_learned_commands
-from lta_discovery.planning.next_flight import FILE, NextFlight, SCENE
-from lta_discovery.planning.next_flight import plan_between as plan_between
+from lta_discovery.page.verdict_text import list_learned_file_commands
+from lta_discovery.planning.next_flight import FILE, NextFlightPlan, plan_separating_flight, SCENE
 from lta_discovery.progress import DiscoverProgress
-from lta_discovery.results.terminal import format_result, print_finding
+from lta_discovery.results.terminal import format_named_parameters, print_finding
 from lta_discovery.run import discover_effects, DiscoveryRequest, DiscoveryResult
 from lta_report.results_folder import check_creatable, format_page_line, resolve_folder
 from lta_report.screenshots import write_pictures
@@ -103,23 +102,23 @@ def discover(
         'train': train or [], 'confirm': confirm or [], 'holdout': holdout or [],
     }  # fmt: skip
     # Refuse contradictory options before any work
-    _check_options(vehicle, any(bags.values()), demo, between is not None)
+    _check_exclusive_options(vehicle, any(bags.values()), demo, between is not None)
     if pictures is not None and between is not None:
         raise BadInput('--between writes no page; leave out --pictures.')
-    check_pictures(pictures)
+    check_picture_output(pictures)
     folder = resolve_folder(out, 'discover-demo' if demo else 'discover')
     # Discovery takes minutes: find out now whether its results can be written
     check_creatable(folder)
-    # `_check_options` ensures the vehicle; the second test is for the type checker
+    # `_check_exclusive_options` ensures the vehicle; the second test is for the type checker
     if between is not None and vehicle is not None:
         with DiscoverProgress(console) as progress:
-            planned = plan_between(vehicle, *between, scenario, tell=progress.show_stage)
+            planned = plan_separating_flight(vehicle, *between, scenario, tell=progress.show_stage)
         write_next_flight(planned, vehicle, folder, json, console)
         return
     hidden = None
     with DiscoverProgress(console) as progress:
         if vehicle is None:
-            hidden, found = demonstrate_discovery(seed, folder, progress.show_stage)
+            hidden, found = run_discovery_demo(seed, folder, progress.show_stage)
         else:
             asked = DiscoveryRequest(vehicle, bags, seed, robot, plan)
             found = discover_effects(asked, folder, progress.show_stage)
@@ -131,7 +130,7 @@ def discover(
         print_result(found, hidden, folder, console)
 
 
-def _check_options(vehicle: str | None, bags: bool, demo: bool, between: bool) -> None:
+def _check_exclusive_options(vehicle: str | None, bags: bool, demo: bool, between: bool) -> None:
     """Refuse options that exclude each other."""
     if demo and (bags or vehicle):
         raise BadInput('--demo makes its own flights; leave out the vehicle and the bags.')
@@ -160,18 +159,18 @@ def print_result(
     print_finding(finding, console)
     if hidden is not None:
         # In a demonstration the truth is known: show it next to the result
-        both = f'Hidden: {hidden}. Result: {format_result(finding)}.'
+        both = f'Hidden: {hidden}. Result: {format_named_parameters(finding)}.'
         console.print(both, style='bold', highlight=False, soft_wrap=True)
     # Exists only with --plan, and only if a flight helps
     if (folder / FILE).exists():
         print_flight_command(finding.vehicle, folder / FILE, console)
-    for line in list_learned_commands(finding, folder).values():
+    for line in list_learned_file_commands(finding, folder).values():
         console.print(line, style='dim', highlight=False, markup=False, soft_wrap=True)
     console.print(format_page_line(result.page), highlight=False, markup=False, soft_wrap=True)
 
 
 def write_next_flight(
-    planned: NextFlight, vehicle: str, folder: Path, json: bool, console: Console
+    planned: NextFlightPlan, vehicle: str, folder: Path, json: bool, console: Console
 ) -> None:
     """Write the planned flight and describe it."""
     # No scenario is planned if no flight can separate the effects

@@ -4,7 +4,7 @@ from contextlib import nullcontext
 from dataclasses import asdict
 from typing import Annotated
 
-from lta_cli.doctor import exit_status, iterate_checks, print_checks
+from lta_cli.doctor import exit_status, iterate_check_results, print_checks
 from lta_cli.options.json_option import print_json
 from lta_cli.options.plain_console import plain_console
 import typer
@@ -22,7 +22,7 @@ def doctor(
     waiting = console.status('checking this machine ...')
     with waiting if console.is_terminal else nullcontext():
         # The DDS check takes a few seconds
-        results = list(iterate_checks())
+        results = list(iterate_check_results())
     if json:
         print_json([asdict(item) for item in results])
     else:

@@ -9,7 +9,7 @@ from lta_cli.options.out_option import Out
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
-from lta_config.files import list_shipped
+from lta_config.files import list_shipped_names
 from lta_config.schema.import_file import Format
 from lta_config.topics import is_name
 from lta_report.results_folder import resolve_folder
@@ -28,7 +28,8 @@ def import_(
         str | None,
         typer.Option(
             help='Meaning of the columns: a file, or one of '
-            f'{", ".join(list_shipped("imports"))}. Detected from the columns if only one shipped '
+            f'{", ".join(list_shipped_names("imports"))}. '
+            'Detected from the columns if only one shipped '
             'mapping fits.'
         ),
     ] = None,

@@ -5,15 +5,15 @@ from typing import Annotated, Literal
 
 from lta_cli.options.json_option import Json, print_json
 from lta_cli.options.out_option import Out
-from lta_cli.options.pictures_option import check_pictures, Pictures
+from lta_cli.options.pictures_option import check_picture_output, Pictures
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import format_lta_command, relative_path
 from lta_report.progress_bar import ProgressBar
 from lta_report.results_folder import format_page_line, resolve_folder, write_json
 from lta_report.screenshots import write_pictures
 from lta_studies.energy.tables import print_table, transpose_table
-from lta_studies.mission.page import build_tables, format_title, write_page
-from lta_studies.mission.run import load_request, run_missions, schedule_gain, SCHEDULES
+from lta_studies.mission.page import build_mission_tables, format_headline, write_page
+from lta_studies.mission.run import flight_time_ratio, load_request, run_missions, SCHEDULES
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 import typer
 
@@ -55,7 +55,7 @@ def mission(
     Example: lta mission greenhouse --days 2 --seeds 5
     """
     console = plain_console(stderr=json)
-    check_pictures(pictures)
+    check_picture_output(pictures)
     schedules = SCHEDULES if schedule == 'all' else (schedule,)
     # Consecutive seeds, each with its own clouds
     order = load_request(name, days, range(seed, seed + seeds), schedules)
@@ -69,7 +69,7 @@ def mission(
         'mission': order.mission.name,
         'days': days,
         # None if only one schedule was simulated
-        'gain': None if (more := schedule_gain(lives)) is None else more._asdict(),
+        'gain': None if (more := flight_time_ratio(lives)) is None else more._asdict(),
         'lives': [
             {'schedule': each.schedule, 'seed': each.seed, **asdict(each.figures)}
             for each in lives
@@ -91,9 +91,9 @@ def mission(
         write_pictures(page, pictures)
     if json:
         print_json(content, page)
-    schedules_table, ratios = build_tables(order, lives)
+    schedules_table, ratios = build_mission_tables(order, lives)
     # On a terminal, the few schedules are columns and the many figures rows
     print_table(transpose_table(schedules_table), console)
     print_table(ratios, console)
-    lines = [format_title(order, lives), format_page_line(relative_path(page))]
+    lines = [format_headline(order, lives), format_page_line(relative_path(page))]
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

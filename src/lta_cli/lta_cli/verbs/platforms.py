@@ -24,7 +24,7 @@ from lta_studies.platforms.run import (
     result_to_json,
 )
 from lta_studies.platforms.summary import describe_reversals
-from lta_studies.platforms.verdict import format_title
+from lta_studies.platforms.verdict import format_headline
 from rich.progress import track
 import typer
 
@@ -95,7 +95,7 @@ def platforms(
     if json:
         sys.stdout.write(content)
     lines = [
-        format_title(comparison, rows),
+        format_headline(comparison, rows),
         *describe_reversals(comparison, rows),
         format_page_line(page),
     ]

@@ -14,9 +14,9 @@ from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_flight.replay.node_settings import parse_settings
 from lta_flight.replay.page import format_largest_change, format_value, write_page
 from lta_flight.replay.progress import ReplayProgress
-from lta_flight.replay.request import parse_nodes, ReplayRequest
+from lta_flight.replay.replay_request import parse_nodes, ReplayRequest
 from lta_flight.replay.run import ReplayRun, run_replay
-from lta_flight.replay.verdict import compare_flights, ReplayVerdict
+from lta_flight.replay.verdict import compare_with_recording, ReplayVerdict
 from lta_report.results_folder import format_page_line, resolve_folder, write_json
 from rich.console import Console
 from rich.table import Column, Table
@@ -100,7 +100,7 @@ def replay(
     with ReplayProgress(console, max(0.0, min(span, order.end) - start)) as progress:
         played = run_replay(order, flight, target, progress)
     verdict = (
-        compare_flights(flight, open_flight(played.bag), order.node_selection.answers)
+        compare_with_recording(flight, open_flight(played.bag), order.node_selection.answers)
         if against
         else None
     )

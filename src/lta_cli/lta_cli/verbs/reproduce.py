@@ -7,7 +7,7 @@ from typing import Annotated
 
 from lta_cli.options.json_option import print_json_text
 from lta_cli.options.out_option import parse_folder
-from lta_cli.options.pictures_option import check_pictures, Pictures
+from lta_cli.options.pictures_option import check_picture_output, Pictures
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.schema.paper_file import PaperRow
@@ -81,14 +81,14 @@ def reproduce(
     if listed:
         print_table(build_row_table(rows), console)
         return
-    check_pictures(pictures)
+    check_picture_output(pictures)
     # No time in the name, so that repeating the command resumes
     target = (out or Path('runs') / ('paper-quick' if quick else 'paper')).absolute()
     order = ReproductionRequest(
         tuple(row.name for row in rows), quick, target, workers or count_processors()
     )
-    kepts = gather_rows(order, rows, console)
-    told = write_json(figures_file.build_figures(rows, kepts), target / 'paper.json')
+    kepts = collect_row_results(order, rows, console)
+    told = write_json(figures_file.encode_figures(rows, kepts), target / 'paper.json')
     # Command that repeats the run, shown on the page
     words = ['reproduce', *(names or []), *(['--quick'] if quick else [])]
     page = write_page(
@@ -97,22 +97,22 @@ def reproduce(
     if pictures is not None:
         write_pictures(page, pictures)
     if as_markdown:
-        sys.stdout.write(markdown.format_page(rows, kepts))
+        sys.stdout.write(markdown.format_markdown_page(rows, kepts))
     if json:
         print_json_text(told, page)
     print_table(
         TextTable(
-            'Claims of the paper', lines.SUMMARY_HEADS, lines.build_summary_lines(rows, kepts)
+            'Claims of the paper', lines.SUMMARY_HEADS, lines.build_summary_rows(rows, kepts)
         ),
         console,
     )
-    console.print(lines.format_title(rows, kepts), highlight=False, soft_wrap=True)
+    console.print(lines.format_headline(rows, kepts), highlight=False, soft_wrap=True)
     console.print(
         format_page_line(relative_path(page)), highlight=False, markup=False, soft_wrap=True
     )
 
 
-def gather_rows(
+def collect_row_results(
     order: ReproductionRequest, rows: Sequence[PaperRow], console: Console
 ) -> dict[str, StoredRow]:
     """Return the results of all rows: stored ones, and new ones for the rest."""

@@ -75,7 +75,7 @@ def sweep(
     """
     console = plain_console(stderr=json)
     asked = parse_duties(duties)
-    check_options(device, asked, workers, scheduler)
+    check_exclusive_options(device, asked, workers, scheduler)
     order = SweepRequest(file, out, workers, scheduler, retry, page, device, asked)
     try:
         done = sweep_once(order, console)
@@ -103,7 +103,7 @@ def parse_duties(text: str | None) -> tuple[float, ...]:
     return found
 
 
-def check_options(
+def check_exclusive_options(
     device: Device | None, duties: tuple[float, ...], workers: int | None, scheduler: str | None
 ) -> None:
     """Refuse options that exclude each other."""

@@ -15,7 +15,11 @@ from lta_report.results_folder import format_page_line
 from lta_studies.tune.compare import compare_costs, NAMES
 from lta_studies.tune.margins import to_decibels
 from lta_studies.tune.page import write_page
-from lta_studies.tune.report_tables import build_benefit_rows, build_limit_rows, format_title
+from lta_studies.tune.report_tables import (
+    build_comparison_rows,
+    build_helium_limit_rows,
+    format_headline,
+)
 from lta_studies.tune.run import (
     fly_responses,
     GainSetResult,
@@ -173,8 +177,8 @@ def tuning_to_dict(done: TuningResult, page: Path | None) -> Any:  # noqa: ANN40
             'cost': {'old': done.found.first, 'new': done.found.cost},
             'fresh_difference': asdict(gap),
             'gains': dict(done.found.numbers),
-            'old': side_to_dict(done.old),
-            'new': side_to_dict(done.new),
+            'old': gain_set_to_dict(done.old),
+            'new': gain_set_to_dict(done.new),
             'file': str(done.file),
             **({} if page is None else {'page': str(page)}),
             'units': UNITS,
@@ -182,7 +186,7 @@ def tuning_to_dict(done: TuningResult, page: Path | None) -> Any:  # noqa: ANN40
     )
 
 
-def side_to_dict(side: GainSetResult) -> dict[str, object]:
+def gain_set_to_dict(side: GainSetResult) -> dict[str, object]:
     """Return the results of one set of gains as JSON data."""
     steps = {
         name: {
@@ -214,8 +218,8 @@ def side_to_dict(side: GainSetResult) -> dict[str, object]:
     return {
         'lost': side.flights.lost_share._asdict(),
         'reached': side.flights.reached_share._asdict(),
-        'cost': asdict(side.flights.summarize_flights('cost')),
-        'swing_angle': asdict(side.flights.summarize_flights('swing')),
+        'cost': asdict(side.flights.compute_metric_quartiles('cost')),
+        'swing_angle': asdict(side.flights.compute_metric_quartiles('swing')),
         'steps': steps,
         'margins': margins,
         'helium': {**asdict(limit), 'days': list(limit.days)},
@@ -225,8 +229,8 @@ def side_to_dict(side: GainSetResult) -> dict[str, object]:
 def print_summary(done: TuningResult, page: Path | None, console: Console) -> None:
     """Print a summary and the paths of the results."""
     # Column widths fit the longest label and value
-    lines = [format_title(done), f'{"":<40}{"old":<26}new']
-    rows = build_benefit_rows(done) + build_limit_rows(done.old.limit, done.new.limit)
+    lines = [format_headline(done), f'{"":<40}{"old":<26}new']
+    rows = build_comparison_rows(done) + build_helium_limit_rows(done.old.limit, done.new.limit)
     lines += [f'{name:<40}{old:<26}{new}' for name, old, new in rows]
     if done.found.stopped:
         lines.append(

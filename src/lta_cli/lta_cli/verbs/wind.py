@@ -10,7 +10,7 @@ from lta_cli.options.json_option import Json, print_json
 from lta_cli.options.out_option import parse_folder
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import relative_path
-from lta_config.files import list_shipped
+from lta_config.files import list_shipped_names
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_report.progress_bar import ProgressBar
@@ -97,7 +97,7 @@ def wind(
     console = plain_console(stderr=json)
     asked = WindStudyRequest(
         # Remove duplicates and keep the order
-        tuple(dict.fromkeys(vehicles or list_shipped('vehicles'))),
+        tuple(dict.fromkeys(vehicles or list_shipped_names('vehicles'))),
         tuple(sorted(set(roughness or ROUGHNESS))),
         height, reference, scenario, 1 if quick else seeds, quick, fly,
     )  # fmt: skip
@@ -109,7 +109,7 @@ def wind(
     target = prepare_empty_folder(resolve_folder(out, 'wind'))
     found = find_limits(asked, console)
     content = to_json(found, asked)
-    rows = build_table(found, asked)
+    rows = build_wind_table(found, asked)
     page = write_results(target, content, found, asked)
     if json:
         print_json(content, page)
@@ -144,7 +144,7 @@ def write_results(
     return write_page(limits, request, target / 'report.html')
 
 
-def build_table(
+def build_wind_table(
     limits: Sequence[PlatformWindLimits], request: WindStudyRequest
 ) -> list[list[str]]:
     """Return the table of winds in m/s; the first row is the header."""
@@ -155,9 +155,9 @@ def build_table(
     for each in limits:
         # The static limit is the smallest of the first three
         held = (each.thrust, each.tumble, each.rise, each.static)
-        row = [each.name, *map(format_speed, held), format_flyable(each.flown)]
+        row = [each.name, *map(format_speed, held), format_flight_limit(each.flown)]
         for over in each.over:
-            row += [format_speed(over.static), format_flyable(over.flown)]
+            row += [format_speed(over.static), format_flight_limit(over.flown)]
         rows.append(row)
     return rows
 
@@ -167,7 +167,7 @@ def format_speed(value: float) -> str:
     return f'{value:.2f}' if math.isfinite(value) else '-'
 
 
-def format_flyable(limit: FlyableWind | None) -> str:
+def format_flight_limit(limit: FlyableWind | None) -> str:
     """Format a flown limit; a dash means not flown."""
     return '-' if limit is None else f'{limit.wind:.2f}'
 

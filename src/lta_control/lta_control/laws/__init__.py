@@ -1,6 +1,6 @@
 """Registry of the control laws."""
 
-from lta_config.errors import unknown_name
+from lta_config.errors import unknown_name_error
 from lta_control.laws import (
     cascade,
     glide,
@@ -23,8 +23,8 @@ LAWS: dict[str, ControlLaw] = {
 }
 
 
-def find_law(name: str) -> ControlLaw:
+def find_control_law(name: str) -> ControlLaw:
     """Return a control law by name; raise `BadInput` with the known names for an unknown one."""
     if name not in LAWS:
-        raise unknown_name('control law', name, list(LAWS))
+        raise unknown_name_error('control law', name, list(LAWS))
     return LAWS[name]

@@ -26,7 +26,7 @@ def to_body(q: Quaternion, v: Vector) -> Vector:
     return to_world((-q[0], -q[1], -q[2], q[3]), v)
 
 
-def rotate_level(yaw: float, forward: float, left: float) -> tuple[float, float]:
+def rotate_level_to_world(yaw: float, forward: float, left: float) -> tuple[float, float]:
     """Return world x and y of a level vector given along a heading and to its left."""
     cos, sin = math.cos(yaw), math.sin(yaw)
     return cos * forward - sin * left, sin * forward + cos * left

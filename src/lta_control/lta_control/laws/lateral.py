@@ -28,7 +28,7 @@ from lta_control.allocation import Rotors, Scratch, thrusts_to_duties
 from lta_control.attitude import yaw_from_quaternion
 from lta_control.cascade import pid_gains, wrap_angle
 from lta_control.laws.climbing import ClimbGains, lift_step
-from lta_control.laws.frames import clamp_symmetric, rotate_level, to_world
+from lta_control.laws.frames import clamp_symmetric, rotate_level_to_world, to_world
 from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
 from lta_control.per_rotor import PerRotor
 from lta_control.pid import pid_step, PidGains
@@ -135,7 +135,7 @@ def step(
     turn, yaw_rate = pid_step(
         pid_gains(gains.yaw_rate), memory.yaw_rate, rate - motion.rates[2], 0.0, gap[1], dt
     )
-    forward, left = rotate_level(off, setpoint.speed, 0.0)
+    forward, left = rotate_level_to_world(off, setpoint.speed, 0.0)
     loop = pid_gains(gains.velocity)
     fx, surge = pid_step(loop, memory.surge, forward - motion.velocity[0], 0.0, gap[2], dt)
     fy, sway = pid_step(loop, memory.sway, left - motion.velocity[1], 0.0, gap[3], dt)

@@ -18,7 +18,7 @@ from lta_control.cascade import drag_force
 from lta_control.laws.frames import (
     clamp_symmetric,
     quaternion_from_angles,
-    rotate_level,
+    rotate_level_to_world,
     rotation_between,
     to_body,
     to_world,
@@ -99,7 +99,7 @@ def step(
     vx, vy, vz = to_world(motion.attitude, motion.velocity)
     # The goal starts at the drone's own position.
     gx, gy = memory.goal if memory.begun else (px, py)
-    wx, wy = rotate_level(setpoint.heading, setpoint.speed, 0.0)
+    wx, wy = rotate_level_to_world(setpoint.heading, setpoint.speed, 0.0)
     gx, gy = gx + dt * wx, gy + dt * wy
     # A bounded error limits the force when the vehicle falls behind its goal
     ex, ey = clamp_symmetric(gx - px, gains.reach), clamp_symmetric(gy - py, gains.reach)
@@ -109,7 +109,7 @@ def step(
     iy = clamp_symmetric(memory.integral[1] + dt * gains.position_ki * ey, gains.integral_limit)
     iz = clamp_symmetric(memory.integral[2] + dt * gains.position_ki * ez, gains.integral_limit)
     drag = drag_force(constants.drag[0], constants.drag[1], setpoint.speed)
-    dx, dy = rotate_level(setpoint.heading, drag, 0.0)
+    dx, dy = rotate_level_to_world(setpoint.heading, drag, 0.0)
     kp, kd = gains.position_kp, gains.position_kd
     fx, fy, fz = to_body(
         motion.attitude,

@@ -3,24 +3,24 @@
 from typing import Any, final
 
 from lta_config.errors import BadInput
-from lta_control.allocation import create_scratch
+from lta_control.allocation import create_working_array
 from lta_control.cascade import Setpoint
 from lta_control.gains_file import load_law_gains
-from lta_control.laws import find_law
+from lta_control.laws import find_control_law
 from lta_control.laws.protocol import ControlMotion, Feedback, LawCommand, LawInputs
 from lta_model.vehicle import Vehicle
 
 CASCADE = 'cascade'
 
 
-def law_name(vehicle: Vehicle) -> str:
+def vehicle_law_name(vehicle: Vehicle) -> str:
     """Return the law in the vehicle's file; the cascade if there is none."""
     return vehicle.file.control.law if vehicle.file.control else CASCADE
 
 
 def check_onboard_law(vehicle: Vehicle) -> None:
     """Raise `BadInput` if a vehicle's law cannot run on onboard sensors; see `OnboardLaw`."""
-    if (name := law_name(vehicle)) != CASCADE:
+    if (name := vehicle_law_name(vehicle)) != CASCADE:
         OnboardLaw(name, vehicle)
 
 
@@ -39,7 +39,7 @@ class OnboardLaw:
     """
 
     def __init__(self, name: str, vehicle: Vehicle) -> None:
-        self._law = find_law(name)
+        self._law = find_control_law(name)
         if self._law.feedback is Feedback.TRACKER:
             raise BadInput(
                 f'{vehicle.file.name} uses the law {name}, which needs a tracker, but the '
@@ -55,7 +55,7 @@ class OnboardLaw:
         gains = load_law_gains(self._law.gains, control.gains)
         self._known = self._law.known(gains, vehicle)
         self._memory: Any = self._law.start
-        self._scratch = create_scratch()
+        self._scratch = create_working_array()
 
     def step(self, motion: ControlMotion, setpoint: Setpoint, dt: float) -> LawCommand:
         """Return the command after one more period of `dt`. [s]"""

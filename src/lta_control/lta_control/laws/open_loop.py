@@ -65,7 +65,7 @@ def build_constants(gains: OpenLoopGains, vehicle: Vehicle) -> OpenLoopLawConsta
         (linear.force.vector[2], quadratic.force.vector[2]),
         (linear.moment.vector[2], quadratic.moment.vector[2]),
         vehicle.heaviness * STANDARD_GRAVITY,
-        vehicle.height_on_floor,
+        vehicle.hull_height_on_floor,
     )
 
 

@@ -20,7 +20,7 @@ from lta_control.laws.climbing import ClimbGains, lift_step
 from lta_control.laws.frames import (
     clamp_symmetric,
     quaternion_from_angles,
-    rotate_level,
+    rotate_level_to_world,
     rotation_between,
     to_world,
 )
@@ -120,12 +120,12 @@ def step(
     # Divide by the cosine, so that the vertical force survives the tilt.
     upright = max(up_in_body(motion.attitude)[2], STEEP)
     thrust = (constants.weight + push) / upright
-    wx, wy = rotate_level(setpoint.heading, setpoint.speed, 0.0)
+    wx, wy = rotate_level_to_world(setpoint.heading, setpoint.speed, 0.0)
     loop = pid_gains(gains.velocity)
     ax, east = pid_step(loop, memory.east, wx - vx, 0.0, 0.0, dt)
     ay, north = pid_step(loop, memory.north, wy - vy, 0.0, 0.0, dt)
     yaw = yaw_from_quaternion(motion.attitude)
-    forward, left = rotate_level(-yaw, ax, ay)
+    forward, left = rotate_level_to_world(-yaw, ax, ay)
     # A tilt whose horizontal thrust gives the wanted acceleration.
     goal = quaternion_from_angles(
         # Positive pitch is nose down, which accelerates forward; positive roll accelerates right

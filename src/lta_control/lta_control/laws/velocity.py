@@ -19,7 +19,7 @@ from lta_control.allocation import allocate, Rotors, Scratch, thrusts_to_duties
 from lta_control.attitude import Vector
 from lta_control.cascade import drag_force, pid_gains
 from lta_control.laws.climbing import ClimbGains, lift_step
-from lta_control.laws.frames import rotate_level, to_body, to_world
+from lta_control.laws.frames import rotate_level_to_world, to_body, to_world
 from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
 from lta_control.per_rotor import NONE, PerRotor
 from lta_control.pid import pid_step, PidGains
@@ -84,12 +84,12 @@ def step(
     gap = memory.missing
     error = setpoint.altitude - motion.position[2]
     up, climb = lift_step(gains, memory.climb, error, vz, gap[2], dt)
-    wx, wy = rotate_level(setpoint.heading, setpoint.speed, 0.0)
+    wx, wy = rotate_level_to_world(setpoint.heading, setpoint.speed, 0.0)
     loop = pid_gains(gains.velocity)
     fx, east = pid_step(loop, memory.east, wx - vx, 0.0, gap[0], dt)
     fy, north = pid_step(loop, memory.north, wy - vy, 0.0, gap[1], dt)
     drag = drag_force(constants.drag[0], constants.drag[1], setpoint.speed)
-    dx, dy = rotate_level(setpoint.heading, drag, 0.0)
+    dx, dy = rotate_level_to_world(setpoint.heading, drag, 0.0)
     # World axes, with drag and weight fed forward
     force = (fx + dx, fy + dy, up + constants.weight)
     bx, by, bz = to_body(motion.attitude, force)

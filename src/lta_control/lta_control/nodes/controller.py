@@ -10,12 +10,18 @@ import math
 
 from geometry_msgs.msg import PoseStamped, TwistStamped
 from lta_config.settings import setting, Settings
-from lta_control.allocation import create_scratch
+from lta_control.allocation import create_working_array
 from lta_control.cascade import CascadeGains, CascadeMeasurement, Setpoint
 from lta_control.control import control_step, ControlMemory, has_landed, step_duration, TILT_LIMIT
 from lta_control.gains_file import load_gains
-from lta_control.laws.onboard_law import CASCADE, law_name, OnboardLaw
-from lta_control.messages import from_duties, is_level, to_measurement, to_motion, to_setpoint
+from lta_control.laws.onboard_law import CASCADE, OnboardLaw, vehicle_law_name
+from lta_control.messages import (
+    from_duties,
+    is_level,
+    to_cascade_measurement,
+    to_motion,
+    to_setpoint,
+)
 from lta_control.vehicle_parameters import build_rotors, surge_drag_coefficients
 from lta_graph.age import stamp_age
 from lta_graph.health import HealthLevel
@@ -77,11 +83,11 @@ class Controller(GraphNode):
         self._names, self._reversible = vehicle.rotor_names, vehicle.reversible
         self._course = load_course(self._settings.value.scenario)
         self._begun_ns: int | None = None
-        self._standing = vehicle.height_on_floor
-        name = self._settings.value.law or law_name(vehicle)
+        self._standing = vehicle.hull_height_on_floor
+        name = self._settings.value.law or vehicle_law_name(vehicle)
         self._law = None if name == CASCADE else OnboardLaw(name, vehicle)
         self._memory = ControlMemory()
-        self._scratch = create_scratch()
+        self._scratch = create_working_array()
         self._pose: PoseStamped | None = None
         self._velocity: TwistStamped | None = None
         self._last_ns: int | None = None
@@ -118,7 +124,7 @@ class Controller(GraphNode):
         odom = step.last_message('odom')
         self._pose = step.last_message('setpoint/pose') or self._pose
         self._velocity = step.last_message('setpoint/velocity') or self._velocity
-        measured = to_measurement(odom)
+        measured = to_cascade_measurement(odom)
         known = measured is not None and all(map(math.isfinite, measured))
         if self._armed and known and not is_level(odom, self._settings.value.tilt_limit):
             self._stop_motors('turned over: the motors are off until the controller restarts')

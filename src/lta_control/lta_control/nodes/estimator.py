@@ -8,7 +8,7 @@ from lta_control.control import step_duration
 from lta_control.estimator import estimator_step, EstimatorModel, EstimatorSettings, MotionEstimate
 from lta_control.messages import (
     from_estimate,
-    is_plausible,
+    is_plausible_imu_sample,
     is_valid_command,
     to_duties,
     to_inputs,
@@ -53,7 +53,7 @@ class Estimator(GraphNode):
         if motors is not None and not is_valid_command(motors, self._names):
             self.soundness.unsound.add('motors: duties that do not match this vehicle')
         inputs = to_inputs(step, self._commanded)
-        if is_plausible(inputs):
+        if is_plausible_imu_sample(inputs):
             dt = step_duration(self._last_ns, step.stamp_ns, self.table.control_ns)
             self._last_ns = step.stamp_ns
             settings = self._settings.value
@@ -65,10 +65,12 @@ class Estimator(GraphNode):
             self.health.report('imu', HealthLevel.ERROR, text, refused=self._refused)
         self._odom.publish(from_estimate(step.last_message('imu').header.stamp, self._estimate))
         if learning:
-            self.health.report('estimate', *describe_biases(self._estimate, self._body))
+            self.health.report('estimate', *describe_calibration(self._estimate, self._body))
 
 
-def describe_biases(estimate: MotionEstimate, body: EstimatorModel) -> tuple[HealthLevel, str]:
+def describe_calibration(
+    estimate: MotionEstimate, body: EstimatorModel
+) -> tuple[HealthLevel, str]:
     """Return the state of the bias calibration, as level and sentence."""
     if not estimate.ready and is_turning(estimate.biases, body.rate_bias):
         off = math.degrees(largest_deviation(estimate.biases.rates, body.rate_bias))

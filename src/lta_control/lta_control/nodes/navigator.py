@@ -7,10 +7,10 @@ from lta_config.settings import setting
 from lta_control.cascade import Setpoint
 from lta_control.messages import (
     from_setpoint,
+    to_cascade_measurement,
     to_dead_reckoning,
     to_diodes,
     to_lamp,
-    to_measurement,
     update_reserve_report,
 )
 from lta_control.mission import course_step, mission_step, MissionSettings
@@ -19,13 +19,13 @@ from lta_control.reserve import (
     decide_permission,
     explain_restriction,
     FlightPermission,
-    ReserveActionSettings,
     ReserveReport,
+    ReserveResponseSettings,
 )
 from lta_control.reserve_policy import check_reserve
 from lta_control.sighting import build_sight, DeadReckonedMotion
-from lta_control.strategies import check_route, find_strategy
-from lta_control.strategies.protocol import LightSight
+from lta_control.strategies import check_route, find_navigation_strategy
+from lta_control.strategies.protocol import LightMeasurement
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
 from lta_graph.ros.message_validation import find_fault
@@ -33,7 +33,7 @@ from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
 from lta_graph.ros.stamps import from_stamp
-from lta_model.light.gain_selection import read_gain_scale
+from lta_model.light.gain_selection import compute_gain_scale
 from lta_model.scenario import load_course, load_route
 from lta_vlc.beacon_request import NO_WISH
 from nav_msgs.msg import Odometry
@@ -48,8 +48,8 @@ class NavigatorParameters(MissionSettings):
     scenario: str = setting(
         '', 'Scenario whose course or route is flown, if it has one.', fixed=True
     )
-    reserve: ReserveActionSettings = setting(
-        ReserveActionSettings(), 'Action when the charge falls to the energy reserve.'
+    reserve: ReserveResponseSettings = setting(
+        ReserveResponseSettings(), 'Action when the charge falls to the energy reserve.'
     )
 
 
@@ -62,13 +62,13 @@ class Navigator(GraphNode):
         self._velocity = self.create_output('setpoint/velocity')
         self._beacon = self.create_output('light/beacon')
         self._settings = NodeParameters(self, NavigatorParameters)
-        self._strategy = find_strategy(self._settings.value.strategy)
+        self._strategy = find_navigation_strategy(self._settings.value.strategy)
         self._course = load_course(self._settings.value.scenario)
         self._route = load_route(self._settings.value.scenario)
         check_route(self._strategy, len(self._route))
         self._scale = 1.0
         if self._strategy.ranges:
-            self._scale = read_gain_scale(
+            self._scale = compute_gain_scale(
                 self._settings.value.scenario, self._settings.value.vehicle
             )
         self._begun_ns: int | None = None
@@ -88,7 +88,7 @@ class Navigator(GraphNode):
         if not self._history and not self.lockstep:
             return  # light may arrive before an estimate; in lockstep every node answers
         estimate = step.last_message('light/estimate')
-        measured = to_measurement(self._history[-1]) if self._history else None
+        measured = to_cascade_measurement(self._history[-1]) if self._history else None
         altitude = math.nan if measured is None or self._word is None else measured.altitude
         setpoint = self._compute_setpoint(step, altitude)
         pose, velocity = from_setpoint(estimate.header.stamp, setpoint)
@@ -144,7 +144,7 @@ class Navigator(GraphNode):
             'mission', level, text, lamp=here, listening_for=f'{wanted} at {frequency:g} Hz'
         )
 
-    def _build_sight(self, step: InboxStep) -> LightSight:
+    def _build_sight(self, step: InboxStep) -> LightMeasurement:
         """Return the light with the drone's motion at the middle of its block."""
         # A block is stamped with its first sample; the bearing is that of its middle
         middle = step.stamp_ns + self._block_ns // 2

@@ -2,7 +2,7 @@
 
 from importlib import import_module
 
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_control.strategies.protocol import NavigationStrategy
 
 FILES = (
@@ -26,8 +26,8 @@ def check_route(strategy: NavigationStrategy, lamps: int) -> None:
         )
 
 
-def find_strategy(name: str) -> NavigationStrategy:
+def find_navigation_strategy(name: str) -> NavigationStrategy:
     """Return a strategy by name; raise `BadInput` with the known names for an unknown one."""
     if name not in STRATEGIES:
-        raise unknown_name('strategy', name, list(STRATEGIES))
+        raise unknown_name_error('strategy', name, list(STRATEGIES))
     return STRATEGIES[name]

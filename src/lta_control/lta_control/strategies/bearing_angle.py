@@ -7,7 +7,12 @@ memory is the last commanded heading.
 
 from typing import TYPE_CHECKING
 
-from lta_control.strategies.protocol import LightSight, Memory, NavigationStrategy, SteeringCommand
+from lta_control.strategies.protocol import (
+    LightMeasurement,
+    Memory,
+    NavigationStrategy,
+    SteeringCommand,
+)
 
 if TYPE_CHECKING:
     from lta_control.strategies.settings import StrategySettings
@@ -19,7 +24,7 @@ def start(heading: float) -> Memory:
 
 
 def steer(
-    settings: 'StrategySettings', memory: Memory, sight: LightSight
+    settings: 'StrategySettings', memory: Memory, sight: LightMeasurement
 ) -> tuple[SteeringCommand, Memory]:
     """Return the heading of the lamp at cruise speed, or a slow turn on the spot."""
     heading, speed = sight.heading + sight.bearing, settings.speed

@@ -25,7 +25,7 @@ from typing import NamedTuple, TYPE_CHECKING
 
 from lta_config.settings import setting, Settings
 from lta_control.cascade import wrap_angle
-from lta_control.strategies.protocol import LightSight, NavigationStrategy, SteeringCommand
+from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy, SteeringCommand
 
 if TYPE_CHECKING:
     from lta_control.strategies.settings import StrategySettings
@@ -66,7 +66,7 @@ class DitherSettings(Settings):
     )
 
 
-class DitherMemory(NamedTuple):
+class DitherState(NamedTuple):
     """State of DES."""
 
     heading: float  # last commanded [rad]
@@ -77,14 +77,14 @@ class DitherMemory(NamedTuple):
     mean: float  # of it, over the washout
 
 
-def start(heading: float) -> DitherMemory:
+def start(heading: float) -> DitherState:
     """Return the memory before the first light: swing about the heading."""
-    return DitherMemory(heading, heading, 0.0, False, 0.0, 0.0)
+    return DitherState(heading, heading, 0.0, False, 0.0, 0.0)
 
 
 def steer(
-    settings: 'StrategySettings', memory: DitherMemory, sight: LightSight
-) -> tuple[SteeringCommand, DitherMemory]:
+    settings: 'StrategySettings', memory: DitherState, sight: LightMeasurement
+) -> tuple[SteeringCommand, DitherState]:
     """Return the swinging heading at cruise speed."""
     own, dt = settings.des, sight.interval
     # Diode 0 looks forward
@@ -98,7 +98,7 @@ def steer(
     estimate, time = memory.estimate + turn, memory.time + dt
     heading = estimate + own.amplitude * math.cos(own.rate * time)
     course = SteeringCommand(heading, settings.speed, False)
-    return course, DitherMemory(heading, estimate, time, True, level, mean)
+    return course, DitherState(heading, estimate, time, True, level, mean)
 
 
 STRATEGY = NavigationStrategy('des', start, steer)

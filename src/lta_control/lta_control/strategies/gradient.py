@@ -24,7 +24,7 @@ from typing import NamedTuple, TYPE_CHECKING
 
 from lta_config.settings import setting, Settings
 from lta_control.cascade import wrap_angle
-from lta_control.strategies.protocol import LightSight, NavigationStrategy, SteeringCommand
+from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy, SteeringCommand
 
 if TYPE_CHECKING:
     from lta_control.strategies.settings import StrategySettings
@@ -78,7 +78,7 @@ class GradientSettings(Settings):
     )
 
 
-class GradientMemory(NamedTuple):
+class GradientState(NamedTuple):
     """State of DGA."""
 
     heading: float  # last commanded [rad]
@@ -93,16 +93,16 @@ class GradientMemory(NamedTuple):
     pairs: tuple[Pair, ...]  # place [m, odom] and light [counts], the newest last
 
 
-def start(heading: float) -> GradientMemory:
+def start(heading: float) -> GradientState:
     """Return the memory before the first light."""
-    return GradientMemory(
+    return GradientState(
         heading, 0.0, 0.0, 0.0, heading, heading, 0.0, False, 0.0, EMPTY
     )  # fmt: skip
 
 
 def steer(
-    settings: 'StrategySettings', memory: GradientMemory, sight: LightSight
-) -> tuple[SteeringCommand, GradientMemory]:
+    settings: 'StrategySettings', memory: GradientState, sight: LightMeasurement
+) -> tuple[SteeringCommand, GradientState]:
     """Return the heading of the latest plane, at cruise speed or stopped for a turn."""
     own, m, dt = settings.dga, memory, sight.interval
     # Commanded, not estimated, speed and heading, as in the paper
@@ -121,7 +121,7 @@ def steer(
     arcing = count < own.least
     turning = not arcing and off > (own.go_within if m.turning else own.stop_beyond)
     speed = 0.0 if turning else settings.speed
-    after = GradientMemory(target, x, y, speed, target, coming, computed, turning, count, pairs)
+    after = GradientState(target, x, y, speed, target, coming, computed, turning, count, pairs)
     return SteeringCommand(target, speed, False), after
 
 

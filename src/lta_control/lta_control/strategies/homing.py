@@ -32,7 +32,7 @@ from lta_control.strategies.lamp_ekf import (
     predict_fix,
     update_fix,
 )
-from lta_control.strategies.protocol import LightSight, NavigationStrategy, SteeringCommand
+from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy, SteeringCommand
 from lta_control.strategies.wind_triangle import solve_wind_triangle
 
 if TYPE_CHECKING:
@@ -148,7 +148,7 @@ class HomingSettings(Settings):
     )
 
 
-class HomingMemory(NamedTuple):
+class HomingState(NamedTuple):
     """State of homing."""
 
     heading: float  # last commanded [rad]
@@ -163,32 +163,34 @@ class HomingMemory(NamedTuple):
     arrived: bool
 
 
-def start(heading: float) -> HomingMemory:
+def start(heading: float) -> HomingState:
     """Return the memory before the first sight."""
     none = (0.0, 0.0, 0.0, 0.0, 0.0)
     fix = LampFix(0.0, 0.0, 0.0, 0.0, 0.0, (none, none, none, none, none))
-    return HomingMemory(heading, False, fix, False, (0.0, 0.0), 0.0, 0.0, 0.0, 0.0, False)
+    return HomingState(heading, False, fix, False, (0.0, 0.0), 0.0, 0.0, 0.0, 0.0, False)
 
 
-def reset_for_next_lamp(memory: HomingMemory) -> HomingMemory:
+def reset_for_next_lamp(memory: HomingState) -> HomingState:
     """Return the memory for the way to another lamp; the wind estimate is kept."""
-    return HomingMemory(
+    return HomingState(
         memory.heading, False, memory.fix, memory.begun, memory.place, memory.flown, 0.0, 0.0, 0.0,
         False,
     )  # fmt: skip
 
 
-def watch(settings: 'StrategySettings', memory: HomingMemory, sight: LightSight) -> HomingMemory:
+def watch(
+    settings: 'StrategySettings', memory: HomingState, sight: LightMeasurement
+) -> HomingState:
     """Return the memory after a sight during the climb, so that the wind estimate starts early."""
-    return follow_sight(settings, memory, sight)
+    return update_with_sight(settings, memory, sight)
 
 
 def steer(
-    settings: 'StrategySettings', memory: HomingMemory, sight: LightSight
-) -> tuple[SteeringCommand, HomingMemory]:
+    settings: 'StrategySettings', memory: HomingState, sight: LightMeasurement
+) -> tuple[SteeringCommand, HomingState]:
     """Return the course through the air along the line to the lamp."""
     own = settings.homing
-    memory = follow_sight(settings, memory, sight)
+    memory = update_with_sight(settings, memory, sight)
     unsure = memory.searched > 0.0 or bearing_deviation(memory.fix) > own.certain
     lost = memory.lost > own.hold or (memory.lost > 0.0 and unsure)
     if not memory.known or lost:
@@ -200,15 +202,15 @@ def steer(
     return SteeringCommand(heading, speed, after.arrived), after
 
 
-def _update_search(m: HomingMemory, heading: float, searched: float) -> HomingMemory:
+def _update_search(m: HomingState, heading: float, searched: float) -> HomingState:
     """Return the memory with the commanded heading and the search time."""
     arrived = m.arrived and searched <= 0.0
-    return HomingMemory(
+    return HomingState(
         heading, m.known, m.fix, m.begun, m.place, m.flown, m.lost, m.doubted, searched, arrived
     )  # fmt: skip
 
 
-def build_optics(own: HomingSettings, flight_time: float) -> LampFilterPrior:
+def build_filter_prior(own: HomingSettings, flight_time: float) -> LampFilterPrior:
     """Return the filter's prior some time after the first sight. [s]"""
     gusts = math.hypot(own.gusts, own.unsettled * math.exp(-flight_time / own.settling))
     return LampFilterPrior(
@@ -221,10 +223,12 @@ def build_optics(own: HomingSettings, flight_time: float) -> LampFilterPrior:
     )
 
 
-def follow_sight(settings: 'StrategySettings', m: HomingMemory, sight: LightSight) -> HomingMemory:
+def update_with_sight(
+    settings: 'StrategySettings', m: HomingState, sight: LightMeasurement
+) -> HomingState:
     """Return the memory after one more sight; an outlier is ignored."""
     own, dt = settings.homing, sight.interval
-    optics = build_optics(own, m.flown)
+    optics = build_filter_prior(own, m.flown)
     fix, known, lost, doubted = m.fix, m.known, m.lost + dt, m.doubted
     if m.known:
         # Movement through the air since the last sight, by dead reckoning
@@ -248,13 +252,13 @@ def follow_sight(settings: 'StrategySettings', m: HomingMemory, sight: LightSigh
     away = math.hypot(fix.x, fix.y)
     limit = own.arrival * (STAY if m.arrived else 1.0)
     arrived = known and away <= limit
-    return HomingMemory(
+    return HomingState(
         m.heading, known, fix, True, sight.position, m.flown + dt, lost, doubted, m.searched,
         arrived,
     )  # fmt: skip
 
 
-def steer_to_lamp(settings: 'StrategySettings', m: HomingMemory) -> tuple[float, float]:
+def steer_to_lamp(settings: 'StrategySettings', m: HomingState) -> tuple[float, float]:
     """Return heading [rad] and airspeed [m/s] along the line to the lamp, or to hold there."""
     own, fix = settings.homing, m.fix
     away = max(math.hypot(fix.x, fix.y), 1e-6)
@@ -278,7 +282,7 @@ def full_turn_time(settings: 'StrategySettings') -> float:
 
 
 def steer_search(
-    settings: 'StrategySettings', m: HomingMemory, interval: float
+    settings: 'StrategySettings', m: HomingState, interval: float
 ) -> tuple[float, float]:
     """Return heading [rad] and airspeed [m/s] of a search: a turn, then widening circles."""
     turn = full_turn_time(settings)

@@ -134,7 +134,7 @@ def normalized_innovation(
     """Return the difference of a bearing from the fix in standard deviations. [1]"""
     slopes, error = _linearize_bearing(fix, bearing)
     noise = _bearing_noise(fix, optics, deviation)
-    return abs(error) / math.sqrt(_dot_product(slopes, _multiply_rows(fix.rows, slopes)) + noise)
+    return abs(error) / math.sqrt(_dot(slopes, _multiply_matrix_vector(fix.rows, slopes)) + noise)
 
 
 def expected_strength(fix: LampFix) -> float:
@@ -156,7 +156,7 @@ def update_fix(
 def bearing_deviation(fix: LampFix) -> float:
     """Return the standard deviation of the fix's bearing. [rad]"""
     slopes, _ = _linearize_bearing(fix, 0.0)
-    return math.sqrt(max(_dot_product(slopes, _multiply_rows(fix.rows, slopes)), 0.0))
+    return math.sqrt(max(_dot(slopes, _multiply_matrix_vector(fix.rows, slopes)), 0.0))
 
 
 def _squared_range(fix: LampFix) -> float:
@@ -191,8 +191,8 @@ def _linearize_strength(fix: LampFix, strength: float) -> tuple[Row, float]:
 def _kalman_update(fix: LampFix, slopes: Row, error: float, noise: float) -> LampFix:
     """Return a fix after one scalar measurement."""
     r = fix.rows
-    g = _multiply_rows(r, slopes)
-    spread = _dot_product(slopes, g) + noise
+    g = _multiply_matrix_vector(r, slopes)
+    spread = _dot(slopes, g) + noise
     k = error / spread
     return LampFix(
         fix.x + k * g[0],
@@ -226,15 +226,15 @@ def _subtract_scaled(row: Row, share: float, other: Row) -> Row:
     )
 
 
-def _dot_product(a: Row, b: Row) -> float:
+def _dot(a: Row, b: Row) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4]
 
 
-def _multiply_rows(rows: tuple[Row, Row, Row, Row, Row], column: Row) -> Row:
+def _multiply_matrix_vector(rows: tuple[Row, Row, Row, Row, Row], column: Row) -> Row:
     return (
-        _dot_product(rows[0], column),
-        _dot_product(rows[1], column),
-        _dot_product(rows[2], column),
-        _dot_product(rows[3], column),
-        _dot_product(rows[4], column),
+        _dot(rows[0], column),
+        _dot(rows[1], column),
+        _dot(rows[2], column),
+        _dot(rows[3], column),
+        _dot(rows[4], column),
     )

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 Memory = tuple[Any, ...]  # numbers and tuples of numbers; the first is the last commanded heading
 
 
-class LightSight(NamedTuple):
+class LightMeasurement(NamedTuple):
     """
     Light of one block, at the middle of the block.
 
@@ -86,7 +86,7 @@ class CruiseSettings(Settings):
 def keep_memory(
     settings: 'StrategySettings',
     memory: Memory,
-    sight: LightSight,
+    sight: LightMeasurement,
 ) -> Memory:
     """Return the memory unchanged, for a strategy that learns nothing during the climb."""
     return memory
@@ -120,14 +120,14 @@ class NavigationStrategy:
         `onward(memory) -> memory` when the drone has arrived and continues to another lamp.
         Required for a route of several lamps.
     ranges : bool
-        Whether it uses `LightSight.strength`, which needs the selected resistor.
+        Whether it uses `LightMeasurement.strength`, which needs the selected resistor.
 
     """
 
     name: str
     start: Callable[[float], Memory]
-    steer: Callable[['StrategySettings', Any, LightSight], tuple[SteeringCommand, Memory]]
-    watch: Callable[['StrategySettings', Any, LightSight], Memory] = keep_memory
+    steer: Callable[['StrategySettings', Any, LightMeasurement], tuple[SteeringCommand, Memory]]
+    watch: Callable[['StrategySettings', Any, LightMeasurement], Memory] = keep_memory
     onward: Callable[[Any], Memory] = keep_lamp
     ranges: bool = False
 

@@ -10,7 +10,7 @@ the latest value. Gaps are never bridged: columns are empty where no message is 
 from collections.abc import Callable, Sequence
 from typing import Any, Final, final, NamedTuple
 
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_data.bag.table import AXES, RecordingTable
 from lta_data.bag.table_text import DIM
 from lta_data.even_grid import is_grid_allowed
@@ -112,7 +112,7 @@ def align_tables(
 
     """
     if method not in METHODS:
-        raise unknown_name('method', method, list(METHODS))
+        raise unknown_name_error('method', method, list(METHODS))
     if gap is not None and not gap > 0.0:
         raise BadInput(f'The maximum gap {gap} s is not positive; give a gap above 0 s.')
     if not tables:

@@ -90,7 +90,7 @@ class CdrLayout:
     lengths: list[tuple[int, int]] = field(default_factory=list)
     ends: list[int] = field(default_factory=list)
 
-    def find_matches(self, table: NDArray[np.uint8]) -> NDArray[np.bool_]:
+    def find_matching_messages(self, table: NDArray[np.uint8]) -> NDArray[np.bool_]:
         """Return which messages of this size, shape (n, size), have this layout."""
         fits = np.ones(len(table), dtype=np.bool_)
         for offset, value in self.lengths:
@@ -181,7 +181,7 @@ class LayoutParser:
         if node is Nodetype.NAME:
             self.parse_message(detail, path, is_column)
         elif node is Nodetype.BASE:
-            self._parse_single(detail[0], path, is_column)
+            self._parse_single_value(detail[0], path, is_column)
         else:
             (kind, inner), count = detail
             if node is Nodetype.SEQUENCE:
@@ -195,7 +195,7 @@ class LayoutParser:
             for index in range(count):
                 self._parse_field((kind, inner), f'{path}[{index}]', is_column)
 
-    def _parse_single(self, name: str, path: str, is_column: bool) -> None:
+    def _parse_single_value(self, name: str, path: str, is_column: bool) -> None:
         if name == 'string':
             count = self._parse_length() - 1
             self._add_leaf(

@@ -11,7 +11,7 @@ from typing import Any, Final, final, NamedTuple
 
 from lta_data.bag.cdr_layout import CdrLayout, CdrLeaf, derive_layout, Fields, LayoutMismatch, TEXT
 from lta_data.bag.columns import collect_scalars, iterate_leaves
-from lta_data.bag.merge import Columns, merge_columns, PartialColumn, Rows
+from lta_data.bag.merge import Columns, merge_columns, PiecewiseColumn, Rows
 from lta_data.bag.stamps import extract_stamp, find_stamp_path, SECOND
 import numpy as np
 from numpy.typing import NDArray
@@ -65,7 +65,7 @@ class ColumnBuilder:
         self._layouts: defaultdict[tuple[int, bytes], list[CdrLayout]] = defaultdict(list)
         self._waiting: list[bytes] = []
         self._bytes = 0
-        self._columns: dict[str, PartialColumn] = {}
+        self._columns: dict[str, PiecewiseColumn] = {}
         self._logged: list[int] = []
         self._stamps: list[NDArray[np.int64]] = []
 
@@ -81,18 +81,18 @@ class ColumnBuilder:
         self._waiting.append(data)
         self._bytes += len(data)
         if len(self._waiting) >= BATCH_MESSAGES or self._bytes >= BATCH_BYTES:
-            self._read_pending()
+            self._convert_pending()
 
     def flush_columns(self) -> MessageColumns:
         """Return the columns of all messages and reset; errors as `add_message`."""
-        self._read_pending()
+        self._convert_pending()
         numbers, texts = merge_columns(self._columns, len(self._logged))
         stamps = np.concatenate([np.empty(0, np.int64), *self._stamps])
         found = MessageColumns(numbers, texts, stamps, self._logged)
         self._logged, self._stamps = [], []
         return found
 
-    def _read_pending(self) -> None:
+    def _convert_pending(self) -> None:
         """Convert the pending messages to pieces of columns."""
         batch, self._waiting, self._bytes = self._waiting, [], 0
         begin = len(self._logged) - len(batch)
@@ -131,7 +131,7 @@ class ColumnBuilder:
                 )
             except LayoutMismatch:
                 odd.append(int(part.indices[0]))
-                part = part.select(np.arange(len(part.indices)) > 0)
+                part = part.select_messages(np.arange(len(part.indices)) > 0)
                 continue
             left = self._read_matching(layout, part)
             # A layout that fits one message only is not worth caching
@@ -147,14 +147,14 @@ class ColumnBuilder:
         """Read the messages that match a layout and return the others."""
         if not len(part.indices):
             return part
-        fits = layout.find_matches(part.table)
-        read = part if fits.all() else part.select(fits)
+        fits = layout.find_matching_messages(part.table)
+        read = part if fits.all() else part.select_messages(fits)
         if len(read.indices):
             try:
                 self._add_columns(layout, read)
             except UnicodeDecodeError:
                 return part  # decoding as objects finds the invalid text
-        return part.select(~fits)
+        return part.select_messages(~fits)
 
     def _add_columns(self, layout: CdrLayout, part: 'EqualLengthMessages') -> None:
         """Add messages of one layout to the columns."""
@@ -183,8 +183,8 @@ class ColumnBuilder:
                 first, np.array(rows), collect_scalars(found)
             )
 
-    def _ensure_column(self, path: str, first: tuple[int, int]) -> PartialColumn:
-        return self._columns.setdefault(path, PartialColumn(first))
+    def _ensure_column(self, path: str, first: tuple[int, int]) -> PiecewiseColumn:
+        return self._columns.setdefault(path, PiecewiseColumn(first))
 
 
 @final
@@ -210,7 +210,7 @@ class EqualLengthMessages(NamedTuple):
             return slice(self.begin + first, self.begin + last + 1)
         return self.begin + self.indices
 
-    def select(self, chosen: NDArray[np.bool_]) -> 'EqualLengthMessages':
+    def select_messages(self, chosen: NDArray[np.bool_]) -> 'EqualLengthMessages':
         """Return some of them."""
         return self._replace(indices=self.indices[chosen], table=self.table[chosen])
 

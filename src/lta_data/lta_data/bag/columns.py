@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def build_columns(messages: Iterable[object]) -> tuple[Columns, Columns]:
+def extract_field_columns(messages: Iterable[object]) -> tuple[Columns, Columns]:
     """
     Return the numbers and texts of messages of one type by field path.
 

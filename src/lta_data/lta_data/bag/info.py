@@ -7,7 +7,7 @@ from typing import final
 
 from lta_data.bag.reader import Bag, read_bag
 from lta_data.bag.recorded_flight import list_robots
-from lta_data.bag.remarks import list_remarks
+from lta_data.bag.remarks import describe_irregularities
 from rich.console import Console
 from rich.table import Table
 
@@ -103,7 +103,7 @@ def summarize_bag(path: Path | str) -> BagInfo:
         provenance=bag.provenance,
         complete=bag.is_complete,
         losses=list(bag.losses),
-        remarks=list_remarks(bag),
+        remarks=describe_irregularities(bag),
     )
 
 

@@ -19,7 +19,7 @@ class ColumnPiece(NamedTuple):
 
 @final
 @dataclass(slots=True)
-class PartialColumn:
+class PiecewiseColumn:
     """
     A field in pieces.
 
@@ -37,7 +37,7 @@ class PartialColumn:
         self.count += len(values)
 
 
-def merge_columns(columns: dict[str, PartialColumn], count: int) -> tuple[Columns, Columns]:
+def merge_columns(columns: dict[str, PiecewiseColumn], count: int) -> tuple[Columns, Columns]:
     """
     Return numbers and texts by path, in the order of first occurrence, for `count` messages.
 
@@ -59,7 +59,7 @@ def merge_columns(columns: dict[str, PartialColumn], count: int) -> tuple[Column
     return numbers, texts
 
 
-def merge_arrays(column: PartialColumn, count: int) -> NDArray[Any]:
+def merge_arrays(column: PiecewiseColumn, count: int) -> NDArray[Any]:
     """Return an array field, shape (n, longest); short arrays end in NaN."""
     lengths = {piece.values.shape[1] for piece in column.pieces}
     if len(lengths) == 1 and column.count == count:
@@ -72,7 +72,7 @@ def merge_arrays(column: PartialColumn, count: int) -> NDArray[Any]:
     return table
 
 
-def merge_texts(column: PartialColumn, count: int) -> NDArray[Any]:
+def merge_texts(column: PiecewiseColumn, count: int) -> NDArray[Any]:
     """Return a text field, shape (n,); '' if a message lacks it."""
     longest = max(piece.values.dtype.itemsize for piece in column.pieces)
     # numpy stores four bytes per character
@@ -82,7 +82,7 @@ def merge_texts(column: PartialColumn, count: int) -> NDArray[Any]:
     return result
 
 
-def merge_numbers(column: PartialColumn, count: int) -> NDArray[Any]:
+def merge_numbers(column: PiecewiseColumn, count: int) -> NDArray[Any]:
     """Return a field of single numbers, shape (n,); NaN if a message lacks it."""
     kinds = {piece.values.dtype for piece in column.pieces}
     large = np.dtype(np.uint64)

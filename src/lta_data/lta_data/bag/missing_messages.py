@@ -48,7 +48,7 @@ class PeriodTracker:
         self._steps: list[int] = []
         self._long: list[tuple[int, int]] = []
 
-    def record_stamp(self, time: int) -> None:
+    def add_log_time(self, time: int) -> None:
         """Add the log time of a message. [ns]"""
         if self._last is not None and time > self._last:
             step = time - self._last

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from typing import Any, Protocol
 
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 import numpy as np
 from numpy.typing import NDArray
 
@@ -61,7 +61,7 @@ def decode_image(image: Image) -> NDArray[Any]:
 
     """
     if image.encoding not in PIXELS:
-        raise unknown_name('image encoding', image.encoding, list(PIXELS))
+        raise unknown_name_error('image encoding', image.encoding, list(PIXELS))
     kind = np.dtype(('>' if image.is_bigendian else '<') + PIXELS[image.encoding])
     shape = (image.height, image.width)
     strides = (image.step, kind.itemsize)
@@ -115,7 +115,7 @@ def decode_point_cloud(cloud: PointCloud) -> dict[str, NDArray[np.float64]]:
     single = [field for field in cloud.fields if field.count == 1]
     for field in single:
         if field.datatype not in POINT_TYPES:
-            raise unknown_name(
+            raise unknown_name_error(
                 'point field type', str(field.datatype), list(map(str, POINT_TYPES))
             )
     if not has_valid_layout(cloud, single):

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, BinaryIO, final
 
 from lta_bridge.bag.records import MAGIC
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_config.limits import CHUNK_BYTES
 from lta_data.bag.bag_folder import (
     ADVICE,
@@ -21,7 +21,7 @@ from lta_data.bag.bag_folder import (
     read_metadata,
     wrong_format_error,
 )
-from lta_data.bag.mcap_file.bag_parts import (
+from lta_data.bag.mcap_file.bag_structure import (
     BagTopic,
     build_chunk_loss,
     find_message_type,
@@ -38,8 +38,8 @@ from lta_data.bag.mcap_file.compression import DamagedRecord, decompress
 from lta_data.bag.mcap_file.contents import McapContents, MessageRegion, read_at
 from lta_data.bag.mcap_file.decoder import explain_undecodable, MessageDecoder
 from lta_data.bag.mcap_file.rhythm import MessageIntervals
-from lta_data.bag.mcap_file.scan import describe_damage, scan_file
-from lta_data.bag.mcap_file.summary import has_damaged_summary, read_summary, UNUSABLE
+from lta_data.bag.mcap_file.scan import describe_damage, scan_mcap_file
+from lta_data.bag.mcap_file.summary import read_summary, summary_is_damaged, UNUSABLE
 from mcap.records import Channel, Schema
 
 
@@ -127,7 +127,7 @@ class Bag:
         """
         wanted = set(self.topics if topics is None else topics)
         for name in sorted(wanted - set(self.topics)):
-            raise unknown_name('topic', name, list(self.topics))
+            raise unknown_name_error('topic', name, list(self.topics))
         behind = 0
         for part in self.parts:
             names = self._select_channels(part.contents, wanted)
@@ -252,12 +252,12 @@ def read_bag(path: Path | str) -> Bag:
 def open_bag_file(file: Path, metadata_topics: list[TopicMetadata]) -> RecordingFile:
     """Open one file of a bag; an unreadable file counts as lost."""
     try:
-        return RecordingFile(file, read_contents(file, metadata_topics))
+        return RecordingFile(file, read_file_contents(file, metadata_topics))
     except BadInput as error:
         return RecordingFile(file, McapContents(losses=[str(error)]), error)
 
 
-def read_contents(file: Path, metadata_topics: Sequence[TopicMetadata] = ()) -> McapContents:
+def read_file_contents(file: Path, metadata_topics: Sequence[TopicMetadata] = ()) -> McapContents:
     """
     Return the contents of one MCAP file, from its summary if that is valid.
 
@@ -270,9 +270,9 @@ def read_contents(file: Path, metadata_topics: Sequence[TopicMetadata] = ()) -> 
             raise wrong_format_error(file, head)
         contents = read_summary(stream, size)
         if contents is None:
-            contents = scan_file(stream, size)
+            contents = scan_mcap_file(stream, size)
             complete_names(contents, metadata_topics)
-            if has_damaged_summary(stream, size):
+            if summary_is_damaged(stream, size):
                 contents.remarks.append(UNUSABLE)
         if not head.startswith(MAGIC):
             contents.indexed = False

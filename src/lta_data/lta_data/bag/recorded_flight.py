@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, cast, final, NamedTuple
 
 from lta_bridge.provenance import extract_robot_origin
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_data.bag.column_builder import ColumnBuilder, MessageType
 from lta_data.bag.packed_samples import Image, PointCloud, stack_images, stack_point_clouds
 from lta_data.bag.reader import Bag, read_bag
@@ -90,10 +90,12 @@ class RecordedFlight:
 
     def read_topics(self, topics: Collection[str]) -> dict[str, TopicSeries]:
         """Read several topics in one pass over the bag; errors as `read_series`."""
-        makers = {self.absolute_name(topic): self._create_builder(topic) for topic in topics}
+        makers = {
+            self.absolute_name(topic): self._create_column_builder(topic) for topic in topics
+        }
         for name, log_time, data in self.bag.iterate_messages(list(makers)):
             makers[name].add_message(log_time, data)
-        found = {name: self._finish_series(maker) for name, maker in makers.items()}
+        found = {name: self._build_topic_series(maker) for name, maker in makers.items()}
         return {topic: found[self.absolute_name(topic)] for topic in topics}
 
     def iterate_series(self, topic: str, rows: int) -> Iterator[TopicSeries]:
@@ -102,14 +104,14 @@ class RecordedFlight:
 
         Each part has the columns of its own messages. Errors as `read_series`.
         """
-        maker = self._create_builder(topic)
+        maker = self._create_column_builder(topic)
         for _, log_time, data in self.bag.iterate_messages([self.absolute_name(topic)]):
             maker.add_message(log_time, data)
             # Bounded memory, whatever the length of the topic
             if len(maker) >= rows:
-                yield self._finish_series(maker)
+                yield self._build_topic_series(maker)
         if len(maker):
-            yield self._finish_series(maker)
+            yield self._build_topic_series(maker)
 
     def read_blocks(self, topic: str, chosen: Collection[int] | None = None) -> SampleBlocks:
         """
@@ -129,13 +131,13 @@ class RecordedFlight:
     def iterate_blocks(self, topic: str, rows: int) -> Iterator[SampleBlocks]:
         """Yield the samples of a sensor_msgs/Image topic, `rows` messages at a time."""
         self._require_type(topic, 'sensor_msgs/msg/Image')
-        for time, images in self._iterate_pieces(topic, rows):
+        for time, images in self._iterate_message_batches(topic, rows):
             yield SampleBlocks(time, stack_images(cast('list[Image]', images)))
 
     def iterate_points(self, topic: str, rows: int) -> Iterator[PointSeries]:
         """Yield the values of a sensor_msgs/PointCloud2 topic, `rows` messages at a time."""
         self._require_type(topic, 'sensor_msgs/msg/PointCloud2')
-        for time, clouds in self._iterate_pieces(topic, rows):
+        for time, clouds in self._iterate_message_batches(topic, rows):
             yield PointSeries(time, stack_point_clouds(cast('list[PointCloud]', clouds)))
 
     def read_points(self, topic: str) -> PointSeries:
@@ -157,7 +159,7 @@ class RecordedFlight:
         """Return a topic's message type; raise `BadInput` if the topic is not in the bag."""
         name = self.absolute_name(topic)
         if name not in self.bag.topics:
-            raise unknown_name('topic', topic, self.topics)
+            raise unknown_name_error('topic', topic, self.topics)
         return self.bag.topics[name].type_name
 
     def _require_type(self, topic: str, type_name: str) -> None:
@@ -168,7 +170,7 @@ class RecordedFlight:
                 f"Topic '{topic}' has type '{found}', not '{type_name}'; choose another topic."
             )
 
-    def _iterate_pieces(
+    def _iterate_message_batches(
         self, topic: str, rows: int
     ) -> Iterator[tuple[NDArray[np.float64], list[object]]]:
         """Yield times and messages of a topic, `rows` at a time. [s]"""
@@ -179,14 +181,14 @@ class RecordedFlight:
             yield np.array(times), batch
             times.clear()
 
-    def _create_builder(self, topic: str) -> ColumnBuilder:
+    def _create_column_builder(self, topic: str) -> ColumnBuilder:
         """Return a builder of the topic's columns."""
         kind, name = self.message_type(topic), self.absolute_name(topic)
         return ColumnBuilder(
             MessageType(kind, self.bag.list_fields, partial(self.bag.decode, name))
         )
 
-    def _finish_series(self, maker: ColumnBuilder) -> TopicSeries:
+    def _build_topic_series(self, maker: ColumnBuilder) -> TopicSeries:
         """Return the collected messages as a series."""
         found = maker.flush_columns()
         stamps = found.stamps
@@ -204,7 +206,7 @@ class RecordedFlight:
         """Yield messages of a topic and append their times to `times`. [s]"""
         name = self.absolute_name(topic)
         if name not in self.bag.topics:
-            raise unknown_name('topic', topic, self.topics)
+            raise unknown_name_error('topic', topic, self.topics)
         for index, (_, log_time, data) in enumerate(self.bag.iterate_messages([name])):
             if chosen is not None and index not in chosen:
                 continue
@@ -259,7 +261,7 @@ def select_robot(bag: Bag, robot: str | None) -> str:
     found = list_robots(bag)
     robot = None if robot is None else robot.strip('/')
     if robot is not None and robot not in found:
-        raise unknown_name('robot', robot, found)
+        raise unknown_name_error('robot', robot, found)
     if robot is None and len(found) > 1:
         raise BadInput(
             f"'{bag.path}' contains several robots ({', '.join(found)}); choose one, as in "

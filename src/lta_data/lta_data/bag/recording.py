@@ -189,10 +189,10 @@ def read_table(flight: RecordedFlight, topic: str) -> RecordingTable:
         }
         units = {name: unit(name.partition('[')[0]) for name in data}
         return RecordingTable(topic, stamps, flight.start, data, units, kind)
-    return build_table(flight, topic, flight.read_series(topic))
+    return build_topic_table(flight, topic, flight.read_series(topic))
 
 
-def build_table(
+def build_topic_table(
     flight: RecordedFlight,
     topic: str,
     series: TopicSeries,

@@ -190,7 +190,7 @@ def write_recovered_bag(bag: Bag, out: Path, at: Callable[[int, int], None]) -> 
             writer.write(topic, found.data, found.log_time, found.publish_time)
             kept[topic] += 1
             if topic in beats:
-                beats[topic].record_stamp(found.log_time)
+                beats[topic].add_log_time(found.log_time)
     lost = [loss for part in bag.parts for loss in part.contents.lost]
     return Recovery(
         source=str(bag.path),

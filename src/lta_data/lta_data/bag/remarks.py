@@ -7,14 +7,14 @@ MOST = 10  # sentences of one kind, at most
 WOVEN = 1_000_000_000  # ns; topics overlap by up to that if log time is publication time
 
 
-def list_remarks(bag: Bag) -> list[str]:
+def describe_irregularities(bag: Bag) -> list[str]:
     """Return one sentence for each irregularity in the contents and indexes of a bag."""
     return [
         *bag.remarks[:MOST],
         *describe_omitted(len(bag.remarks), 'remarks on its files'),
         *describe_empty_bag(bag),
-        *list_topic_remarks(bag),
-        *list_time_remarks(bag.read_rhythm(), bag.start),
+        *describe_undecodable_topics(bag),
+        *describe_time_irregularities(bag.read_rhythm(), bag.start),
     ]
 
 
@@ -28,7 +28,7 @@ def describe_empty_bag(bag: Bag) -> list[str]:
     return [] if any(topic.count for topic in bag.topics.values()) else ['It contains no message.']
 
 
-def list_topic_remarks(bag: Bag) -> list[str]:
+def describe_undecodable_topics(bag: Bag) -> list[str]:
     """Return the remarks on topics that cannot be decoded."""
     told = [
         f"The messages of '{topic.name}' {topic.undecodable}; they are kept but not decoded."
@@ -38,7 +38,7 @@ def list_topic_remarks(bag: Bag) -> list[str]:
     return [*told[:MOST], *describe_omitted(len(told), 'topics that cannot be decoded')]
 
 
-def list_time_remarks(rhythm: MessageIntervals, start: int | None) -> list[str]:
+def describe_time_irregularities(rhythm: MessageIntervals, start: int | None) -> list[str]:
     """Return the remarks on backward steps and long silences; `start` in ns."""
     told = []
     if rhythm.backwards and rhythm.worst > WOVEN:

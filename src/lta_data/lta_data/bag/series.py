@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any, final
 
-from lta_config.errors import unknown_name
+from lta_config.errors import unknown_name_error
 import numpy as np
 from numpy.typing import NDArray
 
@@ -40,7 +40,7 @@ class TopicSeries:
     def __getitem__(self, path: str) -> NDArray[Any]:
         """Return a numeric field; raise `BadInput` with the known paths if it is unknown."""
         if path not in self.numbers:
-            raise unknown_name('field', path, list(self.numbers))
+            raise unknown_name_error('field', path, list(self.numbers))
         return self.numbers[path]
 
     def vector(self, path: str) -> NDArray[np.float64]:

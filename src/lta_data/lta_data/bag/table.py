@@ -7,9 +7,9 @@ from itertools import count, takewhile
 import re
 from typing import Any, Final, final, overload
 
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_data.bag.merge import Columns
-from lta_data.bag.table_text import DIM, format_heading, format_lines
+from lta_data.bag.table_text import DIM, format_column_lines, format_heading
 from lta_model.attitude import to_euler_angles
 import numpy as np
 from numpy.typing import NDArray
@@ -126,7 +126,7 @@ class RecordingTable:
     def array(self, path: str) -> NDArray[Any]:
         """Return an array field or a field of points, shape (n, elements)."""
         if path not in self.array_names:
-            raise unknown_name(
+            raise unknown_name_error(
                 'array', path, [each for each in self.array_names if not DIM.search(each)]
             )
         known = {*self._data, *self._also}
@@ -171,7 +171,7 @@ class RecordingTable:
         if turn in self.quaternions and part in PARTS:
             found: NDArray[np.float64] = getattr(to_euler_angles(self.vector(turn)), part)
             return found
-        raise unknown_name(
+        raise unknown_name_error(
             'column', column, [each for each in self.columns if not DIM.search(each)]
         )
 
@@ -196,7 +196,7 @@ class RecordingTable:
         data = {column: values[which] for column, values in self._data.items()}
         return self._with_columns(data, which)
 
-    def select(self, *patterns: str) -> 'RecordingTable':
+    def select_columns(self, *patterns: str) -> 'RecordingTable':
         """
         Return the columns that match the patterns, with `*` as wildcard: 'pose.pose.position.*'.
 
@@ -257,7 +257,7 @@ class RecordingTable:
 
     def __repr__(self) -> str:
         """Return a summary with one line per column."""
-        return '\n'.join([format_heading(self), *format_lines(self)])
+        return '\n'.join([format_heading(self), *format_column_lines(self)])
 
 
 def resolve_rows(chosen: slice | NDArray[Any], count: int) -> NDArray[np.intp]:

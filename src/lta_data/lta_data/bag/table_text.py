@@ -26,7 +26,7 @@ def format_heading(table: 'RecordingTable') -> str:
     return f'{table.name}: {len(table)} rows from {first:.2f} to {last:.2f} s{rate}{kind}'
 
 
-def format_lines(table: 'RecordingTable') -> Iterator[str]:
+def format_column_lines(table: 'RecordingTable') -> Iterator[str]:
     """Yield a line for each main column, then the number of the others."""
     seen = [column for column in table.columns if not DIM.search(column)]
     width = max(map(len, seen[:SHOWN]), default=0)

@@ -81,7 +81,7 @@ class ChannelComparison:
     score: float
 
     @property
-    def is_still(self) -> bool:
+    def both_constant(self) -> bool:
         """Whether both sides are constant."""
         return all(
             not np.isfinite(line.values).any() or np.nanmax(line.values) == np.nanmin(line.values)
@@ -160,7 +160,7 @@ def build_pair_signals(pair: ChannelPair) -> tuple[SampledSignal, SampledSignal]
     return sort_samples(pair.a.time, pair.a.values), sort_samples(pair.b.time, pair.b.values)
 
 
-def match_tolerances(texts: Mapping[str, float], names: list[str]) -> dict[str, float]:
+def find_channel_tolerances(texts: Mapping[str, float], names: list[str]) -> dict[str, float]:
     """
     Return the tolerance of each channel that has one.
 

@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 
 from lta_config.errors import BadInput
 from lta_data.bag.channels import SignalChannel
-from lta_data.compare.sampling import mask_unknown
+from lta_data.compare.sampling import mask_absurd_values
 
 AS: Final = '--pair odom=ground_truth/odom'
 
@@ -132,9 +132,7 @@ def pair_channels(
                     f"'{name}' is in {one.unit} in A and in {other.unit} in B; not compared."
                 )
             else:
-                found.pairs.append(
-                    ChannelPair(name, mask_non_numbers(one), mask_non_numbers(other))
-                )
+                found.pairs.append(ChannelPair(name, mask_non_finite(one), mask_non_finite(other)))
     if not found.pairs:
         raise BadInput(
             f'The flights have no channel in common; say which topics belong together, as in {AS}.'
@@ -142,9 +140,9 @@ def pair_channels(
     return found
 
 
-def mask_non_numbers(channel: SignalChannel) -> SignalChannel:
+def mask_non_finite(channel: SignalChannel) -> SignalChannel:
     """Return a channel with NaN for all non-finite values."""
-    return replace(channel, values=mask_unknown(channel.values))
+    return replace(channel, values=mask_absurd_values(channel.values))
 
 
 def match_fields(

@@ -9,7 +9,7 @@ from lta_data.compare.channel_comparison import ChannelComparison
 POSES: Final = ('ground_truth/odom', 'odom')  # topics whose position is plotted, by priority
 
 
-class PageRole(NamedTuple):
+class PanelRole(NamedTuple):
     """A panel of the page: name, title, and patterns of matching channels, the best first."""
 
     name: str
@@ -18,16 +18,18 @@ class PageRole(NamedTuple):
 
 
 ROLES: Final = (
-    PageRole('x', 'Position, x', ('{pose}position.x',)),
-    PageRole('y', 'Position, y', ('{pose}position.y',)),
-    PageRole('altitude', 'Altitude', ('{pose}position.z', 'range/range')),
-    PageRole('heading', 'Heading', ('{pose}orientation.yaw', '*orientation.yaw')),
-    PageRole('speed', 'Forward speed', ('{topic}/*linear.x', 'odom/*linear.x', '*twist*linear.x')),
-    PageRole('pitch', 'Pitch', ('{pose}orientation.pitch', '*orientation.pitch')),
-    PageRole('roll', 'Roll', ('{pose}orientation.roll', '*orientation.roll')),
-    PageRole('motors', 'Motors', ('motors/*', 'wrench_command/*')),
-    PageRole('battery', 'Battery', ('battery/voltage', '*battery*/voltage', 'battery/current')),
-    PageRole('light', 'Light', ('light/peaks/snr*', 'light/*', 'illuminance/*', 'photodiodes/*')),
+    PanelRole('x', 'Position, x', ('{pose}position.x',)),
+    PanelRole('y', 'Position, y', ('{pose}position.y',)),
+    PanelRole('altitude', 'Altitude', ('{pose}position.z', 'range/range')),
+    PanelRole('heading', 'Heading', ('{pose}orientation.yaw', '*orientation.yaw')),
+    PanelRole(
+        'speed', 'Forward speed', ('{topic}/*linear.x', 'odom/*linear.x', '*twist*linear.x')
+    ),
+    PanelRole('pitch', 'Pitch', ('{pose}orientation.pitch', '*orientation.pitch')),
+    PanelRole('roll', 'Roll', ('{pose}orientation.roll', '*orientation.roll')),
+    PanelRole('motors', 'Motors', ('motors/*', 'wrench_command/*')),
+    PanelRole('battery', 'Battery', ('battery/voltage', '*battery*/voltage', 'battery/current')),
+    PanelRole('light', 'Light', ('light/peaks/snr*', 'light/*', 'illuminance/*', 'photodiodes/*')),
 )
 FIELDS: Final = {  # ending of a field -> common name
     'position.x': 'x',
@@ -49,7 +51,7 @@ MOTION: Final = ('x', 'y', 'altitude', 'heading', 'speed', 'pitch', 'roll', 'mot
 class RoleChannel(NamedTuple):
     """The channel shown for a role: the most divergent of `among` channels."""
 
-    role: PageRole
+    role: PanelRole
     channel: ChannelComparison
     among: int
 
@@ -71,7 +73,7 @@ def is_x_position(each: ChannelComparison) -> bool:
     return each.name.endswith('position.x')
 
 
-def select_main_channels(channels: Sequence[ChannelComparison]) -> list[RoleChannel]:
+def select_panel_channels(channels: Sequence[ChannelComparison]) -> list[RoleChannel]:
     """Return the channels that get their own panel."""
     pose = find_pose_prefix(channels)
     found = []
@@ -86,7 +88,7 @@ def select_main_channels(channels: Sequence[ChannelComparison]) -> list[RoleChan
                 for each in channels
                 if fnmatchcase(each.name, wanted)
                 and each.measures is not None
-                and not each.is_still
+                and not each.both_constant
             ]
             if fitting:
                 count = len(fitting) if role.name in MANY else 1
@@ -99,7 +101,7 @@ def select_main_channels(channels: Sequence[ChannelComparison]) -> list[RoleChan
 def select_headline_channels(channels: Sequence[ChannelComparison]) -> list[ChannelComparison]:
     """Return the channels for the headline: motion and commands, otherwise all."""
     moving = [
-        shown.channel for shown in select_main_channels(channels) if shown.role.name in MOTION
+        shown.channel for shown in select_panel_channels(channels) if shown.role.name in MOTION
     ]
     hull = find_pose_prefix(channels).rpartition('/')[0]
     ordered = [
@@ -109,7 +111,7 @@ def select_headline_channels(channels: Sequence[ChannelComparison]) -> list[Chan
         or (
             each.name.rpartition('/')[0] == hull
             and each.name.endswith(tuple(FIELDS))
-            and not each.is_still
+            and not each.both_constant
         )
     ]
-    return ordered or [each for each in channels if not each.is_still] or list(channels)
+    return ordered or [each for each in channels if not each.both_constant] or list(channels)

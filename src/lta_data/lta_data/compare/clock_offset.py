@@ -14,7 +14,7 @@ import math
 from typing import Final, final, NamedTuple
 
 from lta_data.compare.coarse_lag import (
-    both_sides,
+    both_signals,
     CoarseLag,
     estimate_coarse_lag,
     SharedQuantity,
@@ -115,7 +115,7 @@ class PreparedChannel(NamedTuple):
 
 def prepare_channel(each: SharedQuantity) -> PreparedChannel:
     """Resample and smooth both sides of a channel equally, and fit a spline to B."""
-    lines = [unwrap_finite(line, each.angular) for line in both_sides(each)]
+    lines = [unwrap_finite(line, each.angular) for line in both_signals(each)]
     periods = [median_period(line.time) for line in lines]
     # Smoothing by the slower period gives both sides the same bandwidth.
     step, width = min(periods), 1.5 * max(periods)  # s

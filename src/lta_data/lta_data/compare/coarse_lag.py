@@ -42,8 +42,8 @@ def estimate_coarse_lag(shared: Sequence[SharedQuantity]) -> CoarseLag | None:
     slower = [max(median_period(each.a.time), median_period(each.b.time)) for each in able]
     # Finer than the slower side of any channel gains nothing.
     step = float(np.clip(min(slower), *STEPS))
-    begins = [min(float(both_sides(each)[k].time[0]) for each in able) for k in (0, 1)]
-    ends = [max(float(both_sides(each)[k].time[-1]) for each in able) for k in (0, 1)]
+    begins = [min(float(both_signals(each)[k].time[0]) for each in able) for k in (0, 1)]
+    ends = [max(float(both_signals(each)[k].time[-1]) for each in able) for k in (0, 1)]
     counts = [1 + math.ceil((ends[k] - begins[k]) / step) for k in (0, 1)]
     least = OVERLAP * min(counts)
     # Long enough that a circular correlation does not wrap around.
@@ -52,7 +52,7 @@ def estimate_coarse_lag(shared: Sequence[SharedQuantity]) -> CoarseLag | None:
     share = np.zeros(size)
     for each in able:
         of_a, of_b = (
-            smoothed_rate(both_sides(each)[k], begins[k], step, counts[k], each.angular)
+            smoothed_rate(both_signals(each)[k], begins[k], step, counts[k], each.angular)
             for k in (0, 1)
         )
         if of_a is not None and of_b is not None:
@@ -79,7 +79,7 @@ def estimate_coarse_lag(shared: Sequence[SharedQuantity]) -> CoarseLag | None:
     return CoarseLag(lag, rival, {name: float(score[best]) for name, score in scores.items()})
 
 
-def both_sides(each: SharedQuantity) -> tuple[SampledSignal, SampledSignal]:
+def both_signals(each: SharedQuantity) -> tuple[SampledSignal, SampledSignal]:
     """Return A's and B's signal."""
     return each.a, each.b
 

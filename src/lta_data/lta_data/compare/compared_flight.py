@@ -145,7 +145,7 @@ def read_raw_facts(
     twice = dict.fromkeys(names, 0)
     for name, log_time, data in flight.bag.iterate_messages(names):
         if name not in frames:
-            frames[name] = read_frame(flight, name, data)
+            frames[name] = read_frame_id(flight, name, data)
         # The length separates messages: 'ab' + 'c' must not hash like 'a' + 'bc'.
         digests[name].update(len(data).to_bytes(8, 'little'))
         digests[name].update(data)
@@ -159,7 +159,7 @@ def read_raw_facts(
     }
 
 
-def read_frame(flight: RecordedFlight, name: str, data: bytes) -> str:
+def read_frame_id(flight: RecordedFlight, name: str, data: bytes) -> str:
     """Return the frame of a message; '' if it has none or cannot be decoded."""
     try:
         header = getattr(flight.bag.decode(name, data), 'header', None)

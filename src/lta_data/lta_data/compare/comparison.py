@@ -10,7 +10,7 @@ from lta_data.compare.channel_comparison import (
     build_pair_signals,
     ChannelComparison,
     compare_channels,
-    match_tolerances,
+    find_channel_tolerances,
 )
 from lta_data.compare.channel_pairs import (
     ChannelPair,
@@ -21,7 +21,7 @@ from lta_data.compare.channel_pairs import (
 from lta_data.compare.compared_flight import ComparedFlight, read_compared_flight
 from lta_data.compare.faults import find_topic_faults, SLOWER, TopicFaults
 from lta_data.compare.frame_alignment import align_frames, FrameAlignment, Frames
-from lta_data.compare.sampling import Array, mask_unknown
+from lta_data.compare.sampling import Array, mask_absurd_values
 from lta_data.compare.time_alignment import Align, align_times, TimeAlignment
 import numpy as np
 
@@ -101,14 +101,16 @@ class ComparisonResult:
         return not lacking and bytes_too and same and not self.asked.pairs
 
     @property
-    def is_same(self) -> bool:
+    def is_within_bands(self) -> bool:
         """Whether no channel leaves its band for longer than a moment."""
         return all(each.verdict not in ('parted', 'apart at times') for each in self.channels)
 
     @property
     def verdict(self) -> str:
         """'identical', 'same' or 'different'."""
-        return 'identical' if self.is_identical else 'same' if self.is_same else 'different'
+        return (
+            'identical' if self.is_identical else 'same' if self.is_within_bands else 'different'
+        )
 
 
 Told = Callable[[str], None]
@@ -169,8 +171,11 @@ def compare_sides(
     when = align_times(a, b, matched, request.align, request.offset)
     pairs, frames = align_frames(a, b, matched, when, request.frames)
     # From here on, both flights have A's clock and A's frame
-    pairs = [each._replace(b=replace(each.b, time=when.map_to_a(each.b.time))) for each in pairs]
-    span = find_common_span(pairs)
+    pairs = [
+        each._replace(b=replace(each.b, time=when.convert_to_a_time(each.b.time)))
+        for each in pairs
+    ]
+    span = find_common_time_span(pairs)
     tick('aligning')
     channels = compare_pairs(pairs, request, when, tick)
     topics = {each.topic_a: each.topic_b for each in topic_pairs}
@@ -182,8 +187,8 @@ def compare_sides(
         frames=tuple(frames),
         span=span,
         channels=channels,
-        faults_a=find_side_faults(a),
-        faults_b=find_side_faults(b),
+        faults_a=find_flight_faults(a),
+        faults_b=find_flight_faults(b),
         only_a=(),
         only_b=(),
         topics=topics,
@@ -201,7 +206,7 @@ def compare_pairs(
     pairs: Sequence[ChannelPair], request: ComparisonRequest, when: TimeAlignment, tick: Told
 ) -> tuple[ChannelComparison, ...]:
     """Compare all pairs; those that diverge most and earliest come first."""
-    bands = match_tolerances(request.tolerances, [pair.name for pair in pairs])
+    bands = find_channel_tolerances(request.tolerances, [pair.name for pair in pairs])
     found = []
     topic = ''
     for pair in pairs:
@@ -217,7 +222,7 @@ def compare_pairs(
     return tuple(sorted(found, key=lambda each: (ORDER[each.verdict], -each.score, each.name)))
 
 
-def find_common_span(pairs: Sequence[ChannelPair]) -> tuple[float, float]:
+def find_common_time_span(pairs: Sequence[ChannelPair]) -> tuple[float, float]:
     """Return the time that both flights cover, on A's clock; raise `BadInput` if none. [s]"""
     ends = [
         find_time_extent([pair.a.time for pair in pairs]),
@@ -258,13 +263,13 @@ def find_rate_differences(
     ]
 
 
-def find_side_faults(side: ComparedFlight) -> dict[str, TopicFaults]:
+def find_flight_faults(side: ComparedFlight) -> dict[str, TopicFaults]:
     """Find the faults of each topic of a flight."""
     found = {}
     for name, topic in side.topics.items():
         own = [each for each in side.channels.values() if each.topic == name]
         shares = {
-            each.name: float(np.mean(np.isnan(mask_unknown(each.values))))
+            each.name: float(np.mean(np.isnan(mask_absurd_values(each.values))))
             for each in own
             if len(each.values)
         }

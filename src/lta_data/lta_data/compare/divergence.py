@@ -84,7 +84,9 @@ def noise_band(pair: AlignedSignals, *, angular: bool = False, doubt: float = 0.
     `doubt` is the standard deviation of the clock offset [s]; it widens the band by the change of
     the signal in that time.
     """
-    a, b = (np.unwrap(part) if angular else part for part in prepare_pair(pair, angular))
+    a, b = (
+        np.unwrap(part) if angular else part for part in select_comparable_values(pair, angular)
+    )
     both = math.hypot(noise_deviation(a), noise_deviation(b))
     known = pair.both_valid
     spread = max(standard_deviation(part[known], angular) for part in (pair.a, pair.b))
@@ -97,7 +99,7 @@ def noise_band(pair: AlignedSignals, *, angular: bool = False, doubt: float = 0.
     return max(SIGMAS * math.hypot(both, late), FLOOR * spread)
 
 
-def prepare_pair(pair: AlignedSignals, angular: bool) -> tuple[Array, Array]:
+def select_comparable_values(pair: AlignedSignals, angular: bool) -> tuple[Array, Array]:
     """Return both value arrays; for angles without NaN, because NaN breaks unwrapping."""
     return (pair.a[pair.both_valid], pair.b[pair.both_valid]) if angular else (pair.a, pair.b)
 

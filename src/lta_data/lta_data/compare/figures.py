@@ -6,7 +6,7 @@ from typing import Final
 from lta_data.compare.channel_comparison import ChannelComparison
 from lta_data.compare.channel_roles import find_pose_prefix
 from lta_data.compare.sampling import align_signals, break_at_gaps, SampledSignal
-from lta_data.compare.spectra import ChannelSpectra, thin_spectra
+from lta_data.compare.spectra import average_log_bands, ChannelSpectra
 from lta_data.compare.traces import build_channel_trace, thin_signal
 from lta_report.drawing import create_figure, padded_range
 from lta_report.palette import ESTIMATE, FILL, GOOD, SETPOINT, SOFT, TRUTH, WALL
@@ -110,7 +110,7 @@ SPECTRUM: Final = (('A', A), ('B', B), ('B - A', DIFFERENCE))
 def plot_spectrum(each: ChannelComparison) -> Figure:
     """Plot the power spectra of A, B and their difference above their coherence."""
     figure = create_figure(2, [0.66, 0.34])
-    found = None if each.spectra is None else thin_spectra(each.spectra)
+    found = None if each.spectra is None else average_log_bands(each.spectra)
     frequency = np.empty(0) if found is None else found.frequency
     for (name, colour), values in zip(SPECTRUM, positive_powers(found), strict=True):
         figure.add_trace(

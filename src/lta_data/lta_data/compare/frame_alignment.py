@@ -7,7 +7,7 @@ from typing import Final, final, Literal, NamedTuple
 from lta_data.bag.channels import SignalChannel
 from lta_data.compare.channel_pairs import ChannelPair
 from lta_data.compare.compared_flight import ComparedFlight
-from lta_data.compare.frame_fit import fit_placement, FramePlacement
+from lta_data.compare.frame_fit import fit_frame_transform, FrameTransform
 from lta_data.compare.sampling import align_signals, Array, sort_samples, wrap_angle
 from lta_data.compare.time_alignment import TimeAlignment
 import numpy as np
@@ -51,7 +51,7 @@ class FrameAlignment:
 
     frames: tuple[str, str]
     topic: str
-    fit: FramePlacement | None
+    fit: FrameTransform | None
     applied: bool
     reason: str
 
@@ -84,7 +84,7 @@ def align_frames(
     return list(moved.values()), done
 
 
-def find_frames(a: ComparedFlight, b: ComparedFlight, pair: ChannelPair) -> tuple[str, str]:
+def find_pair_frames(a: ComparedFlight, b: ComparedFlight, pair: ChannelPair) -> tuple[str, str]:
     """Return the frames of both channels of a pair."""
     of_a, of_b = a.topics.get(pair.a.topic), b.topics.get(pair.b.topic)
     return '' if of_a is None else of_a.frame, '' if of_b is None else of_b.frame
@@ -99,7 +99,7 @@ def find_world_positions(
     for pair in pairs:
         start = pair.name.removesuffix('position.x')
         whole = {f'{start}position.{axis}' for axis in AXES} <= names
-        frames = find_frames(a, b, pair)
+        frames = find_pair_frames(a, b, pair)
         # Frames named ..._link move with the robot (REP-105); only world frames are fitted.
         if start == pair.name or not whole or any(each.endswith(BODY) for each in frames):
             continue
@@ -119,7 +119,7 @@ def fit_frame_alignment(
         align_signals(
             sort_samples(pair.a.time, pair.a.values),
             # Clocks first: a time offset of a moving vehicle looks like a shift of the frame
-            sort_samples(timing.map_to_a(pair.b.time), pair.b.values),
+            sort_samples(timing.convert_to_a_time(pair.b.time), pair.b.values),
         )
         for pair in both
     ]
@@ -128,11 +128,11 @@ def fit_frame_alignment(
     if heading is not None:
         turn = align_signals(
             sort_samples(heading.a.time, heading.a.values),
-            sort_samples(timing.map_to_a(heading.b.time), heading.b.values),
+            sort_samples(timing.convert_to_a_time(heading.b.time), heading.b.values),
             angular=True,
         )
         yaws = turn.a, turn.b
-    fit = fit_placement(
+    fit = fit_frame_transform(
         np.stack([each.a for each in joined], axis=1),
         np.stack([each.b for each in joined], axis=1),
         *yaws,
@@ -143,7 +143,7 @@ def fit_frame_alignment(
 
 
 def decide_alignment(
-    names: tuple[str, str], fit: FramePlacement | None, timing: TimeAlignment, frames: Frames
+    names: tuple[str, str], fit: FrameTransform | None, timing: TimeAlignment, frames: Frames
 ) -> tuple[bool, str]:
     """Return whether to apply a transformation, and why."""
     if fit is None:
@@ -174,12 +174,12 @@ def transform_pairs(
     b: ComparedFlight,
     pairs: Mapping[str, ChannelPair],
     frames: tuple[str, str],
-    fit: FramePlacement,
+    fit: FrameTransform,
 ) -> dict[str, ChannelPair]:
     """Return the pairs in these frames, with B transformed."""
     found: dict[str, ChannelPair] = {}
     for name, pair in pairs.items():
-        if find_frames(a, b, pair) != frames:
+        if find_pair_frames(a, b, pair) != frames:
             continue
         if name.endswith('orientation.yaw'):
             # Frames differ in yaw only (gravity fixes the rest), so roll and pitch stay
@@ -196,7 +196,7 @@ def transform_pairs(
 
 
 def transform_triple(
-    parts: Sequence[ChannelPair], fit: FramePlacement, position: bool
+    parts: Sequence[ChannelPair], fit: FrameTransform, position: bool
 ) -> dict[str, ChannelPair]:
     """Return x, y and z of B, rotated, and for a position also shifted."""
     given = np.stack([pair.b.values for pair in parts], axis=1)

@@ -15,7 +15,7 @@ TELLING: Final = 3.0  # least ratio of that spread to the misfit
 
 @final
 @dataclass(frozen=True, slots=True)
-class FramePlacement:
+class FrameTransform:
     """
     Transformation of positions of B into A's frame: rotation about z, then a shift.
 
@@ -51,9 +51,9 @@ class FramePlacement:
         return c * x - s * y, s * x + c * y
 
 
-def fit_placement(
+def fit_frame_transform(
     a: Array, b: Array, heading_a: Array | None = None, heading_b: Array | None = None
-) -> FramePlacement | None:
+) -> FrameTransform | None:
     """
     Fit the transformation of B's path to A's; None for fewer than three common positions.
 
@@ -78,7 +78,7 @@ def fit_placement(
     # The vertical shift is independent of yaw, so it needs no joint fit
     height = robust_center(a[:, 2] - b[:, 2])
     weight = np.ones(len(a))
-    yaw, shift = fit_rotation(a, b, weight)
+    yaw, shift = fit_yaw_and_shift(a, b, weight)
     for _ in range(ROUNDS):
         apart = horizontal_distances(a, b, yaw, shift)
         # 1.4826: standard deviation from the median absolute deviation of normal noise.
@@ -87,7 +87,7 @@ def fit_placement(
             break
         # Tukey's biweight.
         weight = np.maximum(0.0, 1.0 - (apart / (TUKEY * scale)) ** 2) ** 2
-        last, (yaw, shift) = yaw, fit_rotation(a, b, weight)
+        last, (yaw, shift) = yaw, fit_yaw_and_shift(a, b, weight)
         if abs(wrap_angle(np.array(yaw - last))) < 1e-12:
             break
     # RMS distance from the mean position
@@ -98,8 +98,8 @@ def fit_placement(
     if by_heading:
         yaw = mean_heading_difference(heading_a, heading_b)
         shift = fit_shift(a, b, yaw, np.ones(len(a)))
-    found = FramePlacement(yaw, float(shift[0]), float(shift[1]), height, 0.0, 0.0)
-    return FramePlacement(
+    found = FrameTransform(yaw, float(shift[0]), float(shift[1]), height, 0.0, 0.0)
+    return FrameTransform(
         yaw, float(shift[0]), float(shift[1]), height,
         rms_distance(a, b), rms_distance(a, found.transform_positions(b)), by_heading,
     )  # fmt: skip
@@ -124,7 +124,7 @@ def rms_distance(a: Array, b: Array) -> float:
     return math.sqrt(float(np.mean(np.sum((a - b) ** 2, axis=1))))
 
 
-def fit_rotation(a: Array, b: Array, weight: Array) -> tuple[float, Array]:
+def fit_yaw_and_shift(a: Array, b: Array, weight: Array) -> tuple[float, Array]:
     """Fit yaw [rad] and shift [m] in the plane by weighted least squares."""
     of_a, of_b = (np.average(part[:, :2], axis=0, weights=weight) for part in (a, b))
     ca, cb = a[:, :2] - of_a, b[:, :2] - of_b

@@ -9,7 +9,7 @@ from lta_data.compare.compared_flight import ComparedFlight
 from lta_data.compare.comparison import ComparisonResult
 from lta_data.compare.faults import TopicFaults
 from lta_data.compare.sentences import format_verdict
-from lta_data.compare.spectra import thin_spectra
+from lta_data.compare.spectra import average_log_bands
 from lta_report.json_value import replace_nonfinite
 import numpy as np
 
@@ -28,8 +28,8 @@ def comparison_to_dict(comparison: ComparisonResult) -> dict[str, Any]:
     content = {
         'verdict': comparison.verdict,
         'sentence': format_verdict(comparison),
-        'a': side_to_dict(comparison.a, comparison.faults_a, comparison.only_a),
-        'b': side_to_dict(comparison.b, comparison.faults_b, comparison.only_b),
+        'a': flight_to_dict(comparison.a, comparison.faults_a, comparison.only_a),
+        'b': flight_to_dict(comparison.b, comparison.faults_b, comparison.only_b),
         'span': comparison.span,
         'timing': asdict(comparison.timing),
         'frames': [asdict(each) for each in comparison.frames],
@@ -43,7 +43,7 @@ def comparison_to_dict(comparison: ComparisonResult) -> dict[str, Any]:
     return plain
 
 
-def side_to_dict(
+def flight_to_dict(
     side: ComparedFlight, faults: Mapping[str, TopicFaults], only: tuple[str, ...]
 ) -> dict[str, Any]:
     """Return the origin and the faults of one flight."""
@@ -72,7 +72,7 @@ def channel_to_dict(each: ChannelComparison) -> dict[str, Any]:
         'parting': each.parting,
         # A NamedTuple would become a list.
         'correlation': each.peak and each.peak._asdict(),
-        'spectra': each.spectra and thin_spectra(each.spectra),
+        'spectra': each.spectra and average_log_bands(each.spectra),
     }
 
 

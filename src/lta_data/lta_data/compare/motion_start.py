@@ -17,7 +17,7 @@ CREEP: Final = 0.5  # of the limit; largest drift of a channel at rest
 COMMANDS: Final = ('motors', 'wrench_command', 'setpoint/velocity', 'setpoint/pose')
 
 
-class CommonStart(NamedTuple):
+class StartOffset(NamedTuple):
     """B's start minus A's and its standard deviation [s]; channels used; whether commands."""
 
     offset: float
@@ -51,7 +51,7 @@ def find_motion_start(line: SampledSignal, angular: bool = False) -> float | Non
     return float(time[lasting.argmax()])
 
 
-def find_common_start(shared: Sequence[SharedQuantity]) -> CommonStart | None:
+def estimate_start_offset(shared: Sequence[SharedQuantity]) -> StartOffset | None:
     """
     Return the offset between the starts of two flights; None without a common start.
 
@@ -78,5 +78,5 @@ def find_common_start(shared: Sequence[SharedQuantity]) -> CommonStart | None:
             scatter = 1.4826 * float(np.median(np.abs(offsets - middle))) / math.sqrt(len(offsets))
             # Sampling makes a start uncertain by a uniform distribution of one period.
             step = min(step for _, step in found.values()) / math.sqrt(12.0)
-            return CommonStart(middle, math.hypot(scatter, step), tuple(found), by_command)
+            return StartOffset(middle, math.hypot(scatter, step), tuple(found), by_command)
     return None

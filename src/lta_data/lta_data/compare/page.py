@@ -12,22 +12,22 @@ from lta_data.compare.channel_comparison import ChannelComparison
 from lta_data.compare.channel_roles import (
     RoleChannel,
     select_headline_channels,
-    select_main_channels,
+    select_panel_channels,
 )
 from lta_data.compare.comparison import ComparisonResult
 from lta_data.compare.sentences import (
     BASIS,
     describe_comparison,
     describe_frames,
-    find_earliest,
+    find_earliest_divergence,
     format_channel_name,
     format_offset,
-    format_offset_parts,
+    format_offset_and_interval,
     format_quantity,
     format_verdict,
     MISSING,
 )
-from lta_data.compare.spectra import thin_spectra
+from lta_data.compare.spectra import average_log_bands
 from lta_data.compare.tables import (
     format_channel_table,
     format_fault_table,
@@ -36,8 +36,13 @@ from lta_data.compare.tables import (
 )
 from lta_data.compare.traces import encode_channel, encode_floats
 from lta_report.formatting import Tile
+from lta_report.html_elements import (
+    embed_data,
+    render_definition_list,
+    render_section,
+    render_tile,
+)
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import embed_data, render_section, render_terms, render_tile
 import numpy as np
 
 NAME: Final = 'compare.html'
@@ -58,7 +63,7 @@ def write_page(comparison: ComparisonResult, out: Path) -> Path:
 
 def render_page(comparison: ComparisonResult) -> str:
     """Return the page's HTML."""
-    shown, time = select_main_channels(comparison.channels), find_total_span(comparison)
+    shown, time = select_panel_channels(comparison.channels), find_total_span(comparison)
     first = next((each for each in comparison.channels if is_pickable(each)), None)
     return assemble_page(
         'compare.html',
@@ -77,10 +82,10 @@ def render_page(comparison: ComparisonResult) -> str:
             )
             for each in shown
         ),
-        picker='' if first is None else render_picker(comparison, first),
+        picker='' if first is None else render_channel_picker(comparison, first),
         channels=format_channel_table(comparison),
         faults=format_fault_table(comparison),
-        applied=render_terms(describe_alignment(comparison)),
+        applied=render_definition_list(describe_alignment(comparison)),
         remarks=''.join(f'<p class="note">{escape(text)}</p>' for text in comparison.remarks),
         facts=describe_sources(comparison),
         commands=suggest_commands(comparison),
@@ -89,7 +94,9 @@ def render_page(comparison: ComparisonResult) -> str:
 
 def find_total_span(comparison: ComparisonResult) -> tuple[float, float]:
     """Return the time that either flight covers, on A's clock. [s]"""
-    ends = np.array([*comparison.a.span, *comparison.timing.map_to_a(np.array(comparison.b.span))])
+    ends = np.array(
+        [*comparison.a.span, *comparison.timing.convert_to_a_time(np.array(comparison.b.span))]
+    )
     return float(ends.min()), float(ends.max())
 
 
@@ -136,7 +143,7 @@ def build_tiles(comparison: ComparisonResult) -> list[Tile]:
         for side in (comparison.faults_a, comparison.faults_b)
         for each in side.values()
     )
-    offset, doubt, unit = format_offset_parts(timing)
+    offset, doubt, unit = format_offset_and_interval(timing)
     doubt = f'± {doubt} {unit}; ' if doubt else ''
     how = {
         'clock': 'from channels of both', 'motion': 'from the start of motion',
@@ -153,7 +160,7 @@ def build_tiles(comparison: ComparisonResult) -> list[Tile]:
     ]  # fmt: skip
     if moving:
         # The channels are sorted by score, so the first is the worst.
-        first, worst = find_earliest(moving), moving[0]
+        first, worst = find_earliest_divergence(moving), moving[0]
         made.append(
             Tile('First divergence', f'{first.parting.at:.2f}', 's', format_channel_name(first))
         )
@@ -184,7 +191,7 @@ def render_overview(comparison: ComparisonResult) -> str:
     )
 
 
-def render_picker(comparison: ComparisonResult, first: ChannelComparison) -> str:
+def render_channel_picker(comparison: ComparisonResult, first: ChannelComparison) -> str:
     """Return the channel picker with the overlay and spectra of the chosen channel."""
     known = [each for each in comparison.channels if is_pickable(each)]
     options = ''.join(f'<option>{escape(each.name)}</option>' for each in known)
@@ -215,7 +222,7 @@ def build_picker_data(each: ChannelComparison) -> dict[str, object]:
         **encode_channel(each, PICKED),
         'summary': f'{each.name}. {summarize_channel(each)}',
     }
-    found = None if each.spectra is None else thin_spectra(each.spectra)
+    found = None if each.spectra is None else average_log_bands(each.spectra)
     if found is not None:
         content['frequency'] = encode_floats(found.frequency)
         content['powers'] = [

@@ -18,7 +18,7 @@ class SampledSignal(NamedTuple):
     values: Array
 
 
-def mask_unknown(values: ArrayLike) -> Array:
+def mask_absurd_values(values: ArrayLike) -> Array:
     """Replace infinite and absurdly large values by NaN."""
     given = np.asarray(values, dtype=np.float64)
     return np.where(np.abs(given) < ABSURD, given, np.nan)
@@ -36,7 +36,7 @@ def sort_samples(time: ArrayLike, values: ArrayLike) -> SampledSignal:
     # np.unique sorts and returns the index of the first occurrence.
     when, first = np.unique(when[usable], return_index=True)
     what = what[usable][first]
-    return SampledSignal(when, mask_unknown(what))
+    return SampledSignal(when, mask_absurd_values(what))
 
 
 def median_period(time: Array) -> float:

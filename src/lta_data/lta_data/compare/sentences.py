@@ -10,7 +10,7 @@ from lta_data.compare.compared_flight import ComparedFlight
 from lta_data.compare.comparison import ComparisonResult
 from lta_data.compare.faults import TopicFaults
 from lta_data.compare.frame_alignment import FrameAlignment
-from lta_data.compare.frame_fit import FramePlacement
+from lta_data.compare.frame_fit import FrameTransform
 from lta_data.compare.time_alignment import TimeAlignment
 
 DEGREES: Final = 180.0 / math.pi
@@ -38,7 +38,7 @@ def format_verdict(comparison: ComparisonResult) -> str:
     """Return the verdict in a sentence."""
     if comparison.is_identical:
         return f'Identical: {describe_equality(comparison)}.'
-    if comparison.is_same:
+    if comparison.is_within_bands:
         few = len(comparison.channels)
         what = 'tolerances' if comparison.asked.tolerances else 'noise'
         return f'The same within their {what}: none of {few} channels diverges.'
@@ -48,11 +48,11 @@ def format_verdict(comparison: ComparisonResult) -> str:
         if each.parting.at is not None
     ]
     if not parted:
-        return format_minor_differences(comparison)
-    first = find_earliest(parted)
+        return describe_minor_differences(comparison)
+    first = find_earliest_divergence(parted)
     who = format_subject(comparison)
     text = f'{who} diverge at {first.parting.at:.2f} s, first in {format_channel_name(first)}'
-    if is_apart_initially(first):
+    if differs_from_start(first):
         text = f'{who} differ from the start, in {format_channel_name(first)}'
     worst = parted[0]
     if worst is not first:
@@ -72,14 +72,14 @@ def format_subject(comparison: ComparisonResult) -> str:
     return 'The flights'
 
 
-def is_apart_initially(channel: ChannelComparison) -> bool:
+def differs_from_start(channel: ChannelComparison) -> bool:
     """Return whether a channel differs from the first common samples on."""
     time = channel.both.time[channel.both.both_valid]
     # At the first or second common sample
     return len(time) > 1 and channel.parting.at is not None and channel.parting.at <= time[1]
 
 
-def format_minor_differences(comparison: ComparisonResult) -> str:
+def describe_minor_differences(comparison: ComparisonResult) -> str:
     """Describe flights whose motion agrees but that differ in other channels."""
     parted = sum(each.parting.at is not None for each in comparison.channels)
     times = sum(each.verdict == 'apart at times' for each in comparison.channels)
@@ -103,7 +103,7 @@ def describe_equality(comparison: ComparisonResult) -> str:
     return f'all {len(comparison.channels)} channels have the same times and values'
 
 
-def find_earliest(parted: list[ChannelComparison]) -> ChannelComparison:
+def find_earliest_divergence(parted: list[ChannelComparison]) -> ChannelComparison:
     """Return the channel that diverges first; at equal times, the one with the highest score."""
     return min(parted, key=lambda each: (each.parting.at, -each.score))
 
@@ -147,7 +147,7 @@ def describe_time_base(timing: TimeAlignment) -> str:
     return 'clock' if timing.on_stamps else 'time since its start'
 
 
-def format_offset_parts(timing: TimeAlignment) -> tuple[str, str, str]:
+def format_offset_and_interval(timing: TimeAlignment) -> tuple[str, str, str]:
     """Return an offset, half its 95 % interval ('' if none) and their unit."""
     factor, unit = (1e3, 'ms') if 0.0 < abs(timing.offset) < 1.0 else (1.0, 's')
     doubt = 1.96 * timing.sigma * factor
@@ -162,7 +162,7 @@ def format_offset_parts(timing: TimeAlignment) -> tuple[str, str, str]:
 def format_offset(timing: TimeAlignment) -> str:
     """Format an offset with its 95 % interval."""
     ahead = 'ahead' if timing.offset >= 0.0 else 'behind'
-    value, doubt, unit = format_offset_parts(replace(timing, offset=abs(timing.offset)))
+    value, doubt, unit = format_offset_and_interval(replace(timing, offset=abs(timing.offset)))
     when = f' at {timing.middle:.1f} s' if timing.drift else ''
     return f'is {value}{f" ± {doubt}" if doubt else ""} {unit} {ahead}{when}'
 
@@ -178,10 +178,10 @@ def describe_frames(placed: FrameAlignment) -> str:
     fit = placed.fit
     if fit is None or not placed.applied:
         return f'Unchanged. {placed.reason}'
-    return f'B {describe_placement(fit)}. {placed.reason}'
+    return f'B {describe_frame_transform(fit)}. {placed.reason}'
 
 
-def describe_placement(fit: FramePlacement) -> str:
+def describe_frame_transform(fit: FrameTransform) -> str:
     """Describe a rotation and shift."""
     how = ', with the rotation from the headings' if fit.by_heading else ''
     shift = ', '.join(format_decimal(part, 3) for part in (fit.x, fit.y, fit.z))

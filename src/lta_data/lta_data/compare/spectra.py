@@ -174,7 +174,7 @@ def fit_parabola_peak(values: Array, best: int) -> tuple[float, float]:
     return shift, here - 0.25 * (before - after) * shift
 
 
-def thin_spectra(full: ChannelSpectra, points: int = 96) -> ChannelSpectra:
+def average_log_bands(full: ChannelSpectra, points: int = 96) -> ChannelSpectra:
     """Average spectra over logarithmically spaced bands."""
     if len(full.frequency) <= points:
         return full

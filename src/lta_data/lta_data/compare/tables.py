@@ -15,7 +15,7 @@ HEADS: Final = (
 
 def is_pickable(each: ChannelComparison) -> bool:
     """Return whether a channel is worth plotting."""
-    return each.measures is not None and not each.is_still
+    return each.measures is not None and not each.both_constant
 
 
 def format_short_row(each: ChannelComparison) -> str:

@@ -9,9 +9,9 @@ from lta_data.compare.channel_pairs import ChannelPair
 from lta_data.compare.clock_offset import ClockOffset, estimate_clock_offset
 from lta_data.compare.coarse_lag import SharedQuantity
 from lta_data.compare.compared_flight import ComparedFlight
-from lta_data.compare.motion_start import find_common_start
+from lta_data.compare.motion_start import estimate_start_offset
 from lta_data.compare.sampling import Array, interpolate_signal, SampledSignal, sort_samples
-from lta_data.importers.clocks import have_own_clocks
+from lta_data.importers.clocks import have_separate_clocks
 import numpy as np
 
 Align = Literal['auto', 'clock', 'motion', 'none']
@@ -65,7 +65,7 @@ class TimeAlignment:
     used: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
 
-    def map_to_a(self, time: Array) -> Array:
+    def convert_to_a_time(self, time: Array) -> Array:
         """Convert times of B, since its start, to times since A's start. [s]"""
         # Inverse of: time of B = t + lead + offset + drift * (t - middle)
         shifted = time - self.lead - self.offset + self.drift * self.middle
@@ -100,9 +100,9 @@ def align_times(
     if align == 'none':
         return replace(bare, reason='As requested.')
     # Counted rows and times from zero overlap without sharing a clock.
-    if have_own_clocks(a.provenance, b.provenance):
+    if have_separate_clocks(a.provenance, b.provenance):
         bare = replace(bare, on_stamps=False, lead=0.0)
-    shared = select_invariants(pairs, bare)
+    shared = select_frame_invariants(pairs, bare)
     if align == 'motion':
         return align_by_start(bare, shared, 'As requested.')
     found = estimate_clock_offset(shared)
@@ -114,10 +114,10 @@ def align_times(
                 'cannot be estimated; give --offset, or --align none.'
             )
         return align_by_clock(bare, found, 'As requested.')
-    return detect_alignment(a, b, pairs, bare, shared)
+    return choose_alignment(a, b, pairs, bare, shared)
 
 
-def detect_alignment(
+def choose_alignment(
     a: ComparedFlight,
     b: ComparedFlight,
     pairs: Sequence[ChannelPair],
@@ -128,8 +128,8 @@ def detect_alignment(
     found = bare.found
     if bare.on_stamps and have_same_stamps(a, b, pairs):
         reason = 'Both have the same stamps: one clock, or the same counting.'
-        return replace(bare, reason=reason, remarks=describe_doubts(found))
-    counted = have_own_clocks(a.provenance, b.provenance)
+        return replace(bare, reason=reason, remarks=describe_suspected_offset(found))
+    counted = have_separate_clocks(a.provenance, b.provenance)
     # Times counted from zero carry no evidence of one run, so require a higher correlation
     if found is not None and found.correlation >= (SAME_COUNT if counted else SAME_RUN):
         reason = (
@@ -148,7 +148,7 @@ def detect_alignment(
             'The stamps do not overlap, and the flights have no common start of motion or '
             'commands.'
         )
-        return replace(bare, reason=reason, remarks=describe_doubts(found))
+        return replace(bare, reason=reason, remarks=describe_suspected_offset(found))
 
 
 def align_by_stamps(a: ComparedFlight, b: ComparedFlight) -> TimeAlignment:
@@ -196,7 +196,7 @@ def align_by_start(
     bare: TimeAlignment, shared: Sequence[SharedQuantity], reason: str
 ) -> TimeAlignment:
     """Align the starts of both flights; raise `BadInput` if there is no common start."""
-    start = find_common_start(shared)
+    start = estimate_start_offset(shared)
     if start is None:
         raise BadInput(
             'The flights have no common start of motion or commands; give --offset, or '
@@ -209,7 +209,7 @@ def align_by_start(
     )  # fmt: skip
 
 
-def describe_doubts(estimate: ClockOffset | None) -> tuple[str, ...]:
+def describe_suspected_offset(estimate: ClockOffset | None) -> tuple[str, ...]:
     """Return a remark if the data fit clearly better with an offset other than zero."""
     if estimate is None or estimate.correlation < SAME_RUN or estimate.is_ambiguous:
         return ()
@@ -223,7 +223,9 @@ def describe_doubts(estimate: ClockOffset | None) -> tuple[str, ...]:
     )
 
 
-def select_invariants(pairs: Sequence[ChannelPair], bare: TimeAlignment) -> list[SharedQuantity]:
+def select_frame_invariants(
+    pairs: Sequence[ChannelPair], bare: TimeAlignment
+) -> list[SharedQuantity]:
     """
     Return the shared quantities that do not depend on a world frame.
 

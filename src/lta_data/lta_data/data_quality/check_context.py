@@ -13,8 +13,8 @@ from lta_data.data_quality.motion import (
     PoseSeries,
 )
 from lta_data.data_quality.motion_pairs import find_motion_pairs, MotionPair
+from lta_data.data_quality.pair_similarity import measure_similarity, PairSimilarity
 from lta_data.data_quality.recording import ChannelRecording
-from lta_data.data_quality.similarity import measure_similarity, PairSimilarity
 from lta_data.scene import parse_provenance_file
 
 
@@ -46,7 +46,7 @@ class CheckContext:
         return vehicle.sensors.diodes.largest_reading if vehicle else None
 
     @cached_property
-    def similarities(self) -> list[tuple[MotionPair, PairSimilarity | None]]:
+    def pair_similarities(self) -> list[tuple[MotionPair, PairSimilarity | None]]:
         """Pairs of sources for the same motion, with their similarity."""
         found = find_motion_pairs(self.recording, self.limits)
         return [(pair, measure_similarity(pair, self.limits)) for pair in found]

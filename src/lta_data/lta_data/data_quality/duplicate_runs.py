@@ -20,7 +20,7 @@ from lta_data.data_quality.smoothing import (
     smooth_columns,
     sort_samples,
 )
-from lta_data.even_grid import build_even_grid
+from lta_data.even_grid import build_uniform_time_grid
 import numpy as np
 from numpy.typing import NDArray
 
@@ -78,7 +78,7 @@ def extract_fingerprints(recording: ChannelRecording) -> dict[str, Array]:
     some = {
         channel.name: sort_samples(channel.time, _mask_absurd(channel.values)[:, None])
         for channel in recording.channels.values()
-        if roles.find_restless_kind(channel) in KINDS
+        if roles.match_noisy_quantity(channel) in KINDS
     }
     some = {
         n: part
@@ -89,7 +89,7 @@ def extract_fingerprints(recording: ChannelRecording) -> dict[str, Array]:
         return {}
     begin = max(float(time[0]) for time, _ in some.values())
     last = min(float(time[-1]) for time, _ in some.values())
-    grid = build_even_grid(begin, last, STEP, sum(len(time) for time, _ in some.values()))
+    grid = build_uniform_time_grid(begin, last, STEP, sum(len(time) for time, _ in some.values()))
     if len(grid) * STEP < 3.0 * TREND:
         return {}
     table = np.stack([interpolate_on_grid(*part, grid)[0][:, 0] for part in some.values()], axis=1)

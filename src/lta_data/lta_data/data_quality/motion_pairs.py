@@ -30,7 +30,7 @@ from lta_data.data_quality.smoothing import (
     smooth_columns,
     sort_samples,
 )
-from lta_data.even_grid import build_even_grid
+from lta_data.even_grid import build_uniform_time_grid
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -125,7 +125,7 @@ def pair_rates(
 ) -> MotionPair | None:
     """Pair angular rates with the derivative of an attitude."""
     times, rates = compute_body_rates(attitude)
-    return _build_pair('rates', measured, attitude.name, times, rates, limits)
+    return _resample_pair('rates', measured, attitude.name, times, rates, limits)
 
 
 def pair_velocity(
@@ -134,7 +134,9 @@ def pair_velocity(
     """Pair a velocity with the derivative of position, in the body frame."""
     times, speeds = _differentiate(place)
     turn = _interpolate_attitude(attitude, times)
-    return _build_pair('velocity', measured, place.name, times, turn.inv().apply(speeds), limits)
+    return _resample_pair(
+        'velocity', measured, place.name, times, turn.inv().apply(speeds), limits
+    )
 
 
 def _pair_inertial(
@@ -154,7 +156,7 @@ def _pair_force(
 ) -> MotionPair | None:
     """Pair a specific force with acceleration plus gravity."""
     step = max(median_period(place.time), FINEST)
-    grid = build_even_grid(place.time[0], place.time[-1], step, len(place.time))
+    grid = build_uniform_time_grid(place.time[0], place.time[-1], step, len(place.time))
     if len(grid) * step < limits.pair_time:
         return None
     table, _ = interpolate_on_grid(place.time, place.values, grid)
@@ -164,7 +166,7 @@ def _pair_force(
     # An accelerometer at rest measures +g along z (up)
     pull[:, 2] += STANDARD_GRAVITY
     force = _interpolate_attitude(attitude, grid).inv().apply(pull)
-    return _build_pair('force', measured, place.name, grid, force, limits)
+    return _resample_pair('force', measured, place.name, grid, force, limits)
 
 
 def _pair_height(
@@ -182,7 +184,9 @@ def _pair_height(
     told = VectorSeries(channel.name, time, height)
     what = 'range' if is_range else 'pressure'
     place = pose.position
-    return _build_pair(what, told, place.name, place.time, place.values[:, 2:], limits)  # z only
+    return _resample_pair(
+        what, told, place.name, place.time, place.values[:, 2:], limits
+    )  # z only
 
 
 def _differentiate(vector: VectorSeries) -> tuple[Array, Array]:
@@ -207,7 +211,7 @@ LEAST = {
 }
 
 
-def _build_pair(
+def _resample_pair(
     what: str,
     measured: VectorSeries,
     derived_from: str,
@@ -223,7 +227,7 @@ def _build_pair(
     # Negated, so that NaN counts as too short
     if not end - begin >= limits.pair_time:
         return None
-    grid = build_even_grid(begin, end, step, len(time) + len(measured.time))
+    grid = build_uniform_time_grid(begin, end, step, len(time) + len(measured.time))
     if not len(grid):
         return None
     weights = hann_kernel(limits.kernel, step)

@@ -11,7 +11,7 @@ from lta_data.data_quality.checks import (
     constant_channels,
     duplication,
     freezes,
-    handling,
+    hand_motion,
     impossible_values,
     noise_floor,
     stamps,
@@ -35,7 +35,7 @@ CHECKS: Final[dict[str, QualityCheck]] = {
     axes.KIND: axes.find_axis_errors,
     clocks.KIND: clocks.find_clock_errors,
     stamps.KIND: stamps.find_stamp_errors,
-    handling.KIND: handling.find_handling,
+    hand_motion.KIND: hand_motion.find_hand_motion,
 }
 
 

@@ -47,7 +47,7 @@ def is_measured(channel: SignalChannel) -> bool:
     return is_instrument_topic(channel.topic)
 
 
-def find_restless_kind(channel: SignalChannel) -> str | None:
+def match_noisy_quantity(channel: SignalChannel) -> str | None:
     """Return which of `RESTLESS` a measured channel is; None if none."""
     if not is_measured(channel):
         return None

@@ -8,7 +8,7 @@ from typing import Final, final, Protocol
 
 from lta_bridge.bag.writer import prepare_empty_folder
 from lta_config.atomic_file import replace_atomically
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_data.bag.recording import IMAGE, RobotRecording
 from lta_data.export.csv_file import write_csv, write_units
 from lta_data.export.mat_file import write_mat
@@ -23,7 +23,7 @@ FORMATS: Final[dict[str, Callable[[ExportSource, Path], Iterator[int]]]] = {
 ALIGNED: Final = 'aligned'
 
 
-class ExportWatcher(Protocol):
+class ExportObserver(Protocol):
     """Observer of an export."""
 
     def show_topic(self, topic: str, done: int, total: int) -> None:
@@ -77,7 +77,7 @@ class ExportResult:
 
 
 def export_recording(
-    recording: RobotRecording, order: ExportRequest, folder: Path, watcher: ExportWatcher
+    recording: RobotRecording, order: ExportRequest, folder: Path, watcher: ExportObserver
 ) -> ExportResult:
     """
     Write a recording to a folder.
@@ -90,7 +90,7 @@ def export_recording(
 
     """
     if order.form not in FORMATS:
-        raise unknown_name('format', order.form, list(FORMATS))
+        raise unknown_name_error('format', order.form, list(FORMATS))
     topics = select_topics(recording, order.topics)
     done, written = ExportResult([], []), []
     try:
@@ -98,7 +98,7 @@ def export_recording(
             tables = align_export_topics(recording, topics, order, done)
             prepare_empty_folder(folder)
             watcher.show_topic(ALIGNED, 0, 1)
-            written.append(save_source(tables, folder, order.form, done))
+            written.append(write_source_file(tables, folder, order.form, done))
         else:
             prepare_empty_folder(folder)
             for index, topic in enumerate(topics):
@@ -111,7 +111,7 @@ def export_recording(
                         raise
                     done.remarks.append(f"Topic '{topic}' is left out: {fault}")
                     continue
-                written.append(save_source(source, folder, order.form, done))
+                written.append(write_source_file(source, folder, order.form, done))
         if order.form == 'csv':
             write_units(written, folder)
         done.remarks.extend(recording.losses)  # some damage is detected only while reading
@@ -155,7 +155,7 @@ def align_export_topics(
     return build_table_source(table, ALIGNED)
 
 
-def save_source(
+def write_source_file(
     source: ExportSource, folder: Path, form: str, done: ExportResult
 ) -> tuple[str, ExportSource]:
     """Write one file atomically."""

@@ -15,7 +15,7 @@ from typing import Any, Final, final, NamedTuple
 from lta_config.topics import load_topic_table
 from lta_data.bag.merge import Columns
 from lta_data.bag.recorded_flight import RecordedFlight
-from lta_data.bag.recording import build_table, CLOUD, IMAGE, map_joint_names
+from lta_data.bag.recording import build_topic_table, CLOUD, IMAGE, map_joint_names
 from lta_data.bag.table import RecordingTable, STAMP, TIME
 from lta_data.bag.units import find_unit
 import numpy as np
@@ -63,9 +63,11 @@ def build_topic_source(flight: RecordedFlight, topic: str) -> ExportSource:
     kind = flight.message_type(topic)
     if kind == CLOUD:
         units = partial(find_unit, kind, topic=topic)
-        return build_source(topic, kind, partial(iterate_point_rows, flight, topic), units)
+        return build_column_source(topic, kind, partial(iterate_point_rows, flight, topic), units)
     if topic == DIODES and kind == IMAGE:
-        return build_source(topic, kind, partial(iterate_sample_rows, flight), find_sample_unit)
+        return build_column_source(
+            topic, kind, partial(iterate_sample_rows, flight), find_sample_unit
+        )
     remark = f"The pixels of '{topic}' are left out." if kind == IMAGE else ''
     return build_series_source(flight, topic, kind)._replace(remark=remark)
 
@@ -77,17 +79,17 @@ def build_table_source(table: RecordingTable, name: str) -> ExportSource:
     return ExportSource(name, '', declared, FIXED | table.units, lambda: iter([columns]))
 
 
-def build_source(
+def build_column_source(
     topic: str, kind: str, rows: Callable[[], Iterator[Columns]], unit: Callable[[str], str]
 ) -> ExportSource:
     """Return a source of columns that need no renaming."""
     declared: dict[str, np.dtype[Any]] = {}
     # First pass: files declare their columns before the first row
     for part in rows():
-        widen_columns(declared, part)
+        widen_column_types(declared, part)
     whole = add_clock_columns(declared)
     units = {column: unit(column) for column in whole if unit(column)} | FIXED
-    return ExportSource(topic, kind, whole, units, partial(complete_rows, rows, whole))
+    return ExportSource(topic, kind, whole, units, partial(fill_missing_columns, rows, whole))
 
 
 def build_series_source(flight: RecordedFlight, topic: str, kind: str) -> ExportSource:
@@ -104,19 +106,21 @@ def build_series_source(flight: RecordedFlight, topic: str, kind: str) -> Export
         found = map_joint_names(series)
         # Names apply only if they are the same in all parts.
         joints = found if joints is None or joints == found else {}
-        table = build_table(flight, topic, series, {})
+        table = build_topic_table(flight, topic, series, {})
         units |= table.units
-        widen_columns(declared, {column: table[column] for column in table})
+        widen_column_types(declared, {column: table[column] for column in table})
     names = joints or {}
 
     def iterate_rows() -> Iterator[Columns]:
         for series in parts():
-            table = build_table(flight, topic, series, names)
+            table = build_topic_table(flight, topic, series, names)
             yield {STAMP: table.stamp_ns, TIME: table.time} | {each: table[each] for each in table}
 
     renamed = add_clock_columns({names.get(path, path): type_ for path, type_ in declared.items()})
     units = {names.get(path, path): unit for path, unit in units.items()} | FIXED
-    return ExportSource(topic, kind, renamed, units, partial(complete_rows, iterate_rows, renamed))
+    return ExportSource(
+        topic, kind, renamed, units, partial(fill_missing_columns, iterate_rows, renamed)
+    )
 
 
 def add_clock_columns(declared: Mapping[str, np.dtype[Any]]) -> dict[str, np.dtype[Any]]:
@@ -124,7 +128,7 @@ def add_clock_columns(declared: Mapping[str, np.dtype[Any]]) -> dict[str, np.dty
     return {STAMP: np.dtype(np.int64), TIME: np.dtype(np.float64), **declared}
 
 
-def widen_columns(declared: dict[str, np.dtype[Any]], part: Columns) -> None:
+def widen_column_types(declared: dict[str, np.dtype[Any]], part: Columns) -> None:
     """Update the declared columns to types that fit all parts so far."""
     for column in declared.keys() - part.keys():
         # Floats have NaN and texts have '': only integers need a wider type
@@ -141,7 +145,7 @@ def widen_columns(declared: dict[str, np.dtype[Any]], part: Columns) -> None:
             declared[column] = np.promote_types(known, values.dtype)
 
 
-def complete_rows(
+def fill_missing_columns(
     rows: Callable[[], Iterator[Columns]], declared: Mapping[str, np.dtype[Any]]
 ) -> Iterator[Columns]:
     """Yield parts with all columns; missing ones are NaN or ''."""

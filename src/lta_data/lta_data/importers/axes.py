@@ -29,7 +29,7 @@ def signed_permutation(axes: Sequence[str] | None) -> Numbers:
     return turned
 
 
-def convert_vectors(
+def convert_to_lta_axes(
     vectors: Numbers, axes: Sequence[str] | None, *, axial: bool = False
 ) -> Numbers:
     """

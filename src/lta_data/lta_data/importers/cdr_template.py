@@ -61,7 +61,7 @@ class CdrTemplate:
         """Size of every message. [bytes]"""
         return len(self._bytes)
 
-    def fill_messages(self, count: int, numbers: Mapping[str, Any]) -> bytes:
+    def serialize_messages(self, count: int, numbers: Mapping[str, Any]) -> bytes:
         """
         Return `count` messages, one after the other.
 

@@ -6,7 +6,7 @@ from typing import Final
 CLOCK: Final = 'clock'  # provenance key of logs whose stamps share no clock with others
 
 
-def have_own_clocks(a: Mapping[str, str], b: Mapping[str, str]) -> bool:
+def have_separate_clocks(a: Mapping[str, str], b: Mapping[str, str]) -> bool:
     """
     Return whether two recordings have separate clocks, so that equal stamps mean nothing.
 

@@ -7,7 +7,7 @@ from lta_config.errors import BadInput
 from lta_config.quantity import UNITS
 from lta_config.schema.import_file import OrientationField, ScalarField, VectorField
 from lta_data.importers.attitude import compute_quaternions, convert_attitude, rotate_into_body
-from lta_data.importers.axes import convert_vectors
+from lta_data.importers.axes import convert_to_lta_axes
 from lta_data.importers.cdr_template import CdrTemplate
 from lta_data.importers.entry_plan import EntryPlan
 from lta_data.importers.log_table import LogTable, Numbers, Times
@@ -87,9 +87,9 @@ class TopicConverter:
         if self.plan.target.type_name == JOINTS:
             numbers |= self._convert_joints(chosen)
         else:
-            numbers |= self._convert_parts(chosen)
+            numbers |= self._convert_message_parts(chosen)
         layout = self._ensure_layout()
-        data = layout.fill_messages(len(chosen), numbers)
+        data = layout.serialize_messages(len(chosen), numbers)
         # log_times keep the order of logging; the stamps are in the messages.
         order, times = chosen.order, chosen.log_times
         return ConvertedMessages(self.plan.topic, order, times, data, layout.size, kept)
@@ -147,7 +147,7 @@ class TopicConverter:
             for index, name in enumerate(names)
         }
 
-    def _convert_parts(self, table: LogTable) -> dict[str, Any]:
+    def _convert_message_parts(self, table: LogTable) -> dict[str, Any]:
         """Return the numbers of a message by path."""
         plan, parts = self.plan, self.plan.entry.parts
         numbers: dict[str, Any] = {}
@@ -155,7 +155,7 @@ class TopicConverter:
         if plan.entry.orientation is not None:
             theirs = compute_quaternions(plan.entry.orientation, table)
             attitude = convert_attitude(theirs, plan.world, plan.body)
-        for name, part in plan.parts.items():
+        for name, part in plan.target_parts.items():
             given = parts.get(name)
             if given is None:
                 numbers |= _fill_unknown(part)
@@ -214,7 +214,7 @@ def _convert_vector(
             scale_column(vector, table.columns[name], name, table.first) for name in vector.columns
         ]
         values = np.stack(scaled_columns, axis=1)
-    found = convert_vectors(values, plan.find_axes(frame), axial=part.kind == 'axial')
+    found = convert_to_lta_axes(values, plan.find_axes(frame), axial=part.kind == 'axial')
     # From the world frame to the body frame
     if frame != part.frame and attitude is not None:
         return rotate_into_body(found, attitude)

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import final
 
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_config.quantity import UNITS
 from lta_config.schema.import_file import (
     ImportMapping,
@@ -56,7 +56,7 @@ class EntryPlan:
     body: Axes | None
 
     @property
-    def parts(self) -> dict[str, MessagePart]:
+    def target_parts(self) -> dict[str, MessagePart]:
         """The parts of the target message."""
         return dict(SHAPES[self.target.type_name])
 
@@ -102,10 +102,10 @@ def plan_entry(entry: TopicMapping, mapping: ImportMapping, robot: str) -> Entry
 
 def _check_parts(candidate: EntryPlan) -> None:
     """Raise BadInput for parts that the message lacks, and for wrong units."""
-    entry, shape = candidate.entry, candidate.parts
+    entry, shape = candidate.entry, candidate.target_parts
     for name, given in entry.parts.items():
         if name not in shape:
-            raise unknown_name(f'part of {entry.topic}', name, list(shape))
+            raise unknown_name_error(f'part of {entry.topic}', name, list(shape))
         if isinstance(given, OrientationField):
             # Raises BadInput if exactly one side is mirrored
             attitude_matrix(candidate.world, candidate.body)
@@ -121,7 +121,8 @@ def _check_frame(candidate: EntryPlan, name: str, vector: VectorField) -> None:
     if vector.frame != 'world' or candidate.entry.orientation is None:
         raise BadInput(
             f'{candidate.entry.topic}: {name} is given in the {vector.frame} frame, but the '
-            f'message needs the {candidate.parts[name].frame} frame; give the orientation as '
+            f'message needs the {candidate.target_parts[name].frame} frame; '
+            'give the orientation as '
             f'well, or leave {name} out.'
         )
 

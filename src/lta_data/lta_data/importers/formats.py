@@ -7,7 +7,7 @@ from typing import final, NamedTuple
 import zlib
 
 from lta_bridge.bag.records import MAGIC as MCAP
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_data.importers.protocol import LogReader
 from lta_data.importers.readers import crazyflie_usd, csv_text, mcap_bag, px4_ulog, rosbags_bag
@@ -101,7 +101,7 @@ def detect_format(path: Path) -> str:
 def find_format(name: str) -> LogFormat:
     """Return a format; raise `BadInput` with the known names if it is unknown."""
     if name not in FORMATS:
-        raise unknown_name('format', name, list(FORMATS))
+        raise unknown_name_error('format', name, list(FORMATS))
     return FORMATS[name]
 
 

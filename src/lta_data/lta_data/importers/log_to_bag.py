@@ -45,7 +45,7 @@ def write_log_bag(
                 writer.write(topic, data, log_time)
                 counts[topic] += 1
     topics = {converter.plan.topic for converter in converters} | set(names.values())
-    notes += [*_describe_unused(converters, chosen, log), *remarks.format_sentences(), *log.notes]
+    notes += [*_describe_unused(converters, chosen, log), *remarks.format_remarks(), *log.notes]
     return {topic: counts[topic] for topic in sorted(topics)}, notes
 
 
@@ -103,7 +103,7 @@ def _iterate_converted(
     for tables in log.iterate_tables(wanted, reached):
         for name, table in tables.items():
             used = {column: table.columns[column] for column in wanted[name] & {*table.columns}}
-            remarks.note_rows(name, table.stamps, used)
+            remarks.add_rows(name, table.stamps, used)
         found = []
         # A copy, since converters are removed while iterating
         for converter in list(converters):

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import final, NamedTuple
 
 from lta_config.errors import BadInput
-from lta_config.files import list_shipped
+from lta_config.files import list_shipped_names
 from lta_config.schema.import_file import ImportMapping, load_mapping, TopicMapping
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_data.importers.entry_plan import EntryPlan, plan_entry
@@ -68,7 +68,7 @@ def _detect_mapping(path: Path) -> str:
     """Return the only shipped mapping whose columns are all in the text."""
     there = set(read_header(path))
     fitting = []
-    for name in list_shipped('imports'):
+    for name in list_shipped_names('imports'):
         mapping, _ = load_mapping(name)
         # A mapping that gives the header itself would fit any file
         if mapping.format == 'csv' and mapping.text.header is None:

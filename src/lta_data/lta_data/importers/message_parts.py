@@ -9,7 +9,7 @@ sensor_msgs/Imu defines it.
 from collections.abc import Mapping
 from typing import final, Literal, NamedTuple
 
-from lta_config.errors import unknown_name
+from lta_config.errors import unknown_name_error
 from lta_config.topics import load_topic_table
 
 Kind = Literal['number', 'vector', 'axial', 'attitude']
@@ -141,5 +141,5 @@ def find_target(name: str) -> ImportTarget:
     """Return one target; raise `BadInput` with the known names if it is unknown."""
     found = list_targets()
     if name not in found:
-        raise unknown_name('topic to import into', name, list(found))
+        raise unknown_name_error('topic to import into', name, list(found))
     return found[name]

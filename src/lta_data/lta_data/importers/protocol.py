@@ -12,7 +12,7 @@ Reached = Callable[[float], None]  # called with the fraction of the log read so
 
 
 @final
-class PassedMessage(NamedTuple):
+class PassThroughMessage(NamedTuple):
     """A message passed on unchanged: position in the log, its topic, log time in ns, and CDR."""
 
     order: int
@@ -64,14 +64,14 @@ class LogReader(Protocol):
         """Yield the selected columns of the selected tables, one part of the log at a time."""
         ...
 
-    def iterate_messages(self, reached: Reached) -> Iterator[PassedMessage]:
+    def iterate_messages(self, reached: Reached) -> Iterator[PassThroughMessage]:
         """Yield all messages of `raw` in the order of recording."""
         ...
 
 
 @final
 @dataclass(slots=True)
-class TableLog:
+class InMemoryLog:
     """A log that is read at once: all formats except text and bags."""
 
     content: Mapping[str, LogTable]
@@ -93,6 +93,6 @@ class TableLog:
         reached(0.5)
         yield {name: self.content[name] for name in selection}
 
-    def iterate_messages(self, reached: Reached) -> Iterator[PassedMessage]:
+    def iterate_messages(self, reached: Reached) -> Iterator[PassThroughMessage]:
         """Yield nothing: these logs contain no ROS messages."""
         yield from ()

@@ -20,7 +20,7 @@ class LogRemarks:
         self._last: dict[str, int] = {}
         self._where: dict[str, int] = {}
 
-    def note_rows(self, name: str, stamps: Times, columns: Mapping[str, Numbers]) -> None:
+    def add_rows(self, name: str, stamps: Times, columns: Mapping[str, Numbers]) -> None:
         """Count the next rows of a table: their times, and the columns in use."""
         if not len(stamps):
             return
@@ -40,7 +40,7 @@ class LogRemarks:
             if holes:
                 self._nan[f'{name}.{column}' if name else column] += holes
 
-    def format_sentences(self) -> list[str]:
+    def format_remarks(self) -> list[str]:
         """Return the remarks, one sentence each."""
         told = []
         for name, count in sorted(self._back.items()):

@@ -74,7 +74,7 @@ def no_match_error(flight: RecordedFlight, pattern: str) -> BadInput:
     )
 
 
-def make_readable(channel: SignalChannel) -> SignalChannel:
+def unwrap_to_degrees(channel: SignalChannel) -> SignalChannel:
     """Return an angle in degrees and unwrapped; any other channel unchanged."""
     if not channel.angular:
         return channel

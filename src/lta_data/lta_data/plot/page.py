@@ -9,8 +9,8 @@ from typing import Final
 from lta_data.bag.channels import SignalChannel
 from lta_report.drawing import create_figure, decimate_line
 from lta_report.formatting import format_number, Tile
+from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import render_section, render_tile
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, TIME, TRUTH
 from lta_report.screenshots import write_picture
 import numpy as np

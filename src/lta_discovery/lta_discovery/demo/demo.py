@@ -15,9 +15,7 @@ FLIGHTS: Final[tuple[tuple[str, Role], ...]] = (
 APART: Final = 1000  # between the seeds of two demonstrations, so that their flights differ
 
 
-def demonstrate_discovery(
-    seed: int, folder: Path, tell: Tell
-) -> tuple[DemoEffect, DiscoveryResult]:
+def run_discovery_demo(seed: int, folder: Path, tell: Tell) -> tuple[DemoEffect, DiscoveryResult]:
     """
     Hide an effect, fly three flights with it, and search for it.
 

@@ -17,7 +17,7 @@ from lta_config.topics import load_topic_table
 from lta_control.cascade import Setpoint
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight import ROBOT
-from lta_flight.flight_spec import build_parts, FlightSpec, load_spec
+from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec
 from lta_model.vehicle import Vehicle
 from lta_sim.world import World
 import numpy as np
@@ -98,7 +98,7 @@ class DemoEffect:
     value: float
     unit: str
 
-    def list_changes(self, made_of: FlightSpec) -> Mapping[str, object]:
+    def list_file_changes(self, made_of: FlightSpec) -> Mapping[str, object]:
         """Return the changes to the files of a flight."""
         known = HIDEABLE[self.name]
         number: float | list[float] = self.value
@@ -121,7 +121,7 @@ def draw_demo_effect(seed: int) -> DemoEffect:
     return DemoEffect(name, float(rng.uniform(known.low, known.high)), known.unit)
 
 
-def build_course(seed: int) -> Callable[[float], Setpoint]:
+def build_demo_course(seed: int) -> Callable[[float], Setpoint]:
     """Return setpoints by time: a new height, heading and speed every few seconds."""
     rng = np.random.default_rng([seed, 7])
     heading, legs = 0.0, []
@@ -139,11 +139,13 @@ def fly_hidden(hidden: DemoEffect, seed: int, seconds: float, folder: Path) -> P
     from lta_flight.messages import LoopRecorder
 
     made_of = load_spec(VEHICLE, SCENARIO, STRATEGY, '').with_values(HALL)
-    vehicle, scenario, policy = build_parts(made_of.with_values(hidden.list_changes(made_of)))
+    vehicle, scenario, policy = build_vehicle_scenario_stack(
+        made_of.with_values(hidden.list_file_changes(made_of))
+    )
     # The controller's vehicle: without the hidden effect
-    known, table = Vehicle(build_parts(made_of)[0].file), load_topic_table()
+    known, table = Vehicle(build_vehicle_scenario_stack(made_of)[0].file), load_topic_table()
     world = World(vehicle, scenario, table, seed)
-    loop = ClosedLoop(world, table, replace(policy, course=build_course(seed)), known)
+    loop = ClosedLoop(world, table, replace(policy, course=build_demo_course(seed)), known)
     told = collect_provenance(
         VEHICLE, SCENARIO, VEHICLE, seed=str(seed), data='simulated', about='something is hidden'
     )
@@ -164,7 +166,7 @@ def fly_hidden(hidden: DemoEffect, seed: int, seconds: float, folder: Path) -> P
                     loop.readings, truth=add_tracker_noise(loop.readings.truth, rng)
                 )
             recorder.record_step()
-            loop.apply_command()
+            loop.simulate_control_period()
     return folder
 
 

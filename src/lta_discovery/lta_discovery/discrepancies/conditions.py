@@ -48,7 +48,7 @@ def ground_speed(flight: MeasuredFlight) -> Array:
     return out
 
 
-def list_conditions(
+def list_condition_quantities(
     flight: MeasuredFlight, light: Array | None = None
 ) -> dict[str, tuple[Array, str]]:
     """
@@ -89,7 +89,7 @@ def heading_sector(heading: Array) -> NDArray[np.int64]:
     return np.where(np.isfinite(heading), quarter, -1)
 
 
-def build_splits(name: str, values: Array, unit: str) -> list[FlightCondition]:
+def list_quantity_conditions(name: str, values: Array, unit: str) -> list[FlightCondition]:
     """Return the conditions of one quantity."""
     if name == 'heading':
         quarter = heading_sector(values)
@@ -128,7 +128,7 @@ def find_largest_condition(
     candidates = [
         one
         for name, (values, unit) in quantities.items()
-        for one in build_splits(name, values, unit)
+        for one in list_quantity_conditions(name, values, unit)
     ]
     # Both sides of a split need enough independent values.
     least = max(2 * block, n // 10)

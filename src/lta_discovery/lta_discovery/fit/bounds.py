@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 # Standard deviations by which a fit may move a tolerance from the vehicle file (if it can also be
 # an effect, of both combined). Larger deviations stay unexplained and are reported
-# (`find_strained_tolerances`).
+# (`find_exceeded_tolerances`).
 FARTHEST: Final = 6.0
 
 
@@ -47,7 +47,7 @@ def parameter_bounds(knobs: Sequence[FreeParameter], prior: Prior) -> tuple[Arra
     return np.maximum(low, prior.mean - far), np.minimum(high, prior.mean + far)
 
 
-def find_strained_tolerances(
+def find_exceeded_tolerances(
     knobs: Sequence[FreeParameter], prior: Prior, mean: Array
 ) -> list[str]:
     """
@@ -68,7 +68,7 @@ def find_strained_tolerances(
     ]
 
 
-def format_strained_tolerances(names: Sequence[str]) -> list[str]:
+def format_bounds_warning(names: Sequence[str]) -> list[str]:
     """Return a warning about exceeded tolerances, if there are any."""
     if not names:
         return []

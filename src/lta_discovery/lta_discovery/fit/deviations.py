@@ -26,7 +26,7 @@ LOWEST: Final = 0.05  # noise floors; bound of a deviation
 HIGHEST: Final = 1e3  # noise floors; bound of a deviation
 
 
-def newton_strides(gradient: EvidenceGradient) -> Array:
+def compute_newton_step(gradient: EvidenceGradient) -> Array:
     """
     Return the Newton step in the logarithms of the deviations.
 
@@ -59,7 +59,7 @@ def maximize_evidence(
     now = steep(np.exp(at))
     for _ in range(STRIDES if np.isfinite(now.value) else 0):
         # Recompute the step after clipping: the predicted gain has to match it
-        step = np.clip(at + part * newton_strides(now), low, high) - at
+        step = np.clip(at + part * compute_newton_step(now), low, high) - at
         # First-order gain of the step [nats]
         promised = float(now.slope @ step)
         if promised < worth:

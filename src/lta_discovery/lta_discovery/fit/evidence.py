@@ -193,7 +193,7 @@ class PieceReducer:
         self._mean = -linear.point.random[:, latent]
 
     def select_columns(self, columns: NDArray[np.int64]) -> 'PieceReducer':
-        """Return the flight with some columns only, sufficient for `reduce` and `solve_latent`."""
+        """Return the flight with some columns only; enough to eliminate and solve for unknowns."""
         # A shallow copy: the eliminated products are replaced, not changed
         out, point = copy(self), self.linear.point
         names = tuple(self.linear.names[k] for k in columns)
@@ -205,7 +205,7 @@ class PieceReducer:
         out._grams = self._grams[:, index[:, None], index]
         return out
 
-    def reduce(self, deviations: Array) -> ReducedFlight:
+    def eliminate_unknowns(self, deviations: Array) -> ReducedFlight:
         """
         Return the flight without the unknowns of its pieces.
 
@@ -228,7 +228,7 @@ class PieceReducer:
         return -self._mean
 
     def solve_latent(self, deviations: Array) -> LatentSolution:
-        """Reduce the flight as `reduce` does, and return the latent wrench too."""
+        """Reduce the flight as `eliminate_unknowns` does, and return the latent wrench too."""
         precision, count = self._latent_precision(deviations), AXES * self.linear.knots
         inner = self._grams[:, :count, :count] + precision
         cross = self._grams[:, :count, count:].copy()

@@ -66,14 +66,16 @@ def compute_evidence_gradient(
         group.sum_flights([each.reduced for each in solved]), group.at, prior
     )
 
-    def compute_share(one: tuple[PieceReducer, LatentSolution]) -> tuple[Array, Array]:
+    def compute_flight_gradient(one: tuple[PieceReducer, LatentSolution]) -> tuple[Array, Array]:
         pieces, each = one
         return _flight_gradient(
             pieces, each, group.flight_posterior(pieces, each.reduced, found), deviations
         )
 
     slope, bend = log_prior_slope(deviations, floor)
-    for more, less in map_parallel(compute_share, list(zip(group.pieces, solved, strict=True))):
+    for more, less in map_parallel(
+        compute_flight_gradient, list(zip(group.pieces, solved, strict=True))
+    ):
         slope, bend = slope + more, bend + less
     return EvidenceGradient(found.log_evidence + log_prior(deviations, floor), slope, bend)
 

@@ -64,7 +64,7 @@ class LinearizedGroup:
             for each in self.linears
         )
 
-    def join(self, other: 'LinearizedGroup') -> 'LinearizedGroup':
+    def combine_groups(self, other: 'LinearizedGroup') -> 'LinearizedGroup':
         """Return the flights of both, about the point of this one."""
         return replace(self, pieces=(*self.pieces, *other.pieces))
 
@@ -78,14 +78,16 @@ class LinearizedGroup:
         pieces = tuple(each.select_columns(kept) for each in self.pieces)
         return LinearizedGroup(pieces, self.at[kept], self.variance[kept]), kept
 
-    def reduce(self, deviations: Array) -> ReducedFlight:
+    def reduce_flights(self, deviations: Array) -> ReducedFlight:
         """Return the combined products of the flights for the shared parameters."""
-        return self.sum_flights(map_parallel(lambda each: each.reduce(deviations), self.pieces))
+        return self.sum_flights(
+            map_parallel(lambda each: each.eliminate_unknowns(deviations), self.pieces)
+        )
 
     def sum_flights(self, reduced: Sequence[ReducedFlight]) -> ReducedFlight:
         """Sum flights with eliminated piece unknowns, eliminating their own parameters."""
         both = zip(self.pieces, reduced, strict=True)
-        parts = [self._eliminate_own(each, alone) for each, alone in both]
+        parts = [self._eliminate_own_parameters(each, alone) for each, alone in both]
         products = np.sum([part.products for part in parts], axis=0)
         return ReducedFlight(products, sum(part.constant for part in parts))
 
@@ -101,13 +103,15 @@ class LinearizedGroup:
         there: Array = shift.T @ reduced.products @ shift
         return there
 
-    def _own_columns(self) -> NDArray[np.int64]:
+    def _own_parameter_indices(self) -> NDArray[np.int64]:
         """Return the indices of per-flight parameters."""
         return np.flatnonzero(self.variance)
 
-    def _eliminate_own(self, pieces: PieceReducer, reduced: ReducedFlight) -> ReducedFlight:
+    def _eliminate_own_parameters(
+        self, pieces: PieceReducer, reduced: ReducedFlight
+    ) -> ReducedFlight:
         """Eliminate a flight's own parameters."""
-        own, point = self._own_columns(), pieces.linear.point
+        own, point = self._own_parameter_indices(), pieces.linear.point
         products = self._align_products(point, reduced)
         if not len(own):
             return ReducedFlight(products, reduced.constant)
@@ -123,11 +127,11 @@ class LinearizedGroup:
 
     def solve_flights(self, deviations: Array, target: Array) -> list[FlightSolution]:
         """Return the most probable parameters and unknowns of each flight, for shared values."""
-        out, own = [], self._own_columns()
+        out, own = [], self._own_parameter_indices()
         for each in self.pieces:
             values = target.copy()
             if len(own):
-                answer, left = self._own_response(each, each.reduce(deviations))
+                answer, left = self._own_response(each, each.eliminate_unknowns(deviations))
                 values[own] += left - answer @ (target - self.at)
             random = each.solve_unknowns(deviations, values - each.linear.point.values)
             out.append(FlightSolution(values, random))
@@ -135,7 +139,7 @@ class LinearizedGroup:
 
     def _own_response(self, pieces: PieceReducer, reduced: ReducedFlight) -> tuple[Array, Array]:
         """Return the response of own to shared parameters, and their own change."""
-        own, point = self._own_columns(), pieces.linear.point
+        own, point = self._own_parameter_indices(), pieces.linear.point
         products = self._align_products(point, reduced)
         inner = products[np.ix_(own, own)] + np.diag(1.0 / self.variance[own])
         before = (point.values - self.at)[own]
@@ -148,7 +152,7 @@ class LinearizedGroup:
         self, pieces: PieceReducer, reduced: ReducedFlight, posterior: ParameterPosterior
     ) -> ParameterPosterior:
         """Return the posterior of one flight: shared plus own parameters."""
-        own = self._own_columns()
+        own = self._own_parameter_indices()
         if not len(own):
             return posterior
         answer, left = self._own_response(pieces, reduced)

@@ -15,8 +15,8 @@ from lta_config.errors import BadInput
 from lta_discovery.fit.evidence import Prior
 from lta_discovery.fit.joint_fit import JointFitter
 from lta_discovery.flights.measured_flight import PERIOD
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import LinearizationPoint
-from lta_discovery.replay.linearizer import FlightLinearizer
 import numpy as np
 from numpy.typing import NDArray
 

@@ -25,8 +25,8 @@ from lta_discovery.fit.flight_group import LinearizedGroup
 from lta_discovery.fit.misfit import compute_misfit, forecast_error, predict_linear_misfit
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.parallel import map_parallel
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import LinearizationPoint, LinearizedFlight
-from lta_discovery.replay.linearizer import FlightLinearizer
 import numpy as np
 from numpy.typing import NDArray
 
@@ -105,7 +105,7 @@ class JointFit:
         out = []
         for each in self.group.pieces:
             # Reduced again, because the fit stores only the sum of all flights
-            own = each.reduce(self.deviations)
+            own = each.eliminate_unknowns(self.deviations)
             knobs = self.group.flight_posterior(each, own, self.fitted)
             rest = (self.deviations, knobs, self.evidence, self.rounds)
             out.append(FlightFit(each.linear, each, own, *rest))
@@ -115,7 +115,7 @@ class JointFit:
         """Return the reduced products of the first `teach` flights, and of the others."""
         pieces = self.group.pieces
         first, second = (
-            replace(self.group, pieces=part).reduce(self.deviations)
+            replace(self.group, pieces=part).reduce_flights(self.deviations)
             for part in (pieces[:teach], pieces[teach:])
         )
         return first, second
@@ -250,7 +250,7 @@ class JointFitter:
         """Fit the deviations of the latent wrench, at the points of the flights."""
         try:
             deviations, evidence = fit_deviations(group, prior, start, self.floor)
-            reduced = group.reduce(deviations)
+            reduced = group.reduce_flights(deviations)
             found = compute_posterior(reduced, group.at, prior)
         except np.linalg.LinAlgError:
             raise BadInput(RAN_AWAY) from None
@@ -338,7 +338,7 @@ class JointFitter:
             PieceReducer(replace(each, grams=each.grams / doubt)) for each in last.group.linears
         ]
         group = replace(last.group, pieces=tuple(pieces))
-        found = compute_posterior(group.reduce(last.deviations), group.at, last.prior)
+        found = compute_posterior(group.reduce_flights(last.deviations), group.at, last.prior)
         return self._move_to_mean(last, group, found.mean)
 
     def _move_to_mean(

@@ -13,8 +13,8 @@ from lta_discovery.fit.evidence import Prior, unknowns_penalty
 from lta_discovery.fit.flight_group import LinearizedGroup
 from lta_discovery.flights.measured_flight import PERIOD
 from lta_discovery.parallel import map_parallel
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import LinearizationPoint
-from lta_discovery.replay.linearizer import FlightLinearizer
 from lta_discovery.replay.replay import STEPS
 import numpy as np
 from numpy.typing import NDArray
@@ -48,7 +48,7 @@ def _readings_misfit(one: tuple[FlightLinearizer, LinearizationPoint]) -> float:
             return np.inf  # impossible vehicle
         if not np.isfinite(grid).all():
             return np.inf
-        left = flight.compute_residual(grid, point, flight.replay.build_rows(point.nominal))
+        left = flight.compute_residual(grid, point, flight.replay.build_replay_rows(point.nominal))
         # NaN marks readings that were not measured
         return float(np.nansum((left / flight.replay.flight.noise) ** 2))
 
@@ -78,7 +78,9 @@ def _forecast_errors(one: tuple[FlightLinearizer, LinearizationPoint]) -> Array 
         except BadInput:
             return None
         # Compare predicted readings: tracker frame and clock may be among the fitted parameters.
-        left = flight.compute_residual(grid, point, flight.replay.build_rows(point.nominal))[here]
+        left = flight.compute_residual(
+            grid, point, flight.replay.build_replay_rows(point.nominal)
+        )[here]
         off = left[..., :3] / measured.noise[:3]
         known = np.isfinite(measured.position[flight.index[here]])
         known &= flight.replay.cut.inside[here][..., None]

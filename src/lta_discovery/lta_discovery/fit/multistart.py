@@ -83,4 +83,4 @@ def _set_parameter(
 
 def _log_evidence(group: LinearizedGroup, prior: Prior, deviations: Array) -> float:
     """Return the log evidence about a point."""
-    return compute_posterior(group.reduce(deviations), group.at, prior).log_evidence
+    return compute_posterior(group.reduce_flights(deviations), group.at, prior).log_evidence

@@ -31,7 +31,7 @@ def reduce_each_piece(linear: LinearizedFlight, deviations: Array) -> Array:
         piece = LinearizedFlight(
             linear.names, linear.grams[one], linear.rows[one], point, linear.residual
         )
-        out.append(PieceReducer(piece).reduce(deviations).products)
+        out.append(PieceReducer(piece).eliminate_unknowns(deviations).products)
     return np.array(out)
 
 

@@ -84,7 +84,7 @@ def read_bags(
     out: list[StudyRecording] = []
     for role in ROLES:
         for path in paths.get(role, ()):
-            name = _name_bag(path, [one.name for one in out])
+            name = _unique_bag_name(path, [one.name for one in out])
             tell(name)
             flight = open_flight(find_bag(path), robot)
             recording, remarks = read_recording(flight)
@@ -105,7 +105,7 @@ def _register_recording(path: Path, role: Role, roles: dict[Path, Role]) -> None
         roles[place] = role
 
 
-def _name_bag(path: Path, names: Sequence[str]) -> str:
+def _unique_bag_name(path: Path, names: Sequence[str]) -> str:
     """Return a unique name of a bag: that of its folder, or of its results folder."""
     place = find_bag(path).resolve()
     if place.is_file():
@@ -121,7 +121,7 @@ def _name_bag(path: Path, names: Sequence[str]) -> str:
     return name
 
 
-def check_one_vehicle(flights: Sequence[StudyRecording], vehicle: VehicleFile) -> list[str]:
+def check_same_vehicle(flights: Sequence[StudyRecording], vehicle: VehicleFile) -> list[str]:
     """
     Check that all flights are of one vehicle; return warnings about its name.
 
@@ -154,7 +154,7 @@ def _format_vehicle(kind: str | tuple[str, ...]) -> str:
     return kind if isinstance(kind, str) else f'the rotors {", ".join(kind)}'
 
 
-def check_no_copies(flights: Sequence[StudyRecording]) -> None:
+def require_distinct_runs(flights: Sequence[StudyRecording]) -> None:
     """Raise `BadInput` if one run occurs twice, even if trimmed or rewritten."""
     again = (
         find_duplicate_runs([(one.name, one.recording) for one in flights])

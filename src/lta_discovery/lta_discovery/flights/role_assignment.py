@@ -15,7 +15,7 @@ ONE: Final = (0.4, 0.7)  # of the usable time: ends of the training part and of 
 TWO: Final = 0.6  # the same, where there is a held-out flight already
 
 
-def select_part(flight: MeasuredFlight, begin: float, end: float) -> MeasuredFlight:
+def restrict_to_interval(flight: MeasuredFlight, begin: float, end: float) -> MeasuredFlight:
     """
     Return a flight of which only a part is usable.
 
@@ -63,14 +63,14 @@ def assign_roles(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
     name, _, flight = train[0]
     if rest:
         parts = [
-            (name, 'train', select_part(flight, 0.0, TWO)),
-            (name, 'confirm', select_part(flight, TWO, 1)),
+            (name, 'train', restrict_to_interval(flight, 0.0, TWO)),
+            (name, 'confirm', restrict_to_interval(flight, TWO, 1)),
         ]
         said = 'The effects are confirmed by a later part of the training flight, which'
         return [*parts, *rest], [f'{said} is weaker than another flight.']
     first, second = ONE
     edges = zip(ROLES, (0.0, first, second), (first, second, 1.0), strict=True)
     said = 'One flight is split into training, confirming and held-out parts, which is weaker than'
-    return [(name, role, select_part(flight, a, b)) for role, a, b in edges], [
+    return [(name, role, restrict_to_interval(flight, a, b)) for role, a, b in edges], [
         f'{said} three flights.'
     ]

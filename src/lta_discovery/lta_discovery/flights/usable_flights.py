@@ -14,7 +14,12 @@ from lta_config.errors import BadInput
 from lta_data.data_quality.checks import clocks, noise_floor, stamps
 from lta_data.data_quality.finding import QualityFinding
 from lta_data.data_quality.registry import run_checks
-from lta_discovery.flights.bags import check_no_copies, check_one_vehicle, Role, StudyRecording
+from lta_discovery.flights.bags import (
+    check_same_vehicle,
+    require_distinct_runs,
+    Role,
+    StudyRecording,
+)
 from lta_discovery.flights.measured_flight import (
     FlightStreams,
     GAP,
@@ -26,7 +31,7 @@ from lta_discovery.flights.noisy_intervals import ExcludedInterval, remove_noisy
 from lta_discovery.flights.sentence_merger import merge_sentences
 from lta_discovery.flights.streams import build_streams, convert_to_duties, find_tracker_prefix
 from lta_discovery.flights.timestamp_repair import add_stamp_noise, repair_timestamps
-from lta_discovery.flights.windows import cut_windows, FEWEST
+from lta_discovery.flights.windows import cut_into_pieces, FEWEST
 from lta_discovery.model.nominal import NominalVehicle
 from lta_model.vehicle import Vehicle
 import numpy as np
@@ -85,8 +90,8 @@ def select_usable_flights(flights: Sequence[StudyRecording], vehicle: Vehicle) -
         If the flights are not usable; the message states why.
 
     """
-    warnings = check_one_vehicle(flights, vehicle.file)
-    check_no_copies(flights)
+    warnings = check_same_vehicle(flights, vehicle.file)
+    require_distinct_runs(flights)
     if made := [one.name for one in flights if one.recording.is_simulated]:
         verb = 'is' if len(made) == 1 else 'are'
         warnings.append(
@@ -109,13 +114,13 @@ def select_usable_flights(flights: Sequence[StudyRecording], vehicle: Vehicle) -
             warnings.append(
                 f'{one.name}: only {seconds:.0f} s are usable; the flight is left out.'
             )
-        elif len(cut_windows(flight).first) < FEWEST:
+        elif len(cut_into_pieces(flight).first) < FEWEST:
             warnings.append(
                 f'{one.name}: the usable intervals are too short; the flight is left out.'
             )
         else:
             usable.append((one.name, one.role, flight))
-    _check_enough_left(flights, usable, cuts)
+    _require_usable_time(flights, usable, cuts)
     light = {
         one.name: np.interp(flight.time, channel.time, channel.values)
         for one in flights
@@ -134,7 +139,7 @@ def _load_streams(one: StudyRecording, vehicle: Vehicle) -> FlightStreams:
     channels = one.recording.channels
     try:
         height = channels[f'{find_tracker_prefix(channels)}position.z'].values
-        floor = vehicle.height_on_floor + NEAR_FLOOR
+        floor = vehicle.hull_height_on_floor + NEAR_FLOOR
         # A median height below the floor limit means that the tracker's zero is not the floor.
         high = np.median(height[np.isfinite(height)]) if np.isfinite(height).any() else 0.0
         near = floor if high > floor else -np.inf
@@ -213,7 +218,7 @@ def _clean_flight(
     flight = _mask_intervals(flight, cuts, pose)
     flight, loud = remove_noisy_intervals(one.name, flight)
     cuts += loud
-    return flight, cuts, [*warnings, *_list_remarks(one.name, flight, streams)]
+    return flight, cuts, [*warnings, *_list_data_warnings(one.name, flight, streams)]
 
 
 def _exclude_interval(name: str, finding: QualityFinding, end: float) -> ExcludedInterval:
@@ -269,7 +274,7 @@ def _mask_intervals(
     return replace(flight, usable=usable, readings=readings)
 
 
-def _list_remarks(name: str, flight: MeasuredFlight, streams: FlightStreams) -> list[str]:
+def _list_data_warnings(name: str, flight: MeasuredFlight, streams: FlightStreams) -> list[str]:
     """Return warnings about lost poses and saturated commands."""
     out = []
     lost = ~np.asarray(np.isfinite(flight.position).all(axis=1))
@@ -294,7 +299,7 @@ def _usable_seconds(flight: MeasuredFlight) -> float:
     return float(np.sum(flight.usable) * (flight.time[1] - flight.time[0]))
 
 
-def _check_enough_left(
+def _require_usable_time(
     flights: Sequence[StudyRecording],
     usable: Sequence[tuple[str, Role, MeasuredFlight]],
     cuts: Sequence[ExcludedInterval],

@@ -106,7 +106,7 @@ def _piece_spacing(stretches: list[tuple[int, int]], count: int, shortest: int) 
     return max(shortest + 1, min(count, -(-longest // FEWEST)))
 
 
-def cut_windows(
+def cut_into_pieces(
     flight: MeasuredFlight, length: float = LENGTH, shift: float = 0.0, knots: int = KNOTS
 ) -> Windows:
     """Cut a flight into pieces; a flight too short for two full pieces gets two shorter ones."""

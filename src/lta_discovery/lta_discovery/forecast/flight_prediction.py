@@ -6,11 +6,11 @@ import warnings
 from lta_discovery.fit.evidence import STATE
 from lta_discovery.flights.measured_flight import CHANNELS
 from lta_discovery.model.quaternions import rotation_matrix
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import LinearizationPoint
-from lta_discovery.replay.linearizer import FlightLinearizer
 from lta_discovery.replay.replay import STEPS
 from lta_discovery.replay.sensing import predict_readings
-from lta_discovery.replay.variational_equation import add_change, NUDGE, WIDTH
+from lta_discovery.replay.variational_equation import apply_state_changes, NUDGE, WIDTH
 import numpy as np
 from numpy.typing import NDArray
 
@@ -51,11 +51,11 @@ def build_unaided_point(point: LinearizationPoint) -> LinearizationPoint:
 
 def predict_flight(flight: FlightLinearizer, point: LinearizationPoint) -> ModelPrediction:
     """Predict a flight; initial-state corrections and latent forces are ignored."""
-    point, rows = build_unaided_point(point), flight.replay.build_rows(point.nominal)
+    point, rows = build_unaided_point(point), flight.replay.build_replay_rows(point.nominal)
     states = flight.simulate_forecast(point)[:, ::STEPS]
     said = predict_readings(states, flight.time, rows.acting, flight.places)
     out = ~flight.replay.cut.inside
-    position, turn = said.position.copy(), heading_angle(said.quaternion)
+    position, turn = said.position.copy(), heading_from_quaternion(said.quaternion)
     position[out], turn[out] = np.nan, np.nan
     # Body velocity, so relative to the map, not to the air
     speed = np.linalg.norm(states[..., 7:10], axis=-1).mean(axis=1)
@@ -63,7 +63,7 @@ def predict_flight(flight: FlightLinearizer, point: LinearizationPoint) -> Model
     return ModelPrediction(flight.time, position, turn, speed, turning)
 
 
-def heading_angle(quaternion: Array) -> Array:
+def heading_from_quaternion(quaternion: Array) -> Array:
     """Return the heading of the body x axis [rad], shape (...), from quaternions (..., 4)."""
     rotation = rotation_matrix(quaternion)
     heading: Array = np.arctan2(rotation[..., 1, 0], rotation[..., 0, 0])
@@ -95,8 +95,8 @@ def best_start_residual(flight: FlightLinearizer, point: LinearizationPoint) -> 
 
     """
     point, replay = build_unaided_point(point), flight.replay
-    met = replay.build_rows(point.nominal)
-    ready, push = replay.compute_inputs(met), np.zeros((len(replay.first), replay.span, 6))
+    met = replay.build_replay_rows(point.nominal)
+    ready, push = replay.compute_body_inputs(met), np.zeros((len(replay.first), replay.span, 6))
 
     def compute_residual(start: Array) -> Array:
         states = replay.integrate_pieces(met, ready, start, push)[:, ::STEPS]
@@ -111,7 +111,7 @@ def best_start_residual(flight: FlightLinearizer, point: LinearizationPoint) -> 
         aside = np.broadcast_to(NUDGE * (np.arange(WIDTH) == k), (len(start), WIDTH))
         # NaN entries stay NaN in the difference and are set to 0 below.
         columns[..., k] = (
-            base - _remove_offsets(compute_residual(add_change(start, aside)))
+            base - _remove_offsets(compute_residual(apply_state_changes(start, aside)))
         ) / NUDGE[k]
     columns = np.where(known[..., None], columns, 0.0)
     target = np.where(known, base, 0.0)

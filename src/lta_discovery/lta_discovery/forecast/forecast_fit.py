@@ -21,8 +21,8 @@ from lta_discovery.forecast.levenberg_marquardt import (
 )
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import LinearizationPoint, SENSORS
-from lta_discovery.replay.linearizer import FlightLinearizer
 import numpy as np
 from numpy.typing import NDArray
 
@@ -37,7 +37,7 @@ SETTLED: Final = 1e-3  # of the cost; the fit ends with a step that gains less
 
 @final
 @dataclass(frozen=True, slots=True)
-class ForecastInformation:
+class ForecastNormalEquations:
     """
     Normal equations of one flight about a point, with its own lift eliminated.
 
@@ -80,7 +80,7 @@ class ForecastFit:
     values: Array
     precision: Array
     pull: Array
-    said: tuple[ForecastInformation, ...]
+    said: tuple[ForecastNormalEquations, ...]
 
 
 @final
@@ -109,13 +109,14 @@ class ForecastFitter:
         self._lift = next(k for k, knob in enumerate(self.knobs) if knob.name == 'net_lift.force')
         zero = np.zeros(len(self.knobs))
         first = [
-            compute_horizon_errors(one, self.build_point(zero, 0.0, one)).left for one in flights
+            compute_horizon_errors(one, self.build_linearization_point(zero, 0.0, one)).left
+            for one in flights
         ]
         self.weights = _error_weights(np.concatenate(first), place)
         # Number of readings, to detect forecasts that diverge
         self._known = [int(np.isfinite(left).sum()) for left in first]
 
-    def build_point(
+    def build_linearization_point(
         self, values: Array, lift: float, flight: FlightLinearizer
     ) -> LinearizationPoint:
         """Return the linearization point of a flight with shared values and its own lift."""
@@ -127,13 +128,13 @@ class ForecastFitter:
         none = np.zeros((len(flight.replay.first), 0))
         return LinearizationPoint(nominal, np.append(own, np.zeros(len(SENSORS))), none)
 
-    def compute_errors(
+    def compute_flight_errors(
         self, values: Array, f: int, which: Sequence[int] = (), lift: float = 0.0
     ) -> HorizonErrors:
         """Return one flight's horizon errors, and their sensitivities to parameters and lift."""
         flight = self.flights[f]
         return compute_horizon_errors(
-            flight, self.build_point(values, lift, flight), [*which, self._lift]
+            flight, self.build_linearization_point(values, lift, flight), [*which, self._lift]
         )
 
     def fit(
@@ -163,7 +164,7 @@ class ForecastFitter:
         # Inverse prior covariance; the vehicle file is at 0
         wall, damping = np.diag(spread**-2.0), START
         for _ in range(rounds):
-            said = {f: self._summarize_flight(values, lifts, f, picked) for f in flights}
+            said = {f: self._build_normal_equations(values, lifts, f, picked) for f in flights}
             inner = wall + np.sum([one.products for one in said.values()], axis=0)
             right = np.sum([one.pull for one in said.values()], axis=0) - wall @ values[picked]
             before = sum(one.cost for one in said.values()) + _prior_penalty(
@@ -179,7 +180,7 @@ class ForecastFitter:
             if before - after < SETTLED * before:
                 break
         if relinearize or not rounds:
-            said = {f: self._summarize_flight(values, lifts, f, picked) for f in flights}
+            said = {f: self._build_normal_equations(values, lifts, f, picked) for f in flights}
         return ForecastFit(
             values,
             np.sum([one.products for one in said.values()], axis=0),
@@ -187,7 +188,7 @@ class ForecastFitter:
             tuple(said.values()),
         )
 
-    def leave_out(
+    def leave_out_flights(
         self, fit: ForecastFit, which: Sequence[int], spread: Array, flights: Sequence[int]
     ) -> Array:
         """Return the values without some flights, by one step from a fit to all."""
@@ -214,7 +215,7 @@ class ForecastFitter:
         """Return the RMS of the weighted horizon errors, with the lift fitted to each flight."""
         total, count = 0.0, 0
         for f in flights:
-            seen = self.compute_errors(values, f)
+            seen = self.compute_flight_errors(values, f)
             good = np.isfinite(seen.left)
             left = (seen.left * self.weights)[good]
             column = (seen.columns[..., 0] * self.weights)[good]
@@ -231,7 +232,7 @@ class ForecastFitter:
         picked: NDArray[np.int64],
         spread: Array,
         normal: tuple[Array, Array],
-        flight_terms: dict[int, ForecastInformation],
+        flight_terms: dict[int, ForecastNormalEquations],
         began: tuple[float, float],
     ) -> tuple[Array, Array, float, float] | None:
         """Return a better point, its cost and the next damping; None if no step improves it."""
@@ -249,7 +250,7 @@ class ForecastFitter:
                 # The eliminated lift follows from the step of the shared values
                 own[f] += (pull - across @ (there - values)[picked]) / information
             try:
-                cost = sum(self._compute_cost(there, own, f) for f in flight_terms)
+                cost = sum(self._forecast_cost(there, own, f) for f in flight_terms)
             except BadInput:
                 cost = np.inf
             cost += _prior_penalty(there[picked], spread)
@@ -258,12 +259,12 @@ class ForecastFitter:
             damping = next_damping(damping, False)
         return None
 
-    def _compute_cost(self, values: Array, lifts: Array, f: int) -> float:
+    def _forecast_cost(self, values: Array, lifts: Array, f: int) -> float:
         """Return the cost of a flight; infinite if the prediction diverges."""
         flight = self.flights[f]
         with np.errstate(all='ignore'):
             left = compute_horizon_errors(
-                flight, self.build_point(values, float(lifts[f]), flight)
+                flight, self.build_linearization_point(values, float(lifts[f]), flight)
             ).left
         # Compare costs only over the same readings.
         if np.isfinite(left).sum() < self._known[f]:
@@ -271,11 +272,11 @@ class ForecastFitter:
         cost, _ = _huber_cost(left * self.weights)
         return ALIKE * cost + float(lifts[f] / self.lift) ** 2
 
-    def _summarize_flight(
+    def _build_normal_equations(
         self, values: Array, lifts: Array, f: int, picked: NDArray[np.int64]
-    ) -> ForecastInformation:
+    ) -> ForecastNormalEquations:
         """Return the normal equations of a flight about a point."""
-        seen = self.compute_errors(values, f, picked.tolist(), float(lifts[f]))
+        seen = self.compute_flight_errors(values, f, picked.tolist(), float(lifts[f]))
         good = np.isfinite(seen.left)
         cost, share = _huber_cost(seen.left * self.weights)
         weights = self.weights * np.sqrt(share)[..., None]
@@ -287,7 +288,7 @@ class ForecastFitter:
         pull = ALIKE * float(b @ left) - float(lifts[f]) / self.lift**2
         across = ALIKE * (b @ a)
         # Eliminate the flight's lift by its Schur complement.
-        return ForecastInformation(
+        return ForecastNormalEquations(
             ALIKE * (a.T @ a) - np.outer(across, across) / information,
             ALIKE * (a.T @ left) - across * (pull / information),
             (information, pull, across),

@@ -3,19 +3,19 @@
 from collections.abc import Sequence
 from typing import Final
 
-from lta_discovery.finding import PredictionGap
+from lta_discovery.finding import ChannelErrors
 
 WHOLE: Final = ('position', 'attitude')
 # Times the error with tolerances alone; above it a named effect counts as useless.
 WORSE: Final = 1.1
 
 
-def find_worse_forecasts(gaps: Sequence[PredictionGap]) -> list[PredictionGap]:
+def find_worse_forecasts(gaps: Sequence[ChannelErrors]) -> list[ChannelErrors]:
     """Return the pose errors that are significantly larger than with the vehicle file."""
-    return [gap for gap in _select_pose(gaps) if gap.shrink_ci95[1] < 0.0]
+    return [gap for gap in _select_pose_errors(gaps) if gap.shrink_ci95[1] < 0.0]
 
 
-def should_keep_file(gaps: Sequence[PredictionGap]) -> bool:
+def should_keep_file(gaps: Sequence[ChannelErrors]) -> bool:
     """
     Return whether the vehicle file should be kept because the fit is not an improvement.
 
@@ -24,54 +24,62 @@ def should_keep_file(gaps: Sequence[PredictionGap]) -> bool:
     the model, so this horizon alone decides nothing.
     """
     lost = find_worse_forecasts(gaps)
-    won = any(gap.shrink_ci95[0] > 0.0 for gap in _select_pose(gaps))
-    return any(gap in lost for gap in _select_furthest(gaps, WHOLE[:1])) or bool(lost and not won)
+    won = any(gap.shrink_ci95[0] > 0.0 for gap in _select_pose_errors(gaps))
+    return any(gap in lost for gap in _select_longest_horizons(gaps, WHOLE[:1])) or bool(
+        lost and not won
+    )
 
 
-def find_vain_gaps(gaps: Sequence[PredictionGap]) -> list[PredictionGap]:
+def find_worse_than_tolerances(gaps: Sequence[ChannelErrors]) -> list[ChannelErrors]:
     """Return the errors at the longest horizon that are larger than with tolerances alone."""
-    return [gap for gap in _select_furthest(gaps, WHOLE) if gap.after > WORSE * gap.tuned]
+    return [gap for gap in _select_longest_horizons(gaps, WHOLE) if gap.after > WORSE * gap.tuned]
 
 
-def list_forecast_warnings(gaps: Sequence[PredictionGap]) -> list[str]:
+def list_forecast_warnings(gaps: Sequence[ChannelErrors]) -> list[str]:
     """Return warnings about fits or names that worsen forecasts, and about useless models."""
-    lost, vain = find_worse_forecasts(gaps), find_vain_gaps(gaps)
-    idle = [gap for gap in _select_pose(gaps) if gap.coast < min(gap.before, gap.tuned, gap.after)]
+    lost, vain = find_worse_forecasts(gaps), find_worse_than_tolerances(gaps)
+    idle = [
+        gap
+        for gap in _select_pose_errors(gaps)
+        if gap.coast < min(gap.before, gap.tuned, gap.after)
+    ]
     out = []
     if should_keep_file(gaps):
         out.append(
-            f'The fit predicts worse than the vehicle file ({_format_gaps(lost)}): '
+            f'The fit predicts worse than the vehicle file ({_format_channel_horizons(lost)}): '
             'keep the vehicle file.'
         )
     elif lost:
-        out.append(f'Some forecasts get worse: {_format_gaps(lost)}.')
+        out.append(f'Some forecasts get worse: {_format_channel_horizons(lost)}.')
     if vain and not should_keep_file(gaps):
         out.append(
             f'With the named effects, forecasts are worse than with tolerances alone '
-            f'({_format_gaps(vain)}): the name may be right, but do not trust its value; fly '
+            f'({_format_channel_horizons(vain)}): the name may be right, but do not '
+            'trust its value; fly '
             f'again.'
         )
     if idle:
         out.append(
-            f'Constant velocity and rates predict better than any model ({_format_gaps(idle)}).'
+            f'Constant velocity and rates predict better than any model '
+            f'({_format_channel_horizons(idle)}).'
         )
     return out
 
 
-def _select_furthest(
-    gaps: Sequence[PredictionGap], channels: Sequence[str]
-) -> list[PredictionGap]:
+def _select_longest_horizons(
+    gaps: Sequence[ChannelErrors], channels: Sequence[str]
+) -> list[ChannelErrors]:
     """Return the gap of each channel at its longest horizon."""
     some = [[gap for gap in gaps if gap.channel == channel] for channel in channels]
     return [max(each, key=lambda gap: gap.horizon_s) for each in some if each]
 
 
-def _select_pose(gaps: Sequence[PredictionGap]) -> list[PredictionGap]:
+def _select_pose_errors(gaps: Sequence[ChannelErrors]) -> list[ChannelErrors]:
     """Return the gaps of position and attitude."""
     return [gap for gap in gaps if gap.channel in WHOLE]
 
 
-def _format_gaps(gaps: Sequence[PredictionGap]) -> str:
+def _format_channel_horizons(gaps: Sequence[ChannelErrors]) -> str:
     """Return channels and horizons: 'position after 5 s, attitude after 3, 5 s'."""
     parts = []
     for channel in WHOLE:

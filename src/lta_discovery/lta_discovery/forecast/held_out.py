@@ -9,7 +9,7 @@ else of the flight is known to any model.
 from collections.abc import Sequence
 from typing import Final, NamedTuple
 
-from lta_discovery.finding import PredictionGap
+from lta_discovery.finding import ChannelErrors
 from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.fit.evidence import per_flight_variance, PieceReducer
 from lta_discovery.fit.joint_fit import JointFit
@@ -21,12 +21,12 @@ from lta_discovery.model.quaternions import (
     quaternion_logarithm,
     quaternion_product,
 )
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import (
     LinearizationPoint,
     LinearizedFlight,
     zero_unknowns,
 )
-from lta_discovery.replay.linearizer import FlightLinearizer
 from lta_discovery.replay.replay import STEPS
 from lta_discovery.replay.sensing import predict_readings, transform_to_map
 import numpy as np
@@ -80,7 +80,7 @@ def build_model_points(
         point = LinearizationPoint(vehicle, values, zero_unknowns(flight.replay.cut))
         if count:
             if columns is None:
-                columns = flight.compute_columns(point, slice(0, count))[0]
+                columns = flight.compute_whitened_columns(point, slice(0, count))[0]
             own = _estimate_own_errors(flight, point, columns, deviations, count)
             vehicle, values = apply_parameters(nominal, knobs, values + own)
             point = LinearizationPoint(vehicle, values, point.random)
@@ -97,7 +97,9 @@ def _estimate_own_errors(
 ) -> Array:
     """Estimate a flight's own errors from its first pieces (maximum a posteriori)."""
     grid = flight.simulate_forecast(point)[:, ::STEPS]
-    left = flight.compute_residual(grid, point, flight.replay.build_rows(point.nominal))[:count]
+    left = flight.compute_residual(grid, point, flight.replay.build_replay_rows(point.nominal))[
+        :count
+    ]
     left /= flight.replay.flight.noise
     known = np.isfinite(left)
     table = np.concatenate([columns, left[..., None]], axis=-1)
@@ -106,7 +108,9 @@ def _estimate_own_errors(
     grams = np.swapaxes(flat, 1, 2) @ flat
     first = LinearizationPoint(point.nominal, point.values, point.random[:count])
     rows = known.sum(axis=(1, 2))
-    reduced = PieceReducer(LinearizedFlight((), grams, rows, first, left)).reduce(deviations)
+    reduced = PieceReducer(LinearizedFlight((), grams, rows, first, left)).eliminate_unknowns(
+        deviations
+    )
     variance = per_flight_variance(flight.knobs)
     # Only the flight's own errors are free; shared values are fixed
     own = np.flatnonzero(variance)
@@ -120,7 +124,7 @@ def _compute_residuals(
     flight: FlightLinearizer, point: LinearizationPoint, coast: bool = False
 ) -> Array:
     """Return measured minus predicted at each horizon, shape (S, H, 14); NaN where unknown."""
-    rows, replay = flight.replay.build_rows(point.nominal), flight.replay
+    rows, replay = flight.replay.build_replay_rows(point.nominal), flight.replay
     if coast:
         grid = extrapolate_coast(
             transform_to_map(replay.cut.start, rows.acting), replay.cut.length
@@ -157,9 +161,9 @@ def bootstrap_shrinkage(
     return float(low), float(high)
 
 
-def compute_gaps(
+def compute_model_errors(
     flights: Sequence[FlightLinearizer], models: Sequence[FlightUnderModels], seed: int
-) -> list[PredictionGap]:
+) -> list[ChannelErrors]:
     """Return the errors of each model: position and attitude, then by channel, at each horizon."""
     kinds = ('before', 'tuned', 'after', 'coast')
     offs: dict[str, Array] = {
@@ -184,7 +188,7 @@ def compute_gaps(
             # A pose error is a distance: the noises of its axes add in quadrature.
             floor = float(np.sqrt(np.sum(noise[columns] ** 2)))
             out.append(
-                PredictionGap(
+                ChannelErrors(
                     name, unit, horizon, **mean, noise_floor=floor,
                     shrink=1.0 - mean['after'] / mean['before'],
                     shrink_ci95=bootstrap_shrinkage(

@@ -15,9 +15,9 @@ from lta_discovery.model.quaternions import (
     quaternion_logarithm,
     quaternion_product,
 )
+from lta_discovery.replay.flight_linearizer import FlightLinearizer, POSE, start_sensitivity
 from lta_discovery.replay.linearization_inputs import LinearizationInputs, prepare_linearization
 from lta_discovery.replay.linearized_flight import AXES, LinearizationPoint, zero_unknowns
-from lta_discovery.replay.linearizer import FlightLinearizer, POSE, start_sensitivity
 from lta_discovery.replay.replay import STEPS
 from lta_discovery.replay.sensing import predict_readings, tracker_frame, transform_to_map
 from lta_discovery.replay.variational_equation import WIDTH
@@ -74,12 +74,12 @@ def compute_horizon_errors(
     parts = []
     for begin in range(0, len(flight.replay.first), CHUNK):
         some = slice(begin, begin + CHUNK)
-        parts.append(_compute_chunk(flight, begun, about, which, index, some))
+        parts.append(_compute_piece_errors(flight, begun, about, which, index, some))
     left, columns = (np.concatenate(each) for each in zip(*parts, strict=True))
     return HorizonErrors(left, columns)
 
 
-def _compute_chunk(
+def _compute_piece_errors(
     flight: FlightLinearizer,
     begun: LinearizationPoint,
     about: LinearizationInputs,

@@ -18,8 +18,8 @@ from lta_discovery.model.quaternions import (
     quaternion_product,
     rotate_vectors,
 )
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import LinearizationPoint
-from lta_discovery.replay.linearizer import FlightLinearizer
 from lta_discovery.replay.replay import STEPS
 from lta_discovery.replay.sensing import predict_readings, transform_to_map
 import numpy as np
@@ -116,7 +116,7 @@ def compute_prediction_errors(
 ) -> PredictionErrors:
     """Compute the prediction errors of a model on one flight, without corrections on the way."""
     replay = flight.replay
-    rows = replay.build_rows(point.nominal)
+    rows = replay.build_replay_rows(point.nominal)
     still = LinearizationPoint(point.nominal, point.values, np.zeros_like(point.random))
     predicted = flight.simulate_forecast(still)[:, ::STEPS]
     coast = extrapolate_coast(transform_to_map(replay.cut.start, rows.acting), replay.cut.length)

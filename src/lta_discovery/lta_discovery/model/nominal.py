@@ -142,7 +142,7 @@ class NominalVehicle:
             rotors=self.rotors,
         )
 
-    def build_rows(self) -> ReplayRows:
+    def build_replay_rows(self) -> ReplayRows:
         """Return the inputs of the compiled replay; errors as in `build_model`."""
         model = self.build_model()
         actuators = np.zeros(max(part.stop for part in ACTUATOR_PLACES.values()))
@@ -155,9 +155,9 @@ class NominalVehicle:
         acting = build_chains(model.given, EFFECTS)
         return ReplayRows(actuators, a_on, body, b_on, acting, np.array(self.gains))
 
-    def update_rows(self, other: 'NominalVehicle', rows: ReplayRows) -> ReplayRows:
+    def update_replay_rows(self, other: 'NominalVehicle', rows: ReplayRows) -> ReplayRows:
         """
-        Return what `build_rows` returns, reusing the rows of a similar vehicle.
+        Return what `build_replay_rows` returns, reusing the rows of a similar vehicle.
 
         Parameters
         ----------
@@ -188,7 +188,7 @@ class NominalVehicle:
         )
         kinds = [EFFECTS[name] for name in changed]
         if weighed or any(isinstance(kind, InertiaEffect | BodyEffect) for kind in kinds):
-            return self.build_rows()
+            return self.build_replay_rows()
         acting = rows.acting
         if any(isinstance(kind, MeasurementEffect) for kind in kinds):
             acting = build_chains(self.given, EFFECTS)

@@ -103,7 +103,7 @@ class FreeParameter:
         # The model may reject values outside the bounds
         return step if self.low <= value + step <= self.high else -step
 
-    def is_possible(self, value: float, deviation: float) -> bool:
+    def is_within_bounds(self, value: float, deviation: float) -> bool:
         """
         Return whether an estimate is compatible with the bounds.
 
@@ -113,13 +113,13 @@ class FreeParameter:
         near = BEYOND * deviation
         return self.low - near <= value <= self.high + near
 
-    def is_promising(self, value: float, deviation: float) -> bool:
+    def is_plausible_estimate(self, value: float, deviation: float) -> bool:
         """
         Return whether a linear estimate may stand for a possible value.
 
         It assumes a linear effect: a loss of 0.58 of the Munk moment looks like 1.19.
         """
-        return self.is_possible(value / STEEP, deviation / STEEP)
+        return self.is_within_bounds(value / STEEP, deviation / STEEP)
 
     @property
     def channels(self) -> set[str]:

@@ -2,8 +2,9 @@
 Compile the registered effects for replaying a flight in pieces.
 
 The path from command to thrust does not depend on the motion. It is compiled separately
-(`load_actuators`) and runs once over a whole flight. The other effects (`load_body`) are compiled
-with thrusts as input, and with an additional wrench `latent`: the unexplained force and moment.
+(`load_actuator_kernel`) and runs once over a whole flight. The other effects (`load_body_kernel`)
+are compiled with thrusts as input, and with an additional wrench `latent`: the unexplained force
+and moment.
 Both reuse the registered effects through `lta_sim.kernels.compose`.
 """
 
@@ -28,9 +29,9 @@ from lta_model.effects.protocol import (
     Wrench,
     WrenchEffect,
 )
-from lta_sim.kernels.compose import build_layout, KernelForm, write_kernel_source
+from lta_sim.kernels.compose import build_layout, KernelTarget, render_kernel_source
 from lta_sim.kernels.layout import EffectLayout, KernelAccess, ModelStage
-from lta_sim.kernels.row import ENTRIES, row_places, RowAccess
+from lta_sim.kernels.row import ENTRIES, row_slices, RowAccess
 
 LATENT: Final = 'latent'
 _UNITS: Final = ('N', 'N', 'N', 'N m', 'N m', 'N m')
@@ -65,8 +66,8 @@ BODY_ONLY: Final[dict[str, Effect]] = {
 }
 ACTUATOR_LAYOUT: Final = build_layout(ACTUATORS_ONLY)
 BODY_LAYOUT: Final = build_layout(BODY_ONLY)
-ACTUATOR_PLACES: Final = row_places(ACTUATOR_LAYOUT)
-BODY_PLACES: Final = row_places(BODY_LAYOUT)
+ACTUATOR_PLACES: Final = row_slices(ACTUATOR_LAYOUT)
+BODY_PLACES: Final = row_slices(BODY_LAYOUT)
 RIGID: Final = 13
 # Release the GIL, so that flights run in parallel.
 FREE: Final = ENTRY.replace('cache=True', 'cache=True, nogil=True')
@@ -80,14 +81,19 @@ class _RowOfRotors:
 
     def __init__(self) -> None:
         self._row = RowAccess()
-        self.format_item, self.format_whole = self._row.format_item, self._row.format_whole
+        self.format_number = self._row.format_number
+        self.format_all_numbers = self._row.format_all_numbers
 
-    def build_parts(self, stages: list[ModelStage], layout: EffectLayout) -> dict[str, str]:
+    def build_template_parts(
+        self, stages: list[ModelStage], layout: EffectLayout
+    ) -> dict[str, str]:
         """Return the parts of the source that depend on the layout."""
         still = ModelStage(
             ('wind = (0.0, 0.0, 0.0)',)
         )  # required by the source, but not used by rotors
-        return self._row.build_parts([*(stage for stage in stages if stage.each), still], layout)
+        return self._row.build_template_parts(
+            [*(stage for stage in stages if stage.each), still], layout
+        )
 
 
 def _format_constants(where: Mapping[str, slice], latent: int) -> str:
@@ -110,26 +116,28 @@ def _format_constants(where: Mapping[str, slice], latent: int) -> str:
     return '\n'.join(f'{name} = {value}' for name, value in named.items()) + '\n\n'
 
 
-def _build_form(
+def _build_scalar_form(
     entries: str, where: Mapping[str, slice], access: KernelAccess, latent: int = 0
-) -> KernelForm:
+) -> KernelTarget:
     """Return the scalar form of the model with more entries."""
     text = _format_constants(where, latent) + ENTRIES + entries.replace('$FREE', FREE)
-    return KernelForm('from numba import njit\n', INLINE, ENTRY, access, Template(text))
+    return KernelTarget('from numba import njit\n', INLINE, ENTRY, access, Template(text))
 
 
 @cache
-def load_actuators() -> ModuleType:
+def load_actuator_kernel() -> ModuleType:
     """Return the compiled path from command to thrust, with `chain`."""
     return load_kernel(
-        write_kernel_source(ACTUATORS_ONLY, _build_form(CHAIN, ACTUATOR_PLACES, _RowOfRotors()))
+        render_kernel_source(
+            ACTUATORS_ONLY, _build_scalar_form(CHAIN, ACTUATOR_PLACES, _RowOfRotors())
+        )
     )
 
 
 @cache
-def load_body() -> ModuleType:
+def load_body_kernel() -> ModuleType:
     """Return the compiled motion under given thrusts, with the entries of `FLY`."""
     latent = BODY_PLACES['parameters'].start + BODY_LAYOUT.first[LATENT]
     return load_kernel(
-        write_kernel_source(BODY_ONLY, _build_form(FLY, BODY_PLACES, RowAccess(), latent))
+        render_kernel_source(BODY_ONLY, _build_scalar_form(FLY, BODY_PLACES, RowAccess(), latent))
     )

@@ -5,7 +5,7 @@ from html import escape
 import math
 from typing import Final
 
-from lta_discovery.finding import DiscoveryFinding, PredictionGap
+from lta_discovery.finding import ChannelErrors, StudyResult
 from lta_discovery.forecast.flight_prediction import NAMES
 from lta_discovery.page import strips
 from lta_discovery.page.formatting import format_percent, format_quantity, join_words
@@ -22,7 +22,7 @@ KEY: Final = (
 )
 
 
-def render_gaps(finding: DiscoveryFinding) -> str:
+def render_pose_errors(finding: StudyResult) -> str:
     """Return the errors of position and attitude under all models, by horizon."""
     if not finding.gaps:
         return '<p class="note">There was no flight to compute prediction errors on.</p>'
@@ -30,9 +30,9 @@ def render_gaps(finding: DiscoveryFinding) -> str:
     whole = [gap for gap in finding.gaps if gap.channel in WHOLE] or list(finding.gaps)
     for channel in dict.fromkeys(gap.channel for gap in whole):
         of = [gap for gap in whole if gap.channel == channel]
-        low, high = log_scale(of)
+        low, high = log_scale_limits(of)
         rows = [
-            (_format_horizon(gap), _render_strip(gap, low, high), *_format_figures(gap))
+            (_format_horizon(gap), _render_strip(gap, low, high), *_format_error_cells(gap))
             for gap in of
         ]
         title = NAMES.get(channel, channel)
@@ -41,13 +41,17 @@ def render_gaps(finding: DiscoveryFinding) -> str:
     return f'{"".join(out)}<p class="note">{escape(_format_scope(finding))}</p>'
 
 
-def render_channel_errors(finding: DiscoveryFinding) -> str:
+def render_channel_errors(finding: StudyResult) -> str:
     """Return the errors of the single channels; '' where only the pose was measured."""
     single = [gap for gap in finding.gaps if gap.channel not in WHOLE]
     if not single or len(single) == len(finding.gaps):
         return ''
     rows = [
-        (escape(NAMES.get(gap.channel, gap.channel)), _format_horizon(gap), *_format_figures(gap))
+        (
+            escape(NAMES.get(gap.channel, gap.channel)),
+            _format_horizon(gap),
+            *_format_error_cells(gap),
+        )
         for gap in single
     ]
     inside = render_table(('channel', 'ahead', *HEADS), rows, 'plain', 'Errors of single channels')
@@ -58,7 +62,7 @@ def render_channel_errors(finding: DiscoveryFinding) -> str:
     )
 
 
-def _format_scope(finding: DiscoveryFinding) -> str:
+def _format_scope(finding: StudyResult) -> str:
     """Describe the flights and columns of the errors."""
     whose = (
         f'on {join_words(finding.bags.get("holdout", ()))}, to which nothing was fitted'
@@ -72,7 +76,7 @@ def _format_scope(finding: DiscoveryFinding) -> str:
     )
 
 
-def log_scale(of: Sequence[PredictionGap]) -> tuple[float, float]:
+def log_scale_limits(of: Sequence[ChannelErrors]) -> tuple[float, float]:
     """Return the limits of a logarithmic scale for all errors of a channel."""
     every = [
         part
@@ -83,18 +87,18 @@ def log_scale(of: Sequence[PredictionGap]) -> tuple[float, float]:
     return min(every, default=1.0) / 1.3, max(every, default=1.0) * 1.1
 
 
-def _format_horizon(gap: PredictionGap) -> str:
+def _format_horizon(gap: ChannelErrors) -> str:
     """Return the horizon."""
     return f'{gap.horizon_s:g} s'
 
 
-def _render_strip(gap: PredictionGap, low: float, high: float) -> str:
+def _render_strip(gap: ChannelErrors, low: float, high: float) -> str:
     """Return the errors of all models as points on one scale."""
     four = {'coast': gap.coast, 'before': gap.before, 'tuned': gap.tuned, 'after': gap.after}
-    return strips.render_points(four, low, high, gap.noise_floor)
+    return strips.render_log_points(four, low, high, gap.noise_floor)
 
 
-def _format_figures(gap: PredictionGap) -> Row:
+def _format_error_cells(gap: ChannelErrors) -> Row:
     """Return the table cells of one channel at one horizon, in the order of HEADS."""
     five = (gap.before, gap.tuned, gap.after, gap.coast, gap.noise_floor)
     a, b = (format_percent(part) for part in gap.shrink_ci95)

@@ -56,7 +56,7 @@ def plot_error_map(flights: Sequence[StudyFlightView], places: Sequence[Discrepa
             ),
             row=row, col=1,
         )  # fmt: skip
-    _draw_borders(figure, [one.flown.name for one in flights], begun)
+    _label_flights(figure, [one.flown.name for one in flights], begun)
     for place in places:
         name = NAMES.get(place.channel, '')
         if name in names and place.condition != ALWAYS:
@@ -77,7 +77,7 @@ def average_pieces(errors: Array, every: int) -> Array:
     return np.where(known > 0, np.sqrt(total / np.maximum(known, 1)), np.nan)
 
 
-def _draw_borders(figure: Figure, names: Sequence[str], begun: Sequence[Array]) -> None:
+def _label_flights(figure: Figure, names: Sequence[str], begun: Sequence[Array]) -> None:
     """Label and separate the flights of the map, and write the time below."""
     first, ticks, texts = 0, [], []
     every = max(1, round(sum(map(len, begun)) / CELLS))
@@ -116,7 +116,7 @@ def _frame_discrepancy(
         first += len(times)
 
 
-def plot_by_condition(flights: Sequence[StudyFlightView]) -> Figure:
+def plot_error_by_condition(flights: Sequence[StudyFlightView]) -> Figure:
     """Plot the pose error of each piece against its flight conditions."""
     known = [piece_conditions(one) for one in flights]
     names = list(known[0])
@@ -169,7 +169,7 @@ def plot_path(of: FlightOverlay) -> Figure:
     return figure.update_layout(hovermode='closest', margin={'r': 20})
 
 
-def plot_over_time(of: FlightOverlay) -> Figure:
+def plot_time_series(of: FlightOverlay) -> Figure:
     """Plot height, heading and position error over time."""
     figure = create_figure(3)
     for row, (column, title) in enumerate(
@@ -210,7 +210,7 @@ def prediction_distances(of: FlightOverlay) -> list[tuple[str, str, Array]]:
     ]
 
 
-def plot_lines(
+def plot_stacked_curves(
     curves: Sequence[Sequence[tuple[str, str, Array, Array]]],
     titles: Sequence[str],
     across: str,
@@ -251,7 +251,7 @@ def mark_level(figure: Figure, level: float) -> Figure:
     return figure
 
 
-def plot_scatter(
+def plot_parity(
     x: Sequence[Array], y: Sequence[Array], names: Sequence[str], titles: tuple[str, str]
 ) -> Figure:
     """Plot points of some flights, one colour each, with the line of equality."""

@@ -7,13 +7,13 @@ from lta_discovery.fit.joint_fit import FlightFit
 from lta_discovery.flights.measured_flight import PERIOD
 from lta_discovery.forecast.flight_prediction import (
     best_start_residual,
-    heading_angle,
+    heading_from_quaternion,
     ModelPrediction,
     predict_flight,
 )
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.replay.linearized_flight import build_origin, LinearizationPoint
-from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.linearized_flight import LinearizationPoint, unchanged_vehicle_point
 from lta_discovery.study import DiscoveryStudy, StudyFlight
 import numpy as np
 from numpy.typing import NDArray
@@ -94,7 +94,7 @@ def build_flight_views(study: DiscoveryStudy) -> list[StudyFlightView]:
 
 def _build_nominal_point(nominal: NominalVehicle, flight: FlightLinearizer) -> LinearizationPoint:
     """Return the linearization point of a vehicle without parameters fitted to this flight."""
-    return build_origin(nominal, flight.knobs, flight.replay.cut)
+    return unchanged_vehicle_point(nominal, flight.knobs, flight.replay.cut)
 
 
 def build_overlay(one: StudyFlightView, flights: int = 1) -> FlightOverlay:
@@ -104,7 +104,9 @@ def build_overlay(one: StudyFlightView, flights: int = 1) -> FlightOverlay:
     # At least 5 samples apart, whatever the size: a screen shows no more.
     stride = max(5, int(np.ceil(count * flights / SAMPLES)))
     keep = np.arange(0, count, stride)
-    truth = np.column_stack([measured.position, _unwrap_angle(heading_angle(measured.quaternion))])
+    truth = np.column_stack(
+        [measured.position, _unwrap_angle(heading_from_quaternion(measured.quaternion))]
+    )
     models = (one.before, one.after)
     lines = [truth, *(_join_pieces(one.flown.flight, model, truth, stride) for model in models)]
     a, b, c = (line[keep] * np.array([1.0, 1.0, 1.0, np.degrees(1.0)]) for line in lines)

@@ -4,9 +4,17 @@ from collections.abc import Sequence
 import math
 from typing import Final
 
-from lta_discovery.finding import LadderRung, NamedEffect, ParameterEstimate
-from lta_discovery.selection.acceptance import AGAIN, APART, GAIN, HOLDS, LARGER, SPOILT, TORN
-from lta_discovery.unmodeled.remainders import Remainder
+from lta_discovery.finding import NamedEffect, ParameterEstimate, SearchCandidate
+from lta_discovery.selection.candidate_acceptance import (
+    AGAIN,
+    APART,
+    GAIN,
+    HOLDS,
+    LARGER,
+    SPOILT,
+    TORN,
+)
+from lta_discovery.unmodeled.unexplained_force import Remainder
 from lta_model.effects import EFFECTS
 from lta_model.effects.summary import describe_effect
 from lta_report.formatting import MISSING
@@ -72,7 +80,7 @@ def format_with_interval(value: float, interval: tuple[float, float]) -> tuple[s
     return a, b, c
 
 
-def format_with_unit(text: str, unit: str) -> str:
+def append_unit(text: str, unit: str) -> str:
     """Append the unit to a number; a pure number has none."""
     apart = '' if unit.startswith(DEGREE) else ' '
     return text if unit in ('', '1') else f'{text}{apart}{unit}'
@@ -85,7 +93,7 @@ def format_quantity(value: float, unit: str, digits: int = 3) -> str:
         scale, name = (1e3, 'mm') if size < 0.01 else (100.0, 'cm') if size < 1.0 else (1.0, 'm')
         return f'{format_number(scale * value, digits)} {name}'
     name, factor = SHOWN_UNITS.get(unit, (unit, 1.0))
-    return format_with_unit(format_number(factor * value, digits), name)
+    return append_unit(format_number(factor * value, digits), name)
 
 
 def format_percent(share: float) -> str:
@@ -109,7 +117,7 @@ def format_file_value(one: ParameterEstimate) -> str:
 
 def format_estimate(one: ParameterEstimate) -> str:
     """Format an estimate with its unit."""
-    return format_with_unit(format_with_interval(one.value, one.ci95)[0], one.unit)
+    return append_unit(format_with_interval(one.value, one.ci95)[0], one.unit)
 
 
 def format_assumed(one: NamedEffect) -> str:
@@ -117,7 +125,7 @@ def format_assumed(one: NamedEffect) -> str:
     if not one.assumed:
         return ''
     numbers = [
-        f'{each.name.replace("_", " ")} {format_with_unit(format_number(each.value), each.unit)}'
+        f'{each.name.replace("_", " ")} {append_unit(format_number(each.value), each.unit)}'
         for each in one.assumed
     ]
     return f' with {join_words(numbers)}, assumed and not fitted'
@@ -144,7 +152,7 @@ def format_odds(nats: float) -> str:
     return f'odds of 10{f"{power:.0f}".translate(RAISED)} to 1'
 
 
-def explain_decision(rung: LadderRung, beaten: bool, stands: bool) -> str:
+def explain_decision(rung: SearchCandidate, beaten: bool, stands: bool) -> str:
     """
     Explain why a candidate was named or rejected.
 

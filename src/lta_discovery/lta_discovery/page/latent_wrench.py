@@ -7,7 +7,7 @@ from lta_discovery.fit.joint_fit import FlightFit
 from lta_discovery.page.flight_views import list_fit_flights
 from lta_discovery.replay.linearized_flight import AXES
 from lta_discovery.study import DiscoveryStudy, StudyFlight
-from lta_discovery.unmodeled.remainders import latent_at_knots, state_terms, states_at_knots
+from lta_discovery.unmodeled.unexplained_force import latent_at_knots, state_terms, states_at_knots
 import numpy as np
 from numpy.typing import NDArray
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from lta_config.command_line import format_lta_command
-from lta_discovery.finding import DiscoveryFinding
+from lta_discovery.finding import StudyResult
 from lta_discovery.page import error_tables, figures, tables
 from lta_discovery.page.flight_views import (
     build_flight_views,
@@ -21,15 +21,15 @@ from lta_discovery.page.latent_wrench import collect_latent_wrenches, fit_terms,
 from lta_discovery.page.transfer_table import render_transfer
 from lta_discovery.page.verdict_text import (
     build_tiles,
+    format_flight_roles,
     format_headline,
-    list_learned_commands,
-    summarize_flights,
+    list_learned_file_commands,
 )
 from lta_discovery.page.whiteness import autocorrelation, GROUPS, residual_spectrum
 from lta_discovery.study import DiscoveryStudy
 from lta_model.effects.protocol import AXES
+from lta_report.html_elements import embed_data, render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import embed_data, render_section, render_tile
 from lta_report.palette import DARK, ESTIMATE, FILL, GOOD, LAMP, TRUTH, WALL
 import numpy as np
 from numpy.typing import NDArray
@@ -102,21 +102,21 @@ def render_page(study: DiscoveryStudy, folder: Path, bags: Bags = NONE) -> str:
         'discover.html',
         title=escape(format_headline(found)),
         kicker=escape(f'discover · {found.vehicle} · {len(study.flights)} flights'),
-        about=escape(summarize_flights(found)),
+        about=escape(format_flight_roles(found)),
         tiles='\n'.join(render_tile(*each) for each in build_tiles(found)),
         effects=tables.render_effects(found),
-        gaps=error_tables.render_gaps(found),
+        gaps=error_tables.render_pose_errors(found),
         channels=error_tables.render_channel_errors(found),
         where=render_discrepancies(found, flights),
         places=tables.render_discrepancies(found),
-        ladder=render_transfer(found) + tables.render_ladder(found),
+        ladder=render_transfer(found) + tables.render_search_rounds(found),
         overlays=render_overlays(names, drawn),
         white=render_whiteness(flights),
         remains=render_remainders(study),
         following=tables.render_next_steps(found),
         seen=tables.render_detection_limits(found),
         warnings=tables.render_warnings(found),
-        facts=list_facts(found),
+        facts=list_provenance(found),
         commands=list_commands(found, folder, bags or found.bags),
         files={},
         has_plots=True,
@@ -124,7 +124,7 @@ def render_page(study: DiscoveryStudy, folder: Path, bags: Bags = NONE) -> str:
     )
 
 
-def render_discrepancies(finding: DiscoveryFinding, flights: Sequence[StudyFlightView]) -> str:
+def render_discrepancies(finding: StudyResult, flights: Sequence[StudyFlightView]) -> str:
     """Return the figures of where the model is off."""
     if not any(len(one.before.time) for one in flights):
         return NOBODY
@@ -132,7 +132,7 @@ def render_discrepancies(finding: DiscoveryFinding, flights: Sequence[StudyFligh
         'heat', 'Where and when the model is off', HEAT,
         figures.plot_error_map(flights, finding.where),
     ) + render_section(
-        'conditions', 'In which conditions', CONDITIONS, figures.plot_by_condition(flights)
+        'conditions', 'In which conditions', CONDITIONS, figures.plot_error_by_condition(flights)
     )  # fmt: skip
 
 
@@ -158,7 +158,7 @@ def render_overlays(names: Sequence[str], lines: Sequence[FlightOverlay]) -> str
             'overtime',
             'Before and after, over time',
             OVER,
-            figures.plot_over_time(first),
+            figures.plot_time_series(first),
             timed=True,
         )
         + '</div>'
@@ -195,11 +195,11 @@ def render_whiteness(flights: Sequence[StudyFlightView]) -> str:
         rows.append([(name, colour, *autocorrelation(left)[:2]) for name, colour, left in of])
         powers.append([(name, colour, *residual_spectrum(left)) for name, colour, left in of])
     titles = list(GROUPS)
-    correlated = figures.plot_lines(rows, titles, 'later', 's')
+    correlated = figures.plot_stacked_curves(rows, titles, 'later', 's')
     band = autocorrelation([each[..., GROUPS['position']] for each in both[0]])[2]
     for level in (-band, band):
         figures.mark_level(correlated, level)
-    by_frequency = figures.plot_lines(powers, titles, 'frequency', 'Hz')
+    by_frequency = figures.plot_stacked_curves(powers, titles, 'frequency', 'Hz')
     by_frequency.update_xaxes(type='log', tickvals=[0.2, 0.5, 1, 2, 5, 10]).update_yaxes(
         type='log', exponentformat='power', dtick=1
     )
@@ -243,7 +243,7 @@ def _render_latent_wrench(study: DiscoveryStudy) -> str:
     made = render_section(
         'latent', 'The unexplained force over time',
         f'As computed from the measured motion: {names}.',
-        figures.plot_lines(rows, titles, 'time', 's'),
+        figures.plot_stacked_curves(rows, titles, 'time', 's'),
     )  # fmt: skip
     known = flights[0].terms
     following = next((one for one in found.remains if known.keys() & set(one.follows)), None)
@@ -253,7 +253,7 @@ def _render_latent_wrench(study: DiscoveryStudy) -> str:
             'follows', f'What the {following.axis} part follows',
             f'{format_remainder(following).capitalize()}. Points on the dashed line are '
             'fully explained by these terms.',
-            figures.plot_scatter(
+            figures.plot_parity(
                 fit_terms(flights, axis, following.follows),
                 [np.where(each.known, each.wrench[..., axis], np.nan).ravel() for each in flights],
                 [each.name for each in flights],
@@ -264,7 +264,7 @@ def _render_latent_wrench(study: DiscoveryStudy) -> str:
     return f'<div class="grid drawn">{made}</div>'
 
 
-def list_facts(finding: DiscoveryFinding) -> Mapping[str, str]:
+def list_provenance(finding: StudyResult) -> Mapping[str, str]:
     """Return the provenance of the page."""
     roles = {'train': 'learned from', 'confirm': 'confirmed by', 'holdout': 'held out'}
     return {
@@ -279,11 +279,11 @@ def list_facts(finding: DiscoveryFinding) -> Mapping[str, str]:
     }
 
 
-def list_commands(finding: DiscoveryFinding, folder: Path, bags: Bags) -> Mapping[str, str]:
+def list_commands(finding: StudyResult, folder: Path, bags: Bags) -> Mapping[str, str]:
     """Return the commands to repeat the study and to use its result."""
     words = ['--vehicle', finding.vehicle]
     for role in ('train', 'confirm', 'holdout'):
         if bags.get(role):
             words += [f'--{role}', *map(str, bags[role])]
     again = format_lta_command('discover', *words, '--seed', str(finding.seed))
-    return {'do it again': again, **list_learned_commands(finding, folder)}
+    return {'do it again': again, **list_learned_file_commands(finding, folder)}

@@ -13,7 +13,7 @@ def strip_position(value: float, low: float, high: float) -> float:
     return MARGIN + (100.0 - 2.0 * MARGIN) * min(max(share, 0.0), 1.0)
 
 
-def render_points(
+def render_log_points(
     values: Mapping[str, float], low: float, high: float, floor: float = math.nan
 ) -> str:
     """
@@ -56,7 +56,7 @@ def render_interval(before: float, value: float, ci95: tuple[float, float]) -> s
     return _render_strip(parts)
 
 
-def render_stacked(first: float, second: float, line: float, most: float) -> str:
+def render_stacked_bar(first: float, second: float, line: float, most: float) -> str:
     """
     Return two stacked amounts and a threshold line, on a square-root scale.
 

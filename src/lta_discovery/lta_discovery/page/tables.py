@@ -7,15 +7,16 @@ from typing import Final
 
 from lta_discovery.conclusion import draw_conclusion, is_still_named
 from lta_discovery.finding import (
-    DiscoveryFinding,
     Discrepancy,
-    LadderRung,
     NamedEffect,
     ParameterEstimate,
+    SearchCandidate,
+    StudyResult,
 )
 from lta_discovery.forecast.flight_prediction import NAMES
 from lta_discovery.page import strips
 from lta_discovery.page.formatting import (
+    append_unit,
     explain_decision,
     explain_effect,
     format_assumed,
@@ -27,13 +28,12 @@ from lta_discovery.page.formatting import (
     format_percent,
     format_remainder,
     format_with_interval,
-    format_with_unit,
     join_words,
     remainder_unit,
 )
 from lta_discovery.page.verdict_text import format_advice
-from lta_discovery.selection.acceptance import GAIN
-from lta_discovery.unmodeled.remainders import Remainder
+from lta_discovery.selection.candidate_acceptance import GAIN
+from lta_discovery.unmodeled.unexplained_force import Remainder
 
 Row = Sequence[str]
 MOST: Final = 6  # discrepancies shown unfolded
@@ -62,14 +62,14 @@ def render_table(heads: Row, rows: Sequence[Row], name: str, caption: str) -> st
     )
 
 
-def render_effects(finding: DiscoveryFinding) -> str:
+def render_effects(finding: StudyResult) -> str:
     """Return the named effects, or why there are none."""
     if finding.effects:
         return ''.join(map(_render_effect, finding.effects))
     return f'<p class="calm">{escape(_format_nothing_named(finding))}</p>'
 
 
-def _format_nothing_named(finding: DiscoveryFinding) -> str:
+def _format_nothing_named(finding: StudyResult) -> str:
     """Explain why no effect was named."""
     tried = [rung for step in finding.ladder for rung in step]
     best = max(tried, key=lambda rung: rung.total, default=None)
@@ -95,7 +95,7 @@ def _format_nothing_named(finding: DiscoveryFinding) -> str:
     return f'{said} {near}'
 
 
-def render_detection_limits(finding: DiscoveryFinding) -> str:
+def render_detection_limits(finding: StudyResult) -> str:
     """Return the detection limits of the effects, the lowest first; '' if not computed."""
     if not finding.detectable:
         return ''
@@ -105,7 +105,7 @@ def render_detection_limits(finding: DiscoveryFinding) -> str:
     rows = ''.join(
         f'<li{"" if one.size < one.typical else BLIND}>'
         f'<span>{escape(format_parameter(one.knob))}</span> '
-        f'<b>{escape(format_with_unit(format_number(one.size, 2), one.unit))}</b></li>'
+        f'<b>{escape(append_unit(format_number(one.size, 2), one.unit))}</b></li>'
         for one in ordered
     )
     return (
@@ -133,7 +133,7 @@ def _render_effect(one: NamedEffect) -> str:
     return (
         f'<div class="effect"><h3>{escape(names[:1].upper() + names[1:])}</h3>'
         f'<p class="what">{escape(explain_effect(one.name))}</p>'
-        f'{"".join(map(_render_parameter, one.parameters))}{_render_assumed(one)}'
+        f'{"".join(map(_render_parameter, one.parameters))}{_render_assumed_values(one)}'
         f'<p class="note">Without it the flights lose <b>{format_number(one.log_evidence)} '
         f'nats</b> of '
         f'evidence, {format_odds(one.log_evidence)} against the file without '
@@ -141,7 +141,7 @@ def _render_effect(one: NamedEffect) -> str:
     )
 
 
-def _render_assumed(one: NamedEffect) -> str:
+def _render_assumed_values(one: NamedEffect) -> str:
     """Return the assumed numbers that the values of an effect depend on."""
     said = format_assumed(one).strip()
     return f'<p class="note">Its values hold {escape(said)}.</p>' if said else ''
@@ -153,13 +153,13 @@ def _render_parameter(one: ParameterEstimate) -> str:
     before = one.before if one.in_file else math.nan
     return (
         f'<dl class="learned"><dt>{escape(one.name.replace("_", " "))}</dt>'
-        f'<dd><b>{value}</b> {escape(format_with_unit("", one.unit).strip())} '
+        f'<dd><b>{value}</b> {escape(append_unit("", one.unit).strip())} '
         f'<small>95 %: {low} to {high}; {format_file_value(one)}</small></dd></dl>'
         f'{strips.render_interval(before, one.value, one.ci95)}'
     )
 
 
-def render_ladder(finding: DiscoveryFinding) -> str:
+def render_search_rounds(finding: StudyResult) -> str:
     """Return all candidates of the search, by round."""
     rungs = [rung for step in finding.ladder for rung in step]
     if not rungs:
@@ -182,26 +182,28 @@ def render_ladder(finding: DiscoveryFinding) -> str:
             out.append('<p class="note">No candidate was promising enough for a refit.</p>')
             continue
         rows = [
-            _format_rung(rung, most, named is not None, is_still_named(finding, rung.knob))
+            _format_candidate_cells(
+                rung, most, named is not None, is_still_named(finding, rung.knob)
+            )
             for rung in step
         ]
         out.append(render_table(heads, rows, 'plain ladder', f'Candidates of round {k}'))
     return ''.join(out)
 
 
-def _format_rung(rung: LadderRung, most: float, beaten: bool, stands: bool) -> Row:
+def _format_candidate_cells(rung: SearchCandidate, most: float, beaten: bool, stands: bool) -> Row:
     """Return the cells of one candidate."""
     name = escape(format_parameter(rung.knob))
     return (
         f'<b>{name}</b>' if rung.accepted and stands else name,
-        strips.render_stacked(rung.train, max(rung.confirm, rung.carried), GAIN, most),
+        strips.render_stacked_bar(rung.train, max(rung.confirm, rung.carried), GAIN, most),
         *(format_number(part) for part in (rung.train, rung.confirm, rung.carried)),
         format_number(rung.apart, 2),
         explain_decision(rung, beaten, stands),
     )
 
 
-def render_discrepancies(finding: DiscoveryFinding) -> str:
+def render_discrepancies(finding: StudyResult) -> str:
     """Return where the model disagrees most, the largest first."""
     if not finding.where:
         return '<p class="absent">The error exceeds the noise nowhere.</p>'
@@ -229,7 +231,7 @@ def _format_discrepancy(place: Discrepancy, most: float) -> Row:
     )
 
 
-def render_remainders(finding: DiscoveryFinding) -> str:
+def render_remainders(finding: StudyResult) -> str:
     """Return the unexplained forces, the largest first."""
     if not finding.remains:
         return ''
@@ -252,7 +254,7 @@ def _format_remainder(one: Remainder, most: float) -> Row:
     )
 
 
-def render_unexplained(finding: DiscoveryFinding) -> str:
+def render_unexplained(finding: StudyResult) -> str:
     """Return the unexplained forces, oscillations and draught in sentences."""
     told = [*finding.unexplained, *([finding.draught.sentence] if finding.draught else [])]
     if not told:
@@ -261,7 +263,7 @@ def render_unexplained(finding: DiscoveryFinding) -> str:
     return f'<ul class="words">{rows}</ul>'
 
 
-def render_next_steps(finding: DiscoveryFinding) -> str:
+def render_next_steps(finding: StudyResult) -> str:
     """Return the advice on the vehicle file, and the next flight or measurement."""
     said = f'{format_advice(finding)} {finding.next_flight}'.strip()
     return (
@@ -271,7 +273,7 @@ def render_next_steps(finding: DiscoveryFinding) -> str:
     )
 
 
-def render_warnings(finding: DiscoveryFinding) -> str:
+def render_warnings(finding: StudyResult) -> str:
     """Return the warnings as a list, or a note that there are none."""
     if not finding.warnings:
         doubt = (

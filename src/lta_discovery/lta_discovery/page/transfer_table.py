@@ -4,7 +4,7 @@ from html import escape
 import math
 from typing import Final
 
-from lta_discovery.finding import DiscoveryFinding
+from lta_discovery.finding import StudyResult
 from lta_discovery.page import strips
 from lta_discovery.page.formatting import (
     format_number,
@@ -18,7 +18,7 @@ WHOLE: Final = ('position', 'attitude')
 HEADS: Final = ('error', 'vehicle file', 'with the names', 'everything refitted', 'ratio')
 
 
-def render_transfer(finding: DiscoveryFinding) -> str:
+def render_transfer(finding: StudyResult) -> str:
     """Return the forecast evidence; '' where the sensor readings identified the effects."""
     told = finding.carried
     if told is None:

@@ -4,8 +4,8 @@ from pathlib import Path
 from typing import Final
 
 from lta_config.command_line import format_lta_command, relative_path
-from lta_discovery.conclusion import ADVICE, Conclusion, draw_conclusion, select_main_gap
-from lta_discovery.finding import DiscoveryFinding, NamedEffect
+from lta_discovery.conclusion import ADVICE, Conclusion, draw_conclusion, select_main_error
+from lta_discovery.finding import NamedEffect, StudyResult
 from lta_discovery.page.formatting import (
     explain_decision,
     format_assumed,
@@ -20,7 +20,7 @@ from lta_discovery.page.formatting import (
     join_words,
     MANY,
 )
-from lta_discovery.unmodeled.draught import DraughtFinding
+from lta_discovery.unmodeled.draught import DraughtEstimate
 from lta_report.formatting import MISSING, Tile
 
 ROLES: Final = {
@@ -28,24 +28,24 @@ ROLES: Final = {
 }  # fmt: skip
 
 
-def format_headline(finding: DiscoveryFinding) -> str:
+def format_headline(finding: StudyResult) -> str:
     """Return the verdict in a sentence."""
     said, rest = draw_conclusion(finding), _format_remainder(finding)
     if finding.verdict == 'none':
-        return f'{_format_none(said)}{_format_draught(finding)}'
+        return f'{_format_no_effect_headline(said)}{_format_draught(finding)}'
     if finding.verdict == 'not_identifiable':
         return _format_unidentifiable(finding, said)
     if finding.verdict == 'unexplained':
         return f'Something is missing that no effect of the library describes{rest}.'
     names = join_words([_format_alternatives(one) for one in finding.effects])
-    verb = 'are' if _has_several(finding) else 'is'
+    verb = 'are' if _has_several_parameters(finding) else 'is'
     text = f'{names[:1].upper()}{names[1:]} {verb} missing{_format_improvement(finding, said)}'
     if finding.verdict == 'named+unexplained':
         return f'{text}; and something that no effect of the library describes{rest}.'
     return f'{text}.'
 
 
-def _format_unidentifiable(finding: DiscoveryFinding, conclusion: Conclusion) -> str:
+def _format_unidentifiable(finding: StudyResult, conclusion: Conclusion) -> str:
     """Return the headline of a study that does not identify an effect."""
     if conclusion.coasting:
         return (
@@ -60,7 +60,7 @@ def _format_unidentifiable(finding: DiscoveryFinding, conclusion: Conclusion) ->
     return f'These flights cannot distinguish {names} from {rivals}.'
 
 
-def _has_several(finding: DiscoveryFinding) -> bool:
+def _has_several_parameters(finding: StudyResult) -> bool:
     """Return whether more than one parameter was named."""
     return sum(len(one.knobs) for one in finding.effects) > 1
 
@@ -70,14 +70,14 @@ def _format_alternatives(one: NamedEffect) -> str:
     return join_words([format_effect(one), *map(format_parameter, one.confusable_with)], 'or')
 
 
-def _format_remainder(finding: DiscoveryFinding) -> str:
+def _format_remainder(finding: StudyResult) -> str:
     """Return the largest unexplained force, to be appended to a headline."""
     if finding.remains:
         return f': {format_remainder(finding.remains[0])}'
     return f': {finding.unexplained[0]}' if finding.unexplained else ''
 
 
-def _format_draught(finding: DiscoveryFinding) -> str:
+def _format_draught(finding: StudyResult) -> str:
     """Return a sentence about the draught, to be appended; '' if there is none."""
     return (
         f' There was a draught of {format_draught_size(finding.draught)}.'
@@ -86,12 +86,12 @@ def _format_draught(finding: DiscoveryFinding) -> str:
     )
 
 
-def format_draught_size(one: DraughtFinding) -> str:
+def format_draught_size(one: DraughtEstimate) -> str:
     """Return the force of a draught."""
     return f'{format_number(1e3 * one.force, 2)} mN'
 
 
-def _format_none(conclusion: Conclusion) -> str:
+def _format_no_effect_headline(conclusion: Conclusion) -> str:
     """Return the headline if no effect is missing, with the gain of tuned tolerances if any."""
     gap = conclusion.gain
     if gap is None:
@@ -105,12 +105,12 @@ def _format_none(conclusion: Conclusion) -> str:
     )
 
 
-def _format_improvement(finding: DiscoveryFinding, conclusion: Conclusion) -> str:
+def _format_improvement(finding: StudyResult, conclusion: Conclusion) -> str:
     """Return how much the named effects reduce the error, to be appended to a headline."""
     gap = conclusion.gain
     if gap is None:
         return ''
-    them = 'them' if _has_several(finding) else 'it'
+    them = 'them' if _has_several_parameters(finding) else 'it'
     if conclusion.rivals:
         them = join_words([format_effect(one) for one in finding.effects])
     text = (
@@ -120,14 +120,14 @@ def _format_improvement(finding: DiscoveryFinding, conclusion: Conclusion) -> st
     return f'{text}, as it does with tolerances alone' if conclusion.by_tolerances else text
 
 
-def format_advice(finding: DiscoveryFinding) -> str:
+def format_advice(finding: StudyResult) -> str:
     """Return what to do with the vehicle file, in a sentence or two."""
     said = draw_conclusion(finding)
     which = ' It does not show which of the names is right.' if said.rivals else ''
     return ADVICE[said.advice] + (which if said.advice == 'use' else '')
 
 
-def list_learned_commands(finding: DiscoveryFinding, folder: Path) -> dict[str, str]:
+def list_learned_file_commands(finding: StudyResult, folder: Path) -> dict[str, str]:
     """Return the commands to view the learned file and, if that is the advice, to fly it."""
     if not finding.effects:
         return {}
@@ -138,7 +138,7 @@ def list_learned_commands(finding: DiscoveryFinding, folder: Path) -> dict[str, 
     return out
 
 
-def summarize_flights(finding: DiscoveryFinding) -> str:
+def format_flight_roles(finding: StudyResult) -> str:
     """Return the flights with their roles."""
     parts = [f'{words} {join_words(finding.bags[role])}' for role, words in ROLES.items()
              if finding.bags.get(role)]  # fmt: skip
@@ -153,9 +153,9 @@ def summarize_flights(finding: DiscoveryFinding) -> str:
     return f'{said[:1].upper()}{said[1:]}. {shown if finding.gaps else ""}{more}'.strip()
 
 
-def build_tiles(finding: DiscoveryFinding) -> list[Tile]:
+def build_tiles(finding: StudyResult) -> list[Tile]:
     """Return the key figures: effects, evidence, improvement, remainder."""
-    gap = select_main_gap(finding.gaps)
+    gap = select_main_error(finding.gaps)
     made = [_build_verdict_tile(finding), _build_evidence_tile(finding)]
     if gap is None:
         made.append(Tile('Error', MISSING, '', 'no flight to compute it on'))
@@ -176,7 +176,7 @@ def build_tiles(finding: DiscoveryFinding) -> list[Tile]:
     return made
 
 
-def _build_remainder_tile(finding: DiscoveryFinding) -> Tile:
+def _build_remainder_tile(finding: StudyResult) -> Tile:
     """Return the tile of the unexplained forces."""
     if finding.remains:
         first = finding.remains[0]
@@ -194,7 +194,7 @@ def _build_remainder_tile(finding: DiscoveryFinding) -> Tile:
     return Tile('Unexplained', '0', 'axes', left)
 
 
-def _build_verdict_tile(finding: DiscoveryFinding) -> Tile:
+def _build_verdict_tile(finding: StudyResult) -> Tile:
     """Return the tile of the verdict."""
     count = sum(1 if len(one.knobs) > MANY else len(one.knobs) for one in finding.effects)
     values = [
@@ -213,7 +213,7 @@ def _build_verdict_tile(finding: DiscoveryFinding) -> Tile:
                 '' if finding.verdict in value else 'named', note)  # fmt: skip
 
 
-def _build_evidence_tile(finding: DiscoveryFinding) -> Tile:
+def _build_evidence_tile(finding: StudyResult) -> Tile:
     """Return the tile of the evidence."""
     if finding.effects:
         least = min(one.log_evidence for one in finding.effects)

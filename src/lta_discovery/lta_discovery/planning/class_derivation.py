@@ -16,13 +16,13 @@ from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters
 from lta_discovery.planning.rehearsal import (
     prepare_linearizer,
-    rehearse_flight,
     Sensors,
+    simulate_flight,
     with_course,
 )
 from lta_discovery.planning.separability import PairSeparability
-from lta_discovery.replay.linearized_flight import build_origin
-from lta_flight.flight_spec import build_parts, FlightSpec, load_spec
+from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
+from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec
 from lta_model.effects import BUILT_IN, EFFECTS
 import numpy as np
 from numpy.typing import NDArray
@@ -69,7 +69,7 @@ class EffectSeparability:
     cap: Array
 
     @property
-    def undetectable(self) -> list[str]:
+    def unobservable_effects(self) -> list[str]:
         """Unobservable effects."""
         return [name for name, s in zip(self.names, self.reach, strict=True) if s < SEEN]
 
@@ -78,12 +78,12 @@ class EffectSeparability:
         seen = np.flatnonzero(self.reach >= SEEN)
         if len(seen) < 2:
             return []
-        found = group_alike(self.cosine[np.ix_(seen, seen)], ALIKE)
+        found = cluster_complete_linkage(self.cosine[np.ix_(seen, seen)], ALIKE)
         groups = [[self.names[seen[k]] for k in group] for group in found]
         return [group for group in groups if len(group) > 1]
 
 
-def group_alike(cosine: Array, least: float) -> list[list[int]]:
+def cluster_complete_linkage(cosine: Array, least: float) -> list[list[int]]:
     """Group by complete linkage: every two members are alike."""
     far = 1.0 - np.abs(cosine)
     # The order that scipy's linkage expects
@@ -123,34 +123,34 @@ def derive_classes(
 ) -> Mapping[str, EffectSeparability]:
     """Derive the separability for each kind of data."""
     made = load_spec(VEHICLE, 'hall', 'bag', '')
-    vehicle = build_parts(made)[0]
-    turned = select_shipped(list_free_parameters(NominalVehicle.from_vehicle(vehicle)))
+    vehicle = build_vehicle_scenario_stack(made)[0]
+    turned = select_builtin_parameters(list_free_parameters(NominalVehicle.from_vehicle(vehicle)))
     out: dict[str, EffectSeparability] = {}
     flown = {}
     for kind in kinds:
         sensors, rich = KINDS[kind]
         # Kinds share the simulated flights; only the recorded sensors differ
         if rich not in flown:
-            flown[rich] = [_rehearse_streams(made, seed, rich) for seed in range(1, flights + 1)]
+            flown[rich] = [_simulate_streams(made, seed, rich) for seed in range(1, flights + 1)]
         reduced = []
         for streams in flown[rich]:
             flight = prepare_linearizer(streams, vehicle, turned, sensors)
             nominal = NominalVehicle.from_vehicle(vehicle)
-            linear = flight.linearize(build_origin(nominal, turned, flight.replay.cut))
+            linear = flight.linearize(unchanged_vehicle_point(nominal, turned, flight.replay.cut))
             # Deviations at the noise floor: nothing is missing in the simulation
-            reduced.append(PieceReducer(linear).reduce(wrench_floor(nominal)))
+            reduced.append(PieceReducer(linear).eliminate_unknowns(wrench_floor(nominal)))
         out[kind] = compare_candidates(
             PairSeparability(reduced, turned), PairSeparability(reduced, turned, MORE)
         )
     return out
 
 
-def _rehearse_streams(spec: FlightSpec, seed: int, rich: bool) -> FlightStreams:
+def _simulate_streams(spec: FlightSpec, seed: int, rich: bool) -> FlightStreams:
     """Return the recorded streams of a simulated flight."""
-    vehicle, scenario, policy = build_parts(
+    vehicle, scenario, policy = build_vehicle_scenario_stack(
         with_course(spec, build_rich_course(seed, rich), LENGTH)
     )
-    return rehearse_flight(vehicle, scenario, policy, seed).streams
+    return simulate_flight(vehicle, scenario, policy, seed).streams
 
 
 def compare_candidates(pairs: PairSeparability, more: PairSeparability) -> EffectSeparability:
@@ -167,7 +167,7 @@ def compare_candidates(pairs: PairSeparability, more: PairSeparability) -> Effec
     return EffectSeparability(tuple(pairs.knobs[k].name for k in at), cosine, reach, cap)
 
 
-def select_shipped(parameters: Sequence[FreeParameter]) -> list[FreeParameter]:
+def select_builtin_parameters(parameters: Sequence[FreeParameter]) -> list[FreeParameter]:
     """Return the parameters of built-in effects: the frozen classes exclude plug-ins."""
     foreign = set(EFFECTS) - set(BUILT_IN)
     return [knob for knob in parameters if foreign.isdisjoint(effect for effect, _ in knob.moves)]

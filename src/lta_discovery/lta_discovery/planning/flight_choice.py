@@ -9,30 +9,30 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, final, NamedTuple
 
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_discovery.fit.evidence import PieceReducer, ReducedFlight, wrench_floor
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters
-from lta_discovery.planning.flight_safety import flight_extent, list_objections
-from lta_discovery.planning.hypothesis import format_hypothesis
-from lta_discovery.planning.maneuvers import (
+from lta_discovery.planning.candidate_maneuvers import (
     AltitudeRange,
     DEEP,
     HIGH,
     list_maneuvers,
     PlannedManeuver,
 )
+from lta_discovery.planning.flight_safety import flight_extent, list_objections
+from lta_discovery.planning.hypothesis_file import format_hypothesis
 from lta_discovery.planning.rehearsal import (
     prepare_linearizer,
-    rehearse_flight,
-    RehearsedFlight,
     Sensors,
+    simulate_flight,
+    SimulatedFlight,
     with_course,
 )
 from lta_discovery.planning.separability import PairSeparability
-from lta_discovery.replay.linearized_flight import build_origin
-from lta_discovery.replay.linearizer import FlightLinearizer
-from lta_flight.flight_spec import build_parts, FlightSpec
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
+from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec
 from lta_model.scenario import Scenario
 from lta_model.vehicle import Vehicle
 from lta_sim.scene_model import vehicle_reach
@@ -59,7 +59,7 @@ class ParameterHypothesis(NamedTuple):
 
 @final
 @dataclass(frozen=True, slots=True)
-class DecidingFlight:
+class FlightChoice:
     """
     The chosen flight.
 
@@ -102,12 +102,12 @@ class NextFlightPlanner:
         tell: Tell = lambda _words, _share: None,
     ) -> None:
         self.made, self.sensors, self.flown, self._tell = spec, sensors, list(past_flights), tell
-        self.vehicle, scenario, _ = build_parts(spec)
+        self.vehicle, scenario, _ = build_vehicle_scenario_stack(spec)
         self.text, self.nominal = text, NominalVehicle.from_vehicle(self.vehicle)
         self.knobs = list_free_parameters(self.nominal)
         self._names = [knob.name for knob in self.knobs]
         self._floor = wrench_floor(self.nominal)
-        standing, top = self.vehicle.height_on_floor, scenario.room.size.vector[2]
+        standing, top = self.vehicle.hull_height_on_floor, scenario.room.size.vector[2]
         # 0.6 m between hull and ceiling: twice the margin of `flight_safety`
         highest = top - vehicle_reach(self.vehicle)[1] - 0.6
         self.space = AltitudeRange(standing + DEEP, min(standing + HIGH, highest))
@@ -121,10 +121,12 @@ class NextFlightPlanner:
         """Return a parameter by name; raise `BadInput` with the known names."""
         if name not in self._names:
             known = [knob.name for knob in self.knobs if knob.typical > 0.0]
-            raise unknown_name('effect', name, known)
+            raise unknown_name_error('effect', name, known)
         return self.knobs[self._names.index(name)]
 
-    def match_rival(self, first: ParameterHypothesis, other: FreeParameter) -> ParameterHypothesis:
+    def fit_rival_value(
+        self, first: ParameterHypothesis, other: FreeParameter
+    ) -> ParameterHypothesis:
         """Return the value of a rival that resembles a hypothesis most in the earlier flights."""
         a, b = self._names.index(first.knob.name), self._names.index(other.name)
         value = other.typical
@@ -138,7 +140,7 @@ class NextFlightPlanner:
 
     def choose_flight(
         self, first: ParameterHypothesis, others: Sequence[ParameterHypothesis]
-    ) -> DecidingFlight | None:
+    ) -> FlightChoice | None:
         """Return the cheapest safe and conclusive flight, or None."""
         rest: list[tuple[float, PlannedManeuver]] = []
         for one in list_maneuvers(self.space):
@@ -165,7 +167,7 @@ class NextFlightPlanner:
     ) -> float | None:
         """Return the expected evidence of a manoeuvre; None if it is unsafe."""
         made = with_course(self.made, manoeuvre.course, manoeuvre.length)
-        flown, scenario = self._rehearse(made, self.vehicle)
+        flown, scenario = self._simulate_flight(made, self.vehicle)
         if list_objections(flown, self.vehicle, scenario):
             return None
         reduced = self._reduce_rehearsal(flown, self.nominal)
@@ -178,7 +180,7 @@ class NextFlightPlanner:
         manoeuvre: PlannedManeuver,
         first: ParameterHypothesis,
         others: Sequence[ParameterHypothesis],
-    ) -> DecidingFlight | None:
+    ) -> FlightChoice | None:
         """Return a manoeuvre with its evidence; None if unsafe under any hypothesis."""
         made = with_course(self.made, manoeuvre.course, manoeuvre.length)
         least, spaces = np.inf, []
@@ -187,7 +189,7 @@ class NextFlightPlanner:
                 vehicle, flown, reduced = self._fly_hypothesis(made, true)
             except BadInput:
                 return None
-            scenario = build_parts(made)[1]
+            scenario = build_vehicle_scenario_stack(made)[1]
             if list_objections(flown, vehicle, scenario):
                 return None
             spaces.append(flight_extent(flown, vehicle))
@@ -197,28 +199,30 @@ class NextFlightPlanner:
                 least, *(self.expected_evidence(reduced, true, other) for other in against)
             )
         x, y, z = np.max(spaces, axis=0).tolist()
-        return DecidingFlight(manoeuvre, float(least), (x, y, z), made)
+        return FlightChoice(manoeuvre, float(least), (x, y, z), made)
 
     def _fly_hypothesis(
         self, spec: FlightSpec, true: ParameterHypothesis
-    ) -> tuple[Vehicle, RehearsedFlight, ReducedFlight]:
+    ) -> tuple[Vehicle, SimulatedFlight, ReducedFlight]:
         """Simulate a flight with a hypothesis as the truth; the controller uses the file."""
         nominal = true.knob.apply_to(self.nominal, true.value)
         content: Any = yaml.safe_load(format_hypothesis(self.text, self.vehicle, nominal))
         changed = FlightSpec(
             spec.names, spec.strategy, {**spec.contents, 'vehicle': content}, spec.replaced
         )
-        vehicle = build_parts(changed)[0]
-        flown, _ = self._rehearse(spec, vehicle)
+        vehicle = build_vehicle_scenario_stack(changed)[0]
+        flown, _ = self._simulate_flight(spec, vehicle)
         return vehicle, flown, self._reduce_rehearsal(flown, nominal)
 
-    def _rehearse(self, spec: FlightSpec, vehicle: Vehicle) -> tuple[RehearsedFlight, Scenario]:
+    def _simulate_flight(
+        self, spec: FlightSpec, vehicle: Vehicle
+    ) -> tuple[SimulatedFlight, Scenario]:
         """Simulate a flight once; the controller uses the vehicle file."""
-        known, scenario, policy = build_parts(spec)
-        return rehearse_flight(vehicle, scenario, policy, SEED, Vehicle(known.file)), scenario
+        known, scenario, policy = build_vehicle_scenario_stack(spec)
+        return simulate_flight(vehicle, scenario, policy, SEED, Vehicle(known.file)), scenario
 
     def _reduce_rehearsal(
-        self, rehearsed: RehearsedFlight, nominal: NominalVehicle
+        self, rehearsed: SimulatedFlight, nominal: NominalVehicle
     ) -> ReducedFlight:
         """Return the reduced form of a simulated flight, about a vehicle."""
         flight = prepare_linearizer(rehearsed.streams, self.vehicle, self.knobs, self.sensors)
@@ -226,8 +230,8 @@ class NextFlightPlanner:
 
     def reduce_flight(self, flight: FlightLinearizer, nominal: NominalVehicle) -> ReducedFlight:
         """Return the reduced form of a flight, about a vehicle."""
-        linear = flight.linearize(build_origin(nominal, self.knobs, flight.replay.cut))
-        return PieceReducer(linear).reduce(self._floor)
+        linear = flight.linearize(unchanged_vehicle_point(nominal, self.knobs, flight.replay.cut))
+        return PieceReducer(linear).eliminate_unknowns(self._floor)
 
     def expected_evidence(
         self, reduced: ReducedFlight, true: ParameterHypothesis, other: ParameterHypothesis

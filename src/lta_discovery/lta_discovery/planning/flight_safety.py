@@ -3,7 +3,7 @@
 import math
 from typing import Final
 
-from lta_discovery.planning.rehearsal import CLEAR, RehearsedFlight
+from lta_discovery.planning.rehearsal import CLEAR, SimulatedFlight
 from lta_model.scenario import Scenario
 from lta_model.vehicle import Vehicle
 from lta_sim.readings import FlightOutcome
@@ -16,7 +16,7 @@ FULL: Final = 0.98  # duty; at or above it a rotor is saturated
 SHARE: Final = 0.15  # of the flight; longest saturation of any rotor
 
 
-def list_objections(rehearsed: RehearsedFlight, vehicle: Vehicle, scenario: Scenario) -> list[str]:
+def list_objections(rehearsed: SimulatedFlight, vehicle: Vehicle, scenario: Scenario) -> list[str]:
     """Return the reasons not to fly a flight; empty if it is safe."""
     out = []
     if rehearsed.outcome is not FlightOutcome.REACHED:
@@ -38,7 +38,7 @@ def list_objections(rehearsed: RehearsedFlight, vehicle: Vehicle, scenario: Scen
     return out
 
 
-def flight_extent(rehearsed: RehearsedFlight, vehicle: Vehicle) -> tuple[float, float, float]:
+def flight_extent(rehearsed: SimulatedFlight, vehicle: Vehicle) -> tuple[float, float, float]:
     """Return length, width and height of the space that a flight needs, hull included. [m]"""
     radius, half_height = vehicle_reach(vehicle)
     (x, y), top = np.ptp(rehearsed.path[:, :2], axis=0) + 2.0 * radius, rehearsed.path[:, 2].max()

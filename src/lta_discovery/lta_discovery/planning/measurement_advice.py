@@ -2,7 +2,7 @@
 
 from typing import Final, NamedTuple
 
-from lta_discovery.selection.equivalence_classes import is_same_class, Kind
+from lta_discovery.selection.equivalence_classes import is_equivalent, Kind
 
 
 class MeasurementAdvice(NamedTuple):
@@ -55,7 +55,7 @@ def suggest_measurement(name: str, others: tuple[str, ...], kind: Kind) -> str:
     """
     # Prefer more sensors or a richer flight, if they separate the effects
     richer = RICHER.get(kind)
-    if richer is not None and not any(is_same_class(name, one, richer[0]) for one in others):
+    if richer is not None and not any(is_equivalent(name, one, richer[0]) for one in others):
         return richer[1]
     effects = {one.partition('.')[0] for one in (name, *others)}
     found = (known.what for known in MEASURE if effects <= known.effects)

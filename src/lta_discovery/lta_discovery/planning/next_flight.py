@@ -15,7 +15,7 @@ from lta_discovery.finding import NamedEffect
 from lta_discovery.fit.evidence import PieceReducer, ReducedFlight, wrench_floor
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.planning.flight_choice import (
-    DecidingFlight,
+    FlightChoice,
     NextFlightPlanner,
     ParameterHypothesis,
     Tell,
@@ -23,13 +23,13 @@ from lta_discovery.planning.flight_choice import (
 from lta_discovery.planning.measurement_advice import suggest_measurement
 from lta_discovery.planning.rehearsal import Sensors
 from lta_discovery.planning.separability import PairSeparability
-from lta_discovery.replay.linearized_flight import build_origin
-from lta_discovery.selection.acceptance import TIE
+from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
+from lta_discovery.selection.candidate_acceptance import TIE
 from lta_discovery.selection.equivalence_classes import (
     classify_data_kind,
-    is_same_class,
+    is_equivalent,
     Kind,
-    list_equivalents,
+    list_equivalent_effects,
 )
 from lta_discovery.study import DiscoveryStudy
 from lta_flight.flight_spec import load_spec
@@ -52,7 +52,7 @@ SEEN_BY: Final[dict[Kind, Sensors]] = {
 
 @final
 @dataclass(frozen=True, slots=True)
-class NextFlight:
+class NextFlightPlan:
     """
     The plan.
 
@@ -87,14 +87,14 @@ class NextFlight:
         return path
 
 
-def plan_between(
+def plan_separating_flight(
     vehicle: str,
     first: str,
     second: str,
     scene: str = SCENE,
     kind: Kind = 'all',
     tell: Tell = lambda _words, _share: None,
-) -> NextFlight:
+) -> NextFlightPlan:
     """
     Plan the flight that separates two effects, without earlier flights.
 
@@ -125,17 +125,17 @@ def plan_for_study(
     vehicle: str,
     tell: Tell = lambda _words, _share: None,
     scene: str = SCENE,
-) -> NextFlight:
+) -> NextFlightPlan:
     """Plan the flight that separates the strongest confusable effect of a study."""
     one = next((one for one in study.finding.effects if one.confusable_with), None)
     if one is None:
-        return NextFlight(CERTAIN)
+        return NextFlightPlan(CERTAIN)
     planner = _build_planner(vehicle, scene, _classify_study(study), _reduce_flights(study), tell)
     knob = planner.find_parameter(one.knobs[0])
     first = ParameterHypothesis(knob, _estimate_changes(one, planner.knobs)[knob.name])
     known = {each.name for each in planner.knobs}
     rivals = [name for name in one.confusable_with if name in known and name != knob.name]
-    others = [planner.match_rival(first, planner.find_parameter(name)) for name in rivals]
+    others = [planner.fit_rival_value(first, planner.find_parameter(name)) for name in rivals]
     return plan_decision(planner, first, others, _classify_study(study))
 
 
@@ -157,19 +157,19 @@ def plan_decision(
     first: ParameterHypothesis,
     others: Sequence[ParameterHypothesis],
     kind: Kind,
-) -> NextFlight:
+) -> NextFlightPlan:
     """Return how to separate an effect from others: a flight, a measurement, or both."""
     # A richer flight may separate what a hover cannot.
     rich: Kind = 'all' if kind == 'hover' else kind
     name = first.knob.name
-    never = tuple(o.knob.name for o in others if is_same_class(name, o.knob.name, rich))
+    never = tuple(o.knob.name for o in others if is_equivalent(name, o.knob.name, rich))
     # More rivals would need too many simulations
     open_ = [other for other in others if other.knob.name not in never][:MOST]
     words = []
     if never:
         words.append(_format_no_flight(name, never, rich))
     if not open_:
-        return NextFlight(' '.join(words))
+        return NextFlightPlan(' '.join(words))
     names = tuple(other.knob.name for other in open_)
     chosen = planner.choose_flight(first, open_)
     if chosen is None:
@@ -177,9 +177,9 @@ def plan_decision(
             f'No safe manoeuvre separates {name} from {_join_names(names, "or")}: '
             f'{suggest_measurement(name, names, rich)}.'
         )
-        return NextFlight(' '.join(words))
+        return NextFlightPlan(' '.join(words))
     words.append(_format_flight(name, names, chosen))
-    return NextFlight(' '.join(words), build_scenario(name, names, chosen), chosen.nats)
+    return NextFlightPlan(' '.join(words), build_scenario(name, names, chosen), chosen.nats)
 
 
 def _format_no_flight(name: str, others: tuple[str, ...], kind: Kind) -> str:
@@ -205,7 +205,7 @@ def add_confusable(study: DiscoveryStudy) -> DiscoveryStudy:
     effects = []
     for one in study.finding.effects:
         values = _estimate_changes(one, taught[0].knobs)
-        own = [name for knob in one.knobs for name in list_equivalents(knob, kind)]
+        own = [name for knob in one.knobs for name in list_equivalent_effects(knob, kind)]
         near = [
             name for knob in one.knobs for name in pairs.list_confused(knob, values[knob], TIE)
         ]
@@ -242,8 +242,10 @@ def _reduce_flights(study: DiscoveryStudy) -> list[ReducedFlight]:
     """Return the reduced training and confirming flights, about the vehicle file."""
     out = []
     for flight in (one.flight for one in study.flights if one.role != 'holdout'):
-        begin = build_origin(study.nominal, flight.knobs, flight.replay.cut)
-        out.append(PieceReducer(flight.linearize(begin)).reduce(wrench_floor(study.nominal)))
+        begin = unchanged_vehicle_point(study.nominal, flight.knobs, flight.replay.cut)
+        out.append(
+            PieceReducer(flight.linearize(begin)).eliminate_unknowns(wrench_floor(study.nominal))
+        )
     return out
 
 
@@ -254,7 +256,7 @@ def _classify_study(study: DiscoveryStudy) -> Kind:
     )
 
 
-def format_hint(study: DiscoveryStudy) -> str:
+def format_next_step(study: DiscoveryStudy) -> str:
     """Return the next step without a plan, as shown on every page."""
     one = next((one for one in study.finding.effects if one.confusable_with), None)
     if one is None:
@@ -263,7 +265,7 @@ def format_hint(study: DiscoveryStudy) -> str:
     rich: Kind = 'all' if kind == 'hover' else kind
     name = one.knobs[0]
     rivals = [o for o in one.confusable_with if o != name]
-    never = tuple(o for o in rivals if is_same_class(name, o, rich))
+    never = tuple(o for o in rivals if is_equivalent(name, o, rich))
     rest = tuple(o for o in rivals if o not in never)
     words = [_format_no_flight(name, never, rich)] if never else []
     if rest:
@@ -274,7 +276,7 @@ def format_hint(study: DiscoveryStudy) -> str:
     return ' '.join(words)
 
 
-def _format_flight(name: str, names: tuple[str, ...], chosen: DecidingFlight) -> str:
+def _format_flight(name: str, names: tuple[str, ...], chosen: FlightChoice) -> str:
     """Describe a flight in words."""
     x, y, z = chosen.space
     return (
@@ -285,7 +287,7 @@ def _format_flight(name: str, names: tuple[str, ...], chosen: DecidingFlight) ->
     )
 
 
-def build_scenario(name: str, names: tuple[str, ...], chosen: DecidingFlight) -> dict[str, Any]:
+def build_scenario(name: str, names: tuple[str, ...], chosen: FlightChoice) -> dict[str, Any]:
     """Return the scenario file of a chosen flight."""
     scene = dict(chosen.made.contents['scenario'])
     about = f'{chosen.manoeuvre.about}, to separate {name} from {_join_names(names, "or")}.'

@@ -11,13 +11,13 @@ from typing import Any, Final, final, Literal
 
 from lta_config.topics import load_topic_table
 from lta_discovery.flights.measured_flight import FlightStreams, resample_flight, Stream
-from lta_discovery.flights.windows import cut_windows
+from lta_discovery.flights.windows import cut_into_pieces
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.model.quaternions import quaternion_exponential, quaternion_product
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.knot_count import count_needed_knots
-from lta_discovery.replay.linearizer import FlightLinearizer
-from lta_discovery.replay.replay import ModelReplay
+from lta_discovery.replay.replay import FlightReplay
 from lta_discovery.replay.sensing import estimate_floor_pressure, SensorPlaces
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import FlightSpec
@@ -54,7 +54,7 @@ def with_course(spec: FlightSpec, course: Mapping[str, Any], length: float) -> F
 
 @final
 @dataclass(frozen=True, slots=True)
-class RehearsedFlight:
+class SimulatedFlight:
     """
     Result of a simulated flight.
 
@@ -79,13 +79,13 @@ class RehearsedFlight:
     standing: float
 
 
-def rehearse_flight(
+def simulate_flight(
     vehicle: Vehicle,
     scenario: Scenario,
     policy: FlightStack,
     seed: int,
     pilot_vehicle: Vehicle | None = None,
-) -> RehearsedFlight:
+) -> SimulatedFlight:
     """
     Simulate a flight in this process.
 
@@ -110,8 +110,8 @@ def rehearse_flight(
     # Copy the true path before tracker noise is added.
     path, upright = pose.values[:, :3].copy(), _tilt_cosine(pose.values[:, 3:])
     seen = _add_tracker_noise(pose, np.random.default_rng([seed, 9]))
-    standing = vehicle.height_on_floor
-    return RehearsedFlight(
+    standing = vehicle.hull_height_on_floor
+    return SimulatedFlight(
         FlightStreams(seen, commands, streams, standing + CLEAR),
         world.outcome,
         path,
@@ -179,20 +179,21 @@ def prepare_linearizer(
     flight = resample_flight(streams)
     if sensors == 'wrench':
         wrench = _rotor_wrench(
-            ModelReplay(flight, cut_windows(flight), still), NominalVehicle.from_vehicle(vehicle)
+            FlightReplay(flight, cut_into_pieces(flight), still),
+            NominalVehicle.from_vehicle(vehicle),
         )
         silent = Stream(streams.commands.time[:1], 0.0 * streams.commands.values[:1])
         flight = replace(flight, commands=silent, wrench=wrench)
     # Two passes: the floor pressure needs the place of the barometer
     places = SensorPlaces.from_vehicle(vehicle, STANDARD)
     places = SensorPlaces.from_vehicle(vehicle, estimate_floor_pressure(flight, places))
-    ready = FlightLinearizer(ModelReplay(flight, cut_windows(flight), still), knobs, places)
+    ready = FlightLinearizer(FlightReplay(flight, cut_into_pieces(flight), still), knobs, places)
     return ready.with_knots(count_needed_knots([ready], NominalVehicle.from_vehicle(vehicle)))
 
 
-def _rotor_wrench(replay: ModelReplay, nominal: NominalVehicle) -> Stream:
+def _rotor_wrench(replay: FlightReplay, nominal: NominalVehicle) -> Stream:
     """Return force and moment of the rotors about the hull centre, body frame."""
-    thrusts = replay.mean_thrusts(nominal.build_rows())
+    thrusts = replay.mean_thrusts(nominal.build_replay_rows())
     each = [np.concatenate([axis, np.cross(place, axis)]) for place, axis in nominal.rotors]
     time = replay.flight.time[0] + replay.dt * np.arange(len(thrusts))
     return Stream(time, thrusts[:, : len(each)] @ np.array(each))

@@ -124,7 +124,7 @@ class PairSeparability:
         if pair.second <= 0.0:
             return True
         best, deviation = value * pair.shared / pair.second, pair.second**-0.5
-        return self.knobs[order.index(other)].is_promising(best, deviation)
+        return self.knobs[order.index(other)].is_plausible_estimate(best, deviation)
 
     def list_confused(self, name: str, value: float, least: float) -> list[str]:
         """

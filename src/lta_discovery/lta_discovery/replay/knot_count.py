@@ -19,9 +19,9 @@ from lta_discovery.model.quaternions import (
     quaternion_logarithm,
     quaternion_product,
 )
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearization_inputs import prepare_linearization
-from lta_discovery.replay.linearized_flight import AXES, build_origin
-from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.linearized_flight import AXES, unchanged_vehicle_point
 from lta_discovery.replay.sensing import transform_to_map
 import numpy as np
 from numpy.typing import NDArray
@@ -53,7 +53,7 @@ def vehicle_period(flight: FlightLinearizer, nominal: NominalVehicle) -> float:
     about = prepare_linearization(
         flight.replay,
         flight.knobs,
-        build_origin(nominal, flight.knobs, flight.replay.cut),
+        unchanged_vehicle_point(nominal, flight.knobs, flight.replay.cut),
         np.zeros(len(flight.knobs), dtype=np.bool_),
     )
     states = np.ascontiguousarray(

@@ -7,7 +7,7 @@ from lta_discovery.model.nominal import NominalVehicle, ReplayRows
 from lta_discovery.model.parameter_sets import ParameterSteps
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.replay.linearized_flight import LinearizationPoint
-from lta_discovery.replay.replay import BodyInputs, ModelReplay
+from lta_discovery.replay.replay import BodyInputs, FlightReplay
 import numpy as np
 from numpy.typing import NDArray
 
@@ -53,10 +53,10 @@ class LinearizationInputs(NamedTuple):
 class _ParameterSets:
     """Parameter sets and their inputs; the first is the point itself."""
 
-    def __init__(self, replay: ModelReplay, nominal: NominalVehicle) -> None:
+    def __init__(self, replay: FlightReplay, nominal: NominalVehicle) -> None:
         self._replay, self._nominal = replay, nominal
-        self.rows = [replay.build_rows(nominal)]
-        self.ready = [replay.compute_inputs(self.rows[0])]
+        self.rows = [replay.build_replay_rows(nominal)]
+        self.ready = [replay.compute_body_inputs(self.rows[0])]
         # Index of the inputs of each set; several sets share the same inputs
         self.faced = [0]
 
@@ -68,7 +68,7 @@ class _ParameterSets:
 
     def _add_set(self, knob: FreeParameter, nominal: NominalVehicle) -> int:
         """Add the set of a vehicle with a changed parameter."""
-        rows = self._replay.update_rows(nominal, self._nominal, self.rows[0])
+        rows = self._replay.update_replay_rows(nominal, self._nominal, self.rows[0])
         self.faced.append(self._select_inputs(knob, rows))
         self.rows.append(rows)
         return len(self.rows) - 1
@@ -83,10 +83,10 @@ class _ParameterSets:
         else:
             # The slow actuator simulation is repeated only if thrusts change
             before = self.ready[0] if knob.reaches == 'memory' else None
-            self.ready.append(self._replay.compute_inputs(rows, before))
+            self.ready.append(self._replay.compute_body_inputs(rows, before))
         return len(self.ready) - 1
 
-    def stack_steps(self, pairs: Sequence[tuple[int, int, float]]) -> ParameterSteps:
+    def stack_parameter_sets(self, pairs: Sequence[tuple[int, int, float]]) -> ParameterSteps:
         """Return all sets as arrays."""
         before, after, steps = zip(*pairs, strict=True) if pairs else ((), (), ())
         # Sensitivities are computed per grid period, the trajectory per integrator step
@@ -105,7 +105,7 @@ class _ParameterSets:
 
 
 def prepare_linearization(
-    replay: ModelReplay,
+    replay: FlightReplay,
     knobs: Sequence[FreeParameter],
     point: LinearizationPoint,
     columns: NDArray[np.bool_] | None = None,
@@ -134,11 +134,11 @@ def prepare_linearization(
         reading.append(k)
         present, step = knob.enable_effect(point.nominal), knob.step_at(value)
         turned_by = knob.apply_to(point.nominal, step)
-        after = replay.update_rows(turned_by, point.nominal, base)
+        after = replay.update_replay_rows(turned_by, point.nominal, base)
         same = present is point.nominal
-        before = base if same else replay.update_rows(present, point.nominal, base)
+        before = base if same else replay.update_replay_rows(present, point.nominal, base)
         turned.append(SensorStep(before, after, step))
-    turns = sets.stack_steps(pairs)
+    turns = sets.stack_parameter_sets(pairs)
     return LinearizationInputs(
         base, sets.ready[0], tuple(moving), tuple(reading), turns, tuple(turned)
     )

@@ -98,7 +98,7 @@ def zero_unknowns(cut: Windows) -> Array:
     return np.zeros((len(cut.first), count_unknowns(cut.knots)))
 
 
-def build_origin(
+def unchanged_vehicle_point(
     nominal: NominalVehicle, knobs: Sequence[FreeParameter], cut: Windows
 ) -> LinearizationPoint:
     """Return the point of the unchanged vehicle."""

@@ -9,8 +9,13 @@ from lta_discovery.flights.zero_order_hold import average_held_values
 from lta_discovery.model.nominal import NominalVehicle, ReplayRows
 from lta_discovery.model.parameter_sets import ParameterSteps
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.model.replay_kernel import BODY_LAYOUT, load_actuators, load_body, RIGID
-from lta_discovery.replay.sensing import transform_readings
+from lta_discovery.model.replay_kernel import (
+    BODY_LAYOUT,
+    load_actuator_kernel,
+    load_body_kernel,
+    RIGID,
+)
+from lta_discovery.replay.sensing import apply_channel_effects
 from lta_discovery.replay.variational_equation import NUDGE, WIDTH
 from lta_model.state import ACTUATORS, COMMAND, MASS_PLACE, SURROUNDINGS, VOLTAGE
 import numpy as np
@@ -59,7 +64,7 @@ class BodyInputs:
 
 
 @final
-class ModelReplay:
+class FlightReplay:
     """
     Replay a flight.
 
@@ -90,9 +95,9 @@ class ModelReplay:
         self._known = self._measured_motion()
         self._rest = self._rest_commands()
 
-    def with_pieces(self, cut: Windows) -> 'ModelReplay':
+    def with_pieces(self, cut: Windows) -> 'FlightReplay':
         """Return the same flight in other pieces."""
-        return ModelReplay(self.flight, cut, self._still)
+        return FlightReplay(self.flight, cut, self._still)
 
     def _interpolate_voltage(self, time: Array) -> Array:
         """Return the voltage, 0 where it is unknown."""
@@ -122,20 +127,20 @@ class ModelReplay:
             commands[:, MASS_PLACE:] = told.values[np.maximum(newest, 0)]
         return commands
 
-    def build_rows(self, nominal: NominalVehicle) -> ReplayRows:
+    def build_replay_rows(self, nominal: NominalVehicle) -> ReplayRows:
         """Return the inputs of the compiled replay for a vehicle in this flight."""
         if self.flight.mass is not None:
             # Use the mean place, which is exact for a constant one, as in a glide.
             nominal = nominal.with_mass_at(self._rest[:, MASS_PLACE:].mean(axis=0))
-        return self._delay_by_clocks(nominal.build_rows())
+        return self._delay_by_clocks(nominal.build_replay_rows())
 
-    def update_rows(
+    def update_replay_rows(
         self, nominal: NominalVehicle, other: NominalVehicle, rows: ReplayRows
     ) -> ReplayRows:
-        """Return `build_rows` of a vehicle, reusing the rows of a similar one."""
+        """Return `build_replay_rows` of a vehicle, reusing the rows of a similar one."""
         if self.flight.mass is not None:
-            return self.build_rows(nominal)  # CG and inertia change
-        return self._delay_by_clocks(nominal.update_rows(other, rows))
+            return self.build_replay_rows(nominal)  # CG and inertia change
+        return self._delay_by_clocks(nominal.update_replay_rows(other, rows))
 
     def delays_commands(self, knob: FreeParameter) -> bool:
         """Return whether a clock parameter shifts the commands in this flight."""
@@ -175,13 +180,15 @@ class ModelReplay:
         """Return the mean thrust of each rotor in each step. [N]"""
         out = np.zeros((len(self._steps), ACTUATORS))
         time = self.flight.commands.time
-        load_actuators().chain(
+        load_actuator_kernel().chain(
             rows.actuators.copy(), rows.actuators_on, time + _command_delays(rows, time),
             self._orders, self._met, float(self._steps[0]), self.dt, LONGEST, out,
         )  # fmt: skip
         return out
 
-    def compute_inputs(self, rows: ReplayRows, before: BodyInputs | None = None) -> BodyInputs:
+    def compute_body_inputs(
+        self, rows: ReplayRows, before: BodyInputs | None = None
+    ) -> BodyInputs:
         """
         Return the inputs of the body.
 
@@ -198,13 +205,13 @@ class ModelReplay:
             wrench = self._mean_wrench(rows)
         else:
             commands, wrench = before.commands, before.wrench
-        return BodyInputs(commands, self._compute_memory(rows, commands), wrench)
+        return BodyInputs(commands, self._effect_memory(rows, commands), wrench)
 
-    def _compute_memory(self, rows: ReplayRows, commands: Array) -> Array:
+    def _effect_memory(self, rows: ReplayRows, commands: Array) -> Array:
         """Return the memory of the effects in each step."""
         memory = np.tile(rows.body[RIGID : BODY_LAYOUT.size], (len(self._steps), 1))
         if rows.body_on[REMEMBERING].any():
-            load_body().remember(
+            load_body_kernel().remember(
                 rows.body.copy(), rows.body_on, self._known, commands, self._around, self.dt,
                 memory,
             )  # fmt: skip
@@ -223,7 +230,7 @@ class ModelReplay:
         `latent` is the unexplained force and moment of each step in the body frame. [N, N m]
         """
         out = np.zeros((len(start), self.span + 1, RIGID))
-        load_body().fly(
+        load_body_kernel().fly(
             rows.body.copy(), rows.body_on, self.first[which], start, ready.commands, self._around,
             ready.memory, self._applied_wrench(ready, latent, which), self.dt, out,
         )  # fmt: skip
@@ -239,7 +246,7 @@ class ModelReplay:
         those in the middle of each grid period. Only the first parameter set is used.
         """
         out = np.zeros((*states.shape[:2], WIDTH, WIDTH))
-        load_body().jacobians(
+        load_body_kernel().jacobians(
             turns.rows[0].copy(), turns.on[0], self.cut.first[which], states, turns.commands[0],
             self._sparse, turns.memory[0], turns.wrench[0], latent, NUDGE, out,
         )  # fmt: skip
@@ -256,7 +263,7 @@ class ModelReplay:
         out = np.zeros((*states.shape[:2], AXES, len(turns.steps)))
         # Work space of the kernel
         kept = np.empty((len(turns.rows), states.shape[1], AXES))
-        load_body().answers(
+        load_body_kernel().answers(
             turns.rows, turns.on, turns.faced, self.cut.first[which], states, turns.commands,
             self._sparse, turns.memory, turns.wrench, latent, turns.before, turns.after,
             turns.steps, kept, out,
@@ -267,4 +274,6 @@ class ModelReplay:
 def _command_delays(rows: ReplayRows, time: Array) -> Array:
     """Return the delay of the commands at some times. [s]"""
     # The chain shifts a time of 0 back by the delay
-    return -transform_readings(rows.acting['command_time'], np.zeros((len(time), 1)), time)[:, 0]
+    return -apply_channel_effects(rows.acting['command_time'], np.zeros((len(time), 1)), time)[
+        :, 0
+    ]

@@ -57,7 +57,7 @@ class PredictedReadings(NamedTuple):
     readings: Array
 
 
-def transform_readings(chain: Chain, values: Array, time: Array) -> Array:
+def apply_channel_effects(chain: Chain, values: Array, time: Array) -> Array:
     """Apply the effects of a channel to readings, shape (..., k)."""
     if not chain:
         return values
@@ -69,8 +69,8 @@ def transform_readings(chain: Chain, values: Array, time: Array) -> Array:
 
 def pose_time_shift(acting: Mapping[str, Chain], time: Array) -> Array:
     """Return how much newer a tracked pose is than its stamp. [s]"""
-    clock = transform_readings(acting['clock'], time[..., None], time)
-    return transform_readings(acting['pose_time'], clock, time)[..., 0] - time
+    clock = apply_channel_effects(acting['clock'], time[..., None], time)
+    return apply_channel_effects(acting['pose_time'], clock, time)[..., 0] - time
 
 
 def _shift_poses(states: Array, shift: Array) -> tuple[Array, Array]:
@@ -97,7 +97,7 @@ def _predict_pose(states: Array, time: Array, acting: Mapping[str, Chain]) -> tu
     if acting['clock'] or acting['pose_time']:
         position, quaternion = _shift_poses(states, pose_time_shift(acting, time)[..., None])
     if acting['pose']:
-        pose = transform_readings(
+        pose = apply_channel_effects(
             acting['pose'], np.concatenate([position, quaternion], axis=-1), time
         )
         position, quaternion = pose[..., :3], pose[..., 3:]
@@ -174,7 +174,7 @@ def apply_sensor_effects(exact: Array, time: Array, acting: Mapping[str, Chain])
     out = exact.copy()
     for name, part in PARTS.items():
         if acting[name]:
-            out[..., part] = transform_readings(acting[name], exact[..., part], time)
+            out[..., part] = apply_channel_effects(acting[name], exact[..., part], time)
     return out
 
 

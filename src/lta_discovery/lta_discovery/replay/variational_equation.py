@@ -22,7 +22,7 @@ WIDTH: Final = 12
 NUDGE: Final = np.array([1e-4] * 3 + [1e-5] * 3 + [1e-5] * 3 + [1e-5] * 3)  # m, rad, m/s, rad/s
 
 
-def add_change(states: Array, change: Array) -> Array:
+def apply_state_changes(states: Array, change: Array) -> Array:
     """Apply changes, shape (..., 12), to states, shape (..., 13)."""
     # Multiply from the right: the rotation vector is in the body frame
     turned = quaternion_product(states[..., 3:7], quaternion_exponential(change[..., 3:6]))

@@ -5,7 +5,7 @@ import math
 from typing import Any, Final
 
 from lta_discovery.conclusion import draw_conclusion
-from lta_discovery.finding import DiscoveryFinding, NamedEffect, PredictionGap, SCHEMA
+from lta_discovery.finding import ChannelErrors, NamedEffect, SCHEMA, StudyResult
 from lta_discovery.flights.noisy_intervals import ExcludedInterval
 from lta_discovery.page.verdict_text import format_advice, format_headline
 
@@ -16,7 +16,7 @@ ERRORS: Final = (
 )  # fmt: skip
 
 
-def to_dict(finding: DiscoveryFinding, cuts: Sequence[ExcludedInterval] = ()) -> dict[str, Any]:
+def to_dict(finding: StudyResult, cuts: Sequence[ExcludedInterval] = ()) -> dict[str, Any]:
     """Return a finding as JSON: SI units, None for numbers that are not finite."""
     told: dict[str, Any] = {
         'schema': SCHEMA,
@@ -25,8 +25,8 @@ def to_dict(finding: DiscoveryFinding, cuts: Sequence[ExcludedInterval] = ()) ->
         'vehicle': finding.vehicle,
         'effects': [_encode_effect(effect) for effect in finding.effects],
         'where': [place._asdict() for place in finding.where],
-        'gap': summarize_gap(finding),
-        'gaps': [_encode_gap(each) for each in finding.gaps],
+        'gap': select_overall_error(finding),
+        'gaps': [_encode_channel_errors(each) for each in finding.gaps],
         'remains': [remainder._asdict() for remainder in finding.remains],
         'unexplained': list(finding.unexplained),
         'draught': _encode_draught(finding),
@@ -48,7 +48,7 @@ def to_dict(finding: DiscoveryFinding, cuts: Sequence[ExcludedInterval] = ()) ->
     return plain
 
 
-def _encode_conclusion(finding: DiscoveryFinding) -> dict[str, Any]:
+def _encode_conclusion(finding: StudyResult) -> dict[str, Any]:
     """Return the conclusion and the advice."""
     said = draw_conclusion(finding)
     return {
@@ -56,7 +56,7 @@ def _encode_conclusion(finding: DiscoveryFinding) -> dict[str, Any]:
         'asserted': said.asserted,
         'advice': said.advice,
         'do': format_advice(finding),
-        'gain': None if said.gain is None else _encode_gap(said.gain),
+        'gain': None if said.gain is None else _encode_channel_errors(said.gain),
     }
 
 
@@ -80,13 +80,13 @@ def _encode_effect(effect: NamedEffect) -> dict[str, Any]:
     }
 
 
-def _encode_draught(finding: DiscoveryFinding) -> dict[str, float] | None:
+def _encode_draught(finding: StudyResult) -> dict[str, float] | None:
     """Return the draught; None if none was detected."""
     told = finding.draught
     return None if told is None else {'force': told.force, 'speed': told.speed}
 
 
-def _encode_transfer(finding: DiscoveryFinding) -> dict[str, Any] | None:
+def _encode_transfer(finding: StudyResult) -> dict[str, Any] | None:
     """Return the forecast evidence; None where the sensor readings identified the effects."""
     told = finding.carried
     if told is None:
@@ -99,14 +99,14 @@ def _encode_transfer(finding: DiscoveryFinding) -> dict[str, Any] | None:
     }
 
 
-def _encode_gap(one: PredictionGap) -> dict[str, Any]:
+def _encode_channel_errors(one: ChannelErrors) -> dict[str, Any]:
     """Return the errors of one channel at one horizon."""
     figures = {key: getattr(one, key) for key in ERRORS}
     start = {'channel': one.channel, 'unit': one.unit, 'horizon_s': one.horizon_s}
     return {**start, **figures, 'pieces': one.pieces}
 
 
-def common_horizon(gaps: Sequence[PredictionGap]) -> float | None:
+def common_horizon(gaps: Sequence[ChannelErrors]) -> float | None:
     """Return the longest horizon that most channels share, preferring the position's. [s]"""
     mine = {one.horizon_s for one in gaps if one.channel == WHAT} or {
         one.horizon_s for one in gaps
@@ -118,7 +118,7 @@ def common_horizon(gaps: Sequence[PredictionGap]) -> float | None:
     return max(at for at, number in count.items() if number == max(count.values()))
 
 
-def summarize_gap(finding: DiscoveryFinding) -> dict[str, Any]:
+def select_overall_error(finding: StudyResult) -> dict[str, Any]:
     """Return the overall error: of the position, at the longest common horizon."""
     at = common_horizon(finding.gaps)
     here = {one.channel: one for one in finding.gaps if one.horizon_s == at}
@@ -130,7 +130,7 @@ def summarize_gap(finding: DiscoveryFinding) -> dict[str, Any]:
         'horizon_s': at,
         'unit': first.unit if first else None,
         **whole,
-        'per_channel': {name: _encode_gap(one) for name, one in here.items()},
+        'per_channel': {name: _encode_channel_errors(one) for name, one in here.items()},
         'held_out': finding.held_out,
     }
 

@@ -14,8 +14,8 @@ from typing import Any, Final, final
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
 from lta_config.parameter_override import get_parameter
-from lta_config.vehicle_edit import set_value
-from lta_discovery.finding import DiscoveryFinding, NamedEffect, ParameterEstimate
+from lta_config.vehicle_edit import set_yaml_value
+from lta_discovery.finding import NamedEffect, ParameterEstimate, StudyResult
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.page.formatting import format_assumed, join_words
 from lta_model.effect_parameters import parts_drag
@@ -57,7 +57,7 @@ class VehicleFileQuantity:
         return {'value': self.value, 'unit': self.unit, 'source': self.source}
 
 
-def format_source(finding: DiscoveryFinding) -> str:
+def format_source(finding: StudyResult) -> str:
     """Return the source of the learned numbers: flights and program."""
     flights = [*finding.bags.get('train', ()), *finding.bags.get('confirm', ())]
     commit = finding.versions.get('commit', 'unknown')
@@ -69,7 +69,7 @@ def format_learned_vehicle(
     vehicle: Vehicle,
     nominal: NominalVehicle,
     learned: NominalVehicle,
-    finding: DiscoveryFinding,
+    finding: StudyResult,
 ) -> str:
     """
     Return the text of a vehicle file with the learned values.
@@ -81,14 +81,14 @@ def format_learned_vehicle(
 
     """
     known = {
-        (effect.name, one.name): format_interval(one) + _format_reservations(effect)
+        (effect.name, one.name): format_interval(one) + _format_assumptions(effect)
         for effect in finding.effects
         for one in effect.parameters
     }
     for one in list_changed_quantities(
         text, vehicle, nominal, learned, known, format_source(finding)
     ):
-        text = set_value(text, one.place.split('.'), one.as_yaml)
+        text = set_yaml_value(text, one.place.split('.'), one.as_yaml)
     return text
 
 
@@ -191,7 +191,7 @@ def _format_provenance(source: str, notes: Sequence[str], content: Any, place: s
     return '; '.join([*notes, source]) + old
 
 
-def _format_reservations(one: NamedEffect) -> str:
+def _format_assumptions(one: NamedEffect) -> str:
     """Return the assumptions behind the values of an effect, and its rivals."""
     rivals = join_words(list(one.confusable_with), 'or')
     return format_assumed(one) + (f'; it may be {rivals} instead' if rivals else '')

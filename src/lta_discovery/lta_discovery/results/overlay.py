@@ -14,8 +14,8 @@ from lta_bridge.bag.qos import build_offered_qos
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.cdr import encode_cdr
 from lta_discovery.flights.measured_flight import PERIOD
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import LinearizationPoint
-from lta_discovery.replay.linearizer import FlightLinearizer
 from lta_discovery.replay.replay import STEPS
 from lta_discovery.replay.sensing import predict_readings
 from lta_discovery.results.messages import build_offset_message, build_pose_message, SECOND
@@ -87,7 +87,7 @@ def predict_tracker_states(flight: FlightLinearizer, point: LinearizationPoint) 
     # Zero the random part: a forecast must not use the initial states fitted to this flight.
     still = LinearizationPoint(point.nominal, point.values, np.zeros_like(point.random))
     states = flight.simulate_forecast(still)[:, ::STEPS]
-    acting = flight.replay.build_rows(point.nominal).acting
+    acting = flight.replay.build_replay_rows(point.nominal).acting
     seen = predict_readings(states, flight.time, acting, flight.places)
     return np.concatenate([seen.position, seen.quaternion, states[:, :-1, 7:13]], axis=-1)
 

@@ -4,16 +4,16 @@ from collections.abc import Iterator
 import math
 from typing import Final
 
-from lta_discovery.finding import DiscoveryFinding, PredictionGap, TransferEvidence
+from lta_discovery.finding import ChannelErrors, StudyResult, TransferEvidence
 from lta_discovery.forecast.flight_prediction import NAMES
 from lta_discovery.page.formatting import (
+    append_unit,
     format_assumed,
     format_file_value,
     format_number,
     format_percent,
     format_quantity,
     format_with_interval,
-    format_with_unit,
     join_words,
 )
 from lta_discovery.page.verdict_text import format_advice, format_headline
@@ -35,14 +35,14 @@ WHOLE: Final = ('position', 'attitude')
 MOST: Final = 8  # most discrepancies that are printed
 
 
-def print_finding(finding: DiscoveryFinding, console: Console) -> None:
+def print_finding(finding: StudyResult, console: Console) -> None:
     """Print verdict, effects with intervals, prediction errors and discrepancies."""
     console.print(Text(format_headline(finding), 'bold'), soft_wrap=True)
     for said in format_effects(finding):
         console.print(Text(said), soft_wrap=True)
     if finding.carried is not None:
         console.print(Text(format_transfer(finding.carried)), soft_wrap=True)
-    for line in format_gaps(finding):
+    for line in format_prediction_errors(finding):
         console.print(line, soft_wrap=True)
     if finding.where:
         console.print(build_discrepancy_table(finding))
@@ -56,11 +56,11 @@ def print_finding(finding: DiscoveryFinding, console: Console) -> None:
         console.print(Text(word, 'yellow'), soft_wrap=True)
 
 
-def format_result(finding: DiscoveryFinding) -> str:
+def format_named_parameters(finding: StudyResult) -> str:
     """Return the named parameters in one line, as the demonstration words its hidden effect."""
     return join_words(
         [
-            f'{effect.name}.{one.name} = {format_with_unit(format_number(one.value), one.unit)}'
+            f'{effect.name}.{one.name} = {append_unit(format_number(one.value), one.unit)}'
             for effect in finding.effects
             for one in effect.parameters
         ]
@@ -79,7 +79,7 @@ def format_transfer(carried: TransferEvidence) -> str:
     )
 
 
-def _build_table(*heads: tuple[str, str]) -> Table:
+def _create_frameless_table(*heads: tuple[str, str]) -> Table:
     """Return an empty table without frames."""
     table = Table(box=None, pad_edge=False, header_style='dim')
     for head, side in heads:
@@ -88,7 +88,7 @@ def _build_table(*heads: tuple[str, str]) -> Table:
     return table
 
 
-def format_effects(finding: DiscoveryFinding) -> Iterator[str]:
+def format_effects(finding: StudyResult) -> Iterator[str]:
     """Yield the named effects and their parameters, one line each."""
     for one in finding.effects:
         rivals = join_words(one.confusable_with, 'or')
@@ -97,14 +97,14 @@ def format_effects(finding: DiscoveryFinding) -> Iterator[str]:
         for each in one.parameters:
             now, low, high = format_with_interval(each.value, each.ci95)
             yield (
-                f'  {each.name} {format_with_unit(now, each.unit)} '
+                f'  {each.name} {append_unit(now, each.unit)} '
                 f'(95 %: {low} to {high}; {format_file_value(each)})'
             )
         if one.assumed:
             yield f'  These values hold{format_assumed(one)}.'
 
 
-def format_gaps(finding: DiscoveryFinding) -> Iterator[Text]:
+def format_prediction_errors(finding: StudyResult) -> Iterator[Text]:
     """Yield headings and bars of the prediction errors of all models."""
     at = common_horizon(finding.gaps)
     for one in finding.gaps:
@@ -122,7 +122,7 @@ def format_gaps(finding: DiscoveryFinding) -> Iterator[Text]:
             yield from _format_bars(one)
 
 
-def _format_bars(one: PredictionGap) -> Iterator[Text]:
+def _format_bars(one: ChannelErrors) -> Iterator[Text]:
     """Yield a bar for each model."""
     # The model that ignores the commands may be far off; its bar is cut at the others' scale.
     most = max(one.before, one.tuned, one.after, 1e-12)
@@ -133,9 +133,9 @@ def _format_bars(one: PredictionGap) -> Iterator[Text]:
         yield Text(f'  {label:22}{format_quantity(size, one.unit):>9}  ').append(bar, style)
 
 
-def build_discrepancy_table(finding: DiscoveryFinding) -> Table:
+def build_discrepancy_table(finding: StudyResult) -> Table:
     """Return the table of the largest discrepancies."""
-    table = _build_table(
+    table = _create_frameless_table(
         ('where', 'left'), ('flight', 'left'), ('from', 'right'), ('to', 'right'),
         ('when', 'left'), ('x noise', 'right'),
     )  # fmt: skip

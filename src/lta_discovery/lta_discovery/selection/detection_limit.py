@@ -10,7 +10,7 @@ from typing import Final, final, NamedTuple
 
 from lta_discovery.fit.evidence import Prior, ReducedFlight
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.selection.acceptance import CandidateTrial, TRIFLE
+from lta_discovery.selection.candidate_acceptance import CandidateTrial, TRIFLE
 from lta_discovery.selection.candidate_scan import evidence_gain
 import numpy as np
 from numpy.typing import NDArray
@@ -66,7 +66,7 @@ def compute_detection_limits(
             continue
         others = np.flatnonzero(free & (np.arange(len(free)) != k))
         told = [_marginal_information(one, k, others, variance[others]) for one in products]
-        size = _least_size(told, float(variance[k]), knob.typical)
+        size = _smallest_nameable_size(told, float(variance[k]), knob.typical)
         if size < LARGEST * knob.typical:
             out.append(DetectionLimit(knob.name, knob.unit, size, knob.typical))
     return tuple(sorted(out, key=lambda one: one.size / one.typical))
@@ -81,7 +81,9 @@ def _marginal_information(
     return float(products[k, k] - cross @ np.linalg.solve(inner, cross))
 
 
-def _least_size(informations: Sequence[float], tolerance: float, typical: float) -> float:
+def _smallest_nameable_size(
+    informations: Sequence[float], tolerance: float, typical: float
+) -> float:
     """
     Return the smallest size that would be named despite noise.
 

@@ -26,11 +26,11 @@ from lta_discovery.model.candidates import expand_vectors, vector_components
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.parallel import map_parallel
-from lta_discovery.replay.linearized_flight import build_origin
-from lta_discovery.replay.linearizer import FlightLinearizer
-from lta_discovery.selection.acceptance import APART, CandidateTrial, TIE, TRIFLE
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
+from lta_discovery.selection.candidate_acceptance import APART, CandidateTrial, TIE, TRIFLE
 from lta_discovery.selection.candidate_scan import column_cosines, scan_candidates, SIZES
-from lta_discovery.selection.residual_guards import is_vague
+from lta_discovery.selection.residual_guards import is_generic_effect
 from lta_discovery.selection.rival_test import (
     AGREED,
     HALF,
@@ -141,7 +141,7 @@ class EffectSearch:
     def run(self, progress: Callable[[float], None] = lambda part: None) -> EffectSearchResult:
         """Search for missing effects, and report an estimate of the progress."""
         named: tuple[str, ...] = ()
-        bare = fits = self._fit_bare()
+        bare = fits = self._fit_without_effects()
         steps: list[SelectionRound] = []
         history: list[tuple[str, Pair]] = []
         while len(named) < MOST:
@@ -155,7 +155,7 @@ class EffectSearch:
             history.append((step.named, fits))
             named, fits = (*named, step.named), then
         gone = {
-            *self._displacing.list_withdrawn(history, fits),
+            *self._displacing.list_withdrawn_effects(history, fits),
             *self._find_impossible(named, fits),
         }
         if gone:
@@ -166,13 +166,14 @@ class EffectSearch:
         sizes = {name: self._sizes[name] for name in named if name in self._sizes}
         return EffectSearchResult(tuple(steps), named, fits, bare, sizes)
 
-    def _fit_bare(self) -> Pair:
+    def _fit_without_effects(self) -> Pair:
         """Fit all flights without any effect."""
         prior = build_shared_prior(self.knobs)
 
         def fit_side(fitter: JointFitter) -> JointFit:
             points = [
-                build_origin(self.nominal, self.knobs, each.replay.cut) for each in fitter.flights
+                unchanged_vehicle_point(self.nominal, self.knobs, each.replay.cut)
+                for each in fitter.flights
             ]
             at, points, deviations = initial_guess.guess_start(fitter, prior, points)
             return fitter.fit(prior, fitter.linearize_flights(at, points), deviations)
@@ -191,7 +192,7 @@ class EffectSearch:
             for k in self._component_indices(name):
                 for this in fits:
                     value, deviation = this.fitted.mean[k], np.sqrt(this.fitted.covariance[k, k])
-                    if not self.knobs[k].is_possible(float(value), float(deviation)):
+                    if not self.knobs[k].is_within_bounds(float(value), float(deviation)):
                         out.add(name)
         return out
 
@@ -199,7 +200,7 @@ class EffectSearch:
         """Return the indices of a candidate's components."""
         return [self._names.index(one) for one in vector_components(name) if one in self._names]
 
-    def _is_trifle(self, name: str, fits: Pair) -> bool:
+    def _is_too_small(self, name: str, fits: Pair) -> bool:
         """Return whether a candidate is too small to be named, on either side."""
         places = self._component_indices(name)
         # A vector counts by its largest component
@@ -230,18 +231,18 @@ class EffectSearch:
         Candidates similar to a failed one are excluded, and then also the generic ones.
         """
         prior = build_shared_prior(self.knobs, named, self._sizes)
-        out = {*expand_vectors(named), *self._list_excluded(failed, prior, fits)}
+        out = {*expand_vectors(named), *self._list_excluded_candidates(failed, prior, fits)}
         found: dict[str, float] = {}
         sizes: dict[str, set[float]] = {}
         for this in fits:
             # A second scan with a stiffer latent wrench, which can hide less
-            capped = this.group.reduce(np.minimum(this.deviations, CAP * self.floor))
+            capped = this.group.reduce_flights(np.minimum(this.deviations, CAP * self.floor))
             for reduced in (this.reduced, capped):
                 seen = [
                     s
                     for s in scan_candidates(reduced, this.group.at, prior, self.knobs)
                     if s.name not in out
-                    and self._find_parameter(s.name).is_promising(s.value, s.deviation)
+                    and self._find_parameter(s.name).is_plausible_estimate(s.value, s.deviation)
                 ]
                 for one in seen[:QUICK]:
                     if one.gain > WORTH:
@@ -289,13 +290,15 @@ class EffectSearch:
         # Minus the prior cost of an unusual size
         return sum(map_parallel(evidence_gain, fits)) - SIZES[size]
 
-    def _list_excluded(self, failed: Sequence[str], prior: Prior, fits: Pair) -> set[str]:
+    def _list_excluded_candidates(
+        self, failed: Sequence[str], prior: Prior, fits: Pair
+    ) -> set[str]:
         """Return failed candidates, similar ones, and generic ones."""
         if not failed:
             return set()
         others = [knob.name for knob in self.knobs if knob.typical > 0.0]
         names = [*failed, *(name for name in others if name not in failed)]
-        words = {name for name in others if is_vague(name)}
+        words = {name for name in others if is_generic_effect(name)}
         alike = [np.abs(column_cosines(this.reduced, prior, names, self.knobs)) for this in fits]
         nearest = np.max(alike, axis=0)[:, : len(failed)].max(axis=1)
         near = zip(names, nearest, strict=True)
@@ -351,7 +354,7 @@ class EffectSearch:
             then = tried[trial.name][1]
             if not trial.is_accepted or self._find_impossible((trial.name,), then):
                 continue
-            if self._is_trifle(trial.name, then):
+            if self._is_too_small(trial.name, then):
                 continue
             if failed and not self._is_independent(trial, fits, then):
                 continue
@@ -416,12 +419,12 @@ class EffectSearch:
             name,
             then[0].evidence - fits[0].evidence - cost,
             then[1].evidence - fits[1].evidence - cost,
-            self._carried_evidence(then) - self._carried_evidence(fits),
+            self._predictive_evidence(then) - self._predictive_evidence(fits),
             max(scaled_difference(then, k) for k in places),
             relative_difference(then, self._names.index(name)),
         )
 
-    def _carried_evidence(self, fits: Pair) -> float:
+    def _predictive_evidence(self, fits: Pair) -> float:
         """Return the evidence of the confirming flights under the training posterior."""
         # Cross-validation: what the training flights taught has to help the others
         prior = posterior_as_prior(fits[0].fitted)

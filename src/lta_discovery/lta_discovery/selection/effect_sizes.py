@@ -16,8 +16,8 @@ from lta_discovery.fit.robust_variance import sandwich_variance
 from lta_discovery.model.candidates import companion_values
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.selection.effect_verification import VerifiedEffects
 from lta_discovery.selection.interval import NORMAL, parameter_deviations
-from lta_discovery.selection.verification import VerifiedEffects
 from lta_model.effects import EFFECTS
 import numpy as np
 from numpy.typing import NDArray
@@ -34,12 +34,14 @@ def apply_named_effects(
     """Return the vehicle of the file with the named effects, and nothing else changed."""
     told = {name for one in named for name in one.knobs}
     values = np.where(
-        [knob.name in told for knob in parameters], _estimate_values(proven, parameters), 0.0
+        [knob.name in told for knob in parameters],
+        _clipped_posterior_mean(proven, parameters),
+        0.0,
     )
     return apply_parameters(nominal, parameters, values)[0]
 
 
-def _estimate_values(proven: VerifiedEffects, parameters: Sequence[FreeParameter]) -> Array:
+def _clipped_posterior_mean(proven: VerifiedEffects, parameters: Sequence[FreeParameter]) -> Array:
     """Return the posterior mean of the shared parameters, clipped to their bounds."""
     mean = proven.measured.fitted.mean[: len(parameters)]
     inside: Array = np.clip(
@@ -66,7 +68,7 @@ def build_effects(
     """Return the missing effects, the strongest first."""
     seen = _widen_posterior(proven.measured)
     values, deviations = (
-        _estimate_values(proven, knobs),
+        _clipped_posterior_mean(proven, knobs),
         parameter_deviations(seen, knobs, has_remainder),
     )
     by_effect: dict[str, list[str]] = {}
@@ -87,12 +89,12 @@ def build_effects(
         # Parameters of one effect are removed one by one; the largest loss counts
         cost = max(proven.costs[name] for name in found)
         rivals = dict.fromkeys(rival for name in found for rival in proven.rivals[name])
-        taken = list_assumed_values(nominal, effect, parameters)
+        taken = list_assumed_parameters(nominal, effect, parameters)
         out.append(NamedEffect(effect, names, parameters, cost, tuple(rivals), taken))
     return tuple(out)
 
 
-def list_assumed_values(
+def list_assumed_parameters(
     nominal: NominalVehicle, effect: str, learned: Sequence[ParameterEstimate]
 ) -> tuple[AssumedValue, ...]:
     """Return the parameters of an effect that are neither in the vehicle file nor fitted."""

@@ -13,7 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
-from lta_config.errors import unknown_name
+from lta_config.errors import unknown_name_error
 from lta_config.files import load_file, StrictModel
 from lta_discovery.flights.measured_flight import MeasuredFlight
 import numpy as np
@@ -71,7 +71,7 @@ def find_kind_classes(kind: Kind) -> DataKindClasses:
     """Return the classes of a kind of data; raise `BadInput` for an unknown kind."""
     known = load_frozen_classes().kinds
     if kind not in known:
-        raise unknown_name('kind of data', kind, list(known))
+        raise unknown_name_error('kind of data', kind, list(known))
     return known[kind]
 
 
@@ -92,13 +92,13 @@ def load_class_map(kind: Kind) -> Mapping[str, str]:
     return out | {name: group[0] for group in found.classes for name in group}
 
 
-def is_same_class(a: str, b: str, kind: Kind) -> bool:
+def is_equivalent(a: str, b: str, kind: Kind) -> bool:
     """Return whether two effects are equivalent; an unknown one is in its own class."""
     known = load_class_map(kind)
     return known.get(a, a) == known.get(b, b)
 
 
-def list_equivalents(name: str, kind: Kind) -> tuple[str, ...]:
+def list_equivalent_effects(name: str, kind: Kind) -> tuple[str, ...]:
     """Return the effects that are equivalent to this one."""
     known = load_class_map(kind)
     own = known.get(name, name)

@@ -13,8 +13,8 @@ from lta_discovery.fit.evidence import knot_precision
 from lta_discovery.model.parameters import PARTS
 from lta_discovery.replay.linearized_flight import AXES, LinearizedFlight
 from lta_discovery.replay.variational_equation import WIDTH
-from lta_discovery.selection.acceptance import LARGER, PART
-from lta_discovery.unmodeled.remainders import CLEAR
+from lta_discovery.selection.candidate_acceptance import LARGER, PART
+from lta_discovery.unmodeled.unexplained_force import CLEAR
 import numpy as np
 from numpy.typing import NDArray
 
@@ -35,14 +35,14 @@ ALIKE: Final = 0.5  # of a column; part that the latent force of an acting axis 
 NEARLY: Final = 0.85  # of the largest such part of any axis
 
 
-def follows_motion(name: str) -> bool:
+def is_motion_coefficient(name: str) -> bool:
     """Return whether an effect is a generic coefficient of the motion."""
     return name.partition('.')[0] in MOTION
 
 
-def is_vague(name: str) -> bool:
+def is_generic_effect(name: str) -> bool:
     """Return whether an effect is a generic function of motion, place or time."""
-    return follows_motion(name) or name.partition('.')[0] in SCENERY
+    return is_motion_coefficient(name) or name.partition('.')[0] in SCENERY
 
 
 def find_acting_axes(linear: LinearizedFlight, name: str, floor: Array) -> NDArray[np.bool_]:
@@ -66,7 +66,7 @@ def find_acting_axes(linear: LinearizedFlight, name: str, floor: Array) -> NDArr
     return acts
 
 
-def is_partial(acts: NDArray[np.bool_], before: Array, final: Array) -> bool:
+def is_partial_explanation(acts: NDArray[np.bool_], before: Array, final: Array) -> bool:
     """
     Return whether a candidate at most explained a part of a larger remainder.
 
@@ -81,52 +81,56 @@ def is_partial(acts: NDArray[np.bool_], before: Array, final: Array) -> bool:
     return bool(acts.any() and np.all((final > np.maximum(LOUD, MOST * before))[acts]))
 
 
-def is_lesser(name: str, acts: NDArray[np.bool_], before: Array, final: Array) -> bool:
+def is_small_motion_effect(
+    name: str, acts: NDArray[np.bool_], before: Array, final: Array
+) -> bool:
     """
     Return whether a motion effect is small compared with the remainder.
 
     An effect outside the library acts on several axes. Drag and added mass fit anything that
     follows the motion, so a small part on one axis is no evidence for them. Parameters are as for
-    `is_partial`.
+    `is_partial_explanation`.
     """
     explained = np.sqrt(np.maximum(before**2 - final**2, 0.0))
-    return follows_motion(name) and bool(
+    return is_motion_coefficient(name) and bool(
         acts.any() and explained[acts].max() < LESSER * final.max()
     )
 
 
-def is_minor(name: str, acts: NDArray[np.bool_], before: Array, final: Array) -> bool:
+def leaves_larger_remainder(
+    name: str, acts: NDArray[np.bool_], before: Array, final: Array
+) -> bool:
     """
     Return whether a motion effect leaves more than it explains on its main axis.
 
-    Parameters are as for `is_lesser`.
+    Parameters are as for `is_small_motion_effect`.
     """
-    if not follows_motion(name) or not acts.any():
+    if not is_motion_coefficient(name) or not acts.any():
         return False
     explained = np.sqrt(np.maximum(before**2 - final**2, 0.0))
     k = int(np.argmax(np.where(acts, explained, -1.0)))
     return bool(final[k] > max(CLEAR, explained[k]))
 
 
-def is_calm(acts: NDArray[np.bool_], floors: Array) -> bool:
+def has_no_remainder(acts: NDArray[np.bool_], floors: Array) -> bool:
     """Return whether the axes of a candidate have no remainder."""
     return not bool(np.any(floors[acts] > CLEAR))
 
 
-def is_unaffected(before: Array, after: Array) -> bool:
+def leaves_remainder_unchanged(before: Array, after: Array) -> bool:
     """Return whether a candidate leaves the remainder unchanged."""
     remains = after > CLEAR
     return bool(np.all(np.abs(after - before)[remains] < TOUCHED * before[remains]))
 
 
-def is_sound(name: str, gains: Sequence[float], part: float) -> bool:
+def is_credible(name: str, gains: Sequence[float], part: float) -> bool:
     """
     Return whether a name is credible despite a larger remainder on its axes.
 
     Both sides have to support it alone, with the same value: two causes then act on one axis. A
     motion effect has to agree to a tenth, because the remainder may follow the motion too. The
-    remainder also has to stay unchanged (`is_unaffected`): the weight of a rope on the floor is
-    not ballast.
+    remainder also has to stay unchanged (`leaves_remainder_unchanged`): the weight of a
+    rope on the floor is     not ballast.
 
     Parameters
     ----------
@@ -136,5 +140,5 @@ def is_sound(name: str, gains: Sequence[float], part: float) -> bool:
         Difference of the values of the sides, relative to the larger one.
 
     """
-    again = part < (PART if follows_motion(name) else AGAIN)
+    again = part < (PART if is_motion_coefficient(name) else AGAIN)
     return again and min(gains) > LARGER and sum(gains) > SOUND

@@ -13,21 +13,21 @@ from typing import Final, final
 
 from lta_discovery.fit.joint_fit import JointFit
 from lta_discovery.model.parameters import PARTS
-from lta_discovery.replay.linearizer import FlightLinearizer
-from lta_discovery.selection.acceptance import LARGER, PART
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.selection.candidate_acceptance import LARGER, PART
 from lta_discovery.selection.residual_guards import (
     find_acting_axes,
-    is_calm,
-    is_lesser,
-    is_minor,
-    is_partial,
-    is_sound,
-    is_unaffected,
+    has_no_remainder,
+    is_credible,
+    is_partial_explanation,
+    is_small_motion_effect,
+    leaves_larger_remainder,
+    leaves_remainder_unchanged,
     LOUD,
 )
 from lta_discovery.unmodeled.fit_baseline import FitBaseline
-from lta_discovery.unmodeled.remainders import CLEAR, find_remainders
 from lta_discovery.unmodeled.rivals import GenericRival, RivalSearch
+from lta_discovery.unmodeled.unexplained_force import CLEAR, find_remainders
 from lta_discovery.unmodeled.verdict import select_confirmed_rivals
 import numpy as np
 from numpy.typing import NDArray
@@ -128,12 +128,12 @@ class RivalTest:
             return True  # no force for a rival to explain
         # Several candidates of a round share the same fits: rate the rivals once
         if self._last is None or self._last[0] is not fits:
-            self._last = fits, self._compute_gains(fits)
+            self._last = fits, self._rival_gains(fits)
         before = self._last[1]
         least = displacement_threshold(name, gain)
         if max(before.values()) <= least:
             return True
-        return not find_better_rival(gain, least, before, self._compute_gains(then), part)
+        return not find_better_rival(gain, least, before, self._rival_gains(then), part)
 
     def has_remainder(self, fits: Pair) -> bool:
         """Return whether an unexplained force remains."""
@@ -143,9 +143,11 @@ class RivalTest:
         """Return whether a candidate is independent of the remainder."""
         before, after = self._relative_deviations(fits), self._relative_deviations(then)
         acts = find_acting_axes(then[0].group.linears[0], name, self._floor)
-        return is_calm(acts, after) or is_unaffected(before, after)
+        return has_no_remainder(acts, after) or leaves_remainder_unchanged(before, after)
 
-    def list_withdrawn(self, history: Sequence[tuple[str, Pair]], last: Pair) -> tuple[str, ...]:
+    def list_withdrawn_effects(
+        self, history: Sequence[tuple[str, Pair]], last: Pair
+    ) -> tuple[str, ...]:
         """
         Return the named effects that only match a part of another, unnamed effect.
 
@@ -158,7 +160,7 @@ class RivalTest:
         final = self._relative_deviations(last)
         if not history or final.max() <= CLEAR:
             return ()
-        structured = final.max() > LOUD and self._is_structured(last)
+        structured = final.max() > LOUD and self._follows_state(last)
         fits = [*(before for _, before in history), last]
         return tuple(
             name
@@ -176,21 +178,21 @@ class RivalTest:
         # Remainder before the candidate was added
         floors, differs = self._relative_deviations(before), relative_difference(then, k)
         weak = scaled_difference(then, k) > AGREED and differs > PART
-        if weak or (sum(gains) < FAINT and not is_calm(acts, final)):
+        if weak or (sum(gains) < FAINT and not has_no_remainder(acts, final)):
             return True
-        if is_minor(name, acts, floors, final) and sum(gains) < SURE:
+        if leaves_larger_remainder(name, acts, floors, final) and sum(gains) < SURE:
             return True
-        aside = is_unaffected(floors, self._relative_deviations(then)) and is_sound(
-            name, gains, differs
-        )
+        aside = leaves_remainder_unchanged(
+            floors, self._relative_deviations(then)
+        ) and is_credible(name, gains, differs)
         if aside or not structured:
             return False
-        whole = differs < PART and is_calm(acts, final) and min(gains) > LARGER
-        return is_partial(acts, floors, final) or (
-            is_lesser(name, acts, floors, final) and not whole
+        whole = differs < PART and has_no_remainder(acts, final) and min(gains) > LARGER
+        return is_partial_explanation(acts, floors, final) or (
+            is_small_motion_effect(name, acts, floors, final) and not whole
         )
 
-    def _is_structured(self, fits: Pair) -> bool:
+    def _follows_state(self, fits: Pair) -> bool:
         """Return whether the remainder follows the state, unlike gusts."""
         left = find_remainders(self._flights, [each.members for each in fits], self._floor)
         clearly = any(one.carried > FOLLOWS for one in left)
@@ -202,7 +204,7 @@ class RivalTest:
             [FitBaseline.from_joint(each, self._floor) for each in fits]
         )
 
-    def _compute_gains(self, fits: Pair) -> dict[str, float]:
+    def _rival_gains(self, fits: Pair) -> dict[str, float]:
         """Return the gain of each rival on all flights."""
         return {one.name: one.total_evidence for one in self._find_rivals(fits)}
 

@@ -15,7 +15,7 @@ from lta_discovery.fit.evidence import build_shared_prior, NO_SIZES, ReducedFlig
 from lta_discovery.fit.joint_fit import JointFit, JointFitter
 from lta_discovery.model.candidates import expand_vectors
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.selection.acceptance import CandidateTrial, TIE, TRIFLE
+from lta_discovery.selection.candidate_acceptance import CandidateTrial, TIE, TRIFLE
 from lta_discovery.selection.candidate_scan import CandidateScore, column_cosines, scan_candidates
 from lta_discovery.selection.effect_search import SelectionRound
 from lta_discovery.selection.interval import NORMAL, parameter_deviations
@@ -121,7 +121,7 @@ class WeakEffectSearch:
         self._fitter = replace(fitter, floor=QUIET * fitter.floor)
         self._teach, self._knobs, self._sizes = teach, fitter.flights[0].knobs, sizes
 
-    def fit_lower_floor(self, last: JointFit) -> JointFit | None:
+    def refit_with_lower_floor(self, last: JointFit) -> JointFit | None:
         """Refit calm flights with a lower noise floor; None if a wrench may hide effects."""
         if np.any(last.deviations > CALM / QUIET * self._fitter.floor):
             return None
@@ -146,7 +146,7 @@ class WeakEffectSearch:
     def _is_possible(self, name: str, side: Mapping[str, CandidateScore]) -> bool:
         """Return whether a side observes a candidate, with a possible value."""
         seen = side.get(name)
-        return seen is not None and self._find_parameter(name).is_possible(
+        return seen is not None and self._find_parameter(name).is_within_bounds(
             seen.value, seen.deviation
         )
 
@@ -171,12 +171,12 @@ class WeakEffectSearch:
         Parameters
         ----------
         last : JointFit
-            All flights with them, by `fit_lower_floor`.
+            All flights with them, by `refit_with_lower_floor`.
 
         """
         hints = self.rank_candidates(names, last)
         trials = tuple(hint.trial for hint in hints)
-        alike = self._list_alike(hints, last)
+        alike = self._list_equivalents(hints, last)
         best = choose_candidate(hints, alike)
         if best is None:
             return SelectionRound(trials, (), ''), last
@@ -198,7 +198,7 @@ class WeakEffectSearch:
         least = max(NORMAL * deviation, TRIFLE * self._knobs[k].typical)
         return bool(abs(then.fitted.mean[k]) > least)
 
-    def _list_alike(self, hints: Sequence[WeakCandidate], last: JointFit) -> tuple[str, ...]:
+    def _list_equivalents(self, hints: Sequence[WeakCandidate], last: JointFit) -> tuple[str, ...]:
         """Return the equivalents of the best candidate."""
         names = [hint.name for hint in hints]
         cosine = np.abs(column_cosines(last.reduced, last.prior, names, self._knobs))
@@ -208,7 +208,7 @@ class WeakEffectSearch:
         """Return the reduced training and confirming flights about the same point."""
         pieces = last.group.pieces
         first, second = (
-            replace(last.group, pieces=some).reduce(last.deviations)
+            replace(last.group, pieces=some).reduce_flights(last.deviations)
             for some in (pieces[: self._teach], pieces[self._teach :])
         )
         return first, second

@@ -43,7 +43,7 @@ def bootstrap_values(
     return out
 
 
-def compute_intervals(draws: Array) -> list[tuple[float, float]]:
+def compute_confidence_intervals(draws: Array) -> list[tuple[float, float]]:
     """Return the 95 % interval of each value."""
     low, high = np.percentile(draws, (2.5, 97.5), axis=0)
     return list(zip(low.tolist(), high.tolist(), strict=True))

@@ -66,7 +66,7 @@ class CandidateGroup(NamedTuple):
     knobs: tuple[int, ...]
 
 
-def list_groups(knobs: Sequence[FreeParameter]) -> list[CandidateGroup]:
+def list_candidate_groups(knobs: Sequence[FreeParameter]) -> list[CandidateGroup]:
     """Return the candidates that forecasts of a pose could identify, in registry order."""
     out: dict[str, CandidateGroup] = {}
     for k, knob in enumerate(knobs):

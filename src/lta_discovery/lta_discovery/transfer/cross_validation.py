@@ -21,7 +21,7 @@ TOLD: Final = 3  # most regimes that a warning names
 
 
 @final
-class RegimeError(NamedTuple):
+class RegimeForecastErrors(NamedTuple):
     """
     Forecast error of one left-out regime.
 
@@ -45,12 +45,12 @@ class RegimeError(NamedTuple):
         return self.after / self.before
 
 
-def sum_squared_error(regimes: Sequence[RegimeError]) -> float:
+def sum_squared_error(regimes: Sequence[RegimeForecastErrors]) -> float:
     """Return the squared error of left-out regimes, weighted by their number of flights."""
     return sum(one.flights * one.after**2 for one in regimes)
 
 
-def remaining_error_share(regimes: Sequence[RegimeError]) -> float:
+def remaining_error_share(regimes: Sequence[RegimeForecastErrors]) -> float:
     """Return the share of the vehicle file's squared error that remains in left-out regimes."""
     return sum_squared_error(regimes) / sum(one.flights * one.before**2 for one in regimes)
 
@@ -61,7 +61,7 @@ def cross_validate(
     which: Sequence[int],
     spread: Array,
     regimes: Mapping[str, Sequence[int]],
-) -> list[RegimeError]:
+) -> list[RegimeForecastErrors]:
     """
     Return the forecast error of each regime with the values of the others, the worst first.
 
@@ -76,13 +76,15 @@ def cross_validate(
     out = []
     zero = np.zeros(len(foresight.knobs))
     for name, inside in regimes.items():
-        taught = foresight.leave_out(fit, which, spread, inside)
+        taught = foresight.leave_out_flights(fit, which, spread, inside)
         sizes = [foresight.rms_error(values, inside) for values in (zero, taught)]
-        out.append(RegimeError(name, len(inside), *sizes))
+        out.append(RegimeForecastErrors(name, len(inside), *sizes))
     return sorted(out, key=lambda regime: -regime.ratio)
 
 
-def format_warning(names: Sequence[str], regimes: Sequence[RegimeError]) -> str:
+def format_interpolation_warning(
+    names: Sequence[str], regimes: Sequence[RegimeForecastErrors]
+) -> str:
     """Return a warning if effects only interpolate, '' if they transfer."""
     worse = [regime for regime in regimes if regime.ratio > KEPT]
     if not worse:

@@ -9,8 +9,12 @@ everything refitted, until no candidate gains enough.
 from collections.abc import Mapping, Sequence
 from typing import Final, final, NamedTuple
 
-from lta_discovery.forecast.forecast_fit import ForecastFitter, ForecastInformation
-from lta_discovery.transfer.candidate_groups import CandidateGroup, list_groups, prior_deviations
+from lta_discovery.forecast.forecast_fit import ForecastFitter, ForecastNormalEquations
+from lta_discovery.transfer.candidate_groups import (
+    CandidateGroup,
+    list_candidate_groups,
+    prior_deviations,
+)
 import numpy as np
 from numpy.typing import NDArray
 
@@ -59,7 +63,7 @@ class GroupSelection(NamedTuple):
     first: float
 
     @property
-    def log_evidence(self) -> tuple[float, ...]:
+    def log_likelihood_gains(self) -> tuple[float, ...]:
         """Log likelihood gained by each in left-out regimes, for errors of the usual size."""
         return tuple(0.5 * self.first * worth for worth in self.worth)
 
@@ -86,10 +90,10 @@ def select_forward(
     Parameters
     ----------
     candidates : sequence of CandidateGroup, optional
-        All of `list_groups` by default.
+        All of `list_candidate_groups` by default.
 
     """
-    candidates = list_groups(sight.knobs) if candidates is None else candidates
+    candidates = list_candidate_groups(sight.knobs) if candidates is None else candidates
     inside = set(flights)
     sides = [g for g in ([f for f in r if f in inside] for r in regimes.values()) if g]
     # A regime with all flights leaves nothing to fit to.
@@ -123,7 +127,7 @@ def select_forward(
 
 def _rank_candidates(
     sight: ForecastFitter,
-    information: Mapping[int, ForecastInformation],
+    information: Mapping[int, ForecastNormalEquations],
     sides: Sequence[Sequence[int]],
     every: Sequence[int],
     values: Array,
@@ -153,7 +157,7 @@ def _rank_candidates(
 
 def _cross_validated_gain(
     sight: ForecastFitter,
-    information: Mapping[int, ForecastInformation],
+    information: Mapping[int, ForecastNormalEquations],
     sides: Sequence[Sequence[int]],
     every: Sequence[int],
     which: Sequence[int],

@@ -8,7 +8,10 @@ another regime. The result is the lowest forecast error within the flown regimes
 from typing import Final
 
 from lta_discovery.forecast.forecast_fit import ForecastFitter
-from lta_discovery.transfer.candidate_groups import iterated_prior_deviations, list_groups
+from lta_discovery.transfer.candidate_groups import (
+    iterated_prior_deviations,
+    list_candidate_groups,
+)
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,7 +20,7 @@ Array = NDArray[np.float64]
 ROUNDS: Final = 8  # most steps of the fit
 
 
-def refit_everything(sight: ForecastFitter, begin: Array) -> tuple[Array, int]:
+def refit_all_parameters(sight: ForecastFitter, begin: Array) -> tuple[Array, int]:
     """
     Return all parameters, fitted, and the number of fitted ones.
 
@@ -27,7 +30,7 @@ def refit_everything(sight: ForecastFitter, begin: Array) -> tuple[Array, int]:
         Initial values: those of the named effects.
 
     """
-    which = [k for group in list_groups(sight.knobs) for k in group.knobs]
+    which = [k for group in list_candidate_groups(sight.knobs) for k in group.knobs]
     spread = iterated_prior_deviations(sight.knobs, which)
     flights = range(len(sight.flights))
     found = sight.fit(which, spread, flights, begin, ROUNDS, relinearize=False)

@@ -7,25 +7,25 @@ from typing import Final
 from lta_discovery.finding import NamedEffect, ParameterEstimate
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.selection.effect_sizes import list_assumed_values
-from lta_discovery.transfer.bootstrap_intervals import compute_intervals
+from lta_discovery.selection.effect_sizes import list_assumed_parameters
+from lta_discovery.transfer.bootstrap_intervals import compute_confidence_intervals
 from lta_discovery.transfer.candidate_groups import CandidateGroup
+from lta_discovery.transfer.effect_values import EffectValues
 from lta_discovery.transfer.forward_selection import CandidateGain, GroupSelection
-from lta_discovery.transfer.group_values import GroupValues
 from lta_model.effects import EFFECTS
 
 NEAR: Final = 0.9  # of the gain of an effect; candidates with more in its round are its rivals
 
 
-def build_effects(
+def build_named_effects(
     nominal: NominalVehicle,
     knobs: Sequence[FreeParameter],
     chosen: GroupSelection,
     confirmed: Sequence[CandidateGroup],
-    best: GroupValues,
+    best: EffectValues,
 ) -> tuple[NamedEffect, ...]:
     """Return the named effects of the registry, the strongest first."""
-    bounds = dict(zip(best.which, compute_intervals(best.draws), strict=True))
+    bounds = dict(zip(best.which, compute_confidence_intervals(best.draws), strict=True))
     out: dict[str, NamedEffect] = {}
     for group in confirmed:
         place = chosen.groups.index(group)
@@ -38,22 +38,22 @@ def build_effects(
             for each in _estimate_parameters(nominal, knobs[k], float(values[k]), bounds[k])
         ]
         before = out.get(group.effect, NamedEffect(group.effect, (), (), 0.0))
-        rivals = _list_rivals(group, chosen.rounds[place], knobs)
+        rivals = _list_close_rivals(group, chosen.rounds[place], knobs)
         out[group.effect] = NamedEffect(
             group.effect,
             (*before.knobs, *(knobs[k].name for k in moved)),
             (*before.parameters, *parameters),
-            before.log_evidence + chosen.log_evidence[place],
+            before.log_evidence + chosen.log_likelihood_gains[place],
             (*before.confusable_with, *rivals),
         )
     told = [
-        replace(one, assumed=list_assumed_values(nominal, one.name, one.parameters))
+        replace(one, assumed=list_assumed_parameters(nominal, one.name, one.parameters))
         for one in out.values()
     ]
     return tuple(sorted(told, key=lambda one: -one.log_evidence))
 
 
-def _list_rivals(
+def _list_close_rivals(
     group: CandidateGroup, tried: Sequence[CandidateGain], knobs: Sequence[FreeParameter]
 ) -> tuple[str, ...]:
     """Return the candidates with nearly the same gain in the round of an effect."""

@@ -3,7 +3,7 @@
 from typing import Final
 
 from lta_discovery.forecast.horizon_errors import HorizonErrors, HORIZONS
-from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 import numpy as np
 from numpy.typing import NDArray
 

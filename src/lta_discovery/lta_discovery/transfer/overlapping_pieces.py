@@ -7,14 +7,14 @@ from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
 from lta_discovery.flights.windows import find_usable_runs, fit_state_at, Windows
 from lta_discovery.forecast.horizon_errors import HORIZONS
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 import numpy as np
 
 APART: Final = 2.5  # s; least time between beginnings
 MOST: Final = 400  # pieces of all flights, to limit time and memory
 
 
-def cut_overlapping_windows(flight: MeasuredFlight, apart: float = APART) -> Windows:
+def cut_horizon_pieces(flight: MeasuredFlight, apart: float = APART) -> Windows:
     """Cut a flight into complete pieces as long as the last horizon."""
     count = round(HORIZONS[-1] / PERIOD)
     first, start = [], []
@@ -35,12 +35,12 @@ def piece_spacing(flights: Sequence[MeasuredFlight]) -> float:
     return max(APART, seconds / MOST)
 
 
-def cut_long_pieces(
+def cut_overlapping_pieces(
     flight: FlightLinearizer, knobs: Sequence[FreeParameter], apart: float = APART
 ) -> FlightLinearizer | None:
     """Return a flight in overlapping pieces; None if it is too short for any."""
     replay = flight.replay
-    cut = cut_overlapping_windows(replay.flight, apart)
+    cut = cut_horizon_pieces(replay.flight, apart)
     if not len(cut.first):
         return None
     return FlightLinearizer(replay.with_pieces(cut), knobs, flight.places)

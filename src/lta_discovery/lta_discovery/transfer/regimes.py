@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from typing import Final
 
 from lta_discovery.forecast.forecast_fit import ForecastFitter
-from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.study import DiscoveryStudy
-from lta_discovery.transfer.cross_validation import cross_validate, format_warning
+from lta_discovery.transfer.cross_validation import cross_validate, format_interpolation_warning
 import numpy as np
 
 ENOUGH: Final = 8  # fewest flights for a test
@@ -82,7 +82,7 @@ def _group_by_turn(flights: Sequence[FlightLinearizer]) -> dict[str, list[int]]:
     }
 
 
-def describe_interpolation(study: DiscoveryStudy) -> str:
+def format_regime_warning(study: DiscoveryStudy) -> str:
     """
     Return a warning if the named effects do not transfer to a left-out regime, else ''.
 
@@ -103,4 +103,6 @@ def describe_interpolation(study: DiscoveryStudy) -> str:
     spread = np.array([max(knob.typical, 2.0 * knob.tolerance) for knob in known])
     fitted = foresight.fit(which, spread, range(len(flights)), rounds=ROUNDS)
     names = [effect.name for effect in study.finding.effects]
-    return format_warning(names, cross_validate(foresight, fitted, which, spread, groups))
+    return format_interpolation_warning(
+        names, cross_validate(foresight, fitted, which, spread, groups)
+    )

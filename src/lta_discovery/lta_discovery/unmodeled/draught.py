@@ -12,8 +12,8 @@ from typing import Final, final, NamedTuple
 from lta_discovery.fit.evidence import MEMORY
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.unmodeled.latent_series import LatentSeries
-from lta_discovery.unmodeled.remainders import CARRIED, Remainder
 from lta_discovery.unmodeled.rivals import GenericRival
+from lta_discovery.unmodeled.unexplained_force import CARRIED, Remainder
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,7 +29,7 @@ CHANCE: Final = 1e-3  # significance level of the test of isotropy
 
 
 @final
-class DraughtFinding(NamedTuple):
+class DraughtEstimate(NamedTuple):
     """
     A draught.
 
@@ -75,7 +75,7 @@ def isotropy_p_value(pair: Array, count: float) -> float:
     return float(alike ** (0.5 * max(count - 1.0, 0.0)))
 
 
-def is_horizontal(series: Sequence[LatentSeries]) -> bool:
+def is_horizontally_isotropic(series: Sequence[LatentSeries]) -> bool:
     """Return whether a force is horizontal and isotropic in the horizontal plane."""
     ground = np.concatenate([each.ground for each in series])
     body = np.concatenate([each.body for each in series])
@@ -126,7 +126,7 @@ def detect_draught(
     rivals: Sequence[GenericRival],
     series: Sequence[LatentSeries],
     nominal: NominalVehicle,
-) -> DraughtFinding | None:
+) -> DraughtEstimate | None:
     """Return the draught if it explains the whole remainder, else None."""
     floors = (deviations / floor)[:2]
     # Too weak to report, or strong enough to put names in question
@@ -134,8 +134,8 @@ def detect_draught(
         return None
     if any(one.axis not in LEVEL or one.carried > CARRIED for one in left):
         return None
-    if not all(map(is_one_sided, rivals)) or not is_horizontal(series):
+    if not all(map(is_one_sided, rivals)) or not is_horizontally_isotropic(series):
         return None
     # Geometric mean of surge and sway
     force = math.sqrt(float(deviations[0] * deviations[1]))
-    return DraughtFinding(force, estimate_air_speed(force, nominal))
+    return DraughtEstimate(force, estimate_air_speed(force, nominal))

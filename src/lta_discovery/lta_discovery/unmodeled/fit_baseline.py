@@ -146,9 +146,9 @@ class _FlightColumns:
             # Schur complement of the pieces' unknowns
             alone = columns.own - np.einsum('ski,skj->ij', mine, mine, optimize=True)
             found[name] = self._shift.T @ aside, alone
-        return self._eliminate_own(constant, products, found)
+        return self._eliminate_own_parameters(constant, products, found)
 
-    def _eliminate_own(
+    def _eliminate_own_parameters(
         self, constant: float, products: Array, group_products: dict[str, tuple[Array, Array]]
     ) -> tuple[float, Array, dict[str, tuple[Array, Array]]]:
         """Eliminate the flight's own parameters."""

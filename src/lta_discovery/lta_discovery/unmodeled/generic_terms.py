@@ -13,8 +13,8 @@ from typing import Final, final, NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_discovery.model.quaternions import rotation_matrix
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import AXES, hat_functions, LinearizationPoint
-from lta_discovery.replay.linearizer import FlightLinearizer
 from lta_model.effects.protocol import AXES as NAMES
 from lta_model.state import ROTOR, ROTOR_AXIS, ROTOR_PLACE
 import numpy as np
@@ -36,14 +36,14 @@ MOTIONS: Final = (
 
 
 @final
-class FlightBox(NamedTuple):
+class FlightBoundingBox(NamedTuple):
     """Box around all flights of a study: low and high corner, in the map. [m]"""
 
     low: Array
     high: Array
 
     @classmethod
-    def from_places(cls, places: Sequence[Array]) -> 'FlightBox':
+    def from_positions(cls, places: Sequence[Array]) -> 'FlightBoundingBox':
         """Return the box around the middle 96 % of the positions of some flights, shape (n, 3)."""
         together = np.concatenate(places)
         low, high = np.percentile(together, [2.0, 98.0], axis=0)
@@ -102,7 +102,7 @@ def compute_term_inputs(flight: FlightLinearizer, point: LinearizationPoint) -> 
     """Compute the inputs of the terms at the point of a flight's last fit."""
     states = flight.simulate_trajectory(point)[:, :-1]
     replay = flight.replay
-    commands = replay.compute_inputs(replay.build_rows(point.nominal)).commands
+    commands = replay.compute_body_inputs(replay.build_replay_rows(point.nominal)).commands
     steps = replay.first[:, None] + np.arange(replay.span)
     body = point.nominal.build_model().body
     pushed = np.zeros((*steps.shape, AXES))
@@ -127,7 +127,7 @@ def _project_on_knots(values: Array, nearest: Array) -> Array:
     return knots
 
 
-def _place_terms(inputs: TermInputs, scene: FlightBox) -> tuple[list[str], Array]:
+def _position_terms(inputs: TermInputs, scene: FlightBoundingBox) -> tuple[list[str], Array]:
     """Return Gaussian bumps on a grid of positions, shape (S, n, SIDE^2)."""
     spots = [np.linspace(scene.low[k], scene.high[k], SIDE) for k in range(2)]
     # Standard deviation of a bump: one interval of the grid
@@ -159,7 +159,7 @@ def _simulate_oscillator(inputs: TermInputs, shaking: Array, hertz: float) -> Ar
 
 
 def _list_axis_terms(
-    inputs: TermInputs, scene: FlightBox
+    inputs: TermInputs, scene: FlightBoundingBox
 ) -> Iterator[tuple[str, list[str], Array]]:
     """Yield groups for any single axis: name, terms, values of shape (S, n, J)."""
     motion = inputs.states[..., 7:13] / USUAL_SPEED
@@ -221,7 +221,7 @@ def _build_axis_group(
 
 
 def list_term_groups(
-    inputs: TermInputs, scene: FlightBox, floor: Array, count: int
+    inputs: TermInputs, scene: FlightBoundingBox, floor: Array, count: int
 ) -> Iterator[TermGroup]:
     """
     Yield all groups of a flight.
@@ -236,7 +236,7 @@ def list_term_groups(
     # Least-squares projection from steps to knots, the same for all terms
     nearest = np.asarray(np.linalg.pinv(shares), dtype=np.float64)
     rotation = rotation_matrix(inputs.states[..., 3:7])
-    names, bumps = _place_terms(inputs, scene)
+    names, bumps = _position_terms(inputs, scene)
     level = np.zeros((len(bumps), 2 * len(names), AXES, count))
     for way in range(2):
         for axis in range(3):

@@ -4,8 +4,8 @@ from typing import final, NamedTuple
 
 from lta_discovery.fit.joint_fit import FlightFit
 from lta_discovery.model.quaternions import rotate_vectors
-from lta_discovery.replay.linearizer import FlightLinearizer
-from lta_discovery.unmodeled.remainders import latent_at_knots, states_at_knots
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.unmodeled.unexplained_force import latent_at_knots, states_at_knots
 import numpy as np
 from numpy.typing import NDArray
 

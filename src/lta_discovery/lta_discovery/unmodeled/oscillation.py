@@ -112,7 +112,7 @@ def fit_wave_power(time: Array, values: Array, hertz: Array) -> Array:
     return out
 
 
-def find_oscillations(
+def find_common_oscillations(
     series: Sequence[LatentSeries], floor: Array, knots: int
 ) -> tuple[LatentOscillation, ...]:
     """Return the oscillations that all flights show, the strongest first."""

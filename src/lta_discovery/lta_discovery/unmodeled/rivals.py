@@ -12,12 +12,12 @@ from typing import Final, final, NamedTuple
 
 from lta_discovery.fit.evidence import log_prior
 from lta_discovery.parallel import map_parallel
-from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.unmodeled.fit_baseline import FitBaseline, GroupProducts, TermColumns
 from lta_discovery.unmodeled.generic_terms import (
     compute_term_inputs,
     CONSTANT,
-    FlightBox,
+    FlightBoundingBox,
     list_term_groups,
     TermGroup,
 )
@@ -102,7 +102,7 @@ class GenericRival(NamedTuple):
 
 
 @final
-class RivalContest:
+class GroupComparison:
     """Compare groups on jointly fitted flights."""
 
     def __init__(self, columns: TermColumns) -> None:
@@ -119,7 +119,7 @@ class RivalContest:
         each = _evidence_by_size(inner, right)
         return there.base + float(np.logaddexp.reduce(each)) - float(np.log(len(SIZES)))
 
-    def compute_gains(
+    def compute_group_gains(
         self, taught: Mapping[str, GroupGain] | None = None, most: int = SETTLED
     ) -> dict[str, GroupGain]:
         """
@@ -152,7 +152,7 @@ class RivalContest:
                 name, at[name], None if taught is None else taught[name]
             )
         base = self.standing.evidence
-        return {name: self._build_gain(name, at[name], base, taught) for name in names}
+        return {name: self._evaluate_group(name, at[name], base, taught) for name in names}
 
     def _fit_deviations(
         self, name: str, at: tuple[float, Array, GroupProducts], taught: GroupGain | None
@@ -171,7 +171,7 @@ class RivalContest:
             found = max(found, (score, deviations, there), key=lambda one: one[0])
         return found
 
-    def _build_gain(
+    def _evaluate_group(
         self,
         name: str,
         at: tuple[float, Array, GroupProducts],
@@ -221,11 +221,11 @@ class RivalSearch:
     def __init__(self, flights: Sequence[Sequence[FlightLinearizer]]) -> None:
         self.flights = flights
         places = [each.replay.flight.position for side in flights for each in side]
-        self._scene = FlightBox.from_places(
+        self._scene = FlightBoundingBox.from_positions(
             [each[np.isfinite(each).all(axis=1)] for each in places]
         )
 
-    def build_contest(self, side: int, baseline: FitBaseline) -> RivalContest:
+    def build_group_comparison(self, side: int, baseline: FitBaseline) -> GroupComparison:
         """Return the flights of one side with all groups."""
         flown = zip(self.flights[side], baseline.linears, strict=True)
         known = [
@@ -239,18 +239,20 @@ class RivalSearch:
             )
             for flight, linear in flown
         ]
-        return RivalContest(TermColumns(baseline, known))
+        return GroupComparison(TermColumns(baseline, known))
 
     def rank_rivals(self, standings: Sequence[FitBaseline]) -> tuple[GenericRival, ...]:
         """Return all rivals, the best first."""
 
-        def run_contest(one: tuple[int, FitBaseline]) -> tuple[RivalContest, dict[str, GroupGain]]:
-            made = self.build_contest(*one)
-            return made, made.compute_gains()
+        def compare_side(
+            one: tuple[int, FitBaseline],
+        ) -> tuple[GroupComparison, dict[str, GroupGain]]:
+            made = self.build_group_comparison(*one)
+            return made, made.compute_group_gains()
 
-        (first, taught), (second, alone) = map_parallel(run_contest, list(enumerate(standings)))
+        (first, taught), (second, alone) = map_parallel(compare_side, list(enumerate(standings)))
         # The confirming flights with the weights of the training flights
-        carried = second.compute_gains(taught)
+        carried = second.compute_group_gains(taught)
         out = [
             _build_rival(
                 [each[name] for each in first.known],

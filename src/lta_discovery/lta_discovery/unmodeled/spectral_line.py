@@ -234,7 +234,7 @@ def _highest_bin(spectra: Sequence[LeveledSpectrum], strength: Array) -> int | N
     return int(np.argmax(np.where(strength >= 0.999 * strength.max(), product, 0.0)))
 
 
-def find_lines(
+def find_spectral_lines(
     residuals: Sequence[Array], times: Sequence[Array], noise: Sequence[Array], least: float
 ) -> list[SpectralLine]:
     """

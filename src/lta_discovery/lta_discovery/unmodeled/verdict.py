@@ -13,9 +13,9 @@ from lta_discovery.fit.evidence import FLOOR
 from lta_discovery.unmodeled.draught import LEVEL
 from lta_discovery.unmodeled.generic_terms import CONSTANT
 from lta_discovery.unmodeled.oscillation import dominant_oscillations, LatentOscillation
-from lta_discovery.unmodeled.remainders import CARRIED, CLEAR, Remainder
 from lta_discovery.unmodeled.rivals import GenericRival
 from lta_discovery.unmodeled.spectral_line import SpectralLine
+from lta_discovery.unmodeled.unexplained_force import CARRIED, CLEAR, Remainder
 from lta_model.effects.protocol import AXES as NAMES
 import numpy as np
 from numpy.typing import NDArray
@@ -165,7 +165,7 @@ def add_oscillations(
     ]
 
 
-def list_sentences(
+def describe_unexplained_forces(
     remains: Sequence[Remainder],
     lines: Sequence[SpectralLine] = (),
     oscillations: Sequence[LatentOscillation] = (),

@@ -15,7 +15,7 @@ MOST: Final = 0.5  # s, upper limit of the time-out in a packet
 
 
 @final
-class DutiesApp:
+class MotorDutyApp:
     """
     State of the app.
 
@@ -43,19 +43,19 @@ class DutiesApp:
         self._feeding = True
         self._turned |= any(duty > 0.0 for duty in duties.duties)
 
-    def is_current(self, now: float) -> bool:
+    def has_valid_duties(self, now: float) -> bool:
         """Return whether the newest duties are valid at a time. [s]"""
         return self._newest is not None and now < self._until
 
-    def current_duties(self, now: float) -> tuple[float, ...]:
+    def motor_duties(self, now: float) -> tuple[float, ...]:
         """Return the duties of M1 to M4 at a time. [s]"""
-        if self._newest is None or not self.is_current(now):
+        if self._newest is None or not self.has_valid_duties(now):
             return (0.0,) * 4
         # Brushed motors of the Crazyflie cannot reverse
         first, *others = (max(0.0, duty) for duty in self._newest.duties)
         return (max(first, STEP) if self._turned else first, *others)
 
-    def is_feeding(self) -> bool:
+    def is_renewing_setpoint(self) -> bool:
         """Return whether the app renews a zero-thrust setpoint now, which prevents the lock."""
         return self._feeding
 
@@ -63,13 +63,13 @@ class DutiesApp:
         """Return whether the app requests disarming at a time. [s]"""
         return self._feeding and now >= self._until + REST
 
-    def take_release(self, now: float) -> bool:
+    def release_if_due(self, now: float) -> bool:
         """Return True once when the app releases the commander. [s]"""
         if not self._feeding or now < self._until + REST + LET_GO:
             return False
         self._feeding = False
         return True
 
-    def forget_turning(self) -> None:
+    def reset_after_disarming(self) -> None:
         """Reset after disarming."""
         self._turned = False

@@ -20,7 +20,7 @@ class CrazyflieBody(Protocol):
         """Advance to a time since boot under a command. [s]"""
         ...
 
-    def read_values(self) -> Mapping[str, float]:
+    def read_log_values(self) -> Mapping[str, float]:
         """Return the newest values of log variables, in the firmware's units."""
         ...
 
@@ -41,7 +41,7 @@ class BenchBody:
             duties = (0.5,) * 4 if wish.hover is not None or wish.land else STILL
         self.duties = tuple(max(wish.idle, duty) for duty in duties)
 
-    def read_values(self) -> Mapping[str, float]:
+    def read_log_values(self) -> Mapping[str, float]:
         """Return the sensor values of a Crazyflie at rest."""
         # Units of the firmware: g, mm, mbar
         return {'acc.z': 1.0, 'range.zrange': 450.0, 'baro.pressure': 1013.25}

@@ -84,7 +84,7 @@ class Commander:
         self._land = False
         self.thrust_packets = 0
 
-    def receive_generic(self, channel: int, data: bytes, size: int, now: float) -> None:
+    def receive_generic_setpoint(self, channel: int, data: bytes, size: int, now: float) -> None:
         """
         Receive a packet of port 7 at a time [s]: a setpoint, or the end of setpoints.
 

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 import struct
 from typing import Final, final
 
-from lta_emulation.crazyflie.app import DutiesApp
+from lta_emulation.crazyflie.app import MotorDutyApp
 from lta_emulation.crazyflie.body import CrazyflieBody, STILL
 from lta_emulation.crazyflie.commander import BodyCommand, Commander, FirmwareAssertion
 from lta_emulation.crazyflie.firmware_build import APP, FirmwareBuild
@@ -71,7 +71,7 @@ class Firmware:
     ) -> None:
         self.body, self.build = body, build
         self.supervisor = Supervisor(arms_itself=not build.requires_arming)
-        self.commander, self.app = Commander(), DutiesApp()
+        self.commander, self.app = Commander(), MotorDutyApp()
         contents = TableOfContents(list_parameters(build))
         self.parameters = ParameterStore(contents)
         self._contents = TableOfContents(LOG, bytes([BLOCKS, VARIABLES])), contents
@@ -114,14 +114,14 @@ class Firmware:
             # Log: 0 is the table, 1 settings, 2 (outgoing) data
             case 5:
                 if channel == 0:
-                    return self._contents[0].answer(data)
+                    return self._contents[0].answer_request(data)
                 if channel == 1:
                     return self.log.run_command(data, size, self.clock_ms(now))
             # Generic localization: emergency stop and its watchdog
             case 6 if channel == 1 and size:
                 self._receive_localization(data[0], now)
             case 7:
-                self.commander.receive_generic(channel, data, size, now)
+                self.commander.receive_generic_setpoint(channel, data, size, now)
             case 8:
                 return self.commander.answer_high_level(
                     data, blocked=not self.supervisor.accepts_setpoints
@@ -137,7 +137,7 @@ class Firmware:
 
     def _answer_parameter(self, channel: int, data: bytes, size: int) -> bytes | None:
         if channel == 0:
-            return self._contents[1].answer(data)
+            return self._contents[1].answer_request(data)
         answer = self.parameters.answer_packet(channel, data, size)
         self._apply_parameters()
         return answer
@@ -217,14 +217,17 @@ class Firmware:
             self.body.advance(now, BodyCommand(duties=STILL))
             return []
         self._run_app(now)
-        sensed = self.body.read_values()
-        self.supervisor.update(
-            now, self._is_turning(), self.commander.setpoint_age(now), self._specific_force(sensed)
+        sensed = self.body.read_log_values()
+        self.supervisor.run_transitions(
+            now,
+            self._is_motor_turning(),
+            self.commander.setpoint_age(now),
+            self._specific_force(sensed),
         )
         self.body.advance(now, self._select_command(now))
         # Read again: the body has advanced since
-        sensed = self.body.read_values()
-        self._values = {**sensed, **self._own_values(sensed.get('pm.vbat', FULL))}
+        sensed = self.body.read_log_values()
+        self._values = {**sensed, **self._firmware_log_values(sensed.get('pm.vbat', FULL))}
         data = self.log.take_due_packets(
             self.clock_ms(now), lambda name: self._values.get(name, 0.0)
         )
@@ -233,10 +236,10 @@ class Firmware:
     def _run_app(self, now: float) -> None:
         """Let the app renew its setpoint, disarm, and release the commander."""
         if not self.supervisor.armed:
-            self.app.forget_turning()
-        if self.app.take_release(now):
+            self.app.reset_after_disarming()
+        if self.app.release_if_due(now):
             self.commander.release_setpoint()
-        elif self.app.is_feeding():
+        elif self.app.is_renewing_setpoint():
             self.commander.set_zero_thrust(now)
             if self.app.requests_disarm(now):
                 self.supervisor.arm(False)
@@ -247,9 +250,9 @@ class Firmware:
         idle = int(self.parameters.values['powerDist.idleThrust'])
         return idle if self.build.requires_arming else 0
 
-    def _is_turning(self) -> bool:
+    def _is_motor_turning(self) -> bool:
         """Return whether a motor turns faster than idle, which counts as flying."""
-        return any(ratio > self._idle_ratio for ratio in map(_motor_ratio, self.body.duties))
+        return any(ratio > self._idle_ratio for ratio in map(_quantize_duty, self.body.duties))
 
     def _specific_force(self, sensed: Mapping[str, float]) -> Acceleration:
         if self.acceleration is not None:
@@ -271,16 +274,16 @@ class Firmware:
     def _controller_command(self, now: float) -> BodyCommand:
         """Return the controller's command: duties for the app's, setpoints for any other."""
         if self._controller == OUT_OF_TREE:
-            return BodyCommand(duties=self.app.current_duties(now))
+            return BodyCommand(duties=self.app.motor_duties(now))
         if not self.supervisor.accepts_setpoints:
             return BodyCommand()
         return self.commander.select_command(
             level=self.supervisor.state is SupervisorState.LEVEL_OUT
         )
 
-    def _own_values(self, sensed: float) -> dict[str, float]:
+    def _firmware_log_values(self, sensed: float) -> dict[str, float]:
         motors = {
-            f'motor.m{number}': _motor_ratio(duty)
+            f'motor.m{number}': _quantize_duty(duty)
             for number, duty in enumerate(self.body.duties, start=1)
         }
         voltage = sensed if self.voltage is None else self.voltage
@@ -293,6 +296,6 @@ class Firmware:
         }
 
 
-def _motor_ratio(duty: float) -> int:
+def _quantize_duty(duty: float) -> int:
     """Return a duty truncated to 16 bits, as in the firmware."""
     return int(FULL_RATIO * duty + ROUNDING)

@@ -22,7 +22,7 @@ class CrtpPacket(NamedTuple):
     channel: int
     data: bytes = b''
 
-    def pack(self) -> bytes:
+    def pack_datagram(self) -> bytes:
         """Return the datagram; bits 2 and 3 of the header are zero, as the firmware sends them."""
         return bytes([self.port << 4 | self.channel]) + self.data[:MOST]
 

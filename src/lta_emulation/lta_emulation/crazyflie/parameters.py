@@ -25,7 +25,7 @@ READ, WRITE, OTHER = 1, 2, 3  # channels
 PERSISTENT: Final = 1  # the only extended type
 
 
-class ParameterQuestion(IntEnum):
+class ParameterRequest(IntEnum):
     """Requests in the first byte of channel 3."""
 
     SET_BY_NAME = 0
@@ -38,7 +38,7 @@ class ParameterQuestion(IntEnum):
     DEFAULT_2 = 8
 
 
-QUESTIONS: Final = frozenset(ParameterQuestion)
+QUESTIONS: Final = frozenset(ParameterRequest)
 
 
 @final
@@ -76,7 +76,7 @@ class ParameterStore:
         if channel == WRITE:
             return self._answer_write(data, size)
         if channel == OTHER:
-            return self._answer_other(data)
+            return self._answer_misc_channel(data)
         return None
 
     def _find_entry(self, number: bytes) -> FirmwareParameter | None:
@@ -110,36 +110,36 @@ class ParameterStore:
         # A name can end at the end of the buffer; the bytes behind it are zero here.
         (self.values[entry.name],) = struct.unpack_from(kind, value.ljust(8, b'\0'))
 
-    def _answer_other(self, data: bytes) -> bytes | None:
+    def _answer_misc_channel(self, data: bytes) -> bytes | None:
         """Set by name, or answer a request for a parameter's type, default or storage."""
         if data[0] not in QUESTIONS:
             return None
-        if data[0] == ParameterQuestion.SET_BY_NAME:
+        if data[0] == ParameterRequest.SET_BY_NAME:
             return self._set_by_name(data)
         entry = self._find_entry(data[1:3])
         if entry is None:
             return data[:3] + bytes([errno.ENOENT])
-        return data[:3] + self._answer_question(ParameterQuestion(data[0]), entry)
+        return data[:3] + self._answer_misc_request(ParameterRequest(data[0]), entry)
 
     @staticmethod
-    def _answer_question(question: ParameterQuestion, entry: FirmwareParameter) -> bytes:
+    def _answer_misc_request(question: ParameterRequest, entry: FirmwareParameter) -> bytes:
         """Return an answer; storage is not emulated, so there is never a stored value."""
         default = pack_value(PARAMETER_TYPES[entry.kind & BASIC], entry.default)
         answer = {
-            ParameterQuestion.EXTENDED_TYPE: bytes([PERSISTENT]),
-            ParameterQuestion.EXTENDED_TYPE_2: bytes([0, PERSISTENT]),
-            ParameterQuestion.STORE: b'\0',
-            ParameterQuestion.STORED: b'\0' + default,
-            ParameterQuestion.DEFAULT: default,
-            ParameterQuestion.DEFAULT_2: b'\0' + default,
+            ParameterRequest.EXTENDED_TYPE: bytes([PERSISTENT]),
+            ParameterRequest.EXTENDED_TYPE_2: bytes([0, PERSISTENT]),
+            ParameterRequest.STORE: b'\0',
+            ParameterRequest.STORED: b'\0' + default,
+            ParameterRequest.DEFAULT: default,
+            ParameterRequest.DEFAULT_2: b'\0' + default,
         }
         lacking = {
-            ParameterQuestion.EXTENDED_TYPE: not entry.kind & EXTENDED,
-            ParameterQuestion.EXTENDED_TYPE_2: not entry.kind & EXTENDED,
-            ParameterQuestion.STORE: not entry.kind & EXTENDED,
-            ParameterQuestion.CLEAR: True,
-            ParameterQuestion.DEFAULT: bool(entry.kind & READ_ONLY),
-            ParameterQuestion.DEFAULT_2: bool(entry.kind & READ_ONLY),
+            ParameterRequest.EXTENDED_TYPE: not entry.kind & EXTENDED,
+            ParameterRequest.EXTENDED_TYPE_2: not entry.kind & EXTENDED,
+            ParameterRequest.STORE: not entry.kind & EXTENDED,
+            ParameterRequest.CLEAR: True,
+            ParameterRequest.DEFAULT: bool(entry.kind & READ_ONLY),
+            ParameterRequest.DEFAULT_2: bool(entry.kind & READ_ONLY),
         }
         return bytes([errno.ENOENT]) if lacking.get(question) else answer[question]
 

@@ -85,9 +85,9 @@ class CrazyflieServer:
             self._receive_datagrams()
             now = self.now
             for datagram in self.up.receive(now):
-                self._process_datagram(datagram, now)
+                self._answer_datagram(datagram, now)
             for packet in self.firmware.tick(now):
-                self.down.send(packet.pack(), now)
+                self.down.send(packet.pack_datagram(), now)
             self._send_datagrams(now)
 
     def _receive_datagrams(self) -> None:
@@ -109,11 +109,11 @@ class CrazyflieServer:
             # Wait only for the first datagram, then take those that have arrived
             wait = 0.0
 
-    def _process_datagram(self, datagram: bytes, now: float) -> None:
+    def _answer_datagram(self, datagram: bytes, now: float) -> None:
         packet = unpack_datagram(datagram)
         if packet is not None:
             for answer in self.firmware.receive(packet, now):
-                self.down.send(answer.pack(), now)
+                self.down.send(answer.pack_datagram(), now)
 
     def _send_datagrams(self, now: float) -> None:
         for datagram in self.down.receive(now):

@@ -67,14 +67,14 @@ class SimulatedBody:
         self._values: dict[str, float] = {}
         self._wanted = Setpoint(0.0, 0.0, 0.0)
         self._behind = 0.0  # s by which the world started late or fell behind
-        self._update_values()
+        self._update_log_values()
 
     @property
     def world(self) -> World:
         """The simulated world."""
         return self._world
 
-    def read_values(self) -> Mapping[str, float]:
+    def read_log_values(self) -> Mapping[str, float]:
         """Return the newest values, in the firmware's units."""
         return self._values
 
@@ -105,11 +105,11 @@ class SimulatedBody:
         self._world.advance([duty if duty >= PWM_STEP else 0.0 for duty in rotors])
         if self._law is not None and not any(self.duties) and self._is_on_floor:
             self._level_attitude()
-        self._update_values()
+        self._update_log_values()
 
     @property
     def _is_on_floor(self) -> bool:
-        return bool(self._world.state[2] < self._world.vehicle.height_on_floor + TOUCH)
+        return bool(self._world.state[2] < self._world.vehicle.hull_height_on_floor + TOUCH)
 
     def _level_attitude(self) -> None:
         """Level the drone on the floor, where the world supports it at one point only."""
@@ -136,7 +136,7 @@ class SimulatedBody:
             self._wanted = Setpoint(hover.height, heading, hover.forward)
         return self._law.step(motion, self._wanted, self._dt)
 
-    def _update_values(self) -> None:
+    def _update_log_values(self) -> None:
         readings = self._world.sense_motion()
         self._world.sense_rest(readings)
         values = self._values

@@ -120,7 +120,7 @@ class TumbleDetector:
     def __init__(self) -> None:
         self._since: float | None = None
 
-    def update(self, acceleration: Acceleration, now: float) -> bool:
+    def detect_tumble(self, acceleration: Acceleration, now: float) -> bool:
         """Return whether it has tumbled, from the specific force [g] at a time [s]."""
         up = acceleration[2]
         # In free fall the direction of gravity is unknown, so the tilt restarts
@@ -221,7 +221,7 @@ class Supervisor:
         """Start or reset the emergency-stop watchdog at a time. [s]"""
         self._fed_at = now
 
-    def update(
+    def run_transitions(
         self, now: float, turning: bool, age: float | None, acceleration: Acceleration
     ) -> None:
         """
@@ -242,11 +242,13 @@ class Supervisor:
         self._due = max(self._due, now - HYSTERESIS)  # skip evaluations missed longer ago
         while self._due <= now:
             self._due += PERIOD
-            self._step(now, turning, age or 0.0, acceleration)
+            self._evaluate_transition(now, turning, age or 0.0, acceleration)
 
-    def _step(self, now: float, turning: bool, age: float, acceleration: Acceleration) -> None:
+    def _evaluate_transition(
+        self, now: float, turning: bool, age: float, acceleration: Acceleration
+    ) -> None:
         self._turned_at = now if turning else self._turned_at
-        self.tumbled = self._tumble.update(acceleration, now) and self.tumble_check
+        self.tumbled = self._tumble.detect_tumble(acceleration, now) and self.tumble_check
         late = self._fed_at is not None and now - self._fed_at >= WATCHDOG
         conditions = SupervisorConditions(
             armed=self.armed,

@@ -56,7 +56,7 @@ class TableOfContents(Generic[Entry]):
         # Not the firmware's checksum, but one that changes with the table is sufficient
         return zlib.crc32(repr(self.entries).encode())
 
-    def answer(self, question: bytes) -> bytes | None:
+    def answer_request(self, question: bytes) -> bytes | None:
         """Return the answer to a request of version 2; None if the request is unknown."""
         # Requests of version 2: 3 is the header of the table, 2 an entry
         if question[:1] == b'\x03':

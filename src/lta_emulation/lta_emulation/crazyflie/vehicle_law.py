@@ -3,10 +3,10 @@
 from typing import Any, final
 
 from lta_config.errors import BadInput
-from lta_control.allocation import create_scratch
+from lta_control.allocation import create_working_array
 from lta_control.cascade import Setpoint
 from lta_control.gains_file import load_law_gains
-from lta_control.laws import find_law
+from lta_control.laws import find_control_law
 from lta_control.laws.protocol import ControlMotion, LawInputs
 from lta_model.vehicle import Vehicle
 
@@ -35,11 +35,11 @@ class VehicleLaw:
                 f'{vehicle.file.name} has no control law with gains; add a control '
                 'block, or command its motors.'
             )
-        self._law = find_law(control.law)
+        self._law = find_control_law(control.law)
         self._known = self._law.known(load_law_gains(self._law.gains, control.gains), vehicle)
         self._memory: Any = self._law.start
         # Work arrays of the allocation, created once
-        self._scratch = create_scratch()
+        self._scratch = create_working_array()
 
     def step(self, motion: ControlMotion, setpoint: Setpoint, dt: float) -> tuple[float, ...]:
         """Return the duties by slot after one more period. [s]"""

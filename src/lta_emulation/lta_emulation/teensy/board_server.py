@@ -91,10 +91,10 @@ class BoardServer:
                 (self.cable.plug if plugged else self.cable.pull)()
             looked = self.now_ns
             asked = self.cable.read(LOOK)
-            self._write_cable(self.board.answer_timesync(asked, self.now_ns))
+            self._write_to_cable(self.board.answer_timesync(asked, self.now_ns))
             if self.now_ns >= beat:
                 beat = self.now_ns + BEAT_NS
-                self._write_cable(self.board.encode_status())
+                self._write_to_cable(self.board.encode_status())
             self._send_light()
             if not asked and self.now_ns - looked < 1e9 * LOOK:
                 time.sleep(LOOK)  # reading a port that is not open returns at once
@@ -106,10 +106,10 @@ class BoardServer:
             return
         # With a beacon frequency, the board sends peaks instead of raw samples
         if self._beacon:
-            self._write_cable(self.board.encode_peaks(samples, self._beacon, begun_ns))
+            self._write_to_cable(self.board.encode_peaks(samples, self._beacon, begun_ns))
         else:
-            self._write_cable(self.board.encode_light(samples, begun_ns))
+            self._write_to_cable(self.board.encode_light(samples, begun_ns))
 
-    def _write_cable(self, data: bytes) -> None:
+    def _write_to_cable(self, data: bytes) -> None:
         if not self.silent:
             self.cable.write(data)

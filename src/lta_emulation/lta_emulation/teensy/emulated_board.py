@@ -52,23 +52,23 @@ class FrameFaults:
     cut: int = 0
     foreign: int = 0
 
-    def apply(self, turn: int, frame: bytes) -> bytes:
+    def inject_faults(self, turn: int, frame: bytes) -> bytes:
         """Return the bytes that arrive of a frame, counted from 1."""
-        if _is_hit(turn, self.drop):
+        if _is_every_nth(turn, self.drop):
             return b''
-        if _is_hit(turn, self.corrupt):
+        if _is_every_nth(turn, self.corrupt):
             middle = len(frame) // 2
             # One flipped bit must be detected by the checksum
             return frame[:middle] + bytes((frame[middle] ^ 1,)) + frame[middle + 1 :]
-        if _is_hit(turn, self.cut):
+        if _is_every_nth(turn, self.cut):
             return frame[: len(frame) // 3]
-        if _is_hit(turn, self.foreign):
+        if _is_every_nth(turn, self.foreign):
             # A parser must skip valid messages of an unknown type
             return frame + FOREIGN.build_frame(0, SYSTEM, COMPONENT, word=turn)
         return frame
 
 
-def _is_hit(turn: int, every: int) -> bool:
+def _is_every_nth(turn: int, every: int) -> bool:
     return every > 0 and turn % every == 0
 
 
@@ -180,7 +180,7 @@ class EmulatedBoard:
             )
             self._rows += count
             self.sent += 1
-            yield self.faults.apply(self.sent, frame)
+            yield self.faults.inject_faults(self.sent, frame)
 
     def encode_peaks(
         self, samples: NDArray[np.uint16], frequency: float, begun_ns: int | None = None

@@ -68,7 +68,7 @@ def assess_meters(estimate: EnergyEstimate) -> Verdict:
     return level, '; '.join(f'{fault.name}: {fault.sentence}' for fault in faults)
 
 
-def assess_way_home(estimate: EnergyEstimate) -> Verdict:
+def compute_return_margin(estimate: EnergyEstimate) -> Verdict:
     """Return the distance home and the energy left beyond the way home and the reserve."""
     stock = estimate.stock
     if stock is None or estimate.last is None or estimate.last.where is None:

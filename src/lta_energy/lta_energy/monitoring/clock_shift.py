@@ -15,7 +15,7 @@ from lta_energy.monitoring.reading import MeterReading
 ENOUGH: Final = 3  # readings
 
 
-def extend_ordered_stamps(before: tuple[int, ...], stamp_ns: int) -> tuple[int, ...]:
+def append_stamp(before: tuple[int, ...], stamp_ns: int) -> tuple[int, ...]:
     """Append a stamp to an ascending sequence, or start a new sequence. [ns]"""
     return (*before, stamp_ns) if before and stamp_ns > before[-1] else (stamp_ns,)
 

@@ -53,7 +53,7 @@ def estimate_discharge_time(
     if power <= 0.0:
         return NEVER
     energy = energy_between(cell, state, empty_charge(cell, state, power), state.charge)
-    return _estimate_time(cell, state, max(energy, 0.0), power, deviation, 1.0)
+    return _energy_over_power(cell, state, max(energy, 0.0), power, deviation, 1.0)
 
 
 def estimate_charging_time(
@@ -63,10 +63,10 @@ def estimate_charging_time(
     if power >= 0.0:
         return NEVER
     energy = energy_between(cell, state, state.charge, 1.0)
-    return _estimate_time(cell, state, energy, -power, deviation, -1.0)
+    return _energy_over_power(cell, state, energy, -power, deviation, -1.0)
 
 
-def _estimate_time(
+def _energy_over_power(
     cell: BatteryModel,
     state: CellState,
     energy: float,

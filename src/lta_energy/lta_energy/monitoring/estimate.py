@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from lta_energy.faults.all_detectors import DetectorStates
+from lta_energy.faults.fault_monitor import DetectorStates
 from lta_energy.monitoring.energy_balance import EnergyBalance
 from lta_energy.monitoring.latch import Latch
 from lta_energy.monitoring.load import LoadEstimate
@@ -77,6 +77,6 @@ class EnergyEstimate(NamedTuple):
         return math.nan if self.belief is None else self.belief.deviation
 
     @property
-    def is_urgent(self) -> bool:
+    def is_landing_urgent(self) -> bool:
         """Whether to land at once: no estimate, critical voltage, or unreliable readings."""
         return self.belief is None or self.critical.on or self.watch.is_doubtful

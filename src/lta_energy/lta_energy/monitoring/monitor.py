@@ -7,11 +7,11 @@ state is never used.
 """
 
 from lta_config.settings import setting
-from lta_energy.faults.all_detectors import SWAPPED, update_detectors
 from lta_energy.faults.detector import MeterObservation
+from lta_energy.faults.fault_monitor import SWAPPED, update_detectors
 from lta_energy.faults.gap import LONGEST
 from lta_energy.monitoring import endurance, load, reserve, way_home
-from lta_energy.monitoring.clock_shift import ENOUGH, extend_ordered_stamps, shift_stamps
+from lta_energy.monitoring.clock_shift import append_stamp, ENOUGH, shift_stamps
 from lta_energy.monitoring.endurance import TimeEstimate
 from lta_energy.monitoring.energy_balance import add_interval, EnergyBalance
 from lta_energy.monitoring.estimate import EnergyEstimate
@@ -70,7 +70,7 @@ def update_estimate(
     last, cell, back = before.last, aboard.cell, 0
     # Not newer than the last one: an overtaken or repeated message, or a clock that was set back
     if last is not None and reading.stamp_ns <= last.stamp_ns:
-        behind = extend_ordered_stamps(before.behind, reading.stamp_ns)
+        behind = append_stamp(before.behind, reading.stamp_ns)
         if len(behind) < ENOUGH:
             dt = (reading.stamp_ns - last.stamp_ns) * 1e-9
             watch = update_detectors(before.watch, MeterObservation(reading, last, dt, cell))
@@ -98,10 +98,10 @@ def update_estimate(
         belief = initialize_from_reading(settings.belief, cell, reading.voltage, reading.current)
     after = before._replace(
         belief=belief, watch=watch, surprise=surprise, gap=dt, last=reading, behind=(),
-        critical=_update_critical(before.critical, reading, dt),
+        critical=_update_voltage_alarm(before.critical, reading, dt),
     )  # fmt: skip
     if not watch.is_unusable:
-        after = _apply_good_reading(settings, aboard, after, reading, dt)
+        after = _apply_usable_reading(settings, aboard, after, reading, dt)
     return _decide_reserve(settings, cell, after)
 
 
@@ -142,7 +142,7 @@ def _expected_current(before: EnergyEstimate, state: CellState) -> tuple[float, 
     return current, abs(current) + QUIET
 
 
-def _update_critical(before: Latch, reading: MeterReading, dt: float) -> Latch:
+def _update_voltage_alarm(before: Latch, reading: MeterReading, dt: float) -> Latch:
     """Update the alarm of critical voltage, with hysteresis."""
     if not reading.is_usable:
         return before
@@ -151,7 +151,7 @@ def _update_critical(before: Latch, reading: MeterReading, dt: float) -> Latch:
     return update_latch(before, reading.voltage <= limit, dt, CRITICAL_RISE, CRITICAL_FALL)
 
 
-def _apply_good_reading(
+def _apply_usable_reading(
     settings: MonitorSettings,
     aboard: PowerSystem,
     after: EnergyEstimate,
@@ -173,12 +173,12 @@ def _apply_good_reading(
     return after._replace(
         load=load.update_load(after.load, power, dt, settings.smoothing, settings.outlook),
         travel=way_home.update_travel(settings.way, after.travel, reading.where, power, dt),
-        books=_update_balance(after.books, aboard, belief, after.good, reading),
+        books=_update_energy_balance(after.books, aboard, belief, after.good, reading),
         good=reading,
     )
 
 
-def _update_balance(
+def _update_energy_balance(
     books: EnergyBalance,
     aboard: PowerSystem,
     state: CellState,
@@ -221,13 +221,13 @@ def _decide_reserve(
         return after
     where = None if after.last is None else after.last.where
     away = 0.0 if where is None else where.distance
-    stock = reserve.compute_margin(
+    stock = reserve.compute_reserve_margin(
         settings, cell, belief, way_home.energy_home(settings.way, travel, away)
     )
     low = reserve.is_reserve_reached(settings, after.low, stock)
     # An uncertain charge counts as a reached reserve, so that the drone errs on the safe side
     doubtful = belief.deviation > settings.doubt
-    return after._replace(stock=stock, low=low, reserve=low or doubtful or after.is_urgent)
+    return after._replace(stock=stock, low=low, reserve=low or doubtful or after.is_landing_urgent)
 
 
 def time_to_empty(

@@ -51,7 +51,7 @@ class ReserveMargin(NamedTuple):
     spare: float
 
 
-def compute_margin(
+def compute_reserve_margin(
     settings: EnergyReserveSettings, cell: BatteryModel, state: CellState, home: float
 ) -> ReserveMargin:
     """Compare the charge with the reserve and the energy of the way home. [J]"""

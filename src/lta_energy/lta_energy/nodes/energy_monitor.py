@@ -60,7 +60,7 @@ class EnergyMonitor(GraphNode):
         self._reserve.publish(messages.from_reserve(estimate))
         self.health.report('battery', *alarms.assess_battery(settings, aboard.cell, estimate))
         self.health.report('meters', *alarms.assess_meters(estimate))
-        self.health.report('way', *alarms.assess_way_home(estimate))
+        self.health.report('way', *alarms.compute_return_margin(estimate))
 
 
 def main(args: list[str] | None = None) -> None:

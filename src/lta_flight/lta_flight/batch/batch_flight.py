@@ -13,8 +13,8 @@ from lta_control.laws import LAWS
 from lta_control.laws.onboard_law import CASCADE
 from lta_control.per_rotor import NONE, pad_to_slots
 from lta_control.strategies.protocol import NavigationStrategy
-from lta_flight.batch.flight_data import BatchPower, FlightConstants
-from lta_flight.batch.targets import BatchRhythm, STEP
+from lta_flight.batch.constants_and_tally import BatchPower, FlightConstants
+from lta_flight.batch.targets import BatchSchedule, STEP
 from lta_flight.flight_stack import FlightStack
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import MeasurementEffect
@@ -32,10 +32,10 @@ from lta_sim.compiled_sensors import ImuAxes, SensorDatasheets, Six
 from lta_sim.environment import build_steady_wind
 from lta_sim.light_link import build_light_link
 from lta_sim.scene_model import build_scene_model, vehicle_reach
-from lta_sim.supply_step import SupplyParts
+from lta_sim.supply_step import SupplyComponents
 from lta_sim.termination import build_goal
 from lta_vlc.diodes import build_diode_array
-from lta_vlc.direction import build_direction_prior, build_fit_array
+from lta_vlc.direction import build_direction_prior, build_fit_inputs
 
 UNHEARD = ('pose', 'pose_time', 'clock')  # channels that do not influence a flight
 
@@ -71,7 +71,7 @@ class BatchFlight:
     strategy: NavigationStrategy
 
 
-def build_rhythm(table: TopicTable) -> BatchRhythm:
+def build_schedule(table: TopicTable) -> BatchSchedule:
     """Return the schedule; raise `BadInput` if a period is not a multiple of the step."""
     step_ns = round(STEP * 1e9)
     control = table.control_ns
@@ -83,7 +83,7 @@ def build_rhythm(table: TopicTable) -> BatchRhythm:
             'periods '
             f'of control ({control} ns) and sensors ({due} ns); change these in topics.yaml.'
         )
-    return BatchRhythm(
+    return BatchSchedule(
         control // step_ns,
         due['range'] // step_ns,
         due['pressure'] // control,
@@ -205,11 +205,11 @@ def build_constants(
             rate,
             samples,
         ),
-        array=build_fit_array(build_diode_array(vehicle.file.sensors.diodes)),
+        array=build_fit_inputs(build_diode_array(vehicle.file.sensors.diodes)),
         expected=build_direction_prior(policy.prior),
         goal=build_goal(scenario),
         power=build_power(vehicle, scenario, policy),
-        place=(x, y, vehicle.height_on_floor),
+        place=(x, y, vehicle.hull_height_on_floor),
         heading=start.heading.si,
         spread=start.heading_spread.si,
         wind=build_steady_wind(scenario, vehicle_reach(vehicle)[0]),
@@ -240,16 +240,16 @@ def build_sensors(vehicle: Vehicle, floor: float) -> SensorDatasheets:
     bounds, ranger, barometer = error_bounds(ImuSettings()), RangeSettings(), PressureSettings()
     sensors = vehicle.file.sensors
     axes = ImuAxes(
-        gain=to_six(bounds.gain),
-        offset=to_six(bounds.offset),
-        noise=to_six(bounds.noise),
-        step=to_six(bounds.step),
-        full_scale=to_six(bounds.full_scale),
+        gain=to_six_floats(bounds.gain),
+        offset=to_six_floats(bounds.offset),
+        noise=to_six_floats(bounds.noise),
+        step=to_six_floats(bounds.step),
+        full_scale=to_six_floats(bounds.full_scale),
     )
     return SensorDatasheets(
         imu=axes,
-        imu_place=to_three(sensors.imu_position.vector),
-        range_place=to_three(sensors.range_position.vector),
+        imu_place=to_three_floats(sensors.imu_position.vector),
+        range_place=to_three_floats(sensors.range_position.vector),
         nearest=ranger.minimum,
         farthest=ranger.maximum,
         range_noise=ranger.noise,
@@ -268,7 +268,7 @@ def build_power(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> Ba
     lamp, ambient = field.first_lamp, field.ambient
     daylight = field.daylight if field.outside is None else field.outside.daylight
     return BatchPower(
-        SupplyParts(vehicle.battery, vehicle.charger, vehicle.panel),
+        SupplyComponents(vehicle.battery, vehicle.charger, vehicle.panel),
         vehicle.loads,
         navigation_power(vehicle.file.energy, policy.strategy.name),
         build_panel_plane(
@@ -283,13 +283,13 @@ def build_power(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> Ba
     )
 
 
-def to_six(values: Sequence[float]) -> Six:
+def to_six_floats(values: Sequence[float]) -> Six:
     """Return six numbers."""
     a, b, c, d, e, f = map(float, values)
     return a, b, c, d, e, f
 
 
-def to_three(vector: Sequence[float]) -> tuple[float, float, float]:
+def to_three_floats(vector: Sequence[float]) -> tuple[float, float, float]:
     """Return three numbers."""
     x, y, z = map(float, vector)
     return x, y, z

@@ -24,12 +24,12 @@ from lta_flight.batch.flight_step import (
     WorkArrays,
 )
 from lta_flight.batch.kernel_access import VehicleAccess
-from lta_flight.batch.targets import BatchRhythm, CompileTarget, MODEL
+from lta_flight.batch.targets import BatchSchedule, CompileTarget, MODEL
 from lta_model.effects import EFFECTS, initial_memory
 from lta_model.light.ray_bundles import DAY
 from lta_model.state import RIGID
 from lta_sim.compiled_sensors import draw_turbulence_memory
-from lta_sim.kernels.compose import KernelForm, write_kernel_source
+from lta_sim.kernels.compose import KernelTarget, render_kernel_source
 from lta_sim.kernels.kernel import LAYOUT
 from lta_sim.kernels.layout import format_tuple, indent_lines
 from lta_sim.light_link import sample_magnitude
@@ -57,7 +57,7 @@ def build_source(
     strategy: NavigationStrategy,
     constants: TupleLayout[Any],
     diodes: int,
-    rhythm: BatchRhythm,
+    rhythm: BatchSchedule,
     target: CompileTarget,
     *,
     closed: bool,
@@ -125,10 +125,10 @@ def write_flight_source(
     generated = (_write_add_effects(names, extract), *_write_diode_functions(diodes, extract))
     for layout in layouts:
         layout.add_types(extract)
-    form = KernelForm(target.imports, target.inline, '', VehicleAccess(), MODEL)
-    model = write_kernel_source({name: EFFECTS[name] for name in names}, form)
+    form = KernelTarget(target.imports, target.inline, '', VehicleAccess(), MODEL)
+    model = render_kernel_source({name: EFFECTS[name] for name in names}, form)
     functions = [f'{target.inline}\n{text}' for text in generated]
-    cores = extract.render(target.inline, target.merge, MERGED)
+    cores = extract.render_pieces(target.inline, target.merge, MERGED)
     return '\n\n\n'.join((model, cores, *functions, entry))
 
 

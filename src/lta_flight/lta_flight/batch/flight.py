@@ -14,8 +14,8 @@ from lta_control.onboard import OnboardMemory, SensorInputs
 from lta_control.per_rotor import PerRotor
 from lta_control.reserve import FlightPermission
 from lta_control.sighting import DeadReckonedMotion, LampDirection, sight_from_direction
-from lta_control.strategies.protocol import LightSight
-from lta_flight.batch.flight_data import (
+from lta_control.strategies.protocol import LightMeasurement
+from lta_flight.batch.constants_and_tally import (
     BatchPower,
     FlightConstants,
     FlightTally,
@@ -29,9 +29,9 @@ from lta_model.light.scene_geometry import daylight_illuminance, is_in_room
 from lta_model.state import RIGID
 from lta_model.stiffness import SPEED_LIMIT
 from lta_sim.compiled_sensors import (
-    sample_imu,
-    sample_pressure,
     SensorErrors,
+    simulate_imu_reading,
+    simulate_pressure_reading,
     specific_force_at,
     START,
 )
@@ -123,11 +123,13 @@ def read_sensors(
     pressure_due: bool,
 ) -> SensorInputs:
     """Return the inputs of the estimator; force and rates are those at the IMU."""
-    felt, turned = sample_imu(errors, seed, step, force, rates)
+    felt, turned = simulate_imu_reading(errors, seed, step, force, rates)
     # NaN where no sample is due
     pressure = math.nan
     if pressure_due:
-        pressure = sample_pressure(constants.sensors, errors, seed, step, height, elapsed)
+        pressure = simulate_pressure_reading(
+            constants.sensors, errors, seed, step, height, elapsed
+        )
     return SensorInputs(turned, felt, distance, pressure)
 
 
@@ -217,7 +219,7 @@ def sight_from_fit(
     amplitudes: tuple[float, ...],
     reckoned: DeadReckonedMotion,
     interval: float,
-) -> LightSight:
+) -> LightMeasurement:
     """Return the sight of a light block from the fit to its amplitudes."""
     lamp = LampDirection(False, 0.0, 0.0, 0.0)
     if detected and fit.found:

@@ -2,6 +2,7 @@
 
 from lta_control.per_rotor import NONE
 from lta_control.strategies.protocol import NavigationStrategy
+from lta_flight.batch.constants_and_tally import FlightConstants, FlightTally
 from lta_flight.batch.flight import (
     build_command,
     draw_initial_state,
@@ -9,7 +10,6 @@ from lta_flight.batch.flight import (
     update_light_tally,
     update_tally,
 )
-from lta_flight.batch.flight_data import FlightConstants, FlightTally
 from lta_flight.batch.flight_step import (
     begin_flight,
     flight_step,
@@ -19,9 +19,9 @@ from lta_flight.batch.flight_step import (
     is_block_end,
     WorkArrays,
 )
-from lta_flight.batch.targets import BatchRhythm
+from lta_flight.batch.targets import BatchSchedule
 from lta_model.electrical.charger import resting_flow
-from lta_sim.compiled_sensors import draw_errors, sample_range
+from lta_sim.compiled_sensors import draw_errors, simulate_range_reading
 from lta_sim.termination import FLYING
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +35,7 @@ FIGURES = (
 
 def fly(
     kernel: FlightKernel,
-    rhythm: BatchRhythm,
+    rhythm: BatchSchedule,
     strategy: NavigationStrategy,
     constants: FlightConstants,
     numbers: NDArray[np.float64],
@@ -50,7 +50,7 @@ def fly(
         resting_flow(constants.power.charge),
     )  # fmt: skip
     memory = memory_with_range(
-        memory, sample_range(constants.sensors, inputs.errors, seed, 0, state)
+        memory, simulate_range_reading(constants.sensors, inputs.errors, seed, 0, state)
     )
     tally = initial_tally(constants)
     while tally.outcome == FLYING:
@@ -72,7 +72,7 @@ def memory_with_range(memory: FlightMemory, distance: float) -> FlightMemory:
 
 def update_tallies(
     kernel: FlightKernel,
-    rhythm: BatchRhythm,
+    rhythm: BatchSchedule,
     constants: FlightConstants,
     tally: FlightTally,
     before: FlightMemory,

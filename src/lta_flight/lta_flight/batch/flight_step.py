@@ -19,6 +19,7 @@ from lta_control.per_rotor import NONE, PerRotor
 from lta_control.phases import Mission
 from lta_control.sighting import DeadReckonedMotion
 from lta_control.strategies.protocol import NavigationStrategy
+from lta_flight.batch.constants_and_tally import FlightConstants
 from lta_flight.batch.flight import (
     build_command,
     has_moved,
@@ -36,11 +37,10 @@ from lta_flight.batch.flight import (
     unreachable_pose,
     with_setpoint,
 )
-from lta_flight.batch.flight_data import FlightConstants
-from lta_flight.batch.targets import BatchRhythm
+from lta_flight.batch.targets import BatchSchedule
 from lta_model.electrical.charger import PowerFlow
 from lta_model.state import RIGID
-from lta_sim.compiled_sensors import draw_white_noise, sample_range, SensorErrors
+from lta_sim.compiled_sensors import draw_white_noise, SensorErrors, simulate_range_reading
 from lta_sim.environment import steady_wind_at
 from lta_sim.light_link import add_direct_light, write_reflections
 from lta_sim.supply_step import SupplyState
@@ -223,7 +223,7 @@ def begin_flight(
 
 def flight_step(
     kernel: FlightKernel,
-    rhythm: BatchRhythm,
+    rhythm: BatchSchedule,
     strategy: NavigationStrategy,
     constants: FlightConstants,
     memory: FlightMemory,
@@ -239,14 +239,14 @@ def flight_step(
     return advance_vehicle(kernel, rhythm, constants, memory, inputs, surroundings)
 
 
-def is_block_end(rhythm: BatchRhythm, step: int) -> bool:
+def is_block_end(rhythm: BatchSchedule, step: int) -> bool:
     """Return whether a light block ends at the beginning of a control period."""
     return step > 0 and step % rhythm.light == 0
 
 
 def compute_surroundings(
     kernel: FlightKernel,
-    rhythm: BatchRhythm,
+    rhythm: BatchSchedule,
     constants: FlightConstants,
     memory: FlightMemory,
     inputs: FlightInputs,
@@ -264,7 +264,7 @@ def compute_surroundings(
 
 def sense_and_control(
     kernel: FlightKernel,
-    rhythm: BatchRhythm,
+    rhythm: BatchSchedule,
     constants: FlightConstants,
     memory: FlightMemory,
     inputs: FlightInputs,
@@ -306,7 +306,7 @@ def pose_of(state: State) -> Pose:
 
 def navigate(
     kernel: FlightKernel,
-    rhythm: BatchRhythm,
+    rhythm: BatchSchedule,
     strategy: NavigationStrategy,
     constants: FlightConstants,
     memory: FlightMemory,
@@ -363,7 +363,7 @@ def copy_light(light: Array, out: Array) -> None:
 
 def advance_vehicle(
     kernel: FlightKernel,
-    rhythm: BatchRhythm,
+    rhythm: BatchSchedule,
     constants: FlightConstants,
     memory: FlightMemory,
     inputs: FlightInputs,
@@ -380,7 +380,7 @@ def advance_vehicle(
         state = runge_kutta_step(kernel, rhythm, state, inputs.numbers, command, surroundings)
         ticks += 1
         if ticks % rhythm.range == 0:
-            distance = sample_range(
+            distance = simulate_range_reading(
                 constants.sensors, inputs.errors, inputs.seed, ticks // rhythm.range, state
             )
     if memory.step * rhythm.period < constants.held:
@@ -406,7 +406,7 @@ def advance_vehicle(
 
 def runge_kutta_step(
     kernel: FlightKernel,
-    rhythm: BatchRhythm,
+    rhythm: BatchSchedule,
     state: State,
     numbers: Array,
     command: State,

@@ -11,7 +11,7 @@ from lta_config.compilation.flat import TupleLayout
 from lta_config.compilation.kernel_cache import load_kernel
 from lta_config.topics import load_topic_table
 from lta_control.strategies import STRATEGIES
-from lta_flight.batch.batch_flight import BatchFlight, build_rhythm
+from lta_flight.batch.batch_flight import BatchFlight, build_schedule
 from lta_flight.batch.codegen import build_source
 from lta_flight.batch.flight_loop import FIGURES
 from lta_flight.batch.targets import CPU, GPU
@@ -37,7 +37,7 @@ def _compile_kernel(
 ) -> ModuleType:
     """Return the compiled flight for some effects."""
     target = GPU if device == 'gpu' else CPU
-    rhythm = build_rhythm(load_topic_table())
+    rhythm = build_schedule(load_topic_table())
     source = build_source(
         names, STRATEGIES[strategy], layout, diodes, rhythm, target, closed=closed
     )
@@ -86,7 +86,7 @@ def fly_many(
     # The union of the effects of all vehicles; those without an effect switch it off by its flag
     on = np.maximum.reduce([made.model.on for made in flights])
     names = tuple(name for name in LAYOUT.effects if on[LAYOUT.flag_index(name)])
-    parameters, _ = LAYOUT.find_places(names)
+    parameters, _ = LAYOUT.find_effect_indices(names)
     # Flights of equal form and strategy share a kernel
     forms = np.array([f'{made.strategy.name} {made.form}' for made in flights])
     for form in dict.fromkeys(forms.tolist()):
@@ -119,13 +119,13 @@ def _fly_on_cores(
     # The processors that this process may use, which a container may limit
     cores = len(os.sched_getaffinity(0))
 
-    def fly_piece(begin: int) -> None:
+    def fly_chunk(begin: int) -> None:
         part = slice(begin, begin + PIECE)
         kernel.fly_some(fixed[rows[part]], constants[rows[part]], seeds[part], out[part])
 
     # Threads suffice, because the compiled flight releases the GIL
     with ThreadPoolExecutor(cores) as pool:
-        list(pool.map(fly_piece, range(0, len(seeds), PIECE)))
+        list(pool.map(fly_chunk, range(0, len(seeds), PIECE)))
     return out
 
 

@@ -2,7 +2,7 @@
 
 from typing import final
 
-from lta_sim.kernels.columns import build_thread_parts
+from lta_sim.kernels.columns import build_thread_sources
 from lta_sim.kernels.layout import EffectLayout, FIXED, format_tuple, indent_lines, ModelStage
 
 # Constant arrays of a vehicle, in the order of the row `fixed`
@@ -15,7 +15,7 @@ class VehicleAccess:
 
     loops = False
 
-    def format_item(self, name: str, place: int, layout: EffectLayout, each: int = 0) -> str:
+    def format_number(self, name: str, place: int, layout: EffectLayout, each: int = 0) -> str:
         """Return the source of one number; `each` is unused, because there are no loops."""
         del each
         return (
@@ -24,16 +24,18 @@ class VehicleAccess:
             else f'{name}[{place}]'
         )
 
-    def format_whole(self, name: str, layout: EffectLayout) -> str:
+    def format_all_numbers(self, name: str, layout: EffectLayout) -> str:
         """Return the source of all numbers of an array."""
         if name not in KEPT:
             return name
-        return format_tuple(self.format_item(name, k, layout) for k in range(FIXED[name]))
+        return format_tuple(self.format_number(name, k, layout) for k in range(FIXED[name]))
 
-    def build_parts(self, parts: list[ModelStage], layout: EffectLayout) -> dict[str, str]:
+    def build_template_parts(
+        self, parts: list[ModelStage], layout: EffectLayout
+    ) -> dict[str, str]:
         """Return the model for a thread, and the stages that compute the thrusts."""
         lines = [line for part in parts if part.writes == ('u',) for line in part.lines]
-        return {**build_thread_parts(parts, layout), 'actuation': indent_lines(lines)}
+        return {**build_thread_sources(parts, layout), 'actuation': indent_lines(lines)}
 
     def _row_offset(self, name: str, layout: EffectLayout) -> int:
         counts = {'parameters': layout.parameters, **FIXED}

@@ -17,7 +17,7 @@ PENCILS = scratch_size(1)
 
 @final
 @dataclass(frozen=True, slots=True)
-class BatchRhythm:
+class BatchSchedule:
     """
     Schedule of a simulated flight.
 

@@ -118,14 +118,14 @@ def compare_decisions(comparisons: Sequence[TopicComparison]) -> list[DecisionCo
         # Rows that neither run has, as of a rotor that does not exist
         known = ~(np.isnan(recorded) & np.isnan(again))
         if known.any():
-            gaps = compute_gaps(recorded, again, kind.turning)
+            gaps = compute_differences(recorded, again, kind.turning)
             made.append(
                 DecisionComparison(kind.name, kind.unit, each.recorded.keys, recorded, again, gaps)
             )
     return made
 
 
-def compute_gaps(x: Column, y: Column, turning: bool) -> Column:
+def compute_differences(x: Column, y: Column, turning: bool) -> Column:
     """Return the differences of two columns; infinite where only one has a value."""
     with np.errstate(invalid='ignore'):
         gaps = np.abs(x - y)

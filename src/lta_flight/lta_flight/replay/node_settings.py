@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import Any
 
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_config.files import parse_yaml
 from lta_config.settings import Settings
 from lta_config.validation_errors import format_error
@@ -51,7 +51,7 @@ def parse_settings(assignments: Sequence[str], nodes: Sequence[str]) -> dict[str
         if not (equals and dot and name):
             raise BadInput(f"'{text}' is not an assignment; write NODE.PARAMETER=VALUE.")
         if node not in nodes:
-            raise unknown_name('node that is run again', node, list(nodes))
+            raise unknown_name_error('node that is run again', node, list(nodes))
         found.setdefault(node, {})[name] = parse_typed_value(node, name, value)
     for node, values in found.items():
         try:
@@ -66,7 +66,7 @@ def parse_typed_value(node: str, name: str, text: str) -> Any:  # noqa: ANN401 -
     """Return a parameter's value from text, with the type that the node declares."""
     known = {key: value for key, _, value in iterate_fields(load_settings_model(node)())}
     if name not in known:
-        raise unknown_name(f'parameter of {node}', name, list(known))
+        raise unknown_name_error(f'parameter of {node}', name, list(known))
     if isinstance(known[name], str):
         return text
     value = parse_yaml(text, f'{node}.{name}')

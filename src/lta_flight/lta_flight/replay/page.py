@@ -8,12 +8,12 @@ from typing import Final
 
 from lta_config.command_line import format_lta_command, relative_path
 from lta_flight.replay.decisions import DecisionComparison
-from lta_flight.replay.request import ReplayRequest
+from lta_flight.replay.replay_request import ReplayRequest
 from lta_flight.replay.verdict import ReplayVerdict
 from lta_report.drawing import create_figure
 from lta_report.formatting import Tile
+from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import render_section, render_tile
 from lta_report.palette import ESTIMATE, RAW
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
@@ -58,10 +58,12 @@ def render_page(
         'replay.html',
         title=escape(f'{verdict.sentence}.'),
         kicker=escape(f'replay · {" ".join(order.nodes)} · {relative_path(order.bag)}'),
-        about=escape(format_about(verdict, order)),
+        about=escape(describe_replay(verdict, order)),
         tiles='\n'.join(render_tile(*each) for each in build_tiles(verdict)),
         table=render_channel_table(verdict),
-        notes=''.join(f'<p class="note">{escape(each)}</p>' for each in list_notes(verdict)),
+        notes=''.join(
+            f'<p class="note">{escape(each)}</p>' for each in list_comparison_notes(verdict)
+        ),
         pictures='\n'.join(
             render_section(
                 f'decision-{k}', each.name.capitalize(), format_caption(each, verdict),
@@ -74,7 +76,7 @@ def render_page(
     )  # fmt: skip
 
 
-def format_about(verdict: ReplayVerdict, order: ReplayRequest) -> str:
+def describe_replay(verdict: ReplayVerdict, order: ReplayRequest) -> str:
     """Return a description of the replay in two sentences."""
     changed = ', '.join(order.changes) or 'nothing'
     pace = 'in lockstep' if order.rate is None else f'at {order.rate:g} times real time'
@@ -150,7 +152,7 @@ def render_channel_table(verdict: ReplayVerdict) -> str:
     )
 
 
-def list_notes(verdict: ReplayVerdict) -> list[str]:
+def list_comparison_notes(verdict: ReplayVerdict) -> list[str]:
     """Return how the runs were compared, and which messages could not be."""
     alone = [
         f'{topic.topic}: {topic.unmatched[0]} recorded messages without a replayed one, '

@@ -12,7 +12,7 @@ from lta_config.errors import BadInput
 from lta_data.bag.recorded_flight import RecordedFlight
 from lta_flight.domain_lock import DomainLock
 from lta_flight.flight import is_refusal
-from lta_flight.replay.request import build_plan, check_request, ReplayRequest
+from lta_flight.replay.replay_request import build_launch_plan, check_request, ReplayRequest
 from lta_flight.stall_monitor import PLAYBACK, StallMonitor
 from lta_graph.child_process import ProcessExit
 from lta_graph.launcher import Launcher
@@ -83,7 +83,7 @@ def run_replay(
     """
     check_request(order, flight)
     prepare_empty_folder(folder)
-    plan = build_plan(order, flight, folder)
+    plan = build_launch_plan(order, flight, folder)
     robot = plan.namespaces[0]
     with (
         DomainLock(robot),
@@ -106,9 +106,11 @@ def supervise_replay(
         if fact is not None and (numbers := fact.parse_numbers('time_s', 'pace')):
             watcher.show_progress(*numbers)
         running = launcher.running
-        lookout.update(facts, listener.find_silent(running), listener.find_pending(running))
+        lookout.report_stalled_nodes(
+            facts, listener.find_silent_nodes(running), listener.find_pending_nodes(running)
+        )
         # Leaving the context stops all processes
-        if lookout.stall_time > PATIENCE:
+        if lookout.stall_duration > PATIENCE:
             watcher.show_message(f'The graph has stood still for {PATIENCE:.0f} s and is stopped.')
             return
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any, cast, final, NamedTuple
 
 from lta_config.topics import Topic
-from lta_data.bag.columns import build_columns
+from lta_data.bag.columns import extract_field_columns
 from lta_data.bag.packed_samples import PointCloud, stack_point_clouds
 from lta_data.bag.reader import Bag
 from lta_data.bag.stamps import extract_stamp
@@ -65,7 +65,7 @@ def read_topic(bag: Bag, name: str, row: Topic) -> TopicMessages:
         stamp = extract_stamp(message) if row.stamped else None
         keys.append(log_time if stamp is None else stamp)
         messages.append(message)
-    numbers, texts = build_columns(messages)
+    numbers, texts = extract_field_columns(messages)
     if row.type == CLOUD:
         # The data of a cloud are packed bytes; compare its fields instead
         clouds = stack_point_clouds(cast('list[PointCloud]', messages))

@@ -123,7 +123,7 @@ def resolve_topic(robot: str, name: str) -> str:
     return robot_topic(robot, name) if robot else f'/{name}'
 
 
-def compare_flights(
+def compare_with_recording(
     recorded: RecordedFlight, again: RecordedFlight, topics: Sequence[str]
 ) -> ReplayVerdict:
     """

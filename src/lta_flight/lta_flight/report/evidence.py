@@ -8,7 +8,7 @@ from lta_flight.report.goal import FlightGoal
 from lta_report.curves import DirectionCurve, ElectricalCurve, MotionCurve, TimeCurve
 
 
-class FlightEvidence(Protocol):
+class FlightDataSource(Protocol):
     """Data of a flight as in `FlightView`; `has_topics` reports what is available."""
 
     def has_topics(self, *topics: str) -> bool:

@@ -67,7 +67,7 @@ class FlightGoal:
         return len(self.arrivals) == len(self.places) > 0
 
     @property
-    def shortest_length(self) -> float:
+    def shortest_path_length(self) -> float:
         """Length of the shortest path from the start through all goal circles. [m]"""
         if self.truth is None or not self.places:
             return np.nan
@@ -83,7 +83,7 @@ class FlightGoal:
 
     def lamp_distance(self, motion: MotionCurve) -> Array:
         """Return the horizontal distance to the next lamp; NaN if there is none. [m]"""
-        return np.hypot(*self._place_offset(motion, self.leg_index(motion.time), self.places))
+        return np.hypot(*self._vector_to_place(motion, self.leg_index(motion.time), self.places))
 
     def lamp_direction(self, motion: MotionCurve) -> Array:
         """Return the direction to the next lamp in the body frame; NaN if there is none. [rad]"""
@@ -120,11 +120,11 @@ class FlightGoal:
     def _body_direction(
         cls, motion: MotionCurve, which: NDArray[np.intp], places: list[FloorPoint]
     ) -> Array:
-        x, y = cls._place_offset(motion, which, places)
+        x, y = cls._vector_to_place(motion, which, places)
         return wrap_angle(np.arctan2(y, x) - motion.yaw)
 
     @staticmethod
-    def _place_offset(
+    def _vector_to_place(
         motion: MotionCurve, which: NDArray[np.intp], places: list[FloorPoint]
     ) -> tuple[Array, Array]:
         """Return the vector to the selected place at each time, along x and y. [m, map]"""

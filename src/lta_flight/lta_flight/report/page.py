@@ -14,8 +14,8 @@ from lta_flight.report.panels.registry import FlightPanel, PANELS
 from lta_flight.report.results import compute_results, FlightResults
 from lta_flight.report.track import build_track
 from lta_flight.report.view import FlightView
+from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import render_section, render_tile
 
 FILES: Final = ('vehicle_file', 'scenario_file', 'gains_file')
 CHOSEN: Final = ('vehicle', 'scenario', 'strategy', 'seed', 'time')
@@ -62,8 +62,8 @@ def render_page(view: FlightView, results: FlightResults, bag: Path) -> str:
     return assemble_page(
         'flight.html',
         title=f'{escape(describe_outcome(results))}.',
-        kicker=escape(format_kicker(view.provenance)),
-        about=escape(format_origin(view)),
+        kicker=escape(format_line_above_title(view.provenance)),
+        about=escape(explain_truth_and_estimate(view)),
         tiles='\n'.join(render_tile(*tile) for tile in build_tiles(results)),
         track=build_track(view),
         table='\n'.join(render_row(*row) for row in build_table(results)),
@@ -90,14 +90,14 @@ def render_panel(panel: FlightPanel, view: FlightView) -> str:
     return render_section(panel.name, panel.title, panel.caption, picture, timed=panel.timed)
 
 
-def format_kicker(provenance: Mapping[str, str]) -> str:
+def format_line_above_title(provenance: Mapping[str, str]) -> str:
     """Return the line above the title."""
     names = [provenance.get(key, '') for key in ('vehicle', 'scenario', 'strategy')]
     seed = provenance.get('seed')
     return ' · '.join([name for name in names if name] + ([f'seed {seed}'] if seed else []))
 
 
-def format_origin(view: FlightView) -> str:
+def explain_truth_and_estimate(view: FlightView) -> str:
     """Return the explanation of "truth" and "estimate"."""
     if view.scene.scenario is None:
         return MEASURED

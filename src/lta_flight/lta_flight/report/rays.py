@@ -38,11 +38,11 @@ def draw_rays(figure: Figure, view: FlightView) -> None:
     # Bearings are in the body frame, the plan is in map
     course = yaw + angle[chosen]
     # The SNR spans orders of magnitude, so grade its logarithm
-    shades = grade_values(np.log(np.maximum(snr, 1.0)))
+    shades = assign_shades(np.log(np.maximum(snr, 1.0)))
     for grade, colour in enumerate(STRENGTH):
         strong = shades == grade
         if strong.any():
-            figure.add_trace(build_rays(x[strong], y[strong], course[strong], colour))
+            figure.add_trace(build_ray_line(x[strong], y[strong], course[strong], colour))
     key = ''.join(
         f'<span style="color:{colour}">\N{BOX DRAWINGS HEAVY HORIZONTAL}</span>'
         for colour in STRENGTH
@@ -58,7 +58,7 @@ def draw_rays(figure: Figure, view: FlightView) -> None:
     )
 
 
-def grade_values(values: Array) -> Array:
+def assign_shades(values: Array) -> Array:
     """Return the index of the shade of each value, from least to greatest."""
     # Equal values all get the first shade
     span = float(np.ptp(values)) or 1.0
@@ -66,7 +66,7 @@ def grade_values(values: Array) -> Array:
     return np.asarray(np.minimum(share * len(STRENGTH), len(STRENGTH) - 1).astype(int))
 
 
-def build_rays(x: Array, y: Array, course: Array, colour: str) -> Scatter:
+def build_ray_line(x: Array, y: Array, course: Array, colour: str) -> Scatter:
     """Return rays of one colour as a single line with gaps."""
     # A NaN after each ray interrupts the line; one trace draws faster than many
     gap = np.full(len(x), np.nan)

@@ -10,7 +10,7 @@ route this is the last lamp, after all others. Truth comes from the simulator or
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any, final, NamedTuple
 
-from lta_flight.report.evidence import FlightEvidence
+from lta_flight.report.evidence import FlightDataSource
 from lta_flight.report.goal import wrap_angle
 from lta_report.curves import Array, DirectionCurve, hold_last, interpolate, MotionCurve
 import numpy as np
@@ -102,18 +102,18 @@ class FlightPhases(NamedTuple):
     end: float
 
 
-def compute_results(view: FlightEvidence) -> FlightResults:
+def compute_results(view: FlightDataSource) -> FlightResults:
     """Return the results of a flight."""
     phases = find_phases(view)
     found: dict[str, float] = {
         'lift_off': phases.lift_off,
         'search_start': phases.search,
         'end': phases.end,
-        **compute_goal_figures(view, phases),
-        **compute_cruise_figures(view, phases),
-        **compute_light_figures(view, phases),
+        **compute_goal_metrics(view, phases),
+        **compute_cruise_metrics(view, phases),
+        **compute_light_metrics(view, phases),
         **compute_estimate_errors(view, phases),
-        **compute_energy_figures(view, phases),
+        **compute_energy_metrics(view, phases),
     }
     known: dict[str, Any] = {
         # Keeps bools and counts as they are
@@ -124,7 +124,7 @@ def compute_results(view: FlightEvidence) -> FlightResults:
     return FlightResults(**known)
 
 
-def find_phases(view: FlightEvidence) -> FlightPhases:
+def find_phases(view: FlightDataSource) -> FlightPhases:
     """Return the start and end times of the phases."""
     lift_off = search = np.nan
     end = view.span[1]
@@ -138,7 +138,7 @@ def find_phases(view: FlightEvidence) -> FlightPhases:
     return FlightPhases(lift_off, search, find_cruise_start(view, search), end)
 
 
-def find_cruise_start(view: FlightEvidence, search: float) -> float:
+def find_cruise_start(view: FlightDataSource, search: float) -> float:
     """Return when the true forward speed first comes near the setpoint. [s]"""
     if not view.has_topics('ground_truth/odom') or not np.isfinite(search):
         return np.nan
@@ -155,7 +155,7 @@ def find_first_time(time: Array, holds: Flags) -> float:
     return float(time[np.argmax(holds)]) if np.any(holds) else np.nan
 
 
-def is_within(time: Array, start: float, end: float) -> Flags:
+def is_in_interval(time: Array, start: float, end: float) -> Flags:
     """Return which times [s] are in a closed interval; none if its start is NaN."""
     return (time >= start) & (time <= end)
 
@@ -171,7 +171,7 @@ def mean_or_nan(values: Array) -> float:
     return float(np.mean(values)) if len(values) else np.nan
 
 
-def compute_goal_figures(view: FlightEvidence, phases: FlightPhases) -> dict[str, float]:
+def compute_goal_metrics(view: FlightDataSource, phases: FlightPhases) -> dict[str, float]:
     """Return whether, when and over which path the goal was reached."""
     goal = view.goal
     if goal.truth is None or not goal.places:
@@ -191,12 +191,12 @@ def compute_goal_figures(view: FlightEvidence, phases: FlightPhases) -> dict[str
         'flight_time': end - phases.lift_off,
         'search_time': end - phases.search,
         'path_length': path,
-        'straight_length': goal.shortest_length,
+        'straight_length': goal.shortest_path_length,
         'closest': float(np.nanmin(away)) if np.isfinite(away).any() else np.nan,
     }
 
 
-def compute_cruise_figures(view: FlightEvidence, phases: FlightPhases) -> dict[str, float]:
+def compute_cruise_metrics(view: FlightDataSource, phases: FlightPhases) -> dict[str, float]:
     """Return how well speed, altitude and heading were held. [m/s, m, rad]"""
     if not view.has_topics('ground_truth/odom'):
         return {}
@@ -216,16 +216,16 @@ def compute_cruise_figures(view: FlightEvidence, phases: FlightPhases) -> dict[s
     return found
 
 
-def is_cruising(view: FlightEvidence, phases: FlightPhases, time: Array) -> Flags:
+def is_cruising(view: FlightDataSource, phases: FlightPhases, time: Array) -> Flags:
     """Return which times [s] are part of the cruise, without rests at lamps of a route."""
     if not view.has_topics('setpoint/velocity'):
         return np.zeros(len(time), dtype=bool)
-    return is_within(time, phases.cruise, phases.end) & (
+    return is_in_interval(time, phases.cruise, phases.end) & (
         hold_last(time, view.speed_setpoint) > 0.0
     )
 
 
-def compute_light_figures(view: FlightEvidence, phases: FlightPhases) -> dict[str, float]:
+def compute_light_metrics(view: FlightDataSource, phases: FlightPhases) -> dict[str, float]:
     """Return the quality of the light measurements during the search."""
     found = {}
     if view.has_topics('light/estimate'):
@@ -238,7 +238,7 @@ def compute_light_figures(view: FlightEvidence, phases: FlightPhases) -> dict[st
         )
     if view.has_topics('light/peaks'):
         time, parts = view.peaks
-        best = parts['snr'].max(axis=1)[is_within(time, phases.search, phases.end)]
+        best = parts['snr'].max(axis=1)[is_in_interval(time, phases.search, phases.end)]
         if len(best):
             found['snr_start'] = float(np.median(best[:ENDS]))
             found['snr_end'] = float(np.median(best[-ENDS:]))
@@ -246,12 +246,12 @@ def compute_light_figures(view: FlightEvidence, phases: FlightPhases) -> dict[st
 
 
 def compute_direction_error(
-    view: FlightEvidence, phases: FlightPhases, arrow: DirectionCurve
+    view: FlightDataSource, phases: FlightPhases, arrow: DirectionCurve
 ) -> tuple[float, float]:
     """Return the RMS error of directions to the lamp [rad], and the share of blocks with one."""
     time, angle = arrow
     # Before the search the drone stands or climbs and does not steer by the lamp
-    searched = is_within(time, phases.search, phases.end)
+    searched = is_in_interval(time, phases.search, phases.end)
     share = mean_or_nan(np.isfinite(angle[searched]))
     if not view.has_topics('ground_truth/odom'):
         return np.nan, share
@@ -261,7 +261,7 @@ def compute_direction_error(
     return rms(wrap_angle(angle - beacon_direction(view, there))[searched]), share
 
 
-def beacon_direction(view: FlightEvidence, motion: MotionCurve) -> Array:
+def beacon_direction(view: FlightDataSource, motion: MotionCurve) -> Array:
     """Return the direction to the lamp that the drone tracks, body frame. [rad]"""
     # Older bags have no frequency: use the next lamp
     if not view.has_topics('light/peaks') or 'frequency' not in view.peaks.fields:
@@ -274,12 +274,12 @@ def beacon_direction(view: FlightEvidence, motion: MotionCurve) -> Array:
     return view.goal.beacon_direction(motion, frequency[np.maximum(newest, 0)])
 
 
-def compute_estimate_errors(view: FlightEvidence, phases: FlightPhases) -> dict[str, float]:
+def compute_estimate_errors(view: FlightDataSource, phases: FlightPhases) -> dict[str, float]:
     """Return the errors of the estimator in flight. [m, rad, m/s]"""
     if not view.has_topics('ground_truth/odom', 'odom'):
         return {}
     estimate, truth = view.estimate, view.truth
-    flown = is_within(estimate.time, phases.lift_off, phases.end)
+    flown = is_in_interval(estimate.time, phases.lift_off, phases.end)
     time = estimate.time[flown]
     # Both are unwrapped and equal at the start, so no wrapping here
     yaw = estimate.yaw[flown] - interpolate(time, truth.time, truth.yaw)
@@ -293,7 +293,7 @@ def compute_estimate_errors(view: FlightEvidence, phases: FlightPhases) -> dict[
     }
 
 
-def compute_energy_figures(view: FlightEvidence, phases: FlightPhases) -> dict[str, float]:
+def compute_energy_metrics(view: FlightDataSource, phases: FlightPhases) -> dict[str, float]:
     """Return the energy consumption of the flight. [J, W]"""
     if not view.has_topics('battery'):
         return {}

@@ -19,7 +19,7 @@ from lta_flight.batch.batch_flight import BatchFlight, build_flight
 from lta_flight.batch.flight import RAN_AWAY
 from lta_flight.batch.flight_loop import FIGURES
 from lta_flight.batch.fly import Device, fly_many
-from lta_flight.flight_spec import build_parts, FlightSpec
+from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec
 from lta_flight.sweep.job_runner import build_failed_row, SweepRow
 from lta_flight.sweep.plan import convert_to_si, SweepJob, SweepPlan
 from lta_model.stiffness import divergence_error
@@ -58,7 +58,7 @@ class BatchWorkers:
         self._base, self._device, self._duties = base, device, duties
         self._table = load_topic_table()
         self.deaths = 0
-        vehicle, *_ = build_parts(base)
+        vehicle, *_ = build_vehicle_scenario_stack(base)
         if duties and len(duties) != len(vehicle.rotors):
             raise BadInput(
                 f'{len(duties)} duties are given, but {vehicle.file.name} has '
@@ -89,7 +89,7 @@ class BatchWorkers:
             yield from self._fly_batch(batch)
 
     def _build_flight(self, spec: FlightSpec) -> BatchFlight:
-        return build_flight(*build_parts(spec), self._table, self._duties)
+        return build_flight(*build_vehicle_scenario_stack(spec), self._table, self._duties)
 
     def _fly_batch(self, jobs: list[SweepJob]) -> Iterator[SweepRow]:
         """Yield the rows of one batch; a flight that cannot be built has failed."""
@@ -120,10 +120,10 @@ class BatchWorkers:
         # All flights run at once, so each gets an equal share of the time
         wall = (time.monotonic() - begun) / len(jobs)
         for job, place, numbers in zip(flyable, which, flown.tolist(), strict=True):
-            yield build_row(job, made[place], dict(zip(FIGURES, numbers, strict=True)), wall)
+            yield build_sweep_row(job, made[place], dict(zip(FIGURES, numbers, strict=True)), wall)
 
 
-def build_row(
+def build_sweep_row(
     job: SweepJob, flight: BatchFlight, outputs: dict[str, float], wall: float
 ) -> SweepRow:
     """Return the row of a flight from its outputs; a failed one if the integration diverged."""

@@ -60,11 +60,11 @@ def build_failed_row(job: SweepJob, sentence: str, wall: float = 0.0) -> SweepRo
 
 
 def fly_job(base: FlightSpec, job: SweepJob) -> SweepRow:
-    """Fly one job to its end; see `fly_to_row`."""
-    return fly_to_row(job, lambda: build_loop(base.with_values(job.changes), job.seed))
+    """Fly one job to its end; see `run_job`."""
+    return run_job(job, lambda: build_loop(base.with_values(job.changes), job.seed))
 
 
-def fly_to_row(job: SweepJob, begin: Callable[[], ClosedLoop]) -> SweepRow:
+def run_job(job: SweepJob, begin: Callable[[], ClosedLoop]) -> SweepRow:
     """Fly a loop; an error of any kind gives a failed flight and does not stop the sweep."""
     begun = time.monotonic()
     try:

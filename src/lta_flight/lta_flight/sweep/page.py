@@ -13,12 +13,12 @@ from lta_config.schema.sweep_file import Distribution
 from lta_flight.flight_spec import to_set_args
 from lta_flight.sweep.heat_map import find_map_parameters, plot_heat_map
 from lta_flight.sweep.job_runner import FAILED, SweepRow
-from lta_flight.sweep.pictures import MEASURES, plot_by_parameter, plot_outcomes, plot_spread
+from lta_flight.sweep.pictures import MEASURES, plot_by_parameter, plot_histogram, plot_outcomes
 from lta_flight.sweep.plan import SweepPlan
-from lta_flight.sweep.statistics import collect_figures, format_value, REACHED, reached_share
+from lta_flight.sweep.statistics import collect_result_values, format_value, REACHED, reached_share
 from lta_report.formatting import format_number, Tile
+from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import render_section, render_tile
 import yaml
 
 NAME = 'report.html'
@@ -55,8 +55,8 @@ def render_page(data: SweepPageData) -> str:
         kicker=escape(f'sweep {file.name} · {file.vehicle} · {file.scenario} · {file.strategy}'),
         about=escape(file.about),
         tiles='\n'.join(render_tile(*each) for each in build_tiles(rows)),
-        spreads='\n'.join(render_spreads(rows)),
-        panels='\n'.join(render_panels(plan, rows, data.units)),
+        spreads='\n'.join(render_overview_figures(rows)),
+        panels='\n'.join(render_parameter_figures(plan, rows, data.units)),
         lost_title='Flights that did not reach their goal',
         lost=render_lost_flights(plan, rows, batch=bool(data.options)),
         facts=describe_provenance(data),
@@ -103,7 +103,7 @@ def build_summary_tile(
     rows: Sequence[SweepRow], name: str, words: str, unit: str, digits: int
 ) -> Tile:
     """Return a tile with the median and quartiles of a result over successful flights."""
-    values = collect_figures(rows, name)
+    values = collect_result_values(rows, name)
     # Quartiles need two values
     if len(values) < 2:
         return Tile(
@@ -114,7 +114,7 @@ def build_summary_tile(
     return Tile(words, format_number(median(values), digits), unit, note)
 
 
-def render_spreads(rows: Sequence[SweepRow]) -> list[str]:
+def render_overview_figures(rows: Sequence[SweepRow]) -> list[str]:
     """Return the figures over all flights."""
     # In ascending order, which puts the most frequent outcome at the top
     counts = Counter(row.outcome for row in rows)
@@ -124,13 +124,13 @@ def render_spreads(rows: Sequence[SweepRow]) -> list[str]:
     return [first] + [
         render_section(
             f'spread-{measure.name}', words[measure.name], 'Only flights that reached their goal.',
-            plot_spread(rows, measure),
+            plot_histogram(rows, measure),
         )
         for measure in MEASURES
     ]  # fmt: skip
 
 
-def render_panels(
+def render_parameter_figures(
     plan: SweepPlan, rows: Sequence[SweepRow], units: Mapping[str, str]
 ) -> list[str]:
     """Return a figure for each parameter."""

@@ -5,7 +5,12 @@ from statistics import median
 from typing import Final, NamedTuple
 
 from lta_flight.sweep.job_runner import SweepRow
-from lta_flight.sweep.statistics import collect_figures, group_rows, ParameterGroup, reached_share
+from lta_flight.sweep.statistics import (
+    collect_result_values,
+    group_by_parameter,
+    ParameterGroup,
+    reached_share,
+)
 from lta_report.drawing import create_figure
 from lta_report.palette import ESTIMATE, GOOD, GRID, INK, TRUTH
 from plotly.graph_objects import Box, Figure, Histogram, Scatter
@@ -16,7 +21,7 @@ CLEAR: Final = 'rgba(0,0,0,0)'
 DOTS: Final = 1500  # flights shown as dots; more would overlap
 
 
-class SweepMeasure(NamedTuple):
+class PlottedResult(NamedTuple):
     """One plotted result: name, title, unit and colour."""
 
     name: str
@@ -26,15 +31,15 @@ class SweepMeasure(NamedTuple):
 
 
 MEASURES: Final = (
-    SweepMeasure('search_time', 'time', 's', TRUTH),
-    SweepMeasure('path_length', 'path', 'm', ESTIMATE),
+    PlottedResult('search_time', 'time', 's', TRUTH),
+    PlottedResult('path_length', 'path', 'm', ESTIMATE),
 )
 
 
-def plot_spread(rows: Sequence[SweepRow], measure: SweepMeasure) -> Figure:
+def plot_histogram(rows: Sequence[SweepRow], measure: PlottedResult) -> Figure:
     """Return a histogram of one result over all flights that reached their goal."""
     figure = create_figure()
-    values = collect_figures(rows, measure.name)
+    values = collect_result_values(rows, measure.name)
     bins = min(MOST_BINS, max(FEWEST_BINS, len(values) // 4))
     figure.add_trace(
         Histogram(
@@ -53,7 +58,7 @@ def plot_spread(rows: Sequence[SweepRow], measure: SweepMeasure) -> Figure:
 def plot_by_parameter(rows: Sequence[SweepRow], path: str, unit: str, even_in_log: bool) -> Figure:
     """Return a figure of reached share, time and path over one parameter."""
     figure = create_figure(3, [0.3, 0.35, 0.35])
-    found = group_rows(rows, path)
+    found = group_by_parameter(rows, path)
     # Names, such as strategies, need a categorical axis
     words = any(isinstance(group.place, str) for group in found)
     # There are fewer groups than values, so the parameter was drawn at random
@@ -97,12 +102,12 @@ def add_shares(figure: Figure, groups: Sequence[ParameterGroup]) -> None:
 
 
 def add_dots(
-    figure: Figure, rows: Sequence[SweepRow], path: str, measure: SweepMeasure, line: int
+    figure: Figure, rows: Sequence[SweepRow], path: str, measure: PlottedResult, line: int
 ) -> None:
     """Add each flight that reached its goal as a dot."""
     # Rounded up, so that at most DOTS are shown
     step = -(-len(rows) // DOTS)
-    shown = [row for row in rows[::step] if collect_figures([row], measure.name)]
+    shown = [row for row in rows[::step] if collect_result_values([row], measure.name)]
     figure.add_trace(
         Scatter(
             x=[row.values[path] for row in shown],
@@ -117,13 +122,13 @@ def add_dots(
 
 
 def add_boxes(
-    figure: Figure, groups: Sequence[ParameterGroup], measure: SweepMeasure, line: int, dots: bool
+    figure: Figure, groups: Sequence[ParameterGroup], measure: PlottedResult, line: int, dots: bool
 ) -> None:
     """Add the distribution in each group: boxes for single values, a median line for ranges."""
     # Few values: a box for each
     if dots:
         for group in groups:
-            values = collect_figures(group.rows, measure.name)
+            values = collect_result_values(group.rows, measure.name)
             figure.add_trace(
                 Box(
                     x=[group.place] * len(values), y=values, name=group.name,
@@ -136,7 +141,7 @@ def add_boxes(
             )  # fmt: skip
         return
     # Ranges of a random parameter: a line through the medians
-    parts = [collect_figures(group.rows, measure.name) for group in groups]
+    parts = [collect_result_values(group.rows, measure.name) for group in groups]
     middle = [median(part) if part else None for part in parts]
     figure.add_trace(
         Scatter(

@@ -17,7 +17,7 @@ from lta_config.parameter_override import format_value, parse_quantity, parse_va
 from lta_config.quantity import Quantity, UNITS
 from lta_config.schema.sweep_file import CASE, Distribution, SweepFile
 from lta_flight.flight_spec import build_loop, FILES, FlightSpec, load_spec
-from lta_flight.sweep.sampling import draw_value
+from lta_flight.sweep.parameter_sampling import sample_parameter
 
 MOST = 10_000_000  # flights; the table of more does not fit into memory
 
@@ -133,7 +133,7 @@ class SweepPlan:
         for path in reversed(self.units):
             how = self.file.vary.get(path)
             if isinstance(how, Distribution):
-                values[path] = draw_value(how, path, self.file.seeds.first, turn)
+                values[path] = sample_parameter(how, path, self.file.seeds.first, turn)
             else:
                 point, place = divmod(point, len(self.lists[path]))
                 values[path] = self.lists[path][place]
@@ -183,7 +183,7 @@ class SweepPlan:
         if how.choice is not None:
             return [parse_value(value, path) for value in how.choice]
         drawn = [
-            draw_value(how, path, self.file.seeds.first, k)
+            sample_parameter(how, path, self.file.seeds.first, k)
             for k in range(self.file.draws_per_point)
         ]
         numbers = [convert_to_si(value) for value in drawn]
@@ -193,12 +193,12 @@ class SweepPlan:
     def _find_unit(self, path: str) -> str:
         """Return the SI unit of a parameter that the files omit."""
         how = self.file.vary[path]
-        given = how if isinstance(how, list) else list(iterate_numbers(how))
+        given = how if isinstance(how, list) else list(iterate_distribution_values(how))
         found = parse_quantity(parse_value(given[0], path))
         return '' if found is None else UNITS.get(found['unit'], ('',))[0]
 
 
-def iterate_numbers(how: Distribution) -> Iterator[Any]:
+def iterate_distribution_values(how: Distribution) -> Iterator[Any]:
     """Yield the values that define a distribution."""
     for name in type(how).model_fields:
         kind = getattr(how, name)

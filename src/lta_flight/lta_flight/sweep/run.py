@@ -43,7 +43,7 @@ class SweepRequest:
         device = ('--device', self.device) if self.device else ()
         return device + (('--duties', ','.join(map(str, self.duties))) if self.duties else ())
 
-    def compute_identity(self, plan: SweepPlan) -> str:
+    def compute_sweep_hash(self, plan: SweepPlan) -> str:
         """Return the hash of everything that determines the flights."""
         if not self.options:
             return plan.identity
@@ -104,7 +104,7 @@ def sweep_once(order: SweepRequest, console: Console) -> SweepRun:
     file = load_sweep(order.file)
     plan = SweepPlan(file)
     plan.check()
-    identity = order.compute_identity(plan)
+    identity = order.compute_sweep_hash(plan)
     # The name contains the identity, so the same command resumes its own sweep
     folder = (order.out or Path('runs') / f'sweep-{file.name}-{identity[:8]}').absolute()
     far: SweepWorkers | None = None
@@ -158,7 +158,7 @@ def write_results(
     }
     about = {
         **origin,
-        'identity': order.compute_identity(plan),
+        'identity': order.compute_sweep_hash(plan),
         'file': plan.file.model_dump_json(),
     }
     table.write_table(rows, plan.units, about, path)

@@ -61,13 +61,13 @@ def reached_share(rows: Sequence[SweepRow]) -> ShareInterval:
     return wilson_interval(sum(row.outcome == REACHED for row in flown), len(flown))
 
 
-def collect_figures(rows: Sequence[SweepRow], name: str) -> list[float]:
+def collect_result_values(rows: Sequence[SweepRow], name: str) -> list[float]:
     """Return one result of every successful flight that has it."""
     found = [row.figures.get(name) for row in rows if row.outcome == REACHED]
     return [float(value) for value in found if value is not None]
 
 
-def group_rows(rows: Sequence[SweepRow], path: str) -> list[ParameterGroup]:
+def group_by_parameter(rows: Sequence[SweepRow], path: str) -> list[ParameterGroup]:
     """Return flights grouped by a parameter: one group per value, or ranges of many values."""
     values = [row.values[path] for row in rows]
     distinct = list(dict.fromkeys(map(format_value, values)))

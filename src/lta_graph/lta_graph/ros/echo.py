@@ -24,7 +24,7 @@ ROUND_TRIPS = 20  # for the median; the first are slow while caches are cold
 RETRY = 0.05  # s between questions until the first answer
 
 
-def answer_questions(node: Node, executor: SingleThreadedExecutor, deadline: float) -> None:
+def echo_messages(node: Node, executor: SingleThreadedExecutor, deadline: float) -> None:
     """Echo every message until 'end' arrives or the monotonic clock reaches `deadline` [s]."""
     heard: list[str] = []
     publisher = node.create_publisher(String, ANSWER, 10)
@@ -88,7 +88,7 @@ def main() -> None:
     times = None
     try:
         if options.role == 'answer':
-            answer_questions(node, executor, deadline)
+            echo_messages(node, executor, deadline)
         elif (times := measure_round_trip(node, executor, deadline)) is not None:
             sys.stdout.write(json.dumps(times) + '\n')
     finally:

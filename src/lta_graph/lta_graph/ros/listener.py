@@ -98,7 +98,7 @@ class DiagnosticsListener:
         )
         self._publisher.publish(DiagnosticArray(status=[status]))
 
-    def find_silent(self, nodes: Iterable[str]) -> list[str]:
+    def find_silent_nodes(self, nodes: Iterable[str]) -> list[str]:
         """Return the nodes that no longer report or never did, in alphabetical order."""
         now = time.monotonic()
         begun = self._begun or now
@@ -109,7 +109,7 @@ class DiagnosticsListener:
             if now - self._heard.get(name, begun + LOADING - SILENCE) > SILENCE
         )
 
-    def find_pending(self, nodes: Iterable[str]) -> list[str]:
+    def find_pending_nodes(self, nodes: Iterable[str]) -> list[str]:
         """Return the nodes that have not reported yet: still loading, or not discovered."""
         return sorted(set(nodes) - self._heard.keys())
 
@@ -123,6 +123,6 @@ class DiagnosticsListener:
         now = time.monotonic()
         # After DISCOVERY a node that never reported no longer delays the others
         patient = self._begun is not None and now - self._begun > DISCOVERY
-        if self._complete is None and (patient or not self.find_pending(nodes)):
+        if self._complete is None and (patient or not self.find_pending_nodes(nodes)):
             self._complete = now
         return self._complete is not None and now - self._complete > SILENCE

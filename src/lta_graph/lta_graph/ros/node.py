@@ -22,7 +22,7 @@ from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.publisher_conflict import PublisherConflict
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.reader_links import LINKS
-from lta_graph.ros.replay_due import DUE, subscribe_turns
+from lta_graph.ros.replay_due import DUE, subscribe_inbox_schedule
 from lta_graph.ros.spin import spin_node
 from lta_graph.ros.stamps import from_stamp
 from rclpy.clock import Clock, ClockType
@@ -143,8 +143,8 @@ class GraphNode(Node):
             )
         self._trigger = trigger
         if self.replayed:
-            then = partial(self._answer_steps, inbox, on_step)
-            self._told = subscribe_turns(self, self.table, inbox, then)
+            then = partial(self._run_complete_steps, inbox, on_step)
+            self._told = subscribe_inbox_schedule(self, self.table, inbox, then)
 
     def subscribe_raw(self, name: str, callback: Callable[[bytes], None]) -> Subscription:
         """Return a subscription that gets a topic's messages in serialised form."""
@@ -156,34 +156,34 @@ class GraphNode(Node):
     def _build_input_receiver(
         self, inbox: Inbox, name: str, stamped: bool, on_step: Callable[[InboxStep], None]
     ) -> Callable[[Any], None]:
-        def receive(message: Any) -> None:  # noqa: ANN401 - whatever the topic carries
+        def receive_message(message: Any) -> None:  # noqa: ANN401 - whatever the topic carries
             self._heard[name] = time.monotonic()
             self.begun = True
             stamp_ns = from_stamp(message.header.stamp) if stamped else 0
             self.soundness.validate(self.table[name], name, message)
             inbox.put(name, stamp_ns, message)
-            self._answer_steps(inbox, on_step)
+            self._run_complete_steps(inbox, on_step)
 
-        return receive
+        return receive_message
 
     def subscribe_topic(self, name: str, callback: Callable[[Any], None]) -> Subscription:
         """Return a subscription outside the steps: the callback gets each message on arrival."""
         row = self.table[name]
 
-        def receive(message: Any) -> None:  # noqa: ANN401 - whatever the topic carries
+        def receive_message(message: Any) -> None:  # noqa: ANN401 - whatever the topic carries
             self.soundness.validate(row, name, message)
             callback(message)
 
         quality = select_profile(row, self.lockstep)
-        return self.create_subscription(find_message_type(row), name, receive, quality)
+        return self.create_subscription(find_message_type(row), name, receive_message, quality)
 
-    def _answer_steps(self, inbox: Inbox, on_step: Callable[[InboxStep], None]) -> None:
+    def _run_complete_steps(self, inbox: Inbox, on_step: Callable[[InboxStep], None]) -> None:
         """Run all steps whose inputs are complete."""
         while (step := inbox.pop()) is not None:
             on_step(step)
             self._waiting_since = time.monotonic()
 
-    def list_wakeups(self) -> Iterable[Subscription]:
+    def list_wakeup_subscriptions(self) -> Iterable[Subscription]:
         """Return the subscriptions to wake up for; in lockstep only those still needed."""
         if not self.lockstep or self._inbox is None:
             return self.subscriptions
@@ -194,7 +194,7 @@ class GraphNode(Node):
             self._inputs[name] for name in self._inbox.list_missing_topics() or [self._trigger]
         ]
 
-    def list_missing(self) -> list[str]:
+    def list_missing_inputs(self) -> list[str]:
         """Return the inputs that this node waits for; a subclass may add its own."""
         if self.lockstep:
             # Before the first message the graph is still starting
@@ -211,7 +211,7 @@ class GraphNode(Node):
             if now - heard > PATIENCE + 1e-9 * self.table[name].period_ns
         ]
 
-    def find_source(self, name: str) -> str:
+    def find_publishing_role(self, name: str) -> str:
         """Return the role that publishes a topic; absolute (`/lta2/vehicle`) if the name is."""
         if name in self.table.topics:
             return self.table[name].source
@@ -221,15 +221,15 @@ class GraphNode(Node):
     def _monitor_inputs(self) -> None:
         """Report inputs that are missing for too long, and publish health when due."""
         now = time.monotonic()
-        missing = self.list_missing()
+        missing = self.list_missing_inputs()
         if not missing:
             self._waiting_since = None
         elif self._waiting_since is None:
             self._waiting_since = now
-        # `list_missing` has already allowed for PATIENCE in real time
+        # `list_missing_inputs` has already allowed for PATIENCE in real time
         patience = PATIENCE if self.lockstep else 0.0
         if self._waiting_since is not None and now - self._waiting_since >= patience:
-            suspects = sorted({self.find_source(name) for name in missing})
+            suspects = sorted({self.find_publishing_role(name) for name in missing})
             self.health.report(
                 'inputs',
                 HealthLevel.ERROR,
@@ -288,7 +288,7 @@ class GraphNode(Node):
     def run(self) -> None:
         """Process inputs until `running` is False; a subclass may override this."""
         self.health.report('state', HealthLevel.OK, 'running')
-        spin_node(self, lambda: self.running, self.list_wakeups)
+        spin_node(self, lambda: self.running, self.list_wakeup_subscriptions)
 
     def close(self) -> None:
         """Wait for the acknowledgement of the last messages; called on every exit but SIGKILL."""

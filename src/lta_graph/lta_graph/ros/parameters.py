@@ -133,12 +133,12 @@ class NodeParameters(Generic[Model]):
             self._usable(built)
         return built
 
-    def _select_own(self, parameters: list[Parameter]) -> dict[str, Any]:
+    def _own_parameter_values(self, parameters: list[Parameter]) -> dict[str, Any]:
         return {item.name: item.value for item in parameters if item.name in self._names}
 
     def _validate_changes(self, parameters: list[Parameter]) -> SetParametersResult:
         try:
-            self._build_model(self._select_own(parameters))
+            self._build_model(self._own_parameter_values(parameters))
         except ValidationError as error:
             return SetParametersResult(successful=False, reason=format_error(error))
         except ValueError as error:
@@ -147,7 +147,7 @@ class NodeParameters(Generic[Model]):
 
     def _apply_changes(self, parameters: list[Parameter]) -> None:
         # The node may have further parameters, such as qos_overrides
-        if not self._select_own(parameters):
+        if not self._own_parameter_values(parameters):
             return
         self.value = self._build_model({})
         if self._changed is not None:

@@ -72,7 +72,7 @@ class PeerListener:
     @property
     def has_active_peers(self) -> bool:
         """Whether any of the others is still running."""
-        return bool(self._peers.active)
+        return bool(self._peers.active_robots)
 
     @property
     def is_waiting(self) -> bool:
@@ -87,7 +87,7 @@ class PeerListener:
         self._held = held
         return not held
 
-    def list_missing(self) -> list[str]:
+    def list_missing_pulses(self) -> list[str]:
         """Return the pulses that the node has been waiting for longer than `PATIENCE`."""
         if not self._held or time.monotonic() - self._since < PATIENCE:
             return []
@@ -107,12 +107,12 @@ class PeerListener:
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
-            if status.hardware_id in self._peers.active and is_over(status):
+            if status.hardware_id in self._peers.active_robots and reports_end(status):
                 self._peers.mark_ended(status.hardware_id)
                 self._on_news()
 
 
-def is_over(status: DiagnosticStatus) -> bool:
+def reports_end(status: DiagnosticStatus) -> bool:
     """Return whether a status reports the end of a simulator or player."""
     facts = {item.key: item.value for item in status.values}
     return status.name.endswith(ENDING) and facts.get(OVER) == str(True)

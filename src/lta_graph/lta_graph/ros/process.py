@@ -12,7 +12,7 @@ from typing import Final, NoReturn
 from lta_config.errors import BadInput
 from lta_graph.health import HealthLevel
 from lta_graph.interrupts import STOPS
-from lta_graph.process_end import exit_process
+from lta_graph.process_exit import exit_process
 from lta_graph.ros.command_line import initialize_ros, reject_unknown_parameters
 from lta_graph.ros.node import GraphNode
 import rclpy

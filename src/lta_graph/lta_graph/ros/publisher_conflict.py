@@ -38,12 +38,12 @@ class PublisherConflict:
             if name != COMMON and self._node.count_publishers(writer.topic_name) > 1
         ]
         if shared:
-            words = f'{", ".join(shared)} ({self._name_strangers(shared)}); stop all but one'
+            words = f'{", ".join(shared)} ({self._format_other_nodes(shared)}); stop all but one'
             health.report(OTHERS, HealthLevel.ERROR, f'published by others too: {words}')
         elif OTHERS in health:
             health.report(OTHERS, HealthLevel.OK, 'nobody else publishes the same')
 
-    def _name_strangers(self, shared: list[str]) -> str:
+    def _format_other_nodes(self, shared: list[str]) -> str:
         """Return the names of the other nodes; a second node of the own name counts."""
         own, strangers = self._node.get_fully_qualified_name(), set[str]()
         for name in shared:

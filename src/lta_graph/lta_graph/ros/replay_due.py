@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from lta_config.topics import TopicTable
 from lta_graph.inbox import Inbox
-from lta_graph.lockstep import RecordedTurns
+from lta_graph.lockstep import RecordedSchedule
 from lta_graph.ros.qos import select_profile
 from rclpy.node import Node
 from rclpy.subscription import Subscription
@@ -36,26 +36,26 @@ def to_due(message: Int64MultiArray) -> dict[str, Sequence[int]]:
     return times
 
 
-def subscribe_due(
+def subscribe_due_times(
     node: Node, table: TopicTable, then: Callable[[dict[str, Sequence[int]]], None]
 ) -> Subscription:
     """Return a subscription that calls `then` with the due times of a replay."""
 
-    def receive(message: Int64MultiArray) -> None:
+    def receive_message(message: Int64MultiArray) -> None:
         then(to_due(message))
 
     return node.create_subscription(
-        Int64MultiArray, DUE, receive, select_profile(table[DUE], True)
+        Int64MultiArray, DUE, receive_message, select_profile(table[DUE], True)
     )
 
 
-def subscribe_turns(
+def subscribe_inbox_schedule(
     node: Node, table: TopicTable, inbox: Inbox, then: Callable[[], None]
 ) -> Subscription:
     """Return a subscription that gives an inbox its due times and then calls `then`."""
 
-    def set_turns(due: dict[str, Sequence[int]]) -> None:
-        inbox.turns = RecordedTurns(table, due)
+    def set_schedule(due: dict[str, Sequence[int]]) -> None:
+        inbox.turns = RecordedSchedule(table, due)
         then()
 
-    return subscribe_due(node, table, set_turns)
+    return subscribe_due_times(node, table, set_schedule)

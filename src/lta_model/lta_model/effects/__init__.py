@@ -8,7 +8,7 @@ others under the entry point group `lta.effects` follow in alphabetical order of
 from importlib import import_module
 from importlib.metadata import entry_points
 
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_config.quantity import UNITS
 from lta_model.effects.protocol import ActuatorEffect, Effect, KernelEffect
 from lta_model.state import ACTUATORS
@@ -70,7 +70,7 @@ FILES = (  # folder and file of each; its name is that of the file
 BUILT_IN = tuple(path.rpartition('.')[2] for path in FILES)
 
 
-def merge_installed(library: dict[str, Effect]) -> dict[str, Effect]:
+def merge_installed_effects(library: dict[str, Effect]) -> dict[str, Effect]:
     """
     Return the built-in effects and then the installed ones.
 
@@ -112,7 +112,7 @@ def merge_installed(library: dict[str, Effect]) -> dict[str, Effect]:
     return effects
 
 
-EFFECTS: dict[str, Effect] = merge_installed(
+EFFECTS: dict[str, Effect] = merge_installed_effects(
     {
         name: import_module(f'{__name__}.{path}').EFFECT
         for name, path in zip(BUILT_IN, FILES, strict=True)
@@ -120,7 +120,7 @@ EFFECTS: dict[str, Effect] = merge_installed(
 )
 
 
-def select_built_in() -> dict[str, Effect]:
+def select_built_in_effects() -> dict[str, Effect]:
     """Return the built-in effects, without those installed by others."""
     return {name: EFFECTS[name] for name in BUILT_IN}
 
@@ -128,7 +128,7 @@ def select_built_in() -> dict[str, Effect]:
 def get_effect(name: str) -> Effect:
     """Return an effect by name; raise `BadInput` with the known names if there is none."""
     if name not in EFFECTS:
-        raise unknown_name('effect', name, list(EFFECTS))
+        raise unknown_name_error('effect', name, list(EFFECTS))
     return EFFECTS[name]
 
 

@@ -169,7 +169,7 @@ def current_for_power(open_circuit: float, power: float, resistance: float) -> f
     return 2.0 * held / (open_circuit + root)
 
 
-def count_charge(charge: float, current: float, capacity: float, dt: float) -> float:
+def integrate_charge(charge: float, current: float, capacity: float, dt: float) -> float:
     """Return the state of charge after a mean current [A] during dt [s], clipped to 0 and 1."""
     return min(max(charge + current * dt / capacity, 0.0), 1.0)
 
@@ -224,10 +224,10 @@ def advance_cell(
     resistance, capacity = cell.resistance, cell.capacity
     # Euler half step to the middle, for second order
     begin = current_for_power(open_circuit_voltage(charge) + relaxation, power, resistance)
-    middle = open_circuit_voltage(count_charge(charge, begin, capacity, 0.5 * dt))
+    middle = open_circuit_voltage(integrate_charge(charge, begin, capacity, 0.5 * dt))
     middle += relax_voltage(cell, relaxation, begin, dt)[1]
     wanted = current_for_power(middle, power, resistance)
-    after = count_charge(charge, wanted, capacity, dt)
+    after = integrate_charge(charge, wanted, capacity, dt)
     # Clipped at empty or full: the mean current that really flowed
     current = (after - charge) * capacity / dt if after <= 0.0 or after >= 1.0 else wanted
     relaxed, mean = relax_voltage(cell, relaxation, current, dt)

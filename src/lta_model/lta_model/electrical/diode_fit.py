@@ -18,7 +18,7 @@ STEPS = 200  # of bisection
 MARGIN = 1e-6  # keeps the equations apart
 
 
-class SingleDiode(NamedTuple):
+class SingleDiodeModel(NamedTuple):
     """
     One panel at standard conditions.
 
@@ -41,7 +41,7 @@ class SingleDiode(NamedTuple):
 
 
 @lru_cache(maxsize=16)  # the fit takes longer than the rest of loading a vehicle
-def fit_diode(cell: CellFile) -> SingleDiode:
+def fit_diode(cell: CellFile) -> SingleDiodeModel:
     """
     Return the diode whose curve passes the points of a data sheet.
 
@@ -75,7 +75,7 @@ def fit_diode(cell: CellFile) -> SingleDiode:
     return found
 
 
-def _solve_three_points(data: CellRatings, resistance: float) -> SingleDiode:
+def _solve_three_points(data: CellRatings, resistance: float) -> SingleDiodeModel:
     """Return the diode through the three points, for a series resistance. [ohm]"""
     a = data.ideality.si * data.junctions * THERMAL
     voltages = np.array([0.0, data.open_circuit.si, data.voltage.si])
@@ -86,7 +86,7 @@ def _solve_three_points(data: CellRatings, resistance: float) -> SingleDiode:
     # Scaled by dark[1]: the exponential is huge, and the system would be ill-conditioned
     matrix = np.stack([np.ones(3), -dark / dark[1], -junction], axis=1)
     light, open_, shunt = np.linalg.solve(matrix, currents).tolist()
-    return SingleDiode(light, open_ / float(dark[1]), a, resistance, shunt)
+    return SingleDiodeModel(light, open_ / float(dark[1]), a, resistance, shunt)
 
 
 def _slope_at_maximum(data: CellRatings, resistance: float) -> float:

@@ -88,7 +88,7 @@ class SolarArrayModel(StrictModel):
         )
 
 
-def compute_curve(panel: SolarArrayModel, irradiance: float) -> Curve:
+def compute_curve_parameters(panel: SolarArrayModel, irradiance: float) -> Curve:
     """Return L, S, a, R and G of the curve at an irradiance on the array's plane. [W/m2]"""
     # Absolute temperature relative to 25 degC
     warm = (AIR_TEMPERATURE + panel.warming * irradiance) / STANDARD_TEMPERATURE
@@ -127,11 +127,11 @@ def power_slope(numbers: Curve, u: float) -> float:
     return current + (u - 2.0 * resistance * current) * slope
 
 
-def find_max_power(panel: SolarArrayModel, irradiance: float) -> tuple[float, float]:
+def find_max_power_point(panel: SolarArrayModel, irradiance: float) -> tuple[float, float]:
     """Return voltage [V] and current [A] of maximum power at an irradiance [W/m2], or zeros."""
     if irradiance <= 0.0 or panel.light <= 0.0:
         return 0.0, 0.0
-    numbers = compute_curve(panel, irradiance)
+    numbers = compute_curve_parameters(panel, irradiance)
     low, high = 0.0, voltage_bound(numbers)
     for _ in range(STEPS):
         u = 0.5 * (low + high)
@@ -153,7 +153,7 @@ def current_at_voltage(panel: SolarArrayModel, irradiance: float, voltage: float
     """
     if irradiance <= 0.0 or panel.light <= 0.0:
         return 0.0
-    numbers = compute_curve(panel, irradiance)
+    numbers = compute_curve_parameters(panel, irradiance)
     low, high = 0.0, voltage_bound(numbers)
     for _ in range(STEPS):
         u = 0.5 * (low + high)

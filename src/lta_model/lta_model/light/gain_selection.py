@@ -25,13 +25,13 @@ def select_diode_gain(field: LightField, vehicle: Vehicle) -> PhotodiodeArray:
         # Outside of the door, clear of the wall by the hull and a metre
         x = field.room.size[0] / 2 + 2.0 * max(half_axes(vehicle.file.hull)) + ABOVE
     pose = (x, 0.0, ABOVE, 0.0, 0.0, 0.0, 1.0)
-    light = LightView(field, vehicle).compute_illuminance([pose])
+    light = LightView(field, vehicle).compute_diode_readings([pose])
     # Brightest diode, at the crest of the flicker
     lux = float((light.steady + light.mains).max())
     return vehicle.diodes.select_resistor(lux / field.ambient.efficacy)
 
 
-def read_gain_scale(scenario: str, vehicle: str) -> float:
+def compute_gain_scale(scenario: str, vehicle: str) -> float:
     """
     Return a diode's reading in a scenario relative to that with the largest resistor. [1]
 

@@ -123,7 +123,7 @@ def unpack_beam(row: Row) -> LampBeam:
     )  # fmt: skip
 
 
-def place_in_map(
+def transform_to_map(
     position: Vector, q: Quaternion, point: Vector, axis: Vector
 ) -> tuple[Vector, Vector]:
     """Return a point [m] and an axis of the body in `map`."""

@@ -7,7 +7,7 @@ The hull may hide lamps and the sun; of diffuse light it leaves a constant share
 from typing import NamedTuple
 
 from lta_model.effects.protocol import Quaternion, Vector
-from lta_model.light.block_motion import unobstructed_light
+from lta_model.light.block_readings import unobstructed_light
 from lta_model.light.lambertian import angular_response, DiodeResponse, LampBeam
 from lta_model.light.ray_bundles import PENCILS, RINGS
 from lta_model.light.ray_integration import SUN_RADIUS

@@ -71,7 +71,7 @@ def dot_rows(scratch: Scratch, a: int, b: int) -> float:
     return (first + second) + (third + fourth)
 
 
-def diodes_center(position: Vector, q: Quaternion, planes: Rows) -> Vector:
+def diode_array_center(position: Vector, q: Quaternion, planes: Rows) -> Vector:
     """Return the middle of the diodes, from which rays are traced for all of them. [m, map]"""
     x, y, z = 0.0, 0.0, 0.0
     for i in range(len(planes)):
@@ -94,7 +94,7 @@ def gather_indirect_light(
     scratch: Scratch,
 ) -> None:
     """Write each diode's reading of all light except the lamps' direct light."""
-    r, point = rotation_matrix(q), diodes_center(position, q, planes)
+    r, point = rotation_matrix(q), diode_array_center(position, q, planes)
     # The array is reused; sums start at zero
     for row in range(len(out)):
         for i in range(len(planes)):

@@ -10,7 +10,7 @@ from typing import final
 
 from lta_config.compilation.compiler import compile_functions
 from lta_model.hull import half_axes
-from lta_model.light.block_motion import write_pose_readings
+from lta_model.light.block_readings import write_pose_readings
 from lta_model.light.field import LightField, PlaneIlluminance
 from lta_model.light.lambertian import DiodeResponse, direct_light
 from lta_model.light.panel_light import build_panel_plane, daylight_on_panel, lamp_light_on_panel
@@ -65,18 +65,18 @@ class LightView:
         # The first call compiles; its results are discarded
         kept = self._poses, self._around, self._amplifier
         self._poses = [(0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)] * 2
-        self.read_block(0, sample_rate, samples, np.random.default_rng(0))
+        self.sample_light_block(0, sample_rate, samples, np.random.default_rng(0))
         self._poses, self._around, self._amplifier = kept
 
     def record_pose(self, pose: Pose) -> None:
         """Record the pose at a control step for the next block."""
         self._poses.append(pose)
 
-    def read_block(
+    def sample_light_block(
         self, start_ns: int, sample_rate: float, samples: int, chance: Generator
     ) -> NDArray[np.uint16]:
         """Return the block that began at a time [ns], shape (samples, diodes). [Hz; counts]"""
-        light = self.compute_illuminance(self._poses)
+        light = self.compute_diode_readings(self._poses)
         # The next block starts where this one ended
         self._poses = [self._poses[-1]]
         board = self._board
@@ -86,11 +86,11 @@ class LightView:
         block, self._amplifier = board.sample_block(light, start_ns, chance, self._amplifier)
         return block
 
-    def compute_illuminance(self, poses: Sequence[Pose]) -> PlaneIlluminance:
+    def compute_diode_readings(self, poses: Sequence[Pose]) -> PlaneIlluminance:
         """Return the diodes' readings at a sequence of poses."""
         # The end of the last block is the start of this one
-        before = self._gather_light(poses[0]) if self._around is None else self._around
-        self._around = after = self._gather_light(poses[-1])
+        before = self._compute_indirect_light(poses[0]) if self._around is None else self._around
+        self._around = after = self._compute_indirect_light(poses[-1])
         shape = len(poses), self._diodes.count
         light = PlaneIlluminance(
             np.empty((len(self._beams), *shape)), np.empty(shape), np.empty(shape)
@@ -108,19 +108,19 @@ class LightView:
         daylight = field.daylight if field.outside is None else field.outside.daylight
         return 0.0 if daylight is None else field.ambient.efficacy / daylight.efficacy
 
-    def _gather_light(self, pose: Pose) -> Array:
+    def _compute_indirect_light(self, pose: Pose) -> Array:
         """Return the indirect light at a pose, without ambient light beyond a door."""
         x, y, z, i, j, k, w = pose
         out = np.empty((LAMPS + len(self._beams), self._diodes.count))
         self._gather(
             *self._scene, (x, y, z), (i, j, k, w), self._diodes.planes, out, self._scratch
         )
-        if not self._is_indoors(pose):
+        if not self._has_ambient_light(pose):
             # Ambient light is the room's; outdoors there is daylight instead
             out[SHARE] = 0.0
         return out
 
-    def _is_indoors(self, pose: Pose) -> bool:
+    def _has_ambient_light(self, pose: Pose) -> bool:
         """Return whether ambient light reaches a pose."""
         return self.field.outside is None or is_in_room(self._surround, *pose[:3])
 
@@ -152,7 +152,7 @@ class LightView:
         From each lamp's light while it is on, daylight [lx], and the share of ambient light.
         """
         ambient = self.field.ambient
-        steady = share * ambient.steady if self._is_indoors(pose) else 0.0
+        steady = share * ambient.steady if self._has_ambient_light(pose) else 0.0
         lux = steady + day
         watts = (steady + self._daylight_share * day) / ambient.efficacy
         for lamp, light in zip(self.field.lamps, modulated, strict=True):

@@ -81,8 +81,12 @@ def draw_errors(settings: ImuSettings, rng: Generator) -> ImuErrors:
     """Return the errors of one flight; offset and scale error are uniform within their bounds."""
     bounds = error_bounds(settings)
     return ImuErrors(
-        gain=tuple(1.0 + bound * x for bound, x in zip(bounds.gain, _draw_six(rng), strict=True)),
-        offset=tuple(bound * x for bound, x in zip(bounds.offset, _draw_six(rng), strict=True)),
+        gain=tuple(
+            1.0 + bound * x for bound, x in zip(bounds.gain, _draw_six_uniforms(rng), strict=True)
+        ),
+        offset=tuple(
+            bound * x for bound, x in zip(bounds.offset, _draw_six_uniforms(rng), strict=True)
+        ),
         noise=bounds.noise,
         step=bounds.step,
         full_scale=bounds.full_scale,
@@ -104,7 +108,7 @@ def error_bounds(settings: ImuSettings) -> ImuErrors:
     )
 
 
-def _draw_six(rng: Generator) -> list[float]:
+def _draw_six_uniforms(rng: Generator) -> list[float]:
     """Return six numbers uniform in [-1, 1)."""
     # Plain floats are faster than NumPy scalars in the loops that use them
     numbers: list[float] = rng.uniform(-1.0, 1.0, 6).tolist()

@@ -153,7 +153,7 @@ class PhotodiodeArray(StrictModel):
         gains = np.maximum(1.0 + self.gain_spread * chance.standard_normal(self.count), 0.0)
         return self.model_copy(update={'gains': tuple(gains.tolist())})
 
-    def place_in_map(self, position: Array, rotation: Array) -> tuple[Array, Array]:
+    def transform_to_map(self, position: Array, rotation: Array) -> tuple[Array, Array]:
         """
         Return positions [m] and unit axes of the diodes in `map`, shape (..., count, 3).
 

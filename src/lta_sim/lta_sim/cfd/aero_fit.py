@@ -22,7 +22,7 @@ JOINED: Final = 0.05  # largest error of a fit through steady and transient poin
 UNSTEADY: Final = 'the damping of small fast swings is under-predicted: the air turns along'
 
 
-def drag_values(axis: Axis, points: Sequence[SweepPoint]) -> list[float]:
+def opposing_drag(axis: Axis, points: Sequence[SweepPoint]) -> list[float]:
     """Return the drag along or about an axis, positive where it opposes the motion. [N or N m]."""
     if axis in ALONG:
         # The vehicle moves along +axis, so that drag is negative
@@ -30,7 +30,7 @@ def drag_values(axis: Axis, points: Sequence[SweepPoint]) -> list[float]:
     return [-point.moment[ABOUT[axis]] for point in points]
 
 
-def fit_axes(sweep: TunnelSweep) -> dict[Axis, DragFit]:
+def fit_drag_by_axis(sweep: TunnelSweep) -> dict[Axis, DragFit]:
     """Return the drag fit of each axis, from estimates by hand where no flow was solved."""
     fits: dict[Axis, DragFit] = {}
     for axis in AXES:
@@ -39,7 +39,7 @@ def fit_axes(sweep: TunnelSweep) -> dict[Axis, DragFit]:
 
 
 def _fit_points(axis: Axis, points: Sequence[SweepPoint]) -> DragFit:
-    return fit_drag([point.speed for point in points], drag_values(axis, points))
+    return fit_drag([point.speed for point in points], opposing_drag(axis, points))
 
 
 def select_fit_points(sweep: TunnelSweep, axis: Axis) -> Sequence[SweepPoint]:
@@ -49,7 +49,7 @@ def select_fit_points(sweep: TunnelSweep, axis: Axis) -> Sequence[SweepPoint]:
     The slow point of a reference sweep comes from the steady model, whose wake does not shed. It
     is left out if no drag fit matches both points.
     """
-    points = select_points(sweep, axis)
+    points = select_axis_points(sweep, axis)
     # Only reference sweeps mix steady (slow) and transient (fast) points
     if sweep.fidelity != 'reference' or not select_solved_points(sweep, axis) or axis in ABOUT:
         return points
@@ -71,7 +71,7 @@ def _rotate_point(point: SweepPoint) -> SweepPoint:
     return point.model_copy(update={'force': wrench[:3], 'moment': wrench[3:]})
 
 
-def select_points(sweep: TunnelSweep, axis: Axis) -> Sequence[SweepPoint]:
+def select_axis_points(sweep: TunnelSweep, axis: Axis) -> Sequence[SweepPoint]:
     """Return the solved points of an axis, or else the estimates by hand."""
     points = select_solved_points(sweep, axis) or sweep.by_hand.get(axis)
     if not points:
@@ -110,7 +110,9 @@ def collect_warnings(sweep: TunnelSweep) -> list[str]:
     if sweep.fidelity == 'reference' and tops:
         # A reference solves two speeds; the faster one bounds the range of the fit
         warnings.append(f'drag above {min(tops):g} m/s is extrapolated')
-        warnings += [_format_unjoined(sweep, axis) for axis in ALONG if _is_unjoined(sweep, axis)]
+        warnings += [
+            _format_omission_warning(sweep, axis) for axis in ALONG if _is_unjoined(sweep, axis)
+        ]
     for pattern in sweep.blows:
         share = linearity_ratio(sweep, pattern)
         if share is not None and abs(share - 1.0) > 0.05:
@@ -123,13 +125,13 @@ def collect_warnings(sweep: TunnelSweep) -> list[str]:
 
 
 def _is_unjoined(sweep: TunnelSweep, axis: Axis) -> bool:
-    return len(select_fit_points(sweep, axis)) < len(select_points(sweep, axis))
+    return len(select_fit_points(sweep, axis)) < len(select_axis_points(sweep, axis))
 
 
-def _format_unjoined(sweep: TunnelSweep, axis: Axis) -> str:
+def _format_omission_warning(sweep: TunnelSweep, axis: Axis) -> str:
     """Return the warning about a slow reference point that is left out."""
-    slow = select_points(sweep, axis)[0]
-    share = drag_values(axis, [slow])[0] / _fit_points(
+    slow = select_axis_points(sweep, axis)[0]
+    share = opposing_drag(axis, [slow])[0] / _fit_points(
         axis, select_fit_points(sweep, axis)
     ).drag_at(slow.speed)
     return (
@@ -138,16 +140,16 @@ def _format_unjoined(sweep: TunnelSweep, axis: Axis) -> str:
     )
 
 
-def middle_point(sweep: TunnelSweep, axis: Axis) -> SweepPoint:
+def middle_speed_point(sweep: TunnelSweep, axis: Axis) -> SweepPoint:
     """Return the middle speed of an axis."""
-    points = select_points(sweep, axis)
+    points = select_axis_points(sweep, axis)
     return points[len(points) // 2]
 
 
 def ratio_to_estimate(sweep: TunnelSweep, axis: Axis) -> float:
     """Return the drag at the middle speed over the estimate by hand. [1]."""
-    middle = middle_point(sweep, axis)
-    return drag_values(axis, [middle])[0] / interpolate_estimate(sweep, axis, middle.speed)
+    middle = middle_speed_point(sweep, axis)
+    return opposing_drag(axis, [middle])[0] / interpolate_estimate(sweep, axis, middle.speed)
 
 
 def mesh_share(sweep: TunnelSweep, axis: Axis) -> float | None:
@@ -156,12 +158,12 @@ def mesh_share(sweep: TunnelSweep, axis: Axis) -> float | None:
     fine = [point for point in sweep.axes.get(axis, ()) if coarse and point.speed == coarse.speed]
     if coarse is None or not fine:
         return None
-    return drag_values(axis, [coarse])[0] / drag_values(axis, fine)[0] - 1.0
+    return opposing_drag(axis, [coarse])[0] / opposing_drag(axis, fine)[0] - 1.0
 
 
 def hull_share(sweep: TunnelSweep, axis: Axis) -> float | None:
     """Return the hull's share of the drag at the middle speed; None by hand. [1]."""
-    parts = middle_point(sweep, axis).parts
+    parts = middle_speed_point(sweep, axis).parts
     return parts[HULL] / sum(parts.values()) if parts else None
 
 
@@ -178,7 +180,7 @@ def interpolate_estimate(sweep: TunnelSweep, axis: Axis, speed: float) -> float:
     points = sweep.by_hand[axis]
     # Drag is close to a power law, which is a straight line in logarithms
     speeds = np.log([point.speed for point in points])
-    return math.exp(float(np.interp(math.log(speed), speeds, np.log(drag_values(axis, points)))))
+    return math.exp(float(np.interp(math.log(speed), speeds, np.log(opposing_drag(axis, points)))))
 
 
 def describe_side_loads(sweep: TunnelSweep) -> dict[str, str]:

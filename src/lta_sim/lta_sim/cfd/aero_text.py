@@ -9,7 +9,7 @@ from lta_sim.cfd.aero_fit import (
     ALONG,
     collect_warnings,
     describe_side_loads,
-    fit_axes,
+    fit_drag_by_axis,
     hull_share,
     mesh_share,
     ratio_to_estimate,
@@ -18,20 +18,22 @@ from lta_sim.cfd.aero_fit import (
 )
 from lta_sim.cfd.drag_fit import DragFit
 from lta_sim.cfd.sweep_table import AXES, Axis, TunnelSweep
-from lta_sim.cfd.thrust_allocation import compute_coupling, find_column, TunnelColumn
+from lta_sim.cfd.thrust_allocation import AllocationColumn, compute_jet_coupling, find_rotor_column
 import yaml
 
 NOTHING = 1e-9  # any coefficient below is zero by symmetry, except for rounding
 
 
-def _round_to_four(number: float) -> float:
+def _round_to_four_digits(number: float) -> float:
     """Round to four digits; values that are zero by symmetry become exactly zero."""
     return float(f'{number:.4g}') if abs(number) > NOTHING else 0.0
 
 
 def format_quantity(value: float | Sequence[float], unit: str, source: str) -> dict[str, Any]:
     """Return a quantity for YAML, with four digits."""
-    numbers = [_round_to_four(each) for each in value] if isinstance(value, Sequence) else value
+    numbers = (
+        [_round_to_four_digits(each) for each in value] if isinstance(value, Sequence) else value
+    )
     return {'value': numbers, 'unit': unit, 'source': source}
 
 
@@ -58,7 +60,7 @@ def _format_drag(
     }
 
 
-def _format_wrench(column: TunnelColumn, engine: str) -> dict[str, Any]:
+def _format_wrench(column: AllocationColumn, engine: str) -> dict[str, Any]:
     source = f'{engine}, {column.found}'
     return {
         'force': format_quantity(column.wrench[:3].tolist(), 'N/N', source),
@@ -69,29 +71,29 @@ def _format_wrench(column: TunnelColumn, engine: str) -> dict[str, Any]:
 def _format_columns(sweep: TunnelSweep) -> dict[str, Any]:
     columns: dict[str, Any] = {}
     for name in sweep.rotors:
-        if (column := find_column(sweep, name)) is None:
+        if (column := find_rotor_column(sweep, name)) is None:
             continue
         columns[name] = _format_wrench(column, sweep.engine)
         # A reversed rotor blows the other way over the hull, so it has its own column
-        if (back := find_column(sweep, name, backward=True)) is not None:
+        if (back := find_rotor_column(sweep, name, backward=True)) is not None:
             columns[name]['reverse'] = _format_wrench(back, sweep.engine)
     return columns
 
 
-def build_aero(sweep: TunnelSweep) -> dict[str, Any]:
+def build_aero_content(sweep: TunnelSweep) -> dict[str, Any]:
     """Return the content of the aero file of a sweep, for YAML."""
-    fits = fit_axes(sweep)
+    fits = fit_drag_by_axis(sweep)
     aero: dict[str, Any] = {
         'linear_drag': _format_drag(sweep, fits, lambda fit: fit.linear, ''),
         'quadratic_drag': _format_drag(sweep, fits, lambda fit: fit.quadratic, '2'),
     }
     if columns := _format_columns(sweep):
         aero['thrust_allocation'] = columns
-    if (coupled := compute_coupling(sweep)) is not None:
+    if (coupled := compute_jet_coupling(sweep)) is not None:
         aero['coupling'] = {
             'rotors': list(coupled.rotors),
             **_format_wrench(
-                TunnelColumn(coupled.wrench, 'all on, less the columns'), sweep.engine
+                AllocationColumn(coupled.wrench, 'all on, less the columns'), sweep.engine
             ),
         }
     return {
@@ -115,21 +117,21 @@ def _format_fit(sweep: TunnelSweep, axis: Axis, fit: DragFit) -> dict[str, Any]:
     points = select_fit_points(sweep, axis)
     entries = {
         'points': len(points),
-        'error': _round_to_three(
+        'error': _round_to_three_digits(
             round(fit.error, 9)
         ),  # a fit through two points is exact except for rounding
         'exponent': None if math.isnan(fit.exponent) else float(f'{fit.exponent:.4g}'),
         'spread': max(point.evidence.spread for point in points),
         'cells': max(point.evidence.cells for point in points),
-        'by_hand': _round_to_three(ratio_to_estimate(sweep, axis)),
-        'mesh': _round_to_three(mesh_share(sweep, axis)),
-        'hull': _round_to_three(hull_share(sweep, axis)),
+        'by_hand': _round_to_three_digits(ratio_to_estimate(sweep, axis)),
+        'mesh': _round_to_three_digits(mesh_share(sweep, axis)),
+        'hull': _round_to_three_digits(hull_share(sweep, axis)),
     }
     # Optional evidence is omitted rather than written as null
     return {name: each for name, each in entries.items() if each is not None}
 
 
-def _round_to_three(number: float | None) -> float | None:
+def _round_to_three_digits(number: float | None) -> float | None:
     return None if number is None else float(f'{number:.3g}')
 
 
@@ -140,5 +142,9 @@ def format_aero_file(sweep: TunnelSweep) -> str:
         f'it from {sweep.name}.sweep.json.\n'
     )
     return head + yaml.dump(
-        build_aero(sweep), sort_keys=False, default_flow_style=None, width=150, allow_unicode=True
+        build_aero_content(sweep),
+        sort_keys=False,
+        default_flow_style=None,
+        width=150,
+        allow_unicode=True,
     )

@@ -9,9 +9,9 @@ from lta_sim.cfd.still_air import AXES as SPINS
 from lta_sim.cfd.still_air import build_blowing_case, build_spinning_case, RATES
 from lta_sim.cfd.thrust_allocation import REVERSED
 from lta_sim.cfd.tunnel import (
-    build_steady_wind,
-    build_transient_wind,
-    choose_fineness,
+    build_steady_wind_case,
+    build_transient_wind_case,
+    choose_mesh_fineness,
     COARSE,
     PREVIEW,
     SPEEDS,
@@ -55,7 +55,7 @@ class TunnelFlow:
     shares: Mapping[str, float] | None = None
 
 
-def list_patterns(model: TunnelModel) -> dict[str, Mapping[str, float]]:
+def list_rotor_patterns(model: TunnelModel) -> dict[str, Mapping[str, float]]:
     """
     Return the rotor patterns to solve: each rotor forward and reversed, and those of the file.
 
@@ -105,11 +105,11 @@ def plan_flows(
     """
     flows = [
         *_plan_winds(model, fidelity, air[1]),
-        *_plan_spins(model, air[1]),
-        *_plan_blows(model, air),
+        *_plan_rotation_flows(model, air[1]),
+        *_plan_rotor_flows(model, air),
     ]
     if fidelity == 'preview':
-        flows += _plan_coarse(model, air[1])
+        flows += _plan_coarse_winds(model, air[1])
     return [flow for flow in flows if not only or flow.about in only]
 
 
@@ -120,35 +120,35 @@ def _wind_directions(model: TunnelModel) -> Sequence[str]:
 def _plan_winds(model: TunnelModel, fidelity: str, viscosity: float) -> Iterator[TunnelFlow]:
     for axis in _wind_directions(model):
         if fidelity == 'preview':
-            case = build_steady_wind(model, axis, viscosity, PREVIEW)
+            case = build_steady_wind_case(model, axis, viscosity, PREVIEW)
             yield TunnelFlow('wind', axis, case, SPEEDS)
             continue
-        fine = choose_fineness(model, viscosity, MIDDLE)
+        fine = choose_mesh_fineness(model, viscosity, MIDDLE)
         # One transient per axis, at the middle speed; the slow point is steady, see `SLOW`
-        eddies = build_transient_wind(model, axis, viscosity, fine, MIDDLE, LENGTHS)
+        eddies = build_transient_wind_case(model, axis, viscosity, fine, MIDDLE, LENGTHS)
         yield TunnelFlow('transient', axis, eddies, (MIDDLE,))
-        slow = build_steady_wind(model, axis, viscosity, PREVIEW, (SLOW,))
+        slow = build_steady_wind_case(model, axis, viscosity, PREVIEW, (SLOW,))
         yield TunnelFlow('wind', axis, replace(slow, name=f'{axis}, slow'), (SLOW,))
 
 
-def _plan_coarse(model: TunnelModel, viscosity: float) -> Iterator[TunnelFlow]:
+def _plan_coarse_winds(model: TunnelModel, viscosity: float) -> Iterator[TunnelFlow]:
     """Yield the middle speed of each wind on a coarser mesh."""
     for axis in _wind_directions(model):
-        case = build_steady_wind(model, axis, viscosity, COARSE, (MIDDLE,))
+        case = build_steady_wind_case(model, axis, viscosity, COARSE, (MIDDLE,))
         yield TunnelFlow(
             'coarse', axis, replace(case, name=f'{axis} on a coarser mesh'), (MIDDLE,)
         )
 
 
-def _plan_spins(model: TunnelModel, viscosity: float) -> Iterator[TunnelFlow]:
+def _plan_rotation_flows(model: TunnelModel, viscosity: float) -> Iterator[TunnelFlow]:
     for about in SPINS:
         if about == 'pitch' and model.has_quarter_symmetry:
             continue
         yield TunnelFlow('spin', about, build_spinning_case(model, about, viscosity), RATES)
 
 
-def _plan_blows(model: TunnelModel, air: Air) -> Iterator[TunnelFlow]:
+def _plan_rotor_flows(model: TunnelModel, air: Air) -> Iterator[TunnelFlow]:
     if not model.rotors:
         return
-    for name, shares in list_patterns(model).items():
+    for name, shares in list_rotor_patterns(model).items():
         yield TunnelFlow('blow', name, build_blowing_case(model, name, shares, air), shares=shares)

@@ -13,17 +13,17 @@ from lta_sim.cfd import flow_checks, reduce
 from lta_sim.cfd.flow_plan import TunnelFlow
 from lta_sim.cfd.openfoam.case import FoamCase
 from lta_sim.cfd.openfoam.case_runner import CaseRunner, Progress
-from lta_sim.cfd.openfoam.engine import CaseFailed, find_version, FoamPrograms
+from lta_sim.cfd.openfoam.engine import CaseFailed, find_openfoam_version, FoamPrograms
 from lta_sim.cfd.openfoam.mesh import list_solved_bodies
 from lta_sim.cfd.openfoam.output_reader import read_mesh, read_patches
 from lta_sim.cfd.sweep_table import Blow, SweepPoint
 from lta_sim.cfd.tunnel_model import TunnelModel
 
 READ: Final = {
-    'wind': reduce.reduce_wind,
-    'coarse': reduce.reduce_wind,
-    'transient': reduce.reduce_transient,
-    'spin': reduce.reduce_spin,
+    'wind': reduce.summarize_steady_wind,
+    'coarse': reduce.summarize_steady_wind,
+    'transient': reduce.summarize_transient_wind,
+    'spin': reduce.summarize_rotation_flow,
 }
 Points = tuple[list[SweepPoint], dict[str, str]]  # points, and the refused ones with their reason
 Found = Points | Blow
@@ -32,7 +32,7 @@ Found = Points | Blow
 class FlowSolver(Protocol):
     """Interface of a flow solver."""
 
-    def engine_name(self) -> str:
+    def solver_version(self) -> str:
         """Return name and version of the solver."""
         ...
 
@@ -64,9 +64,9 @@ class ThreadedFlowSolver:
         self._stages = CaseRunner(folder, self._programs, tell)
         self._jobs = jobs
 
-    def engine_name(self) -> str:
+    def solver_version(self) -> str:
         """Return name and version of the solver."""
-        return find_version()
+        return find_openfoam_version()
 
     def solve_flows(
         self, model: TunnelModel, flows: Sequence[TunnelFlow], density: float
@@ -77,14 +77,14 @@ class ThreadedFlowSolver:
                 # Each mesh once, before all flows that share it
                 meshes = {
                     mesh.key: pool.submit(solve_mesh, self._stages, mesh)
-                    for mesh in list_meshes(flows)
+                    for mesh in list_distinct_meshes(flows)
                 }
                 pending = [
                     (
                         flow,
                         pool.submit(
                             self._solve_after_mesh,
-                            meshes[flow_mesh(flow).key],
+                            meshes[flow_mesh_case(flow).key],
                             model,
                             flow,
                             density,
@@ -111,15 +111,15 @@ class ThreadedFlowSolver:
         return solve_flow(self._stages, model, flow, density)
 
 
-def flow_mesh(flow: TunnelFlow) -> FoamCase:
+def flow_mesh_case(flow: TunnelFlow) -> FoamCase:
     """Return the case that makes the mesh of a flow."""
     assert flow.case.mesh is not None
     return flow.case.mesh
 
 
-def list_meshes(flows: Sequence[TunnelFlow]) -> list[FoamCase]:
+def list_distinct_meshes(flows: Sequence[TunnelFlow]) -> list[FoamCase]:
     """Return the distinct meshes of some flows."""
-    return list({flow_mesh(flow).key: flow_mesh(flow) for flow in flows}.values())
+    return list({flow_mesh_case(flow).key: flow_mesh_case(flow) for flow in flows}.values())
 
 
 def solve_mesh(stages: CaseRunner, mesh: FoamCase) -> Path:
@@ -131,17 +131,17 @@ def solve_mesh(stages: CaseRunner, mesh: FoamCase) -> Path:
 
 def solve_flow(stages: CaseRunner, model: TunnelModel, flow: TunnelFlow, density: float) -> Found:
     """Solve a flow, after its mesh if needed, and return the result; density in kg/m3."""
-    mesh = solve_mesh(stages, flow_mesh(flow))
+    mesh = solve_mesh(stages, flow_mesh_case(flow))
     if flow.kind != 'coarse':  # a coarse mesh may lose thin bodies: it only shows the mesh error
         patches = read_patches(mesh)
         flow_checks.check_bodies(
-            flow_mesh(flow).name, patches, list_solved_bodies(flow_mesh(flow), patches)
+            flow_mesh_case(flow).name, patches, list_solved_bodies(flow_mesh_case(flow), patches)
         )
     place = stages.solve(flow.case)
     # From the logs, so that a cached case keeps its original time
     spent = round(stages.processor_time(flow.case), 1)
     if flow.kind == 'blow':
-        return reduce.reduce_blow(model, flow.shares or {}, place, mesh, spent, density)
+        return reduce.summarize_rotor_flow(model, flow.shares or {}, place, mesh, spent, density)
     read = READ[flow.kind]
     # A coarse mesh and its wind share the axis, so the case name labels the coarse one.
     points, refused = [], {}
@@ -156,6 +156,6 @@ def solve_flow(stages: CaseRunner, model: TunnelModel, flow: TunnelFlow, density
     return points, refused
 
 
-def split_result(flow: TunnelFlow, result: Points | CaseFailed) -> Points:
+def split_failed_points(flow: TunnelFlow, result: Points | CaseFailed) -> Points:
     """Return the points of a flow and its failed ones, or the reason of a complete failure."""
     return ([], {flow.case.name: str(result)}) if isinstance(result, CaseFailed) else result

@@ -10,8 +10,8 @@ from lta_sim.cfd.openfoam.engine import RESIDUAL
 from lta_sim.cfd.openfoam.output_reader import read_forces, read_mesh, read_momentum, WrenchHistory
 from lta_sim.cfd.still_air import AXES
 from lta_sim.cfd.surface import read_surface_pressure
-from lta_sim.cfd.sweep_table import Blow, FlowEvidence, SweepPoint
-from lta_sim.cfd.tunnel import OUTER, SETTLING, symmetry_planes, TURNS
+from lta_sim.cfd.sweep_table import Blow, FlowQuality, SweepPoint
+from lta_sim.cfd.tunnel import has_symmetry_planes, OUTER, SETTLING, TURNS
 from lta_sim.cfd.tunnel_model import TunnelModel
 import numpy as np
 from numpy.typing import NDArray
@@ -65,7 +65,7 @@ def _unfold_symmetry(
     return force, moment
 
 
-def reduce_wind(
+def summarize_steady_wind(
     model: TunnelModel, axis: str, step: ProgramStep, speed: float, place: Path, mesh: Path,
     seconds: float, density: float,
 ) -> SweepPoint:  # fmt: skip
@@ -81,7 +81,7 @@ def reduce_wind(
         If a check of the flow fails.
 
     """
-    planes = symmetry_planes(model, axis)
+    planes = has_symmetry_planes(model, axis)
     wrenches = {name: read_forces(place, name, step.begin) for name in model.bodies}
     drags = np.sum([each.force[_averaging_window(each), 0] for each in wrenches.values()], axis=0)
     spread = float(np.std(drags) / abs(np.mean(drags)))
@@ -98,23 +98,24 @@ def reduce_wind(
         speed=speed,
         force=_to_list(force),
         moment=_to_list(moment),
-        parts=_drag_parts(wrenches, scale * 2 ** sum(planes)),
+        parts=_drag_by_body(wrenches, scale * 2 ** sum(planes)),
         viscous=_viscous_share(wrenches),
-        evidence=FlowEvidence(
-            spread=_round_short(spread), window=float(len(drags)), balance=_round_short(balance),
+        evidence=FlowQuality(
+            spread=_round_to_five_digits(spread), window=float(len(drags)),
+            balance=_round_to_five_digits(balance),
             residual=_read_residual(place, step.name), cells=_count_cells(mesh), seconds=seconds,
         ),
     )  # fmt: skip
 
 
-def reduce_transient(
+def summarize_transient_wind(
     model: TunnelModel, axis: str, step: ProgramStep, speed: float, place: Path, mesh: Path,
     seconds: float, density: float,
 ) -> SweepPoint:  # fmt: skip
     """
     Return the result of a transient wind tunnel; its spread is the standard error of the mean.
 
-    Arguments as for `reduce_wind`.
+    Arguments as for `summarize_steady_wind`.
     """
     wrenches = {name: read_forces(place, name, step.begin) for name in model.bodies}
     first = next(iter(wrenches.values()))
@@ -138,10 +139,11 @@ def reduce_transient(
         speed=speed,
         force=_to_list(force),
         moment=_to_list(moment),
-        parts=_drag_parts(cut, scale, weights),
+        parts=_drag_by_body(cut, scale, weights),
         viscous=_viscous_share(cut, weights),
-        evidence=FlowEvidence(
-            spread=_round_short(error), window=_round_short(float(weights.sum())),
+        evidence=FlowQuality(
+            spread=_round_to_five_digits(error),
+            window=_round_to_five_digits(float(weights.sum())),
             residual=_read_residual(place, step.name), cells=_count_cells(mesh), seconds=seconds,
         ),
     )  # fmt: skip
@@ -196,11 +198,11 @@ def _mean_body_wrench(
     return scale * (turn @ force), scale * (turn @ moment)
 
 
-def _drag_parts(
+def _drag_by_body(
     wrenches: Mapping[str, WrenchHistory], scale: float, weights: Array | None = None
 ) -> dict[str, float]:
     return {
-        name: _round_short(scale * _average_window(each, each.force[:, 0], weights))
+        name: _round_to_five_digits(scale * _average_window(each, each.force[:, 0], weights))
         for name, each in wrenches.items()
     }
 
@@ -210,7 +212,7 @@ def _viscous_share(wrenches: Mapping[str, WrenchHistory], weights: Array | None 
         _average_window(each, each.viscous[:, 0], weights) for each in wrenches.values()
     )
     drag = sum(_average_window(each, each.force[:, 0], weights) for each in wrenches.values())
-    return _round_short(friction / drag)
+    return _round_to_five_digits(friction / drag)
 
 
 def _average_window(wrench: WrenchHistory, values: Array, weights: Array | None) -> float:
@@ -220,11 +222,11 @@ def _average_window(wrench: WrenchHistory, values: Array, weights: Array | None)
     return float(np.average(values, weights=weights))
 
 
-def reduce_spin(
+def summarize_rotation_flow(
     model: TunnelModel, about: str, step: ProgramStep, rate: float, place: Path, mesh: Path,
     seconds: float, density: float,
 ) -> SweepPoint:  # fmt: skip
-    """Return the result of one rate of a rotating vehicle; arguments as for `reduce_wind`."""
+    """Return the result of one rate of rotation; arguments as for `summarize_steady_wind`."""
     axis = np.array(AXES[about])
     wrenches = {name: read_forces(place, name, step.begin) for name in model.bodies}
     rows = {name: each.moment[_averaging_window(each)] @ axis for name, each in wrenches.items()}
@@ -244,20 +246,23 @@ def reduce_spin(
         speed=rate,
         force=_to_list(scale * force),
         moment=_to_list(scale * moment),
-        parts={name: _round_short(-scale * float(np.mean(each))) for name, each in rows.items()},
+        parts={
+            name: _round_to_five_digits(-scale * float(np.mean(each)))
+            for name, each in rows.items()
+        },
         viscous=0.0,
-        evidence=FlowEvidence(
-            spread=_round_short(spread), window=float(len(total)),
+        evidence=FlowQuality(
+            spread=_round_to_five_digits(spread), window=float(len(total)),
             residual=_read_residual(place, step.name), cells=_count_cells(mesh), seconds=seconds,
         ),
     )  # fmt: skip
 
 
-def reduce_blow(
+def summarize_rotor_flow(
     model: TunnelModel, shares: Mapping[str, float], place: Path, mesh: Path, seconds: float,
     density: float,
 ) -> Blow:  # fmt: skip
-    """Return the net wrench of running rotors; arguments as for `reduce_wind`."""
+    """Return the net wrench of running rotors; arguments as for `summarize_steady_wind`."""
     zones = read_mesh(mesh)['zones']
     assert isinstance(zones, dict)
     flow_checks.check_zones(zones, shares)
@@ -289,17 +294,18 @@ def reduce_blow(
         force=_to_list(thrust + walls.mean(axis=0)),
         moment=_to_list(torque + turned.mean(axis=0)),
         zones={name: zones[name] for name in shares},
-        evidence=FlowEvidence(
-            spread=_round_short(spread), window=float(len(walls)), balance=_round_short(balance),
+        evidence=FlowQuality(
+            spread=_round_to_five_digits(spread), window=float(len(walls)),
+            balance=_round_to_five_digits(balance),
             residual=_read_residual(place, 'on'), cells=_count_cells(mesh), seconds=seconds,
         ),
         pressed={name: read_surface_pressure(place, name, density) for name in model.bodies},
     )  # fmt: skip
 
 
-def _round_short(number: float) -> float:
+def _round_to_five_digits(number: float) -> float:
     return float(f'{number:.5g}')
 
 
 def _to_list(vector: Array) -> list[float]:
-    return [_round_short(float(each)) for each in vector]
+    return [_round_to_five_digits(float(each)) for each in vector]

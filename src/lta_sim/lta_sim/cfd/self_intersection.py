@@ -13,7 +13,7 @@ CHUNK: Final = 2_000_000  # pairs at a time
 TOUCH: Final = 1e-9  # of an edge's length: touching is not crossing
 
 
-def find_crossing(triangles: Array) -> tuple[int, int] | None:
+def find_crossing_triangles(triangles: Array) -> tuple[int, int] | None:
     """
     Return the indices of two crossing triangles, or None.
 
@@ -24,7 +24,7 @@ def find_crossing(triangles: Array) -> tuple[int, int] | None:
         for first, second in ((one, other), (other, one)):
             for corner in range(3):
                 begin, end = triangles[first, corner], triangles[first, corner - 2]
-                hit = _find_pierced(begin, end, triangles[second])
+                hit = _find_pierced_triangles(begin, end, triangles[second])
                 if hit.any():
                     k = int(np.argmax(hit))
                     return int(first[k]), int(second[k])
@@ -58,7 +58,7 @@ def _iterate_near_pairs(triangles: Array) -> Iterator[tuple[Index, Index]]:
         begin = end
 
 
-def _find_pierced(begin: Array, end: Array, triangle: Array) -> NDArray[np.bool_]:
+def _find_pierced_triangles(begin: Array, end: Array, triangle: Array) -> NDArray[np.bool_]:
     """Return which segments pass through which triangles (Moeller and Trumbore 1997)."""
     way = end - begin
     side, other = triangle[:, 1] - triangle[:, 0], triangle[:, 2] - triangle[:, 0]

@@ -72,7 +72,7 @@ def revolve_profile(half: Array, radius: float, height: float) -> trimesh.Trimes
     return mesh
 
 
-def build_envelope(hull: HullBlock) -> trimesh.Trimesh:
+def build_hull_surface(hull: HullBlock) -> trimesh.Trimesh:
     """
     Return the surface of a hull about its centre, body axes. [m]
 

@@ -6,7 +6,7 @@ from typing import Final, final
 
 from lta_sim.cfd.flow_plan import TunnelFlow
 from lta_sim.cfd.openfoam.output_reader import read_slice
-from lta_sim.cfd.tunnel import symmetry_planes, TURNS
+from lta_sim.cfd.tunnel import has_symmetry_planes, TURNS
 from lta_sim.cfd.tunnel_model import TunnelModel
 import numpy as np
 from numpy.typing import NDArray
@@ -64,7 +64,7 @@ def read_flow_slice(model: TunnelModel, flow: TunnelFlow, place: Path) -> FlowSl
         # The flow was solved at 1 m/s
         speed = speed * flow.speeds[-1]
     points = rows[:, [across, 2]]
-    if flow.kind == 'wind' and symmetry_planes(model, flow.about)[1]:
+    if flow.kind == 'wind' and has_symmetry_planes(model, flow.about)[1]:
         # Mirror the solved half
         points = np.vstack((points, points * (1.0, -1.0)))
         speed = np.concatenate((speed, speed))
@@ -92,11 +92,11 @@ def _mask_bodies(
         origin = 0.0023 * model.length * normal
         cut = trimesh.intersections.mesh_plane(turned, normal, origin)  # type: ignore[no-untyped-call]
         if len(cut):
-            grid[_find_inside(cut[:, :, [across, 2]], sides)] = np.nan
+            grid[_find_enclosed_points(cut[:, :, [across, 2]], sides)] = np.nan
     return grid
 
 
-def _find_inside(lines: Array, sides: list[Array]) -> NDArray[np.bool_]:
+def _find_enclosed_points(lines: Array, sides: list[Array]) -> NDArray[np.bool_]:
     """Return which points of a grid are inside closed lines, by counting ray crossings."""
     x, y = np.meshgrid(*sides)
     odd = np.zeros(x.shape, dtype=bool)

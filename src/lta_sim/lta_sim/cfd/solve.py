@@ -8,13 +8,13 @@ from typing import Final
 from lta_config.errors import BadInput
 from lta_sim.cfd.analytic import damping_moment, drag_force
 from lta_sim.cfd.flow_plan import Air, TunnelFlow
-from lta_sim.cfd.flow_solvers import FlowSolver, split_result
+from lta_sim.cfd.flow_solvers import FlowSolver, split_failed_points
 from lta_sim.cfd.still_air import RATES
 from lta_sim.cfd.sweep_table import (
     AXES,
     Axis,
     Blow,
-    FlowEvidence,
+    FlowQuality,
     RotorPlacement,
     SweepPoint,
     TunnelSweep,
@@ -24,7 +24,7 @@ from lta_sim.cfd.tunnel_model import TunnelModel
 
 BYTES_A_CELL: Final = 4_000  # peak of snappyHexMesh, which needs more than the solvers
 BY_HAND: Final = 'by hand'
-HAND: Final = FlowEvidence(spread=0.0, window=0.0, cells=0, seconds=0.0)
+HAND: Final = FlowQuality(spread=0.0, window=0.0, cells=0, seconds=0.0)
 
 
 def check_memory(
@@ -64,7 +64,7 @@ def solve_sweep(
             if isinstance(result, Blow):
                 blows[flow.about] = result
                 continue
-            points, reasons = split_result(flow, result)
+            points, reasons = split_failed_points(flow, result)
             if flow.kind == 'coarse':
                 for point in points:  # one, or none
                     coarse[flow.about] = point

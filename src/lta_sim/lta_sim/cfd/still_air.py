@@ -12,18 +12,22 @@ from typing import Final
 
 from lta_sim.cfd.openfoam.case import FoamCase, ProgramStep
 from lta_sim.cfd.openfoam.dictionary import Entry, format_dictionary
-from lta_sim.cfd.openfoam.fields import format_still_fields, STEADY
+from lta_sim.cfd.openfoam.fields import format_still_air_fields, STEADY
 from lta_sim.cfd.openfoam.mesh import BASE, build_mesh_case, format_block_mesh, format_snappy_mesh
 from lta_sim.cfd.openfoam.numerics import (
     build_force_functions,
     build_momentum_functions,
     build_pressure_function,
     build_slice_function,
-    format_control,
-    format_solution,
-    format_steady_schemes,
+    format_control_dict,
+    format_fv_solution,
+    format_steady_fv_schemes,
 )
-from lta_sim.cfd.tunnel import empty_files, format_transport, format_turbulence
+from lta_sim.cfd.tunnel import (
+    empty_files,
+    format_transport_properties,
+    format_turbulence_properties,
+)
 from lta_sim.cfd.tunnel_model import HULL, RotorDisk, TunnelModel
 import numpy as np
 
@@ -43,7 +47,7 @@ def disk_refinement_level(model: TunnelModel, rotor: RotorDisk) -> int:
     return math.ceil(math.log2(BASE * model.length * CELLS_ACROSS / (2.0 * rotor.radius)) - 1e-9)
 
 
-def build_still_mesh(model: TunnelModel, most: int = 3_000_000) -> FoamCase:
+def build_still_air_mesh(model: TunnelModel, most: int = 3_000_000) -> FoamCase:
     """Return the mesh of the box, with cell zones for the rotors' disks and the rotating ball."""
     size = model.length
     regions: dict[str, tuple[Mapping[str, Entry], int]] = {}
@@ -109,7 +113,7 @@ def _zone_actions(name: str, source: Mapping[str, Entry]) -> list[Entry]:
     ]  # fmt: skip
 
 
-def _build_functions(model: TunnelModel, normal: tuple[int, int, int]) -> dict[str, Entry]:
+def _build_function_objects(model: TunnelModel, normal: tuple[int, int, int]) -> dict[str, Entry]:
     return {
         **build_force_functions({name: name for name in model.bodies} | {'outer': 'far'}),
         **build_momentum_functions(('far',)),
@@ -151,22 +155,22 @@ def build_blowing_case(
     along_y = abs(first.axis[1]) > abs(first.axis[0]) or (
         abs(first.axis[2]) > 0.7 and abs(first.place[1]) > abs(first.place[0])
     )
-    mesh = build_still_mesh(model)
+    mesh = build_still_air_mesh(model)
     files = {
-        **format_still_fields(STEADY, tuple(model.bodies)),
+        **format_still_air_fields(STEADY, tuple(model.bodies)),
         **empty_files(),
         'constant/fvOptions': format_dictionary('fvOptions', sources),
-        'constant/transportProperties': format_transport(viscosity),
-        'constant/turbulenceProperties': format_turbulence('kOmegaSST'),
-        'system/fvSchemes': format_steady_schemes(),
-        'system/fvSolution': format_solution(0.7, 0.6),
+        'constant/transportProperties': format_transport_properties(viscosity),
+        'constant/turbulenceProperties': format_turbulence_properties('kOmegaSST'),
+        'system/fvSchemes': format_steady_fv_schemes(),
+        'system/fvSolution': format_fv_solution(0.7, 0.6),
     }
     functions = {
-        **_build_functions(model, (1, 0, 0) if along_y else (0, 1, 0)),
+        **_build_function_objects(model, (1, 0, 0) if along_y else (0, 1, 0)),
         **build_pressure_function(model.bodies),
     }  # fmt: skip
     rounds = MEETING if len(shares) > 2 else ROUNDS
-    last = {'system/controlDict': format_control('simpleFoam', 0, rounds, functions)}
+    last = {'system/controlDict': format_control_dict('simpleFoam', 0, rounds, functions)}
     return FoamCase(
         pattern, files, [ProgramStep('on', ('simpleFoam',), last, rounds)], mesh, mesh.cells
     )
@@ -178,16 +182,16 @@ def build_spinning_case(model: TunnelModel, about: str, viscosity: float) -> Foa
 
     `about` is 'roll', 'pitch' or 'yaw'; the viscosity is kinematic. [m2/s]
     """
-    mesh = build_still_mesh(model)
+    mesh = build_still_air_mesh(model)
     steps, begin = [], 0
     for rate in RATES:
         end = begin + (NEXT if begin else ROUNDS)
         files = {
-            'system/controlDict': format_control(
-                'simpleFoam', begin, end, _build_functions(model, (0, 1, 0))
+            'system/controlDict': format_control_dict(
+                'simpleFoam', begin, end, _build_function_objects(model, (0, 1, 0))
             ),
             # Reynolds similarity: 1 rad/s at viscosity / rate equals `rate` at the real viscosity
-            'constant/transportProperties': format_transport(viscosity / rate),
+            'constant/transportProperties': format_transport_properties(viscosity / rate),
         }  # fmt: skip
         steps.append(ProgramStep(f'{rate:g}', ('simpleFoam',), files, end - begin, str(begin)))
         begin = end
@@ -196,11 +200,11 @@ def build_spinning_case(model: TunnelModel, about: str, viscosity: float) -> Foa
         'axis': list(AXES[about]), 'omega': 1,
     }  # fmt: skip
     files = {
-        **format_still_fields(STEADY, tuple(model.bodies)),
+        **format_still_air_fields(STEADY, tuple(model.bodies)),
         **empty_files(),
         'constant/MRFProperties': format_dictionary('MRFProperties', {'turning': turning}),
-        'constant/turbulenceProperties': format_turbulence('kOmegaSST'),
-        'system/fvSchemes': format_steady_schemes(),
-        'system/fvSolution': format_solution(0.7, 0.6),
+        'constant/turbulenceProperties': format_turbulence_properties('kOmegaSST'),
+        'system/fvSchemes': format_steady_fv_schemes(),
+        'system/fvSolution': format_fv_solution(0.7, 0.6),
     }
     return FoamCase(about, files, steps, mesh, mesh.cells)

@@ -5,7 +5,7 @@ from typing import Final
 
 from lta_config.errors import BadInput
 from lta_config.limits import STL_BYTES, STL_TRIANGLES
-from lta_sim.cfd.self_intersection import find_crossing
+from lta_sim.cfd.self_intersection import find_crossing_triangles
 import numpy as np
 import trimesh
 
@@ -72,7 +72,7 @@ def validate_closed(mesh: trimesh.Trimesh, name: str, unit: str) -> trimesh.Trim
             f'{name} has triangles with inward and others with outward normals; '
             'unify the normals and export it again.'
         )
-    if (pair := find_crossing(mesh.triangles)) is not None:
+    if (pair := find_crossing_triangles(mesh.triangles)) is not None:
         place = mesh.triangles[pair[0]].mean(axis=0)
         raise BadInput(
             f'{name} intersects itself near ({place[0]:.3g}, {place[1]:.3g}, {place[2]:.3g}) m; '

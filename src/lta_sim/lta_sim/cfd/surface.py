@@ -21,10 +21,10 @@ def read_surface_pressure(folder: Path, body: str, density: float) -> SurfacePre
         key=lambda place: float(place.parent.name),
     )
     rows = parse_table(places[-1].read_text(encoding='utf-8'))
-    return reduce_pressure(rows[:, :3], density * rows[:, 3])
+    return summarize_surface_pressure(rows[:, :3], density * rows[:, 3])
 
 
-def reduce_pressure(places: Array, pressure: Array) -> SurfacePressure:
+def summarize_surface_pressure(places: Array, pressure: Array) -> SurfacePressure:
     """
     Reduce the pressure on a body to its extremes and a map.
 
@@ -39,10 +39,10 @@ def reduce_pressure(places: Array, pressure: Array) -> SurfacePressure:
     low, high = int(pressure.argmin()), int(pressure.argmax())
     side = 2.0 * float(np.abs(places[:, :2]).max())
     return SurfacePressure(
-        least=_round_short(pressure[low]), most=_round_short(pressure[high]),
-        least_at=[_round_short(each) for each in places[low]],
-        most_at=[_round_short(each) for each in places[high]],
-        below=_lower_pressure_grid(places, pressure, side), side=_round_short(side),
+        least=_round_to_three_digits(pressure[low]), most=_round_to_three_digits(pressure[high]),
+        least_at=[_round_to_three_digits(each) for each in places[low]],
+        most_at=[_round_to_three_digits(each) for each in places[high]],
+        below=_lower_pressure_grid(places, pressure, side), side=_round_to_three_digits(side),
     )  # fmt: skip
 
 
@@ -59,8 +59,11 @@ def _lower_pressure_grid(places: Array, pressure: Array, side: float) -> list[li
     inside = outline.find_simplex(np.stack((x, y), axis=-1)) >= 0
     rows: list[list[float]] = np.where(inside, values, np.nan).tolist()
     # NaN is the only value unequal to itself; JSON has no NaN
-    return [[None if value != value else _round_short(value) for value in row] for row in rows]
+    return [
+        [None if value != value else _round_to_three_digits(value) for value in row]
+        for row in rows
+    ]
 
 
-def _round_short(number: float) -> float:
+def _round_to_three_digits(number: float) -> float:
     return float(f'{number:.3g}')

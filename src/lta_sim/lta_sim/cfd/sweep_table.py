@@ -18,7 +18,7 @@ Axis = Literal['surge', 'sway', 'heave', 'roll', 'pitch', 'yaw']
 AXES: tuple[Axis, ...] = ('surge', 'sway', 'heave', 'roll', 'pitch', 'yaw')
 
 
-class FlowEvidence(StrictModel):
+class FlowQuality(StrictModel):
     """
     Quality of a flow.
 
@@ -44,7 +44,7 @@ class SweepPoint(StrictModel):
     moment: Vector
     parts: Mapping[str, float]  # drag of each body [N or N m]
     viscous: float  # share of the drag that is friction [1]
-    evidence: FlowEvidence
+    evidence: FlowQuality
 
 
 class SurfacePressure(StrictModel):
@@ -75,7 +75,7 @@ class Blow(StrictModel):
     force: Vector
     moment: Vector
     zones: Mapping[str, int]
-    evidence: FlowEvidence
+    evidence: FlowQuality
     pressed: Mapping[str, SurfacePressure] = Field(default_factory=dict)
 
 
@@ -122,7 +122,7 @@ def read_sweep(path: Path) -> TunnelSweep:
         raise BadInput(f'{path}: {format_error(error)}') from None
 
 
-def drop_maps(sweep: TunnelSweep) -> TunnelSweep:
+def drop_pressure_maps(sweep: TunnelSweep) -> TunnelSweep:
     """Return a sweep without its pressure maps, which are most of its size."""
     blows = {
         name: blow.model_copy(

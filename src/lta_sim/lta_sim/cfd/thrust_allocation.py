@@ -21,7 +21,7 @@ SUPERPOSED: Final = 0.10  # of one rotor's thrust: below this the columns superp
 
 @final
 @dataclass(frozen=True, slots=True)
-class TunnelColumn:
+class AllocationColumn:
     """A wrench per newton about the hull centre [1, m], and its origin."""
 
     wrench: Array
@@ -46,13 +46,15 @@ def symmetrize_wrench(sweep: TunnelSweep, blow: Blow) -> Array:
     """
     wrench = np.array([*blow.force, *blow.moment])
     own = [
-        np.array(rows) for rows in sweep.symmetries if _is_symmetry_of(sweep, blow.shares, rows)
+        np.array(rows)
+        for rows in sweep.symmetries
+        if _is_pattern_symmetry(sweep, blow.shares, rows)
     ]
     mean: Array = np.mean([transform_wrench(wrench, each) for each in own or [np.eye(3)]], axis=0)
     return mean
 
 
-def _is_symmetry_of(
+def _is_pattern_symmetry(
     sweep: TunnelSweep, shares: Mapping[str, float], rows: Sequence[list[float]]
 ) -> bool:
     """Return whether a symmetry of the bodies maps each running rotor to an equal one."""
@@ -72,7 +74,7 @@ def _maps_onto(change: Array, one: RotorPlacement, other: RotorPlacement) -> boo
     return place and np.allclose(change @ one.axis, other.axis, atol=1e-6)
 
 
-def find_twins(sweep: TunnelSweep, name: str) -> list[tuple[str, Array]]:
+def find_symmetric_rotors(sweep: TunnelSweep, name: str) -> list[tuple[str, Array]]:
     """Return the rotors that a symmetry of the bodies maps to this one, with that symmetry."""
     one, twins = sweep.rotors[name], []
     for rows in sweep.symmetries:
@@ -90,7 +92,9 @@ def transform_wrench(wrench: Array, change: Array) -> Array:
     return np.concatenate((change @ wrench[:3], moment))
 
 
-def find_column(sweep: TunnelSweep, name: str, backward: bool = False) -> TunnelColumn | None:
+def find_rotor_column(
+    sweep: TunnelSweep, name: str, backward: bool = False
+) -> AllocationColumn | None:
     """
     Return the column of a rotor or of its symmetric twin; None if neither was solved.
 
@@ -98,17 +102,17 @@ def find_column(sweep: TunnelSweep, name: str, backward: bool = False) -> Tunnel
     """
     sign, word = (-1.0, REVERSED) if backward else (1.0, '')
     if (blow := sweep.blows.get(name + word)) is not None:
-        return TunnelColumn(
+        return AllocationColumn(
             sign * symmetrize_wrench(sweep, blow) / sweep.rotors[name].thrust, 'rotor on'
         )
-    for twin, change in find_twins(sweep, name):
+    for twin, change in find_symmetric_rotors(sweep, name):
         if (blow := sweep.blows.get(twin + word)) is not None:
             wrench = (
                 sign
                 * transform_wrench(symmetrize_wrench(sweep, blow), change)
                 / sweep.rotors[twin].thrust
             )
-            return TunnelColumn(wrench, f'as {twin}, by symmetry')
+            return AllocationColumn(wrench, f'as {twin}, by symmetry')
     return None
 
 
@@ -116,14 +120,14 @@ def sum_columns(sweep: TunnelSweep, shares: Mapping[str, float]) -> Array | None
     """Return the sum of a pattern's columns, or None if one is missing. [N, N m]"""
     total = np.zeros(6)
     for name, share in shares.items():
-        column = find_column(sweep, name, share < 0.0)
+        column = find_rotor_column(sweep, name, share < 0.0)
         if column is None:
             return None
         total += share * sweep.rotors[name].thrust * column.wrench
     return total
 
 
-def compute_coupling(sweep: TunnelSweep) -> JetCoupling | None:
+def compute_jet_coupling(sweep: TunnelSweep) -> JetCoupling | None:
     """Return the wrench of all rotors beyond their columns, unless negligible."""
     blow = sweep.blows.get(FULL)
     if blow is None or (sum_ := sum_columns(sweep, blow.shares)) is None:

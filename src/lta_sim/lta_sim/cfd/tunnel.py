@@ -22,12 +22,12 @@ from lta_sim.cfd.openfoam.numerics import (
     build_momentum_functions,
     build_slice_function,
     EDDY_VISCOSITY,
-    format_control,
-    format_solution,
-    format_steady_schemes,
+    format_control_dict,
+    format_fv_solution,
+    format_steady_fv_schemes,
     format_time_file,
-    format_transient_schemes,
-    format_transient_solution,
+    format_transient_fv_schemes,
+    format_transient_fv_solution,
 )
 from lta_sim.cfd.tunnel_model import HULL, TunnelModel
 import numpy as np
@@ -98,17 +98,17 @@ FAST: Final = MeshFineness(trail=3, shell=0.15, layers=8, expansion=1.4, cells=3
 MODELLED: Final = 1e5
 
 
-def has_eddy_model(model: TunnelModel, viscosity: float, speed: float) -> bool:
+def needs_eddy_model(model: TunnelModel, viscosity: float, speed: float) -> bool:
     """Return whether a transient needs a model of eddies; viscosity in m2/s, speed in m/s."""
     return speed * model.length / viscosity > MODELLED
 
 
-def choose_fineness(model: TunnelModel, viscosity: float, speed: float) -> MeshFineness:
+def choose_mesh_fineness(model: TunnelModel, viscosity: float, speed: float) -> MeshFineness:
     """Return the mesh fineness of a transient; viscosity in m2/s, speed in m/s."""
-    return FAST if has_eddy_model(model, viscosity, speed) else REFERENCE
+    return FAST if needs_eddy_model(model, viscosity, speed) else REFERENCE
 
 
-def symmetry_planes(model: TunnelModel, axis: str) -> tuple[bool, bool]:
+def has_symmetry_planes(model: TunnelModel, axis: str) -> tuple[bool, bool]:
     """Return whether the tunnel's planes y = 0 and z = 0 are planes of symmetry."""
     turn = TURNS[axis]
     planes = [bool(model.is_mirror_symmetric(int(np.argmax(np.abs(turn[k]))))) for k in (1, 2)]
@@ -178,14 +178,14 @@ def _refinement_box(low: Sequence[float], high: Sequence[float]) -> Mapping[str,
     return {'type': 'searchableBox', 'min': list(low), 'max': list(high)}
 
 
-def format_transport(viscosity: float) -> str:
+def format_transport_properties(viscosity: float) -> str:
     """Return transportProperties; kinematic viscosity in m2/s."""
     return format_dictionary(
         'transportProperties', {'transportModel': 'Newtonian', 'nu': viscosity}
     )
 
 
-def format_turbulence(model: str | None) -> str:
+def format_turbulence_properties(model: str | None) -> str:
     """Return turbulenceProperties of a RANS model, or of a laminar flow."""
     if model is None:
         return format_dictionary('turbulenceProperties', {'simulationType': 'laminar'})
@@ -213,7 +213,7 @@ def empty_files() -> dict[str, str]:
     }  # the solvers look for both
 
 
-def build_steady_wind(
+def build_steady_wind_case(
     model: TunnelModel,
     axis: str,
     viscosity: float,
@@ -225,7 +225,7 @@ def build_steady_wind(
 
     The viscosity is kinematic. [m2/s] Other parameters as for `build_tunnel_mesh`.
     """
-    planes = symmetry_planes(model, axis)
+    planes = has_symmetry_planes(model, axis)
     mesh = build_tunnel_mesh(model, axis, fine, planes)
     walls = tuple(model.bodies)
     halves = [f'symmetry{name}' for name, is_one in zip('YZ', planes, strict=True) if is_one]
@@ -240,22 +240,22 @@ def build_steady_wind(
     for speed in speeds:
         end = begin + (NEXT if begin else FIRST)
         files = {
-            'system/controlDict': format_control('simpleFoam', begin, end, functions),
-            'constant/transportProperties': format_transport(viscosity / speed),
+            'system/controlDict': format_control_dict('simpleFoam', begin, end, functions),
+            'constant/transportProperties': format_transport_properties(viscosity / speed),
         }
         steps.append(ProgramStep(f'{speed:g}', ('simpleFoam',), files, end - begin, str(begin)))
         begin = end
     files = {
         **format_tunnel_fields(TRANSITION, walls, halves),
         **empty_files(),
-        'constant/turbulenceProperties': format_turbulence('kOmegaSSTLM'),
-        'system/fvSchemes': format_steady_schemes(),
-        'system/fvSolution': format_solution(),
+        'constant/turbulenceProperties': format_turbulence_properties('kOmegaSSTLM'),
+        'system/fvSchemes': format_steady_fv_schemes(),
+        'system/fvSolution': format_fv_solution(),
     }
     return FoamCase(axis, files, steps, mesh, mesh.cells)
 
 
-def build_transient_wind(
+def build_transient_wind_case(
     model: TunnelModel,
     axis: str,
     viscosity: float,
@@ -266,44 +266,45 @@ def build_transient_wind(
     """
     Return the transient flow around a vehicle at one speed [m/s], in the whole tunnel.
 
-    `lengths` is the simulated flow in hull lengths. Other parameters as for `build_steady_wind`.
+    `lengths` is the simulated flow in hull lengths. Other parameters as for
+    `build_steady_wind_case`.
     """
     mesh = build_tunnel_mesh(model, axis, fine, (False, False))
     walls = tuple(model.bodies)
     functions = build_force_functions({name: name for name in walls})
     functions |= build_slice_function((0, 1, 0), model.length)
-    air = {'constant/transportProperties': format_transport(viscosity / speed)}
+    air = {'constant/transportProperties': format_transport_properties(viscosity / speed)}
     begin = SETTLING + round(BEGINNING * model.length, 4)
     end = SETTLING + lengths * model.length
-    modelled = has_eddy_model(model, viscosity, speed)
+    modelled = needs_eddy_model(model, viscosity, speed)
     # [s] At 1 m/s; twice as long for each coarser level of the hull
     longest = 0.03 * model.length * 2.0 ** (4 - fine.hull)
     eddies = {
         'constant/turbulenceProperties': (
-            format_detached_eddies() if modelled else format_turbulence(None)
+            format_detached_eddies() if modelled else format_turbulence_properties(None)
         ),
-        'system/fvSchemes': format_transient_schemes(),
-        'system/fvSolution': format_transient_solution(),
+        'system/fvSchemes': format_transient_fv_schemes(),
+        'system/fvSolution': format_transient_fv_solution(),
     }
     steps = [
         ProgramStep('settle', ('simpleFoam',), {
             **air,
-            'constant/turbulenceProperties': format_turbulence('SpalartAllmaras'),
-            'system/fvSchemes': format_steady_schemes(EDDY_VISCOSITY),
-            'system/fvSolution': format_solution(carried=EDDY_VISCOSITY),
-            'system/controlDict': format_control('simpleFoam', 0, SETTLING, {}),
+            'constant/turbulenceProperties': format_turbulence_properties('SpalartAllmaras'),
+            'system/fvSchemes': format_steady_fv_schemes(EDDY_VISCOSITY),
+            'system/fvSolution': format_fv_solution(carried=EDDY_VISCOSITY),
+            'system/controlDict': format_control_dict('simpleFoam', 0, SETTLING, {}),
         }, SETTLING),
         ProgramStep('begin', ('pimpleFoam',), {
             **eddies,
             # The steady solver counted iterations: reset the time step for the transient one
             f'{SETTLING}/uniform/time': format_time_file(SETTLING, 0.05 * longest),
-            'system/controlDict': format_control(
+            'system/controlDict': format_control_dict(
                 'pimpleFoam', SETTLING, begin, {}, longest, CAREFUL
             ),
         }, int(6.0 * (begin - SETTLING) / longest), str(SETTLING)),
         ProgramStep(f'{speed:g}', ('pimpleFoam',), {
             **eddies,
-            'system/controlDict': format_control(
+            'system/controlDict': format_control_dict(
                 'pimpleFoam', begin, end, functions, longest, BOLD
             ),
         }, int(1.5 * lengths * model.length / longest), f'{begin:.8g}'),

@@ -11,7 +11,7 @@ from lta_config.errors import BadInput
 from lta_config.schema.mount_file import MountFile
 from lta_config.schema.tunnel_file import load_tunnel_file, TunnelBody, TunnelFile, TunnelRotorDisk
 from lta_config.schema.vehicle_file import load_vehicle_file, VehicleFile
-from lta_sim.cfd.shape import build_envelope
+from lta_sim.cfd.shape import build_hull_surface
 from lta_sim.cfd.stl import read_stl
 import numpy as np
 from numpy.typing import NDArray
@@ -42,7 +42,7 @@ class RotorDisk:
     thickness: float
     thrust: float
 
-    def rim_points(self, count: int = 16) -> Array:
+    def disk_points(self, count: int = 16) -> Array:
         """Return points of the disk: centre and rim of both faces. [m]."""
         axis = np.array(self.axis)
         # Any vector across the axis; the least parallel base vector is numerically safe
@@ -136,9 +136,9 @@ def load_tunnel_model(name: str, mount: MountFile | None = None) -> TunnelModel:
     vehicle = load_vehicle_file(file.vehicle)
     bodies = {each: _load_surface(body, path.parent) for each, body in file.bodies.items()}
     if HULL not in bodies:
-        bodies = {HULL: build_envelope(vehicle.hull), **bodies}
+        bodies = {HULL: build_hull_surface(vehicle.hull), **bodies}
     for each, part in (mount.parts if mount else {}).items():
-        bodies[each] = build_box(part.position.vector, part.size.vector)
+        bodies[each] = build_box_surface(part.position.vector, part.size.vector)
     rotors = (
         {each: _build_rotor_disk(vehicle, each, file.disk) for each in vehicle.rotors}
         if file.disk
@@ -149,7 +149,7 @@ def load_tunnel_model(name: str, mount: MountFile | None = None) -> TunnelModel:
     return TunnelModel(label, bodies, rotors, file.patterns)
 
 
-def build_box(centre: tuple[float, ...], size: tuple[float, ...]) -> trimesh.Trimesh:
+def build_box_surface(centre: tuple[float, ...], size: tuple[float, ...]) -> trimesh.Trimesh:
     """Return a box. [m]."""
     mesh: trimesh.Trimesh = trimesh.creation.box(extents=size)
     mesh.apply_translation(centre)
@@ -161,7 +161,7 @@ def _load_surface(body: TunnelBody, folder: Path) -> trimesh.Trimesh:
         return read_stl(folder / body.stl, body.unit or 'm')
     assert body.position is not None  # or the file was refused
     assert body.size is not None
-    return build_box(body.position.vector, body.size.vector)
+    return build_box_surface(body.position.vector, body.size.vector)
 
 
 def _build_rotor_disk(vehicle: VehicleFile, name: str, disk: TunnelRotorDisk) -> RotorDisk:
@@ -194,7 +194,7 @@ def _check_patterns(
     for name, rotor in rotors.items():
         for other, mesh in bodies.items():
             low, high = mesh.bounds
-            near = rotor.rim_points()
+            near = rotor.disk_points()
             # Test only points in the bounding box: the winding number is slow
             near = near[np.all((near >= low) & (near <= high), axis=1)]
             if np.any(winding_number(mesh.triangles, near) > 0.5):

@@ -7,14 +7,14 @@ import math
 from typing import Final, final
 
 from lta_sim.cfd.flow_plan import Air, LENGTHS, MIDDLE, TunnelFlow
-from lta_sim.cfd.flow_solvers import FlowSolver, split_result
+from lta_sim.cfd.flow_solvers import FlowSolver, split_failed_points
 from lta_sim.cfd.shape import ellipse_profile, revolve_profile
 from lta_sim.cfd.sphere import morrison_drag_coefficient, relative_deviation
 from lta_sim.cfd.sweep_table import Blow, SweepPoint
 from lta_sim.cfd.tunnel import (
-    build_steady_wind,
-    build_transient_wind,
-    choose_fineness,
+    build_steady_wind_case,
+    build_transient_wind_case,
+    choose_mesh_fineness,
     COARSE,
     PREVIEW,
     ROUGH,
@@ -43,35 +43,35 @@ class SphereComparison:
     seconds: float
 
 
-def build_sphere() -> TunnelModel:
+def build_sphere_model() -> TunnelModel:
     """Return a sphere of 1 m diameter."""
     return TunnelModel('sphere', {HULL: revolve_profile(ellipse_profile(), 0.5, 1.0)}, {}, {})
 
 
-def plan_validation(model: TunnelModel, fidelity: str, air: Air) -> list[TunnelFlow]:
+def plan_validation_flows(model: TunnelModel, fidelity: str, air: Air) -> list[TunnelFlow]:
     """Return the flows of a validation: steady on two meshes, or transient."""
     viscosity = air[1]
     if fidelity == 'preview':
         return [
             TunnelFlow(
-                'wind', 'surge', build_steady_wind(model, 'surge', viscosity, PREVIEW), SPEEDS
+                'wind', 'surge', build_steady_wind_case(model, 'surge', viscosity, PREVIEW), SPEEDS
             ),
             TunnelFlow(
-                'wind', 'surge', build_steady_wind(model, 'surge', viscosity, COARSE), SPEEDS
+                'wind', 'surge', build_steady_wind_case(model, 'surge', viscosity, COARSE), SPEEDS
             ),
         ]
     wanted = [
-        (speed, choose_fineness(model, viscosity, speed), long) for speed, long in TRANSIENTS
+        (speed, choose_mesh_fineness(model, viscosity, speed), long) for speed, long in TRANSIENTS
     ]
     flows = []
     for speed, fine, lengths in (*wanted, (MIDDLE, ROUGH, LENGTHS)):
-        case = build_transient_wind(model, 'surge', viscosity, fine, speed, lengths)
+        case = build_transient_wind_case(model, 'surge', viscosity, fine, speed, lengths)
         named = replace(case, name=f'{case.name}, hull at level {fine.hull}')
         flows.append(TunnelFlow('transient', 'surge', named, (speed,)))
     return flows
 
 
-def compare_flows(
+def compare_with_measurements(
     solver: FlowSolver,
     model: TunnelModel,
     planned: Sequence[TunnelFlow],
@@ -83,16 +83,16 @@ def compare_flows(
     with closing(solver.solve_flows(model, planned, air[0])) as results:
         for flow, result in results:
             assert not isinstance(result, Blow)
-            points, reasons = split_result(flow, result)
+            points, reasons = split_failed_points(flow, result)
             for name, reason in reasons.items():
                 report(f'{name}: {reason}')
             for point in points:
                 setting = SETTINGS[flow.kind].format(point.evidence.cells)
-                comparisons.append(compare_point(setting, point, air))
+                comparisons.append(compare_sphere_drag(setting, point, air))
     return comparisons
 
 
-def compare_point(setting: str, point: SweepPoint, air: Air) -> SphereComparison:
+def compare_sphere_drag(setting: str, point: SweepPoint, air: Air) -> SphereComparison:
     """Compare a point of the sphere with measured drag."""
     density, viscosity = air
     # The diameter is 1 m

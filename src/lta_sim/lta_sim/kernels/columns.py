@@ -38,7 +38,7 @@ def _format_column(block: str, first: int, count: int, width: str) -> str:
     return format_tuple(f'{block}[{first + k} * {width} + i]' for k in range(count))
 
 
-def build_thread_parts(parts: list[ModelStage], layout: EffectLayout) -> dict[str, str]:
+def build_thread_sources(parts: list[ModelStage], layout: EffectLayout) -> dict[str, str]:
     """Return the source of all stages in sequence, and the arithmetic of states held as tuples."""
     size = range(layout.size)
     return {
@@ -73,7 +73,7 @@ class ColumnAccess:
         """Whether the rotors are handled in a loop; unrolled where a vehicle is a local tuple."""
         return bool(self.state)
 
-    def format_item(self, name: str, place: int, layout: EffectLayout, each: int = 0) -> str:
+    def format_number(self, name: str, place: int, layout: EffectLayout, each: int = 0) -> str:
         """Return the source of one number."""
         if name == 'state' and not self.state:
             return f'state[{place}]'
@@ -86,13 +86,15 @@ class ColumnAccess:
         index = f'({first + place}{format_offset(each)})' if each else f'{first + place}'
         return f'{block}[{index} * {self.width} + i]'
 
-    def format_whole(self, name: str, layout: EffectLayout) -> str:
+    def format_all_numbers(self, name: str, layout: EffectLayout) -> str:
         """Return the source of all numbers of a name."""
         if name == 'u':
-            return self._format_scratch('u') if self.state else 'u'
+            return self._format_variable('u') if self.state else 'u'
         return _format_column('fixed', _row_offset(name, layout), FIXED[name], self.width)
 
-    def build_parts(self, parts: list[ModelStage], layout: EffectLayout) -> dict[str, str]:
+    def build_template_parts(
+        self, parts: list[ModelStage], layout: EffectLayout
+    ) -> dict[str, str]:
         """Return the loading and storing of states in blocks, and the stages as loops."""
         if not self.state:
             return self._generate_thread_code(parts, layout)
@@ -109,7 +111,7 @@ class ColumnAccess:
         """Return the code of one thread, with loading and storing of its vehicle."""
         size = range(layout.size)
         return {
-            **build_thread_parts(parts, layout),
+            **build_thread_sources(parts, layout),
             'state': _format_column('block', 0, layout.size, self.width),
             'stores': indent_lines(
                 (f'block[{k} * {self.width} + i] = state[{k}]' for k in size), 3
@@ -124,7 +126,7 @@ class ColumnAccess:
     def _write_loops(self, parts: list[ModelStage]) -> Iterator[str]:
         """Write each stage as a function, so that each is vectorised separately."""
         for name, stage in self._select_stages(parts).items():
-            lines = [f'{known} = {self._format_scratch(known)}' for known in stage.reads]
+            lines = [f'{known} = {self._format_variable(known)}' for known in stage.reads]
             lines += [*stage.prelude, *stage.lines]
             for known in stage.writes:
                 lines += self._format_stores(known)
@@ -142,7 +144,7 @@ class ColumnAccess:
             guard = f'if on[{layout.flag_index(stage.effect)}]: ' if stage.effect else ''
             yield f'{guard}{name}(fixed, trial, rate, scratch)'
 
-    def _format_scratch(self, name: str) -> str:
+    def _format_variable(self, name: str) -> str:
         """Return the source of a variable of vehicle i."""
         return _format_column('scratch', self._variable_row(name), VARIABLES[name], self.width)
 

@@ -34,7 +34,7 @@ import math
 
 @final
 @dataclass(frozen=True, slots=True)
-class KernelForm:
+class KernelTarget:
     """
     Compilation target of the model.
 
@@ -47,7 +47,7 @@ class KernelForm:
     access : KernelAccess
         How the source accesses the numbers of a vehicle.
     entries : Template
-        Entry points of this target; `write_kernel_source` fills in the layout.
+        Entry points of this target; `render_kernel_source` fills in the layout.
 
     """
 
@@ -59,7 +59,7 @@ class KernelForm:
 
 
 # One vehicle, in its row.
-SCALAR = KernelForm('from numba import njit\n', INLINE, ENTRY, RowAccess(), Template(ENTRIES))
+SCALAR = KernelTarget('from numba import njit\n', INLINE, ENTRY, RowAccess(), Template(ENTRIES))
 
 
 def build_layout(effects: Mapping[str, Effect]) -> EffectLayout:
@@ -67,16 +67,18 @@ def build_layout(effects: Mapping[str, Effect]) -> EffectLayout:
     return EffectLayout({n: e for n, e in effects.items() if isinstance(e, KernelEffect)})
 
 
-def _build_parts(layout: EffectLayout, form: KernelForm, extract: SourceExtract) -> dict[str, str]:
+def _build_template_parts(
+    layout: EffectLayout, form: KernelTarget, extract: SourceExtract
+) -> dict[str, str]:
     """Return the template parts that depend on the layout."""
     # The glue calls these functions by name
     for function in rigid_body.TAKEN:
         extract.add_function(function, 'rigid_body')
     parts = build_stages(layout, form.access, extract)
-    return {'size': str(layout.size), **form.access.build_parts(parts, layout)}
+    return {'size': str(layout.size), **form.access.build_template_parts(parts, layout)}
 
 
-def write_kernel_source(effects: Mapping[str, Effect], form: KernelForm = SCALAR) -> str:
+def render_kernel_source(effects: Mapping[str, Effect], form: KernelTarget = SCALAR) -> str:
     """
     Return the kernel of these effects as the source of a module that needs only numba.
 
@@ -85,6 +87,10 @@ def write_kernel_source(effects: Mapping[str, Effect], form: KernelForm = SCALAR
     """
     extract = SourceExtract()
     layout = build_layout(effects)
-    texts = {'INLINE': form.inline, 'ENTRY': form.entry, **_build_parts(layout, form, extract)}
+    texts = {
+        'INLINE': form.inline,
+        'ENTRY': form.entry,
+        **_build_template_parts(layout, form, extract),
+    }
     glue = form.entries.substitute(texts)
-    return f'{HEAD}{form.imports}\n\n{extract.render(form.inline)}\n\n{glue}'
+    return f'{HEAD}{form.imports}\n\n{extract.render_pieces(form.inline)}\n\n{glue}'

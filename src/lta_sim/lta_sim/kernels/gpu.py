@@ -14,7 +14,7 @@ from lta_config.compilation.kernel_cache import load_kernel
 from lta_config.errors import BadInput
 from lta_model.effects import EFFECTS
 from lta_sim.kernels.columns import ColumnAccess
-from lta_sim.kernels.compose import KernelForm, write_kernel_source
+from lta_sim.kernels.compose import KernelTarget, render_kernel_source
 from lta_sim.kernels.kernel import LAYOUT
 from lta_sim.kernels.vehicle_batch import pack_columns, VehicleBatch
 import numpy as np
@@ -69,7 +69,7 @@ def advance_many(fixed, block, width, dt, steps):
 $stores
 '''
 
-FORM = KernelForm(
+FORM = KernelTarget(
     'from numba import cuda\n',
     '@cuda.jit(device=True)',
     '@cuda.jit',
@@ -108,7 +108,7 @@ def require_cuda() -> ModuleType:
 @cache
 def _load_kernel(names: tuple[str, ...]) -> ModuleType:
     """Load the kernel of the given effects only, because registers are scarce."""
-    return load_kernel(write_kernel_source({name: EFFECTS[name] for name in names}, FORM))
+    return load_kernel(render_kernel_source({name: EFFECTS[name] for name in names}, FORM))
 
 
 def advance_many(
@@ -136,7 +136,7 @@ def advance_many(
     fixed, state = pack_columns(states, vehicles, commands, surroundings)
     count = len(vehicles)
     names = tuple(name for name in LAYOUT.effects if vehicles.on[:, LAYOUT.flag_index(name)].any())
-    parameters, moving = LAYOUT.find_places(names)
+    parameters, moving = LAYOUT.find_effect_indices(names)
     # The reduced kernel has its own layout: pack only the rows of its effects
     constants = np.concatenate([fixed[parameters], fixed[LAYOUT.parameters :]])
     there = cuda.to_device(state[moving].ravel())

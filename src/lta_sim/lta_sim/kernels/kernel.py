@@ -33,7 +33,7 @@ class ModelSnapshot:
     wind: State
 
 
-def _fill_array(what: str, values: ArrayLike, room: State) -> None:
+def _copy_to_front(what: str, values: ArrayLike, room: State) -> None:
     """
     Copy numbers into the front of a zeroed array.
 
@@ -58,8 +58,8 @@ def _build_vehicle(
         raise ValueError(f'The state has shape {start.shape}; it must be ({LAYOUT.size},).')
     flown = SimulatedVehicle(model)
     flown.state[:] = start
-    _fill_array('command', command, flown.command)
-    _fill_array('surroundings', surroundings, flown.surroundings)
+    _copy_to_front('command', command, flown.command)
+    _copy_to_front('surroundings', surroundings, flown.surroundings)
     return flown
 
 

@@ -96,7 +96,7 @@ class EffectLayout:
         # An actuator effect has one memory per rotor
         return len(effect.memory) * (ACTUATORS if isinstance(effect, ActuatorEffect) else 1)
 
-    def find_places(self, names: Iterable[str]) -> tuple[list[int], list[int]]:
+    def find_effect_indices(self, names: Iterable[str]) -> tuple[list[int], list[int]]:
         """Return the indices of some effects in the parameters and in the state."""
         parameters: list[int] = []
         state = list(range(RIGID))
@@ -131,7 +131,7 @@ class KernelAccess(Protocol):
         """Whether the rotors are handled in a loop over j."""
         ...
 
-    def format_item(self, name: str, place: int, layout: EffectLayout, each: int = 0) -> str:
+    def format_number(self, name: str, place: int, layout: EffectLayout, each: int = 0) -> str:
         """
         Return the source of a number of `state`, `rate_source`, `parameters`, `u` or FIXED.
 
@@ -139,10 +139,12 @@ class KernelAccess(Protocol):
         """
         ...
 
-    def format_whole(self, name: str, layout: EffectLayout) -> str:
+    def format_all_numbers(self, name: str, layout: EffectLayout) -> str:
         """Return the source of all numbers of `u` or one of FIXED."""
         ...
 
-    def build_parts(self, parts: list[ModelStage], layout: EffectLayout) -> dict[str, str]:
+    def build_template_parts(
+        self, parts: list[ModelStage], layout: EffectLayout
+    ) -> dict[str, str]:
         """Return the template parts of this target, in addition to the common ones."""
         ...

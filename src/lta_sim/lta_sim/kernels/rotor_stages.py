@@ -15,11 +15,11 @@ def build_command_stage(layout: EffectLayout, access: KernelAccess) -> ModelStag
     """Return the first actuator stage: the commanded duties."""
     if access.loops:
         line = (
-            f'{access.format_item("u", 0, layout, 1)} = '
-            f'{access.format_item("command", 0, layout, 1)}'
+            f'{access.format_number("u", 0, layout, 1)} = '
+            f'{access.format_number("command", 0, layout, 1)}'
         )
         return ModelStage((line,), each=True)
-    duties = format_tuple(access.format_item('command', i, layout) for i in range(ACTUATORS))
+    duties = format_tuple(access.format_number('command', i, layout) for i in range(ACTUATORS))
     return ModelStage((f'u = {duties}',), (), ('u',))
 
 
@@ -32,9 +32,9 @@ def _format_rotor_inputs(
     first, shared = layout.first[name], len(effect.shared)
     each = [first + shared + k * ACTUATORS + rotor for k in range(len(effect.each))]
     memory = [layout.remembers[name] + rotor * size + k for k in range(size)]
-    p = [access.format_item('parameters', first + k, layout) for k in range(shared)]
-    p += [access.format_item('parameters', place, layout, j) for place in each]
-    m = [access.format_item('state', place, layout, j * size) for place in memory]
+    p = [access.format_number('parameters', first + k, layout) for k in range(shared)]
+    p += [access.format_number('parameters', place, layout, j) for place in each]
+    m = [access.format_number('state', place, layout, j * size) for place in memory]
     return [f'p = {format_tuple(p)}', f'm = {format_tuple(m)}']
 
 
@@ -48,15 +48,15 @@ def build_actuator_stage(
     """Return the stage of an actuator effect for all rotors."""
     output = extract.add_function(effect.output, name)
     rate = '' if effect.rate is no_rotor_rate else extract.add_function(effect.rate, name)
-    around = access.format_whole('surroundings', layout)
+    around = access.format_all_numbers('surroundings', layout)
     size, first = len(effect.memory), layout.remembers[name]
     if access.loops:
-        u = access.format_item('u', 0, layout, 1)
+        u = access.format_number('u', 0, layout, 1)
         lines = [*_format_rotor_inputs(name, effect, layout, access), f'duty = {u}']
         if rate:
             lines.append(f'R = {rate}(p, m, duty, {around})')
             lines += [
-                f'{access.format_item("rate", first + k, layout, size)} = R[{k}]'
+                f'{access.format_number("rate", first + k, layout, size)} = R[{k}]'
                 for k in range(size)
             ]
         lines.append(f'{u} = {output}(p, m, duty, {around})')

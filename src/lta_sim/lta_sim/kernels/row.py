@@ -76,7 +76,7 @@ def advance(row, on, dt, steps):
 '''
 
 
-def row_parts(layout: EffectLayout) -> dict[str, int]:
+def row_part_sizes(layout: EffectLayout) -> dict[str, int]:
     """
     Return the parts of a row in order, with their sizes.
 
@@ -98,10 +98,10 @@ def row_parts(layout: EffectLayout) -> dict[str, int]:
     }
 
 
-def row_places(layout: EffectLayout) -> dict[str, slice]:
+def row_slices(layout: EffectLayout) -> dict[str, slice]:
     """Return the slice of each part of a row."""
     out, first = {}, 0
-    for name, count in row_parts(layout).items():
+    for name, count in row_part_sizes(layout).items():
         out[name] = slice(first, first + count)
         first += count
     return out
@@ -113,20 +113,22 @@ class RowAccess:
 
     loops = True
 
-    def format_item(self, name: str, place: int, layout: EffectLayout, each: int = 0) -> str:
+    def format_number(self, name: str, place: int, layout: EffectLayout, each: int = 0) -> str:
         """Return the source of one number; `u` is stored in the place of the thrusts."""
-        first = row_places(layout)['thrusts' if name == 'u' else name].start
+        first = row_slices(layout)['thrusts' if name == 'u' else name].start
         return f'row[{first + place}{format_offset(each)}]'
 
-    def format_whole(self, name: str, layout: EffectLayout) -> str:
+    def format_all_numbers(self, name: str, layout: EffectLayout) -> str:
         """Return the source of all numbers of a name: a local variable, except for `u`."""
         if name != 'u':
             return name
-        return format_tuple(self.format_item('u', i, layout) for i in range(ACTUATORS))
+        return format_tuple(self.format_number('u', i, layout) for i in range(ACTUATORS))
 
-    def build_parts(self, stages: list[ModelStage], layout: EffectLayout) -> dict[str, str]:
+    def build_template_parts(
+        self, stages: list[ModelStage], layout: EffectLayout
+    ) -> dict[str, str]:
         """Return the source of all stages in sequence, and the offsets of the parts of a row."""
-        where = row_places(layout)
+        where = row_slices(layout)
         head = [
             f'{name} = '
             f'{format_tuple(f"row[{k}]" for k in range(where[name].start, where[name].stop))}'
@@ -144,7 +146,7 @@ class RowAccess:
 
     def _write_body(self, stages: list[ModelStage], layout: EffectLayout) -> Iterator[str]:
         """Write each stage behind the flag of its effect, then the reported values."""
-        where = row_places(layout)
+        where = row_slices(layout)
         # Wrenches are stored in the order of the stages, which is the registry order
         row = where['wrenches'].start
         for stage in stages:

@@ -26,15 +26,15 @@ class _StageWriter:
 
     def format_numbers(self, name: str, first: int, count: int) -> str:
         """Return the source of a tuple of consecutive numbers."""
-        items = (self._access.format_item(name, first + k, self._layout) for k in range(count))
+        items = (self._access.format_number(name, first + k, self._layout) for k in range(count))
         return format_tuple(items)
 
     def format_motion(self, user: str = '') -> str:
         """Return the source of the motion for wrench effects, or only what `user` reads of it."""
         body, command, around = (
-            self._access.format_whole(name, self._layout)
+            self._access.format_all_numbers(name, self._layout)
             # Omit the tuples that `user` does not read
-            if not user or self._extract.has_text(user, f'.{name}')
+            if not user or self._extract.has_text_in_pieces(user, f'.{name}')
             else '()'
             for name in ('body', 'command', 'surroundings')
         )
@@ -69,7 +69,7 @@ class _StageWriter:
         """Return the last stage: the rate of the rigid body."""
         q, w = self.format_numbers('state', 3, 4), self.format_numbers('state', 10, 3)
         motion = self.format_motion('rigid_body')
-        inverse = self._access.format_whole('inverse', self._layout)
+        inverse = self._access.format_all_numbers('inverse', self._layout)
         lines = (
             'f = ground',
             f'g = rigid_body_quaternion_rate({q}, {w})',
@@ -96,7 +96,7 @@ class _StageWriter:
     def build_air_stage(self, name: str, effect: AirEffect) -> ModelStage:
         """Return the stage of an air effect."""
         around, position = (
-            self._access.format_whole('surroundings', self._layout),
+            self._access.format_all_numbers('surroundings', self._layout),
             self.format_numbers('state', 0, 3),
         )
         lines = [
@@ -162,7 +162,7 @@ def build_stages(
             for name, effect in kinds
             if isinstance(effect, ActuatorEffect)
         ),
-        ModelStage((f'u = {access.format_whole("u", layout)}', writer.format_motion())),
+        ModelStage((f'u = {access.format_all_numbers("u", layout)}', writer.format_motion())),
         *(writer.build_wrench_stage(name, e) for name, e in kinds if isinstance(e, WrenchEffect)),
         writer.build_acceleration_stage(),
     ]

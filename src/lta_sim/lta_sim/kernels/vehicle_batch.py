@@ -70,7 +70,9 @@ class VehicleBatch:
         )
 
 
-def _to_rows(what: str, values: ArrayLike, vehicles: int, count: int, *, fill: bool) -> Numbers:
+def _to_padded_array(
+    what: str, values: ArrayLike, vehicles: int, count: int, *, fill: bool
+) -> Numbers:
     """Return a float64 array of the given shape, padded with zeros where allowed."""
     array = np.asarray(values, dtype=np.float64)
     fits = array.ndim == 2 and array.shape[0] == vehicles
@@ -102,11 +104,11 @@ def pack_columns(
     """
     count = len(vehicles)
     fixed = (
-        _to_rows('parameters', vehicles.parameters, count, LAYOUT.parameters, fill=False),
-        _to_rows('bodies', vehicles.body, count, FIXED['body'], fill=False),
-        _to_rows('inverses', vehicles.inverse, count, FIXED['inverse'], fill=False),
-        _to_rows('commands', commands, count, COMMAND, fill=True),
-        _to_rows('surroundings', surroundings, count, SURROUNDINGS, fill=True),
+        _to_padded_array('parameters', vehicles.parameters, count, LAYOUT.parameters, fill=False),
+        _to_padded_array('bodies', vehicles.body, count, FIXED['body'], fill=False),
+        _to_padded_array('inverses', vehicles.inverse, count, FIXED['inverse'], fill=False),
+        _to_padded_array('commands', commands, count, COMMAND, fill=True),
+        _to_padded_array('surroundings', surroundings, count, SURROUNDINGS, fill=True),
     )
-    state = _to_rows('states', states, count, LAYOUT.size, fill=False)
+    state = _to_padded_array('states', states, count, LAYOUT.size, fill=False)
     return np.concatenate([part.T for part in fixed]), np.ascontiguousarray(state.T)

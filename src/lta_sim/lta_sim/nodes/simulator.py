@@ -61,7 +61,7 @@ class Simulator(GraphNode):
         self._outputs = {name: self.create_output(name) for name in names}
         inputs = self.table.read_by('vehicle')
         self.subscribe_inputs(inputs, trigger='motors', on_step=self._on_motors)
-        self._peers = PeerListener(self, self._settings.peers.split(), self._on_peers)
+        self._peers = PeerListener(self, self._settings.peers.split(), self._on_peer_update)
         self._duties = [0.0] * len(vehicle.rotor_names)
         self._lowest = [-1.0 if reversible else 0.0 for reversible in vehicle.reversible]
         self._refused = False
@@ -120,29 +120,33 @@ class Simulator(GraphNode):
         ):  # a future stamp would stay fresh for too long
             self._commanded_ns = stamp_ns
         if self.lockstep:
-            self._fly_step()
+            self._fly_control_step()
 
-    def _on_peers(self) -> None:
+    def _on_peer_update(self) -> None:
         """Continue when the other simulators are ready, or exit with them."""
         if self._finished is None:
             if self.lockstep and self._peers.is_waiting:
-                self._fly_step()
+                self._fly_control_step()
         elif self._peers.has_active_peers:
             self._publish_clock(self._peers.common_time(self._world.stamp_ns))
         else:
             self.running = False
 
-    def list_wakeups(self) -> Iterable[Subscription]:
+    def list_wakeup_subscriptions(self) -> Iterable[Subscription]:
         """Return the topics that wake this node while it waits for the other simulators."""
         if self._peers.is_waiting or self._finished is not None:
             return self._peers.subscriptions
-        return super().list_wakeups()
+        return super().list_wakeup_subscriptions()
 
-    def list_missing(self) -> list[str]:
+    def list_missing_inputs(self) -> list[str]:
         """Return the inputs that this node is waiting for; none after its flight has ended."""
         if self._finished is not None:
             return []
-        return self._peers.list_missing() if self._peers.is_waiting else super().list_missing()
+        return (
+            self._peers.list_missing_pulses()
+            if self._peers.is_waiting
+            else super().list_missing_inputs()
+        )
 
     def _accept_command(self, names: list[str], duties: list[float]) -> None:
         """Accept a command, or stop the motors on an invalid one."""
@@ -178,7 +182,7 @@ class Simulator(GraphNode):
             # Without fresh commands the motors stop, as on the real vehicle
             if self._world.stamp_ns - self._commanded_ns > STALE_NS:
                 self._duties = [0.0] * len(self._duties)
-            if not self._fly_step():
+            if not self._fly_control_step():
                 # Do not catch up after waiting for slower simulators: all would fly in bursts.
                 self._skip_delay(time.monotonic() - self._world.steps * period - self._anchor)
                 return
@@ -198,14 +202,14 @@ class Simulator(GraphNode):
                 lost_s=f'{self._lost:.2f}',
             )
 
-    def _fly_step(self) -> bool:
+    def _fly_control_step(self) -> bool:
         """Fly a control step; return False where none is due yet or the flight has ended."""
         if self._finished is not None:
             return False
-        if self._is_over():
+        if self._is_flight_over():
             self._finished, self.farewell = time.monotonic(), WHOLE
             self._monitor_inputs()  # the others may be waiting for this
-            self._on_peers()
+            self._on_peer_update()
             return False
         if not self._peers.may_advance(self._world.stamp_ns + self.table.control_ns):
             return False
@@ -229,7 +233,7 @@ class Simulator(GraphNode):
                 'until light has charged it',
             )
 
-    def _is_over(self) -> bool:
+    def _is_flight_over(self) -> bool:
         """Return whether to stop: one control step after a light block, when all have answered."""
         over = self._world.outcome is not FlightOutcome.FLYING
         return over and self.table.is_settled(self._world.stamp_ns)
@@ -255,15 +259,19 @@ class Simulator(GraphNode):
         stamp = to_stamp(readings.stamp_ns)
         out = self._outputs
         for taken_ns, distance in readings.ranges:
-            message = messages.build_range(
+            message = messages.build_range_message(
                 to_stamp(taken_ns), distance, self._world.range_settings
             )
             out['range'].publish(message)
         if readings.pressure is not None:
             noise = self._world.pressure_settings.noise
-            out['pressure'].publish(messages.build_pressure(stamp, readings.pressure, noise))
+            out['pressure'].publish(
+                messages.build_pressure_message(stamp, readings.pressure, noise)
+            )
         noises = self._world.imu_errors.noise
-        out['imu'].publish(messages.build_imu(stamp, readings.force, readings.rates, noises))
+        out['imu'].publish(
+            messages.build_imu_message(stamp, readings.force, readings.rates, noises)
+        )
 
     def _publish_rest(self, readings: VehicleReadings) -> None:
         """Publish light, energy and truth."""
@@ -273,11 +281,13 @@ class Simulator(GraphNode):
             out['ground_truth/odom'].publish(messages.build_odometry(stamp, readings.truth))
         if readings.block is not None:
             begun_ns, block = readings.block
-            out['photodiodes'].publish(messages.build_light_block(to_stamp(begun_ns), block))
+            out['photodiodes'].publish(
+                messages.build_light_block_message(to_stamp(begun_ns), block)
+            )
         if readings.illuminance is None or readings.battery is None or readings.panel is None:
             return
-        out['wind'].publish(messages.build_wind(stamp, self._world.wind))
-        out['illuminance'].publish(messages.build_illuminance(stamp, readings.illuminance))
+        out['wind'].publish(messages.build_wind_message(stamp, self._world.wind))
+        out['illuminance'].publish(messages.build_illuminance_message(stamp, readings.illuminance))
         out['panel'].publish(messages.build_battery_state(stamp, *readings.panel, 'panel'))
         out['battery'].publish(messages.build_battery_state(stamp, *readings.battery, 'battery'))
 

@@ -61,7 +61,7 @@ def draw_errors(settings: PowerMeterSettings, rng: Generator) -> PowerMeterError
     )
 
 
-def measure_power(
+def measure_voltage_and_current(
     settings: PowerMeterSettings,
     errors: PowerMeterErrors,
     voltage: float,

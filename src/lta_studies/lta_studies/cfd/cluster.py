@@ -15,10 +15,21 @@ from typing import Any, Final, final, Self
 from lta_config.errors import BadInput
 from lta_report.cluster import connect_cluster
 from lta_sim.cfd.flow_plan import TunnelFlow
-from lta_sim.cfd.flow_solvers import flow_mesh, Found, list_meshes, solve_flow, solve_mesh
+from lta_sim.cfd.flow_solvers import (
+    flow_mesh_case,
+    Found,
+    list_distinct_meshes,
+    solve_flow,
+    solve_mesh,
+)
 from lta_sim.cfd.openfoam.case import FoamCase
 from lta_sim.cfd.openfoam.case_runner import cache_folder, CaseRunner, Progress
-from lta_sim.cfd.openfoam.engine import CaseFailed, find_version, FoamPrograms, has_openfoam
+from lta_sim.cfd.openfoam.engine import (
+    CaseFailed,
+    find_openfoam_version,
+    FoamPrograms,
+    has_openfoam,
+)
 from lta_sim.cfd.solve import check_memory
 from lta_sim.cfd.tunnel_model import TunnelModel
 
@@ -26,7 +37,7 @@ REMEDY: Final = 'give its workers fewer threads or more memory, or take a coarse
 
 
 @final
-class FlowCluster:
+class DaskFlowSolver:
     """
     Workers of a Dask cluster; each thread solves one flow.
 
@@ -50,7 +61,7 @@ class FlowCluster:
     def __init__(self, address: str, folder: Path | None, tell: Progress) -> None:
         _, self._client = connect_cluster(address)
         self._folder, self._tell = folder, tell
-        self._engines: dict[str, str] = self._client.run(find_worker_engine)
+        self._engines: dict[str, str] = self._client.run(find_worker_openfoam_version)
         if lacking := [worker for worker, engine in self._engines.items() if not engine]:
             self._client.close()
             raise BadInput(
@@ -73,7 +84,7 @@ class FlowCluster:
         with suppress(OSError):
             self._client.close()
 
-    def engine_name(self) -> str:
+    def solver_version(self) -> str:
         """Return the OpenFOAM versions of the workers."""
         return ', '.join(sorted(set(self._engines.values())))
 
@@ -88,14 +99,15 @@ class FlowCluster:
     ) -> Generator[tuple[TunnelFlow, Found | CaseFailed]]:
         """Yield each flow with its result or failure; parameters as in `solve_flow`."""
         meshes = {
-            mesh.key: self._submit(mesh, build_mesh_on_worker, mesh) for mesh in list_meshes(flows)
+            mesh.key: self._submit(mesh, build_mesh_on_worker, mesh)
+            for mesh in list_distinct_meshes(flows)
         }
         # Send the model once rather than with every task.
         there = self._client.scatter(model, hash=False)
         coming = [
             (flow, self._submit(flow.case, solve_flow_on_worker, there, flow, density,
                                # The future of the mesh makes Dask wait for it.
-                               meshes[flow_mesh(flow).key]))
+                               meshes[flow_mesh_case(flow).key]))
             for flow in flows
         ]  # fmt: skip
         for flow, future in coming:
@@ -121,9 +133,9 @@ class FlowCluster:
         return future
 
 
-def find_worker_engine() -> str:
+def find_worker_openfoam_version() -> str:
     """Return the OpenFOAM version of this machine, or ''."""
-    return find_version() if has_openfoam() else ''
+    return find_openfoam_version() if has_openfoam() else ''
 
 
 def build_mesh_on_worker(folder: Path | None, mesh: FoamCase) -> None:

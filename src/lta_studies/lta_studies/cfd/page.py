@@ -7,13 +7,13 @@ from typing import Final
 
 from lta_bridge.provenance import read_commit
 from lta_report.formatting import Tile
+from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import render_section, render_tile
 from lta_sim.cfd.aero_fit import (
     ABOUT,
     ALONG,
     collect_warnings,
-    fit_axes,
+    fit_drag_by_axis,
     select_solved_points,
     sum_processor_time,
 )
@@ -71,7 +71,7 @@ def render_page(
     notes = ''.join(f'<p class="note">{escape(each)}</p>' for each in [*warned, *METHOD])
     return assemble_page(
         'energy.html',
-        title=escape(format_title(sweep)),
+        title=escape(format_headline(sweep)),
         kicker=escape(f'cfd run · {sweep.name}'),
         about=INTRODUCTION,
         tiles='\n'.join(render_tile(*each) for each in build_tiles(sweep)),
@@ -96,9 +96,9 @@ def format_slice_heading(plane: FlowSlice) -> str:
     return f'{plane.about.replace("_", " ").capitalize()}: the air in the middle plane'
 
 
-def format_title(sweep: TunnelSweep) -> str:
+def format_headline(sweep: TunnelSweep) -> str:
     """Return the headline."""
-    fits = fit_axes(sweep)
+    fits = fit_drag_by_axis(sweep)
     return (
         f'{sweep.name} has a drag of {fits["surge"].drag_at(1.0):.3f} N edge-on and '
         f'{fits["heave"].drag_at(1.0):.3f} N broadside at 1 m/s ({sweep.fidelity}).'
@@ -107,7 +107,7 @@ def format_title(sweep: TunnelSweep) -> str:
 
 def build_tiles(sweep: TunnelSweep) -> list[Tile]:
     """Return tiles with the drag of each axis at 1 m/s or 1 rad/s, and the lift of all rotors."""
-    fits = fit_axes(sweep)
+    fits = fit_drag_by_axis(sweep)
     made = [
         Tile(axis, f'{1e3 * fits[axis].drag_at(1.0):.0f}', 'mN', f'at 1 m/s, '
         f'{_describe_source(sweep, axis)}')

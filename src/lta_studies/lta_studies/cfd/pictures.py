@@ -6,7 +6,7 @@ from typing import Final
 
 from lta_report.drawing import create_figure
 from lta_report.palette import ESTIMATE, GOOD, HEAT, LAMP, RAW, SETPOINT, TRUTH, WALL
-from lta_sim.cfd.aero_fit import ABOUT, drag_values, fit_axes, select_solved_points
+from lta_sim.cfd.aero_fit import ABOUT, fit_drag_by_axis, opposing_drag, select_solved_points
 from lta_sim.cfd.slices import FlowSlice
 from lta_sim.cfd.sphere import morrison_drag_coefficient, SCATTER, SCATTER_RANGE
 from lta_sim.cfd.sweep_table import AXES, TunnelSweep
@@ -22,20 +22,20 @@ def draw_drag(sweep: TunnelSweep, turning: bool) -> Figure:
     """Plot drag along, or moment about, three axes: points, fit and estimate by hand."""
     figure = create_figure()
     axes = [axis for axis in AXES if (axis in ABOUT) == turning]
-    fits = fit_axes(sweep)
+    fits = fit_drag_by_axis(sweep)
     for colour, axis in zip(COLOURS, axes, strict=True):
         hand = sweep.by_hand[axis]
         speeds = np.geomspace(hand[0].speed, hand[-1].speed, 60)
         figure.add_trace(
             Scatter(
-                x=[p.speed for p in hand], y=drag_values(axis, hand), name=f'{axis}, by hand',
+                x=[p.speed for p in hand], y=opposing_drag(axis, hand), name=f'{axis}, by hand',
                 mode='lines', line={'color': colour, 'width': 1, 'dash': 'dot'}, showlegend=False,
             )
         )  # fmt: skip
         points = select_solved_points(sweep, axis)
         if not points:
             continue
-        values = drag_values(axis, points)
+        values = opposing_drag(axis, points)
         figure.add_trace(
             Scatter(
                 x=speeds, y=[fits[axis].drag_at(float(u)) for u in speeds], name=f'{axis}, fit',
@@ -102,7 +102,7 @@ def draw_sphere_drag(results: Sequence[SphereComparison]) -> Figure:
             name='Morrison 2013', mode='lines', line={'color': RAW, 'width': 2}, showlegend=True,
         )
     )  # fmt: skip
-    for colour, setting in zip(cycle(SETTINGS), _list_settings(results), strict=False):
+    for colour, setting in zip(cycle(SETTINGS), _unique_settings(results), strict=False):
         those = [each for each in results if each.setting == setting]
         figure.add_trace(
             Scatter(
@@ -119,5 +119,5 @@ def draw_sphere_drag(results: Sequence[SphereComparison]) -> Figure:
     return figure
 
 
-def _list_settings(results: Sequence[SphereComparison]) -> list[str]:
+def _unique_settings(results: Sequence[SphereComparison]) -> list[str]:
     return list(dict.fromkeys(each.setting for each in results))

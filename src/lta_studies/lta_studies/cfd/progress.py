@@ -46,7 +46,9 @@ class TunnelProgress(ProgressBar):
         self._cases = [case for case in self._cases if not stages.is_done(case)]
         self.update_bar(total=sum(case.work for case in self._cases) or 1.0)
 
-    def update(self, case: FoamCase, step: ProgramStep, share: float, residual: float) -> None:
+    def update_case_progress(
+        self, case: FoamCase, step: ProgramStep, share: float, residual: float
+    ) -> None:
         """Update the progress of a case."""
         # Programs without iterations count as 20 rounds, so that they advance the bar too.
         rounds = [max(each.rounds, 20) for each in case.steps]

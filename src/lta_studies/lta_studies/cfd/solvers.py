@@ -12,7 +12,7 @@ from lta_sim.cfd.flow_solvers import FlowSolver, ThreadedFlowSolver
 from lta_sim.cfd.openfoam.case_runner import cache_folder, CaseRunner
 from lta_sim.cfd.openfoam.engine import FoamPrograms, require_openfoam
 from lta_sim.cfd.solve import check_memory, machine_memory
-from lta_studies.cfd.cluster import FlowCluster
+from lta_studies.cfd.cluster import DaskFlowSolver
 from lta_studies.cfd.progress import TunnelProgress
 import typer
 
@@ -34,7 +34,7 @@ Scheduler = Annotated[
 ]
 
 
-def check_solver(jobs: int | None, scheduler: str | None) -> None:
+def check_solver_options(jobs: int | None, scheduler: str | None) -> None:
     """Raise `BadInput` for options that cannot solve a flow."""
     if scheduler is None:
         require_openfoam()
@@ -69,15 +69,17 @@ def open_solver(
     """
     if scheduler is not None:
         # The workers have other working directories, so the path must be absolute.
-        with FlowCluster(scheduler, cache and cache.absolute(), bar.update) as cluster:
+        with DaskFlowSolver(
+            scheduler, cache and cache.absolute(), bar.update_case_progress
+        ) as cluster:
             cluster.check_memory(flows)
             yield cluster
         return
     folder, side_by_side = resolve_cache_folder(cache), jobs or len(os.sched_getaffinity(0))
     # The limit is an option in GB; memory is counted in bytes.
     check_memory(flows, side_by_side, 1e9 * limit if limit else machine_memory())
-    bar.skip_solved(CaseRunner(folder, FoamPrograms(), bar.update))
-    yield ThreadedFlowSolver(folder, side_by_side, bar.update)
+    bar.skip_solved(CaseRunner(folder, FoamPrograms(), bar.update_case_progress))
+    yield ThreadedFlowSolver(folder, side_by_side, bar.update_case_progress)
 
 
 def resolve_cache_folder(cache: Path | None) -> Path:

@@ -7,9 +7,9 @@ from typing import Final
 
 from lta_bridge.provenance import read_commit
 from lta_report.formatting import Tile
+from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import render_section, render_tile
-from lta_sim.cfd.openfoam.engine import find_version
+from lta_sim.cfd.openfoam.engine import find_openfoam_version
 from lta_sim.cfd.tunnel import MODELLED
 from lta_sim.cfd.validation import SphereComparison
 from lta_studies.cfd.pictures import draw_sphere_drag
@@ -41,7 +41,7 @@ def render_page(results: Sequence[SphereComparison], commands: Mapping[str, str]
     """Return the HTML of the page."""
     return assemble_page(
         'energy.html',
-        title=escape(format_title(results)),
+        title=escape(format_headline(results)),
         kicker='cfd validate · sphere',
         about='A sphere of 1 m in the wind tunnel, compared with measurements of real ones.',
         tiles='\n'.join(render_tile(*each) for each in build_tiles(results)),
@@ -49,12 +49,12 @@ def render_page(results: Sequence[SphereComparison], commands: Mapping[str, str]
         pictures='',
         tables=render_text_table(build_sphere_table(list(results))),
         method=''.join(f'<p class="note">{escape(each)}</p>' for each in METHOD),
-        facts={'engine': find_version(), 'commit': read_commit()},
+        facts={'engine': find_openfoam_version(), 'commit': read_commit()},
         commands=commands,
     )
 
 
-def format_title(results: Sequence[SphereComparison]) -> str:
+def format_headline(results: Sequence[SphereComparison]) -> str:
     """Return the headline."""
     parts = []
     for setting in dict.fromkeys(each.setting for each in results):

@@ -3,10 +3,10 @@
 import math
 
 from lta_sim.cfd.aero_fit import (
-    fit_axes,
+    fit_drag_by_axis,
     hull_share,
     mesh_share,
-    middle_point,
+    middle_speed_point,
     ratio_to_estimate,
     select_fit_points,
     select_solved_points,
@@ -20,9 +20,9 @@ from lta_studies.energy.tables import TextTable
 def build_drag_table(sweep: TunnelSweep) -> TextTable:
     """Return the table of linear and quadratic drag of each axis, with quality measures."""
     rows = []
-    for axis, fit in fit_axes(sweep).items():
+    for axis, fit in fit_drag_by_axis(sweep).items():
         points = select_fit_points(sweep, axis)
-        middle = middle_point(sweep, axis)
+        middle = middle_speed_point(sweep, axis)
         rows.append([
             axis, f'{fit.linear:.2g}', f'{fit.quadratic:.3g}', f'{100 * fit.error:.1f}',
             '' if math.isnan(fit.exponent) else f'{fit.exponent:.2f}',

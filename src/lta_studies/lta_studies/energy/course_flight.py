@@ -10,7 +10,7 @@ from lta_control.attitude import up_in_body
 from lta_control.cascade import Setpoint
 from lta_control.laws.frames import to_world
 from lta_flight.closed_loop import ClosedLoop
-from lta_flight.flight_spec import build_parts, FlightSpec
+from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec
 from lta_model.electrical.loads import rotor_power
 from lta_sim.world import World
 import numpy as np
@@ -58,9 +58,9 @@ class FlightTrack:
         return FlightTrack(*(getattr(self, name)[keep] for name in self.__slots__))
 
 
-def build_loop(spec: FlightSpec, course: Course | None, seed: int) -> ClosedLoop:
+def build_closed_loop(spec: FlightSpec, course: Course | None, seed: int) -> ClosedLoop:
     """Return the closed loop along a course, or with its own strategy if that is None."""
-    vehicle, scenario, policy = build_parts(spec)
+    vehicle, scenario, policy = build_vehicle_scenario_stack(spec)
     table = load_topic_table()
     # The light board draws power only while a strategy uses it.
     looking = spec.strategy if course is None else ''
@@ -82,9 +82,9 @@ def fly_until(loop: ClosedLoop, until: Callable[[ClosedLoop], bool]) -> FlightTr
         )
         rows.append(
             (world.elapsed, state[2], math.hypot(u, v), pitch_angle(quaternion), power,
-             world.supply.cell_electrics[0], world.charge)
+             world.supply.cell_voltage_and_current[0], world.charge)
         )  # fmt: skip
-        loop.apply_command()
+        loop.simulate_control_period()
     # The copy makes each column contiguous.
     return FlightTrack(*np.array(rows).T.copy())
 

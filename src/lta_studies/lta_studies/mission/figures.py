@@ -71,7 +71,7 @@ class MissionFigures:
         return sum(self.failures.values())
 
 
-def compute_figures(diary: MissionLog, beacons: int) -> MissionFigures:
+def summarize_mission(diary: MissionLog, beacons: int) -> MissionFigures:
     """Summarize a mission log; `beacons` is the number of beacons in a round."""
     flights, flow = diary.flights, diary.spent
     flown = sum(each.duration for each in flights)

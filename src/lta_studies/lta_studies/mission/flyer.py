@@ -89,19 +89,19 @@ class MissionFlyer:
     ) -> None:
         self._mission, self._scenes, self._light, self._seed = mission, scenes, light, seed
         self._leg = LegPlan(GO, 1.0, mission.reserve.si, 0.0, gain, offset)
-        made = scenes.build_flight(mission.perch, light.at(0.0), 1.0)
+        made = scenes.build_beacon_flight(mission.perch, light.at(0.0), 1.0)
         self._pilot = LegPilot(made, self._leg)
         self._speed = scenes.policy.mission.speed
 
     def compile_kernel(self) -> None:
         """Compile the flight kernel; takes up to a minute if it is not cached on disk."""
-        made = self._scenes.build_flight(self._mission.perch, self._light.at(0.0), 1.0)
+        made = self._scenes.build_beacon_flight(self._mission.perch, self._light.at(0.0), 1.0)
         # A leg that is over at once: the call compiles, but does not fly.
         ground = self._pilot.ground_state((0.0, 0.0, 0.0), 0.0, resting_flow(1.0), 1.0, 0)
         over = ground._replace(outcome=DONE)
         self._pilot.fly_leg(self._pilot.pack_constants(made), self._leg, over, 0)
 
-    def fly_mission(self, departure: Departure) -> Landing:
+    def fly_round_trip(self, departure: Departure) -> Landing:
         """Fly the round and back."""
         going = self._start_flight(departure)
         outcome = self._fly_round(going)
@@ -126,7 +126,7 @@ class MissionFlyer:
         seed = int(np.random.SeedSequence([self._seed, departure.number]).generate_state(1)[0])
         heading = 2.0 * math.pi * (seed / 2**32)
         x, y, _ = self._scenes.lamp(self._mission.perch).position
-        z = self._scenes.vehicle.height_on_floor
+        z = self._scenes.vehicle.hull_height_on_floor
         memory = self._pilot.ground_state(
             (x + BESIDE, y, z), heading, departure.store, departure.told, seed
         )
@@ -178,7 +178,7 @@ class MissionFlyer:
     def _fly_leg(self, going: OngoingFlight, name: str, leg: LegPlan) -> int:
         """Fly one leg and return its outcome."""
         memory = going.memory
-        made = self._scenes.build_flight(name, going.light, going.lux)
+        made = self._scenes.build_beacon_flight(name, going.light, going.lux)
         mission = memory.flight.mission
         if leg.kind == GO:
             # On the ground it has to climb first; dwelling and landing keep the lamp.

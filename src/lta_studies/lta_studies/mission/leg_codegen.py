@@ -14,16 +14,16 @@ from lta_config.compilation.flat import PREFIX, TupleLayout
 from lta_control.strategies.homing import STRATEGY
 from lta_flight.batch.codegen import build_kernel, write_flight_source
 from lta_flight.batch.flight_step import WorkArrays
-from lta_flight.batch.targets import BatchRhythm, CPU, PENCILS, SCRATCH, STEP
+from lta_flight.batch.targets import BatchSchedule, CPU, PENCILS, SCRATCH, STEP
 from lta_model.light.ray_bundles import LAMPS
 from lta_studies.mission.leg_state import fly_leg
 
 COARSE = 2  # steps of the full loop per step here; a Runge-Kutta step of 5 ms is as accurate
 
 
-def slow_rhythm(rhythm: BatchRhythm) -> BatchRhythm:
+def slow_rhythm(rhythm: BatchSchedule) -> BatchSchedule:
     """Return the schedule of a leg from that of a batch flight: longer steps."""
-    return BatchRhythm(
+    return BatchSchedule(
         rhythm.control // COARSE,
         rhythm.range // COARSE,
         rhythm.pressure,
@@ -33,13 +33,13 @@ def slow_rhythm(rhythm: BatchRhythm) -> BatchRhythm:
     )
 
 
-def generate_source(
+def generate_leg_source(
     names: Sequence[str],
     constants: TupleLayout[Any],
     leg: TupleLayout[Any],
     memory: TupleLayout[Any],
     diodes: int,
-    rhythm: BatchRhythm,
+    rhythm: BatchSchedule,
 ) -> str:
     """
     Return the source of a leg.

@@ -14,8 +14,8 @@ from lta_control.attitude import yaw_from_quaternion
 from lta_control.per_rotor import NONE
 from lta_control.phases import Phase
 from lta_control.strategies.protocol import NavigationStrategy
+from lta_flight.batch.constants_and_tally import FlightConstants
 from lta_flight.batch.flight import build_command, is_plausible, State, unreachable_pose
-from lta_flight.batch.flight_data import FlightConstants
 from lta_flight.batch.flight_step import (
     flight_step,
     FlightInputs,
@@ -23,9 +23,9 @@ from lta_flight.batch.flight_step import (
     FlightMemory,
     WorkArrays,
 )
-from lta_flight.batch.targets import BatchRhythm
-from lta_model.electrical.battery import count_charge
-from lta_sim.compiled_sensors import draw_errors, sample_range
+from lta_flight.batch.targets import BatchSchedule
+from lta_model.electrical.battery import integrate_charge
+from lta_sim.compiled_sensors import draw_errors, simulate_range_reading
 from lta_sim.termination import is_indoors
 import numpy as np
 from numpy.typing import NDArray
@@ -99,7 +99,7 @@ def ground_leg_state(flight: FlightMemory, charge: float) -> LegState:
 
 def fly_leg(
     kernel: FlightKernel,
-    rhythm: BatchRhythm,
+    rhythm: BatchSchedule,
     strategy: NavigationStrategy,
     constants: FlightConstants,
     leg: LegPlan,
@@ -124,13 +124,15 @@ def _resume_flight(
     """Return the memory at the start of a leg: reflections of its lamp are not known yet."""
     distance = memory.distance
     if memory.step == 0:
-        distance = sample_range(constants.sensors, inputs.errors, inputs.seed, 0, memory.state)
+        distance = simulate_range_reading(
+            constants.sensors, inputs.errors, inputs.seed, 0, memory.state
+        )
     command = build_command(constants, memory.onboard.duties)
     return memory._replace(command=command, gathered=unreachable_pose(), distance=distance)
 
 
 def update_leg(
-    rhythm: BatchRhythm,
+    rhythm: BatchSchedule,
     constants: FlightConstants,
     leg: LegPlan,
     before: LegState,
@@ -153,7 +155,7 @@ def meter_charge(
     constants: FlightConstants, leg: LegPlan, charge: float, current: float, dt: float
 ) -> float:
     """Advance the drone's charge estimate with the errors of its current meter."""
-    return count_charge(
+    return integrate_charge(
         charge, leg.gain * current + leg.offset, constants.power.parts.cell.capacity, dt
     )
 

@@ -51,10 +51,10 @@ def measure_leg(
     scenes: MissionScene, beacon: str, start: LegStart, seed: int
 ) -> tuple[float, float]:
     """Return the energy consumed [J] and the time [s] of a compiled leg."""
-    made = scenes.build_flight(beacon, DARK, 1.0)
+    made = scenes.build_beacon_flight(beacon, DARK, 1.0)
     leg = LegPlan(GO, LIMIT, 0.0, 0.0, 1.0, 0.0)
     pilot = LegPilot(made, leg)
-    place = (start.x, start.y, scenes.vehicle.height_on_floor)
+    place = (start.x, start.y, scenes.vehicle.hull_height_on_floor)
     store = resting_flow(start.charge)
     ground = pilot.ground_state(place, start.heading, store, start.charge, seed)
     flight = pilot.fly_leg(pilot.pack_constants(made), leg, ground, seed).flight
@@ -62,7 +62,7 @@ def measure_leg(
     return flight.supply.consumed, flight.step * 0.01
 
 
-def build_loop(scenes: MissionScene, beacon: str, start: LegStart, seed: int) -> ClosedLoop:
+def build_full_loop(scenes: MissionScene, beacon: str, start: LegStart, seed: int) -> ClosedLoop:
     """Build the full loop of the same flight."""
     begin = scenes.scenario.start.model_copy(
         update={
@@ -77,7 +77,7 @@ def build_loop(scenes: MissionScene, beacon: str, start: LegStart, seed: int) ->
         update={'several': {beacon: lamp}, 'alone': None, 'route': (), 'start': begin}
     )
     # The leg homes on the brightness of this beacon; give the full loop the same one.
-    known = scenes.build_flight(beacon, DARK, 1.0).craft.mission.homing.brightness
+    known = scenes.build_beacon_flight(beacon, DARK, 1.0).craft.mission.homing.brightness
     homing = policy.mission.homing.model_copy(update={'brightness': known})
     policy = replace(
         policy,
@@ -94,13 +94,13 @@ def measure_loop(
     scenes: MissionScene, beacon: str, start: LegStart, seed: int
 ) -> tuple[float, float]:
     """Return the energy [J] and the time [s] of the full loop."""
-    loop = build_loop(scenes, beacon, start, seed)
+    loop = build_full_loop(scenes, beacon, start, seed)
     while loop.mission.phase is not Phase.ARRIVED and loop.world.elapsed < LIMIT:
         loop.step()
-    return loop.world.supply.energy_books.consumed, loop.world.elapsed
+    return loop.world.supply.energy_totals.consumed, loop.world.elapsed
 
 
-def compare_flights(
+def compare_leg_with_loop(
     scenes: MissionScene, beacon: str, count: int, seeds: int
 ) -> Iterator[tuple[LegStart, Array, Array]]:
     """Yield the start, and energy and time of leg and loop, each of shape (seeds, 2)."""

@@ -10,7 +10,7 @@ from lta_config.topics import load_topic_table
 from lta_control.onboard import OnboardMemory
 from lta_control.phases import Phase
 from lta_control.strategies.homing import STRATEGY
-from lta_flight.batch.batch_flight import BatchFlight, build_rhythm
+from lta_flight.batch.batch_flight import BatchFlight, build_schedule
 from lta_flight.batch.codegen import initial_effect_memory
 from lta_flight.batch.flight_step import begin_flight
 from lta_model.electrical.charger import PowerFlow, resting_flow
@@ -18,7 +18,7 @@ from lta_model.state import pack_state, RIGID
 from lta_sim.compiled_sensors import draw_turbulence_memory
 from lta_sim.kernels.kernel import LAYOUT
 from lta_sim.kernels.layout import FIXED
-from lta_studies.mission.leg_codegen import generate_source
+from lta_studies.mission.leg_codegen import generate_leg_source
 from lta_studies.mission.leg_state import ground_leg_state, LAND, LegPlan, LegState
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 
 
 @cache
-def _load_kernel(
+def _compile_leg(
     names: tuple[str, ...],
     constants: TupleLayout[Any],
     leg: TupleLayout[Any],
@@ -36,7 +36,9 @@ def _load_kernel(
 ) -> ModuleType:
     """Compile the leg for a set of effects."""
     return load_kernel(
-        generate_source(names, constants, leg, memory, diodes, build_rhythm(load_topic_table()))
+        generate_leg_source(
+            names, constants, leg, memory, diodes, build_schedule(load_topic_table())
+        )
     )
 
 
@@ -58,14 +60,14 @@ class LegPilot:
         model = flight.model
         # Only the effects of this vehicle are compiled in; the source is cached by their names.
         self.names = tuple(n for n in LAYOUT.effects if model.on[LAYOUT.flag_index(n)])
-        parameters, _ = LAYOUT.find_places(self.names)
+        parameters, _ = LAYOUT.find_effect_indices(self.names)
         self._fixed = np.array([*model.parameters[parameters], *model.body, *model.inverse])
         self._dark = (0.0,) * len(flight.craft.listening.planes)
         self._leg = TupleLayout(leg)
         # Any state: only its layout matters
         store = resting_flow(1.0)
         self._memory = TupleLayout(self.ground_state((0.0, 0.0, 0.0), 0.0, store, 1.0, 0))
-        self._fly = _load_kernel(
+        self._fly = _compile_leg(
             self.names, TupleLayout(flight.craft), self._leg, self._memory, len(self._dark)
         ).fly_leg
 

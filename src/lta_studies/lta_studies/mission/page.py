@@ -8,8 +8,8 @@ from typing import Final
 from lta_bridge.provenance import read_commit
 from lta_energy.harvest import HarvestCurve
 from lta_report.formatting import Tile
+from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import render_section, render_tile
 from lta_studies.energy.tables import render_text_table, TextTable
 from lta_studies.light.evaluation.intervals import BootstrapMean
 from lta_studies.mission import paper
@@ -22,10 +22,10 @@ from lta_studies.mission.pictures import (
 )
 from lta_studies.mission.run import (
     filter_by_schedule,
+    flight_time_ratio,
     mean_daily_minutes,
     MissionRequest,
     MissionResult,
-    schedule_gain,
 )
 
 DAY: Final = (
@@ -74,7 +74,7 @@ def render_page(
     )
     return assemble_page(
         'energy.html',
-        title=escape(format_title(request, results)),
+        title=escape(format_headline(request, results)),
         kicker=escape(f'mission · {request.mission.name}'),
         about=escape(request.mission.about),
         tiles='\n'.join(render_tile(*each) for each in build_tiles(request, results)),
@@ -85,7 +85,7 @@ def render_page(
             draw_charge(shown, light, request.mission.reserve.si),
         ),
         pictures=''.join(pictures),
-        tables=''.join(render_text_table(each) for each in build_tables(request, results)),
+        tables=''.join(render_text_table(each) for each in build_mission_tables(request, results)),
         method=''.join(f'<p class="note">{escape(each)}</p>' for each in METHOD),
         facts={
             'mission': request.mission.name,
@@ -98,11 +98,11 @@ def render_page(
     )
 
 
-def format_title(request: MissionRequest, results: Sequence[MissionResult]) -> str:
+def format_headline(request: MissionRequest, results: Sequence[MissionResult]) -> str:
     """Return the headline."""
     first = select_main_result(results)
     own = mean_daily_minutes(filter_by_schedule(results, first.schedule), request.days)
-    more = schedule_gain(results)
+    more = flight_time_ratio(results)
     sentence = f'{request.mission.name} flies {own.value:.0f} minutes a day'
     if more is None:
         return f'{sentence}.'
@@ -138,7 +138,7 @@ def build_tiles(request: MissionRequest, results: Sequence[MissionResult]) -> li
         ),
         Tile('in flight', f'{1e3 * first.figures.in_flight:.0f}', 'mW', 'paper: 1523 to 1544'),
     ]
-    more = schedule_gain(results)
+    more = flight_time_ratio(results)
     if more is not None:
         # Directly after the flown minutes, to which it refers
         made.insert(1, Tile('gain', format_mean(more, 2), 'times', 'flown time of duty cycle'))
@@ -153,16 +153,18 @@ def format_mean(value: BootstrapMean, digits: int) -> str:
     return f'{value.value:.{digits}f} ({value.low:.{digits}f} to {value.high:.{digits}f})'
 
 
-def build_tables(request: MissionRequest, results: Sequence[MissionResult]) -> list[TextTable]:
+def build_mission_tables(
+    request: MissionRequest, results: Sequence[MissionResult]
+) -> list[TextTable]:
     """Return all tables of the page."""
     vehicle, first = request.scenes.vehicle, select_main_result(results)
     # If no drone took off, use the paper's flight power.
     power = first.figures.in_flight or paper.NAVIGATE
     # Charging time per flight time, which the paper states for some kinds of light
-    ratios = paper.compute_ratios(
+    ratios = paper.compute_charging_ratios(
         HarvestCurve(vehicle.panel), vehicle.charger, vehicle.loads.idle, power
     )
-    return [build_schedule_table(request, results), paper.build_table(ratios)]
+    return [build_schedule_table(request, results), paper.build_ratio_table(ratios)]
 
 
 def build_schedule_table(request: MissionRequest, results: Sequence[MissionResult]) -> TextTable:

@@ -36,7 +36,7 @@ class ChargingRatio(NamedTuple):
     minutes: float
 
 
-def compute_ratios(
+def compute_charging_ratios(
     harvest: HarvestCurve, charger: ChargerModel, idle: float, flight: float
 ) -> list[ChargingRatio]:
     """
@@ -68,7 +68,7 @@ def compute_ratios(
     return found
 
 
-def build_table(ratios: list[ChargingRatio]) -> TextTable:
+def build_ratio_table(ratios: list[ChargingRatio]) -> TextTable:
     """Return the ratios as a table."""
     rows = [
         [

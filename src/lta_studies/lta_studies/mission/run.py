@@ -17,7 +17,7 @@ from lta_energy.irradiance import IrradianceSeries, simulate_irradiance
 from lta_energy.mission_log import MissionLog
 from lta_report.results_folder import write_json
 from lta_studies.light.evaluation.intervals import bootstrap_mean, bootstrap_ratio, BootstrapMean
-from lta_studies.mission.figures import compute_figures, from_json, MissionFigures, to_json
+from lta_studies.mission.figures import from_json, MissionFigures, summarize_mission, to_json
 from lta_studies.mission.flyer import MissionFlyer
 from lta_studies.mission.scene import MissionScene
 from lta_studies.mission.simulate_mission import AWARE, build_simulation, DOZING, NAIVE
@@ -108,7 +108,7 @@ def run_missions(
         Called with the simulated seconds since its last call.
 
     """
-    claim_folder(request, folder)
+    claim_results_folder(request, folder)
     jobs = [(schedule, seed) for seed in request.seeds for schedule in request.schedules]
     # Threads suffice: the compiled kernel releases the GIL (`nogil`).
     cores = len(os.sched_getaffinity(0))
@@ -137,10 +137,12 @@ def run_missions(
             pool.shutdown(wait=False, cancel_futures=True)
             raise
     beacons = len(request.mission.round)
-    return [MissionResult(*job, found[job], compute_figures(found[job], beacons)) for job in jobs]
+    return [
+        MissionResult(*job, found[job], summarize_mission(found[job], beacons)) for job in jobs
+    ]
 
 
-def claim_folder(request: MissionRequest, folder: Path) -> None:
+def claim_results_folder(request: MissionRequest, folder: Path) -> None:
     """Mark a results folder with its mission; raise `BadInput` if it belongs to another."""
     note = folder / KEPT
     if note.exists():
@@ -207,7 +209,7 @@ def mean_daily_minutes(results: Sequence[MissionResult], days: int) -> Bootstrap
     return bootstrap_mean([each.figures.flown / 60.0 / days for each in results])
 
 
-def schedule_gain(results: Sequence[MissionResult]) -> BootstrapMean | None:
+def flight_time_ratio(results: Sequence[MissionResult]) -> BootstrapMean | None:
     """Return the ratio of flown time, light-aware to duty cycle, over the same seeds."""
     ours, naive = filter_by_schedule(results, AWARE), filter_by_schedule(results, NAIVE)
     # The ratio does not exist for a schedule that never flew.

@@ -9,7 +9,7 @@ from dataclasses import replace
 import math
 from typing import final
 
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_config.schema.mission_file import InspectionPayload, MissionFile
 from lta_config.topics import load_topic_table
 from lta_control.cascade import CascadeGains
@@ -21,8 +21,8 @@ from lta_flight.batch.batch_flight import (
     build_model,
     flight_from_constants,
 )
-from lta_flight.batch.flight_data import FlightConstants
-from lta_flight.flight_spec import build_parts, FlightSpec, load_spec
+from lta_flight.batch.constants_and_tally import FlightConstants
+from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec
 from lta_model.hull import half_axes
 from lta_model.light.field import LightField
 from lta_model.light.gain_selection import select_diode_gain
@@ -80,10 +80,12 @@ class MissionScene:
     """
 
     def __init__(self, mission: MissionFile) -> None:
-        self.vehicle, self.scenario, self.policy = build_parts(build_flight_spec(mission))
+        self.vehicle, self.scenario, self.policy = build_vehicle_scenario_stack(
+            build_flight_spec(mission)
+        )
         for name in (mission.perch, *mission.round):
             if name not in self.scenario.lamps:
-                raise unknown_name(
+                raise unknown_name_error(
                     f'lamp of {self.scenario.name}', name, list(self.scenario.lamps)
                 )
         if not isinstance(self.policy.gains, CascadeGains):
@@ -104,7 +106,7 @@ class MissionScene:
         """Return the lamp of a beacon."""
         return self.scenario.lamps[name].lamp
 
-    def build_flight(self, beacon: str, light: PanelIrradiance, lux: float) -> BatchFlight:
+    def build_beacon_flight(self, beacon: str, light: PanelIrradiance, lux: float) -> BatchFlight:
         """Return the flight to a beacon in panel light and ambient light [lx]; cached."""
         # Half-octave steps: within a step the link hardly changes, so it is built once.
         level = round(STEPS * math.log2(max(lux, 1.0)))

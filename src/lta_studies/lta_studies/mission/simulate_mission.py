@@ -42,7 +42,7 @@ def build_perch_power_config(mission: MissionFile, scenes: MissionScene, seed: i
     )  # fmt: skip
 
 
-def guess_flight_need(mission: MissionFile, scenes: MissionScene) -> tuple[float, float]:
+def initial_flight_estimate(mission: MissionFile, scenes: MissionScene) -> tuple[float, float]:
     """Return the assumed energy [J] and duration [s] of the first flight."""
     places = [scenes.lamp(name).position for name in (mission.perch, *mission.round)]
     way = sum(
@@ -67,7 +67,7 @@ def build_simulation(
         upkeep,
         light,
         build_schedule(schedule, mission),
-        flyer.fly_mission,
-        guess_flight_need(mission, scenes),
+        flyer.fly_round_trip,
+        initial_flight_estimate(mission, scenes),
     )
     return simulation, light

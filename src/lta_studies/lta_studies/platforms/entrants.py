@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 from typing import Any
 
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_config.files import find_file, load_yaml, validate_content
 from lta_config.parameter_override import parse_value, replace_parameter
 from lta_config.schema.comparison_file import Contestant, EntryChange
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_control.gains_file import load_law_gains
-from lta_control.laws import find_law
+from lta_control.laws import find_control_law
 from lta_model.vehicle import Vehicle
 from lta_studies.platforms.flight import Entrant
 
@@ -45,7 +45,7 @@ def build_entrant(
     where = f'{find_file("vehicle", contestant.vehicle)}, as the comparison changes it'
     file = validate_content(VehicleFile, content, where)
     named = _select_law(file, steps)
-    gains = load_law_gains(find_law(named[0]).gains, named[1])
+    gains = load_law_gains(find_control_law(named[0]).gains, named[1])
     values = gains.model_dump()
     for step in steps:
         values = _apply_changes(values, step.changes, 'gains')
@@ -53,7 +53,7 @@ def build_entrant(
         type(gains), values, f'{find_file("gains", named[1])}, as the comparison changes it'
     )
     vehicle = Vehicle(file, air_density)
-    made = find_law(named[0])
+    made = find_control_law(named[0])
     made.known(gains, vehicle)  # raises if the law cannot fly the vehicle
     release = contestant.release.si if contestant.release else None
     return Entrant(vehicle, made, gains, release)
@@ -85,7 +85,7 @@ def _apply_changes(content: Any, changes: Mapping[str, Any], root: str) -> Any: 
         begin, _, below = path.partition('.')
         # Checked for every path, also one that belongs to the other root.
         if begin not in ROOTS or not below:
-            raise unknown_name('parameter', path, [f'{name}. ...' for name in ROOTS])
+            raise unknown_name_error('parameter', path, [f'{name}. ...' for name in ROOTS])
         if begin == root:
             content = replace_parameter(content, below, parse_value(value, path), root)
     return content

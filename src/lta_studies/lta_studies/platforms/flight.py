@@ -13,13 +13,13 @@ from lta_control.cascade import Setpoint, wrap_angle
 from lta_control.law_autopilot import LawAutopilot
 from lta_control.laws.frames import to_world
 from lta_control.laws.protocol import ControlLaw
-from lta_control.strategies import find_strategy
+from lta_control.strategies import find_navigation_strategy
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_stack import FlightStack
 from lta_model.scenario import Scenario
 from lta_model.vehicle import Vehicle
 from lta_sim.world import World
-from lta_studies.platforms.metrics import Array, compute_metrics, TrackingMetrics
+from lta_studies.platforms.metrics import Array, compute_tracking_metrics, TrackingMetrics
 import numpy as np
 
 # Columns of the recorded tables; column 0 is the time
@@ -41,7 +41,7 @@ class Entrant:
 
 @final
 @dataclass(frozen=True, slots=True)
-class ManoeuvreFlight:
+class ManeuverFlight:
     """
     Result of one flight.
 
@@ -70,7 +70,7 @@ class ManoeuvreFlight:
     duties: Array
 
     @property
-    def is_held(self) -> bool:
+    def is_successful(self) -> bool:
         """Whether the flight followed its setpoint and held its height."""
         return not self.lost and self.metrics.held and self.height.held
 
@@ -91,18 +91,20 @@ def prepare_flight(
     """Return the closed loop of a flight before its first step."""
     table, vehicle = load_topic_table(), entrant.vehicle
     world = World(vehicle, scenario, table, seed)
-    base = vehicle.height_on_floor
+    base = vehicle.hull_height_on_floor
     if entrant.release is not None:
         # State 2 is the height; rises of the course count from the release.
         base = world.state[2] = entrant.release
     course = build_course(manoeuvre, base)
-    policy = FlightStack(find_strategy('bag'), entrant.gains, law=entrant.law, course=course)
+    policy = FlightStack(
+        find_navigation_strategy('bag'), entrant.gains, law=entrant.law, course=course
+    )
     return ClosedLoop(world, table, policy)
 
 
-def fly_manoeuvre(
+def fly_maneuver(
     entrant: Entrant, scenario: Scenario, manoeuvre: ManeuverFile, seed: int
-) -> ManoeuvreFlight:
+) -> ManeuverFlight:
     """Fly a manoeuvre and rate it."""
     loop = prepare_flight(entrant, scenario, manoeuvre, seed)
     world, course = loop.world, loop.policy.course
@@ -116,7 +118,7 @@ def fly_manoeuvre(
         # Clamped, because rounding can leave the cosine outside [-1, 1].
         tilts.append(math.acos(max(-1.0, min(1.0, up_in_body(_extract_quaternion(state))[2]))))
         duties.append(loop.duties)
-        loop.apply_command()
+        loop.simulate_control_period()
     pilot = loop.autopilot
     # The cascade keeps the flag in its memory, other laws in the autopilot.
     stopped = pilot.stopped if isinstance(pilot, LawAutopilot) else pilot.memory.stopped
@@ -145,7 +147,7 @@ def _evaluate_flight(
     duties: Array,
     tilts: Array,
     stopped: bool,
-) -> ManoeuvreFlight:
+) -> ManeuverFlight:
     """Compute the metrics of a flight."""
     setpoints = np.array([(time, *course(time)) for time in response[:, 0].tolist()])
     setpoints[:, HEADING] = np.unwrap(setpoints[:, HEADING])
@@ -158,15 +160,15 @@ def _evaluate_flight(
     before = course(begin - 1e-6)
     first = Setpoint(before.altitude, wrap_angle(before.heading), before.speed)[column - 1]
     time = response[part, 0]
-    metrics = compute_metrics(
+    metrics = compute_tracking_metrics(
         time, setpoints[part, column], response[part, column], manoeuvre.band.si, first
     )
     rising = manoeuvre.judge == 'altitude'
     # An altitude manoeuvre is rated by its height already.
-    height = metrics if rising else compute_metrics(
+    height = metrics if rising else compute_tracking_metrics(
         time, setpoints[part, ALTITUDE], response[part, ALTITUDE], HEIGHT_BAND, before.altitude
     )  # fmt: skip
     lost = 'turned over' if stopped else ''
-    return ManoeuvreFlight(
+    return ManeuverFlight(
         metrics, height, float(tilts[part].max()), lost, setpoints, response, duties
     )

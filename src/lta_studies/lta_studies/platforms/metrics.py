@@ -32,7 +32,7 @@ class TrackingMetrics(NamedTuple):
     held: bool
 
 
-def compute_metrics(
+def compute_tracking_metrics(
     time: Array, setpoint: Array, response: Array, band: float, before: float
 ) -> TrackingMetrics:
     """

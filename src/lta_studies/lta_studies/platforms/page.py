@@ -9,11 +9,11 @@ from typing import final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.schema.comparison_file import ComparisonFile
-from lta_config.schema.maneuver_file import load_maneuver, ManeuverFile
+from lta_config.schema.maneuver_file import load_maneuver_file, ManeuverFile
 from lta_model.scenario import load_scenario
 from lta_report.formatting import format_number, Tile
+from lta_report.html_elements import render_html_table, render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import render_html_table, render_section, render_tile
 from lta_studies.platforms.entrants import build_entrant
 from lta_studies.platforms.flight import Entrant
 from lta_studies.platforms.pictures import (
@@ -29,9 +29,9 @@ from lta_studies.platforms.summary import (
     compute_lift_margin,
     find_top_speed,
     SeedMean,
-    select_cell,
+    select_flights,
 )
-from lta_studies.platforms.verdict import format_title, render_ablation_table
+from lta_studies.platforms.verdict import format_headline, render_ablation_table
 import yaml
 
 NAME = 'report.html'
@@ -69,22 +69,26 @@ def write_page(report: ComparisonReport) -> Path:
 def render_page(report: ComparisonReport) -> str:
     """Return the HTML of the page."""
     comparison, rows = report.comparison, report.rows
-    shown, common = draw_pictures(comparison, rows), len(comparison.manoeuvres)
+    shown, common = render_plot_sections(comparison, rows), len(comparison.manoeuvres)
     return assemble_page(
         'platforms.html',
-        title=escape(format_title(comparison, rows)),
+        title=escape(format_headline(comparison, rows)),
         kicker=escape(f'comparison {comparison.name} · {comparison.scenario}'),
         about=escape(comparison.about),
         tiles='\n'.join(render_tile(*each) for each in build_tiles(comparison, rows)),
         first='\n'.join(shown[:common]),
         pictures='\n'.join(shown[common:]),
-        results=render_html_table(HEADS, format_results(comparison, rows))
+        results=render_html_table(HEADS, build_result_rows(comparison, rows))
         + f'<p class="note">{METHOD}</p>',
         why=render_ablation_table(comparison, rows)
         + ''.join(
-            ['<ul>', *(f'<li>{escape(each)}</li>' for each in format_reasons(report)), '</ul>']
+            [
+                '<ul>',
+                *(f'<li>{escape(each)}</li>' for each in describe_inputs_and_limits(report)),
+                '</ul>',
+            ]
         ),
-        margins=render_margins(comparison),
+        margins=render_platform_table(comparison),
         facts=report.origin,
         files={
             'Comparison file': yaml.safe_dump(
@@ -94,7 +98,7 @@ def render_page(report: ComparisonReport) -> str:
     )
 
 
-def list_manoeuvres(comparison: ComparisonFile, name: str) -> list[str]:
+def list_maneuvers(comparison: ComparisonFile, name: str) -> list[str]:
     """Return the manoeuvres of a contestant."""
     return comparison.contestants[name].manoeuvres or comparison.manoeuvres
 
@@ -103,8 +107,8 @@ def build_tiles(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> l
     """Return a tile with the number of manoeuvres held for each platform."""
     found = []
     for name, contestant in comparison.contestants.items():
-        own = list_manoeuvres(comparison, name)
-        cells = [select_cell(rows, CONTESTANT, name, each) for each in own]
+        own = list_maneuvers(comparison, name)
+        cells = [select_flights(rows, CONTESTANT, name, each) for each in own]
         held = sum(all(row.held for row in part.rows) for part in cells)
         lost = [each for each, part in zip(own, cells, strict=True)
                 if not all(row.held for row in part.rows)]  # fmt: skip
@@ -113,14 +117,14 @@ def build_tiles(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> l
     return found
 
 
-def draw_pictures(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> list[str]:
+def render_plot_sections(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> list[str]:
     """Return a section for each manoeuvre, the ablations and the speed limits."""
-    own = [each for name in comparison.contestants for each in list_manoeuvres(comparison, name)]
+    own = [each for name in comparison.contestants for each in list_maneuvers(comparison, name)]
     names = dict.fromkeys([*comparison.manoeuvres, *own])  # common manoeuvres come first
     titles = {name: each.title for name, each in comparison.contestants.items()}
     found = []
     for name in names:
-        manoeuvre = load_maneuver(name)
+        manoeuvre = load_maneuver_file(name)
         picture = draw_tracking(rows, titles, manoeuvre)
         found.append(
             render_section(
@@ -131,7 +135,7 @@ def draw_pictures(comparison: ComparisonFile, rows: Sequence[PlatformResult]) ->
         each for ablation in comparison.ablations.values() for each in ablation.manoeuvres
     )
     for name in flown:
-        manoeuvre = load_maneuver(name)
+        manoeuvre = load_maneuver_file(name)
         found.append(
             render_section(f'changed-{name}', f'{name.capitalize()}, with one part changed',
                     f'The changes are listed below, under "What causes the differences". {DASHED}',
@@ -144,26 +148,28 @@ def draw_pictures(comparison: ComparisonFile, rows: Sequence[PlatformResult]) ->
     return found
 
 
-def format_results(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> list[list[str]]:
+def build_result_rows(
+    comparison: ComparisonFile, rows: Sequence[PlatformResult]
+) -> list[list[str]]:
     """Return a row for each platform and manoeuvre, followed by the ablations."""
     lines = [
-        [contestant.title, *format_figures(select_cell(rows, CONTESTANT, name, each), each)]
+        [contestant.title, *format_row_cells(select_flights(rows, CONTESTANT, name, each), each)]
         for name, contestant in comparison.contestants.items()
-        for each in list_manoeuvres(comparison, name)
+        for each in list_maneuvers(comparison, name)
     ]
     return lines + [
         [
             format_entry_name(comparison, name),
-            *format_figures(select_cell(rows, ABLATION, name, each), each),
+            *format_row_cells(select_flights(rows, ABLATION, name, each), each),
         ]
         for name, ablation in comparison.ablations.items()
         for each in ablation.manoeuvres
     ]
 
 
-def format_figures(part: ComparisonCell, name: str) -> list[str]:
+def format_row_cells(part: ComparisonCell, name: str) -> list[str]:
     """Return the cells of one row."""
-    manoeuvre = load_maneuver(name)
+    manoeuvre = load_maneuver_file(name)
     held = sum(row.held for row in part.rows)
     unit, factor = UNIT[manoeuvre.judge], find_unit_factor(manoeuvre)
     # The tilt is always shown in degrees.
@@ -171,11 +177,11 @@ def format_figures(part: ComparisonCell, name: str) -> list[str]:
     return [
         name,
         f'{held} of {len(part.rows)}',
-        format_mean(part.mean_figure('overshoot'), '%', 100.0, 1),
-        format_mean(part.mean_figure('settling_time'), 's', 1.0, 1),
-        *(format_mean(part.mean_figure(each), unit, factor, 3 if factor == 1.0 else 1)
+        format_mean(part.mean_metric('overshoot'), '%', 100.0, 1),
+        format_mean(part.mean_metric('settling_time'), 's', 1.0, 1),
+        *(format_mean(part.mean_metric(each), unit, factor, 3 if factor == 1.0 else 1)
           for each in ('steady_error', 'rms', 'ripple')),
-        format_mean(part.mean_figure('steady_error', 'height'), 'm', 1.0, 3),
+        format_mean(part.mean_metric('steady_error', 'height'), 'm', 1.0, 3),
         format_number(max((row.tilt for row in part.rows), default=0.0), 1, degrees)
         + UNIT['heading'],
     ]  # fmt: skip
@@ -199,7 +205,7 @@ def format_mean(value: SeedMean, unit: str, factor: float, digits: int) -> str:
     return f'{text}{spread}{"" if unit == UNIT["heading"] else " "}{unit}'
 
 
-def format_reasons(report: ComparisonReport) -> list[str]:
+def describe_inputs_and_limits(report: ComparisonReport) -> list[str]:
     """Return sentences on open-loop inputs and speed limits."""
     comparison, rows = report.comparison, report.rows
     found = format_open_loop_inputs(comparison, rows)
@@ -252,7 +258,7 @@ def rebuild_entrant(comparison: ComparisonFile, name: str) -> Entrant:
     return build_entrant(comparison.contestants[name], density)
 
 
-def render_margins(comparison: ComparisonFile) -> str:
+def render_platform_table(comparison: ComparisonFile) -> str:
     """Return the table of control laws, feedback sources and lift margins."""
     lines = []
     for name, contestant in comparison.contestants.items():

@@ -6,11 +6,11 @@ from typing import Final
 
 from lta_config.schema.comparison_file import ComparisonFile
 from lta_config.schema.maneuver_file import ManeuverFile
-from lta_report.drawing import build_line, create_figure, EndLabel, label_ends, padded_range
+from lta_report.drawing import build_line_trace, create_figure, EndLabel, label_ends, padded_range
 from lta_report.palette import ESTIMATE, GOOD, LAMP, RAW, SETPOINT, SOFT, STRENGTH, TIME, TRUTH
 from lta_studies.platforms.flight import COLUMN
 from lta_studies.platforms.run import ABLATION, CONTESTANT, LIMIT, PlatformResult
-from lta_studies.platforms.summary import select_cell
+from lta_studies.platforms.summary import select_flights
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
@@ -42,7 +42,7 @@ def draw_tracking(
             setpoint = scale_column(manoeuvre, row.asked, row.asked[0, column], column)
             lines.append(setpoint)
             figure.add_trace(
-                build_line('setpoint', row.asked[:, 0], setpoint, SETPOINT,
+                build_line_trace('setpoint', row.asked[:, 0], setpoint, SETPOINT,
                 unit=UNIT[manoeuvre.judge],
                      dash='4px,3px', steps=manoeuvre.between == 'step')
             )  # fmt: skip
@@ -50,7 +50,7 @@ def draw_tracking(
         colour = COLOURS[list(titles).index(row.job.name) % len(COLOURS)]
         title = titles[row.job.name]
         figure.add_trace(
-            build_line(title, row.flown[:, 0], values, colour, unit=UNIT[manoeuvre.judge])
+            build_line_trace(title, row.flown[:, 0], values, colour, unit=UNIT[manoeuvre.judge])
         )
         labels.append(EndLabel(title, float(values[-1]), colour))
     if not shown:
@@ -96,9 +96,9 @@ def draw_limits(rows: Sequence[PlatformResult], comparison: ComparisonFile) -> F
         colour = COLOURS[index % len(COLOURS)]
         commanded = list(limit.speeds.vector)
         most = max(most, commanded[-1])
-        cells = [select_cell(rows, LIMIT, name, limit.manoeuvre, speed) for speed in commanded]
+        cells = [select_flights(rows, LIMIT, name, limit.manoeuvre, speed) for speed in commanded]
         reached = [part.final_speed.value for part in cells]
-        lost = [part.mean_figure('steady_error', 'height').value for part in cells]
+        lost = [part.mean_metric('steady_error', 'height').value for part in cells]
         # The speed reached is NaN if no flight was recorded.
         top = max(top, commanded[-1], *(value for value in reached if math.isfinite(value)))
         spread = [part.final_speed.high - part.final_speed.value for part in cells]

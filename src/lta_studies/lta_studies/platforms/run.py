@@ -11,12 +11,12 @@ import os
 from typing import Any, final
 
 from lta_config.schema.comparison_file import ComparisonFile, load_comparison
-from lta_config.schema.maneuver_file import load_maneuver, ManeuverFile
+from lta_config.schema.maneuver_file import load_maneuver_file, ManeuverFile
 from lta_flight.closed_loop import ClosedLoop
 from lta_model.scenario import load_scenario
 from lta_report.worker_pool import run_in_workers
 from lta_studies.platforms.entrants import build_entrant
-from lta_studies.platforms.flight import fly_manoeuvre, ManoeuvreFlight, prepare_flight
+from lta_studies.platforms.flight import fly_maneuver, ManeuverFlight, prepare_flight
 from lta_studies.platforms.metrics import TrackingMetrics
 import numpy as np
 
@@ -94,10 +94,10 @@ def check_comparison(file: str, comparison: ComparisonFile) -> None:
     """Build every entry and load every manoeuvre; raise `BadInput` if one is invalid."""
     for job in list_jobs(file, comparison, 1):
         _build_entrant(job.file, job.kind, job.name)
-        load_maneuver(job.manoeuvre)
+        load_maneuver_file(job.manoeuvre)
 
 
-def change_speed(manoeuvre: ManeuverFile, speed: float | None) -> ManeuverFile:
+def replace_speeds(manoeuvre: ManeuverFile, speed: float | None) -> ManeuverFile:
     """Return the manoeuvre with its positive speeds replaced [m/s]."""
     if speed is None:
         return manoeuvre
@@ -113,8 +113,8 @@ def change_speed(manoeuvre: ManeuverFile, speed: float | None) -> ManeuverFile:
 def fly_job(job: PlatformJob) -> PlatformResult:
     """Fly one job."""
     _, scenario = _load_files(job.file)
-    manoeuvre = change_speed(load_maneuver(job.manoeuvre), job.speed)
-    flight = fly_manoeuvre(
+    manoeuvre = replace_speeds(load_maneuver_file(job.manoeuvre), job.speed)
+    flight = fly_maneuver(
         _build_entrant(job.file, job.kind, job.name), scenario, manoeuvre, job.seed
     )
     return summarize_flight(job, flight)
@@ -123,13 +123,13 @@ def fly_job(job: PlatformJob) -> PlatformResult:
 def build_loop(job: PlatformJob) -> ClosedLoop:
     """Return the closed loop of a job before its first step."""
     _, scenario = _load_files(job.file)
-    manoeuvre = change_speed(load_maneuver(job.manoeuvre), job.speed)
+    manoeuvre = replace_speeds(load_maneuver_file(job.manoeuvre), job.speed)
     return prepare_flight(
         _build_entrant(job.file, job.kind, job.name), scenario, manoeuvre, job.seed
     )
 
 
-def summarize_flight(job: PlatformJob, flight: ManoeuvreFlight) -> PlatformResult:
+def summarize_flight(job: PlatformJob, flight: ManeuverFlight) -> PlatformResult:
     """Return the result of a flight with decimated traces."""
     count = len(flight.flown)
     # Column 3 is the speed along the course.
@@ -140,7 +140,7 @@ def summarize_flight(job: PlatformJob, flight: ManoeuvreFlight) -> PlatformResul
             # Decimated and in single precision: results travel between processes.
             traces[name] = getattr(flight, name)[::SHOWN].astype(np.float32)
     return PlatformResult(
-        job, flight.is_held, flight.metrics, flight.height, flight.tilt, flight.lost,
+        job, flight.is_successful, flight.metrics, flight.height, flight.tilt, flight.lost,
         float(last.mean()), **traces,
     )  # fmt: skip
 

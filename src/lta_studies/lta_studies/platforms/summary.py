@@ -35,7 +35,7 @@ class ComparisonCell:
         """Share of the flights that held the manoeuvre."""
         return wilson_interval(sum(row.held for row in self.rows), len(self.rows))
 
-    def mean_figure(self, name: str, of: str = 'metrics') -> SeedMean:
+    def mean_metric(self, name: str, of: str = 'metrics') -> SeedMean:
         """Return the mean of one metric over the seeds where it is finite."""
         return estimate_mean([getattr(getattr(row, of), name) for row in self.rows])
 
@@ -57,7 +57,7 @@ def estimate_mean(values: Sequence[float]) -> SeedMean:
     return SeedMean(middle, middle - half, middle + half)
 
 
-def select_cell(
+def select_flights(
     rows: Sequence[PlatformResult],
     kind: str,
     name: str,
@@ -82,8 +82,8 @@ def describe_reversals(comparison: ComparisonFile, rows: Sequence[PlatformResult
         turned: list[str] = []
         same: list[str] = []
         for manoeuvre in ablation.manoeuvres:
-            base = select_cell(rows, CONTESTANT, ablation.of, manoeuvre)
-            changed = select_cell(rows, ABLATION, name, manoeuvre)
+            base = select_flights(rows, CONTESTANT, ablation.of, manoeuvre)
+            changed = select_flights(rows, ABLATION, name, manoeuvre)
             if not base.rows or not changed.rows:
                 continue
             # Reversed: the majority of flights changes between held and not held.
@@ -108,7 +108,7 @@ def find_top_speed(
     held, reached = 0.0, 0.0
     unbroken = True
     for speed in limit.speeds.vector:
-        found = select_cell(rows, LIMIT, name, limit.manoeuvre, speed)
+        found = select_flights(rows, LIMIT, name, limit.manoeuvre, speed)
         # A speed held above one that failed does not count: the range must be continuous.
         unbroken = unbroken and bool(found.rows) and all(row.held for row in found.rows)
         held = speed if unbroken else held

@@ -6,10 +6,10 @@ from html import escape
 from lta_config.schema.comparison_file import ComparisonFile
 from lta_studies.platforms.pictures import format_entry_name
 from lta_studies.platforms.run import ABLATION, CONTESTANT, PlatformResult
-from lta_studies.platforms.summary import ComparisonCell, select_cell
+from lta_studies.platforms.summary import ComparisonCell, select_flights
 
 
-def format_title(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> str:
+def format_headline(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> str:
     """Return the headline."""
     lost = []
     for name, contestant in comparison.contestants.items():
@@ -45,8 +45,8 @@ def render_ablation_table(comparison: ComparisonFile, rows: Sequence[PlatformRes
         cells = []
         for each in flown:
             pair = (
-                select_cell(rows, CONTESTANT, ablation.of, each),
-                select_cell(rows, ABLATION, name, each),
+                select_flights(rows, CONTESTANT, ablation.of, each),
+                select_flights(rows, ABLATION, name, each),
             )
             cells.append(f'<td>{format_before_after(*pair)}</td>')
         title = comparison.contestants[ablation.of].title

@@ -9,7 +9,7 @@ from lta_studies.reproduce.row_store import encode_values, StoredRow
 from lta_studies.reproduce.verdict import judge_claims
 
 
-def build_figures(
+def encode_figures(
     rows: Sequence[PaperRow], stored_rows: Mapping[str, StoredRow]
 ) -> dict[str, Any]:
     """Return the measured values (with interval and seeds) and pictures of the rows."""
@@ -17,11 +17,11 @@ def build_figures(
         'counts': {
             str(name): count for name, count in lines.count_all_verdicts(rows, stored_rows).items()
         },
-        'rows': {row.name: build_row_figures(row, stored_rows[row.name]) for row in rows},
+        'rows': {row.name: encode_row(row, stored_rows[row.name]) for row in rows},
     }
 
 
-def build_row_figures(row: PaperRow, stored: StoredRow) -> dict[str, Any]:
+def encode_row(row: PaperRow, stored: StoredRow) -> dict[str, Any]:
     """Return the JSON object of a row."""
     return {
         'seeds': stored.seeds,

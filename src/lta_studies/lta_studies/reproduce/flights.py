@@ -14,7 +14,12 @@ from lta_flight.sweep.plan import SweepPlan
 from lta_flight.sweep.statistics import ShareInterval
 from lta_studies.light.evaluation import pilot
 from lta_studies.light.evaluation.cells import build_cells, EvaluationCell
-from lta_studies.light.evaluation.flights import build_plan, complete_job, fly_task, STRATEGY
+from lta_studies.light.evaluation.flights import (
+    build_standalone_job,
+    build_sweep_plan,
+    fly_task,
+    STRATEGY,
+)
 from lta_studies.light.evaluation.intervals import BootstrapMean
 from lta_studies.reproduce.recording import relative_bag_path
 from lta_studies.reproduce.study_result import MeasuredValue
@@ -77,7 +82,7 @@ def fly_group(
         Replaced sweep axes, and additional settings.
 
     """
-    file = build_plan(part).file
+    file = build_sweep_plan(part).file
     plan = SweepPlan(
         file.model_copy(
             update={
@@ -89,16 +94,16 @@ def fly_group(
         )
     )
     # One after the other: the rows of the reproduction already run in parallel.
-    rows = [fly_task(complete_job(plan, plan.build_job(k), k)) for k in range(plan.count)]
+    rows = [fly_task(build_standalone_job(plan, plan.build_job(k), k)) for k in range(plan.count)]
     return FlightGroup(plan, build_cells(part, plan, rows))
 
 
-def mean_value(mean: BootstrapMean) -> MeasuredValue:
+def to_measured_value(mean: BootstrapMean) -> MeasuredValue:
     """Convert a bootstrap mean to a measured value."""
     return MeasuredValue(mean.value, mean.low, mean.high, mean.flights)
 
 
-def reached_value(cell: EvaluationCell) -> MeasuredValue:
+def measure_success_share(cell: EvaluationCell) -> MeasuredValue:
     """Return the share of flights that reached the lamp, with its Wilson interval."""
     found: ShareInterval = cell.reached_share
     if len(cell.rows) == 1:  # no interval from a single flight
@@ -109,9 +114,9 @@ def reached_value(cell: EvaluationCell) -> MeasuredValue:
 def summarize_cell(name: str, cell: EvaluationCell) -> dict[str, MeasuredValue]:
     """Return share, path [m] and time [s] of the flights of a cell."""
     return {
-        f'{name}_reached': reached_value(cell),
-        f'{name}_path': mean_value(cell.mean('path_length')),
-        f'{name}_time': mean_value(cell.mean('search_time')),
+        f'{name}_reached': measure_success_share(cell),
+        f'{name}_path': to_measured_value(cell.mean('path_length')),
+        f'{name}_time': to_measured_value(cell.mean('search_time')),
     }
 
 

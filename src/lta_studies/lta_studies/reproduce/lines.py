@@ -61,7 +61,7 @@ def count_all_verdicts(rows: Sequence[PaperRow], stored_rows: Kepts) -> dict[Cla
     )
 
 
-def format_title(rows: Sequence[PaperRow], stored_rows: Kepts) -> str:
+def format_headline(rows: Sequence[PaperRow], stored_rows: Kepts) -> str:
     """Return the headline with the counts of the verdicts."""
     found = count_all_verdicts(rows, stored_rows)
     # Results beyond the paper are not claims of the paper.
@@ -75,7 +75,7 @@ def format_title(rows: Sequence[PaperRow], stored_rows: Kepts) -> str:
     return f'{text}; --quick leaves out {left}.' if left else f'{text}.'
 
 
-def build_summary_lines(rows: Sequence[PaperRow], stored_rows: Kepts) -> Lines:
+def build_summary_rows(rows: Sequence[PaperRow], stored_rows: Kepts) -> Lines:
     """Return one table row per study with the counts of its verdicts."""
     lines = []
     for row in rows:
@@ -87,7 +87,7 @@ def build_summary_lines(rows: Sequence[PaperRow], stored_rows: Kepts) -> Lines:
     ]
 
 
-def build_claim_lines(row: PaperRow, stored: StoredRow) -> Lines:
+def build_claim_rows(row: PaperRow, stored: StoredRow) -> Lines:
     """Return one table row per claim."""
     found = judge_claims(row, stored.values)
     return [
@@ -117,7 +117,7 @@ def format_seeds(claim: PaperClaim, stored: StoredRow) -> str:
     return MISSING if value is None else str(value.seeds)
 
 
-def build_notes(row: PaperRow, stored: StoredRow) -> list[tuple[str, str, str]]:
+def list_claim_findings(row: PaperRow, stored: StoredRow) -> list[tuple[str, str, str]]:
     """Return each claim with its finding and what would close its gap."""
     found = judge_claims(row, stored.values)
     lines = []
@@ -136,7 +136,7 @@ def build_notes(row: PaperRow, stored: StoredRow) -> list[tuple[str, str, str]]:
     return lines
 
 
-def build_defect_lines(rows: Sequence[PaperRow]) -> Lines:
+def build_defect_rows(rows: Sequence[PaperRow]) -> Lines:
     """Return one table row per defect of the paper, with its arithmetic."""
     return [
         [str(row.number), each.says, each.arithmetic, each.here]
@@ -145,21 +145,21 @@ def build_defect_lines(rows: Sequence[PaperRow]) -> Lines:
     ]
 
 
-def build_series_lines(rows: Sequence[PaperRow], stored_rows: Kepts) -> Lines:
+def build_paper_figure_rows(rows: Sequence[PaperRow], stored_rows: Kepts) -> Lines:
     """Return one table row per figure of the paper: its printed numbers and the conclusion."""
     return [
         [
             str(row.number),
             each.figure,
             each.printed,
-            fill_text(each.said, row, stored_rows[row.name]),
+            fill_measures_or_dash(each.said, row, stored_rows[row.name]),
         ]
         for row in rows
         for each in row.series.values()
     ]
 
 
-def fill_text(text: str, row: PaperRow, stored: StoredRow) -> str:
+def fill_measures_or_dash(text: str, row: PaperRow, stored: StoredRow) -> str:
     """Fill in the measures of a text; a dash if --quick left one out."""
     return (
         fill_measures(text, row, stored.values)
@@ -168,12 +168,12 @@ def fill_text(text: str, row: PaperRow, stored: StoredRow) -> str:
     )
 
 
-def build_deviation_lines(rows: Sequence[PaperRow]) -> Lines:
+def build_deviation_rows(rows: Sequence[PaperRow]) -> Lines:
     """Return the deviations of each row from the shared vehicle, gains, lamp and room."""
     return [[f'{row.number}. {row.title}', each] for row in rows for each in row.deviations]
 
 
-def build_measure_lines(row: PaperRow, stored: StoredRow) -> Lines:
+def build_measure_rows(row: PaperRow, stored: StoredRow) -> Lines:
     """Return one table row per measure."""
     return [
         [measure.what, format_value(measure, stored.values[name]), str(stored.values[name].seeds)]

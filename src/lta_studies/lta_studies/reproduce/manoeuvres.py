@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import final
 
 from lta_config.schema.comparison_file import ComparisonFile, load_comparison
-from lta_config.schema.maneuver_file import load_maneuver
+from lta_config.schema.maneuver_file import load_maneuver_file
 from lta_studies.platforms.pictures import draw_tracking, format_entry_name
 from lta_studies.platforms.run import (
     ABLATION,
@@ -40,15 +40,15 @@ class ComparisonFlights:
             [r for r in self.rows if r.job.name == name and r.job.manoeuvre == manoeuvre]
         )
 
-    def measure_figure(
+    def metric_value(
         self, name: str, manoeuvre: str, figure: str, of: str = 'metrics'
     ) -> MeasuredValue:
         """Return a metric of an entry with its interval; NaN if no seed has it."""
         cell = self.find_cell(name, manoeuvre)
-        found: SeedMean = cell.mean_figure(figure, of)
+        found: SeedMean = cell.mean_metric(figure, of)
         return MeasuredValue(found.value, found.low, found.high, len(cell.rows))
 
-    def hold_share(self, name: str, manoeuvre: str) -> MeasuredValue:
+    def success_share(self, name: str, manoeuvre: str) -> MeasuredValue:
         """Return the share of flights that held a manoeuvre."""
         cell = self.find_cell(name, manoeuvre)
         # One flight gives no interval.
@@ -64,11 +64,11 @@ class ComparisonFlights:
             for row in self.rows
             if row.job.name in titles
         ]
-        return draw_tracking(shown, titles, load_maneuver(manoeuvre))
+        return draw_tracking(shown, titles, load_maneuver_file(manoeuvre))
 
     def record_flights(self, manoeuvre: str, names: Iterable[str], folder: Path) -> str:
         """Record the flight of each entry with seed 1; return the bag path for the page."""
-        until = load_maneuver(manoeuvre).until.si
+        until = load_maneuver_file(manoeuvre).until.si
         for name in names:
             loop = build_loop(
                 PlatformJob(FILE, entry_kind(self.comparison, name), name, manoeuvre, 1)

@@ -31,29 +31,31 @@ and where, what is measured, and the rule for agreement.
 IMAGES: Final = 'images/paper'
 
 
-def format_page(rows: Sequence[PaperRow], stored_rows: Kepts) -> str:
+def format_markdown_page(rows: Sequence[PaperRow], stored_rows: Kepts) -> str:
     """Return the text of the file."""
     parts = [
         HEAD,
-        f'**{lines.format_title(rows, stored_rows)}** {lines.METHOD}\n',
-        format_table(lines.SUMMARY_HEADS, lines.build_summary_lines(rows, stored_rows)),
-        *(format_row(row, stored_rows[row.name]) for row in rows),
+        f'**{lines.format_headline(rows, stored_rows)}** {lines.METHOD}\n',
+        format_markdown_table(lines.SUMMARY_HEADS, lines.build_summary_rows(rows, stored_rows)),
+        *(format_row_section(row, stored_rows[row.name]) for row in rows),
         "## What discovery concludes from the paper's figures\n",
         f'{lines.DISCOVERY}\n',
-        format_table(lines.SERIES_HEADS, lines.build_series_lines(rows, stored_rows)),
+        format_markdown_table(
+            lines.SERIES_HEADS, lines.build_paper_figure_rows(rows, stored_rows)
+        ),
         '## Where the paper does not add up\n',
-        format_table(lines.DEFECT_HEADS, lines.build_defect_lines(rows)),
+        format_markdown_table(lines.DEFECT_HEADS, lines.build_defect_rows(rows)),
         '## Deviations from the shared vehicle, gains, lamp and room\n',
-        format_table(('row', 'deviation'), lines.build_deviation_lines(rows)),
+        format_markdown_table(('row', 'deviation'), lines.build_deviation_rows(rows)),
     ]
     return '\n'.join(parts)
 
 
-def format_row(row: PaperRow, stored: StoredRow) -> str:
+def format_row_section(row: PaperRow, stored: StoredRow) -> str:
     """Return the section of a row."""
     findings = [
         f'- *{says}* {" ".join(filter(None, [finding, f"**{gap}**" if gap else ""]))}'
-        for says, finding, gap in lines.build_notes(row, stored)
+        for says, finding, gap in lines.list_claim_findings(row, stored)
         # Claims that simply agree need no note.
         if finding or gap
     ]
@@ -65,7 +67,7 @@ def format_row(row: PaperRow, stored: StoredRow) -> str:
     return '\n'.join([
         f'## {row.number}. {row.title}\n',
         f'{row.scenario}\n',
-        format_table(lines.CLAIM_HEADS, lines.build_claim_lines(row, stored)),
+        format_markdown_table(lines.CLAIM_HEADS, lines.build_claim_rows(row, stored)),
         *findings,
         '',
         *format_image(row, stored),
@@ -85,7 +87,7 @@ def format_image(row: PaperRow, stored: StoredRow) -> list[str]:
     ]
 
 
-def format_table(heads: Sequence[str], body: Lines) -> str:
+def format_markdown_table(heads: Sequence[str], body: Lines) -> str:
     """Return a Markdown table."""
     rows = [list(heads), ['---'] * len(heads), *body]
     return '\n'.join(f'| {" | ".join(cells)} |' for cells in rows) + '\n'

@@ -9,8 +9,8 @@ from typing import Final
 from lta_bridge.provenance import read_commit
 from lta_config.schema.paper_file import PaperRow
 from lta_report.formatting import Tile
+from lta_report.html_elements import embed_picture, render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import embed_picture, render_section, render_tile
 from lta_studies.energy.tables import render_text_table
 from lta_studies.reproduce import lines
 from lta_studies.reproduce.lines import Kepts, Lines
@@ -40,22 +40,22 @@ def render_page(rows: Sequence[PaperRow], stored_rows: Kepts, commands: Mapping[
     """Return the HTML of the page."""
     return assemble_page(
         'reproduce.html',
-        title=escape(lines.format_title(rows, stored_rows)),
+        title=escape(lines.format_headline(rows, stored_rows)),
         kicker='the paper, reproduced',
         about=escape(ABOUT),
         tiles='\n'.join(render_tile(*each) for each in build_tiles(rows, stored_rows)),
         summary=render_table(
-            'counts', lines.SUMMARY_HEADS, lines.build_summary_lines(rows, stored_rows)
+            'counts', lines.SUMMARY_HEADS, lines.build_summary_rows(rows, stored_rows)
         ),
         method=escape(lines.METHOD),
         rows='\n'.join(render_row(row, stored_rows[row.name]) for row in rows),
         discovery=escape(lines.DISCOVERY.replace('`', '')),
         series=render_table(
-            'defects', lines.SERIES_HEADS, lines.build_series_lines(rows, stored_rows)
+            'defects', lines.SERIES_HEADS, lines.build_paper_figure_rows(rows, stored_rows)
         ),
-        defects=render_table('defects', lines.DEFECT_HEADS, lines.build_defect_lines(rows)),
+        defects=render_table('defects', lines.DEFECT_HEADS, lines.build_defect_rows(rows)),
         deviations=render_table(
-            'deviations', ('row', 'deviation'), lines.build_deviation_lines(rows)
+            'deviations', ('row', 'deviation'), lines.build_deviation_rows(rows)
         ),
         facts={'rows': str(len(rows)), 'commit': read_commit()},
         commands=commands,
@@ -89,12 +89,12 @@ def render_row(row: PaperRow, stored: StoredRow) -> str:
         f'<section class="panel row" id="{row.name}" aria-labelledby="title-{row.name}">'
         f'<h2 id="title-{row.name}">{escape(heading)}</h2>'
         f'<p class="note">{escape(row.scenario)}</p>'
-        f'{render_table("claims", lines.CLAIM_HEADS, lines.build_claim_lines(row, stored))}'
+        f'{render_table("claims", lines.CLAIM_HEADS, lines.build_claim_rows(row, stored))}'
         f'{render_findings(row, stored)}'
         f'<details><summary>All measurements ({len(stored.values)} figures, '
         # Rounded up, so that no row takes 0 s.
         f'{math.ceil(stored.seconds)} s)</summary>'
-        f'{render_table("measures", lines.MEASURE_HEADS, lines.build_measure_lines(row, stored))}'
+        f'{render_table("measures", lines.MEASURE_HEADS, lines.build_measure_rows(row, stored))}'
         f'{"".join(render_text_table(each) for each in stored.tables)}</details>'
         f'</section><div class="grid">{pictures}</div>'
     )
@@ -103,7 +103,7 @@ def render_row(row: PaperRow, stored: StoredRow) -> str:
 def render_findings(row: PaperRow, stored: StoredRow) -> str:
     """Return the list of findings, with what would close the gaps."""
     items = []
-    for says, finding, gap in lines.build_notes(row, stored):
+    for says, finding, gap in lines.list_claim_findings(row, stored):
         words = ' '.join(filter(None, [escape(finding), f'<b>{escape(gap)}</b>' if gap else '']))
         if words:
             items.append(f'<li><i>{escape(says)}</i> {words}</li>')
@@ -125,7 +125,7 @@ def render_table(kind: str, heads: Sequence[str], body: Lines) -> str:
     head = ''.join(f'<th scope="col">{escape(each)}</th>' for each in heads)
     rows = []
     for first, *rest in body:
-        cells = ''.join(f'<td{verdict_class(cell)}>{escape(cell)}</td>' for cell in rest)
+        cells = ''.join(f'<td{verdict_class_attribute(cell)}>{escape(cell)}</td>' for cell in rest)
         rows.append(f'<tr><th scope="row">{escape(first)}</th>{cells}</tr>')
     return (
         f'<div class="wide"><table class="{kind}"><thead><tr>{head}</tr></thead>'
@@ -133,7 +133,7 @@ def render_table(kind: str, heads: Sequence[str], body: Lines) -> str:
     )
 
 
-def verdict_class(cell: str) -> str:
+def verdict_class_attribute(cell: str) -> str:
     """Return the class attribute of a verdict cell; '' for any other cell."""
     # `ClaimVerdict` is a StrEnum, so its members equal their words.
     found = next((name for verdict, name in MARKS.items() if cell == verdict), None)

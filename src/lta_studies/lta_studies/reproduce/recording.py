@@ -43,7 +43,7 @@ def record_flight(
     prepare_empty_folder(folder)
     names = {
         name: write_yaml(content, folder / f'{name}.yaml')
-        for name, content in collect_files(loop).items()
+        for name, content in collect_flight_files(loop).items()
     }
     origin = collect_provenance(
         names['vehicle'], names['scenario'], names['gains'], strategy=loop.policy.strategy.name,
@@ -55,7 +55,7 @@ def record_flight(
             while not until(loop):
                 loop.decide()
                 recorder.record_step()
-                loop.apply_command()
+                loop.simulate_control_period()
     # A full disk is a problem of the user's input (the folder), not of the program.
     except StorageFault as fault:
         raise BadInput(str(fault)) from None
@@ -67,7 +67,7 @@ def relative_bag_path(folder: Path) -> str:
     return str(Path(*folder.parts[-3:]))
 
 
-def collect_files(loop: ClosedLoop) -> dict[str, Any]:
+def collect_flight_files(loop: ClosedLoop) -> dict[str, Any]:
     """Return the contents of the vehicle, scenario and gains files of a flight."""
     gains = {'/**/controller': {'ros__parameters': {'gains': dump_model(loop.policy.gains)}}}
     world = loop.world

@@ -7,7 +7,7 @@ import shutil
 import time
 from typing import final
 
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_config.schema.paper_file import load_paper_row, load_paper_rows, PaperRow
 from lta_report.worker_pool import run_in_workers
 from lta_studies.reproduce.registry import STUDIES
@@ -45,7 +45,7 @@ def select_rows(names: Sequence[str]) -> list[PaperRow]:
     rows = [row for row in load_paper_rows() if row.name in STUDIES]
     for name in names:
         if name not in [row.name for row in rows]:
-            raise unknown_name('row', name, [row.name for row in rows])
+            raise unknown_name_error('row', name, [row.name for row in rows])
     return [row for row in rows if not names or row.name in names]
 
 

@@ -6,7 +6,7 @@ from enum import StrEnum
 import math
 from typing import Final
 
-from lta_config.quantity import add_unit, Quantity
+from lta_config.quantity import format_with_unit, Quantity
 from lta_config.schema.paper_file import AgreementRule, PaperClaim, PaperMeasure, PaperRow
 from lta_report.formatting import format_number, MISSING
 from lta_studies.reproduce.study_result import MeasuredValue
@@ -114,7 +114,7 @@ def format_value(
 
 def append_unit(text: str, unit: str) -> str:
     """Append the typeset unit to a number."""
-    return f'{text}°' if unit == 'deg' else add_unit(text, SIGNS.get(unit, unit))
+    return f'{text}°' if unit == 'deg' else format_with_unit(text, SIGNS.get(unit, unit))
 
 
 def format_rounded(measure: PaperMeasure, value: float) -> str:

@@ -10,7 +10,7 @@ from lta_flight.sweep.statistics import ShareInterval, wilson_interval
 from lta_report.worker_pool import WorkerPool
 from lta_studies.tune.metrics import ResponseMetrics
 from lta_studies.tune.step_response import SetpointStep, STEPS, TuningCase, TuningScene
-from lta_studies.tune.workers import evaluate_all, EvaluationJob
+from lta_studies.tune.workers import evaluate_jobs, EvaluationJob
 import numpy as np
 from scipy.special import stdtrit
 
@@ -77,7 +77,7 @@ class GainEvaluation:
             [getattr(report.marks[step], figure) for report in self.reports if report.marks]
         )
 
-    def summarize_flights(self, figure: str) -> QuartileSpread:
+    def compute_metric_quartiles(self, figure: str) -> QuartileSpread:
         """Return the quartiles of one metric of the whole flight."""
         return compute_quartiles([getattr(report, figure) for report in self.reports])
 
@@ -124,7 +124,7 @@ def fly_comparison(
     """Fly the old and the new gains in the same cases."""
     # One task list for both sides, so that no worker waits between them.
     tasks = [EvaluationJob(scene, gains, case) for gains in both for case in cases]
-    reports = evaluate_all(tasks, workers)
+    reports = evaluate_jobs(tasks, workers)
     losses = tuple(case.loss for case in cases)
     count = len(cases)
     return GainEvaluation(losses, tuple(reports[:count])), GainEvaluation(

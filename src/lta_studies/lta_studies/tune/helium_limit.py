@@ -54,7 +54,7 @@ class HeliumLimit:
     days: tuple[float, float]
 
 
-def rotor_loss_limit(vehicle: Vehicle) -> float:
+def rotor_lift_loss_limit(vehicle: Vehicle) -> float:
     """Return the loss of lift that full thrust compensates. [kg]"""
     own, per_newton = select_lifting_rotors(vehicle.rotors, vehicle.file.aero.coupling)
     if not own or per_newton <= 0.0:
@@ -64,7 +64,7 @@ def rotor_loss_limit(vehicle: Vehicle) -> float:
     return full / STANDARD_GRAVITY - vehicle.heaviness
 
 
-def find_helium_limit(
+def find_tolerable_helium_loss(
     vehicle: str,
     gains: CascadeGains,
     seeds: Sequence[int] = (1,),
@@ -92,7 +92,7 @@ def find_helium_limit(
     """
     scene = TuningScene(vehicle)
     known = scene.nominal_vehicle
-    most = rotor_loss_limit(known)
+    most = rotor_lift_loss_limit(known)
 
     def holds(loss: float) -> bool:
         cases = (TuningCase(loss, seed) for seed in seeds)

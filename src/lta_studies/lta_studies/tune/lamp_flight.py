@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from lta_config.topics import load_topic_table
 from lta_control.cascade import CascadeGains
-from lta_control.strategies import find_strategy
+from lta_control.strategies import find_navigation_strategy
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_stack import FlightStack
 from lta_sim.readings import FlightOutcome
@@ -35,7 +35,7 @@ def fly_to_lamp(scene: TuningScene, gains: CascadeGains, case: TuningCase) -> La
         # The drone assumes the nominal vehicle; only the world has lost lift.
         world,
         table,
-        FlightStack(find_strategy(STRATEGY), gains),
+        FlightStack(find_navigation_strategy(STRATEGY), gains),
         scene.nominal_vehicle,
     )
     while world.outcome is FlightOutcome.FLYING:

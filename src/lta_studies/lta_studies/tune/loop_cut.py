@@ -12,7 +12,7 @@ from typing import final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.topics import load_topic_table
-from lta_control.allocation import allocate, create_scratch, thrusts_to_duties
+from lta_control.allocation import allocate, create_working_array, thrusts_to_duties
 from lta_control.autopilot import Autopilot, build_drone_constants
 from lta_control.cascade import cascade_step, CascadeGains, Setpoint, WrenchDemand
 from lta_control.control import ControlMemory
@@ -175,7 +175,7 @@ class LoopCut:
             drone.rotors,
             (given.surge, 0.0, given.heave, 0.0, 0.0, given.yaw),
             memory.control.thrusts,
-            create_scratch(),
+            create_working_array(),
         )
         # What the rotors could not deliver, for the anti-windup of the next step.
         missing = WrenchDemand(done[0] - given.surge, done[2] - given.heave, done[5] - given.yaw)
@@ -195,7 +195,7 @@ class LoopCut:
         changes the steady state, so it is found even where it is unstable.
         """
         autopilot = Autopilot(self.drone)
-        state = pack_state((0.0, 0.0, self._true.height_on_floor), memory=initial_memory())
+        state = pack_state((0.0, 0.0, self._true.hull_height_on_floor), memory=initial_memory())
         past = np.zeros((self.ages, SLOTS))
         for tick in np.arange(round((REST + SETTLING) / self.period)):
             # No setpoint before the bias calibration on the ground has ended.

@@ -9,8 +9,8 @@ from typing import Final
 from lta_bridge.provenance import read_commit
 from lta_config.command_line import format_lta_command, relative_path
 from lta_report.formatting import format_number, Tile
+from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import render_section, render_tile
 from lta_studies.tune import pictures, report_tables
 from lta_studies.tune.run import TuningResult, vehicle_name
 from lta_studies.tune.step_response import Channel, StepResponse
@@ -34,27 +34,27 @@ def write_page(tuned: TuningResult, old: Traces, new: Traces) -> Path:
 def render_page(tuned: TuningResult, old: Traces, new: Traces) -> str:
     """Return the HTML of the page."""
     order = tuned.order
-    robust = report_tables.render_table(ROBUST_HEADS, report_tables.build_benefit_rows(tuned))
+    robust = report_tables.render_table(ROBUST_HEADS, report_tables.build_comparison_rows(tuned))
     margins = report_tables.render_table(
-        report_tables.MARGIN_HEADS, report_tables.build_margin_rows(tuned), text=True
+        report_tables.MARGIN_HEADS, report_tables.build_stability_margin_rows(tuned), text=True
     )
     limits = report_tables.render_table(
-        ('', 'old', 'new'), report_tables.build_limit_rows(tuned.old.limit, tuned.new.limit)
+        ('', 'old', 'new'), report_tables.build_helium_limit_rows(tuned.old.limit, tuned.new.limit)
     )
     return assemble_page(
         'tune.html',
-        title=escape(report_tables.typeset_signs(report_tables.format_title(tuned))),
+        title=escape(report_tables.typeset_signs(report_tables.format_headline(tuned))),
         kicker=escape(f'tune {vehicle_name(order)} · from {tuned.gains_name} · seed {order.seed}'),
         about=escape(describe_tuning(tuned)),
         tiles='\n'.join(render_tile(*each) for each in build_tiles(tuned)),
-        panels='\n'.join(render_panels(tuned, old, new)),
+        panels='\n'.join(render_plot_sections(tuned, old, new)),
         robust=robust,
         margins=margins + MARGINS_NOTE,
         gains=report_tables.render_table(
-            ('number', 'old', 'new', 'searched'), report_tables.build_gain_rows(tuned)
+            ('number', 'old', 'new', 'searched'), report_tables.build_parameter_rows(tuned)
         ),
         limits=limits + LIMITS_NOTE,
-        facts=describe_provenance(tuned),
+        facts=build_provenance_table(tuned),
         commands=suggest_commands(tuned),
         files={'Gains file': tuned.file.read_text(encoding='utf-8')},
     )
@@ -91,7 +91,7 @@ def build_tiles(tuned: TuningResult) -> list[Tile]:
     old, new = tuned.old, tuned.new
 
     def both(name: str, words: str, unit: str, factor: float, digits: int) -> Tile:
-        a, b = (side.flights.summarize_flights(name).median * factor for side in (old, new))
+        a, b = (side.flights.compute_metric_quartiles(name).median * factor for side in (old, new))
         return Tile(words, f'{b:.{digits}f}', unit, f'median; before {a:.{digits}f}')
 
     # Overshoot of one step with old and new gains [%]
@@ -128,7 +128,7 @@ def build_tiles(tuned: TuningResult) -> list[Tile]:
     ]
 
 
-def render_panels(tuned: TuningResult, old: Traces, new: Traces) -> list[str]:
+def render_plot_sections(tuned: TuningResult, old: Traces, new: Traces) -> list[str]:
     """Return the sections with the plots."""
     lines = 'True values, one line per loss; paler lines have lost more. Dashed: setpoint.'
     out = [
@@ -154,7 +154,7 @@ def render_panels(tuned: TuningResult, old: Traces, new: Traces) -> list[str]:
     ]
 
 
-def describe_provenance(tuned: TuningResult) -> dict[str, str]:
+def build_provenance_table(tuned: TuningResult) -> dict[str, str]:
     """Return the provenance table of the page."""
     order = tuned.order
     return {

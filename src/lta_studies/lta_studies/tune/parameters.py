@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import math
 from typing import final, TypeVar
 
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
@@ -99,7 +99,7 @@ def select_parameters(settings: BaseModel, names: Sequence[str] = ()) -> list[Tu
         return [n for n in found.values() if n.value > 0.0 and n.path.endswith(GAINS)]
     for name in names:
         if name not in found:
-            raise unknown_name('number', name, list(found))
+            raise unknown_name_error('number', name, list(found))
         if not found[name].value > 0.0:
             raise BadInput(
                 f'{name} starts at {found[name].value:g}. The search multiplies it by factors; '

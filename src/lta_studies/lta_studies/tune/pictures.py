@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 import math
 
-from lta_report.drawing import build_line, create_figure, padded_range
+from lta_report.drawing import build_line_trace, create_figure, padded_range
 from lta_report.palette import ESTIMATE, SETPOINT, SOFT, TRUTH
 from lta_studies.tune.compare import GainEvaluation
 from lta_studies.tune.step_response import Array, Channel, SetpointStep, StepResponse, STEPS
@@ -37,13 +37,17 @@ def plot_responses(
             values = factor * trace.select_channel(channel)[part]
             shown.append(values)
             words = f'{name}, {1e3 * loss:.1f} g lost'
-            drawn = build_line(words, trace.time[part] - begin, values, colour, unit='', width=1.2)
+            drawn = build_line_trace(
+                words, trace.time[part] - begin, values, colour, unit='', width=1.2
+            )
             # From 1 for the smallest loss to 0.4 for the largest
             opacity = 1.0 - 0.6 * k / max(1, len(traces) - 1)
             figure.add_trace(drawn.update(opacity=opacity))
     time, values = setpoint_line(steps, begin, end)
     figure.add_trace(
-        build_line('setpoint', time, factor * values, SETPOINT, unit='', dash='dot', width=1.0)
+        build_line_trace(
+            'setpoint', time, factor * values, SETPOINT, unit='', dash='dot', width=1.0
+        )
     )
     low, high = padded_range(*shown, factor * values)
     figure.update_layout(hovermode='closest', margin={'r': 24})
@@ -94,7 +98,9 @@ def plot_search(history: Sequence[float], cases: int) -> Figure:
     """Plot the lowest cost against the number of flights."""
     figure = create_figure()
     flights = cases * np.arange(1.0, len(history) + 1.0)
-    figure.add_trace(build_line('best', flights, np.array(history), NEW, unit='', steps=True))
+    figure.add_trace(
+        build_line_trace('best', flights, np.array(history), NEW, unit='', steps=True)
+    )
     figure.add_hline(y=history[0], line={'color': SOFT, 'width': 1, 'dash': 'dot'})
     figure.update_layout(margin={'r': 24})
     figure.update_xaxes(title_text='flights')

@@ -31,7 +31,7 @@ OF_WHOLE: Final = (
 )
 
 
-def format_title(tuned: TuningResult) -> str:
+def format_headline(tuned: TuningResult) -> str:
     """Return the headline; it claims a difference only if the 95 % interval excludes 0."""
     old, new = tuned.old.flights, tuned.new.flights
     gap = compare_costs(old, new)
@@ -64,7 +64,7 @@ def format_spread(value: QuartileSpread, factor: float = 1.0, digits: int = 2) -
     )
 
 
-def build_benefit_rows(tuned: TuningResult) -> list[Row]:
+def build_comparison_rows(tuned: TuningResult) -> list[Row]:
     """Return the comparison rows: metric, old, new."""
     sides = (tuned.old.flights, tuned.new.flights)
     rows = [
@@ -81,7 +81,9 @@ def build_benefit_rows(tuned: TuningResult) -> list[Row]:
             )
             rows.append([f'{name}: {words}', *values])
     for figure, words, factor, digits in OF_WHOLE:
-        values = (format_spread(side.summarize_flights(figure), factor, digits) for side in sides)
+        values = (
+            format_spread(side.compute_metric_quartiles(figure), factor, digits) for side in sides
+        )
         rows.append([words, *values])
     return rows
 
@@ -106,7 +108,7 @@ MARGIN_HEADS = (
 )  # fmt: skip
 
 
-def build_margin_rows(tuned: TuningResult) -> list[Row]:
+def build_stability_margin_rows(tuned: TuningResult) -> list[Row]:
     """Return the rows with the margins of old and new gains."""
     rows = []
     order = {'altitude': 0, 'heading': 1, 'speed': 2}
@@ -120,13 +122,13 @@ def build_margin_rows(tuned: TuningResult) -> list[Row]:
             [
                 old.loop, f'{old.speed:.1f}', f'{1e3 * old.loss:.1f}',
                 *format_margins(old.margins), *format_margins(new.margins),
-                format_remark(old, new),
+                explain_missing_margin(old, new),
             ]
         )  # fmt: skip
     return rows
 
 
-def format_remark(old: LoopMargins, new: LoopMargins) -> str:
+def explain_missing_margin(old: LoopMargins, new: LoopMargins) -> str:
     """Return why a margin is missing, or which swing is unstable."""
     words = []
     for name, side in (('old', old), ('new', new)):
@@ -139,7 +141,7 @@ def format_remark(old: LoopMargins, new: LoopMargins) -> str:
     return '; '.join(words)
 
 
-def build_limit_rows(old: HeliumLimit, new: HeliumLimit) -> list[Row]:
+def build_helium_limit_rows(old: HeliumLimit, new: HeliumLimit) -> list[Row]:
     """Return the rows of helium limits: limit, old, new."""
 
     def format_limit(value: float | None) -> str:
@@ -167,7 +169,7 @@ def format_leak_days(limit: HeliumLimit) -> str:
     return f'{limit.days[0]:.0f} to {limit.days[1]:.0f}'
 
 
-def build_gain_rows(tuned: TuningResult) -> list[Row]:
+def build_parameter_rows(tuned: TuningResult) -> list[Row]:
     """Return the rows of tuned parameters: path, old, new, search bounds."""
     out = []
     for each in tuned.numbers:

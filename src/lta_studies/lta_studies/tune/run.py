@@ -17,12 +17,16 @@ from lta_studies.tune.compare import draw_cases, fly_comparison, GainEvaluation
 from lta_studies.tune.evaluation_log import EvaluationLog, hash_search
 from lta_studies.tune.gain_search import GainSearchResult, search_gains
 from lta_studies.tune.gains_file import check_writable, round_gain, write_gains
-from lta_studies.tune.helium_limit import find_helium_limit, HeliumLimit, rotor_loss_limit
+from lta_studies.tune.helium_limit import (
+    find_tolerable_helium_loss,
+    HeliumLimit,
+    rotor_lift_loss_limit,
+)
 from lta_studies.tune.parameters import replace_parameters, select_parameters, TunableParameter
 from lta_studies.tune.progress import TuneProgress
 from lta_studies.tune.stability_margins import compute_loop_margins, CRUISE, LoopMargins
 from lta_studies.tune.step_response import TuningCase, TuningScene
-from lta_studies.tune.workers import create_workers, evaluate_all, EvaluationJob
+from lta_studies.tune.workers import create_workers, evaluate_jobs, EvaluationJob
 from rich.console import Console
 
 LAW = 'cascade'  # the only control law that can be tuned
@@ -115,14 +119,14 @@ def build_cases(order: TuningRequest) -> list[TuningCase]:
     return [TuningCase(order.least + k * gap, order.seed + k) for k in range(order.cases)]
 
 
-def check_request(order: TuningRequest) -> None:
+def check_loss_range(order: TuningRequest) -> None:
     """Raise `BadInput` for a range of losses that no gains could hold."""
     if order.least > order.most:
         raise BadInput(
             f'--least is {1e3 * order.least:g} g and --most {1e3 * order.most:g} g; --least must '
             'be the smaller one.'
         )
-    most = rotor_loss_limit(TuningScene(order.vehicle).nominal_vehicle)
+    most = rotor_lift_loss_limit(TuningScene(order.vehicle).nominal_vehicle)
     if order.most >= most:
         raise BadInput(
             f'The rotors of {order.vehicle} can carry a loss of {1e3 * most:.1f} g, less than '
@@ -141,7 +145,7 @@ def tune_once(order: TuningRequest, console: Console) -> TuningResult:
 
     """
     name = select_start_gains(order.vehicle, order.gains)
-    check_request(order)
+    check_loss_range(order)
     old = load_gains(name)
     # Fail before hours of flights rather than when the result is written.
     if order.out:
@@ -189,7 +193,7 @@ def evaluate_candidate(
     """Return the cost of each test flight of a candidate."""
     gains = replace_parameters(start, candidate)
     tasks = [EvaluationJob(scene, gains, case) for case in cases]
-    return [report.cost for report in evaluate_all(tasks, workers)]
+    return [report.cost for report in evaluate_jobs(tasks, workers)]
 
 
 def evaluate_gain_set(
@@ -201,7 +205,9 @@ def evaluate_gain_set(
     losses = sorted({order.least, middle, order.most})
     # Margins in hover and in cruise
     margins = compute_loop_margins(scene, gains, losses, (0.0, CRUISE))
-    return GainSetResult(gains, flights, tuple(margins), find_helium_limit(scene.vehicle, gains))
+    return GainSetResult(
+        gains, flights, tuple(margins), find_tolerable_helium_loss(scene.vehicle, gains)
+    )
 
 
 def vehicle_name(order: TuningRequest) -> str:

@@ -100,11 +100,13 @@ def compute_loop_margins(
         cut = LoopCut(scene.build_true_vehicle(loss), scene.nominal_vehicle, gains)
         for speed in speeds:
             linear = linearize_loop(cut, Setpoint(ALTITUDE, 0.0, speed))
-            found += [assess_loop(linear, loop, loss, speed) for loop in PLACES]
+            found += [compute_margins_or_reason(linear, loop, loss, speed) for loop in PLACES]
     return found
 
 
-def assess_loop(linear: LinearLoop, loop: Loop, loss: float, speed: float) -> LoopMargins:
+def compute_margins_or_reason(
+    linear: LinearLoop, loop: Loop, loss: float, speed: float
+) -> LoopMargins:
     """Compute the margins of one loop, or the reason why it has none."""
     why = ''
     # Rotors 0 and 1 are the vertical ones.

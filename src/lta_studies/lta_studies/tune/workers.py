@@ -57,17 +57,17 @@ def create_workers(size: int) -> WorkerPool:
     return WorkerPool(size, '--workers', goes_on=True)
 
 
-def evaluate_all(tasks: Sequence[EvaluationJob], by: WorkerPool) -> list[ResponseMetrics]:
+def evaluate_jobs(tasks: Sequence[EvaluationJob], by: WorkerPool) -> list[ResponseMetrics]:
     """Return the metrics in the order of the tasks."""
     return [
         report
         for _, report in sorted(
-            by.map_unordered(_evaluate_indexed, list(enumerate(tasks))), key=PLACE
+            by.map_unordered(_evaluate_with_index, list(enumerate(tasks))), key=PLACE
         )
     ]
 
 
 # At module level because worker processes must be able to pickle it.
-def _evaluate_indexed(place: int, task: EvaluationJob) -> tuple[int, ResponseMetrics]:
+def _evaluate_with_index(place: int, task: EvaluationJob) -> tuple[int, ResponseMetrics]:
     """Fly one test flight and return its index with the metrics."""
     return place, evaluate_gains(task)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import math
 from typing import Any, final
 
-from lta_flight.flight_spec import build_loop, build_parts, FlightSpec
+from lta_flight.flight_spec import build_loop, build_vehicle_scenario_stack, FlightSpec
 from lta_sim.readings import FlightOutcome
 
 LATE = 20.0  # s at the end of a flight in which the distance must shrink
@@ -54,7 +54,7 @@ class FlyableWind:
 def set_wind(spec: FlightSpec, wind: float, ground: GroundWind) -> FlightSpec:
     """Return the flight with wind from the lamp to the start; keep gusts and other air."""
     scene: dict[str, Any] = spec.contents['scenario']
-    _, scenario, _ = build_parts(spec)
+    _, scenario, _ = build_vehicle_scenario_stack(spec)
     x, y = scenario.goal_places[0]
     u, v = scenario.start.position.vector
     # Direction from the lamp (x, y) to the start (u, v), into which the wind blows.
@@ -63,20 +63,22 @@ def set_wind(spec: FlightSpec, wind: float, ground: GroundWind) -> FlightSpec:
     even = wind if ground.roughness is None else 0.0
     air = {
         **scene['air'],
-        'wind': _build_quantity([even * math.cos(towards), even * math.sin(towards), 0.0], 'm/s'),
+        'wind': _quantity_to_dict(
+            [even * math.cos(towards), even * math.sin(towards), 0.0], 'm/s'
+        ),
         'profile': None
         if ground.roughness is None
         else {
-            'wind': _build_quantity(wind, 'm/s'),
-            'towards': _build_quantity(towards, 'rad'),
-            'height': _build_quantity(ground.height, 'm'),
-            'roughness': _build_quantity(ground.roughness, 'm'),
+            'wind': _quantity_to_dict(wind, 'm/s'),
+            'towards': _quantity_to_dict(towards, 'rad'),
+            'height': _quantity_to_dict(ground.height, 'm'),
+            'roughness': _quantity_to_dict(ground.roughness, 'm'),
         },
     }
     return replace(spec, contents={**spec.contents, 'scenario': {**scene, 'air': air}})
 
 
-def _build_quantity(value: float | list[float], unit: str) -> dict[str, Any]:
+def _quantity_to_dict(value: float | list[float], unit: str) -> dict[str, Any]:
     return {'value': value, 'unit': unit}
 
 

@@ -6,7 +6,7 @@ import math
 from typing import Any, final
 
 from lta_config.errors import BadInput
-from lta_config.files import list_shipped
+from lta_config.files import list_shipped_names
 from lta_flight.flight_spec import FlightSpec, load_spec
 from lta_model import limits
 from lta_model.scenario import load_scenario
@@ -37,7 +37,7 @@ class WindStudyRequest:
 
 @final
 @dataclass(frozen=True, slots=True)
-class GroundLimit:
+class GroundWindLimits:
     """Limits over one ground, as wind at the reference height. [m/s]"""
 
     roughness: float
@@ -77,24 +77,24 @@ class PlatformWindLimits:
     rise: float
     static: float
     flown: FlyableWind | None
-    over: tuple[GroundLimit, ...]
+    over: tuple[GroundWindLimits, ...]
     note: str = ''
 
 
 def count_ticks(request: WindStudyRequest) -> int:
     """Return the largest number of ticks of `measure_limits`, for all vehicles."""
     # Airspeeds, times bisection steps and first try, times uniform wind and each ground.
-    each = (len(SHARES) + 1) * (_count_steps(request) + 1) * (1 + len(request.roughness))
-    return sum(each for name in request.vehicles if request.fly and _find_gains(name))
+    each = (len(SHARES) + 1) * (_bisection_steps(request) + 1) * (1 + len(request.roughness))
+    return sum(each for name in request.vehicles if request.fly and _shipped_gains_name(name))
 
 
-def _count_steps(request: WindStudyRequest) -> int:
+def _bisection_steps(request: WindStudyRequest) -> int:
     return 4 if request.quick else 6
 
 
-def _find_gains(vehicle: str) -> str | None:
+def _shipped_gains_name(vehicle: str) -> str | None:
     """Return the name of the shipped gains of a platform, or None."""
-    return vehicle if vehicle in list_shipped('control') else None
+    return vehicle if vehicle in list_shipped_names('control') else None
 
 
 def measure_limits(
@@ -103,13 +103,13 @@ def measure_limits(
     """Compute the limits of one platform; raise `BadInput` for an invalid file."""
     density = load_scenario(request.scenario).air.density
     vehicle = load_vehicle(name, density)
-    height = max(request.height, vehicle.height_on_floor + CLEARANCE)
+    height = max(request.height, vehicle.hull_height_on_floor + CLEARANCE)
     try:
         thrust = wind_limits.thrust_speed(vehicle)
     # No thrusts hold height and heading, so there are no limits; report why.
     except BadInput as error:
         nothing = tuple(
-            GroundLimit(z, _hull_wind_share(vehicle, height, request, z), 0.0, None)
+            GroundWindLimits(z, _hull_wind_share(vehicle, height, request, z), 0.0, None)
             for z in request.roughness
         )
         return PlatformWindLimits(name, height, 0.0, 0.0, 0.0, 0.0, None, nothing, str(error))
@@ -122,30 +122,30 @@ def measure_limits(
     if request.fly and flight is None:
         note = (note + ' Not flown, as no gains are shipped for it.').strip()
 
-    def fly_limit(ground: GroundWind, share: float) -> FlyableWind | None:
+    def find_wind_over_ground(ground: GroundWind, share: float) -> FlyableWind | None:
         if flight is None:
             return None
         # 10 % above the static limit, so that the bisection can end above it.
         return find_flyable_wind(
             flight, ground, 1.1 * min(thrust, FASTEST) / share,
             _list_airspeeds(request, flight, thrust), range(1, request.seeds + 1),
-            _count_steps(request), tick,
+            _bisection_steps(request), tick,
         )  # fmt: skip
 
     over = []
     for z in request.roughness:
         share = _hull_wind_share(vehicle, height, request, z)
         over.append(
-            GroundLimit(
+            GroundWindLimits(
                 # Division by the share converts wind at the hull to wind at the reference height.
                 z,
                 share,
                 static / share,
-                fly_limit(GroundWind(z, request.reference), share),
+                find_wind_over_ground(GroundWind(z, request.reference), share),
             )
         )
     # Uniform wind: the hull gets all of it.
-    even = fly_limit(GroundWind(None), 1.0)
+    even = find_wind_over_ground(GroundWind(None), 1.0)
     return PlatformWindLimits(name, height, thrust, tumble, rise, static, even, tuple(over), note)
 
 
@@ -168,7 +168,7 @@ def _hull_wind_share(
 
 
 def _build_flight_spec(request: WindStudyRequest, name: str, height: float) -> FlightSpec | None:
-    gains = _find_gains(name)
+    gains = _shipped_gains_name(name)
     if gains is None:
         return None
     made_of = load_spec(name, request.scenario, STRATEGY, gains)

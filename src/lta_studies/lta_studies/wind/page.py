@@ -11,8 +11,8 @@ from lta_config.command_line import format_lta_command
 from lta_model.vehicle import load_vehicle
 from lta_report.drawing import create_figure, EndLabel, label_ends
 from lta_report.formatting import Tile
+from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import render_section, render_tile
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, SOFT, TIME, TRUTH, WALL
 from lta_sim import wind_limits
 from lta_studies.wind.flyable_wind import FlyableWind
@@ -52,24 +52,25 @@ def render_page(results: Sequence[PlatformWindLimits], request: WindStudyRequest
     """Return the HTML of the page."""
     return assemble_page(
         'wind.html',
-        title=escape(format_title(results)),
+        title=escape(format_headline(results)),
         kicker=escape(f'wind · {request.scenario}'),
         about=escape(format_introduction(request)),
         tiles='\n'.join(render_tile(*each) for each in build_tiles(results)),
-        table=render_table(results, request),
+        table=render_limit_table(results, request),
         notes=''.join(
-            f'<p class="note">{escape(each)}</p>' for each in (METHOD, *format_notes(results))
+            f'<p class="note">{escape(each)}</p>'
+            for each in (METHOD, *format_platform_notes(results))
         ),
         picture=render_section(
             'wind', 'Flyable wind against the roughness of the ground', CAPTION,
             draw_limits(results, request),
         ),
-        facts=collect_facts(request),
+        facts=build_provenance_table(request),
         commands=list_commands(request),
     )  # fmt: skip
 
 
-def format_title(results: Sequence[PlatformWindLimits]) -> str:
+def format_headline(results: Sequence[PlatformWindLimits]) -> str:
     """Return the headline."""
     flown = {each.name: each.flown.wind for each in results if each.flown is not None}
     how = 'makes headway' if flown else 'can statically hold its position'
@@ -112,7 +113,7 @@ def build_tiles(results: Sequence[PlatformWindLimits]) -> list[Tile]:
     return made
 
 
-def format_notes(results: Sequence[PlatformWindLimits]) -> list[str]:
+def format_platform_notes(results: Sequence[PlatformWindLimits]) -> list[str]:
     """Return the notes on single platforms."""
     notes = [
         f'{each.name}: the best airspeed command in uniform wind was {each.flown.airspeed:g} m/s.'
@@ -136,7 +137,7 @@ def format_flyable_wind(limit: FlyableWind | None, bracket: bool = True) -> str:
     return f'{limit.wind:.2f}' + (f' (+{limit.fine:.2f})' if bracket else '')
 
 
-def render_table(results: Sequence[PlatformWindLimits], request: WindStudyRequest) -> str:
+def render_limit_table(results: Sequence[PlatformWindLimits], request: WindStudyRequest) -> str:
     """Return the HTML table of limits, with two columns for each ground."""
     grounds = ['uniform wind', *(f'over {z:g} m of roughness' for z in request.roughness)]
     top = ''.join(f'<th scope="colgroup" colspan="2">{name}</th>' for name in grounds)
@@ -164,7 +165,7 @@ def render_table(results: Sequence[PlatformWindLimits], request: WindStudyReques
     )
 
 
-def collect_facts(request: WindStudyRequest) -> dict[str, str]:
+def build_provenance_table(request: WindStudyRequest) -> dict[str, str]:
     """Return the provenance table of the page."""
     return {
         'scenario': f'{request.scenario}, its wind replaced',

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
-from lta_config.quantity import add_unit, Quantity
+from lta_config.quantity import format_with_unit, Quantity
 from lta_config.schema.vehicle_file import VehicleFile
 from pydantic import BaseModel
 
@@ -47,7 +47,7 @@ class VehicleFileEntry:
 
 def list_entries(file: VehicleFile) -> list[VehicleFileEntry]:
     """Return all numbers and choices of a vehicle file, in file order."""
-    found = list(_walk_entries(file, ''))
+    found = list(_iterate_entries(file, ''))
     # The schema version describes the file format and not the vehicle
     return [entry for entry in found if entry.place not in ('schema_version',)]
 
@@ -57,7 +57,7 @@ def list_numbers(file: VehicleFile) -> list[VehicleFileEntry]:
     return [entry for entry in list_entries(file) if entry.numbers]
 
 
-def _walk_entries(value: object, place: str) -> Iterator[VehicleFileEntry]:
+def _iterate_entries(value: object, place: str) -> Iterator[VehicleFileEntry]:
     if value is None:
         return
     if isinstance(value, Quantity):
@@ -71,10 +71,10 @@ def _walk_entries(value: object, place: str) -> Iterator[VehicleFileEntry]:
         )
     elif isinstance(value, BaseModel):
         for name in type(value).model_fields:
-            yield from _walk_entries(getattr(value, name), _join_path(place, name))
+            yield from _iterate_entries(getattr(value, name), _join_path(place, name))
     elif isinstance(value, Mapping):
         for name, part in value.items():
-            yield from _walk_entries(part, _join_path(place, str(name)))
+            yield from _iterate_entries(part, _join_path(place, str(name)))
     # Lists without units, such as names
     elif isinstance(value, Sequence) and not isinstance(value, str):
         yield VehicleFileEntry(place, ', '.join(str(item) for item in value))
@@ -91,7 +91,7 @@ def _join_path(place: str, name: str) -> str:
 def format_quantity(quantity: Quantity) -> str:
     """Format a quantity in the unit of the file, such as '[0, 0, -39.5] cm'."""
     if isinstance(quantity.value, tuple):
-        return add_unit(
+        return format_with_unit(
             f'[{", ".join(f"{number:.6g}" for number in quantity.value)}]', quantity.unit
         )
-    return add_unit(f'{quantity.value:.6g}', quantity.unit)
+    return format_with_unit(f'{quantity.value:.6g}', quantity.unit)

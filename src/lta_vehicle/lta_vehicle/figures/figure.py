@@ -50,7 +50,7 @@ class DerivedFigure:
     note: str = ''
 
     @property
-    def text(self) -> str:
+    def value_with_unit(self) -> str:
         """Value and unit as text."""
         if self.value is None:
             return MISSING

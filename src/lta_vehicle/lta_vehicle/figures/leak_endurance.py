@@ -13,7 +13,7 @@ from lta_vehicle.figures.wrench_limit import solve_wrench_limit
 HELIUM = 'Helium'
 
 
-def lift_margin(vehicle: Vehicle) -> float | None:
+def tolerable_lift_loss(vehicle: Vehicle) -> float | None:
     """Return the loss of lift up to which it can hover; None if it cannot hover now. [kg]"""
     up = solve_wrench_limit(vehicle, 'up')
     if up is None:
@@ -42,7 +42,7 @@ def derive_helium_figures(vehicle: Vehicle, held: float | None = None) -> Iterat
         ('leak_high', 'loses at most', high),
     ):
         yield DerivedFigure(key, HELIUM, words, GRAMS * rate, 'g/day', SOURCE, HULL, 2)
-    spare = lift_margin(vehicle)
+    spare = tolerable_lift_loss(vehicle)
     note = 'it cannot hover now' if spare is None else format_leak_days(spare, low, high)
     yield DerivedFigure(
         'hover_loss',

@@ -62,7 +62,7 @@ def derive_rotor_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
     if duty is not None:
         yield from _derive_hover_figures(vehicle)
     for direction, words in AXES.items():
-        most, note = _push_margin(vehicle, direction)
+        most, note = _force_margin(vehicle, direction)
         yield DerivedFigure(
             f'push_{direction}',
             ROTORS,
@@ -120,7 +120,7 @@ def _derive_hover_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
 NOMINAL = 3.7  # V, one lithium cell
 
 
-def _push_margin(vehicle: Vehicle, direction: str) -> tuple[float | None, str]:
+def _force_margin(vehicle: Vehicle, direction: str) -> tuple[float | None, str]:
     """Return the force beyond hover [N], and a note."""
     limit, note = find_push_limit(vehicle, direction)
     if limit is None:

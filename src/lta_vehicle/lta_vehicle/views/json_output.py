@@ -6,7 +6,7 @@ from lta_vehicle.difference import VehicleDifference
 from lta_vehicle.figures.entries import VehicleFileEntry
 from lta_vehicle.figures.figure import DerivedFigure
 from lta_vehicle.figures.sheet import VehicleSheet
-from lta_vehicle.views.summary import describe_vehicle, format_headline
+from lta_vehicle.views.sheet_summary import describe_vehicle, format_headline
 
 
 def encode_sheet(sheet: VehicleSheet, warnings: Sequence[str]) -> dict[str, object]:

@@ -7,15 +7,15 @@ from typing import Final
 
 from lta_config.command_line import format_lta_command
 from lta_report.formatting import Tile
+from lta_report.html_elements import render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import render_tile
 from lta_report.palette import DARK, ESTIMATE, FILL, GOOD, TIME, TRUTH
 from lta_vehicle.figures.entries import GUESSED, VehicleFileEntry
 from lta_vehicle.figures.figure import DerivedFigure
 from lta_vehicle.figures.mass_budget import CENTIMETRES, MassBudgetItem
 from lta_vehicle.figures.sheet import VehicleSheet
 from lta_vehicle.views.gondola import draw_gondola
-from lta_vehicle.views.summary import describe_vehicle, format_headline
+from lta_vehicle.views.sheet_summary import describe_vehicle, format_headline
 from lta_vehicle.views.three_views import draw_three_views
 
 COLOURS: Final = {'cg': ESTIMATE, 'lift': TRUTH, 'push': GOOD, 'film': FILL}
@@ -59,7 +59,7 @@ def render_page(sheet: VehicleSheet, warnings: Sequence[str], name: str) -> str:
         kicker=escape(f'vehicle · {file.name}{format_control_law(sheet)}'),
         about=escape(file.about),
         tiles='\n'.join(render_tile(*tile) for tile in build_tiles(sheet.by_key)),
-        drawing=draw_three_views(sheet.vehicle, center_of_pressure(sheet))
+        drawing=draw_three_views(sheet.vehicle, pressure_center_offset(sheet))
         + draw_gondola(sheet.vehicle),
         words=render_list(describe_vehicle(sheet)),
         warnings=render_warnings(warnings),
@@ -81,7 +81,7 @@ def format_control_law(sheet: VehicleSheet) -> str:
     return f' · flown by {control.law.replace("_", " ")}' if control else ''
 
 
-def center_of_pressure(sheet: VehicleSheet) -> float:
+def pressure_center_offset(sheet: VehicleSheet) -> float:
     """Return the distance of the centre of pressure ahead of the hull centre. [m]"""
     figure = sheet.by_key.get('cp_x')
     return 0.0 if figure is None or figure.value is None else figure.value / CENTIMETRES
@@ -94,7 +94,7 @@ def build_tiles(figures: Mapping[str, DerivedFigure]) -> list[Tile]:
         figure = figures.get(key)
         if figure is None:
             continue
-        value, _, unit = figure.text.partition(' ')
+        value, _, unit = figure.value_with_unit.partition(' ')
         note = NOTES.get(key) or figure.note
         # A missing or zero value needs its reason rather than the general note
         if not figure.value:
@@ -156,8 +156,8 @@ def render_figure_row(figure: DerivedFigure, sheet: VehicleSheet) -> str:
     note = f'<small>{escape(figure.note)}</small>' if figure.note else ''
     return (
         f'<tr><th scope="row">{escape(figure.words)}{note}</th>'
-        f'<td class="value">{escape(figure.text)}</td>'
-        f'<td class="why">{render_source(figure.source)}{basis}</td></tr>'
+        f'<td class="value">{escape(figure.value_with_unit)}</td>'
+        f'<td class="why">{render_number_source(figure.source)}{basis}</td></tr>'
     )
 
 
@@ -167,7 +167,7 @@ def render_part_row(share: MassBudgetItem) -> str:
         f'<tr><th scope="row">{escape(share.part.replace("_", " "))}</th>'
         f'<td>{escape(share.layer.replace("_", " "))}</td>'
         f'<td class="value">{1e3 * share.mass:.1f} g</td>'
-        f'<td class="why">{render_source(share.source)}</td></tr>'
+        f'<td class="why">{render_number_source(share.source)}</td></tr>'
     )
 
 
@@ -177,7 +177,7 @@ def render_number_row(entry: VehicleFileEntry) -> str:
     return (
         f'<tr class="{kind}"><th scope="row">{insert_line_breaks(entry.place)}</th>'
         f'<td class="value">{escape(entry.value)}</td>'
-        f'<td class="why">{render_source(entry.source)}</td></tr>'
+        f'<td class="why">{render_number_source(entry.source)}</td></tr>'
     )
 
 
@@ -187,7 +187,7 @@ def insert_line_breaks(place: str) -> str:
     return escape(place).replace('.', '.<wbr>').replace('_', '_<wbr>')
 
 
-def render_source(source: str) -> str:
+def render_number_source(source: str) -> str:
     """Return a source as HTML, tagged if it is an assumption."""
     words = escape(source)
     if any(word in source.lower() for word in GUESSED):

@@ -31,11 +31,11 @@ class ViewDirection:
 
     def project(self, place: Sequence[float]) -> Two:
         """Return right and up coordinates of a position or direction."""
-        return _dot_product(place, self.right), _dot_product(place, self.up)
+        return _dot(place, self.right), _dot(place, self.up)
 
     def depth(self, place: Sequence[float]) -> float:
         """Return the component towards the viewer."""
-        return _dot_product(place, self.towards)
+        return _dot(place, self.towards)
 
 
 VIEWS = (
@@ -45,7 +45,7 @@ VIEWS = (
 )
 
 
-def _dot_product(a: Sequence[float], b: Sequence[float]) -> float:
+def _dot(a: Sequence[float], b: Sequence[float]) -> float:
     return sum(x * y for x, y in zip(a, b, strict=True))
 
 

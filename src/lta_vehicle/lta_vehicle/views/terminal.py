@@ -6,8 +6,8 @@ from lta_vehicle.difference import FigureChange, VehicleDifference
 from lta_vehicle.figures.entries import GUESSED, VehicleFileEntry
 from lta_vehicle.figures.figure import DerivedFigure, MISSING
 from lta_vehicle.figures.sheet import VehicleSheet
+from lta_vehicle.views.sheet_summary import describe_vehicle, format_headline
 from lta_vehicle.views.side_view import draw_side_view
-from lta_vehicle.views.summary import describe_vehicle, format_headline
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -92,7 +92,7 @@ def build_figures_table(
         if guess:
             share = Text('the rule', GUESS)
         source = Text(figure.source, GUESS if guess else QUIET)
-        table.add_row(words, figure.text, source, share)
+        table.add_row(words, figure.value_with_unit, source, share)
     return table
 
 
@@ -155,11 +155,11 @@ def show_difference(
 
 def format_figure_change(item: FigureChange) -> tuple[str, str, str, str]:
     """Return label, value before and after, and change of a figure."""
-    shown = [figure.text if figure else MISSING for figure in (item.before, item.after)]
-    return item.figure.words, shown[0], shown[1], format_shift(item)
+    shown = [figure.value_with_unit if figure else MISSING for figure in (item.before, item.after)]
+    return item.figure.words, shown[0], shown[1], format_change(item)
 
 
-def format_shift(item: FigureChange) -> str:
+def format_change(item: FigureChange) -> str:
     """Format a change, such as '+1.2 g (+8 %)'."""
     shift = item.shift
     if shift is None or item.before is None:

@@ -89,7 +89,7 @@ def _draw_view(shapes: ViewShapes, left: float, top: float, scale: float) -> Ite
     for mark in shapes.marks:
         x, y = to_pixels(mark.at)
         near = sum(abs(x - p) < CLOSE[0] and abs(y - q) < CLOSE[1] for p, q in taken)
-        sign, words = _draw_mark(mark, x, y, min(near, len(LETTERS) - 1))
+        sign, words = _draw_center_mark(mark, x, y, min(near, len(LETTERS) - 1))
         yield sign
         letters.append(words)
         taken.append((x, y))
@@ -155,7 +155,7 @@ def _draw_arrow(x: float, y: float, p: float, q: float) -> str:
     )
 
 
-def _draw_mark(mark: CenterMark, x: float, y: float, near: int) -> tuple[str, str]:
+def _draw_center_mark(mark: CenterMark, x: float, y: float, near: int) -> tuple[str, str]:
     """Return the symbol of a centre and its letters."""
     kind = {'CG': 'gravity', 'CP': 'pressure'}.get(mark.letters, 'buoyancy')
     if mark.letters == 'moving mass':
@@ -163,13 +163,13 @@ def _draw_mark(mark: CenterMark, x: float, y: float, near: int) -> tuple[str, st
     right, down, anchor = LETTERS[near]
     return (
         f'<g class="mark {kind}"><title>{escape(mark.about)}</title>'
-        f'{"".join(draw_symbol(kind, x, y))}</g>',
+        f'{"".join(draw_center_symbol(kind, x, y))}</g>',
         f'<g class="mark {kind}"><text x="{x + right:.1f}" y="{y + down:.1f}" '
         f'text-anchor="{anchor}">{escape(mark.letters)}</text></g>',
     )
 
 
-def draw_symbol(kind: str, x: float, y: float) -> Iterator[str]:
+def draw_center_symbol(kind: str, x: float, y: float) -> Iterator[str]:
     """Yield the symbol of a centre: quartered for gravity, ring for buoyancy, else diamond."""
     if kind == 'gravity':
         yield f'<circle class="ring" cx="{x:.1f}" cy="{y:.1f}" r="7"/>'
@@ -189,7 +189,8 @@ def _draw_legend(x: float, y: float, scale: float, hull: bool) -> Iterator[str]:
         rows.append(('buoyancy', 'CB: centre of buoyancy'))
         rows.append(('pressure', 'CP: centre of pressure'))
     for k, (kind, words) in enumerate(rows):
-        yield f'<g class="mark {kind}">{"".join(draw_symbol(kind, x + 8, y + 24.0 * k))}</g>'
+        symbol = ''.join(draw_center_symbol(kind, x + 8, y + 24.0 * k))
+        yield f'<g class="mark {kind}">{symbol}</g>'
         yield f'<text class="key" x="{x + 26:.1f}" y="{y + 4 + 24.0 * k:.1f}">{words}</text>'
     z = y + 24.0 * len(rows)
     yield f'<g class="rotor">{_draw_arrow(x - 2, z, 22, 0)}</g>'

@@ -60,14 +60,14 @@ class Demodulator(GraphNode):
         message: Image = step.last_message('photodiodes')
         try:
             # Before demodulating: trackers must know of the gap
-            self._listener.skip_blocks(self._sequence.accept_block(step.stamp_ns))
+            self._listener.skip_blocks(self._sequence.count_missing_blocks(step.stamp_ns))
             # The last request wins
             for wish in step.messages['light/beacon']:
                 self._listener.prioritize_beacon(wish.data)
             block = to_block(message)
             # A block of another vehicle would be fitted with wrong axes
-            self._finder.diodes.check_count(block.shape[1])
-            hearing = self._listener.demodulate(block)
+            self._finder.diodes.check_diode_count(block.shape[1])
+            hearing = self._listener.demodulate_next_block(block)
         except ValueError as error:
             self._refused += 1
             self.health.report(WANTED, HealthLevel.ERROR, str(error), blocks_refused=self._refused)
@@ -75,7 +75,7 @@ class Demodulator(GraphNode):
                 self._publish_results(message.header, (), LampDetection())
             return
         settings = self._settings.value
-        found = self._finder.find(hearing.peaks[0], settings.threshold, settings.prior)
+        found = self._finder.find_lamp(hearing.peaks[0], settings.threshold, settings.prior)
         self._publish_results(message.header, hearing.peaks, found)
         self._report_health(hearing)
 

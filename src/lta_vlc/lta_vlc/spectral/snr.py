@@ -40,9 +40,7 @@ def select_quiet_bins(
     return np.flatnonzero(quiet)
 
 
-def signal_to_noise_ratio(
-    peak: NDArray[np.float64], noise: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def signal_to_noise(peak: NDArray[np.float64], noise: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return peak over noise, 0 without any signal and infinity without noise, shape (d,)."""
     # Value where the noise is zero
     silent = np.where(peak > 0.0, np.inf, 0.0)

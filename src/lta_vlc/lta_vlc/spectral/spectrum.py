@@ -24,7 +24,9 @@ def fourier_transform(waves: NDArray[np.float64]) -> NDArray[np.complex128]:
     return spectrum
 
 
-def compute_magnitudes(spectrum: NDArray[np.complex128], samples: int) -> NDArray[np.float64]:
+def amplitudes_from_transform(
+    spectrum: NDArray[np.complex128], samples: int
+) -> NDArray[np.float64]:
     """Return the amplitude of each frequency from `fourier_transform`, shape (d, n // 2 + 1)."""
     magnitude = np.abs(spectrum)
     if samples % 2 == 0:
@@ -44,4 +46,4 @@ def amplitude_spectrum(block: ArrayLike) -> NDArray[np.float64]:
     """
     waves = np.array(np.asarray(block).T, dtype=np.float64, order='C')
     waves -= np.add.reduce(waves, axis=1, keepdims=True) / waves.shape[1]  # the mean, in less time
-    return compute_magnitudes(fourier_transform(waves), waves.shape[1]).T
+    return amplitudes_from_transform(fourier_transform(waves), waves.shape[1]).T

@@ -3,7 +3,7 @@
 from types import SimpleNamespace
 
 from lta_bridge.crazyflie import connection_manager
-from lta_bridge.crazyflie.connection_manager import apply_parameters, ConnectionManager
+from lta_bridge.crazyflie.connection_manager import ConnectionManager, enforce_parameters
 from lta_bridge.crazyflie.link import LinkFailed
 from lta_config.schema.crazyflie_file import ExpectedParameter
 import pytest
@@ -90,12 +90,12 @@ def want(value, write=True):
 
 def test_what_turns_motors_is_switched_off_first_and_what_is_right_is_left():
     drone = Drone({'motorPowerSet.enable': 1.0, 'powerDist.idleThrust': 0.0, 'a': 1.0, 'b': 2.0})
-    apply_parameters(drone, {'a': want(1.0, write=False), 'b': want(3.0)})
+    enforce_parameters(drone, {'a': want(1.0, write=False), 'b': want(3.0)})
     assert drone.written == [('motorPowerSet.enable', 0.0, 2.0), ('b', 3.0, 2.0)]
 
 
 def test_a_refused_drone_gets_nothing_but_what_stops_its_motors():
     drone = Drone({'powerDist.idleThrust': 7000.0, 'a': 1.0, 'b': 2.0})
     with pytest.raises(LinkFailed, match=r'b is 2, not 3 \(why\)'):
-        apply_parameters(drone, {'a': want(5.0), 'b': want(3.0, write=False)})
+        enforce_parameters(drone, {'a': want(5.0), 'b': want(3.0, write=False)})
     assert drone.written == [('powerDist.idleThrust', 0.0, 2.0)]

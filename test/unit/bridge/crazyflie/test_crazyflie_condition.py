@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 from lta_bridge.crazyflie import readings
 from lta_bridge.crazyflie.bridge_core import BridgeCore
-from lta_bridge.crazyflie.health_facts import describe_connection, describe_health
+from lta_bridge.crazyflie.health_diagnostics import describe_connection, describe_health
 from lta_bridge.crazyflie.safety import SafetyInputs, SafetyStage, SafetyState
 from lta_config.schema.crazyflie_file import load_crazyflie
 from lta_graph.health import HealthLevel

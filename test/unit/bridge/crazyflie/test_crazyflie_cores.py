@@ -30,7 +30,7 @@ def fly(clock, seconds, drift=0.0, boot_ms=0, latency=None, seed=1):
         device_ms = boot_ms + 10 * turn
         true_ns = 10**18 + round(10 * turn * MS / (1.0 + drift))
         late = round(MS * (2.0 + chance.exponential(3.0) if latency is None else latency))
-        told = clock.stamp_packet(device_ms & 0xFFFFFF, true_ns + late)
+        told = clock.compute_packet_time(device_ms & 0xFFFFFF, true_ns + late)
         assert told <= true_ns + late
         errors.append((told - true_ns) / MS)
     return np.array(errors)
@@ -60,14 +60,14 @@ def test_the_stamp_wraps_after_four_and_a_half_hours():
 
 def test_late_and_swapped_packets_keep_their_own_stamps():
     clock = DeviceClock()
-    stamps = [clock.stamp_packet(ms, 10**18 + 1_000 * MS) for ms in (1000, 990, 995)]
+    stamps = [clock.compute_packet_time(ms, 10**18 + 1_000 * MS) for ms in (1000, 990, 995)]
     assert [stamps[0] - one for one in stamps] == [0, 10 * MS, 5 * MS]
 
 
 def test_a_reboot_begins_anew():
     clock = DeviceClock()
     fly(clock, 3.0, boot_ms=600_000, latency=1.0)
-    told = clock.stamp_packet(100, 10**18 + 4_000 * MS)
+    told = clock.compute_packet_time(100, 10**18 + 4_000 * MS)
     assert told == 10**18 + 4_000 * MS
     assert clock.line.restarts == 1
 
@@ -77,9 +77,9 @@ def test_a_clock_that_is_set_back_a_little_is_learnt_anew(back_s):
     """One that started anew within its first seconds: at once, not after the line's minute."""
     clock, back = DeviceClock(), round(1000 * back_s)
     for ms in range(0, 9500, 10):
-        clock.stamp_packet(ms, 10**18 + (ms + 2) * MS)
+        clock.compute_packet_time(ms, 10**18 + (ms + 2) * MS)
     for ms in range(9500, 10500, 10):
-        told = clock.stamp_packet(ms - back, 10**18 + (ms + 2) * MS)
+        told = clock.compute_packet_time(ms - back, 10**18 + (ms + 2) * MS)
         assert told == pytest.approx(10**18 + (ms + 2) * MS, abs=1000)
     assert clock.line.restarts == 1
 
@@ -169,20 +169,20 @@ def test_a_command_of_the_future_is_none(ahead_s, known):
     """Of a computer whose clock is wrong: as the newest one it would be flown for an hour."""
     bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
     bridge.accept_command(CrazyflieCommand(10**18 + round(1e9 * ahead_s), duties=(0.1,) * 4))
-    assert math.isfinite(bridge.collect_inputs(10**18, True, True).command_age) == known
+    assert math.isfinite(bridge.collect_safety_inputs(10**18, True, True).command_age) == known
 
 
 def test_limits_of_height_and_way_age_with_the_estimate_that_they_are_of():
     """They would stand at its last word, whoever goes on commanding."""
     bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
     assert (
-        bridge.collect_inputs(10**18, True, True).place_age == 0.0
+        bridge.collect_safety_inputs(10**18, True, True).place_age == 0.0
     )  # an estimator that nobody has
     odom = Odometry()
     odom.header.stamp = to_stamp(10**18)
     odom.pose.pose.position.z = 0.4
     bridge.update_position(messages.to_position(odom))
-    seen = bridge.collect_inputs(10**18 + 2_500 * MS, True, True)
+    seen = bridge.collect_safety_inputs(10**18 + 2_500 * MS, True, True)
     assert (seen.height, seen.place_age) == pytest.approx((0.4, 2.5))
 
 
@@ -190,15 +190,17 @@ def test_a_clock_that_is_set_back_makes_no_silence_fresh():
     bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
     values = {f'motor.m{n}': 0.0 for n in range(1, 5)} | {'supervisor.info': 2.0}
     bridge.receive_packet(LogPacket('motors', 1000, values, 10**18))
-    assert bridge.collect_inputs(10**18 + 100 * MS, True, True).silence == pytest.approx(0.1)
-    assert math.isinf(bridge.collect_inputs(10**18 - 3600 * 1000 * MS, True, True).silence)
+    assert bridge.collect_safety_inputs(10**18 + 100 * MS, True, True).silence == pytest.approx(
+        0.1
+    )
+    assert math.isinf(bridge.collect_safety_inputs(10**18 - 3600 * 1000 * MS, True, True).silence)
 
 
 @pytest.mark.parametrize(('back_ms', 'restarts'), [(100, 0), (101, 1)])
 def test_a_packet_is_a_tenth_of_a_second_late_or_of_another_clock(back_ms, restarts):
     clock = DeviceClock()
-    clock.stamp_packet(5000, 10**18)
-    clock.stamp_packet(5000 - back_ms, 10**18)
+    clock.compute_packet_time(5000, 10**18)
+    clock.compute_packet_time(5000 - back_ms, 10**18)
     assert clock.line.restarts == restarts
 
 

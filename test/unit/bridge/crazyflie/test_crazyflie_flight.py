@@ -13,14 +13,14 @@ def fly(drone, begin, end, wish):
 
 def test_the_motors_of_gtmab_turn_its_own_rotors_and_it_senses_that():
     drone = build_simulated_body('gtmab', 'lamp_room', 1)
-    assert drone.read_values()['acc.z'] == pytest.approx(1.0, abs=0.05)
+    assert drone.read_log_values()['acc.z'] == pytest.approx(1.0, abs=0.05)
     height = drone.world.state[2]
     state = fly(drone, 0.0, 3.0, BodyCommand(duties=(0.5, 0.5, 0.0, 0.0)))
     assert drone.duties == (0.5, 0.5, 0.0, 0.0)
     assert state[2] > height + 0.1
-    assert drone.read_values()['range.zrange'] > 100.0
-    assert 98_000 < 100.0 * drone.read_values()['baro.pressure'] < 104_000
-    assert 3.0 < drone.read_values()['pm.vbat'] < 4.3
+    assert drone.read_log_values()['range.zrange'] > 100.0
+    assert 98_000 < 100.0 * drone.read_log_values()['baro.pressure'] < 104_000
+    assert 3.0 < drone.read_log_values()['pm.vbat'] < 4.3
 
 
 def test_a_late_look_is_let_go():
@@ -39,7 +39,7 @@ def test_the_multirotor_hovers_by_setpoint_and_lands():
     assert state[2] < 0.05
     assert drone.duties == (0.0,) * 4
     fly(drone, 11.0, 20.0, BodyCommand())  # and stands
-    assert drone.read_values()['acc.z'] == pytest.approx(1.0, abs=0.1)
+    assert drone.read_log_values()['acc.z'] == pytest.approx(1.0, abs=0.1)
 
 
 def test_motors_turn_at_idle_and_by_eight_bits_of_duty():

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 from lta_bridge.crazyflie import duties_packet
 from lta_bridge.crazyflie.cflib_link import CflibLink
-from lta_bridge.crazyflie.connection_manager import apply_parameters, ConnectionManager
+from lta_bridge.crazyflie.connection_manager import ConnectionManager, enforce_parameters
 from lta_bridge.crazyflie.link import LinkFailed, LinkLost, LogPacket, MalformedPacket
 from lta_bridge.crazyflie.links import create_link
 from lta_bridge.crazyflie.log_table import BLOCKS
@@ -253,11 +253,15 @@ def test_parameters_are_brought_to_what_the_vehicle_needs_or_refused(linked):
     with CrazyflieServer(Firmware(BenchBody())) as server:
         link = linked(server)
         with pytest.raises(LinkFailed, match=r'has no parameter lta.new \(why\)'):
-            apply_parameters(link, {'lta.new': ExpectedParameter(value=1, write=True, why='why')})
+            enforce_parameters(
+                link, {'lta.new': ExpectedParameter(value=1, write=True, why='why')}
+            )
         with pytest.raises(LinkFailed, match=r'lta.app is 2, not 3 \(why\)'):
-            apply_parameters(link, {'lta.app': ExpectedParameter(value=3, write=False, why='why')})
+            enforce_parameters(
+                link, {'lta.app': ExpectedParameter(value=3, write=False, why='why')}
+            )
         with pytest.raises(LinkFailed, match=r'firmware\.revision0 cannot be written'):
-            apply_parameters(
+            enforce_parameters(
                 link, {'firmware.revision0': ExpectedParameter(value=2, write=True, why='why')}
             )
         link.close()
@@ -272,7 +276,7 @@ def test_on_the_arming_build_the_connection_brings_idle_thrust_to_nothing(linked
         wait_until(lambda: firmware.body.duties == turning, 'the idle thrust')
         link.request_arming(False)
         wait_until(lambda: firmware.body.duties == (0.0,) * 4, 'its end')
-        apply_parameters(link, load_crazyflie('multirotor').expected, compensated=True)
+        enforce_parameters(link, load_crazyflie('multirotor').expected, compensated=True)
         assert firmware.parameters.values['powerDist.idleThrust'] == 0
         wait_until(
             lambda: link.request_arming(True) or firmware.supervisor.accepts_setpoints,
@@ -289,7 +293,7 @@ def test_what_every_drone_must_meet_is_written_to_it(linked):
     with CrazyflieServer(Firmware(BenchBody())) as server:
         server.firmware.parameters.values.update(other, **{'stabilizer.controller': 1})
         link = linked(server)
-        apply_parameters(link, load_crazyflie('gtmab').expected, compensated=False)
+        enforce_parameters(link, load_crazyflie('gtmab').expected, compensated=False)
         values = server.firmware.parameters.values
         assert {name: values[name] for name in other} == {
             name: want.value for name, want in REQUIRED.items()
@@ -321,7 +325,7 @@ def test_without_the_present_app_a_blimp_is_refused_with_what_turns_motors_switc
             values['lta.app'] = version
         link = linked(server)
         with pytest.raises(LinkFailed, match=sentence):
-            apply_parameters(link, load_crazyflie('gtmab').expected, compensated=False)
+            enforce_parameters(link, load_crazyflie('gtmab').expected, compensated=False)
         assert values['supervisor.landedTimeout'] == 60000
         assert (values['motorPowerSet.enable'], values['powerDist.idleThrust']) == (0, 0)
         link.close()
@@ -345,7 +349,7 @@ def test_firmware_and_vehicle_agree_on_the_correction_for_the_battery(
     with CrazyflieServer(Firmware(BenchBody(), build=build)) as server:
         link = linked(server)
         with pytest.raises(LinkFailed, match=sentence) if sentence else nullcontext():
-            apply_parameters(link, {}, counted_on)
+            enforce_parameters(link, {}, counted_on)
         link.close()
 
 

@@ -538,4 +538,4 @@ def test_a_datagram_is_a_header_and_at_most_30_bytes():
     assert unpack_datagram(b'\x5e\x01') == CrtpPacket(
         5, 2, b'\x01'
     )  # the reserved bits say nothing
-    assert CrtpPacket(5, 2, b'\x01').pack() == b'\x52\x01'
+    assert CrtpPacket(5, 2, b'\x01').pack_datagram() == b'\x52\x01'

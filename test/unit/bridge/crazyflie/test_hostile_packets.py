@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_bridge.crazyflie import messages
 from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand, PositionEstimate, UNTOLD
-from lta_bridge.crazyflie.health_facts import describe_health
+from lta_bridge.crazyflie.health_diagnostics import describe_health
 from lta_bridge.crazyflie.link import LogPacket
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.crazyflie.packet_check import block_size, find_packet_fault, MOST, STAMPED
@@ -65,7 +65,7 @@ class Flight:
 
     @property
     def facts(self):
-        seen = self.bridge.collect_inputs(self.now, True, True)
+        seen = self.bridge.collect_safety_inputs(self.now, True, True)
         return {fact.task: fact for fact in describe_health(self.bridge, '', 0, 12, seen)}
 
     @property

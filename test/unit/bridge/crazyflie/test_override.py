@@ -1,7 +1,7 @@
 """Motors past the firmware's supervisor: only tethered, and let go of on every way out."""
 
 from lta_bridge.crazyflie.bridge_core import LETTING_GO
-from lta_bridge.crazyflie.override import check_tether, select_parameters
+from lta_bridge.crazyflie.override import check_tether, select_expected_parameters
 from lta_bridge.crazyflie.safety import SafetyRequest as AskedBy
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_config.errors import BadInput
@@ -97,9 +97,11 @@ def test_untethered_it_is_refused_and_no_app_is_asked_for():
         check_tether('override', tethered=False)
     check_tether('override', tethered=True)
     check_tether('motors', tethered=False)
-    assert 'lta.app' in select_parameters(FILE, 'motors')
-    assert not any(name.startswith('lta.') for name in select_parameters(FILE, 'override'))
-    assert 'stabilizer.controller' not in select_parameters(
+    assert 'lta.app' in select_expected_parameters(FILE, 'motors')
+    assert not any(
+        name.startswith('lta.') for name in select_expected_parameters(FILE, 'override')
+    )
+    assert 'stabilizer.controller' not in select_expected_parameters(
         FILE, 'override'
     )  # stock firmware has no 6
-    assert REQUIRED.keys() <= select_parameters(FILE, 'override').keys()
+    assert REQUIRED.keys() <= select_expected_parameters(FILE, 'override').keys()

@@ -13,8 +13,8 @@ from lta_bridge.crazyflie.log_table import LogBlock
 from lta_bridge.devices import find_devices, format_udev_rules, RADIO
 from lta_bridge.hardware import board as listening_to_boards
 from lta_bridge.hardware import drone as listening_to_drones
-from lta_bridge.hardware.check import check_any_hardware
-from lta_bridge.hardware.stream import measure_stream
+from lta_bridge.hardware.check import require_hardware
+from lta_bridge.hardware.stream import compute_stream_statistics
 from lta_config.errors import BadInput
 from lta_emulation.crazyflie.body import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
@@ -101,7 +101,7 @@ def test_the_rules_name_every_kind_once():
 
 def test_nothing_there_is_one_sentence_with_the_remedy():
     with pytest.raises(BadInput, match='plug one in, or give its address'):
-        check_any_hardware([], [], '', '')
+        require_hardware([], [], '', '')
 
 
 def test_a_stream_by_hand_over_the_wrap_of_its_clock():
@@ -110,12 +110,12 @@ def test_a_stream_by_hand_over_the_wrap_of_its_clock():
     packets = [
         LogPacket('imu', stamp, {}, 1_000_000 * ((stamp + 1000) % 2**24)) for stamp in stamps
     ]
-    figures = measure_stream(LogBlock('imu', 10, {}), packets)
+    figures = compute_stream_statistics(LogBlock('imu', 10, {}), packets)
     assert (figures.wanted, figures.packets) == (100.0, 9)
     assert figures.rate == pytest.approx(8 / 0.09)
     assert figures.loss == pytest.approx(0.1)
     assert figures.jitter == pytest.approx(0.0, abs=1e-9)
-    assert measure_stream(LogBlock('imu', 10, {}), []).loss == 1.0
+    assert compute_stream_statistics(LogBlock('imu', 10, {}), []).loss == 1.0
 
 
 class Talking:

@@ -8,7 +8,7 @@ from lta_challenge import other
 from lta_challenge.case import ChallengeCase
 from lta_challenge.case_score import score_case
 from lta_challenge.make import ChallengeRequest, draw_case
-from lta_challenge.other.air import RoomDraught, UnsteadyWind
+from lta_challenge.other.air import RoomAirMotion, UnsteadyWind
 from lta_challenge.other.case_generator import OtherCaseGenerator
 from lta_challenge.other.effect_injection import HIDINGS, inject_effects, true_values
 from lta_challenge.other.flight import FlightSimulator
@@ -16,9 +16,9 @@ from lta_challenge.other.pilot import SwingingPilot
 from lta_challenge.other.sensors import SensorSet
 from lta_challenge.other.sizing import wrench_strength
 from lta_challenge.other.tolerance import perturb_vehicle
-from lta_challenge.other.truth import build_truth, VehicleTruth
+from lta_challenge.other.truth import build_vehicle_truth, VehicleTruth
 from lta_challenge.other.unlisted import UNLISTED
-from lta_challenge.rows import find_row, Kind
+from lta_challenge.rows import find_challenge_row, Kind
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -32,7 +32,7 @@ MIDDLE = {knob: 0.5 * (hiding.least + hiding.most) for knob, hiding in HIDINGS.i
 @pytest.fixture(scope='module')
 def truth() -> VehicleTruth:
     """Return the vehicle as its file has it."""
-    return build_truth(VEHICLE)
+    return build_vehicle_truth(VEHICLE)
 
 
 def drawn(
@@ -46,10 +46,10 @@ def seen(truth: VehicleTruth, seconds: float = 3.0) -> dict[str, np.ndarray]:
     """Return what is recorded of a flight, by topic, of the same chance always."""
     draw = np.random.default_rng(2)
     air = [UnsteadyWind(truth, seconds, np.random.default_rng(7))]
-    pilot = SwingingPilot(seconds, build_truth(VEHICLE), draw)
+    pilot = SwingingPilot(seconds, build_vehicle_truth(VEHICLE), draw)
     # In all directions at once, so that all drag acts.
     begin = [0.0, 0.0, 1.5, 0.3, 0.2, -0.2, 1.0, 0.0, 0.0, 0.0, 0.2, 0.2, 0.2]
-    flown = FlightSimulator(truth, pilot, air).simulate(begin, seconds)
+    flown = FlightSimulator(truth, pilot, air).simulate_flight(begin, seconds)
     streams = SensorSet(flown, truth, 'exact', np.random.default_rng(4)).record_streams()
     return {topic: values for topic, (_, values) in streams.items()}
 
@@ -95,7 +95,7 @@ def test_kinds_hide_what_they_say_and_can_be_judged() -> None:
         one = score_case(0, answer, found)
         assert (one.missed, one.late) == (one.hidden, outside)
         for flight in case.flights:
-            assert set(flight.streams) == {*find_row('other').topics, 'motors'}
+            assert set(flight.streams) == {*find_challenge_row('other').topics, 'motors'}
 
 
 def test_flights_are_vigorous_and_stay_above_the_floor() -> None:
@@ -153,13 +153,13 @@ def test_each_thing_outside_the_library_pushes(truth: VehicleTruth, name: str) -
     numbers |= {'rotor': 2.0} if 'rotor' in numbers else {}
     pilot = SwingingPilot(7.0, truth, draw)
     begin = [0.5, 0.3, 1.5, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
-    flown = FlightSimulator(truth, pilot, [], kind.make(numbers)).simulate(begin, 7.0)
+    flown = FlightSimulator(truth, pilot, [], kind.make(numbers)).simulate_flight(begin, 7.0)
     assert 0.5 < wrench_strength(flown.unlisted) < 200.0
     assert np.all(np.isfinite(flown.states))
 
 
 def test_draughts_are_as_strong_as_they_are_told(truth: VehicleTruth) -> None:
-    air = RoomDraught(2e-3, 2000.0, np.random.default_rng(6))
+    air = RoomAirMotion(2e-3, 2000.0, np.random.default_rng(6))
     series = np.array(
         [air.sample_flow(time, 0.0, 0.0, 1.0) for time in np.arange(0.0, 2000.0, 0.5)]
     )

@@ -4,9 +4,9 @@ from dataclasses import replace
 import math
 
 from lta_challenge.other.body import KirchhoffBody, STILL
-from lta_challenge.other.flight import FlightSimulator, SimulatedPath, TICK
+from lta_challenge.other.flight import FlightSimulator, SimulatedTrajectory, TICK
 from lta_challenge.other.rotors import RotorSet
-from lta_challenge.other.truth import build_truth, NONE, spheroid_added_mass, VehicleTruth
+from lta_challenge.other.truth import build_vehicle_truth, NONE, spheroid_added_mass, VehicleTruth
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ G = 9.80665
 @pytest.fixture(scope='module')
 def truth() -> VehicleTruth:
     """Return the vehicle as its file has it, with as much air displaced as it weighs."""
-    made = build_truth(load_vehicle('gtmab'))
+    made = build_vehicle_truth(load_vehicle('gtmab'))
     return replace(made, displaced=made.mass)
 
 
@@ -46,9 +46,9 @@ class Hands:
         return self._duties[min(self._taken, len(self._duties)) - 1]
 
 
-def flown(truth: VehicleTruth, state: list[float], seconds: float) -> SimulatedPath:
+def flown(truth: VehicleTruth, state: list[float], seconds: float) -> SimulatedTrajectory:
     """Fly with rotors at rest."""
-    return FlightSimulator(truth, Hands([[0.0] * 4])).simulate(state, seconds)
+    return FlightSimulator(truth, Hands([[0.0] * 4])).simulate_flight(state, seconds)
 
 
 def at(*, velocity: tuple[float, ...] = NONE, rates: tuple[float, ...] = NONE) -> list[float]:
@@ -73,10 +73,10 @@ def test_a_push_at_rest_moves_the_hull_by_its_mass_and_that_of_the_air(
     truth: VehicleTruth,
 ) -> None:
     body = KirchhoffBody(truth)
-    up = body.compute_accelerations(at(), STILL, (0.0, 0.0, 0.01, 0.0, 0.0, 0.0), 0.0)
+    up = body.rigid_body_accelerations(at(), STILL, (0.0, 0.0, 0.01, 0.0, 0.0, 0.0), 0.0)
     assert up == pytest.approx((0.0, 0.0, 0.01 / (MASS + BROAD), 0.0, 0.0, 0.0), rel=1e-4)
     # Ahead, the weight below stays behind: (m + A) a - m d w' = F and I' w' = m d a.
-    ahead = body.compute_accelerations(at(), STILL, (0.01, 0.0, 0.0, 0.0, 0.0, 0.0), 0.0)
+    ahead = body.rigid_body_accelerations(at(), STILL, (0.01, 0.0, 0.0, 0.0, 0.0, 0.0), 0.0)
     about = PITCH + TUMBLING + MASS * DEPTH**2
     hull = 0.01 / (MASS + EDGE - (MASS * DEPTH) ** 2 / about)
     assert ahead[0] == pytest.approx(hull, rel=1e-4)
@@ -113,7 +113,7 @@ def test_a_round_hull_brakes_alike_whatever_its_heading(truth: VehicleTruth) -> 
     assert askew[:2] == pytest.approx((0.6 * ahead[0], 0.8 * ahead[0]), rel=1e-12)
 
 
-def energy(truth: VehicleTruth, path: SimulatedPath) -> np.ndarray:
+def energy(truth: VehicleTruth, path: SimulatedTrajectory) -> np.ndarray:
     """Return the energy of body, air and weight. [J]."""
     masses = KirchhoffBody(truth).masses
     turn = Rotation.from_quat(np.roll(path.states[:, 6:10], -1, axis=1))
@@ -137,8 +137,8 @@ def test_oblique_flow_turns_the_hull_broadside(truth: VehicleTruth) -> None:
     state = at(velocity=(0.5, 0.0, -0.2))
     whole, without = (KirchhoffBody(replace(smooth(truth), munk=m)) for m in (1.0, 0.0))
     more = np.subtract(
-        whole.compute_accelerations(state, STILL, STILL, 0.0),
-        without.compute_accelerations(state, STILL, STILL, 0.0),
+        whole.rigid_body_accelerations(state, STILL, STILL, 0.0),
+        without.rigid_body_accelerations(state, STILL, STILL, 0.0),
     )
     munk = whole.masses @ more
     # Munk 1924: the difference of the added masses times both speeds, nose up here.
@@ -147,10 +147,12 @@ def test_oblique_flow_turns_the_hull_broadside(truth: VehicleTruth) -> None:
 
 def test_wind_is_felt_as_motion_through_still_air(truth: VehicleTruth) -> None:
     body, wind = KirchhoffBody(truth), (0.2, -0.1, 0.0)
-    blown = body.compute_accelerations(at(rates=(0.1, 0.2, 0.3)), (*wind, *NONE), STILL, 0.0)
+    blown = body.rigid_body_accelerations(at(rates=(0.1, 0.2, 0.3)), (*wind, *NONE), STILL, 0.0)
     away = at(velocity=(-0.2, 0.1, 0.0), rates=(0.1, 0.2, 0.3))
-    assert blown == pytest.approx(body.compute_accelerations(away, STILL, STILL, 0.0), abs=1e-12)
-    rising = body.compute_accelerations(at(), (*NONE, 0.0, 0.0, 0.1), STILL, 0.0)
+    assert blown == pytest.approx(
+        body.rigid_body_accelerations(away, STILL, STILL, 0.0), abs=1e-12
+    )
+    rising = body.rigid_body_accelerations(at(), (*NONE, 0.0, 0.0, 0.1), STILL, 0.0)
     assert rising[2] == pytest.approx(0.1, rel=1e-9)  # neutral: it goes with the air
 
 
@@ -158,10 +160,10 @@ def test_steps_are_short_enough(truth: VehicleTruth, monkeypatch: pytest.MonkeyP
     # At rest until the first command, so that both begin alike.
     wanted = np.vstack([np.zeros(4), np.random.default_rng(1).uniform(0.0, 0.6, (11, 4))])
     duties = wanted.repeat(25, axis=0).tolist()
-    coarse = FlightSimulator(truth, Hands(duties)).simulate(at(), 3.0).states[-1]
+    coarse = FlightSimulator(truth, Hands(duties)).simulate_flight(at(), 3.0).states[-1]
     monkeypatch.setattr('lta_challenge.other.flight.TICK', TICK / 4.0)
     hands = Hands([duty for duty in duties for _ in range(4)])
-    fine = FlightSimulator(truth, hands).simulate(at(), 3.0 - 0.75 * TICK).states[-1]
+    fine = FlightSimulator(truth, hands).simulate_flight(at(), 3.0 - 0.75 * TICK).states[-1]
     assert coarse == pytest.approx(fine, abs=1e-6)
 
 
@@ -183,7 +185,7 @@ def test_rotors_lag_and_stand_still_in_the_deadband(truth: VehicleTruth) -> None
 
 def test_a_delay_shifts_the_thrust_and_nothing_else(truth: VehicleTruth) -> None:
     duties = np.random.default_rng(3).uniform(0.0, 0.5, (100, 4)).tolist()
-    now = FlightSimulator(truth, Hands(duties)).simulate(at(), 1.0)
-    late = FlightSimulator(replace(truth, delay=0.034), Hands(duties)).simulate(at(), 1.0)
+    now = FlightSimulator(truth, Hands(duties)).simulate_flight(at(), 1.0)
+    late = FlightSimulator(replace(truth, delay=0.034), Hands(duties)).simulate_flight(at(), 1.0)
     assert late.time - now.time == pytest.approx(np.full(len(now.time), 0.004))
     assert late.thrusts[4:] == pytest.approx(now.thrusts[1:-3], rel=1e-12)

@@ -4,9 +4,9 @@ from dataclasses import replace
 import math
 
 from lta_challenge.other.effect_injection import HIDINGS, inject_effects
-from lta_challenge.other.flight import SimulatedPath, TICK
+from lta_challenge.other.flight import SimulatedTrajectory, TICK
 from lta_challenge.other.sensors import SensorSet, STAMPS, Stamps
-from lta_challenge.other.truth import build_truth, VehicleTruth
+from lta_challenge.other.truth import build_vehicle_truth, VehicleTruth
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -17,10 +17,10 @@ G = 9.80665
 @pytest.fixture(scope='module')
 def truth() -> VehicleTruth:
     """Return the vehicle as its file has it."""
-    return build_truth(load_vehicle('gtmab'))
+    return build_vehicle_truth(load_vehicle('gtmab'))
 
 
-def path(speed: float = 0.0, pitch: float = 0.0, rate: float = 0.0) -> SimulatedPath:
+def path(speed: float = 0.0, pitch: float = 0.0, rate: float = 0.0) -> SimulatedTrajectory:
     """Return a level flight along x at a pitch, from (0, 0, 2) on; `rate` about z."""
     time = TICK * np.arange(-1, 4000)
     states, gains = np.zeros((len(time), 13)), np.zeros((len(time), 6))
@@ -31,10 +31,12 @@ def path(speed: float = 0.0, pitch: float = 0.0, rate: float = 0.0) -> Simulated
         np.cos(half) * math.sin(0.5 * pitch), np.sin(half) * math.cos(0.5 * pitch),
     ])  # fmt: skip
     commands, thrusts = np.zeros((4000, 4)), np.zeros((len(time), 4))
-    return SimulatedPath(time, states, gains, commands, thrusts, np.zeros((len(time), 6)))
+    return SimulatedTrajectory(time, states, gains, commands, thrusts, np.zeros((len(time), 6)))
 
 
-def sensors(truth: VehicleTruth, flown: SimulatedPath, stamps: Stamps = 'exact') -> SensorSet:
+def sensors(
+    truth: VehicleTruth, flown: SimulatedTrajectory, stamps: Stamps = 'exact'
+) -> SensorSet:
     """Return the sensors, of the same chance always."""
     return SensorSet(flown, truth, stamps, np.random.default_rng(4))
 

@@ -4,7 +4,7 @@ import io
 import socket
 from types import SimpleNamespace
 
-from lta_bridge.hardware.check_result import grade_figure, HardwareCheck
+from lta_bridge.hardware.check_result import grade_value, HardwareCheck
 from lta_cli import doctor
 from lta_cli.doctor import dds, machine, software
 import pytest
@@ -13,11 +13,11 @@ from rich.console import Console
 
 def test_a_figure_is_graded_against_both_limits():
     states = [
-        grade_figure('x', figure, 2.0, 1.0, 'found', 'do').state for figure in (3, 2, 1.5, 1, 0)
+        grade_value('x', figure, 2.0, 1.0, 'found', 'do').state for figure in (3, 2, 1.5, 1, 0)
     ]
     assert states == ['ok', 'ok', 'warn', 'warn', 'fail']
-    assert grade_figure('x', 3, 2.0, 1.0, 'found', 'do').remedy == ''
-    assert grade_figure('x', 1, 2.0, 1.0, 'found', 'do').remedy == 'do'
+    assert grade_value('x', 3, 2.0, 1.0, 'found', 'do').remedy == ''
+    assert grade_value('x', 1, 2.0, 1.0, 'found', 'do').remedy == 'do'
 
 
 def test_only_failures_make_the_status():
@@ -49,7 +49,7 @@ def test_brackets_in_what_was_found_are_shown_as_they_are():
     ('version', 'state'), [((3, 10), 'fail'), ((3, 11), 'ok'), ((3, 14), 'ok'), ((3, 15), 'fail')]
 )
 def test_python(version, state):
-    assert machine.check_python(version).state == state
+    assert machine.check_python_version(version).state == state
 
 
 def test_platform(monkeypatch):
@@ -62,13 +62,13 @@ def test_platform(monkeypatch):
 @pytest.mark.parametrize(('free', 'state'), [(64e6, 'fail'), (900e6, 'warn'), (9e9, 'ok')])
 def test_disk(monkeypatch, tmp_path, free, state):
     monkeypatch.setattr(machine.shutil, 'disk_usage', lambda _: SimpleNamespace(free=free))
-    assert machine.check_disk(tmp_path / 'not' / 'yet' / 'there').state == state
+    assert machine.check_disk_space(tmp_path / 'not' / 'yet' / 'there').state == state
 
 
 def test_memory_is_read_in_kibibytes(tmp_path):
     table = tmp_path / 'meminfo'
     table.write_text('MemTotal: 4000000 kB\nMemAvailable:    1000000 kB\n')
-    check = machine.check_memory(table)
+    check = machine.check_available_memory(table)
     assert check.state == 'warn'
     assert check.found == '1024 MB available'
 
@@ -76,7 +76,7 @@ def test_memory_is_read_in_kibibytes(tmp_path):
 def test_a_version_other_than_the_pinned_one_is_named(tmp_path):
     constraints = tmp_path / 'constraints.txt'
     constraints.write_text('# pins\nPyYAML==0.1\nnot-installed==1.0\n')
-    check = software.check_versions(constraints)
+    check = software.check_dependency_versions(constraints)
     assert check.state == 'warn'
     assert check.found.startswith('pyyaml ')
     assert check.found.endswith(' instead of 0.1')
@@ -85,12 +85,15 @@ def test_a_version_other_than_the_pinned_one_is_named(tmp_path):
 def test_names_of_pins_are_normalised(tmp_path):
     constraints = tmp_path / 'constraints.txt'
     constraints.write_text('Typing_Extensions==4.1  # why\n\nruamel.yaml==0.19.1\n')
-    assert software.read_pins(constraints) == {'typing-extensions': '4.1', 'ruamel-yaml': '0.19.1'}
+    assert software.read_version_pins(constraints) == {
+        'typing-extensions': '4.1',
+        'ruamel-yaml': '0.19.1',
+    }
 
 
 def test_a_wheel_that_does_not_import_is_named(monkeypatch):
     monkeypatch.setattr(software, 'MODULES', ('json', 'no_such_wheel'))
-    check = software.check_wheels()
+    check = software.check_dependency_imports()
     assert check.state == 'fail'
     assert 'no_such_wheel' in check.found
     assert 'json' not in check.found
@@ -100,7 +103,9 @@ def test_a_library_that_ends_the_process_does_not_end_the_doctor(monkeypatch, tm
     (tmp_path / 'bad_library.py').write_text('import os; os._exit(102)')
     monkeypatch.setenv('PYTHONPATH', str(tmp_path))
     monkeypatch.setattr(software, 'MODULES', ('json', 'bad_library'))
-    assert software.check_wheels().found == 'cannot import bad_library: exit status 102'
+    assert (
+        software.check_dependency_imports().found == 'cannot import bad_library: exit status 102'
+    )
 
 
 def test_packages_are_looked_up_in_the_ament_index(monkeypatch, tmp_path):
@@ -109,9 +114,9 @@ def test_packages_are_looked_up_in_the_ament_index(monkeypatch, tmp_path):
     for name in software.PACKAGES:
         (index / f'lta_{name}').touch()
     monkeypatch.setenv('AMENT_PREFIX_PATH', f'/nowhere:{tmp_path}')
-    assert software.check_packages().state == 'ok'
+    assert software.check_workspace_packages().state == 'ok'
     (index / 'lta_vlc').unlink()
-    check = software.check_packages()
+    check = software.check_workspace_packages()
     assert check.state == 'fail'
     assert check.found.endswith(': lta_vlc')
 

@@ -10,7 +10,7 @@ from lta_config.topics import load_topic_table
 from lta_data.bag import column_builder
 from lta_data.bag.cdr_layout import derive_layout, LayoutMismatch
 from lta_data.bag.column_builder import ColumnBuilder, MessageType
-from lta_data.bag.columns import build_columns
+from lta_data.bag.columns import extract_field_columns
 from lta_data.bag.mcap_file.decoder import MessageDecoder
 from lta_data.bag.stamps import extract_stamp
 from mcap.records import Schema
@@ -113,7 +113,7 @@ def same(found, expected):
 def check(type_name, messages):
     kind = typed(type_name)
     objects = [kind.decode(data) for data in messages]
-    numbers, texts = build_columns(objects)
+    numbers, texts = extract_field_columns(objects)
     found = gathered(kind, messages)
     same(found.numbers, numbers)
     same(found.texts, texts)
@@ -158,7 +158,7 @@ def test_of_messages_of_one_layout_only_the_first_is_made_an_object(type_name):
         for _ in range(5)
     ]
     kind = typed(type_name)
-    expected, _ = build_columns([kind.decode(data) for data in messages])
+    expected, _ = extract_field_columns([kind.decode(data) for data in messages])
     made = []
     found = gathered(kind._replace(decode=made.append), messages)
     same(found.numbers, expected)

@@ -12,7 +12,7 @@ from lta_config.errors import BadInput
 from lta_data.bag import read_bag
 from lta_data.bag.mcap_file.compression import DamagedRecord
 from lta_data.bag.mcap_file.contents import read_at
-from lta_data.bag.mcap_file.scan import scan_file
+from lta_data.bag.mcap_file.scan import scan_mcap_file
 from lta_data.bag.mcap_file.summary import read_summary
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, IndexType, Writer
@@ -136,7 +136,7 @@ def test_summary_of_our_bags_is_enough(torn):
     file = torn[0] / 'bag_0.mcap'
     with file.open('rb') as stream:
         quick = read_summary(stream, file.stat().st_size)
-        slow = scan_file(stream, file.stat().st_size)
+        slow = scan_mcap_file(stream, file.stat().st_size)
     assert quick == slow
 
 

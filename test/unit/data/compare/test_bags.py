@@ -124,7 +124,7 @@ def test_doubled_and_backward_messages_are_counted(record):
     assert tuple(wrong.backwards[0]) == pytest.approx((0.79, 0.75))
     assert found.faults_a['odom'].is_clean
     assert not found.is_identical
-    assert found.is_same
+    assert found.is_within_bands
     told = describe_faults(wrong)
     assert '2 messages with the stamp of another, 1 of them identical byte for byte' in told
     assert 'time runs backwards 1 time, first from 0.790 to 0.750 s' in told

@@ -2,7 +2,7 @@
 
 from lta_data.compare.clock_offset import estimate_clock_offset
 from lta_data.compare.coarse_lag import SharedQuantity
-from lta_data.compare.motion_start import find_common_start, find_motion_start
+from lta_data.compare.motion_start import estimate_start_offset, find_motion_start
 from lta_data.compare.sampling import SampledSignal, sort_samples
 import numpy as np
 import pytest
@@ -113,7 +113,7 @@ def test_commands_go_before_motion_and_tell_the_offset_of_two_runs():
     t = np.arange(0, 20, 0.01)
     duty = [SampledSignal(t, np.where(t >= start, 0.4, 0.0)) for start in (4.0, 5.5)]
     climb = [SampledSignal(t, np.maximum(t - start, 0.0)) for start in (4.2, 6.9)]
-    found = find_common_start(
+    found = estimate_start_offset(
         [SharedQuantity('odom/z', *climb), SharedQuantity('motors/effort.left', *duty)]
     )
     assert found.offset == pytest.approx(1.5, abs=1e-9)
@@ -121,8 +121,8 @@ def test_commands_go_before_motion_and_tell_the_offset_of_two_runs():
     assert found.by_command
     assert found.sigma == pytest.approx(0.01 * np.sqrt(2) / np.sqrt(12), rel=0.01)
     # The scatter of several channels tells how well the motion tells its start; one has none.
-    assert find_common_start([SharedQuantity('odom/z', *climb)]) is None
-    without = find_common_start([SharedQuantity(f'odom/{name}', *climb) for name in 'xyz'])
+    assert estimate_start_offset([SharedQuantity('odom/z', *climb)]) is None
+    without = estimate_start_offset([SharedQuantity(f'odom/{name}', *climb) for name in 'xyz'])
     assert without.offset == pytest.approx(2.7, abs=0.05)
     assert not without.by_command
 

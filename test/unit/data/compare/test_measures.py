@@ -7,7 +7,7 @@ from lta_data.compare.channel_comparison import compare_channels
 from lta_data.compare.channel_pairs import ChannelPair
 from lta_data.compare.divergence import find_divergence, noise_band, noise_deviation
 from lta_data.compare.faults import FaultInterval, find_topic_faults
-from lta_data.compare.frame_fit import fit_placement
+from lta_data.compare.frame_fit import fit_frame_transform
 from lta_data.compare.measures import autocorrelation_time, measure_difference, rms_interval
 from lta_data.compare.sampling import (
     align_signals,
@@ -16,7 +16,7 @@ from lta_data.compare.sampling import (
     SampledSignal,
     wrap_angle,
 )
-from lta_data.compare.spectra import compute_spectra, find_correlation_peak, thin_spectra
+from lta_data.compare.spectra import average_log_bands, compute_spectra, find_correlation_peak
 from lta_data.compare.traces import thin_signal
 import numpy as np
 import pytest
@@ -140,7 +140,7 @@ def test_a_sine_is_at_its_frequency_with_its_power():
     found = compute_spectra(pair_of(3.0 * np.sin(2 * np.pi * 5.0 * T), 0 * T))
     assert found.frequency[found.a.argmax()] == pytest.approx(5.0, abs=0.13)
     assert np.trapezoid(found.a, found.frequency) == pytest.approx(4.5, rel=0.02)
-    assert thin_spectra(found, 20).frequency.size <= 20
+    assert average_log_bands(found, 20).frequency.size <= 20
 
 
 def test_spectra_are_of_the_longest_stretch_without_a_gap():
@@ -166,7 +166,7 @@ def test_a_turn_and_a_shift_are_found_in_spite_of_a_stretch_that_parts():
     a = b @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) + [3.0, -2.0, 0.5]
     a += 0.005 * chance.normal(size=a.shape)
     a[400:, 0] += 4.0
-    found = fit_placement(a, b)
+    found = fit_frame_transform(a, b)
     assert found.yaw == pytest.approx(0.7, abs=0.002)
     assert (found.x, found.y, found.z) == pytest.approx((3.0, -2.0, 0.5), abs=0.01)
     assert not found.by_heading
@@ -177,7 +177,9 @@ def test_of_a_hover_the_headings_tell_the_turn():
     chance = np.random.default_rng(1)
     a, b = 0.01 * chance.normal(size=(2, 300, 3))
     heading = chance.uniform(-3.0, 3.0, 300)
-    found = fit_placement(a + np.array([1.0, 2.0, 0.0]), b, wrap_angle(heading + 0.4), heading)
+    found = fit_frame_transform(
+        a + np.array([1.0, 2.0, 0.0]), b, wrap_angle(heading + 0.4), heading
+    )
     assert found.by_heading
     assert found.yaw == pytest.approx(0.4)
     assert (found.x, found.y) == pytest.approx((1.0, 2.0), abs=0.01)
@@ -266,4 +268,4 @@ def test_a_placement_undoes_what_was_done(yaw, shift, seed):
     b = np.random.default_rng(seed).normal(size=(50, 3))
     c, s = np.cos(yaw), np.sin(yaw)
     a = b @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) + shift
-    np.testing.assert_allclose(fit_placement(a, b).transform_positions(b), a, atol=1e-9)
+    np.testing.assert_allclose(fit_frame_transform(a, b).transform_positions(b), a, atol=1e-9)

@@ -313,4 +313,4 @@ def test_every_limit_has_a_reason():
 
 def test_pairs_are_worked_out_once():
     evidence = CheckContext(recording(**resting()), QualityLimits())
-    assert evidence.similarities is evidence.similarities
+    assert evidence.pair_similarities is evidence.pair_similarities

@@ -252,8 +252,8 @@ def test_a_topic_that_cannot_be_decoded_is_left_out_and_named(flight_bag, tmp_pa
             raise BadInput('it is broken.')
         return whole(flight, topic, *rest)
 
-    whole = recording_module.build_table
-    monkeypatch.setattr(source, 'build_table', broken)
+    whole = recording_module.build_topic_table
+    monkeypatch.setattr(source, 'build_topic_table', broken)
     written, done = files(flight_bag, 'parquet', tmp_path / 'out')
     assert set(written) == {'odom', '/clock'}
     assert done.remarks == ["Topic 'energy/reserve' is left out: it is broken."]

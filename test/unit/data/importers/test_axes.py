@@ -10,7 +10,7 @@ from lta_data.importers.attitude import (
     convert_attitude,
     rotate_into_body,
 )
-from lta_data.importers.axes import attitude_matrix, convert_vectors, signed_permutation
+from lta_data.importers.axes import attitude_matrix, convert_to_lta_axes, signed_permutation
 from lta_data.importers.log_table import LogTable
 import numpy as np
 import pytest
@@ -47,20 +47,20 @@ def table(**columns):
     ],
 )
 def test_named_axes_turn_known_directions(axes, theirs, expected):
-    assert convert_vectors(np.array([theirs], dtype=float), AXES[axes]).tolist() == [expected]
+    assert convert_to_lta_axes(np.array([theirs], dtype=float), AXES[axes]).tolist() == [expected]
     assert np.linalg.det(signed_permutation(AXES[axes])) == pytest.approx(1.0)
 
 
 @given(VECTORS, st.sampled_from(ROTATIONS))
 def test_numbers_are_only_picked_and_negated(vector, axes):
-    found = convert_vectors(np.array([vector]), axes)[0]
+    found = convert_to_lta_axes(np.array([vector]), axes)[0]
     assert sorted(np.abs(found)) == sorted(np.abs(vector))
     assert found == pytest.approx(signed_permutation(axes) @ vector)
 
 
 def test_a_mirror_keeps_the_sense_of_a_turn():
     # Seen in a mirror through the x-z plane, a turn about y keeps its sense; x and z swap theirs.
-    found = convert_vectors(np.array([[1.0, 2.0, 3.0]]), ('x', '-y', 'z'), axial=True)
+    found = convert_to_lta_axes(np.array([[1.0, 2.0, 3.0]]), ('x', '-y', 'z'), axial=True)
     assert found.tolist() == [[-1.0, 2.0, -3.0]]
 
 
@@ -70,10 +70,10 @@ def test_attitudes_follow_the_axes_of_both_sides(q, world, body, vector):
     q = np.array([q]) / np.linalg.norm(q)
     theirs = Rotation.from_quat(q).apply(vector)
     found = Rotation.from_quat(convert_attitude(q, world, body)).apply(
-        convert_vectors(np.array([vector]), body)
+        convert_to_lta_axes(np.array([vector]), body)
     )
     assert found == pytest.approx(
-        convert_vectors(theirs, world), abs=1e-8 * (1 + np.abs(vector).max())
+        convert_to_lta_axes(theirs, world), abs=1e-8 * (1 + np.abs(vector).max())
     )
 
 
@@ -100,10 +100,10 @@ def test_a_mirror_on_both_sides_is_consistent(q, vector):
     q = np.array([q]) / np.linalg.norm(q)
     theirs = Rotation.from_quat(q).apply(vector)
     found = Rotation.from_quat(convert_attitude(q, mirror, mirror)).apply(
-        convert_vectors(np.array([vector]), mirror)
+        convert_to_lta_axes(np.array([vector]), mirror)
     )
     assert found == pytest.approx(
-        convert_vectors(theirs, mirror), abs=1e-8 * (1 + np.abs(vector).max())
+        convert_to_lta_axes(theirs, mirror), abs=1e-8 * (1 + np.abs(vector).max())
     )
 
 

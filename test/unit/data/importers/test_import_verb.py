@@ -6,7 +6,7 @@ import re
 from typing import get_args
 
 from lta_cli import app
-from lta_config.files import list_shipped, parse_yaml, validate_content
+from lta_config.files import list_shipped_names, parse_yaml, validate_content
 from lta_config.schema.import_file import AXES, Format, ImportMapping, load_mapping
 from lta_data.bag.reader import read_bag
 from lta_data.importers.entry_plan import plan_entry
@@ -121,7 +121,7 @@ def test_an_empty_folder_that_cannot_be_replaced_is_filled(lta, tmp_path):
     assert [path.name for path in (tmp_path / 'disk').iterdir()] == ['bag']
 
 
-@pytest.mark.parametrize('name', list_shipped('imports'))
+@pytest.mark.parametrize('name', list_shipped_names('imports'))
 def test_shipped_mappings_are_named_as_their_files(name):
     mapping, text = load_mapping(name)
     assert isinstance(mapping, ImportMapping)
@@ -131,7 +131,7 @@ def test_shipped_mappings_are_named_as_their_files(name):
 
 def test_the_formats_of_mappings_are_those_that_are_read():
     assert list(FORMATS) == list(get_args(Format))
-    assert {load_mapping(name)[0].format for name in list_shipped('imports')} <= set(FORMATS)
+    assert {load_mapping(name)[0].format for name in list_shipped_names('imports')} <= set(FORMATS)
 
 
 def test_a_flights_results_folder_is_its_bag(lta, tmp_path):
@@ -167,5 +167,5 @@ def test_mappings_on_the_page_for_people_are_mappings(block):
 
 def test_the_page_for_people_names_all_that_there_is():
     parts = {name for shape in SHAPES.values() for name in shape}
-    for name in (*list_shipped('imports'), *FORMATS, *AXES, *parts, *EXTRA):
+    for name in (*list_shipped_names('imports'), *FORMATS, *AXES, *parts, *EXTRA):
         assert re.search(rf'\b{name}\b', PAGE), name

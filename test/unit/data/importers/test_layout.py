@@ -19,7 +19,7 @@ def test_every_number_stands_where_rosbags_reads_it(type_name):
     given = given if type_name == 'sensor_msgs/msg/JointState' else {**given, 'name': []}
     layout = CdrTemplate(type_name, given, lengths)
     values = {path: np.array([index + 1, index + 2]) for index, path in enumerate(layout.places)}
-    data = layout.fill_messages(2, {path: column % 120 for path, column in values.items()})
+    data = layout.serialize_messages(2, {path: column % 120 for path, column in values.items()})
     assert len(data) == 2 * layout.size
     for row in range(2):
         part = data[row * layout.size : (row + 1) * layout.size]

@@ -9,8 +9,8 @@ from lta_data.bag.channels import SignalChannel
 from lta_data.plot.channel_selection import (
     crop_channel,
     group_by_unit,
-    make_readable,
     select_channels,
+    unwrap_to_degrees,
 )
 from lta_data.plot.page import plot_channels
 from lta_data.plot.terminal import build_channel_listing, draw_curves, draw_sparkline
@@ -64,12 +64,12 @@ def test_an_angle_is_shown_in_degrees_without_jumps():
     turned = SignalChannel(
         'odom/yaw', 'rad', np.arange(4.0), np.array([3.0, np.nan, -3.0, 3.0]), angular=True
     )
-    shown = make_readable(turned)
+    shown = unwrap_to_degrees(turned)
     assert shown.unit == 'deg'
     expected = np.degrees([3.0, np.nan, 2 * np.pi - 3.0, 3.0])
     np.testing.assert_allclose(shown.values, expected, atol=1e-9)
     plain = ramp()
-    assert make_readable(plain) is plain
+    assert unwrap_to_degrees(plain) is plain
 
 
 def test_a_stretch_of_time_is_closed():

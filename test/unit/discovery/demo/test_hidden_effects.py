@@ -4,14 +4,14 @@ from lta_data.bag.recorded_flight import open_flight
 from lta_discovery.demo.demo import APART
 from lta_discovery.demo.hidden_effect import (
     add_tracker_noise,
-    build_course,
+    build_demo_course,
     DemoEffect,
     draw_demo_effect,
     HIDEABLE,
     POSE,
     TURN,
 )
-from lta_flight.flight_spec import build_parts, load_spec
+from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -36,9 +36,9 @@ def test_what_is_hidden_is_in_the_vehicle_that_flies(name):
     values = {}
     for key, given in (
         ('plain', made_of),
-        ('hidden', made_of.with_values(hidden.list_changes(made_of))),
+        ('hidden', made_of.with_values(hidden.list_file_changes(made_of))),
     ):
-        values[key] = build_parts(given)[0].collect_effects()
+        values[key] = build_vehicle_scenario_stack(given)[0].collect_effects()
     assert values['hidden'][effect][parameter] == pytest.approx(known.high)
     assert values['plain'].get(effect, {}).get(parameter, 0.0) == 0.0
     del values['hidden'][effect][parameter]
@@ -71,6 +71,6 @@ def test_a_tracker_has_the_noise_that_is_said_and_no_velocities():
 
 
 def test_courses_change_every_leg_and_not_within():
-    plan = build_course(3)
+    plan = build_demo_course(3)
     assert plan(0.1) == plan(7.9)
     assert len({plan(8.0 * k + 1.0) for k in range(20)}) == 20

@@ -10,8 +10,8 @@ from lta_discovery.fit.joint_fit import fit_flight, FlightFit
 from lta_discovery.fit.robust_variance import reduce_each_piece
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.replay.linearized_flight import build_origin
-from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
 import numpy as np
 import pytest
 
@@ -22,7 +22,7 @@ Known = tuple[NominalVehicle, list[FreeParameter]]
 def quiet(gtmab: Known, clean: FlightLinearizer) -> FlightFit:
     """A flight in which nothing changes."""
     nominal, knobs = gtmab
-    begin = build_origin(nominal, knobs, clean.replay.cut)
+    begin = unchanged_vehicle_point(nominal, knobs, clean.replay.cut)
     return fit_flight(clean, nominal, build_prior(knobs), begin, rounds=1)
 
 
@@ -53,7 +53,7 @@ def _changed(
 
 
 def test_the_pieces_together_are_the_flight(quiet: FlightFit) -> None:
-    whole = quiet.pieces.reduce(quiet.deviations).products
+    whole = quiet.pieces.eliminate_unknowns(quiet.deviations).products
     assert reduce_each_piece(quiet.linear, quiet.deviations).sum(axis=0) == pytest.approx(
         whole, rel=1e-9, abs=1e-6
     )

@@ -3,11 +3,11 @@
 from dataclasses import replace
 
 from lta_discovery.discrepancies.conditions import (
-    build_splits,
     find_largest_condition,
     ground_speed,
     heading_sector,
-    list_conditions,
+    list_condition_quantities,
+    list_quantity_conditions,
 )
 from lta_discovery.flights.measured_flight import MeasuredFlight, Stream
 import numpy as np
@@ -31,7 +31,7 @@ def _flight(n=1000):
 
 def test_speed_height_duty_and_heading_are_those_of_the_flight():
     flight, _ = _flight()
-    known = list_conditions(flight)
+    known = list_condition_quantities(flight)
     assert set(known) == {'speed', 'height', 'duty', 'heading'}
     assert known['speed'][0][50] == pytest.approx(0.1, rel=0.01)
     assert known['speed'][0][150] == pytest.approx(0.6, rel=0.01)
@@ -45,7 +45,7 @@ def test_voltage_light_and_commanded_force_are_there_where_they_are_known():
     flight, _ = _flight()
     wrench = Stream(np.array([0.0, 20.0]), np.array([[3.0, 4.0, 0, 0, 0, 0], [0.0] * 6]))
     volts = np.linspace(4.0, 3.8, 1000)
-    known = list_conditions(replace(flight, voltage=volts, wrench=wrench), np.ones(1000))
+    known = list_condition_quantities(replace(flight, voltage=volts, wrench=wrench), np.ones(1000))
     assert known['commanded force'][0][100] == pytest.approx(5.0)
     assert known['voltage'][1] == 'V'
     assert known['light'][1] == 'lx'
@@ -56,7 +56,7 @@ def test_a_disagreement_at_speed_is_told_as_one():
     rng = np.random.default_rng(1)
     index = np.arange(25, 975, 10)
     squares = (np.where(pace > 0.3, 4.0, 1.0)[index] * rng.standard_normal(len(index))) ** 2
-    known = {k: (v[index], unit) for k, (v, unit) in list_conditions(flight).items()}
+    known = {k: (v[index], unit) for k, (v, unit) in list_condition_quantities(flight).items()}
     found = find_largest_condition(squares, known, 5, 1)
     assert found.name.startswith('speed above 0.')
     assert found.holds[pace[index] > 0.5].mean() > 0.95
@@ -66,7 +66,7 @@ def test_a_disagreement_at_speed_is_told_as_one():
 def test_a_disagreement_that_follows_nothing_is_there_always():
     flight, _ = _flight()
     index = np.arange(25, 975, 10)
-    known = {k: (v[index], unit) for k, (v, unit) in list_conditions(flight).items()}
+    known = {k: (v[index], unit) for k, (v, unit) in list_condition_quantities(flight).items()}
     names = []
     for seed in range(20):
         noise = np.random.default_rng(seed).standard_normal(len(index))
@@ -77,13 +77,13 @@ def test_a_disagreement_that_follows_nothing_is_there_always():
 def test_headings_fall_into_quarters_about_the_axes_of_the_map():
     told = heading_sector(np.radians([0.0, 44.0, 46.0, 90.0, 179.0, -179.0, -90.0, np.nan]))
     assert told.tolist() == [0, 0, 1, 1, 2, 2, 3, -1]
-    assert [one.name for one in build_splits('heading', np.zeros(3), 'rad')] == [
+    assert [one.name for one in list_quantity_conditions('heading', np.zeros(3), 'rad')] == [
         'heading east', 'heading north', 'heading west', 'heading south',
     ]  # fmt: skip
 
 
 def test_what_never_changes_makes_no_condition():
-    assert build_splits('height', np.full(50, 1.5), 'm') == []
+    assert list_quantity_conditions('height', np.full(50, 1.5), 'm') == []
 
 
 @pytest.mark.parametrize(('points', 'known'), [(13, []), (14, [6, 7]), (15, [6, 7, 8])])
@@ -100,32 +100,32 @@ def test_commanded_force_is_without_moments_and_duty_a_mean_of_absolute_values()
     flight, _ = _flight()
     wrench = Stream(np.array([0.0]), np.array([[3.0, 0.0, 4.0, 7.0, 7.0, 7.0]]))
     commands = Stream(np.array([0.0, 20.0]), np.array([[-0.2, 0.4], [-0.6, -1.0]]))
-    known = list_conditions(replace(flight, wrench=wrench, commands=commands))
+    known = list_condition_quantities(replace(flight, wrench=wrench, commands=commands))
     np.testing.assert_allclose(known['commanded force'][0], 5.0)
     assert known['duty'][0][[0, 499, 500, -1]] == pytest.approx([0.3, 0.3, 0.8, 0.8])
     still = Stream(np.zeros(1), np.zeros((1, 2)))
-    assert 'duty' not in list_conditions(replace(flight, commands=still))
+    assert 'duty' not in list_condition_quantities(replace(flight, commands=still))
 
 
 def test_each_split_has_a_side_above_its_value_and_one_up_to_it():
     """The quantiles 0.2, 0.25, ... 0.8 of the numbers 0, 1, ... 60 are 12, 15, ... 48."""
     values = np.append(np.arange(61.0), np.nan)
-    found = build_splits('height', values, 'm')
+    found = list_quantity_conditions('height', values, 'm')
     assert [one.name for one in found[:2]] == ['height above 12 m', 'height below 12 m']
     assert [one.name for one in found[-2:]] == ['height above 48 m', 'height below 48 m']
     assert [int(one.holds.sum()) for one in found] == [
         count for at in range(12, 49, 3) for count in (60 - at, at + 1)
     ]
     assert not any(one.holds[-1] for one in found)
-    assert build_splits('duty', values, '1')[0].name == 'duty above 12'
+    assert list_quantity_conditions('duty', values, '1')[0].name == 'duty above 12'
 
 
 def test_equal_quantiles_make_one_split():
     values = np.repeat([1.0, 2.0], [90, 10])
-    assert [one.name for one in build_splits('height', values, 'm')] == [
+    assert [one.name for one in list_quantity_conditions('height', values, 'm')] == [
         'height above 1 m', 'height below 1 m',
     ]  # fmt: skip
-    assert build_splits('height', np.full(5, np.nan), 'm') == []
+    assert list_quantity_conditions('height', np.full(5, np.nan), 'm') == []
 
 
 def _condition(north, n, block, ratio=100.0, east=False):

@@ -3,10 +3,10 @@
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
-from lta_discovery.discrepancies import locate as module
+from lta_discovery.discrepancies import discrepancy_search as module
 from lta_discovery.discrepancies.change_point import ChangePoint
 from lta_discovery.discrepancies.conditions import FlightCondition
-from lta_discovery.discrepancies.locate import (
+from lta_discovery.discrepancies.discrepancy_search import (
     BaselineFlight,
     DisagreementSeries,
     find_discrepancies,
@@ -17,9 +17,9 @@ from lta_discovery.fit.joint_fit import fit_flight
 from lta_discovery.flights.measured_flight import Stream
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.replay.linearized_flight import build_origin
-from lta_discovery.replay.linearizer import FlightLinearizer
-from lta_discovery.replay.replay import ModelReplay
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
+from lta_discovery.replay.replay import FlightReplay
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -39,13 +39,13 @@ def failing(gtmab: Known) -> FlightLinearizer:
     told[flight.commands.time > FAILED, 2] *= 2.0  # as if it had been told more all along
     told = np.minimum(told, 1.0)
     flight = replace(flight, commands=Stream(flight.commands.time, told))
-    replay = ModelReplay(flight, whole.replay.cut, load_vehicle('gtmab').pack_command(()))
+    replay = FlightReplay(flight, whole.replay.cut, load_vehicle('gtmab').pack_command(()))
     return FlightLinearizer(replay, gtmab[1], whole.places)
 
 
 def _seen(known: Known, flight: FlightLinearizer) -> BaselineFlight:
     nominal, knobs = known
-    begin = build_origin(nominal, knobs, flight.replay.cut)
+    begin = unchanged_vehicle_point(nominal, knobs, flight.replay.cut)
     return BaselineFlight(
         'one', flight, begin, fit_flight(flight, nominal, build_prior(knobs), begin, rounds=3)
     )
@@ -74,7 +74,7 @@ def test_a_clean_flight_disagrees_hardly_anywhere(gtmab: Known, clean: FlightLin
 def test_without_a_fit_the_channels_alone_are_told(
     gtmab: Known, failing: FlightLinearizer
 ) -> None:
-    begin = build_origin(*gtmab, failing.replay.cut)
+    begin = unchanged_vehicle_point(*gtmab, failing.replay.cut)
     found = {
         place.channel for place in find_discrepancies([BaselineFlight('one', failing, begin)], 1)
     }
@@ -190,7 +190,7 @@ def test_a_place_is_where_its_condition_holds_longest(monkeypatch: pytest.Monkey
         return FlightCondition('speed above 1 m/s', holds)
 
     conditions = {'speed': (np.arange(16.0), 'm/s')}
-    monkeypatch.setattr(module, 'list_conditions', lambda flight, light: conditions)
+    monkeypatch.setattr(module, 'list_condition_quantities', lambda flight, light: conditions)
     monkeypatch.setattr(module, 'find_largest_condition', largest)
     one = BaselineFlight('one', SimpleNamespace(replay=SimpleNamespace(flight=flight)), None)
     found = module._locate_discrepancy(

@@ -1,7 +1,7 @@
 """How much force flights leave unexplained is found along the slope of the evidence."""
 
 from lta_discovery.fit import deviations
-from lta_discovery.fit.deviations import fit_deviations, maximize_evidence, newton_strides
+from lta_discovery.fit.deviations import compute_newton_step, fit_deviations, maximize_evidence
 from lta_discovery.fit.evidence import (
     build_shared_prior,
     compute_posterior,
@@ -15,8 +15,8 @@ from lta_discovery.fit.evidence_gradient import compute_evidence_gradient, Evide
 from lta_discovery.fit.flight_group import LinearizedGroup
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.replay.linearized_flight import build_origin
-from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 def begun(gtmab: Known, clean: FlightLinearizer) -> tuple[LinearizedGroup, Prior]:
     """A flight about the vehicle file, and what is known of that."""
     nominal, knobs = gtmab
-    at = build_origin(nominal, knobs, clean.replay.cut)
+    at = unchanged_vehicle_point(nominal, knobs, clean.replay.cut)
     return LinearizedGroup(
         (PieceReducer(clean.linearize(at)),), at.values, per_flight_variance(knobs)
     ), build_shared_prior(knobs)
@@ -37,7 +37,7 @@ def begun(gtmab: Known, clean: FlightLinearizer) -> tuple[LinearizedGroup, Prior
 
 def logged(group: LinearizedGroup, prior: Prior, deviations: Array) -> float:
     """Return the log evidence as it is defined."""
-    found = compute_posterior(group.reduce(deviations), group.at, prior)
+    found = compute_posterior(group.reduce_flights(deviations), group.at, prior)
     return found.log_evidence + log_prior(deviations)
 
 
@@ -76,7 +76,7 @@ def test_a_stride_ends_where_a_variance_does() -> None:
     """With one knot that is known exactly, the best variance is its square."""
     for spent in (0.5, 4.0):
         seen = EvidenceGradient(0.0, np.full(6, spent - 1.0), 2.0 * np.eye(6))
-        assert newton_strides(seen) == pytest.approx(0.5 * np.log(spent))
+        assert compute_newton_step(seen) == pytest.approx(0.5 * np.log(spent))
 
 
 def test_no_stride_is_made_where_there_is_no_evidence() -> None:
@@ -91,7 +91,7 @@ def test_no_stride_is_made_where_there_is_no_evidence() -> None:
 def test_a_stride_changes_the_logarithm_of_a_deviation_by_at_most_two() -> None:
     for way in (1.0, -1.0):
         seen = EvidenceGradient(0.0, np.full(6, way * 1e9), np.eye(6))
-        assert newton_strides(seen) == pytest.approx(way * 2.0)
+        assert compute_newton_step(seen) == pytest.approx(way * 2.0)
 
 
 def _hill(top: Array, bend: float = 4.0, steps: list[Array] | None = None) -> tuple[Array, float]:

@@ -24,14 +24,14 @@ from lta_discovery.fit.evidence import (
 from lta_discovery.flights.windows import KNOTS
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import (
     AXES,
-    build_origin,
     count_unknowns,
     LinearizationPoint,
     LinearizedFlight,
+    unchanged_vehicle_point,
 )
-from lta_discovery.replay.linearizer import FlightLinearizer
 from lta_discovery.selection.candidate_scan import column_cosines, scan_candidates
 import numpy as np
 import pytest
@@ -47,13 +47,13 @@ RANDOM = count_unknowns(KNOTS)
 @pytest.fixture(scope='module')
 def linear(gtmab: Known, clean: FlightLinearizer) -> LinearizedFlight:
     """The clean flight about the vehicle file."""
-    return clean.linearize(build_origin(gtmab[0], gtmab[1], clean.replay.cut))
+    return clean.linearize(unchanged_vehicle_point(gtmab[0], gtmab[1], clean.replay.cut))
 
 
 def test_the_evidence_is_that_of_the_dense_gaussian(gtmab: Known, clean: FlightLinearizer) -> None:
     nominal, knobs = gtmab
-    point = build_origin(nominal, knobs, clean.replay.cut)
-    columns, left = (part[:1, ::15] for part in clean.compute_columns(point))
+    point = unchanged_vehicle_point(nominal, knobs, clean.replay.cut)
+    columns, left = (part[:1, ::15] for part in clean.compute_whitened_columns(point))
     known = np.isfinite(left)
     table = np.where(known[..., None], columns, 0.0).reshape(-1, columns.shape[-1])[known.ravel()]
     y = left[known]
@@ -76,7 +76,9 @@ def test_the_evidence_is_that_of_the_dense_gaussian(gtmab: Known, clean: FlightL
     shared, single = table[:, RANDOM:], table[:, :RANDOM]
     covariance = np.eye(len(y)) + single @ prior @ single.T + shared @ own.covariance @ shared.T
     expected = multivariate_normal.logpdf(y, np.zeros(len(y)), covariance, allow_singular=False)
-    found = compute_posterior(PieceReducer(whole).reduce(DEVIATIONS), point.values, own)
+    found = compute_posterior(
+        PieceReducer(whole).eliminate_unknowns(DEVIATIONS), point.values, own
+    )
     assert found.log_evidence == pytest.approx(expected, abs=1e-4 * abs(expected))
     answer = own.covariance @ shared.T @ np.linalg.solve(covariance, y)
     np.testing.assert_allclose(found.mean, answer, rtol=1e-4, atol=1e-9)
@@ -85,7 +87,7 @@ def test_the_evidence_is_that_of_the_dense_gaussian(gtmab: Known, clean: FlightL
 def test_a_glance_is_the_difference_of_two_evidences(
     gtmab: Known, linear: LinearizedFlight
 ) -> None:
-    knobs, reduced = gtmab[1], PieceReducer(linear).reduce(DEVIATIONS)
+    knobs, reduced = gtmab[1], PieceReducer(linear).eliminate_unknowns(DEVIATIONS)
     at, without = linear.point.values, build_prior(gtmab[1])
     for seen in scan_candidates(reduced, at, without, knobs)[:8]:
         there = compute_posterior(reduced, at, build_prior(knobs, (seen.name,)))
@@ -105,13 +107,15 @@ def test_linearised_at_the_truth_scores_are_those_of_noise(gtmab: Known) -> None
     scores = []
     for seed in (21, 22, 23):
         flight = prepared(flown({}, seed, 45.0), knobs)
-        about = flight.linearize(build_origin(nominal, knobs, flight.replay.cut))
+        about = flight.linearize(unchanged_vehicle_point(nominal, knobs, flight.replay.cut))
         first = PieceReducer(about)
-        change = compute_posterior(first.reduce(0.2 * FLOOR), about.point.values, wide).mean
+        change = compute_posterior(
+            first.eliminate_unknowns(0.2 * FLOOR), about.point.values, wide
+        ).mean
         random = first.solve_unknowns(0.2 * FLOOR, change)
         # States and biases where they are most probable; the vehicle where the truth is.
         again = flight.linearize(replace(about.point, random=random))
-        reduced = PieceReducer(again).reduce(0.2 * FLOOR)
+        reduced = PieceReducer(again).eliminate_unknowns(0.2 * FLOOR)
         seen = scan_candidates(reduced, again.point.values, wide, knobs)
         free = {knob.name for knob in knobs if knob.tolerance == 0.0}
         scores += [one.score for one in seen if one.name in free]
@@ -124,7 +128,7 @@ def test_one_constant_force_has_many_names_and_drag_has_its_own(
     gtmab: Known, linear: LinearizedFlight
 ) -> None:
     names = ('net_lift.force', 'ballast.mass', 'payload.mass', 'quadratic_drag.surge')
-    reduced, prior = PieceReducer(linear).reduce(DEVIATIONS), build_prior(gtmab[1])
+    reduced, prior = PieceReducer(linear).eliminate_unknowns(DEVIATIONS), build_prior(gtmab[1])
     cosine = np.abs(column_cosines(reduced, prior, names, gtmab[1]))
     np.testing.assert_allclose(np.diag(cosine), 1.0)
     assert cosine[:3, :3].min() > 0.98
@@ -217,7 +221,7 @@ def _displaced(linear: LinearizedFlight) -> PieceReducer:
 
 def test_all_ways_to_reduce_a_flight_agree(gtmab: Known, linear: LinearizedFlight) -> None:
     pieces = _displaced(linear)
-    whole, found = pieces.reduce(DEVIATIONS), pieces.solve_latent(DEVIATIONS)
+    whole, found = pieces.eliminate_unknowns(DEVIATIONS), pieces.solve_latent(DEVIATIONS)
     size = np.sqrt(np.diag(whole.products))
     size = np.outer(size, size) + 1e-300
     np.testing.assert_allclose(found.reduced.products / size, whole.products / size, atol=1e-7)
@@ -226,7 +230,7 @@ def test_all_ways_to_reduce_a_flight_agree(gtmab: Known, linear: LinearizedFligh
     some = pieces.select_columns(kept)
     index = np.append(kept, len(linear.names))
     np.testing.assert_allclose(
-        some.reduce(DEVIATIONS).products, whole.products[np.ix_(index, index)]
+        some.eliminate_unknowns(DEVIATIONS).products, whole.products[np.ix_(index, index)]
     )
     assert some.linear.names == tuple(linear.names[k] for k in kept)
     np.testing.assert_array_equal(some.linear.point.values, linear.point.values[kept])

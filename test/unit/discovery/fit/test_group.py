@@ -16,8 +16,8 @@ from lta_discovery.fit.evidence import (
 from lta_discovery.fit.flight_group import LinearizedGroup
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.replay.linearized_flight import build_origin, LinearizedFlight
-from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.linearized_flight import LinearizedFlight, unchanged_vehicle_point
 import numpy as np
 import pytest
 
@@ -29,7 +29,7 @@ NAMED = ('net_lift.force', 'linear_drag.surge')
 def halves(gtmab: Known, clean: FlightLinearizer) -> tuple[PieceReducer, PieceReducer]:
     """The pieces of one flight as two flights, one of which stands elsewhere."""
     nominal, knobs = gtmab
-    whole = clean.linearize(build_origin(nominal, knobs, clean.replay.cut))
+    whole = clean.linearize(unchanged_vehicle_point(nominal, knobs, clean.replay.cut))
     own = np.sqrt(per_flight_variance(knobs))
 
     def part(which: slice, values: np.ndarray) -> PieceReducer:
@@ -49,12 +49,12 @@ def test_what_is_each_flights_own_is_eliminated_as_in_one_great_matrix(
     knobs = gtmab[1]
     variance, prior = per_flight_variance(knobs), build_shared_prior(knobs, NAMED)
     group = LinearizedGroup(halves, np.zeros(len(variance)), variance)
-    found = compute_posterior(group.reduce(FLOOR), group.at, prior)
+    found = compute_posterior(group.reduce_flights(FLOOR), group.at, prior)
     size, own = len(variance), np.flatnonzero(variance)
     wide = np.zeros((size + 2 * len(own) + 1,) * 2)
     constant = 0.0
     for f, each in enumerate(halves):
-        one = each.reduce(FLOOR)
+        one = each.eliminate_unknowns(FLOOR)
         place = np.r_[0:size, size + f * len(own) + np.arange(len(own)), len(wide) - 1]
         spread = np.r_[0:size, own, size]
         wide[np.ix_(place, place)] += one.products[np.ix_(spread, spread)]
@@ -66,7 +66,7 @@ def test_what_is_each_flights_own_is_eliminated_as_in_one_great_matrix(
     np.testing.assert_allclose(found.mean, expected.mean[:size], rtol=1e-5, atol=1e-10)
     covariance = expected.covariance[:size, :size]
     np.testing.assert_allclose(found.covariance, covariance, rtol=1e-5, atol=1e-12)
-    one = group.flight_posterior(halves[0], halves[0].reduce(FLOOR), found)
+    one = group.flight_posterior(halves[0], halves[0].eliminate_unknowns(FLOOR), found)
     through = np.zeros((size, len(at)))
     through[:, :size] = np.eye(size)
     through[own, size + np.arange(len(own))] = 1.0
@@ -82,11 +82,15 @@ def test_one_flight_alone_is_a_group_of_one(
 ) -> None:
     knobs, single = gtmab[1], halves[1]
     point = single.linear.point
-    whole = compute_posterior(single.reduce(FLOOR), point.values, build_prior(knobs, NAMED))
+    whole = compute_posterior(
+        single.eliminate_unknowns(FLOOR), point.values, build_prior(knobs, NAMED)
+    )
     group = LinearizedGroup((single,), point.values, per_flight_variance(knobs))
-    parted = compute_posterior(group.reduce(FLOOR), group.at, build_shared_prior(knobs, NAMED))
+    parted = compute_posterior(
+        group.reduce_flights(FLOOR), group.at, build_shared_prior(knobs, NAMED)
+    )
     assert parted.log_evidence == pytest.approx(whole.log_evidence, abs=1e-4)
-    one = group.flight_posterior(single, single.reduce(FLOOR), parted)
+    one = group.flight_posterior(single, single.eliminate_unknowns(FLOOR), parted)
     np.testing.assert_allclose(one.mean, whole.mean, rtol=1e-4, atol=1e-9)
 
 
@@ -111,7 +115,7 @@ def test_a_group_is_aligned_if_its_flights_agree_on_the_shared_values(
     there[k] = 1e-3
     assert not replace(group, at=there).is_aligned
     assert replace(group, at=1e-10 * there).is_aligned  # rounding is tolerated
-    joined = LinearizedGroup(halves[:1], there, variance).join(
+    joined = LinearizedGroup(halves[:1], there, variance).combine_groups(
         LinearizedGroup(halves[1:], group.at, 2 * variance)
     )
     assert joined.pieces == halves
@@ -134,17 +138,23 @@ def test_a_flight_linearised_elsewhere_is_moved_to_the_shared_values_of_the_grou
     single = PieceReducer(replace(linear, point=replace(linear.point, values=stands)))
     moved, still = (LinearizedGroup((single,), where, variance) for where in (at, stands))
     prior = build_shared_prior(gtmab[1], NAMED)
-    one, other = (compute_posterior(each.reduce(FLOOR), each.at, prior) for each in (moved, still))
+    one, other = (
+        compute_posterior(each.reduce_flights(FLOOR), each.at, prior) for each in (moved, still)
+    )
     assert one.log_evidence == pytest.approx(other.log_evidence, abs=1e-4)
     np.testing.assert_allclose(one.mean, other.mean, rtol=1e-5, atol=1e-9)
-    alone = compute_posterior(single.reduce(FLOOR), stands, build_prior(gtmab[1], NAMED))
+    alone = compute_posterior(
+        single.eliminate_unknowns(FLOOR), stands, build_prior(gtmab[1], NAMED)
+    )
     assert other.log_evidence == pytest.approx(alone.log_evidence, abs=1e-4)
     narrow, kept = moved.select_columns(np.zeros(len(at), dtype=bool))
     assert kept.tolist() == sorted([*np.flatnonzero(variance), k])
     index = np.append(kept, len(at))
-    expected = moved.reduce(FLOOR).products[np.ix_(index, index)]
+    expected = moved.reduce_flights(FLOOR).products[np.ix_(index, index)]
     size = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
-    np.testing.assert_allclose(narrow.reduce(FLOOR).products / size, expected / size, atol=1e-9)
+    np.testing.assert_allclose(
+        narrow.reduce_flights(FLOOR).products / size, expected / size, atol=1e-9
+    )
     assert narrow.at.tolist() == at[kept].tolist()
     free = prior.free
     assert (

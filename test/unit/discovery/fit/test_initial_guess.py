@@ -8,8 +8,8 @@ from lta_discovery.fit.initial_guess import guess_start, shorten_pieces
 from lta_discovery.fit.joint_fit import JointFitter
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.replay.linearized_flight import build_origin, LinearizationPoint
-from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.linearized_flight import LinearizationPoint, unchanged_vehicle_point
 import numpy as np
 import pytest
 
@@ -35,7 +35,11 @@ def start(gtmab: tuple[NominalVehicle, list[FreeParameter]], clean: FlightLinear
     """What `guess_start` takes: a flight to fit, a prior, and the point of the vehicle file."""
     nominal, knobs = gtmab
     fitter = JointFitter(nominal, [clean], per_flight_variance(knobs), wrench_floor(nominal))
-    return fitter, build_shared_prior(knobs), [build_origin(nominal, knobs, clean.replay.cut)]
+    return (
+        fitter,
+        build_shared_prior(knobs),
+        [unchanged_vehicle_point(nominal, knobs, clean.replay.cut)],
+    )
 
 
 def test_a_stage_that_ends_lost_is_no_place_to_go_on_from(
@@ -115,7 +119,7 @@ def test_a_centre_of_gravity_far_too_low_does_not_run_away(
         build_shared_prior(knobs),
     )
     fitter = JointFitter(nominal, [flight], per_flight_variance(knobs), floor)
-    points = [build_origin(nominal, knobs, flight.replay.cut)]
+    points = [unchanged_vehicle_point(nominal, knobs, flight.replay.cut)]
     at, then, deviations = guess_start(fitter, prior, points)
     found = fitter.fit(prior, fitter.linearize_flights(at, then), deviations)
     # Its tolerance, stretched, explains it: nothing is left to a latent wrench.

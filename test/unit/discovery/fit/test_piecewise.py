@@ -9,8 +9,8 @@ from lta_discovery.fit.joint_fit import JointFit, JointFitter
 from lta_discovery.fit.robust_variance import sandwich_variance
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.replay.linearized_flight import build_origin
-from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
 import numpy as np
 import pytest
 
@@ -22,7 +22,7 @@ def begun(gtmab: Known, clean: FlightLinearizer) -> tuple[JointFitter, JointFit]
     """A clean flight where its tolerances are most probable."""
     nominal, knobs = gtmab
     fitter = JointFitter(nominal, [clean], per_flight_variance(knobs), FLOOR)
-    begin = build_origin(nominal, knobs, clean.replay.cut)
+    begin = unchanged_vehicle_point(nominal, knobs, clean.replay.cut)
     return fitter, fitter.fit(
         build_shared_prior(knobs), fitter.linearize_flights(begin.values, [begin]), FLOOR
     )

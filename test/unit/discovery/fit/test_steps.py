@@ -6,15 +6,15 @@ from types import SimpleNamespace
 
 from lta_config.errors import BadInput
 from lta_discovery.fit import joint_fit as module
-from lta_discovery.fit.bounds import find_strained_tolerances, parameter_bounds
+from lta_discovery.fit.bounds import find_exceeded_tolerances, parameter_bounds
 from lta_discovery.fit.evidence import build_shared_prior, FLOOR, per_flight_variance, Prior
 from lta_discovery.fit.joint_fit import JointFit, JointFitter
 from lta_discovery.fit.misfit import forecast_error
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.model.quaternions import quaternion_product
-from lta_discovery.replay.linearized_flight import build_origin
-from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
 from lta_discovery.replay.sensing import tracker_frame
 from lta_discovery.study import prepare_flight
 from lta_model.vehicle import load_vehicle
@@ -50,9 +50,9 @@ def test_a_tolerance_may_go_six_standard_deviations_and_an_effect_to_its_bounds(
 
 def test_a_tolerance_that_wants_out_is_told_and_an_effect_is_not() -> None:
     mean = np.array([0.61, 3.1, 99.0, 99.0, 99.0])
-    assert find_strained_tolerances(KNOBS, _prior('wind'), mean) == ['mass', 'lag']
-    assert find_strained_tolerances(KNOBS, _prior('lag', 'wind'), mean) == ['mass']
-    assert find_strained_tolerances(KNOBS, _prior(), np.array([0.59, -2.9, 0.0, 0.0, 0.0])) == []
+    assert find_exceeded_tolerances(KNOBS, _prior('wind'), mean) == ['mass', 'lag']
+    assert find_exceeded_tolerances(KNOBS, _prior('lag', 'wind'), mean) == ['mass']
+    assert find_exceeded_tolerances(KNOBS, _prior(), np.array([0.59, -2.9, 0.0, 0.0, 0.0])) == []
 
 
 @pytest.fixture(scope='module')
@@ -60,7 +60,7 @@ def begun(gtmab: Known, clean: FlightLinearizer) -> tuple[JointFitter, JointFit]
     """A flight about the vehicle file, and its fitter."""
     nominal, knobs = gtmab
     fitter = JointFitter(nominal, [clean], per_flight_variance(knobs), FLOOR)
-    point = build_origin(nominal, knobs, clean.replay.cut)
+    point = unchanged_vehicle_point(nominal, knobs, clean.replay.cut)
     group = fitter.linearize_flights(point.values, [point])
     return fitter, fitter.fit_deviations(group, build_shared_prior(knobs), FLOOR)
 
@@ -133,7 +133,7 @@ def test_a_forecast_by_the_wrong_mass_is_off(
     Its root mean square over T = 3 s is a T^2 / (2 x 5^0.5) = 0.130 m, less a little for drag.
     """
     nominal, knobs = gtmab
-    point = build_origin(nominal, knobs, clean.replay.cut)
+    point = unchanged_vehicle_point(nominal, knobs, clean.replay.cut)
     heavy = replace(point, nominal=nominal.with_value('net_lift', 'force', -0.049))
     noise = clean.replay.flight.noise[2]
     assert forecast_error([clean], [point]) < 40.0
@@ -147,12 +147,12 @@ def test_forecasts_are_compared_in_the_frame_of_the_tracker(
     """A tracker is tilted by 3 degrees, and the model has that: forecasts are as good as ever."""
     nominal, knobs = gtmab
     tilted, seen = nominal.with_value('tracker_misalignment', 'pitch', 0.05), clean.replay.flight
-    frame, turn = tracker_frame(tilted.build_rows().acting)
+    frame, turn = tracker_frame(tilted.build_replay_rows().acting)
     turned = quaternion_product(np.broadcast_to(turn, seen.quaternion.shape), seen.quaternion)
     told = replace(seen, position=seen.position @ frame.T, quaternion=turned)
     flight = prepare_flight(load_vehicle('gtmab'), told, knobs)
-    straight = forecast_error([clean], [build_origin(nominal, knobs, clean.replay.cut)])
-    point = build_origin(tilted, knobs, flight.replay.cut)
+    straight = forecast_error([clean], [unchanged_vehicle_point(nominal, knobs, clean.replay.cut)])
+    point = unchanged_vehicle_point(tilted, knobs, flight.replay.cut)
     assert forecast_error([flight], [point]) == pytest.approx(straight, rel=0.05)
     assert forecast_error([flight], [replace(point, nominal=nominal)]) > 3.0 * straight
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from lta_discovery.flights.measured_flight import MeasuredFlight, Stream
 from lta_discovery.flights.outliers import find_outliers, remove_outliers
-from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 import numpy as np
 import pytest
 

@@ -14,7 +14,7 @@ from lta_discovery.flights.measured_flight import (
 )
 from lta_discovery.flights.noise import estimate_noise, estimate_pose_noise
 from lta_discovery.flights.streams import build_streams
-from lta_discovery.flights.windows import cut_windows
+from lta_discovery.flights.windows import cut_into_pieces
 from lta_discovery.flights.zero_order_hold import average_held_values
 from lta_discovery.model.quaternions import quaternion_exponential
 import numpy as np
@@ -66,7 +66,7 @@ def test_a_gap_is_not_filled_and_the_floor_and_the_warm_up_do_not_count() -> Non
 
 
 def test_pieces_begin_in_the_state_of_the_closed_form() -> None:
-    cut = cut_windows(resample_flight(helix(noise=0.001)), 6.0)
+    cut = cut_into_pieces(resample_flight(helix(noise=0.001)), 6.0)
     assert len(cut.first) == 5
     assert (np.diff(cut.first) == 150).all()
     expected = np.array([SPEED, 0.0, CLIMB, 0.0, 0.0, RATE])
@@ -85,7 +85,7 @@ def test_a_short_flight_is_cut_in_two(seconds: float, pieces: int, longest: floa
     """One piece alone tells nothing of the next; two shorter ones do not overlap."""
     flight = resample_flight(helix(noise=0.001))
     usable = flight.usable & (flight.time < flight.time[flight.usable][0] + seconds)
-    cut = cut_windows(replace(flight, usable=usable))
+    cut = cut_into_pieces(replace(flight, usable=usable))
     used = cut.inside.sum(axis=1) * PERIOD
     assert len(cut.first) == pieces
     assert used.max() <= longest + 1e-9

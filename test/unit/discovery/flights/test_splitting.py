@@ -9,7 +9,13 @@ from lta_discovery.flights.measured_flight import (
     resample_flight,
     Stream,
 )
-from lta_discovery.flights.role_assignment import assign_roles, ONE, ROLES, select_part, TWO
+from lta_discovery.flights.role_assignment import (
+    assign_roles,
+    ONE,
+    restrict_to_interval,
+    ROLES,
+    TWO,
+)
 import numpy as np
 import pytest
 
@@ -25,7 +31,7 @@ def flight() -> MeasuredFlight:
 
 
 def test_a_part_is_of_the_usable_points_and_nothing_else_changes(flight: MeasuredFlight) -> None:
-    first, second = select_part(flight, 0.0, 0.4), select_part(flight, 0.4, 1.0)
+    first, second = restrict_to_interval(flight, 0.0, 0.4), restrict_to_interval(flight, 0.4, 1.0)
     whole = flight.usable.sum()
     assert first.usable.sum() == pytest.approx(0.4 * whole, abs=1)
     assert not (first.usable & second.usable).any()
@@ -95,7 +101,7 @@ def test_the_second_half_of_at_most_two_points_is_the_last_one(
     flight: MeasuredFlight, count: int, kept: int
 ) -> None:
     """The first of two points ends the first half, to which it therefore belongs."""
-    assert select_part(_usable(flight, count), 0.5, 1.0).usable.sum() == kept
+    assert restrict_to_interval(_usable(flight, count), 0.5, 1.0).usable.sum() == kept
 
 
 @pytest.mark.parametrize(('count', 'teach'), [(2, 1), (3, 2), (4, 2), (5, 3)])

@@ -6,12 +6,12 @@ from typing import Final
 from lta_discovery.fit.evidence import build_shared_prior, per_flight_variance, wrench_floor
 from lta_discovery.fit.joint_fit import JointFitter
 from lta_discovery.flights.measured_flight import FlightStreams, PERIOD, resample_flight, Stream
-from lta_discovery.flights.windows import cut_windows
+from lta_discovery.flights.windows import cut_into_pieces
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
-from lta_discovery.replay.linearized_flight import build_origin
-from lta_discovery.replay.linearizer import FlightLinearizer
-from lta_discovery.replay.replay import ModelReplay
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
+from lta_discovery.replay.replay import FlightReplay
 from lta_discovery.replay.sensing import SensorPlaces
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import load_vehicle, Vehicle
@@ -40,8 +40,8 @@ def seen(told: FlightStreams, rng: np.random.Generator) -> Stream:
 def commanded(vehicle: Vehicle, told: FlightStreams) -> Stream:
     """Return the wrench that the rotors gave, lag and all, too much of it ahead."""
     nominal, flight = NominalVehicle.from_vehicle(vehicle), resample_flight(told)
-    replay = ModelReplay(flight, cut_windows(flight), vehicle.pack_command(()))
-    thrusts = replay.mean_thrusts(nominal.build_rows())
+    replay = FlightReplay(flight, cut_into_pieces(flight), vehicle.pack_command(()))
+    thrusts = replay.mean_thrusts(nominal.build_replay_rows())
     out = np.zeros((len(thrusts), 6))
     for i, thrust in enumerate(thrusts.T[: len(nominal.rotors)], 1):
         given = [nominal.parameter_value('rotor_thrust', f'{axis}_{i}') for axis in AXES]
@@ -60,7 +60,7 @@ def driven() -> FlightLinearizer:
         seen(told, np.random.default_rng(3)), still, floor=told.floor, wrench=wrench
     )
     flight = resample_flight(only)
-    replay = ModelReplay(flight, cut_windows(flight), vehicle.pack_command(()))
+    replay = FlightReplay(flight, cut_into_pieces(flight), vehicle.pack_command(()))
     known = list_free_parameters(NominalVehicle.from_vehicle(vehicle), wrench=True)
     return FlightLinearizer(replay, known, SensorPlaces.from_vehicle(vehicle, 101325.0))
 
@@ -69,7 +69,7 @@ def test_what_arrives_of_a_commanded_wrench_is_found(driven: FlightLinearizer) -
     """Four fifths ahead, all of it upwards, from poses at 30 Hz."""
     nominal = NominalVehicle.from_vehicle(load_vehicle('gtmab'))
     floor, own = wrench_floor(nominal), per_flight_variance(driven.knobs)
-    start = build_origin(nominal, driven.knobs, driven.replay.cut)
+    start = unchanged_vehicle_point(nominal, driven.knobs, driven.replay.cut)
     fitter = JointFitter(nominal, [driven], own, floor)
     found = fitter.fit(
         build_shared_prior(driven.knobs), fitter.linearize_flights(start.values, [start]), floor, 3

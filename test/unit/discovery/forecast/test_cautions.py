@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from lta_discovery.finding import PredictionGap
+from lta_discovery.finding import ChannelErrors
 from lta_discovery.forecast.forecast_warnings import list_forecast_warnings, should_keep_file
 import pytest
 
@@ -10,7 +10,7 @@ import pytest
 def gap(channel: str, horizon: float, before: float, after: float, coast: float, most: float):
     """Return a gap whose shrinkage is at most `most`."""
     shrink = 1.0 - after / before
-    return PredictionGap(
+    return ChannelErrors(
         channel, 'm', horizon, before, after, after, coast, 0.01, shrink, (shrink - 0.1, most), 9
     )
 

@@ -7,9 +7,13 @@ from lta_discovery.forecast.forecast_fit import ForecastFitter
 from lta_discovery.forecast.horizon_errors import compute_horizon_errors
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.replay.linearized_flight import build_origin
-from lta_discovery.replay.linearizer import FlightLinearizer
-from lta_discovery.transfer.cross_validation import cross_validate, format_warning, RegimeError
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
+from lta_discovery.transfer.cross_validation import (
+    cross_validate,
+    format_interpolation_warning,
+    RegimeForecastErrors,
+)
 import numpy as np
 import pytest
 
@@ -31,7 +35,7 @@ def lacking(gtmab: Known, clean: FlightLinearizer) -> tuple[ForecastFitter, int,
 def test_columns_are_what_small_turns_do(gtmab: Known, clean: FlightLinearizer) -> None:
     """Against differences of whole flights, for knobs of each reach."""
     nominal, known = gtmab
-    point = build_origin(nominal, known, clean.replay.cut)
+    point = unchanged_vehicle_point(nominal, known, clean.replay.cut)
     names = ('vehicle.mass', 'thrust_scale.factor', 'tracker_misalignment.pitch', DRAG)
     which = [[knob.name for knob in known].index(name) for name in names]
     found = compute_horizon_errors(clean, point, which)
@@ -91,13 +95,16 @@ def test_a_true_effect_carries_over(lacking: tuple[ForecastFitter, int, float]) 
     found = sight.fit([k], spread, [0, 1], rounds=3)
     regimes = cross_validate(sight, found, [k], spread, {'slow': [0], 'fast': [1]})
     assert all(regime.ratio < 0.9 for regime in regimes)
-    assert format_warning([DRAG], regimes) == ''
+    assert format_interpolation_warning([DRAG], regimes) == ''
 
 
 def test_what_only_interpolates_is_said_so() -> None:
     """Worse than the vehicle file in a regime left out."""
-    regimes = [RegimeError('fast', 4, 1.0, 1.5), RegimeError('slow', 4, 1.0, 0.6)]
-    told = format_warning(['hull_lift'], regimes)
+    regimes = [
+        RegimeForecastErrors('fast', 4, 1.0, 1.5),
+        RegimeForecastErrors('slow', 4, 1.0, 0.6),
+    ]
+    told = format_interpolation_warning(['hull_lift'], regimes)
     assert told.startswith('hull_lift: interpolation only')
     assert 'fast (1.50 times the error)' in told
     assert 'slow' not in told

@@ -9,12 +9,12 @@ from lta_discovery.fit.evidence import (
     per_flight_variance,
 )
 from lta_discovery.fit.joint_fit import JointFit, JointFitter
-from lta_discovery.forecast import tolerance_share as module
-from lta_discovery.forecast.tolerance_share import shrink_tolerances
+from lta_discovery.forecast import tolerance_shrinkage as module
+from lta_discovery.forecast.tolerance_shrinkage import shrink_tolerances
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.replay.linearized_flight import build_origin
-from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
 import numpy as np
 import pytest
 
@@ -26,7 +26,7 @@ def fitted(gtmab: Known, clean: FlightLinearizer) -> tuple[JointFitter, JointFit
     """A flight about the vehicle file, and all that flights share said to be 0.02 off."""
     nominal, knobs = gtmab
     fitter = JointFitter(nominal, [clean], per_flight_variance(knobs), FLOOR)
-    point = build_origin(nominal, knobs, clean.replay.cut)
+    point = unchanged_vehicle_point(nominal, knobs, clean.replay.cut)
     joint = fitter.fit_deviations(
         fitter.linearize_flights(point.values, [point]), build_shared_prior(knobs), FLOOR
     )

@@ -3,7 +3,7 @@
 from dataclasses import replace
 import math
 
-from lta_config.files import list_shipped
+from lta_config.files import list_shipped_names
 from lta_discovery.model.candidates import DESIGN, NO_CANDIDATE
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters
@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 
-@pytest.mark.parametrize('name', list_shipped('vehicles'))
+@pytest.mark.parametrize('name', list_shipped_names('vehicles'))
 def test_every_knob_of_every_vehicle_builds_a_model_either_side_of_its_step(name: str) -> None:
     nominal = NominalVehicle.from_vehicle(load_vehicle(name))
     found = list_free_parameters(nominal)
@@ -67,8 +67,8 @@ def test_a_second_turn_adds_to_the_first(
     for knob in turned:
         size = 0.5 * min(knob.tolerance or knob.typical, knob.high) or -0.5 * knob.typical
         twice, once = (
-            knob.apply_to(knob.apply_to(nominal, size), size).build_rows(),
-            knob.apply_to(nominal, 2.0 * size).build_rows(),
+            knob.apply_to(knob.apply_to(nominal, size), size).build_replay_rows(),
+            knob.apply_to(nominal, 2.0 * size).build_replay_rows(),
         )
         np.testing.assert_allclose(twice.body, once.body, rtol=1e-9, atol=1e-15)
         np.testing.assert_allclose(twice.actuators, once.actuators, rtol=1e-9, atol=1e-15)
@@ -78,22 +78,22 @@ def test_a_leak_that_fills_the_envelope_cannot_be(
     gtmab: tuple[NominalVehicle, list[FreeParameter]],
 ) -> None:
     leak = next(knob for knob in gtmab[1] if knob.name == 'helium_leak.rate')
-    assert leak.is_possible(4e-5, 1e-6)
-    assert leak.is_possible(-1e-5, 5e-6)  # for all that is known it may be none
-    assert not leak.is_possible(-1e-5, 2e-6)
+    assert leak.is_within_bounds(4e-5, 1e-6)
+    assert leak.is_within_bounds(-1e-5, 5e-6)  # for all that is known it may be none
+    assert not leak.is_within_bounds(-1e-5, 2e-6)
     pure = next(knob for knob in gtmab[1] if knob.name == 'gas_purity.purity')
-    assert not pure.is_possible(pure.high + 0.01, 0.001)
+    assert not pure.is_within_bounds(pure.high + 0.01, 0.001)
 
 
 def test_a_glance_may_overshoot_and_not_turn_round(
     gtmab: tuple[NominalVehicle, list[FreeParameter]],
 ) -> None:
     munk = next(knob for knob in gtmab[1] if knob.name == 'munk_moment.lost')
-    assert munk.is_promising(1.19, 0.015)  # 0.58, bent straight
-    assert not munk.is_possible(1.19, 0.015)
-    assert not munk.is_promising(2.2, 0.015)
+    assert munk.is_plausible_estimate(1.19, 0.015)  # 0.58, bent straight
+    assert not munk.is_within_bounds(1.19, 0.015)
+    assert not munk.is_plausible_estimate(2.2, 0.015)
     drag = next(knob for knob in gtmab[1] if knob.name == 'linear_drag.heave')
-    assert not drag.is_promising(-0.011, 0.0025)
+    assert not drag.is_plausible_estimate(-0.011, 0.0025)
 
 
 def test_a_step_stays_within_the_bounds_on_either_side() -> None:

@@ -9,11 +9,11 @@ from pathlib import Path
 import re
 
 from lta_discovery.finding import (
-    DiscoveryFinding,
-    GroupShare,
-    LadderRung,
+    IdentifiedGroup,
     LeftOutRegime,
     ParameterEstimate,
+    SearchCandidate,
+    StudyResult,
     TransferEvidence,
 )
 from lta_discovery.fit.evidence import build_prior, FLOOR, PieceReducer, ReducedFlight
@@ -35,14 +35,14 @@ from lta_discovery.page.formatting import (
 )
 from lta_discovery.page.verdict_text import build_tiles, format_headline
 from lta_discovery.page.whiteness import autocorrelation, residual_spectrum
-from lta_discovery.replay.linearized_flight import build_origin, LinearizationPoint
-from lta_discovery.replay.linearizer import FlightLinearizer
-from lta_discovery.selection.acceptance import CandidateTrial
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.linearized_flight import LinearizationPoint, unchanged_vehicle_point
+from lta_discovery.selection.candidate_acceptance import CandidateTrial
 from lta_discovery.selection.candidate_scan import CandidateScore, scan_candidates
 from lta_discovery.selection.detection_limit import compute_detection_limits, DetectionLimit
 from lta_discovery.study import DiscoveryStudy, ThreeModelComparison
-from lta_discovery.unmodeled.draught import DraughtFinding
-from lta_discovery.unmodeled.remainders import Remainder
+from lta_discovery.unmodeled.draught import DraughtEstimate
+from lta_discovery.unmodeled.unexplained_force import Remainder
 from lta_model.effects import EFFECTS
 from lta_model.effects.summary import describe_effect
 import numpy as np
@@ -100,7 +100,7 @@ def _with(given: DiscoveryStudy, **changes: object) -> DiscoveryStudy:
     return replace(given, finding=replace(given.finding, **changes))  # type: ignore[arg-type]
 
 
-def _numbers(finding: DiscoveryFinding) -> list[str]:
+def _numbers(finding: StudyResult) -> list[str]:
     """Return every number of a finding as a person reads it."""
     out = [str(finding.seed)]
     for one in finding.effects:
@@ -140,7 +140,7 @@ def test_names_of_strangers_bags_are_words(
         unexplained=(evil,),
         next_flight=evil,
         carried=TransferEvidence(
-            (GroupShare(evil, 0.5),), (LeftOutRegime(evil, 2, 0.7),), (evil,), 3
+            (IdentifiedGroup(evil, 0.5),), (LeftOutRegime(evil, 2, 0.7),), (evil,), 3
         ),
     )
     page = inert(write_page(given, tmp_path).read_text(encoding='utf-8'))
@@ -234,7 +234,7 @@ def test_a_draught_is_on_the_page_and_nothing_is_missing_for_it(
         effects=(),
         remains=(),
         where=(),
-        draught=DraughtFinding(1.1e-3, 2.6e-3),
+        draught=DraughtEstimate(1.1e-3, 2.6e-3),
     )
     text, _ = _read(given, tmp_path)
     for words in (
@@ -260,7 +260,7 @@ def test_several_flights_can_be_chosen(found: DiscoveryStudy, tmp_path: Path) ->
     shown = [
         ThreeModelComparison(
             one,
-            *(build_origin(n, one.flight.knobs, one.flight.replay.cut) for n in
+            *(unchanged_vehicle_point(n, one.flight.knobs, one.flight.replay.cut) for n in
               (found.nominal, found.nominal, found.learned)),
         )
         for one in found.flights
@@ -304,7 +304,7 @@ def test_a_true_model_leaves_what_was_measured_as_noise(
     gtmab: Known, clean: FlightLinearizer
 ) -> None:
     nominal, knobs = gtmab
-    left = best_start_residual(clean, build_origin(nominal, knobs, clean.replay.cut))
+    left = best_start_residual(clean, unchanged_vehicle_point(nominal, knobs, clean.replay.cut))
     assert np.nanstd(left[..., :6]) == pytest.approx(1.0, abs=0.12)
 
 
@@ -371,9 +371,9 @@ def test_what_could_have_been_seen_is_what_naming_accepts(
 ) -> None:
     """With a margin for chance: 1.645 of the deviation with which the flights tell the knob."""
     nominal, knobs = gtmab
-    side = PieceReducer(clean.linearize(build_origin(nominal, knobs, clean.replay.cut))).reduce(
-        1.3 * FLOOR
-    )
+    side = PieceReducer(
+        clean.linearize(unchanged_vehicle_point(nominal, knobs, clean.replay.cut))
+    ).eliminate_unknowns(1.3 * FLOOR)
     prior, names = build_prior(knobs), [knob.name for knob in knobs]
     both = ReducedFlight(2.0 * side.products, 0.0)
     for one in compute_detection_limits([side, side], prior, knobs):
@@ -413,7 +413,7 @@ def test_numbers_are_written_as_people_read_them() -> None:
 
 def why(*numbers: float, beaten: bool = False) -> str:
     """Return what is said of a candidate without a name."""
-    return explain_decision(LadderRung('a', *numbers, False), beaten, stands=False)
+    return explain_decision(SearchCandidate('a', *numbers, False), beaten, stands=False)
 
 
 def test_a_candidate_says_why_it_has_no_name() -> None:
@@ -434,7 +434,7 @@ def test_a_name_that_all_flights_together_do_not_keep_is_given_up(
     found: DiscoveryStudy, tmp_path: Path
 ) -> None:
     """The round said that it is named, beside a headline that nothing is missing."""
-    rung = LadderRung('net_lift.force', 12.0, 7.0, 7.0, 0.3, True)
+    rung = SearchCandidate('net_lift.force', 12.0, 7.0, 7.0, 0.3, True)
     text, _ = _read(_with(found, verdict='none', effects=(), ladder=((rung,),)), tmp_path)
     assert 'Round 1: net lift is named, but dropped at the end' in text
     assert 'all flights together do not support it' in text

@@ -6,26 +6,30 @@ import math
 from lta_config.course import Course
 from lta_config.errors import BadInput
 from lta_config.files import find_file, load_yaml
-from lta_discovery.finding import DiscoveryFinding, NamedEffect
+from lta_discovery.finding import NamedEffect, StudyResult
 from lta_discovery.flights.measured_flight import FlightStreams, Stream
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.planning.candidate_maneuvers import (
+    AltitudeRange,
+    build_maneuver,
+    list_maneuvers,
+)
 from lta_discovery.planning.flight_choice import NextFlightPlanner, ParameterHypothesis, WANTED
 from lta_discovery.planning.flight_safety import flight_extent, list_objections
-from lta_discovery.planning.hypothesis import format_hypothesis
-from lta_discovery.planning.maneuvers import AltitudeRange, build_maneuver, list_maneuvers
+from lta_discovery.planning.hypothesis_file import format_hypothesis
 from lta_discovery.planning.measurement_advice import suggest_measurement
 from lta_discovery.planning.next_flight import (
     add_confusable,
     CERTAIN,
     FILE,
-    format_hint,
-    NextFlight,
-    plan_between,
+    format_next_step,
+    NextFlightPlan,
     plan_for_study,
+    plan_separating_flight,
 )
-from lta_discovery.planning.rehearsal import RehearsedFlight
-from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.planning.rehearsal import SimulatedFlight
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.study import DiscoveryStudy, StudyFlight
 from lta_flight.flight_spec import load_spec
 from lta_model.scenario import load_scenario, Scenario
@@ -78,14 +82,14 @@ def test_every_manoeuvre_takes_off_stays_between_its_heights_and_lands() -> None
     assert {round(row.heading.si, 2) for row in turns.rows} == {1.2, -1.2}
 
 
-def _rehearsed(**changes: object) -> RehearsedFlight:
+def _rehearsed(**changes: object) -> SimulatedFlight:
     """Return a quiet flight of 2 m that lands."""
     path = np.zeros((100, 3))
     path[:, 0], path[:, 2] = np.linspace(0.0, 2.0, 100), 0.42 + np.hanning(100)
     still = FlightStreams(
         Stream(np.arange(2.0), np.zeros((2, 7))), Stream(np.zeros(1), np.zeros((1, 4)))
     )
-    sound = RehearsedFlight(still, FlightOutcome.REACHED, path, np.full((100, 4), 0.3), 0.1, 0.42)
+    sound = SimulatedFlight(still, FlightOutcome.REACHED, path, np.full((100, 4), 0.3), 0.1, 0.42)
     return replace(sound, **changes)  # type: ignore[arg-type]
 
 
@@ -153,11 +157,14 @@ def test_the_flight_that_tells_two_drags_apart_changes_its_speed(
 
 
 def test_where_nothing_in_flight_decides_it_says_what_to_measure(tmp_path) -> None:
-    found = plan_between('gtmab', 'net_lift.force', 'payload.mass')
+    found = plan_separating_flight('gtmab', 'net_lift.force', 'payload.mass')
     assert found.scenario is None
     assert 'weigh the vehicle' in found.text
     assert found.write(tmp_path) is None
-    assert 'clocks' in plan_between('gtmab', 'tracker_delay.delay', 'clock_offset.offset').text
+    assert (
+        'clocks'
+        in plan_separating_flight('gtmab', 'tracker_delay.delay', 'clock_offset.offset').text
+    )
     assert suggest_measurement('linear_drag.surge', ('quadratic_drag.surge',), 'wrench') == (
         'record the duties of the motors as well'
     )
@@ -168,15 +175,15 @@ def test_where_nothing_in_flight_decides_it_says_what_to_measure(tmp_path) -> No
 
 def test_what_cannot_be_planned_is_refused() -> None:
     with pytest.raises(BadInput, match=r"effect 'net_lift\.foce'"):
-        plan_between('gtmab', 'net_lift.foce', 'payload.mass')
+        plan_separating_flight('gtmab', 'net_lift.foce', 'payload.mass')
     with pytest.raises(BadInput, match='is given twice'):
-        plan_between('gtmab', 'cg_offset.x', 'cg_offset.x')
+        plan_separating_flight('gtmab', 'cg_offset.x', 'cg_offset.x')
 
 
 def test_a_scenario_is_written_with_what_it_is_for(tmp_path) -> None:
     content = load_yaml(find_file('scenario', 'hall'))
     content['course'] = dict(build_maneuver('heights', SPACE, 20.0, 0.2).course)
-    path = NextFlight('To tell a from b, climb.', content, 20.0).write(tmp_path)
+    path = NextFlightPlan('To tell a from b, climb.', content, 20.0).write(tmp_path)
     assert path == tmp_path / FILE
     assert path.read_text().startswith('# To tell a from b, climb.\n')
     assert load_scenario(str(path)).course == Course.model_validate(content['course'])
@@ -186,15 +193,15 @@ def test_a_study_with_a_doubtful_name_says_what_comes_next(
     gtmab: Known, clean: FlightLinearizer
 ) -> None:
     lift = NamedEffect('net_lift', ('net_lift.force',), (), 30.0)
-    finding = DiscoveryFinding('named', (lift,), (), (), (), False, (), (), 1, {}, 'gtmab')
+    finding = StudyResult('named', (lift,), (), (), (), False, (), (), 1, {}, 'gtmab')
     study = DiscoveryStudy(finding, gtmab[0], gtmab[0], [StudyFlight('a', 'train', clean)], ())
     wide = add_confusable(study)
     same = set(wide.finding.effects[0].confusable_with)
     assert same >= {'gas_purity.purity', 'ballast.mass'}
     assert 'payload.mass' not in same  # it lifts, and a payload weighs
     assert 'linear_drag.surge' not in same
-    assert 'weigh the vehicle' in format_hint(wide)
+    assert 'weigh the vehicle' in format_next_step(wide)
     tied = replace(finding, effects=(replace(lift, confusable_with=('linear_drag.heave',)),))
-    assert '--plan' in format_hint(replace(study, finding=tied))
-    assert format_hint(study) == ''
-    assert plan_for_study(study, 'gtmab') == NextFlight(CERTAIN)
+    assert '--plan' in format_next_step(replace(study, finding=tied))
+    assert format_next_step(study) == ''
+    assert plan_for_study(study, 'gtmab') == NextFlightPlan(CERTAIN)

@@ -7,11 +7,11 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_discovery.flights.windows import KNOTS
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.replay import linearizer
-from lta_discovery.replay.linearized_flight import build_origin, count_unknowns, SENSORS
-from lta_discovery.replay.linearizer import FlightLinearizer
-from lta_discovery.replay.replay import ModelReplay, STEPS
-from lta_discovery.replay.sensing import transform_readings
+from lta_discovery.replay import flight_linearizer
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.linearized_flight import count_unknowns, SENSORS, unchanged_vehicle_point
+from lta_discovery.replay.replay import FlightReplay, STEPS
+from lta_discovery.replay.sensing import apply_channel_effects
 from lta_discovery.replay.variational_equation import WIDTH
 from lta_model.vehicle import load_vehicle
 import numpy as np
@@ -31,17 +31,21 @@ CHECKED = (
 @pytest.fixture(scope='module')
 def columns(gtmab: Known, clean: FlightLinearizer) -> NDArray[np.float64]:
     """The whitened columns of the clean flight."""
-    return clean.compute_columns(build_origin(gtmab[0], gtmab[1], clean.replay.cut))[0]
+    return clean.compute_whitened_columns(
+        unchanged_vehicle_point(gtmab[0], gtmab[1], clean.replay.cut)
+    )[0]
 
 
 def _left(
     flight: FlightLinearizer, nominal: NominalVehicle, random: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Return measured less predicted by the noise, flown with other parameters."""
-    point = replace(build_origin(nominal, flight.knobs, flight.replay.cut), random=random)
+    point = replace(
+        unchanged_vehicle_point(nominal, flight.knobs, flight.replay.cut), random=random
+    )
     grid = flight.simulate_trajectory(point)[:, ::STEPS]
     return (
-        flight.compute_residual(grid, point, flight.replay.build_rows(nominal))
+        flight.compute_residual(grid, point, flight.replay.build_replay_rows(nominal))
         / flight.replay.flight.noise
     )
 
@@ -81,8 +85,8 @@ def test_states_knots_and_pressure_have_theirs(
 def test_columns_of_sensor_errors_are_derivatives_of_the_residual(
     gtmab: Known, clean: FlightLinearizer, columns: NDArray[np.float64], k: int
 ) -> None:
-    point = build_origin(gtmab[0], gtmab[1], clean.replay.cut)
-    grid, rows = clean.simulate_trajectory(point)[:, ::STEPS], gtmab[0].build_rows()
+    point = unchanged_vehicle_point(gtmab[0], gtmab[1], clean.replay.cut)
+    grid, rows = clean.simulate_trajectory(point)[:, ::STEPS], gtmab[0].build_replay_rows()
     values = point.values.copy()
     values[len(gtmab[1]) + k] = 0.01
     there = replace(point, values=values)
@@ -97,9 +101,9 @@ def test_columns_of_some_pieces_and_products_of_all_agree_with_the_whole_table(
     columns: NDArray[np.float64],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(linearizer, 'CHUNK', 2)  # the chunks are smaller than the flight
-    point = build_origin(gtmab[0], gtmab[1], clean.replay.cut)
-    table, left = clean.compute_columns(point, slice(1, 3))
+    monkeypatch.setattr(flight_linearizer, 'CHUNK', 2)  # the chunks are smaller than the flight
+    point = unchanged_vehicle_point(gtmab[0], gtmab[1], clean.replay.cut)
+    table, left = clean.compute_whitened_columns(point, slice(1, 3))
     np.testing.assert_allclose(table, columns[1:3], rtol=1e-9, atol=1e-9)
     none = clean.linearize(point, np.zeros(len(gtmab[1]), dtype=bool))
     np.testing.assert_array_equal(none.residual[1:3], left)
@@ -120,10 +124,10 @@ def test_all_forces_and_inertias_scaled_together_move_nothing(
     gtmab: Known, clean: FlightLinearizer, pushed: float
 ) -> None:
     nominal, knobs = gtmab
-    begin = build_origin(nominal, knobs, clean.replay.cut)
+    begin = unchanged_vehicle_point(nominal, knobs, clean.replay.cut)
     # Nor where something unexplained pushes: it would have to grow with them, and costs.
     begin.random[:, WIDTH : WIDTH + KNOTS] = pushed * np.cos(np.arange(KNOTS))  # N, surge
-    columns = clean.compute_columns(begin)[0]
+    columns = clean.compute_whitened_columns(begin)[0]
     heaviness = (nominal.mass - nominal.displaced) * STANDARD_GRAVITY
     scaled = dict.fromkeys(
         (
@@ -147,7 +151,7 @@ def test_what_is_not_wanted_costs_nothing_and_changes_nothing(
     gtmab: Known, clean: FlightLinearizer
 ) -> None:
     nominal, knobs = gtmab
-    point = build_origin(nominal, knobs, clean.replay.cut)
+    point = unchanged_vehicle_point(nominal, knobs, clean.replay.cut)
     wanted = np.array([knob.tolerance > 0.0 for knob in knobs])
     whole, some = clean.linearize(point), clean.linearize(point, wanted)
     kept = np.r_[
@@ -174,7 +178,7 @@ def alone(clean: FlightLinearizer) -> FlightLinearizer:
     """The clean flight as a tracker alone has it."""
     noise = np.where(np.arange(14) < 6, clean.replay.flight.noise, np.inf)
     blind = replace(clean.replay.flight, noise=noise)
-    replay = ModelReplay(blind, clean.replay.cut, load_vehicle('gtmab').pack_command(()))
+    replay = FlightReplay(blind, clean.replay.cut, load_vehicle('gtmab').pack_command(()))
     return FlightLinearizer(replay, clean.knobs, clean.places)
 
 
@@ -193,7 +197,9 @@ def test_to_a_pose_alone_a_late_pose_is_a_late_command(
     expected = _left(alone, by_command, random)
     np.testing.assert_allclose(_left(alone, by_clock, random), expected, rtol=1e-9, atol=1e-9)
     assert not np.allclose(_left(alone, nominal, random), expected, atol=0.1, equal_nan=True)
-    told = alone.compute_columns(build_origin(nominal, knobs, alone.replay.cut))[0]
+    told = alone.compute_whitened_columns(
+        unchanged_vehicle_point(nominal, knobs, alone.replay.cut)
+    )[0]
     one, other = (told[..., RANDOM + order.index(each)] for each in ('command_delay.delay', name))
     assert _differ(one, np.sign(value) * other) < 0.01
 
@@ -219,14 +225,16 @@ def test_the_clocks_of_a_pose_alone_add_up_to_a_delay_of_the_commands(
         ('clock_offset', 'offset', 0.02), ('clock_skew', 'skew', 1e-4),
     ):  # fmt: skip
         nominal = nominal.with_value(effect, parameter, value)
-    acting = alone.replay.build_rows(nominal).acting
-    late = -transform_readings(acting['command_time'], np.zeros((2, 1)), np.array([0.0, 100.0]))[
-        :, 0
-    ]
+    acting = alone.replay.build_replay_rows(nominal).acting
+    late = -apply_channel_effects(
+        acting['command_time'], np.zeros((2, 1)), np.array([0.0, 100.0])
+    )[:, 0]
     np.testing.assert_allclose(late, [0.04, 0.03], atol=1e-12)
     assert acting['clock'] == acting['pose_time'] == ()
-    apart = clean.replay.build_rows(nominal).acting
-    assert -transform_readings(apart['command_time'], np.zeros((1, 1)), np.zeros(1))[0, 0] == 0.01
+    apart = clean.replay.build_replay_rows(nominal).acting
+    assert (
+        -apply_channel_effects(apart['command_time'], np.zeros((1, 1)), np.zeros(1))[0, 0] == 0.01
+    )
     assert len(apart['clock']) == 2
     assert len(apart['pose_time']) == 1
 
@@ -234,8 +242,8 @@ def test_the_clocks_of_a_pose_alone_add_up_to_a_delay_of_the_commands(
 def test_a_pose_alone_has_the_columns_of_the_pose(
     gtmab: Known, alone: FlightLinearizer, columns: NDArray[np.float64]
 ) -> None:
-    point = build_origin(gtmab[0], gtmab[1], alone.replay.cut)
-    told, left = alone.compute_columns(point)
+    point = unchanged_vehicle_point(gtmab[0], gtmab[1], alone.replay.cut)
+    told, left = alone.compute_whitened_columns(point)
     names = [knob.name for knob in gtmab[1]]
     others = [RANDOM + k for k, name in enumerate(names) if name.startswith(('tracker', 'clock'))]
     same = np.delete(np.arange(told.shape[-1]), others)
@@ -263,9 +271,9 @@ def test_where_the_tracker_is_tilted_so_is_what_begins_a_piece(
     nominal = gtmab[0].with_value('tracker_misalignment', 'pitch', tilt)
     k = [knob.name for knob in knobs].index(name)
     still = np.zeros((len(alone.replay.first), RANDOM))
-    column = alone.compute_columns(build_origin(nominal, knobs, alone.replay.cut))[0][
-        ..., RANDOM + k
-    ]
+    column = alone.compute_whitened_columns(
+        unchanged_vehicle_point(nominal, knobs, alone.replay.cut)
+    )[0][..., RANDOM + k]
     before, after = (_left(alone, knobs[k].apply_to(nominal, by), still) for by in (-1e-4, 1e-4))
     assert _differ((before - after) / 2e-4, column) < 0.03  # most of it cancels
 
@@ -275,7 +283,9 @@ def test_a_turn_about_the_vertical_moves_nothing(
 ) -> None:
     """Without wind nothing says where north is."""
     k = RANDOM + [knob.name for knob in gtmab[1]].index('tracker_misalignment.yaw')
-    told = alone.compute_columns(build_origin(gtmab[0], gtmab[1], alone.replay.cut))[0][..., k]
+    told = alone.compute_whitened_columns(
+        unchanged_vehicle_point(gtmab[0], gtmab[1], alone.replay.cut)
+    )[0][..., k]
     assert np.abs(told).max() < 1e-4 * np.nanmax(np.abs(columns[:, :, :6, k]))
 
 
@@ -286,9 +296,9 @@ def test_a_tilt_of_the_tracker_leaves_the_first_pose_as_it_was_told(
     first = []
     for tilt in (0.0, 0.05):
         nominal = gtmab[0].with_value('tracker_misalignment', 'roll', tilt)
-        point = build_origin(nominal, gtmab[1], alone.replay.cut)
+        point = unchanged_vehicle_point(nominal, gtmab[1], alone.replay.cut)
         left = alone.compute_residual(
-            alone.simulate_forecast(point)[:, ::STEPS], point, nominal.build_rows()
+            alone.simulate_forecast(point)[:, ::STEPS], point, nominal.build_replay_rows()
         )
         first.append(left[:, 0, :6])
     np.testing.assert_allclose(first[1], first[0], atol=1e-9)
@@ -296,10 +306,10 @@ def test_a_tilt_of_the_tracker_leaves_the_first_pose_as_it_was_told(
 
 def test_a_turned_row_is_that_of_the_vehicle_built_anew(gtmab: Known) -> None:
     nominal, knobs = gtmab
-    base = nominal.build_rows()
+    base = nominal.build_replay_rows()
     for knob in knobs:
         turned = knob.apply_to(nominal, knob.step_at(0.0))
-        quick, slow = turned.update_rows(nominal, base), turned.build_rows()
+        quick, slow = turned.update_replay_rows(nominal, base), turned.build_replay_rows()
         for name in ('actuators', 'actuators_on', 'body', 'body_on'):
             np.testing.assert_array_equal(getattr(quick, name), getattr(slow, name))
         assert quick.acting == slow.acting

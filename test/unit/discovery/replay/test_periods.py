@@ -8,8 +8,8 @@ from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.model.quaternions import quaternion_exponential
 from lta_discovery.replay import knot_count
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.knot_count import count_needed_knots, find_swing_periods, vehicle_period
-from lta_discovery.replay.linearizer import FlightLinearizer
 import numpy as np
 import pytest
 

@@ -3,10 +3,10 @@
 from dataclasses import replace
 
 from lta_discovery.flights.measured_flight import resample_flight, Stream
-from lta_discovery.flights.windows import cut_windows
+from lta_discovery.flights.windows import cut_into_pieces
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.replay.linearizer import FlightLinearizer
-from lta_discovery.replay.replay import ModelReplay, STEPS
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.replay import FlightReplay, STEPS
 from lta_model.effects import initial_memory
 from lta_model.vehicle import load_vehicle
 from lta_sim.kernels import kernel
@@ -26,8 +26,8 @@ def test_a_lagged_rotor_has_the_mean_thrust_of_its_closed_form(
     begin = float(flight.time[0])
     order = Stream(np.array([begin, begin + 0.043]), np.array([[0.0] * 4, [0.5] * 4]))
     told = replace(flight, commands=order, voltage=np.full(len(flight.time), np.nan))
-    rows = gtmab[0].build_rows()
-    thrusts = ModelReplay(told, clean.replay.cut, vehicle.pack_command(())).mean_thrusts(rows)
+    rows = gtmab[0].build_replay_rows()
+    thrusts = FlightReplay(told, clean.replay.cut, vehicle.pack_command(())).mean_thrusts(rows)
     a, b = vehicle.thrust_curve
     for k in (2, 3, 10):
         time = np.linspace(0.02 * k, 0.02 * (k + 1), 20001) - 0.043
@@ -49,15 +49,15 @@ def test_pieces_fly_as_the_kernel_flies(gtmab: tuple[NominalVehicle, object]) ->
     for order in orders[:800]:
         state = kernel.advance(state, model, order, (0.0,), 0.0025, 4)
         states.append(state[:RIGID])
-    cut = cut_windows(flight, 4.0)
+    cut = cut_into_pieces(flight, 4.0)
     unknown = replace(flight, voltage=np.full(len(flight.time), np.nan))
-    replay = ModelReplay(unknown, cut, load_vehicle('gtmab').pack_command(()))
-    rows = gtmab[0].build_rows()
+    replay = FlightReplay(unknown, cut, load_vehicle('gtmab').pack_command(()))
+    rows = gtmab[0].build_replay_rows()
     at = np.rint(flight.time[cut.first] / 0.01).astype(int)
     assert at[0] + 400 <= 800
     start = np.array([states[k] if k < len(states) else states[0] for k in at])
     flown_on = replay.integrate_pieces(
-        rows, replay.compute_inputs(rows), start, np.zeros((len(at), replay.span, 6))
+        rows, replay.compute_body_inputs(rows), start, np.zeros((len(at), replay.span, 6))
     )
     truth = np.array(states[at[0] : at[0] + 401 : 4])
     error = flown_on[0, ::STEPS] - truth
@@ -69,17 +69,21 @@ def test_pieces_fly_as_the_kernel_flies(gtmab: tuple[NominalVehicle, object]) ->
 def test_a_commanded_wrench_moves_the_body_as_the_same_latent_one(
     gtmab: tuple[NominalVehicle, object], clean: FlightLinearizer
 ) -> None:
-    replay, rows = clean.replay, gtmab[0].build_rows()
+    replay, rows = clean.replay, gtmab[0].build_replay_rows()
     push = np.array([0.01, -0.004, 0.02, 1e-3, -2e-3, 5e-4])
     order = Stream(replay.flight.time[:1], push[None])
-    told = ModelReplay(
+    told = FlightReplay(
         replace(replay.flight, wrench=order), replay.cut, load_vehicle('gtmab').pack_command(())
     )
     still = np.zeros((len(replay.first), replay.span, 6))
-    commanded = told.integrate_pieces(rows, told.compute_inputs(rows), replay.cut.start, still)
+    commanded = told.integrate_pieces(
+        rows, told.compute_body_inputs(rows), replay.cut.start, still
+    )
     latent = replay.integrate_pieces(
-        rows, replay.compute_inputs(rows), replay.cut.start, still + push
+        rows, replay.compute_body_inputs(rows), replay.cut.start, still + push
     )
     np.testing.assert_allclose(commanded, latent, atol=1e-9)
-    alone = replay.integrate_pieces(rows, replay.compute_inputs(rows), replay.cut.start, still)
+    alone = replay.integrate_pieces(
+        rows, replay.compute_body_inputs(rows), replay.cut.start, still
+    )
     assert np.abs(latent - alone).max() > 0.1

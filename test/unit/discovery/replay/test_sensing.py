@@ -52,7 +52,7 @@ def test_a_pose_a_tenth_of_a_second_old_swings_no_wider(
 ) -> None:
     late = gtmab[0].with_value('tracker_delay', 'delay', 0.1)
     time = PERIOD * np.arange(101)
-    said = predict_readings(_swinging(time), time[:-1], late.build_rows().acting, STILL)
+    said = predict_readings(_swinging(time), time[:-1], late.build_replay_rows().acting, STILL)
     roll = quaternion_logarithm(said.quaternion)[:, 0]
     before = SWING * (time[:-1] - 0.1)
     inside = slice(2, -2)  # the slopes at the ends are of one side
@@ -71,7 +71,7 @@ def test_a_tracker_delay_and_a_negative_clock_offset_shift_poses_alike(
     gtmab: tuple[NominalVehicle, list[FreeParameter]], effect: str, name: str, value: float
 ) -> None:
     time = PERIOD * np.arange(101)
-    acting = gtmab[0].with_value(effect, name, value).build_rows().acting
+    acting = gtmab[0].with_value(effect, name, value).build_replay_rows().acting
     np.testing.assert_allclose(pose_time_shift(acting, time[:-1]), -0.1, atol=1e-12)
     place = predict_readings(_swinging(time), time[:-1], acting, STILL).position[2:-2, 1]
     before = WAY * np.sin(SWING * (time[2:-3] - 0.1))
@@ -84,7 +84,7 @@ def test_the_shift_of_a_pose_adds_up_clock_and_delay(
     """The shift is 0.02 s + 5e-4 t - 0.1 s."""
     nominal = gtmab[0].with_value('clock_offset', 'offset', 0.02)
     nominal = nominal.with_value('clock_skew', 'skew', 5e-4)
-    acting = nominal.with_value('tracker_delay', 'delay', 0.1).build_rows().acting
+    acting = nominal.with_value('tracker_delay', 'delay', 0.1).build_replay_rows().acting
     time = np.array([[0.0, 10.0], [100.0, 200.0]])
     np.testing.assert_allclose(pose_time_shift(acting, time), [[-0.08, -0.075], [-0.03, 0.02]])
 
@@ -99,7 +99,7 @@ def test_each_effect_changes_the_readings_of_its_sensor_alone(
     ):  # fmt: skip
         nominal = nominal.with_value(effect, name, value)
     exact = np.tile(np.arange(1.0, 9.0), (2, 1))
-    said = apply_sensor_effects(exact, np.array([0.0, 4.0]), nominal.build_rows().acting)
+    said = apply_sensor_effects(exact, np.array([0.0, 4.0]), nominal.build_replay_rows().acting)
     first = [1.0, 2.0, 3.3, 4.0, 5.2, 6.0, 7.1, 8.0]
     np.testing.assert_allclose(said, [first, [*first[:7], 10.0]])
 
@@ -111,7 +111,7 @@ def test_a_misaligned_tracker_is_turned_back_into_the_map(
     nominal = gtmab[0]
     for name, angle in zip(('yaw', 'pitch', 'roll'), angles, strict=True):
         nominal = nominal.with_value('tracker_misalignment', name, angle)
-    acting, frame = nominal.build_rows().acting, Rotation.from_euler('ZYX', angles).inv()
+    acting, frame = nominal.build_replay_rows().acting, Rotation.from_euler('ZYX', angles).inv()
     matrix, turn = tracker_frame(acting)
     np.testing.assert_allclose(matrix, frame.as_matrix(), atol=1e-12)
     np.testing.assert_allclose(turn, frame.as_quat(), atol=1e-12)
@@ -147,7 +147,7 @@ def test_the_frame_of_a_tracker_is_evaluated_level_at_the_origin_at_time_0() -> 
 def test_without_an_effect_the_frame_of_the_tracker_is_the_map(
     gtmab: tuple[NominalVehicle, list[FreeParameter]],
 ) -> None:
-    matrix, turn = tracker_frame(gtmab[0].build_rows().acting)
+    matrix, turn = tracker_frame(gtmab[0].build_replay_rows().acting)
     np.testing.assert_array_equal(matrix, np.eye(3))
     np.testing.assert_array_equal(turn, [0.0, 0.0, 0.0, 1.0])
 

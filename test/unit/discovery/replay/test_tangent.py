@@ -2,7 +2,7 @@
 
 from lta_discovery.replay.linearized_flight import hat_functions
 from lta_discovery.replay.variational_equation import (
-    add_change,
+    apply_state_changes,
     discretize_dynamics,
     propagate_changes,
     WIDTH,
@@ -52,7 +52,7 @@ def test_changes_are_carried_from_step_to_step() -> None:
 def test_a_change_adds_to_place_and_speeds_and_rotates_in_the_body_frame() -> None:
     state, change = RNG.normal(size=(2, 13)), RNG.normal(size=(2, 12))
     state[:, 3:7] /= np.linalg.norm(state[:, 3:7], axis=1, keepdims=True)
-    after = add_change(state, change)
+    after = apply_state_changes(state, change)
     np.testing.assert_allclose(after[:, :3], state[:, :3] + change[:, :3])
     np.testing.assert_allclose(after[:, 7:], state[:, 7:] + change[:, 6:])
     turn = Rotation.from_quat(state[:, 3:7]) * Rotation.from_rotvec(change[:, 3:6])

@@ -4,18 +4,18 @@ from dataclasses import replace
 import json
 
 from lta_discovery.finding import (
-    DiscoveryFinding,
+    ChannelErrors,
     Discrepancy,
-    LadderRung,
     NamedEffect,
     ParameterEstimate,
-    PredictionGap,
+    SearchCandidate,
+    StudyResult,
 )
 from lta_discovery.flights.noisy_intervals import ExcludedInterval
 from lta_discovery.results.discovery_json import common_horizon, to_dict
-from lta_discovery.results.terminal import format_gaps, print_finding
-from lta_discovery.unmodeled.draught import DraughtFinding
-from lta_discovery.unmodeled.remainders import Remainder
+from lta_discovery.results.terminal import format_prediction_errors, print_finding
+from lta_discovery.unmodeled.draught import DraughtEstimate
+from lta_discovery.unmodeled.unexplained_force import Remainder
 import pytest
 from rich.console import Console
 
@@ -23,11 +23,11 @@ NAN = float('nan')
 
 
 def _gap(channel, at, before, after, unit='m'):
-    return PredictionGap(channel, unit, at, before, 0.5 * before, after, 9.0, 0.001,
+    return ChannelErrors(channel, unit, at, before, 0.5 * before, after, 9.0, 0.001,
                          1.0 - after / before, (0.2, 0.4), 17)  # fmt: skip
 
 
-FINDING = DiscoveryFinding(
+FINDING = StudyResult(
     'named+unexplained',
     (
         NamedEffect(
@@ -37,7 +37,7 @@ FINDING = DiscoveryFinding(
             41.0, ('command_delay.delay',),
         ),
     ),
-    ((LadderRung('motor_lag', 22.0, 19.0, 17.0, 0.3, True),),),
+    ((SearchCandidate('motor_lag', 22.0, 19.0, 17.0, 0.3, True),),),
     (
         Discrepancy('A', 'x', 2.0, 40.0, 'always', 9.0),
         Discrepancy('A', 'surge', 2.0, 40.0, 'speed above 0.3 m/s', 7.0),
@@ -79,7 +79,7 @@ def test_the_keys_are_those_that_programs_rely_on():
 
 def test_a_draught_is_told_to_programs_and_people():
     assert to_dict(FINDING)['draught'] is None
-    aired = replace(FINDING, draught=DraughtFinding(1.1e-3, 2.6e-3))
+    aired = replace(FINDING, draught=DraughtEstimate(1.1e-3, 2.6e-3))
     assert to_dict(aired)['draught'] == {'force': 1.1e-3, 'speed': 2.6e-3}
     console = Console(width=110, record=True, file=None, quiet=False)
     with console.capture() as heard:
@@ -126,6 +126,6 @@ def test_the_terminal_tells_effects_gap_and_where():
 
 def test_an_error_that_grew_is_told_as_more():
     grown = replace(FINDING.gaps[1], shrink=-0.3, shrink_ci95=(-0.6, 0.2))
-    (first, *_) = format_gaps(replace(FINDING, gaps=(grown,)))
+    (first, *_) = format_prediction_errors(replace(FINDING, gaps=(grown,)))
     assert '30 % more (' in str(first)
     assert ' to 60 %)' in str(first)

@@ -1,7 +1,7 @@
 """What was learned stands in the vehicle file, and flies as it was learned."""
 
 from lta_config.files import find_file
-from lta_discovery.finding import DiscoveryFinding, NamedEffect, ParameterEstimate
+from lta_discovery.finding import NamedEffect, ParameterEstimate, StudyResult
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
 from lta_discovery.results.learned_file import format_learned_vehicle
@@ -12,7 +12,7 @@ import pytest
 
 def _finding(effects=(), vehicle='gtmab'):
     bags = {'train': ('A',), 'confirm': ('B',), 'holdout': ('C',)}
-    return DiscoveryFinding(
+    return StudyResult(
         'named', effects, (), (), (), True, (), (), 1, bags, vehicle, {'commit': 'abc123'}
     )
 

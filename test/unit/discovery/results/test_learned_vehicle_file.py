@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.errors import BadInput
-from lta_config.vehicle_edit import format_inline, set_value
+from lta_config.vehicle_edit import format_inline, set_yaml_value
 import pytest
 import yaml
 
@@ -28,7 +28,7 @@ VALUE = {'value': 0.5, 'unit': 's', 'source': 'it, "so"'}
 
 
 def test_a_value_is_replaced_and_nothing_else_moves():
-    new = set_value(TEXT, ['effects', 'lag', 'up'], VALUE)
+    new = set_yaml_value(TEXT, ['effects', 'lag', 'up'], VALUE)
     line = '    up: ' + format_inline(VALUE) + '   # measured'
     assert new.splitlines() == [
         line if old.startswith('    up:') else old for old in TEXT.splitlines()
@@ -48,7 +48,7 @@ def test_a_value_is_replaced_and_nothing_else_moves():
     ],
 )
 def test_what_is_new_stands_with_its_neighbours(way, line):
-    new = set_value(TEXT, way, 5)
+    new = set_yaml_value(TEXT, way, 5)
     wanted = yaml.safe_load(TEXT)
     here = wanted
     for key in way[:-1]:
@@ -64,12 +64,12 @@ def test_what_is_new_stands_with_its_neighbours(way, line):
 
 def test_a_text_of_anchors_is_written_anew_and_says_the_same():
     text = 'a: &one {x: 1}\nb: *one\n'
-    assert yaml.safe_load(set_value(text, ['b', 'x'], 2)) == {'a': {'x': 1}, 'b': {'x': 2}}
+    assert yaml.safe_load(set_yaml_value(text, ['b', 'x'], 2)) == {'a': {'x': 1}, 'b': {'x': 2}}
 
 
 def test_there_is_no_place_within_a_value():
     with pytest.raises(BadInput, match="'x' cannot be set"):
-        set_value(TEXT, ['name', 'x'], 1)
+        set_yaml_value(TEXT, ['name', 'x'], 1)
 
 
 @given(
@@ -80,6 +80,6 @@ def test_there_is_no_place_within_a_value():
 )
 def test_a_file_takes_any_number_and_words(key, name, value, source):
     told = {'value': value, 'unit': 's', 'source': source}
-    back = yaml.safe_load(set_value(TEXT, ['effects', key, name], told))
+    back = yaml.safe_load(set_yaml_value(TEXT, ['effects', key, name], told))
     assert back['effects'][key][name] == told
     assert back['hull'] == yaml.safe_load(TEXT)['hull']

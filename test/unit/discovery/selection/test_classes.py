@@ -11,19 +11,19 @@ from lta_discovery.fit.evidence import OWN, ReducedFlight
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.planning.class_derivation import (
+    cluster_complete_linkage,
     compare_candidates,
-    group_alike,
     registry_digest,
-    select_shipped,
+    select_builtin_parameters,
 )
 from lta_discovery.planning.separability import PairSeparability, ParameterPair
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import SENSORS
-from lta_discovery.replay.linearizer import FlightLinearizer
 from lta_discovery.selection.equivalence_classes import (
     classify_data_kind,
     find_kind_classes,
-    is_same_class,
-    list_equivalents,
+    is_equivalent,
+    list_equivalent_effects,
     load_class_map,
     load_frozen_classes,
 )
@@ -105,11 +105,11 @@ def test_what_is_to_be_expected_of_one_name_over_the_other() -> None:
 def test_every_two_of_a_group_are_alike() -> None:
     # a is like b and b like c, but a is not like c: no chain.
     cosine = np.array([[1.0, 0.99, 0.9], [0.99, 1.0, 0.985], [0.9, 0.985, 1.0]])
-    assert group_alike(cosine, 0.98) == [[0, 1], [2]]
+    assert cluster_complete_linkage(cosine, 0.98) == [[0, 1], [2]]
 
 
 def test_the_frozen_file_is_that_of_the_candidates_as_they_are(gtmab: Known) -> None:
-    known = select_shipped(gtmab[1])
+    known = select_builtin_parameters(gtmab[1])
     assert load_frozen_classes().digest == registry_digest(known), 'run make classes'
     names = {knob.name for knob in known if knob.typical > 0.0}
     assert all(set(kind.reach) == names for kind in load_frozen_classes().kinds.values())
@@ -131,23 +131,23 @@ def test_effects_that_others_install_are_not_frozen(monkeypatch: pytest.MonkeyPa
     places = [('vehicle', 'mass'), ('net_lift', 'force'), ('guide_rope', 'line')]
     mass, lift, rope = (FreeParameter('.'.join(at), '1', {at: 1.0}, 1e-5, 1e-4) for at in places)
     monkeypatch.setitem(EFFECTS, 'guide_rope', EFFECTS['net_lift'])
-    assert select_shipped([mass, lift, rope]) == [mass, lift]
+    assert select_builtin_parameters([mass, lift, rope]) == [mass, lift]
 
 
 def test_one_constant_force_has_many_names_and_so_has_one_delay() -> None:
     for kind in load_frozen_classes().kinds:
         for name in ('payload.mass', 'ballast.mass', 'gas_purity.purity'):
-            assert is_same_class('net_lift.force', name, kind)  # type: ignore[arg-type]
-        assert is_same_class('tracker_delay.delay', 'clock_offset.offset', kind)  # type: ignore[arg-type]
+            assert is_equivalent('net_lift.force', name, kind)  # type: ignore[arg-type]
+        assert is_equivalent('tracker_delay.delay', 'clock_offset.offset', kind)  # type: ignore[arg-type]
         # Only sensors on the clock of the commands tell a late command from a late pose.
-        one = is_same_class('command_delay.delay', 'tracker_delay.delay', kind)  # type: ignore[arg-type]
+        one = is_equivalent('command_delay.delay', 'tracker_delay.delay', kind)  # type: ignore[arg-type]
         assert one == (kind in ('pose', 'wrench'))
-        assert not is_same_class('linear_drag.surge', 'cg_offset.x', kind)  # type: ignore[arg-type]
-    assert 'net_lift.force' in list_equivalents('payload.mass', 'all')
+        assert not is_equivalent('linear_drag.surge', 'cg_offset.x', kind)  # type: ignore[arg-type]
+    assert 'net_lift.force' in list_equivalent_effects('payload.mass', 'all')
     assert load_class_map('all')['payload.mass'] == load_class_map('all')['net_lift.force']
     assert 'gyro_bias.x' in find_kind_classes('pose').unseen
-    assert not is_same_class('unheard.of', 'net_lift.force', 'pose')
-    assert list_equivalents('unheard.of', 'pose') == ()
+    assert not is_equivalent('unheard.of', 'net_lift.force', 'pose')
+    assert list_equivalent_effects('unheard.of', 'pose') == ()
 
 
 def test_an_unknown_kind_is_refused() -> None:

@@ -3,7 +3,7 @@
 from types import SimpleNamespace
 from unittest import mock
 
-from lta_discovery.selection.acceptance import CandidateTrial
+from lta_discovery.selection.candidate_acceptance import CandidateTrial
 from lta_discovery.selection.effect_search import EffectSearch, SelectionRound
 import pytest
 

@@ -7,8 +7,8 @@ from lta_discovery.fit.joint_fit import fit_flight
 from lta_discovery.forecast.prediction_errors import compute_prediction_errors
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.replay.linearized_flight import build_origin
-from lta_discovery.selection.acceptance import CandidateTrial
+from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
+from lta_discovery.selection.candidate_acceptance import CandidateTrial
 from lta_discovery.selection.effect_search import EffectSearch, EffectSearchResult
 import pytest
 
@@ -63,7 +63,7 @@ def test_a_vehicle_within_its_tolerances_names_nothing(gtmab: Known) -> None:
 def test_the_gap_goes_from_nominal_over_tuned_to_named(gtmab: Known) -> None:
     nominal, knobs = gtmab
     flight = prepared(flown(CASES['linear_drag.surge'], 70, LENGTH), knobs)
-    start = build_origin(nominal, knobs, flight.replay.cut)
+    start = unchanged_vehicle_point(nominal, knobs, flight.replay.cut)
     before = compute_prediction_errors(flight, start)
     tuned, named = (
         compute_prediction_errors(
@@ -114,7 +114,7 @@ def test_only_what_is_unlike_a_torn_candidate_gets_past_it(gtmab: Known) -> None
         assert naming._is_admissible(trial, [agreed, trial], (), bare, ('cg_offset.x',)) == past
         assert naming._is_admissible(trial, [better, trial], (), bare, ('cg_offset.x',))
     prior = build_shared_prior(naming.knobs)
-    left = naming._list_excluded(['linear_drag.surge'], prior, bare)
+    left = naming._list_excluded_candidates(['linear_drag.surge'], prior, bare)
     assert {'linear_drag.surge', 'quadratic_drag.surge', 'rotational_drag.yaw'} <= left
     assert {'steady_wind.x', 'helium_leak.rate'} <= left
     assert not {'gyro_bias.z', 'net_lift.force'} & left

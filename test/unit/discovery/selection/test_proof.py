@@ -5,7 +5,7 @@ from unittest import mock
 
 from lta_discovery.fit.evidence import Prior
 from lta_discovery.fit.flight_group import LinearizedGroup
-from lta_discovery.selection.verification import EffectVerification
+from lta_discovery.selection.effect_verification import EffectVerification
 import numpy as np
 import pytest
 
@@ -30,7 +30,7 @@ def test_the_better_of_two_names_stands(
         EffectVerification, '_find_near_rivals', return_value={'other': (linear, alike)}
     )
     with near, mock.patch.object(EffectVerification, '_refit_without', return_value=then):
-        found, fitted, name = proof._swap_effect('name', ('name',), full)
+        found, fitted, name = proof._compare_with_rivals('name', ('name',), full)
     assert name == named
     assert fitted is (then if named == 'other' else full)
     assert found == others
@@ -91,7 +91,8 @@ def test_rivals_resemble_the_effect_and_lose_few_nats() -> None:
         return _worth(100.0 - lost[names[0]])
 
     likeness = mock.patch(
-        'lta_discovery.selection.verification.column_cosines', return_value=np.array(cosines)
+        'lta_discovery.selection.effect_verification.column_cosines',
+        return_value=np.array(cosines),
     )
     full = SimpleNamespace(evidence=100.0, reduced='r', prior='p')
     with likeness as alike, mock.patch.object(EffectVerification, '_remove_effect', without):
@@ -120,7 +121,7 @@ def test_the_two_best_rivals_are_refitted_and_all_within_a_tie_are_listed() -> N
         mock.patch.object(EffectVerification, '_find_near_rivals', return_value=near),
         mock.patch.object(EffectVerification, '_refit_without', changed),
     ):
-        found, _, name = _proof()._swap_effect('a', ('x', 'a'), _worth(100.0))
+        found, _, name = _proof()._compare_with_rivals('a', ('x', 'a'), _worth(100.0))
     assert asked == [('a', ('x', 'b')), ('a', ('x', 'c'))]
     assert name == 'a'  # a rival has to be better by more than 3 nats
     assert [*found] == ['c', 'b', 'd']
@@ -145,7 +146,7 @@ def test_an_effect_is_removed_by_holding_it_at_zero() -> None:
     group = LinearizedGroup((), np.array([3.0, 4.0]), np.zeros(2))
     last = SimpleNamespace(group=group, deviations='these')
     with mock.patch(
-        'lta_discovery.selection.verification.build_shared_prior', return_value='prior'
+        'lta_discovery.selection.effect_verification.build_shared_prior', return_value='prior'
     ):
         proof._remove_effect(last, 'b', ('a',))
     settled = proof.fitter.fit_deviations.call_args.args
@@ -172,7 +173,7 @@ def test_a_joint_fit_starts_at_the_point_of_the_side_that_fits_all_flights_bette
         7.0: 20.0,
     }[float(group.at[0])]
     with mock.patch(
-        'lta_discovery.selection.verification.build_shared_prior', return_value='prior'
+        'lta_discovery.selection.effect_verification.build_shared_prior', return_value='prior'
     ):
         proof._fit_jointly(('a',), sides)
     prior, group, deviations, rounds = proof.fitter.fit.call_args.args
@@ -210,7 +211,7 @@ def test_effects_that_cost_less_than_5_nats_are_dropped_and_the_others_ranked() 
         mock.patch.object(EffectVerification, '_refit_without', changed),
         mock.patch.object(
             EffectVerification,
-            '_swap_effect',
+            '_compare_with_rivals',
             lambda self, name, names, full: (
                 ({'a': True, 'r': False}, 'swapped', 'e') if name == 'a' else ({}, full, name)
             ),
@@ -264,7 +265,9 @@ def test_fainter_effects_are_added_until_a_round_names_none(
         return next(steps), quiet
 
     faint = mock.Mock(fit_lower_floor=lambda full: quiet, run_round=following)
-    with mock.patch('lta_discovery.selection.verification.WeakEffectSearch', return_value=faint):
+    with mock.patch(
+        'lta_discovery.selection.effect_verification.WeakEffectSearch', return_value=faint
+    ):
         found, full = proof._add_weak_effects(('a',), 'full', 1)
     assert [step.named for step in found] == rounds
     assert asked == [('a', *rounds[:k]) for k in range(len(rounds))]

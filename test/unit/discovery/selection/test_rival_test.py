@@ -6,21 +6,21 @@ from lta_discovery.fit.evidence import build_shared_prior, FLOOR, per_flight_var
 from lta_discovery.fit.joint_fit import JointFitter
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.replay.linearized_flight import build_origin
-from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
 from lta_discovery.selection.effect_search import EffectSearch
+from lta_discovery.selection.effect_verification import EffectVerification
 from lta_discovery.selection.residual_guards import (
     find_acting_axes,
-    is_calm,
-    is_lesser,
-    is_minor,
-    is_partial,
-    is_sound,
-    is_unaffected,
+    has_no_remainder,
+    is_credible,
+    is_partial_explanation,
+    is_small_motion_effect,
+    leaves_larger_remainder,
+    leaves_remainder_unchanged,
 )
 from lta_discovery.selection.rival_test import displacement_threshold, find_better_rival, RivalTest
-from lta_discovery.selection.verification import EffectVerification
-from lta_discovery.unmodeled.assessment import assess_unmodeled
+from lta_discovery.unmodeled.unmodeled_forces import assess_unmodeled_forces
 from lta_model.effects.protocol import AXES as NAMES
 import numpy as np
 import pytest
@@ -41,7 +41,9 @@ def test_a_tether_is_given_no_name(gtmab: Known) -> None:
     )
     found = EffectSearch(nominal, (pair[0], pair[1])).run()
     proven = EffectVerification(nominal, [*pair[0], *pair[1]]).run(found)
-    rest = assess_unmodeled(pair, proven.full, EffectSearch(nominal, (pair[0], pair[1])).floor)
+    rest = assess_unmodeled_forces(
+        pair, proven.full, EffectSearch(nominal, (pair[0], pair[1])).floor
+    )
     assert proven.names == ()
     assert rest.decide_verdict(proven.names) == 'unexplained'
     assert {'surge', 'sway', 'heave'} <= {one.axis for one in rest.remains}
@@ -76,34 +78,36 @@ def test_a_coefficient_of_motion_falls_to_any_better_rival() -> None:
 def test_a_part_of_something_larger_is_withdrawn() -> None:
     large = np.array([9.5, 1.0, 20.0, 1.0, 1.0, 1.0])
     heave, yaw = np.arange(6) == 2, np.arange(6) == 5
-    assert is_partial(heave, large, 0.6 * large)
-    assert not is_partial(heave, large, np.array([9.4, 1.0, 3.0, 1.0, 1.0, 1.0]))
-    assert not is_partial(heave, large, 0.3 * large)  # it was most of it
-    assert not is_partial(heave | yaw, large, large)  # it explains one axis
-    assert not is_partial(np.zeros(6, dtype=np.bool_), large, large)  # it is about a sensor
+    assert is_partial_explanation(heave, large, 0.6 * large)
+    assert not is_partial_explanation(heave, large, np.array([9.4, 1.0, 3.0, 1.0, 1.0, 1.0]))
+    assert not is_partial_explanation(heave, large, 0.3 * large)  # it was most of it
+    assert not is_partial_explanation(heave | yaw, large, large)  # it explains one axis
+    assert not is_partial_explanation(
+        np.zeros(6, dtype=np.bool_), large, large
+    )  # it is about a sensor
 
 
 def test_a_name_that_both_sides_find_may_stand_beside_something_larger() -> None:
-    assert is_sound('net_lift.force', (222.0, 157.0), 0.13)
-    assert not is_sound('net_lift.force', (222.0, 157.0), 0.27)  # which of the two?
-    assert not is_sound('net_lift.force', (148.0, 5.0), 0.13)  # one side hardly knows of it
-    assert not is_sound('net_lift.force', (14.0, 11.0), 0.13)
+    assert is_credible('net_lift.force', (222.0, 157.0), 0.13)
+    assert not is_credible('net_lift.force', (222.0, 157.0), 0.27)  # which of the two?
+    assert not is_credible('net_lift.force', (148.0, 5.0), 0.13)  # one side hardly knows of it
+    assert not is_credible('net_lift.force', (14.0, 11.0), 0.13)
     # The word for whatever follows motion has to come out the same.
-    assert not is_sound('linear_drag.surge', (222.0, 157.0), 0.13)
-    assert is_sound('added_mass.heave', (84.0, 83.8), 0.002)
+    assert not is_credible('linear_drag.surge', (222.0, 157.0), 0.13)
+    assert is_credible('added_mass.heave', (84.0, 83.8), 0.002)
 
 
 def test_what_leaves_all_that_remains_as_it_was_has_nothing_to_do_with_it() -> None:
     before = np.array([10.4, 2.0, 3.9, 6.5, 66.3, 51.9])
     after = np.array([10.0, 2.0, 3.9, 6.4, 62.2, 49.7])
     pitch, sway = np.arange(6) == 4, np.arange(6) == 1
-    assert is_unaffected(before, after)
-    assert is_unaffected(before, after - 1.5 * sway)  # what is calm does not count
-    assert not is_unaffected(before, after - 10.0 * pitch)
-    assert not is_unaffected(before, after + 20.0 * pitch)
-    assert is_calm(sway, after)
-    assert not is_calm(sway | pitch, after)
-    assert is_calm(np.zeros(6, dtype=np.bool_), after)  # it is about a sensor
+    assert leaves_remainder_unchanged(before, after)
+    assert leaves_remainder_unchanged(before, after - 1.5 * sway)  # what is calm does not count
+    assert not leaves_remainder_unchanged(before, after - 10.0 * pitch)
+    assert not leaves_remainder_unchanged(before, after + 20.0 * pitch)
+    assert has_no_remainder(sway, after)
+    assert not has_no_remainder(sway | pitch, after)
+    assert has_no_remainder(np.zeros(6, dtype=np.bool_), after)  # it is about a sensor
 
 
 def test_less_is_asked_of_what_has_nothing_to_do_with_a_rival() -> None:
@@ -121,11 +125,15 @@ def test_a_coefficient_of_motion_that_leaves_more_than_it_explains_is_minor() ->
     before = np.array([0.4, 0.4, 0.4, 1.3, 3.3, 5.4])
     final = np.array([0.3, 0.4, 0.4, 1.3, 2.9, 4.7])
     pitch, yaw = (np.arange(6) == 4) | (np.arange(6) == 0), np.arange(6) == 5
-    assert is_minor('rotational_drag.pitch', pitch, before, final)
-    assert is_minor('rotational_drag.yaw', yaw, before, final)
-    assert not is_minor('ballast.mass', yaw, before, final)
-    assert not is_minor('rotational_drag.yaw', yaw, before, final - 2.5 * yaw)  # little is left
-    assert not is_minor('rotational_drag.yaw', yaw, before + 4.0, final)  # it explained more
+    assert leaves_larger_remainder('rotational_drag.pitch', pitch, before, final)
+    assert leaves_larger_remainder('rotational_drag.yaw', yaw, before, final)
+    assert not leaves_larger_remainder('ballast.mass', yaw, before, final)
+    assert not leaves_larger_remainder(
+        'rotational_drag.yaw', yaw, before, final - 2.5 * yaw
+    )  # little is left
+    assert not leaves_larger_remainder(
+        'rotational_drag.yaw', yaw, before + 4.0, final
+    )  # it explained more
 
 
 def test_a_name_that_won_little_is_withdrawn_beside_anything(
@@ -133,7 +141,7 @@ def test_a_name_that_won_little_is_withdrawn_beside_anything(
 ) -> None:
     nominal, knobs = gtmab
     fitter = JointFitter(nominal, [clean], per_flight_variance(knobs), FLOOR)
-    begin = build_origin(nominal, knobs, clean.replay.cut)
+    begin = unchanged_vehicle_point(nominal, knobs, clean.replay.cut)
     joint = fitter.fit(
         build_shared_prior(knobs), fitter.linearize_flights(begin.values, [begin]), FLOOR, rounds=1
     )
@@ -141,7 +149,9 @@ def test_a_name_that_won_little_is_withdrawn_beside_anything(
 
     def gone(won: float, floors: float) -> tuple[str, ...]:
         then = replace(joint, evidence=joint.evidence + 0.5 * won, deviations=floors * FLOOR)
-        return displacing.list_withdrawn([('helium_leak.rate', (joint, joint))], (then, then))
+        return displacing.list_withdrawn_effects(
+            [('helium_leak.rate', (joint, joint))], (then, then)
+        )
 
     assert gone(20.0, 3.0) == ('helium_leak.rate',)
     assert gone(20.0, 2.0) == ()  # nothing remains
@@ -149,7 +159,9 @@ def test_a_name_that_won_little_is_withdrawn_beside_anything(
 
     def of_a_sensor(won: float, floors: float) -> tuple[str, ...]:
         then = replace(joint, evidence=joint.evidence + 0.5 * won, deviations=floors * FLOOR)
-        return displacing.list_withdrawn([('range_offset.offset', (joint, joint))], (then, then))
+        return displacing.list_withdrawn_effects(
+            [('range_offset.offset', (joint, joint))], (then, then)
+        )
 
     assert of_a_sensor(12.0, 3.0) == ()  # no force could say the same
 
@@ -158,19 +170,23 @@ def test_drag_for_a_little_beside_something_large_is_withdrawn() -> None:
     before = np.array([2.4, 2.5, 3.3, 6.2, 5.4, 0.6])
     final = np.array([1.1, 2.4, 3.2, 6.2, 5.4, 0.6])
     surge, none = np.arange(6) == 0, np.zeros(6, dtype=np.bool_)
-    assert is_lesser('linear_drag.surge', surge, before, final)
-    assert not is_lesser('linear_drag.surge', surge, before + 2.0 * surge, final)
-    assert is_lesser('linear_drag.surge', surge, before + 2.0, final + 2.0)  # it hardly changed
-    assert not is_lesser('net_lift.force', surge, before, final)  # it follows no motion
-    assert not is_lesser('added_mass.surge', none, before, final)
-    assert is_lesser('munk_moment.lost', surge, before, final)
+    assert is_small_motion_effect('linear_drag.surge', surge, before, final)
+    assert not is_small_motion_effect('linear_drag.surge', surge, before + 2.0 * surge, final)
+    assert is_small_motion_effect(
+        'linear_drag.surge', surge, before + 2.0, final + 2.0
+    )  # it hardly changed
+    assert not is_small_motion_effect(
+        'net_lift.force', surge, before, final
+    )  # it follows no motion
+    assert not is_small_motion_effect('added_mass.surge', none, before, final)
+    assert is_small_motion_effect('munk_moment.lost', surge, before, final)
 
 
 def test_a_knob_acts_where_a_force_could_do_the_same(
     gtmab: Known, clean: FlightLinearizer
 ) -> None:
     nominal, knobs = gtmab
-    linear = clean.linearize(build_origin(nominal, knobs, clean.replay.cut))
+    linear = clean.linearize(unchanged_vehicle_point(nominal, knobs, clean.replay.cut))
     for name, axes in (
         ('linear_drag.heave', ['heave']),
         ('rotational_drag.yaw', ['yaw']),

@@ -13,7 +13,7 @@ from lta_discovery.model.candidates import expand_vectors, vector_components, VE
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.selection.candidate_scan import scan_candidates, SIZES
-from lta_discovery.selection.verification import VerifiedEffects
+from lta_discovery.selection.effect_verification import VerifiedEffects
 import numpy as np
 import pytest
 

@@ -5,7 +5,7 @@ from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.selection import interval
 from lta_discovery.selection.candidate_scan import CandidateScore
 from lta_discovery.selection.effect_search import EffectSearch
-from lta_discovery.selection.verification import EffectVerification, VerifiedEffects
+from lta_discovery.selection.effect_verification import EffectVerification, VerifiedEffects
 from lta_discovery.selection.weak_effects import choose_candidate, GAIN, WeakCandidate
 import pytest
 

@@ -2,24 +2,24 @@
 
 from dataclasses import replace
 
-from lta_discovery.finding import DiscoveryFinding, Verdict
-from lta_discovery.flights.role_assignment import select_part
+from lta_discovery.finding import StudyResult, Verdict
+from lta_discovery.flights.role_assignment import restrict_to_interval
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.study import DiscoveryStudy, StudyFlight
-from lta_discovery.transfer import forecast_naming
-from lta_discovery.transfer.cross_validation import RegimeError, remaining_error_share
-from lta_discovery.transfer.forecast_naming import (
-    format_interpolation,
-    format_tolerance_share,
+from lta_discovery.transfer import forecast_identification
+from lta_discovery.transfer.cross_validation import RegimeForecastErrors, remaining_error_share
+from lta_discovery.transfer.forecast_identification import (
+    add_forecast_effects,
+    format_tolerance_warning,
+    format_transfer_warning,
     LOOSE,
-    name_by_forecasts,
     needs_forecasts,
     TransferOutcome,
 )
 from lta_discovery.transfer.forward_selection import GroupSelection
-from lta_discovery.unmodeled.remainders import Remainder
+from lta_discovery.unmodeled.unexplained_force import Remainder
 import numpy as np
 import pytest
 
@@ -37,7 +37,7 @@ def poses_alone(
     """Return a part of a flight of which only a tracker is left, filtered or not."""
     bare = FlightLinearizer(flight.replay.with_pieces(flight.replay.cut), knobs, flight.places)
     noise = np.where(np.arange(14) < 6, 1e-3, np.inf)
-    told = select_part(flight.replay.flight, begin, end)
+    told = restrict_to_interval(flight.replay.flight, begin, end)
     bare.replay.flight = replace(told, noise=noise, alike=alike)
     return bare
 
@@ -46,7 +46,7 @@ def unnamed(
     nominal: NominalVehicle, flights: list[StudyFlight], verdict: Verdict = 'unexplained'
 ) -> DiscoveryStudy:
     """Return a study whose readings gave no name."""
-    finding = DiscoveryFinding(verdict, (), (), (), (), False, LEFT, (), 1, {}, 'gtmab')
+    finding = StudyResult(verdict, (), (), (), (), False, LEFT, (), 1, {}, 'gtmab')
     return DiscoveryStudy(finding, nominal, nominal, flights, [])
 
 
@@ -90,20 +90,20 @@ def test_what_tolerances_explain_is_given_no_name(
         return TransferOutcome(GroupSelection((), (), np.zeros(len(knobs)), (), 1.0), (), None, ())
 
     regimes = [
-        RegimeError('slow', 3, 2.0, 2.0 * share**0.5),
-        RegimeError('fast', 1, 1.0, share**0.5),
+        RegimeForecastErrors('slow', 3, 2.0, 2.0 * share**0.5),
+        RegimeForecastErrors('fast', 1, 1.0, share**0.5),
     ]
     monkeypatch.setattr(
-        forecast_naming, 'tune_tolerances', lambda *_: (np.zeros(len(knobs)), regimes)
+        forecast_identification, 'tune_tolerances', lambda *_: (np.zeros(len(knobs)), regimes)
     )
-    monkeypatch.setattr(forecast_naming, '_select_groups', standing)
+    monkeypatch.setattr(forecast_identification, '_select_groups', standing)
     before = unnamed(nominal, flights)
-    found = name_by_forecasts(before, lambda what, share: None).finding
+    found = add_forecast_effects(before, lambda what, share: None).finding
     assert (found.verdict, found.effects, bool(looked)) == ('unexplained', (), asked)
-    said = () if asked else (format_tolerance_share(share),)
+    said = () if asked else (format_tolerance_warning(share),)
     assert found.warnings == said
     assert remaining_error_share(regimes) == pytest.approx(share)
 
 
 def test_what_only_interpolates_is_said_so() -> None:
-    assert format_interpolation(['side force']).startswith('side force: interpolation only')
+    assert format_transfer_warning(['side force']).startswith('side force: interpolation only')

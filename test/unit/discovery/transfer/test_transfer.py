@@ -3,30 +3,33 @@
 from dataclasses import replace
 
 from lta_discovery.finding import (
-    DiscoveryFinding,
-    GroupShare,
+    ChannelErrors,
+    IdentifiedGroup,
     LeftOutRegime,
     NamedEffect,
-    PredictionGap,
+    StudyResult,
     TransferEvidence,
 )
 from lta_discovery.flights.measured_flight import PERIOD
-from lta_discovery.flights.role_assignment import select_part
+from lta_discovery.flights.role_assignment import restrict_to_interval
 from lta_discovery.forecast.forecast_fit import ForecastFitter
 from lta_discovery.forecast.horizon_errors import HorizonErrors, HORIZONS
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.page.transfer_table import render_transfer
-from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.results.discovery_json import to_dict
 from lta_discovery.results.terminal import format_transfer
-from lta_discovery.transfer.bootstrap_intervals import bootstrap_values, compute_intervals
-from lta_discovery.transfer.candidate_groups import CandidateGroup, list_groups
-from lta_discovery.transfer.confirmation import confirm_groups
+from lta_discovery.transfer.bootstrap_intervals import (
+    bootstrap_values,
+    compute_confidence_intervals,
+)
+from lta_discovery.transfer.candidate_groups import CandidateGroup, list_candidate_groups
+from lta_discovery.transfer.effect_confirmation import confirm_groups
+from lta_discovery.transfer.effect_values import fit_effect_values
 from lta_discovery.transfer.forward_selection import select_forward
-from lta_discovery.transfer.group_values import fit_groups
 from lta_discovery.transfer.online_lift import subtract_online_lift
-from lta_discovery.transfer.overlapping_pieces import APART, cut_long_pieces
+from lta_discovery.transfer.overlapping_pieces import APART, cut_overlapping_pieces
 import numpy as np
 import pytest
 
@@ -42,8 +45,8 @@ def halves(flight: FlightLinearizer, knobs: list[FreeParameter]) -> list[FlightL
     for begin, end in ((0.0, 0.5), (0.5, 1.0)):
         cut = replace(flight.replay.cut)
         half = FlightLinearizer(flight.replay.with_pieces(cut), knobs, flight.places)
-        half.replay.flight = select_part(flight.replay.flight, begin, end)
-        found = cut_long_pieces(half, knobs)
+        half.replay.flight = restrict_to_interval(flight.replay.flight, begin, end)
+        found = cut_overlapping_pieces(half, knobs)
         assert found is not None
         out.append(found)
     return out
@@ -51,7 +54,7 @@ def halves(flight: FlightLinearizer, knobs: list[FreeParameter]) -> list[FlightL
 
 def some(knobs: list[FreeParameter]) -> list[CandidateGroup]:
     """Return a few candidates, so that the test is quick."""
-    return [group for group in list_groups(knobs) if group.name in NAMED]
+    return [group for group in list_candidate_groups(knobs) if group.name in NAMED]
 
 
 @pytest.fixture(scope='module')
@@ -66,7 +69,7 @@ def lacking(gtmab: Known, clean: FlightLinearizer) -> tuple[ForecastFitter, floa
 
 
 def test_pieces_overlap_and_are_whole(gtmab: Known, clean: FlightLinearizer) -> None:
-    found = cut_long_pieces(clean, gtmab[1])
+    found = cut_overlapping_pieces(clean, gtmab[1])
     assert found is not None
     assert np.diff(found.replay.cut.first)[0] == round(APART / PERIOD)
     last = found.replay.cut.first[-1] + round(HORIZONS[-1] / PERIOD)
@@ -76,7 +79,7 @@ def test_pieces_overlap_and_are_whole(gtmab: Known, clean: FlightLinearizer) -> 
 
 def test_every_direction_of_an_effect_has_one_name(gtmab: Known) -> None:
     _, known = gtmab
-    found = {group.name: group for group in list_groups(known)}
+    found = {group.name: group for group in list_candidate_groups(known)}
     names = [known[k].name for k in found['added inertia'].knobs]
     assert names == ['added_inertia.roll', 'added_inertia.pitch', 'added_inertia.yaw']
     every = [k for group in found.values() for k in group.knobs]
@@ -92,7 +95,7 @@ def test_what_is_lacking_is_named_and_its_value_covered(
     assert found.names[0] == 'quadratic drag'
     kept = confirm_groups(sight, found, [[0], [1]])
     assert kept[0].name == 'quadratic drag'
-    best = fit_groups(sight, kept[:1], SIDES, 1)
+    best = fit_effect_values(sight, kept[:1], SIDES, 1)
     surge = next(k for k, knob in enumerate(sight.knobs) if knob.name == 'quadratic_drag.surge')
     assert best.fitted.values[surge] == pytest.approx(off, rel=0.2)
     assert all(one.ratio < 0.8 for one in best.regimes)
@@ -111,12 +114,12 @@ def test_flights_that_say_the_same_leave_no_doubt(lacking: tuple[ForecastFitter,
     sight, off = lacking
     k = next(k for k, knob in enumerate(sight.knobs) if knob.name == 'quadratic_drag.surge')
     fitted = sight.fit([k], np.array([3.0 * off]), [0], rounds=2)
-    ((low, high),) = compute_intervals(
+    ((low, high),) = compute_confidence_intervals(
         bootstrap_values(fitted, sight.knobs, [k], np.array([3.0 * off]), 1)
     )
     assert low == pytest.approx(fitted.values[k]) == high
     both = sight.fit([k], np.array([3.0 * off]), [0, 1], rounds=2)
-    ((low, high),) = compute_intervals(
+    ((low, high),) = compute_confidence_intervals(
         bootstrap_values(both, sight.knobs, [k], np.array([3.0 * off]), 1)
     )
     assert low < both.values[k] < high
@@ -134,20 +137,20 @@ def test_a_lift_is_learned_from_what_is_over() -> None:
 
 
 CARRIED = TransferEvidence(
-    (GroupShare('added inertia', 0.028),),
+    (IdentifiedGroup('added inertia', 0.028),),
     (LeftOutRegime('slow', 5, 0.95), LeftOutRegime('fast', 4, 0.8)),
     ('side force',),
     72,
 )
-GAP = PredictionGap(
+GAP = ChannelErrors(
     'position', 'm', 5.0, 0.28, 0.27, 0.23, 0.31, 0.014, 0.18, (0.15, 0.22), 105, 0.17
 )
 
 
-def told() -> DiscoveryFinding:
+def told() -> StudyResult:
     """Return a finding by forecasts."""
     effect = NamedEffect('added_inertia', ('added_inertia.yaw',), (), 23.8)
-    return DiscoveryFinding(
+    return StudyResult(
         'named+unexplained', (effect,), (), (), (GAP,), True, (), (), 1, {}, 'rgblimp',
         carried=CARRIED,
     )  # fmt: skip

@@ -3,12 +3,12 @@
 from pathlib import Path
 
 from lta_config.files import find_file
-from lta_discovery.finding import DiscoveryFinding
+from lta_discovery.finding import StudyResult
 from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
 from lta_discovery.results.learned_file import format_learned_vehicle
-from lta_discovery.transfer.candidate_groups import list_groups
+from lta_discovery.transfer.candidate_groups import list_candidate_groups
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -23,9 +23,9 @@ def test_a_file_with_everything_refitted_is_the_vehicle_that_was_learned(tmp_pat
     known = list_free_parameters(nominal)
     small = np.array([min(SMALL * knob.typical, knob.high) for knob in known])
     small = np.where(small > 0.0, small, [-SMALL * knob.typical for knob in known])
-    found = DiscoveryFinding('named', (), (), (), (), False, (), (), 1, {'train': ('A',)}, name)
+    found = StudyResult('named', (), (), (), (), False, (), (), 1, {'train': ('A',)}, name)
     text, file = find_file('vehicle', name).read_text(encoding='utf-8'), tmp_path / 'learned.yaml'
-    several = {group.name: group.knobs for group in list_groups(known)}
+    several = {group.name: group.knobs for group in list_candidate_groups(known)}
     every = [k for which in several.values() for k in which]
     for which in (several['moving mass'], every):
         values = np.where(np.isin(np.arange(len(known)), which), small, 0.0)

@@ -5,14 +5,14 @@ from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.unmodeled.draught import (
     detect_draught,
-    DraughtFinding,
+    DraughtEstimate,
     estimate_air_speed,
-    is_horizontal,
+    is_horizontally_isotropic,
     isotropy_p_value,
 )
 from lta_discovery.unmodeled.latent_series import LatentSeries
-from lta_discovery.unmodeled.remainders import Remainder
 from lta_discovery.unmodeled.rivals import GenericRival
+from lta_discovery.unmodeled.unexplained_force import Remainder
 import numpy as np
 import pytest
 
@@ -41,7 +41,7 @@ def _pair(scale: tuple[float, float, float], rate: float = 0.5) -> list[LatentSe
 AIR = _pair((2.75, 2.75, 0.3))
 
 
-def _found(known: Known, **given: object) -> DraughtFinding | None:
+def _found(known: Known, **given: object) -> DraughtEstimate | None:
     """Return the draught of a GT-MAB in air of 2.75 floors, with something else."""
     nominal, floor = known[0], wrench_floor(known[0])
     asked = {'floors': FLOORS, 'left': [SURGE, SWAY], 'rivals': [], 'series': AIR} | given
@@ -80,7 +80,7 @@ def test_the_chance_holds_in_draws() -> None:
 def test_a_draught_is_horizontal_and_alike_in_the_map(
     scale: tuple[float, float, float], rate: float, expected: bool
 ) -> None:
-    assert is_horizontal(_pair(scale, rate)) == expected
+    assert is_horizontally_isotropic(_pair(scale, rate)) == expected
 
 
 def test_a_force_of_the_body_is_no_draught_though_it_turns_with_the_heading() -> None:
@@ -95,7 +95,7 @@ def test_a_force_of_the_body_is_no_draught_though_it_turns_with_the_heading() ->
                                                             ahead[:, 2]]), ahead))  # fmt: skip
     ground = np.sqrt(np.mean(np.concatenate([each.ground for each in out]) ** 2, axis=0))
     assert ground[0] / ground[1] == pytest.approx(1.0, abs=0.25)
-    assert not is_horizontal(out)
+    assert not is_horizontally_isotropic(out)
 
 
 def test_a_draught_has_its_force_and_the_speed_of_the_air(gtmab: Known) -> None:

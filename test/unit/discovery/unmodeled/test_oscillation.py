@@ -4,7 +4,7 @@ from lta_discovery.fit.evidence import FLOOR
 from lta_discovery.unmodeled.latent_series import LatentSeries
 from lta_discovery.unmodeled.oscillation import (
     dominant_oscillations,
-    find_oscillations,
+    find_common_oscillations,
     fit_wave_power,
     LatentOscillation,
 )
@@ -46,7 +46,7 @@ def test_waves_have_the_amplitudes_with_which_they_were_made() -> None:
 
 def test_a_cross_wind_to_and_fro_is_found_in_the_map_while_the_heading_turns() -> None:
     flights = [_flight(1, 62.0, 3.1e-3), _flight(2, 78.0, 3.1e-3)]
-    (one,) = find_oscillations(flights, FLOOR, KNOTS)
+    (one,) = find_common_oscillations(flights, FLOOR, KNOTS)
     assert one.channel == 'force along x of the map'
     assert one.hertz == pytest.approx(0.21, abs=0.008)
     # A bin may lie 1 / (4 T) beside it, which takes a tenth of the amplitude.
@@ -66,17 +66,17 @@ def test_a_force_that_turns_with_the_body_is_found_there() -> None:
         x, y = body[:, 0], body[:, 1]
         ground = np.column_stack([c * x - s * y, s * x + c * y, body[:, 2]])
         flights.append(LatentSeries(each.time, ground, body))
-    (one,) = find_oscillations(flights, FLOOR, KNOTS)
+    (one,) = find_common_oscillations(flights, FLOOR, KNOTS)
     assert (one.channel, one.axes) == ('sway force', ('sway',))
     assert one.hertz == pytest.approx(0.4, abs=0.008)
 
 
 def test_one_flight_alone_makes_none() -> None:
     flights = [_flight(1, 62.0, 3.1e-3), _flight(2, 78.0, 0.0)]
-    assert find_oscillations(flights, FLOOR, KNOTS) == ()
+    assert find_common_oscillations(flights, FLOOR, KNOTS) == ()
     # Nor do two frequencies.
     flights = [_flight(1, 62.0, 3.1e-3), _flight(2, 78.0, 3.1e-3, 0.6)]
-    assert find_oscillations(flights, FLOOR, KNOTS) == ()
+    assert find_common_oscillations(flights, FLOOR, KNOTS) == ()
 
 
 def test_no_frequency_is_told_that_the_knots_sample_as_nothing() -> None:
@@ -87,7 +87,7 @@ def test_no_frequency_is_told_that_the_knots_sample_as_nothing() -> None:
         drawn = 0.1 * process(np.random.default_rng(seed), 200, 6) * FLOOR
         drawn[:, 0] += 3e-3 * np.cos(np.pi * time)
         flights.append(LatentSeries(time, drawn[:, :3], drawn))
-    (one,) = find_oscillations(flights, FLOOR, 19)
+    (one,) = find_common_oscillations(flights, FLOOR, 19)
     assert one.hertz == pytest.approx(0.5, abs=0.008)
 
 
@@ -95,14 +95,14 @@ def test_an_oscillation_has_to_be_worth_speaking_of() -> None:
     # 1.5 floors of root mean square are an amplitude of 0.85 mN.
     for size, expected in ((1.2e-3, 1), (0.6e-3, 0)):
         flights = [_flight(seed, 70.0, size, noise=0.2) for seed in (1, 2)]
-        assert len(find_oscillations(flights, FLOOR, KNOTS)) == expected
+        assert len(find_common_oscillations(flights, FLOOR, KNOTS)) == expected
 
 
 def test_a_flight_of_few_cycles_is_not_asked() -> None:
     for seconds, expected in ((14.0, 0), (30.0, 1)):  # 2.9 and 6.3 of them
         flights = [_flight(seed, seconds, 3.1e-3, rate=0.0) for seed in (1, 2)]
-        assert len(find_oscillations(flights, FLOOR, KNOTS)) == expected
-    assert find_oscillations([_flight(1, 2.0, 3.1e-3)] * 2, FLOOR, KNOTS) == ()
+        assert len(find_common_oscillations(flights, FLOOR, KNOTS)) == expected
+    assert find_common_oscillations([_flight(1, 2.0, 3.1e-3)] * 2, FLOOR, KNOTS) == ()
 
 
 @pytest.mark.parametrize('memory', [0.5, 1.5, 4.0])
@@ -115,7 +115,7 @@ def test_noise_has_none_whatever_its_memory(memory: float) -> None:
         for seconds in rng.uniform(50.0, 80.0, 2):
             drawn = process(rng, len(times(seconds)), 6, memory)
             flights.append(turning(drawn[:, :3], drawn[:, 3:]))
-        found += len(find_oscillations(flights, small, KNOTS))
+        found += len(find_common_oscillations(flights, small, KNOTS))
     assert found == 0
 
 

@@ -15,17 +15,17 @@ from lta_discovery.fit.joint_fit import JointFit, JointFitter
 from lta_discovery.flights.windows import KNOTS
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.replay.linearized_flight import AXES, build_origin, count_unknowns
-from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.linearized_flight import AXES, count_unknowns, unchanged_vehicle_point
 from lta_discovery.replay.variational_equation import WIDTH
 from lta_discovery.unmodeled.fit_baseline import FitBaseline, TermColumns
 from lta_discovery.unmodeled.generic_terms import (
     compute_term_inputs,
-    FlightBox,
+    FlightBoundingBox,
     list_term_groups,
     TermGroup,
 )
-from lta_discovery.unmodeled.rivals import RivalContest, RivalSearch
+from lta_discovery.unmodeled.rivals import GroupComparison, RivalSearch
 from lta_discovery.unmodeled.verdict import decide_verdict, select_confirmed_rivals
 import numpy as np
 import pytest
@@ -38,7 +38,7 @@ Known = tuple[NominalVehicle, list[FreeParameter]]
 
 def _fitted(known: Known, flight: FlightLinearizer) -> JointFit:
     nominal, knobs = known
-    begin = build_origin(nominal, knobs, flight.replay.cut)
+    begin = unchanged_vehicle_point(nominal, knobs, flight.replay.cut)
     fitter = JointFitter(nominal, [flight], per_flight_variance(knobs), FLOOR)
     return fitter.fit(
         build_shared_prior(knobs), fitter.linearize_flights(begin.values, [begin]), FLOOR
@@ -50,7 +50,7 @@ def quiet(gtmab: Known, clean: FlightLinearizer) -> tuple[FitBaseline, list[Term
     """A clean flight, fitted, and all groups on it."""
     found = _fitted(gtmab, clean)
     place = clean.replay.flight.position
-    scene = FlightBox.from_places([place[np.isfinite(place).all(axis=1)]])
+    scene = FlightBoundingBox.from_positions([place[np.isfinite(place).all(axis=1)]])
     known = list(
         list_term_groups(
             compute_term_inputs(clean, found.group.linears[0].point), scene, FLOOR, KNOTS
@@ -73,7 +73,7 @@ def test_without_groups_the_evidence_is_that_of_the_fit(
     linear = stands.linears[0]
     for deviations in (stands.deviations, 3.0 * FLOOR):
         expected = compute_posterior(
-            PieceReducer(linear).reduce(deviations), linear.point.values, stands.prior
+            PieceReducer(linear).eliminate_unknowns(deviations), linear.point.values, stands.prior
         )
         for each in (stands, joint):
             there = TermColumns(each, [known]).reduce_groups(deviations, [])
@@ -101,7 +101,7 @@ def test_a_group_is_worth_what_its_columns_are_as_knobs(
     prior = Prior(np.concatenate([stands.prior.mean, zeros]), covariance)
     at = np.concatenate([linear.point.values, zeros])
     expected = compute_posterior(
-        PieceReducer(wider).reduce(stands.deviations), at, prior
+        PieceReducer(wider).eliminate_unknowns(stands.deviations), at, prior
     ).log_evidence
     for each in (stands, joint):
         there = TermColumns(each, [known]).reduce_groups(each.deviations, [group.name])
@@ -113,7 +113,7 @@ def test_a_group_is_worth_what_its_columns_are_as_knobs(
 
 def test_on_a_clean_flight_no_group_wins(quiet: tuple[FitBaseline, list[TermGroup]]) -> None:
     stands, known = quiet
-    gains = RivalContest(TermColumns(stands, [known])).compute_gains()
+    gains = GroupComparison(TermColumns(stands, [known])).compute_group_gains()
     assert len(gains) == len(known)
     assert max(one.gain for one in gains.values()) < 3.0
 

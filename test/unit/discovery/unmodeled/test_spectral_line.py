@@ -3,7 +3,7 @@
 from lta_discovery.flights.measured_flight import CHANNELS, PERIOD
 from lta_discovery.unmodeled import spectral_line
 from lta_discovery.unmodeled.spectral_line import (
-    find_lines,
+    find_spectral_lines,
     flight_spectrum,
     LeveledSpectrum,
     lowest_frequency,
@@ -36,7 +36,7 @@ def test_a_line_has_its_channel_its_frequency_and_its_amplitude() -> None:
     flights, noise = [_left(1), _left(2)], [np.full(len(CHANNELS), 0.02)] * 2
     for flight in flights:
         flight[:, :, CHANNELS.index('fz')] += _wave(2.0, 1.5)
-    found = find_lines(flights, TIMES, noise, LEAST)
+    found = find_spectral_lines(flights, TIMES, noise, LEAST)
     assert [one.channel for one in found] == ['fz']
     assert found[0].hertz == pytest.approx(2.0, abs=1.0 / (PIECES * SIZE * PERIOD))
     assert found[0].amplitude == pytest.approx(1.5 * 0.02, rel=0.15)
@@ -47,7 +47,7 @@ def test_a_line_has_its_channel_its_frequency_and_its_amplitude() -> None:
 def test_one_flight_alone_makes_no_line() -> None:
     flights, noise = [_left(1), _left(2)], [np.ones(len(CHANNELS))] * 2
     flights[0][:, :, 11] += _wave(2.0, 1.5)
-    assert find_lines(flights, TIMES, noise, LEAST) == []
+    assert find_spectral_lines(flights, TIMES, noise, LEAST) == []
 
 
 @pytest.mark.parametrize(
@@ -57,7 +57,7 @@ def test_one_flight_alone_makes_no_line() -> None:
 def test_noise_has_no_line(colour: float) -> None:
     noise = [np.ones(len(CHANNELS))] * 2
     pairs = [[_left(k, colour), _left(k + 500, colour)] for k in range(40)]
-    found = [find_lines(pair, TIMES, noise, LEAST) for pair in pairs]
+    found = [find_spectral_lines(pair, TIMES, noise, LEAST) for pair in pairs]
     assert sum(map(len, found)) == 0
 
 
@@ -76,7 +76,7 @@ def test_a_weak_wave_of_one_frequency_adds_up_over_a_flight() -> None:
         flight[:, :, 6] += np.roll(_wave(2.13, 0.3), 40 * k)
         flight[3, 20:90] = np.nan
     assert max(piece_spectrum(each[:, :, 6], LEAST).power_ratio.max() for each in flights) < 5.0
-    found = find_lines(flights, TIMES, noise, LEAST)
+    found = find_spectral_lines(flights, TIMES, noise, LEAST)
     assert [one.channel for one in found] == ['p']
     assert found[0].hertz == pytest.approx(2.13, abs=1.0 / (PIECES * SIZE * PERIOD))
     assert found[0].amplitude == pytest.approx(0.3, rel=0.3)
@@ -87,7 +87,7 @@ def test_a_wave_that_drifts_adds_up_within_the_pieces() -> None:
     for flight in flights:
         drift = np.cumsum(0.12 * rng.standard_normal(PIECES * SIZE)).reshape(PIECES, SIZE)
         flight[:, :, 6] += 1.2 * np.sin(2.0 * np.pi * 2.0 * TIME + drift)
-    found = find_lines(flights, TIMES, noise, LEAST)
+    found = find_spectral_lines(flights, TIMES, noise, LEAST)
     assert [one.channel for one in found] == ['p']
     assert found[0].hertz == pytest.approx(2.0, abs=0.35)
 
@@ -96,7 +96,7 @@ def test_what_only_the_pressure_shows_is_the_weather() -> None:
     flights, noise = [_left(1), _left(2)], [np.ones(len(CHANNELS))] * 2
     for flight in flights:
         flight[:, :, 13] += _wave(0.9, 1.5)
-    assert find_lines(flights, TIMES, noise, LEAST) == []
+    assert find_spectral_lines(flights, TIMES, noise, LEAST) == []
 
 
 INVERSE = np.diag([2.0, 2.0, 2.0, 20.0, 20.0, 25.0])  # 1/kg, 1/(kg m2)
@@ -133,7 +133,7 @@ def test_range_and_pressure_are_not_searched_for_lines(channel: str) -> None:
     flights, noise = [_left(1), _left(2)], [np.ones(len(CHANNELS))] * 2
     for flight in flights:
         flight[:, :, CHANNELS.index(channel)] += _wave(2.0, 3.0)
-    assert find_lines(flights, TIMES, noise, LEAST) == []
+    assert find_spectral_lines(flights, TIMES, noise, LEAST) == []
 
 
 def test_what_the_knots_follow_is_no_line() -> None:
@@ -142,7 +142,7 @@ def test_what_the_knots_follow_is_no_line() -> None:
         moved = [flight.copy() for flight in flights]
         for flight in moved:
             flight[:, :, CHANNELS.index('q')] += _wave(hertz, 1.5)
-        assert [one.channel for one in find_lines(moved, TIMES, noise, LEAST)] == found
+        assert [one.channel for one in find_spectral_lines(moved, TIMES, noise, LEAST)] == found
 
 
 @pytest.mark.parametrize(('known', 'pieces'), [(134, 0), (135, 1)])
@@ -318,9 +318,13 @@ def test_the_strongest_line_comes_first_and_an_unmeasured_channel_has_none() -> 
     for flight in flights:
         for channel, amplitude in (('p', 1.0), ('q', 3.0), ('r', 2.0)):
             flight[:, :, CHANNELS.index(channel)] += _wave(2.0, amplitude)
-    assert [one.channel for one in find_lines(flights, TIMES, noise, LEAST)] == ['q', 'r', 'p']
+    assert [one.channel for one in find_spectral_lines(flights, TIMES, noise, LEAST)] == [
+        'q',
+        'r',
+        'p',
+    ]
     noise[1][CHANNELS.index('r')] = np.inf
-    assert [one.channel for one in find_lines(flights, TIMES, noise, LEAST)] == ['q', 'p']
+    assert [one.channel for one in find_spectral_lines(flights, TIMES, noise, LEAST)] == ['q', 'p']
 
 
 @pytest.mark.parametrize(('size', 'told'), [(0.99, False), (1.01, True)])

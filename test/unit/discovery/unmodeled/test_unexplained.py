@@ -6,9 +6,9 @@ from lta_discovery.fit.evidence import build_prior, FLOOR
 from lta_discovery.fit.joint_fit import fit_flight
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.replay.linearized_flight import build_origin, count_unknowns
-from lta_discovery.unmodeled import remainders
-from lta_discovery.unmodeled.remainders import (
+from lta_discovery.replay.linearized_flight import count_unknowns, unchanged_vehicle_point
+from lta_discovery.unmodeled import unexplained_force
+from lta_discovery.unmodeled.unexplained_force import (
     find_remainders,
     latent_at_knots,
     select_terms,
@@ -61,7 +61,9 @@ def test_turbulence_remains_on_the_axes_that_it_pushes(gtmab: Known) -> None:
     flights = tuple(prepared(flown(air, seed, 26.0), knobs) for seed in (81, 82))
     prior = build_prior(knobs)
     fits = [
-        fit_flight(flight, nominal, prior, build_origin(nominal, knobs, flight.replay.cut))
+        fit_flight(
+            flight, nominal, prior, unchanged_vehicle_point(nominal, knobs, flight.replay.cut)
+        )
         for flight in flights
     ]
     left = find_remainders([[one] for one in flights], [[one] for one in fits])
@@ -134,7 +136,7 @@ def test_a_force_follows_the_terms_that_explain_most_of_its_variance(
     monkeypatch: pytest.MonkeyPatch, shares: tuple[float, ...], names: str, told: float
 ) -> None:
     known = dict(zip('abcdef', 0.01 * APART.T, strict=False))
-    monkeypatch.setattr(remainders, 'state_terms', lambda states: known)
+    monkeypatch.setattr(unexplained_force, 'state_terms', lambda states: known)
     parts = np.zeros(7)
     parts[: len(shares)] = shares
     parts[6] = 1.0 - sum(shares)  # no term explains this share
@@ -149,7 +151,7 @@ def test_a_term_that_explains_one_flight_alone_is_not_followed(
 ) -> None:
     """A fit to either flight has to explain the other one."""
     known = dict(zip('abcd', APART[:, [0, 3, 4, 5]].T, strict=True))
-    monkeypatch.setattr(remainders, 'state_terms', lambda states: known)
+    monkeypatch.setattr(unexplained_force, 'state_terms', lambda states: known)
     for pair in ((APART[:, 0], APART[:, 1]), (APART[:, 1], APART[:, 0])):
         assert select_terms([APART, APART], pair) == ((), 0.0)
     # If the force is twice as strong on one flight, a fit to that explains 1 - (1 - 2)^2 = 0 of
@@ -167,10 +169,14 @@ def test_an_axis_counts_if_the_mean_of_all_flights_is_above_2_5_floors(
     sizes = ([1.0, 1.3, 9.0, 4.0, 1.0, 2.49], [6.0, 5.0, 1.0, 25.0, 1.0, 2.49])
     fits = [[SimpleNamespace(deviations=np.array(size) * FLOOR)] for size in sizes]
     knots = [np.arange(12.0).reshape(2, 6), np.arange(12.0, 24.0).reshape(2, 6)]
-    monkeypatch.setattr(remainders, '_collect_knots', lambda flights, fits: (['states'], knots))
+    monkeypatch.setattr(
+        unexplained_force, '_collect_knots', lambda flights, fits: (['states'], knots)
+    )
     asked = []
     monkeypatch.setattr(
-        remainders, 'select_terms', lambda states, forces: asked.append(forces) or (('x',), 0.5)
+        unexplained_force,
+        'select_terms',
+        lambda states, forces: asked.append(forces) or (('x',), 0.5),
     )
     found = find_remainders([[], []], fits)
     assert [one.axis for one in found] == ['roll', 'heave', 'sway']

@@ -4,21 +4,21 @@ from lta_discovery.fit.evidence import ParameterPosterior
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.selection.effect_search import EffectSearch
+from lta_discovery.selection.effect_verification import VerifiedEffects
 from lta_discovery.selection.interval import parameter_deviations
-from lta_discovery.selection.verification import VerifiedEffects
 from lta_discovery.study import decide_study_verdict
-from lta_discovery.unmodeled.assessment import UnmodeledForces
-from lta_discovery.unmodeled.draught import DraughtFinding
+from lta_discovery.unmodeled.draught import DraughtEstimate
 from lta_discovery.unmodeled.oscillation import dominant_oscillations, LatentOscillation
-from lta_discovery.unmodeled.remainders import Remainder
 from lta_discovery.unmodeled.rivals import GenericRival
 from lta_discovery.unmodeled.spectral_line import SpectralLine
+from lta_discovery.unmodeled.unexplained_force import Remainder
+from lta_discovery.unmodeled.unmodeled_forces import UnmodeledForces
 from lta_discovery.unmodeled.verdict import (
     add_oscillations,
     add_rival_terms,
     decide_verdict,
+    describe_unexplained_forces,
     is_gusty,
-    list_sentences,
     select_confirmed_rivals,
     select_evident_rivals,
 )
@@ -78,7 +78,7 @@ def test_what_is_met_on_one_flight_only_tells_that_something_is_there() -> None:
 
 
 def test_sentences_are_for_people() -> None:
-    assert list_sentences([PITCH], [LINE]) == (
+    assert describe_unexplained_forces([PITCH], [LINE]) == (
         'a pitch moment that follows surge speed x yaw rate, 1.2 mN m',
         'an oscillation of the specific force upwards at 2.4 Hz, 0.031 m/s2',
     )
@@ -86,16 +86,16 @@ def test_sentences_are_for_people() -> None:
 
 def test_a_force_that_stays_the_same_follows_nothing() -> None:
     steady = Remainder('heave', 3.1e-3, 8.0, ('constant',), 0.8)
-    assert list_sentences([steady]) == ('a constant heave force, 3.1 mN',)
+    assert describe_unexplained_forces([steady]) == ('a constant heave force, 3.1 mN',)
     more = steady._replace(follows=('constant', 'height', 'x', 'surge speed'))
-    assert list_sentences([more]) == (
+    assert describe_unexplained_forces([more]) == (
         'a heave force that follows height, x and surge speed, 3.1 mN',
     )
 
 
 def test_gusts_are_called_gusts() -> None:
     assert is_gusty([SURGE, SWAY])
-    assert list_sentences([SURGE, SWAY]) == (
+    assert describe_unexplained_forces([SURGE, SWAY]) == (
         'gusts: random surge and sway forces, 6.2 mN and 5.1 mN',
     )
     assert not is_gusty([SURGE])
@@ -104,7 +104,7 @@ def test_gusts_are_called_gusts() -> None:
 
 
 def test_a_wind_to_and_fro_is_no_gusts() -> None:
-    assert list_sentences([SURGE, SWAY, PITCH], [], [SWING]) == (
+    assert describe_unexplained_forces([SURGE, SWAY, PITCH], [], [SWING]) == (
         'a pitch moment that follows surge speed x yaw rate, 1.2 mN m',
         'an oscillation of the force along y of the map at 0.21 Hz, 3.1 mN',
     )
@@ -113,16 +113,20 @@ def test_a_wind_to_and_fro_is_no_gusts() -> None:
         SURGE._replace(follows=('an oscillation at 0.21 Hz',), carried=0.8), PITCH,
     ]  # fmt: skip
     less = SWING._replace(share=0.3)
-    assert list_sentences([SURGE, SWAY], [], [less]) == (
+    assert describe_unexplained_forces([SURGE, SWAY], [], [less]) == (
         'gusts: random surge and sway forces, 6.2 mN and 5.1 mN',
         'an oscillation of the force along y of the map at 0.21 Hz, 3.1 mN',
     )
 
 
 def test_a_draught_alone_is_nothing_unexplained() -> None:
-    air = DraughtFinding(1.1e-3, 2.6e-3)
+    air = DraughtEstimate(1.1e-3, 2.6e-3)
     calm = UnmodeledForces((), (), (), (), air)
-    assert (calm.decide_verdict(()), calm.decide_verdict(('motor_lag',)), calm.has_any) == (
+    assert (
+        calm.decide_verdict(()),
+        calm.decide_verdict(('motor_lag',)),
+        calm.has_unmodeled_forces,
+    ) == (
         'none',
         'named',
         False,

@@ -16,7 +16,7 @@ from lta_flight.batch import flight
 from lta_flight.batch.batch_flight import build_flight
 from lta_flight.batch.flight_loop import FIGURES
 from lta_flight.batch.fly import fly_many
-from lta_flight.flight_spec import build_loop, build_parts, load_spec
+from lta_flight.flight_spec import build_loop, build_vehicle_scenario_stack, load_spec
 from lta_flight.loop_view import LoopView
 from lta_flight.report.results import compute_results
 from lta_sim.readings import FlightOutcome
@@ -39,7 +39,9 @@ def ingredients(*changes, scene='lamp_room'):
 
 
 def made(*changes, duties=(), scene='lamp_room'):
-    return build_flight(*build_parts(ingredients(*changes, scene=scene)), TABLE, duties)
+    return build_flight(
+        *build_vehicle_scenario_stack(ingredients(*changes, scene=scene)), TABLE, duties
+    )
 
 
 def opened(*changes, seed=1, scene='lamp_room'):
@@ -170,7 +172,7 @@ def fly_loops(spec, seeds):
 def test_its_flights_are_those_of_the_loop_in_distribution(strategy, scene):
     spec = load_spec('gtmab', scene, strategy, 'gtmab')
     flown = fly_loops(spec, range(1001, 1013))
-    flight_of_batch = build_flight(*build_parts(spec), TABLE)
+    flight_of_batch = build_flight(*build_vehicle_scenario_stack(spec), TABLE)
     rows = fly_many([flight_of_batch], range(60), which=np.zeros(60, int))
     batch = [figures(row) for row in rows]
     reached = [told['outcome'] == REACHED for told in batch]
@@ -188,10 +190,10 @@ def test_its_flights_are_those_of_the_loop_in_distribution(strategy, scene):
 def test_what_a_batch_does_not_know_it_refuses():
     with pytest.raises(BadInput, match=r'does not support the effect gyro_scale'):
         made('vehicle.effects.gyro_scale.z={value: 1.1, unit: "1", source: assumed}')
-    sblimp = build_parts(load_spec('sblimp', 'lamp_room', 'bag', ''))
+    sblimp = build_vehicle_scenario_stack(load_spec('sblimp', 'lamp_room', 'bag', ''))
     with pytest.raises(BadInput, match=r'supports only the control law cascade, not velocity'):
         build_flight(*sblimp, TABLE)
-    vehicle, scenario, policy = build_parts(ingredients())
+    vehicle, scenario, policy = build_vehicle_scenario_stack(ingredients())
     with pytest.raises(BadInput, match=r'not along a course; leave --device out'):
         build_flight(vehicle, scenario, replace(policy, course=lambda _: Setpoint(1, 0, 0)), TABLE)
     air = scenario.air.model_copy(update={'recorded': 'wind.csv'})

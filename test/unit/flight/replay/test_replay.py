@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 from types import SimpleNamespace
 
-from lta_bridge.playback.node_selection import list_answering_roles
+from lta_bridge.playback.node_selection import list_replayable_roles
 from lta_config.errors import BadInput
 from lta_config.files import find_file, parse_yaml
 from lta_config.topics import load_topic_table
@@ -17,11 +17,11 @@ from lta_flight.replay.comparison import (
     find_differences,
     find_origin_differences,
 )
-from lta_flight.replay.decisions import compare_decisions, compute_gaps, DecisionComparison
+from lta_flight.replay.decisions import compare_decisions, compute_differences, DecisionComparison
 from lta_flight.replay.node_settings import NODES, parse_settings
 from lta_flight.replay.page import format_largest_change
-from lta_flight.replay.request import (
-    build_plan,
+from lta_flight.replay.replay_request import (
+    build_launch_plan,
     check_request,
     extract_file,
     parse_nodes,
@@ -130,9 +130,13 @@ def test_a_lamp_that_is_lost_is_a_changed_decision_even_within_the_tolerance():
 
 
 def test_headings_are_compared_on_the_shorter_side():
-    turned = compute_gaps(np.radians([179.0, 10.0]), np.radians([-179.0, 10.0]), turning=True)
+    turned = compute_differences(
+        np.radians([179.0, 10.0]), np.radians([-179.0, 10.0]), turning=True
+    )
     assert np.degrees(turned) == pytest.approx([2.0, 0.0])
-    assert compute_gaps(np.array([NAN, 1.0]), np.array([NAN, NAN]), turning=False).tolist() == [
+    assert compute_differences(
+        np.array([NAN, 1.0]), np.array([NAN, NAN]), turning=False
+    ).tolist() == [
         0.0,
         math.inf,
     ]
@@ -188,7 +192,7 @@ def test_a_setting_that_cannot_be_is_refused_before_anything_starts(given, words
 
 
 def test_nodes_are_those_of_the_graph():
-    assert set(NODES) == set(list_answering_roles(load_topic_table()))
+    assert set(NODES) == set(list_replayable_roles(load_topic_table()))
     assert parse_nodes('navigator, demodulator,navigator') == ('navigator', 'demodulator')
     with pytest.raises(BadInput, match="Unknown node 'recorder'; known: controller"):
         parse_nodes('recorder')
@@ -225,7 +229,7 @@ def test_a_replay_starts_the_player_and_the_nodes_with_what_the_bag_carries(tmp_
     told = {'vehicle_file': text, 'gains_file': gains, 'set': 'mission.altitude=0.6 m'}
     settings = {'navigator': {'speed': 0.3}}
     order = ReplayRequest(tmp_path / 'bag', ('navigator', 'controller'), settings)
-    plan = build_plan(order, flight(**told), tmp_path)
+    plan = build_launch_plan(order, flight(**told), tmp_path)
     by_name = {process.name: given_to(process) for process in plan.processes}
     assert list(by_name) == ['player', 'controller', 'navigator']
     assert plan.namespaces == ['lta2']
@@ -247,7 +251,7 @@ def test_a_replay_starts_the_player_and_the_nodes_with_what_the_bag_carries(tmp_
 def test_what_is_asked_for_replaces_what_the_bag_carries(tmp_path):
     told = {'vehicle_file': 'none of it is read', 'gains_file': 'neither is this'}
     order = ReplayRequest(tmp_path, ('controller',), vehicle='gtmab', gains='gtmab', rate=2)
-    plan = build_plan(order, flight(**told), tmp_path)
+    plan = build_launch_plan(order, flight(**told), tmp_path)
     by_name = {process.name: given_to(process) for process in plan.processes}
     assert by_name['controller']['vehicle'] == 'gtmab'
     assert (by_name['player']['time'], by_name['player']['rate']) == ('realtime', 2.0)

@@ -5,7 +5,7 @@ import re
 from lta_data.bag import open_flight
 from lta_flight.report.panels import light, path
 from lta_flight.report.panels.registry import PANELS
-from lta_flight.report.rays import grade_values, select_per_period
+from lta_flight.report.rays import assign_shades, select_per_period
 from lta_flight.report.room import BRIGHTEST, build_light_contour, CELL, draw_room, MOST_CELLS
 from lta_flight.report.sample_blocks import select_sample_blocks
 from lta_flight.report.time_figure import create_time_figure
@@ -105,8 +105,8 @@ def test_extent_shows_all_that_is_finite():
 
 
 def test_grades_run_from_the_least_to_the_greatest():
-    assert grade_values(np.array([0.0, 0.3, 0.6, 1.0])).tolist() == [0, 1, 2, 3]
-    assert grade_values(np.array([5.0, 5.0])).tolist() == [0, 0]
+    assert assign_shades(np.array([0.0, 0.3, 0.6, 1.0])).tolist() == [0, 1, 2, 3]
+    assert assign_shades(np.array([5.0, 5.0])).tolist() == [0, 0]
 
 
 def test_word_goes_where_the_paths_are_farthest_apart():

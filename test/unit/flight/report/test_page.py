@@ -12,7 +12,7 @@ from lta_flight.report.page import format_repeat_command, suggest_commands
 from lta_flight.report.panels.registry import PANELS
 from lta_flight.report.track import build_track
 from lta_flight.report.view import FlightView
-from lta_report import page_parts
+from lta_report import html_elements
 import numpy as np
 from plotly.graph_objects import Figure
 import pytest
@@ -173,7 +173,7 @@ def test_provenance_cannot_inject_anything(tmp_path):
 
 
 def test_data_for_the_script_cannot_end_their_element():
-    text = page_parts.embed_data('x', {'a': '</script><!-- b'})
+    text = html_elements.embed_data('x', {'a': '</script><!-- b'})
     assert text.count('</script') == 1
     assert '<!--' not in text
     assert Reading(text).data == {'x': {'a': '</script><!-- b'}}

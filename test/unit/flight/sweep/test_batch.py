@@ -3,9 +3,9 @@
 from collections import Counter
 import io
 
-from lta_cli.verbs.sweep import check_options, parse_duties
+from lta_cli.verbs.sweep import check_exclusive_options, parse_duties
 from lta_config.errors import BadInput
-from lta_config.files import list_shipped
+from lta_config.files import list_shipped_names
 from lta_config.schema.sweep_file import load_sweep
 from lta_flight.batch.batch_flight import build_flight
 from lta_flight.batch.flight import RAN_AWAY
@@ -17,7 +17,7 @@ from lta_flight.sweep.job_runner import SweepRow
 from lta_flight.sweep.page import format_title
 from lta_flight.sweep.plan import SweepPlan
 from lta_flight.sweep.run import sweep_once, SweepRequest
-from lta_flight.sweep.statistics import group_rows, reached_share
+from lta_flight.sweep.statistics import group_by_parameter, reached_share
 from pyarrow import parquet
 import pytest
 from rich.console import Console
@@ -114,7 +114,7 @@ def test_what_a_batch_does_not_support_is_refused_before_the_first_flight(sweep,
     assert not out.exists()
 
 
-@pytest.mark.parametrize('name', list_shipped('sweeps'))
+@pytest.mark.parametrize('name', list_shipped_names('sweeps'))
 def test_every_shipped_sweep_can_be_flown_as_a_batch(name):
     plan = SweepPlan(load_sweep(name))
     batch_workers.BatchWorkers(plan.base, 'cpu-batch').check(plan)
@@ -157,11 +157,11 @@ def test_a_sweep_over_few_values_is_no_map(sweep):
 
 def test_options_that_exclude_each_other_are_refused():
     with pytest.raises(BadInput, match=r'Open-loop duties \(--duties\) need batch mode'):
-        check_options(None, (0.1,), None, None)
+        check_exclusive_options(None, (0.1,), None, None)
     with pytest.raises(
         BadInput, match=r'--device cannot be combined with --workers or --scheduler'
     ):
-        check_options('gpu', (), 2, None)
+        check_exclusive_options('gpu', (), 2, None)
     with pytest.raises(BadInput, match=r"The duties are '1,x'; give numbers from -1 to 1"):
         parse_duties('1,x')
     assert parse_duties('0.1,-0.5') == (0.1, -0.5)
@@ -174,6 +174,6 @@ def test_values_of_a_grid_are_not_cut_in_two():
         for k in range(1000)
         for outcome in (['timeout', 'reached'][k % 100 < 50],)
     ]
-    found = group_rows(rows, 'a')
+    found = group_by_parameter(rows, 'a')
     assert [group.place for group in found] == list(range(10))
     assert {reached_share(group.rows).value for group in found} == {0.5}

@@ -9,8 +9,8 @@ from lta_config.parameter_override import parse_assignment
 from lta_config.schema.sweep_file import Distribution, load_sweep, SweepFile
 from lta_config.validation_errors import format_error
 from lta_flight.flight_spec import build_loop, load_spec, to_set_args
+from lta_flight.sweep.parameter_sampling import sample_parameter
 from lta_flight.sweep.plan import convert_to_si, SweepPlan
-from lta_flight.sweep.sampling import draw_value
 import numpy as np
 from pydantic import ValidationError
 import pytest
@@ -30,7 +30,7 @@ def file(**content):
 
 def drawn(how, path=HEAVY, seed=1):
     spread = Distribution.model_validate(how)
-    return np.array([convert_to_si(draw_value(spread, path, seed, k)) for k in range(DRAWS)])
+    return np.array([convert_to_si(sample_parameter(spread, path, seed, k)) for k in range(DRAWS)])
 
 
 def test_a_grid_is_every_value_with_every_value():
@@ -219,7 +219,7 @@ def test_another_design_is_another_sweep():
 def test_a_flight_is_told_so_that_it_is_flown_again_to_the_last_bit():
     made_of = load_spec('gtmab', 'lamp_room', 'bag', 'gtmab')
     how = Distribution.model_validate({'uniform': {'low': '1 g', 'high': '3 g'}})
-    values = {HEAVY: draw_value(how, HEAVY, 1, 0), 'gains.heading_kp': 0.1 + 0.2}
+    values = {HEAVY: sample_parameter(how, HEAVY, 1, 0), 'gains.heading_kp': 0.1 + 0.2}
     values['scenario.air.wind'] = {'value': [0.1, 0.0, -1e-5], 'unit': 'm/s'}
     again = dict(map(parse_assignment, to_set_args(values)))
     one, two = (build_loop(made_of.with_values(each), 1) for each in (values, again))

@@ -20,7 +20,7 @@ from lta_flight.sweep.job_runner import build_failed_row, fly_job, SweepRow
 from lta_flight.sweep.log import KIND, SweepLog
 from lta_flight.sweep.plan import SweepJob, SweepPlan
 from lta_flight.sweep.run import sweep_once, SweepRequest
-from lta_flight.sweep.statistics import group_rows, wilson_interval
+from lta_flight.sweep.statistics import group_by_parameter, wilson_interval
 from lta_flight.sweep.workers import LocalWorkers
 from pyarrow import parquet
 import pytest
@@ -328,11 +328,13 @@ def test_wilson_against_printed_figures():
 
 def test_drawn_values_are_grouped_evenly():
     rows = [SweepRow(k, 1, {'x': (7 * k) % 100 / 10}, 'reached', '') for k in range(100)]
-    found = group_rows(rows, 'x')
+    found = group_by_parameter(rows, 'x')
     assert [len(group.rows) for group in found] == [13] * 4 + [12] * 4
     places = [group.place for group in found]
     assert places == sorted(places)
-    words = group_rows([SweepRow(k, 1, {'x': 'ab'[k % 2]}, 'reached', '') for k in range(4)], 'x')
+    words = group_by_parameter(
+        [SweepRow(k, 1, {'x': 'ab'[k % 2]}, 'reached', '') for k in range(4)], 'x'
+    )
     assert [(group.name, len(group.rows)) for group in words] == [('a', 2), ('b', 2)]
 
 

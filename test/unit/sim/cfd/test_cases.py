@@ -19,7 +19,7 @@ from lta_sim.cfd.openfoam.mesh import BASE, list_solved_bodies
 from lta_sim.cfd.openfoam.output_reader import parse_table, read_forces, read_mesh, read_patches
 from lta_sim.cfd.reduce import STARTING
 from lta_sim.cfd.solve import check_memory
-from lta_sim.cfd.tunnel import build_steady_wind, PREVIEW
+from lta_sim.cfd.tunnel import build_steady_wind_case, PREVIEW
 from lta_sim.cfd.tunnel_model import load_tunnel_model
 import pytest
 
@@ -281,7 +281,7 @@ def test_every_patch_of_a_mesh_has_its_faces_whatever_its_topology(tmp_path):
 
 
 def test_bodies_of_the_half_that_is_cut_off_are_not_missed():
-    mesh = build_steady_wind(
+    mesh = build_steady_wind_case(
         load_tunnel_model('gtmab', load_mount('bottom')), 'surge', 1.5e-5, PREVIEW
     ).mesh
     whole = {'envelope', 'gondola', 'frame', 'panel_left', 'panel_right', 'arm_left', 'arm_right'}
@@ -290,7 +290,7 @@ def test_bodies_of_the_half_that_is_cut_off_are_not_missed():
 
 
 def test_no_cell_is_so_coarse_that_a_bar_lies_between_the_middles_of_two_unseen():
-    mesh = build_steady_wind(
+    mesh = build_steady_wind_case(
         load_tunnel_model('gtmab', load_mount('bottom')), 'surge', 1.5e-5, PREVIEW
     ).mesh
     around = mesh.files['system/snappyHexMeshDict'].split('refinementRegions')[1]

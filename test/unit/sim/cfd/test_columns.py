@@ -4,10 +4,10 @@ from lta_config.files import validate_content
 from lta_config.schema.aero_file import AeroFile
 from lta_sim.cfd.aero_text import format_aero_file, format_quantity
 from lta_sim.cfd.solve import build_sweep, estimate_drag
-from lta_sim.cfd.sweep_table import Blow, FlowEvidence
+from lta_sim.cfd.sweep_table import Blow, FlowQuality
 from lta_sim.cfd.thrust_allocation import (
-    compute_coupling,
-    find_column,
+    compute_jet_coupling,
+    find_rotor_column,
     linearity_ratio,
     sum_columns,
 )
@@ -17,7 +17,7 @@ import yaml
 
 AIR = (1.2, 1.5e-5)
 FULL = 0.1592
-SURE = FlowEvidence(spread=0.0, window=50.0, cells=70000, seconds=50.0)
+SURE = FlowQuality(spread=0.0, window=50.0, cells=70000, seconds=50.0)
 
 
 def blown(shares, force, moment):
@@ -38,19 +38,19 @@ UP = blown({'up_left': 1.0}, (0, 0.013, 0.961), (0.188, 0, 0))
 
 
 def test_a_column_is_a_wrench_per_newton():
-    found = find_column(gtmab(up_left=UP), 'up_left')
+    found = find_rotor_column(gtmab(up_left=UP), 'up_left')
     assert found.wrench == pytest.approx([0, 0.013, 0.961, 0.188, 0, 0])
 
 
 def test_the_other_side_is_the_mirror_image():
-    found = find_column(gtmab(up_left=UP), 'up_right')
+    found = find_rotor_column(gtmab(up_left=UP), 'up_right')
     assert found.wrench == pytest.approx([0, -0.013, 0.961, -0.188, 0, 0])
     assert found.found == 'as up_left, by symmetry'
 
 
 def test_a_reversed_column_is_for_negative_thrust():
     back = blown({'up_left': -1.0}, (0, 0.23, -0.252), (-0.072, 0, 0))
-    found = find_column(gtmab(up_left_reversed=back), 'up_left', backward=True)
+    found = find_rotor_column(gtmab(up_left_reversed=back), 'up_left', backward=True)
     assert found.wrench == pytest.approx([0, -0.23, 0.252, 0.072, 0, 0])
 
 
@@ -60,10 +60,10 @@ def test_a_quarter_turn_brings_a_lateral_rotor_to_the_next():
         load_tunnel_model('beavis'), 'beavis', 'preview', AIR, {}, {'front': front}, {}
     )
     # The rear one by half a turn; the left one across the diagonal, as it is turned the other way.
-    assert find_column(sweep, 'rear').wrench == pytest.approx(
+    assert find_rotor_column(sweep, 'rear').wrench == pytest.approx(
         [-0.95, -0.25, -0.06, -0.09, 0.39, 0.05]
     )
-    assert find_column(sweep, 'left').wrench == pytest.approx(
+    assert find_rotor_column(sweep, 'left').wrench == pytest.approx(
         [0.25, 0.95, -0.06, 0.39, -0.09, -0.05]
     )
 
@@ -78,7 +78,7 @@ def test_two_jets_apart_are_the_sum_of_both():
     both = blown({'up_left': 1.0, 'up_right': 1.0}, (0, 0, 1.911), (0, 0, 0))
     sweep = gtmab(up_left=UP, all=both)
     assert sum_columns(sweep, both.shares)[2] == pytest.approx(1.922 * FULL)
-    assert compute_coupling(sweep) is None
+    assert compute_jet_coupling(sweep) is None
 
 
 def test_jets_that_collide_are_a_coupling():
@@ -87,7 +87,7 @@ def test_jets_that_collide_are_a_coupling():
     four = blown(dict.fromkeys(names, 1.0), (0, 0, 0.911), (0, 0, 0))
     blows = {'front': one, 'all': four}
     sweep = build_sweep(load_tunnel_model('beavis'), 'beavis', 'preview', AIR, {}, blows, {})
-    found = compute_coupling(sweep)
+    found = compute_jet_coupling(sweep)
     assert found.rotors == names
     assert found.wrench[2] == pytest.approx(0.911 + 4 * 0.039)
 
@@ -116,9 +116,9 @@ def test_what_is_by_hand_brakes():
 
 def test_what_symmetry_forbids_is_nought_and_no_noise_of_a_mesh():
     noisy = blown({'up_left': 1.0}, (1e-3, 0.013, 0.961), (0.188, 2e-3, -1e-3))
-    found = find_column(gtmab(up_left=noisy), 'up_left')
+    found = find_rotor_column(gtmab(up_left=noisy), 'up_left')
     assert found.wrench == pytest.approx([0, 0.013, 0.961, 0.188, 0, 0], abs=1e-15)
     # A forward rotor mirrors onto no place of its own: nothing of it must be nought.
     free = blown({'forward_left': 1.0}, (0.981, 0.011, -0.061), (-0.002, -0.403, -0.1))
-    found = find_column(gtmab(forward_left=free), 'forward_left')
+    found = find_rotor_column(gtmab(forward_left=free), 'forward_left')
     assert found.wrench == pytest.approx([0.981, 0.011, -0.061, -0.002, -0.403, -0.1])

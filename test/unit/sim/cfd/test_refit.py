@@ -5,20 +5,20 @@ from lta_config.schema.aero_file import AeroFile
 from lta_sim.cfd.aero_fit import (
     collect_warnings,
     describe_side_loads,
-    fit_axes,
+    fit_drag_by_axis,
     hull_share,
     mesh_share,
     sum_processor_time,
 )
 from lta_sim.cfd.aero_text import format_aero_file
 from lta_sim.cfd.solve import build_sweep
-from lta_sim.cfd.sweep_table import FlowEvidence, SweepPoint
+from lta_sim.cfd.sweep_table import FlowQuality, SweepPoint
 from lta_sim.cfd.tunnel_model import load_tunnel_model
 import pytest
 import yaml
 
 AIR = (1.2, 1.5e-5)
-SURE = FlowEvidence(spread=0.01, window=50.0, cells=90000, seconds=50.0)
+SURE = FlowQuality(spread=0.01, window=50.0, cells=90000, seconds=50.0)
 SPEEDS = (0.5, 1.0, 2.0)
 
 
@@ -72,10 +72,10 @@ def reference(fast, slow):
 
 
 def test_a_slow_steady_flow_that_does_not_join_the_transient_is_left_out():
-    joined = fit_axes(reference(0.3, 0.35))['surge']  # a + b = 0.3, 5 a + b = 0.35
+    joined = fit_drag_by_axis(reference(0.3, 0.35))['surge']  # a + b = 0.3, 5 a + b = 0.35
     assert (joined.linear, joined.quadratic) == pytest.approx((0.0125, 0.2875))
     low = reference(0.3, 0.24)
-    fit = fit_axes(low)['surge']
+    fit = fit_drag_by_axis(low)['surge']
     assert (fit.linear, fit.quadratic) == pytest.approx((0.0, 0.3))
     said = 'surge: the steady flow at 0.2 m/s has -20 % of drag beside the transient one'
     assert said in collect_warnings(low)[-1]

@@ -5,10 +5,10 @@ from lta_config.files import find_file
 from lta_config.schema.mount_file import load_mount
 from lta_model.vehicle import load_vehicle
 from lta_sim.cfd.analytic import drag_force
-from lta_sim.cfd.self_intersection import find_crossing
-from lta_sim.cfd.shape import build_envelope, ellipse_profile, mylar_profile, revolve_profile
+from lta_sim.cfd.self_intersection import find_crossing_triangles
+from lta_sim.cfd.shape import build_hull_surface, ellipse_profile, mylar_profile, revolve_profile
 from lta_sim.cfd.stl import read_stl
-from lta_sim.cfd.tunnel_model import build_box, load_tunnel_model, winding_number
+from lta_sim.cfd.tunnel_model import build_box_surface, load_tunnel_model, winding_number
 import numpy as np
 import pytest
 import trimesh
@@ -26,7 +26,7 @@ def test_a_mylar_balloon_is_paulsens():
 
 
 def test_a_surface_of_revolution_does_not_cross_itself():
-    assert find_crossing(revolve_profile(mylar_profile(13), 0.5, 0.6).triangles) is None
+    assert find_crossing_triangles(revolve_profile(mylar_profile(13), 0.5, 0.6).triangles) is None
 
 
 def test_a_flatter_balloon_holds_as_much_less():
@@ -42,12 +42,12 @@ def test_a_sphere_is_round():
 
 def test_a_spheroid_lies_along_its_axis():
     hull = load_vehicle('blimp2b').file.hull
-    assert build_envelope(hull).extents == pytest.approx([1.092, 0.52, 0.52], rel=1e-3)
+    assert build_hull_surface(hull).extents == pytest.approx([1.092, 0.52, 0.52], rel=1e-3)
 
 
 def test_no_hull_is_refused():
     with pytest.raises(BadInput, match='no hull'):
-        build_envelope(load_vehicle('multirotor').file.hull)
+        build_hull_surface(load_vehicle('multirotor').file.hull)
 
 
 def test_the_shipped_gtmab_is_what_was_meshed():
@@ -73,7 +73,7 @@ def kept(mesh, folder):
 
 
 def test_a_drawn_part_comes_in_metres(tmp_path):
-    big = build_box((0, 0, 0), (100, 50, 20))
+    big = build_box_surface((0, 0, 0), (100, 50, 20))
     read = read_stl(kept(big, tmp_path), 'mm')
     assert read.extents == pytest.approx([0.1, 0.05, 0.02])
     assert read.volume == pytest.approx(1e-4)
@@ -81,11 +81,11 @@ def test_a_drawn_part_comes_in_metres(tmp_path):
 
 def test_millimetres_for_metres_are_named(tmp_path):
     with pytest.raises(BadInput, match=r'100 m long when read in m.*set "unit: mm"'):
-        read_stl(kept(build_box((0, 0, 0), (100, 50, 20)), tmp_path), 'm')
+        read_stl(kept(build_box_surface((0, 0, 0), (100, 50, 20)), tmp_path), 'm')
 
 
 def test_an_open_surface_is_refused_with_its_edges(tmp_path):
-    mesh = build_box((0, 0, 0), (0.1, 0.1, 0.1))
+    mesh = build_box_surface((0, 0, 0), (0.1, 0.1, 0.1))
     mesh.update_faces(np.arange(len(mesh.faces)) > 0)
     with pytest.raises(BadInput, match='3 edges do not join'):
         read_stl(kept(mesh, tmp_path), 'm')
@@ -93,7 +93,10 @@ def test_an_open_surface_is_refused_with_its_edges(tmp_path):
 
 def test_a_surface_through_itself_is_refused_with_its_place(tmp_path):
     both = trimesh.util.concatenate(
-        [build_box((0, 0, 0), (0.2, 0.2, 0.2)), build_box((0.13, 0.02, 0.03), (0.1, 0.1, 0.1))]
+        [
+            build_box_surface((0, 0, 0), (0.2, 0.2, 0.2)),
+            build_box_surface((0.13, 0.02, 0.03), (0.1, 0.1, 0.1)),
+        ]
     )
     with pytest.raises(BadInput, match='intersects itself near'):
         read_stl(kept(both, tmp_path), 'm')
@@ -101,9 +104,12 @@ def test_a_surface_through_itself_is_refused_with_its_place(tmp_path):
 
 def test_parts_apart_do_not_cross():
     both = trimesh.util.concatenate(
-        [build_box((0, 0, 0), (0.2, 0.2, 0.2)), build_box((0.3, 0.02, 0.03), (0.1, 0.1, 0.1))]
+        [
+            build_box_surface((0, 0, 0), (0.2, 0.2, 0.2)),
+            build_box_surface((0.3, 0.02, 0.03), (0.1, 0.1, 0.1)),
+        ]
     )
-    assert find_crossing(both.triangles) is None
+    assert find_crossing_triangles(both.triangles) is None
 
 
 def test_rubbish_is_no_stl(tmp_path):

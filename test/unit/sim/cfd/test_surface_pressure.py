@@ -5,7 +5,7 @@ import math
 from lta_model.hull import half_axes
 from lta_model.vehicle import load_vehicle
 from lta_sim.cfd.potential import added_mass_share, pressure_coefficient, pressure_extremes
-from lta_sim.cfd.surface import read_surface_pressure, reduce_pressure
+from lta_sim.cfd.surface import read_surface_pressure, summarize_surface_pressure
 import numpy as np
 import pytest
 import trimesh
@@ -65,7 +65,7 @@ def test_the_nose_of_a_hull_feels_the_dynamic_pressure_and_its_sides_suction():
 def test_what_is_kept_is_the_extremes_and_what_is_seen_from_below():
     mesh = spheroid(0.6)
     places = mesh.triangles_center
-    kept = reduce_pressure(places, places[:, 1] * 10.0)
+    kept = summarize_surface_pressure(places, places[:, 1] * 10.0)
     top = float(places[:, 1].max())
     assert (kept.least, kept.most) == (
         pytest.approx(-10 * top, rel=1e-2),

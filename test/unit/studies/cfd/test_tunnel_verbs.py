@@ -7,7 +7,7 @@ import sys
 
 from lta_config.files import share_folder
 from lta_sim.cfd.flow_plan import plan_flows
-from lta_sim.cfd.sweep_table import drop_maps, read_sweep
+from lta_sim.cfd.sweep_table import drop_pressure_maps, read_sweep
 from lta_sim.cfd.tunnel_model import load_tunnel_model
 from lta_sim.cfd.validation import SphereComparison
 from lta_studies.cfd.pictures import draw_sphere_drag
@@ -35,7 +35,7 @@ def test_a_run_leaves_a_page_a_sweep_and_an_aero_file(run, tmp_path):
     ]  # fmt: skip
     sweep = read_sweep(tmp_path / 'done/gtmab.sweep.json')
     mapped = read_sweep(tmp_path / 'done/gtmab.blown.json')
-    assert sweep == drop_maps(mapped) != mapped
+    assert sweep == drop_pressure_maps(mapped) != mapped
     assert (list(sweep.axes), list(sweep.blows)) == (['heave'], ['up_left'])
 
 
@@ -156,10 +156,10 @@ def test_the_bar_tells_who_runs_how_settled_and_how_far():
     (flow,) = (each for each in plan_flows(model, 'preview', (1.2, 1.5e-5), ('yaw',)))
     bar = TunnelProgress(Console(), [flow])
     first, *_ = flow.case.steps
-    bar.update(flow.case, first, 0.5, 3e-4)
+    bar.update_case_progress(flow.case, first, 0.5, 3e-4)
     (task,) = bar._bar.tasks
     assert task.description == 'yaw 28 % 3e-04'
     # Half of the first 200 of 360 rounds; the mesh before is 120 more, of as many cells.
     assert task.percentage == pytest.approx(100 * 100 / (360 + 120))
-    bar.update(flow.case, flow.case.steps[-1], 1.0, math.nan)
+    bar.update_case_progress(flow.case, flow.case.steps[-1], 1.0, math.nan)
     assert task.description == ''

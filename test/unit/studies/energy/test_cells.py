@@ -13,13 +13,13 @@ from lta_studies.energy.cells.arrays import (
     find_largest_array,
     has_printed_signs,
 )
-from lta_studies.energy.cells.ranking import find_pareto_front, list_entries, select_readings
-from lta_studies.energy.cells.tables import datasheet_charging_time, find_both_fronts
+from lta_studies.energy.cells.ranking import find_pareto_front, list_readings, select_readings
+from lta_studies.energy.cells.tables import datasheet_charging_time, find_fronts_by_criterion
 import pytest
 
 TABLE = load_cell_table('seed_paper')
 ENERGY = load_vehicle_file('gtmab').energy
-FOUND = {each.cell.name: each for each in list_entries(TABLE)}
+FOUND = {each.cell.name: each for each in list_readings(TABLE)}
 
 
 @pytest.mark.parametrize(
@@ -62,14 +62,18 @@ def names(kept):
 
 def test_the_front_of_the_paper_is_powerfilm_and_anysolar_in_either_reading():
     found = list(FOUND.values())
-    assert names(find_both_fronts(found, 0)[0]) == ['powerfilm_small', 'anysolar']
-    assert names(find_both_fronts(found, 1)[0]) == ['powerfilm_large', 'anysolar']
+    assert names(find_fronts_by_criterion(found, 0)[0]) == ['powerfilm_small', 'anysolar']
+    assert names(find_fronts_by_criterion(found, 1)[0]) == ['powerfilm_large', 'anysolar']
 
 
 def test_the_fair_front_depends_on_the_panel_that_was_charged():
     found = list(FOUND.values())
-    assert names(find_both_fronts(found, 0)[1]) == ['powerfilm_small', 'anysolar']
-    assert names(find_both_fronts(found, 1)[1]) == ['powerfilm_large', 'dracula', 'anysolar']
+    assert names(find_fronts_by_criterion(found, 0)[1]) == ['powerfilm_small', 'anysolar']
+    assert names(find_fronts_by_criterion(found, 1)[1]) == [
+        'powerfilm_large',
+        'dracula',
+        'anysolar',
+    ]
 
 
 def test_nobody_off_the_front_is_unbeaten():

@@ -5,7 +5,7 @@ from io import StringIO
 import json
 
 from lta_cli.app import run_command_line
-from lta_flight.flight_spec import build_parts
+from lta_flight.flight_spec import build_vehicle_scenario_stack
 from lta_model.electrical.battery import BatteryModel, stored_energy
 from lta_studies.energy import paper
 from lta_studies.energy.hover.discharge import simulate_discharge
@@ -13,7 +13,7 @@ from lta_studies.energy.hover.run import build_hover_spec, simulate_paper_hover
 import numpy as np
 import pytest
 
-CELL = build_parts(build_hover_spec('gtmab'))[0].battery
+CELL = build_vehicle_scenario_stack(build_hover_spec('gtmab'))[0].battery
 IDEAL = BatteryModel(capacity=900.0, resistance=0.0)
 
 

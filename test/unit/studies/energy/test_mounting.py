@@ -10,12 +10,12 @@ from lta_model.vehicle import load_vehicle
 from lta_studies.energy.mounting import panel_light, straight_flight
 from lta_studies.energy.mounting.mounted_vehicle import (
     build_mounted_vehicle,
-    lacking_lift,
-    required_fullness,
+    lift_deficit,
+    required_volume_factor,
 )
 from lta_studies.energy.mounting.panel_light import LightDirection
-from lta_studies.energy.mounting.release import simulate_release, tilt_growth_rate
 from lta_studies.energy.mounting.run import MountTrial
+from lta_studies.energy.mounting.tilt_release import simulate_release, tilt_growth_rate
 from lta_vehicle.figures.pendulum import compute_pendulum_mode
 import numpy as np
 import pytest
@@ -24,14 +24,14 @@ GTMAB = load_yaml(find_file('vehicle', 'gtmab'))
 MOUNTS = ('side', 'bottom', 'top')
 LIFT = 331.233061725  # g: 0.93 of the pure helium of 2.7458 r^3 at 20 degC
 REST = 271.0  # g: every part of the seed paper's table without panels
-FULLER = required_fullness(GTMAB, MOUNTS)
+FULLER = required_volume_factor(GTMAB, MOUNTS)
 DEGREE = math.radians(1.0)
 
 
 @pytest.mark.parametrize(('mount', 'frame'), [('side', 0.0), ('bottom', 45.5), ('top', 0.0)])
 def test_lift_that_is_lacking_by_hand(mount, frame):
     grams = REST + 48.8 + frame - LIFT - 2.0
-    assert 1e3 * lacking_lift(GTMAB, mount) == pytest.approx(grams, abs=1e-6)
+    assert 1e3 * lift_deficit(GTMAB, mount) == pytest.approx(grams, abs=1e-6)
 
 
 def test_the_bottom_mount_is_refused_in_its_own_hull_and_carried_by_one_9_7_percent_fuller():
@@ -58,8 +58,8 @@ def test_moving_the_panels_from_top_to_side_moves_the_centre_of_gravity_by_their
 def test_lean_of_misplaced_panels_by_hand():
     made = build_mounted_vehicle(GTMAB, 'side', ahead=0.03)
     ahead = 0.03 * 0.0488 / made.vehicle.mass
-    assert made.rest_lean == pytest.approx(math.atan(ahead / -made.vehicle.cg[2]), rel=1e-9)
-    assert build_mounted_vehicle(GTMAB, 'side').rest_lean == 0.0
+    assert made.nose_down_pitch == pytest.approx(math.atan(ahead / -made.vehicle.cg[2]), rel=1e-9)
+    assert build_mounted_vehicle(GTMAB, 'side').nose_down_pitch == 0.0
 
 
 def test_arms_are_the_only_drag_that_a_mount_adds():
@@ -179,7 +179,7 @@ def test_a_flight_leans_as_its_balance_says(monkeypatch):
     monkeypatch.setattr(straight_flight, 'END', 30.0)
     made = build_mounted_vehicle(GTMAB, 'side', ahead=0.03)
     flown = straight_flight.fly_straight(made, 'gtmab', 1)
-    assert flown.lean == pytest.approx(made.rest_lean, abs=0.15 * DEGREE)
+    assert flown.lean == pytest.approx(made.nose_down_pitch, abs=0.15 * DEGREE)
     hover = 0.120 + 2 * (0.027 + 23.96 * 2e-3 * 9.80665 / (2 * 0.961))
     assert hover < flown.power < 2.0 * hover
     tried = MountTrial(

@@ -12,7 +12,7 @@ from lta_studies.light.bearing.places import build_flight_spec, PLACES
 from lta_studies.light.bearing.poses import BESIDE, CLEAR, draw_pose, NEAREST
 from lta_studies.light.bearing.run import BearingTrialRequest, run_bearing_trials
 from lta_studies.light.bearing.score import score_readings
-from lta_studies.light.bearing.study import DISTANCE, list_directions, pose_before_lamp
+from lta_studies.light.bearing.study import DISTANCE, list_directions, pose_for_lamp_direction
 import numpy as np
 import pytest
 
@@ -65,7 +65,7 @@ def test_scores_by_hand():
 
 @pytest.mark.parametrize('direction', list_directions()[::3])
 def test_the_study_turns_the_ring_and_not_the_lamp(bench, direction):
-    pose = pose_before_lamp(bench, direction)
+    pose = pose_for_lamp_direction(bench, direction)
     azimuth, _ = bench.true_direction(pose)
     assert math.remainder(azimuth - direction, math.tau) == pytest.approx(0.0, abs=1e-9)
     assert math.hypot(LAMP[0] - pose[0], LAMP[1] - pose[1]) == pytest.approx(DISTANCE)

@@ -11,7 +11,7 @@ import sys
 
 from lta_cli import app
 from lta_config.errors import BadInput
-from lta_config.files import list_shipped
+from lta_config.files import list_shipped_names
 from lta_config.schema.sweep_file import load_sweep
 from lta_flight.flight_spec import load_spec
 from lta_flight.sweep.job_runner import SweepRow
@@ -26,7 +26,11 @@ from lta_studies.light.evaluation import (
 )
 from lta_studies.light.evaluation.cells import EvaluationCell
 from lta_studies.light.evaluation.findings import EvaluationFindings
-from lta_studies.light.evaluation.flights import build_plan, count_points, iterate_tasks
+from lta_studies.light.evaluation.flights import (
+    build_sweep_plan,
+    count_flights_per_seed,
+    iterate_tasks,
+)
 from lta_studies.light.evaluation.intervals import bootstrap_mean, bootstrap_ratio
 from lta_studies.light.evaluation.page import write_page
 from lta_studies.light.evaluation.paper import ORDER
@@ -129,12 +133,12 @@ def test_the_factor_that_makes_the_order_is_named():
 )
 def test_a_set_is_a_sweep_that_can_be_flown(name):
     """Each case builds; the pilot is there; places on the axis differ from case to case."""
-    plan = build_plan(name)
+    plan = build_sweep_plan(name)
     own = SweepPlan(load_sweep(SETS[name].file))
     assert own.file.draws_per_point == 50
     assert set(ORDER) <= set(own.lists['strategy'])
     assert len(plan.lists['strategy']) == len(own.lists['strategy']) + SETS[name].piloted
-    assert count_points(plan) * 50 == own.count // len(own.lists['strategy']) * len(
+    assert count_flights_per_seed(plan) * 50 == own.count // len(own.lists['strategy']) * len(
         plan.lists['strategy']
     )
     axis = SETS[name].axis
@@ -146,7 +150,7 @@ def test_a_set_is_a_sweep_that_can_be_flown(name):
 
 def test_every_shipped_sweep_of_the_light_is_a_set():
     assert {part.file for part in SETS.values()} == {
-        name for name in list_shipped('sweeps') if name.startswith('light_')
+        name for name in list_shipped_names('sweeps') if name.startswith('light_')
     }
 
 
@@ -159,7 +163,7 @@ def test_a_wind_is_told_as_share_of_what_the_vehicle_flies():
     assert wind.wind_to_airspeed_ratio(gusty) == pytest.approx(
         0.25 / 1.05
     )  # 0.15 m/s and 0.1 m/s of turbulence
-    worst = build_plan(sets.UNIFORM)
+    worst = build_sweep_plan(sets.UNIFORM)
     job = next(job for job in map(worst.build_job, range(0, worst.count, 1000))
                if job.values['case'] == 'head_90')  # fmt: skip
     made_of = worst.base.with_values(job.case)
@@ -212,7 +216,7 @@ def test_two_seeds_are_flown_from_end_to_end(done):
         assert sorted(each.rows) == [1, 2]
         assert (each.failed, each.reached_share.value) == (0, 1.0)
     # 1.3 m away, the goal circle 0.3 m ahead.
-    paths = cells['as_flown', 'bag'].select_figure('path_length')
+    paths = cells['as_flown', 'bag'].arrival_values('path_length')
     assert all(0.29 < path < 0.6 for path in paths.values())
     best = cells['draught', 'pilot']
     assert cells['draught', 'bag'].ratio_to(best).value == pytest.approx(1.0, abs=0.1)
@@ -261,11 +265,11 @@ def test_what_was_flown_is_not_flown_again_and_more_seeds_only_add(done, monkeyp
 
 
 def test_all_sets_fly_a_seed_before_any_flies_the_next():
-    plans = {name: build_plan(name) for name in ('indoors', 'ablations')}
+    plans = {name: build_sweep_plan(name) for name in ('indoors', 'ablations')}
     found = list(iterate_tasks(plans, 3))
     assert [task.job.seed for task in found] == sorted(task.job.seed for task in found)
     assert len({(task.part, task.job.index) for task in found}) == len(found)
-    assert len(found) == 3 * sum(map(count_points, plans.values()))
+    assert len(found) == 3 * sum(map(count_flights_per_seed, plans.values()))
 
 
 def test_page_figures_and_docs_say_the_same(done, tmp_path):
@@ -303,7 +307,7 @@ def test_a_set_without_strategies_is_refused(tmp_path, monkeypatch):
     path.write_text(yaml.safe_dump({**NEAR, 'vary': {}}))
     monkeypatch.setitem(SETS, 'none', FlightSet(str(path), 'None', 'None.'))
     with pytest.raises(BadInput, match='must list strategies'):
-        build_plan('none')
+        build_sweep_plan('none')
 
 
 def test_the_ground_over_which_the_papers_wind_is_flown_is_told():

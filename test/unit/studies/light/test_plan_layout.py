@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lta_cli.app import build_app
 from lta_config.errors import BadInput
-from lta_config.files import find_file, list_shipped, load_file
+from lta_config.files import find_file, list_shipped_names, load_file
 from lta_model.scenario import load_scenario
 from lta_studies.light.plan.floor import build_floor
 from lta_studies.light.plan.floor_plan import FloorPlan
@@ -16,7 +16,7 @@ from lta_studies.light.plan.handover import find_longest_route, plan_handover
 from lta_studies.light.plan.mounts import list_mounts
 from lta_studies.light.plan.polygon import (
     distance_to_edges,
-    find_flaw,
+    find_polygon_flaw,
     points_in_polygon,
     polygon_edges,
     signed_area,
@@ -75,7 +75,7 @@ def test_two_lamps_each_where_two_are_asked_for():
         ],
         axis=0,
     )
-    assert layout.audible_count[near > 2.0].min() == 2
+    assert layout.received_count[near > 2.0].min() == 2
     assert {gap.why for gap in find_gaps(layout)} <= {DROWNED}
     handover = plan_handover(layout)
     assert handover.edges
@@ -177,7 +177,7 @@ def test_polygons_by_hand():
     points = np.array([[0.5, 2.0], [2.0, 2.0], [3.0, 0.5], [-1.0, 0.5]])
     assert points_in_polygon(points, shape).tolist() == [True, False, True, False]
     assert distance_to_edges(points, polygon_edges(shape)) == pytest.approx([0.5, 1.0, 0.5, 1.0])
-    assert find_flaw(shape) is None
+    assert find_polygon_flaw(shape) is None
 
 
 @pytest.mark.parametrize(
@@ -189,7 +189,7 @@ def test_polygons_by_hand():
     ],
 )
 def test_what_is_no_polygon_is_refused(corners, words):
-    assert words in find_flaw(np.array(corners, dtype=float))
+    assert words in find_polygon_flaw(np.array(corners, dtype=float))
 
 
 @pytest.mark.parametrize(
@@ -238,7 +238,7 @@ def test_a_plan_that_cannot_work_is_one_sentence(changes, asked, words):
         laid_out(hall(**changes), **asked)
 
 
-@pytest.mark.parametrize('name', list_shipped('floor_plans'))
+@pytest.mark.parametrize('name', list_shipped_names('floor_plans'))
 def test_shipped_floor_plans_are_what_their_files_are_called(name):
     assert load_file(FloorPlan, find_file('floor plan', name)).name == name
 

@@ -10,10 +10,10 @@ from lta_studies.light.plan.planner import _explain_no_reception
 from lta_studies.light.plan.rays import is_blocked
 from lta_studies.light.plan.reception import (
     ambient_shares,
+    build_lamp_link,
     build_light_field,
     compute_lamp_light,
-    compute_reception,
-    lone_lamp_snr,
+    single_lamp_snr,
     solve_required_light,
 )
 from lta_vlc.demodulation import demodulate_beacon, plan_bins
@@ -53,9 +53,7 @@ def test_it_is_heard_as_far_as_the_light_it_takes():
     lamp = LampMount((0.0, 3.25, 1.67), (1.0, 0.0, 0.0))
     who = ear()
     share = ambient_shares(plan, who).mean()
-    needed = solve_required_light(
-        compute_reception(plan, who, lamp, 150.0), share, who.required_snr
-    )
+    needed = solve_required_light(build_lamp_link(plan, who, lamp, 150.0), share, who.required_snr)
     floor, (least, _) = light(plan, lamp)
     on_axis = floor.cell_centers[:, 1] == 3.25
     heard = floor.cell_centers[on_axis & (least >= needed), 0]
@@ -77,7 +75,7 @@ def test_the_light_needed_by_hand():
     shot = 2.0 * 1.602e-19 * (math.pi / 2 * 14e3) * 1e5 * (steady * counts) * 4096 / 3.3
     variance = (300e-6 * 4096 / 3.3) ** 2 / 10.0 + 1.0 / 12.0 + 1.0 + shot
     by_hand = 12.0 * math.sqrt(math.pi * variance / 1000.0) / (2.0 / math.pi * counts)
-    heard = compute_reception(plan, who, LampMount((0, 6, 1.67), (1, 0, 0)), 150.0)
+    heard = build_lamp_link(plan, who, LampMount((0, 6, 1.67), (1, 0, 0)), 150.0)
     found = solve_required_light(heard, share, who.required_snr)
     # Of the lamp's harmonics those above Nyquist fold into the bins of the noise: 2 %.
     assert found == pytest.approx(1.02 * by_hand, rel=0.01)
@@ -85,7 +83,7 @@ def test_the_light_needed_by_hand():
 
 def test_light_that_fills_the_converter_leaves_nothing_to_hear():
     plan, who = hall(), ear()
-    heard = compute_reception(plan, who, LampMount((0.0, 6.0, 1.67), (1.0, 0.0, 0.0)), 150.0)
+    heard = build_lamp_link(plan, who, LampMount((0.0, 6.0, 1.67), (1.0, 0.0, 0.0)), 150.0)
     assert solve_required_light(heard._replace(steady=4000.0), 1.0, who.required_snr) < math.inf
     assert solve_required_light(heard._replace(steady=4100.0), 1.0, who.required_snr) == math.inf
     assert 'the ambient light of 100 lx saturates its ADC' in _explain_no_reception(
@@ -111,7 +109,7 @@ def test_the_snr_is_that_of_blocks_that_are_made_and_demodulated():
         for k in range(20):
             block, state = board.sample_block(given, k * 100_000_000, chance, state)
             snrs.append(demodulate_beacon(block, bins).snr)
-        expected = lone_lamp_snr(compute_reception(plan, who, lamp, 530.0), share, lux)
+        expected = single_lamp_snr(build_lamp_link(plan, who, lamp, 530.0), share, lux)
         # Noise and what waves leave in its bins add as squares do: their sum is on the safe side.
         assert expected <= np.mean(snrs) <= 1.07 * expected
 

@@ -7,7 +7,7 @@ from lta_config.errors import BadInput
 from lta_model.light.view import LightView
 from lta_studies.light.bearing.bench import BearingBench
 from lta_studies.light.bearing.places import build_flight_spec, PLACES
-from lta_studies.light.bearing.study import pose_before_lamp
+from lta_studies.light.bearing.study import pose_for_lamp_direction
 from lta_studies.light.turntable.response import fit_response
 from lta_studies.light.turntable.turntable import summarize_directions, TurntableReadings
 from lta_vlc.diodes import build_even_ring
@@ -77,14 +77,14 @@ def bag(record, types):
     """The simulated board 3 m before the lamp, turned by 22.5 degrees every 0.6 s."""
     bench = BearingBench(build_flight_spec(PLACES['indoor'], 'gtmab', 8))
     chance = np.random.default_rng(5)
-    diodes = bench.draw_diodes(chance)
+    diodes = bench.sample_diode_gains(chance)
     messages = []
     for k in range(16 * HOLD_BLOCKS):
         turned = (k // HOLD_BLOCKS) * STEP
         view = LightView(bench.scenario.light_field, bench._vehicle, diodes)
-        view.record_pose(pose_before_lamp(bench, ZERO - turned))
+        view.record_pose(pose_for_lamp_direction(bench, ZERO - turned))
         time = START + k * 100_000_000
-        block = view.read_block(time, 1e4, 1000, chance)
+        block = view.sample_light_block(time, 1e4, 1000, chance)
         image = types['sensor_msgs/msg/Image'](
             header(time),
             1000,

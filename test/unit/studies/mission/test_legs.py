@@ -16,7 +16,7 @@ from lta_studies.mission.leg_state import (
     LegPlan,
     RESERVE,
 )
-from lta_studies.mission.leg_validation import compare_flights
+from lta_studies.mission.leg_validation import compare_leg_with_loop
 from lta_studies.mission.legs import LegPilot
 from lta_studies.mission.scene import lamp_brightness, MissionScene
 import numpy as np
@@ -34,7 +34,7 @@ def scenes():
 
 @pytest.fixture(scope='module')
 def made(scenes):
-    return scenes.build_flight('aisle', DARK, 1.0)
+    return scenes.build_beacon_flight('aisle', DARK, 1.0)
 
 
 @pytest.fixture(scope='module')
@@ -43,7 +43,7 @@ def pilot(made):
 
 
 def begun(pilot, scenes, charge=0.8):
-    place = (-3.2, -2.0, scenes.vehicle.height_on_floor)
+    place = (-3.2, -2.0, scenes.vehicle.hull_height_on_floor)
     return pilot.ground_state(place, 0.4, resting_flow(charge), charge, 3)
 
 
@@ -78,7 +78,7 @@ def test_it_lands_where_it_is_told_to(pilot, made, scenes):
     memory = go_on(pilot, made, LEG, begun(pilot, scenes))
     memory = go_on(pilot, made, LEG._replace(kind=LAND, limit=60.0), memory)
     assert memory.outcome == DONE
-    assert memory.flight.state[2] == pytest.approx(scenes.vehicle.height_on_floor, abs=0.02)
+    assert memory.flight.state[2] == pytest.approx(scenes.vehicle.hull_height_on_floor, abs=0.02)
 
 
 def test_the_books_of_a_flight_balance(pilot, made, scenes):
@@ -113,8 +113,8 @@ def test_a_payload_is_carried_and_not_trimmed_away(scenes):
 
 def test_the_brightness_that_homing_is_told_is_that_of_its_own_settings(scenes):
     """In the shipped room homing's default of 2100 counts is that of its lamp at 0.8 off axis."""
-    dark = scenes.build_flight('aisle', DARK, 1.0).craft
-    bright = scenes.build_flight('aisle', DARK, 5e4).craft
+    dark = scenes.build_beacon_flight('aisle', DARK, 1.0).craft
+    bright = scenes.build_beacon_flight('aisle', DARK, 5e4).craft
     lamp = scenes.lamp('aisle')
     assert dark.mission.homing.brightness == pytest.approx(lamp_brightness(dark.listening, lamp))
     assert bright.listening.counts < 0.2 * dark.listening.counts  # another resistor
@@ -124,7 +124,7 @@ def test_the_brightness_that_homing_is_told_is_that_of_its_own_settings(scenes):
 def test_flights_cost_what_the_full_loop_says(scenes):
     rows = [
         (np.median(leg[:, 0]), np.median(loop[:, 0]))
-        for _, leg, loop in compare_flights(scenes, 'aisle', 3, 5)
+        for _, leg, loop in compare_leg_with_loop(scenes, 'aisle', 3, 5)
     ]
     ours, full = np.array(rows).T
     assert ours.sum() == pytest.approx(full.sum(), rel=0.02)

@@ -52,7 +52,7 @@ def waits():
 
 
 def test_ctrl_c_ends_the_lives_that_are_being_lived(monkeypatch, tmp_path, interrupted):
-    monkeypatch.setattr(running, 'claim_folder', lambda *_: None)
+    monkeypatch.setattr(running, 'claim_results_folder', lambda *_: None)
     monkeypatch.setattr(running, 'compile_flight', lambda *_: None)
     monkeypatch.setattr(running, 'build_simulation', lambda *_: (Long(), None))
     mission = SimpleNamespace(round=('aisle',))

@@ -9,7 +9,7 @@ from lta_cli.verbs.platforms import platforms
 from lta_config.errors import BadInput
 from lta_config.files import find_file, load_yaml
 from lta_config.schema.comparison_file import EntryChange, load_comparison
-from lta_config.schema.maneuver_file import load_maneuver
+from lta_config.schema.maneuver_file import load_maneuver_file
 from lta_control import autopilot
 from lta_flight.flight_spec import build_loop, load_spec
 from lta_model.limits import level_speed
@@ -17,14 +17,14 @@ from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_sim.readings import FlightOutcome
 from lta_studies.platforms.entrants import build_entrant
-from lta_studies.platforms.flight import fly_manoeuvre
-from lta_studies.platforms.metrics import compute_metrics
+from lta_studies.platforms.flight import fly_maneuver
+from lta_studies.platforms.metrics import compute_tracking_metrics
 from lta_studies.platforms.page import ComparisonReport, write_page
 from lta_studies.platforms.run import (
-    change_speed,
     check_comparison,
     list_jobs,
     PlatformJob,
+    replace_speeds,
     result_to_json,
     summarize_flight,
 )
@@ -55,7 +55,7 @@ def named(name):
 @cache
 def flown(name, manoeuvre, speed=None, ablation=False):
     who = named(name) if ablation else changed(name)
-    return fly_manoeuvre(who, SCENARIO, change_speed(load_maneuver(manoeuvre), speed), 1)
+    return fly_maneuver(who, SCENARIO, replace_speeds(load_maneuver_file(manoeuvre), speed), 1)
 
 
 def test_a_second_order_step_has_its_text_book_figures():
@@ -64,7 +64,7 @@ def test_a_second_order_step_has_its_text_book_figures():
     wd, phase = w * math.sqrt(1 - z * z), math.acos(z)
     t = np.arange(0.0, 20.0, 0.001)
     y = 3.0 * (1 - np.exp(-z * w * t) / math.sqrt(1 - z * z) * np.sin(wd * t + phase))
-    found = compute_metrics(t, np.full_like(t, 3.0), y, 0.06, 0.0)
+    found = compute_tracking_metrics(t, np.full_like(t, 3.0), y, 0.06, 0.0)
     assert found.overshoot == pytest.approx(math.exp(-math.pi * z / math.sqrt(1 - z * z)), 1e-5)
     # Peaks at k pi / wd have the height exp(-z w t): the last above 2 % is the sixth, at 4.9 s.
     last = math.floor(-math.log(0.02) / (z * w) / (math.pi / wd))
@@ -77,7 +77,7 @@ def test_a_first_order_lag_follows_a_ramp_late_by_rate_times_time():
     t = np.arange(0.0, 40.0, 0.01)
     rate, lag = 0.5, 2.0
     y = rate * (t - lag * (1 - np.exp(-t / lag)))
-    found = compute_metrics(t, rate * t, y, 1.1, 0.0)
+    found = compute_tracking_metrics(t, rate * t, y, 1.1, 0.0)
     assert found.steady_error == pytest.approx(rate * lag, 1e-6)
     assert found.rms < rate * lag
     assert math.isnan(found.overshoot)
@@ -86,7 +86,7 @@ def test_a_first_order_lag_follows_a_ramp_late_by_rate_times_time():
 
 def test_a_sine_that_never_dies_does_not_settle():
     t = np.arange(0.0, 40.0 * math.pi, 0.001)
-    found = compute_metrics(t, np.zeros_like(t), 0.2 * np.cos(t), 0.1, 1.0)
+    found = compute_tracking_metrics(t, np.zeros_like(t), 0.2 * np.cos(t), 0.1, 1.0)
     assert math.isnan(found.settling_time)
     assert not found.held
     assert found.rms == pytest.approx(0.2 / math.sqrt(2.0), 1e-4)
@@ -96,14 +96,14 @@ def test_a_sine_that_never_dies_does_not_settle():
 
 def test_what_settles_in_the_last_quarter_is_not_held():
     t = np.arange(0.0, 100.0)
-    late = compute_metrics(t, np.ones_like(t), np.where(t < 80.0, 0.0, 1.0), 0.1, 0.0)
+    late = compute_tracking_metrics(t, np.ones_like(t), np.where(t < 80.0, 0.0, 1.0), 0.1, 0.0)
     assert late.settling_time == 80.0
     assert not late.held
 
 
 def test_no_number_is_no_success():
     t = np.arange(0.0, 10.0)
-    found = compute_metrics(t, np.zeros_like(t), np.full_like(t, math.nan), 0.1, 0.0)
+    found = compute_tracking_metrics(t, np.zeros_like(t), np.full_like(t, math.nan), 0.1, 0.0)
     assert not found.held
 
 
@@ -128,7 +128,7 @@ def test_means_have_student_s_interval():
 )
 def test_every_platform_that_hovers_climbs_and_holds(name, error, overshoot):
     flight = flown(name, 'climb')
-    assert flight.is_held
+    assert flight.is_successful
     assert abs(flight.metrics.steady_error) < error
     assert flight.metrics.overshoot < overshoot
 
@@ -136,7 +136,7 @@ def test_every_platform_that_hovers_climbs_and_holds(name, error, overshoot):
 @pytest.mark.parametrize('name', ['gtmab', *OTHERS])
 def test_they_turn_and_hold_heading(name):
     flight = flown(name, 'turn')
-    assert flight.is_held
+    assert flight.is_successful
     assert abs(flight.metrics.steady_error) < math.radians(2.0)
 
 
@@ -145,7 +145,7 @@ def test_they_turn_and_hold_heading(name):
 )
 def test_they_cruise_at_half_a_metre_a_second(name):
     flight = flown(name, 'cruise')
-    assert flight.is_held
+    assert flight.is_successful
     assert abs(flight.metrics.steady_error) < 0.05
 
 
@@ -153,24 +153,24 @@ def test_they_cruise_at_half_a_metre_a_second(name):
 def test_a_heading_that_moves_is_followed_late_by_rate_over_gain():
     """GT-MAB: 6 deg/s by 0.6 per second is 10 degrees; it turns back thrice, so a little less."""
     flight = flown('gtmab', 'follow')
-    assert flight.is_held
+    assert flight.is_successful
     assert math.degrees(flight.metrics.rms) == pytest.approx(10.0, abs=1.5)
 
 
 @pytest.mark.long
 def test_the_glider_soars_but_does_not_hover():
-    assert flown('rgblimp', 'soar').is_held
+    assert flown('rgblimp', 'soar').is_successful
     sunk = flown('rgblimp', 'climb')
-    assert not sunk.is_held
+    assert not sunk.is_successful
     assert sunk.metrics.steady_error > 1.5  # it has come down from its release
 
 
 def test_open_loop_overshoots_and_closing_the_loop_reverses_it():
     """The seed paper: fails to follow, overshoots in altitude."""
     opened = flown('blimp2b', 'climb')
-    assert not opened.is_held
+    assert not opened.is_successful
     assert opened.metrics.overshoot > 0.3
-    assert flown('blimp2b_closed', 'climb', ablation=True).is_held
+    assert flown('blimp2b_closed', 'climb', ablation=True).is_successful
 
 
 @pytest.mark.long
@@ -178,7 +178,7 @@ def test_open_loop_reaches_the_published_steady_surge():
     """0.76 m/s at full front thrust: sqrt(0.040 / 0.07); its failure counts only after that."""
     full = math.sqrt(0.040 / 0.07)
     neutral = changed('blimp2b', set={'vehicle.trim.heaviness': '0 g'})
-    flight = fly_manoeuvre(neutral, SCENARIO, change_speed(load_maneuver('cruise'), full), 1)
+    flight = fly_maneuver(neutral, SCENARIO, replace_speeds(load_maneuver_file('cruise'), full), 1)
     late = flight.flown[:, 0] > 55.0
     assert flight.duties[late, 0] == pytest.approx(1.0, abs=1e-6)
     assert flight.flown[late, 3].mean() == pytest.approx(full, rel=0.02)
@@ -191,19 +191,19 @@ def test_beavis_has_the_published_margin_and_still_fails_by_a_linear_b(plain_law
     assert (lift - weight) / 9.80665 == pytest.approx(3.1e-3, abs=5e-5)
     monkeypatch.setattr(autopilot, 'compile_core', plain_laws)
     stuck = flown('beavis_by_matrix', 'climb', ablation=True)
-    assert not stuck.is_held
+    assert not stuck.is_successful
     assert stuck.duties.max() == 0.0  # every column of B sinks, so it asks for nothing
-    assert flown('beavis_paper', 'climb').is_held
+    assert flown('beavis_paper', 'climb').is_successful
 
 
 @pytest.mark.long
 def test_beavis_neither_lifts_more_than_its_jets_nor_sinks_without_weight():
     heavy = flown('beavis_too_heavy', 'climb', ablation=True)
     neutral = flown('beavis_neutral', 'climb', ablation=True)
-    assert not heavy.is_held
+    assert not heavy.is_successful
     assert heavy.metrics.steady_error > 1.4  # on the floor, at full thrust
     assert heavy.duties[-1].min() == pytest.approx(1.0)
-    assert not neutral.is_held
+    assert not neutral.is_successful
     assert neutral.metrics.steady_error < -1.0  # rises on
 
 
@@ -212,15 +212,15 @@ def test_sblimp_pushes_sideways_only_by_what_it_carries():
     """By what it carries it saturates; heavier, it reaches the published 0.8 m/s."""
     light = flown('sblimp', 'cruise', 0.8)
     heavy = flown('sblimp_16g', 'cruise', 0.8, ablation=True)
-    assert not light.is_held
+    assert not light.is_successful
     assert light.flown[-500:, 3].mean() < level_speed(load_vehicle('sblimp'))
-    assert heavy.is_held
+    assert heavy.is_successful
 
 
 @pytest.mark.long
 def test_speed_before_height_lifts_sblimp_away_and_swings_it():
     flight = flown('sblimp_speed_first', 'cruise', 0.8, ablation=True)
-    assert not flight.is_held
+    assert not flight.is_successful
     assert flight.height.steady_error < -1.0
     assert math.degrees(flight.tilt) > 25.0
 
@@ -234,11 +234,11 @@ def test_a_top_heavy_vehicle_turns_over_and_is_told_so(tmp_path):
     path = tmp_path / 'top_heavy.yaml'
     path.write_text(yaml.safe_dump(content, sort_keys=False), encoding='utf-8')
     made = COMPARISON.contestants['gtmab'].model_copy(update={'vehicle': str(path)})
-    climb = load_maneuver('climb')
+    climb = load_maneuver_file('climb')
     brief = climb.model_copy(update={'until': climb.until.model_copy(update={'value': 15.0})})
-    flight = fly_manoeuvre(build_entrant(made, DENSITY), SCENARIO, brief, 1)
+    flight = fly_maneuver(build_entrant(made, DENSITY), SCENARIO, brief, 1)
     assert flight.lost == 'turned over'
-    assert not flight.is_held
+    assert not flight.is_successful
     assert math.degrees(flight.tilt) > 150.0
     assert flight.duties[-1].max() == 0.0  # the motors are off for good
     content = result_to_json(

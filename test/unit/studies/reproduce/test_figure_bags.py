@@ -8,7 +8,7 @@ from lta_control.gains_file import load_law_gains
 from lta_model.scenario import load_scenario
 from lta_studies.platforms.run import ABLATION, build_loop, CONTESTANT, PlatformJob
 from lta_studies.reproduce.recording import (
-    collect_files,
+    collect_flight_files,
     record_flight,
     relative_bag_path,
     write_yaml,
@@ -30,7 +30,7 @@ def test_the_files_beside_a_bag_are_what_was_flown(told, tmp_path):
     loop = build_loop(told)
     names = {
         k: write_yaml(content, tmp_path / f'{k}.yaml')
-        for k, content in collect_files(loop).items()
+        for k, content in collect_flight_files(loop).items()
     }
     assert load_vehicle_file(names['vehicle']) == loop.world.vehicle.file
     assert load_scenario(names['scenario']) == loop.world.scenario

@@ -2,7 +2,7 @@
 
 from io import StringIO
 
-from lta_cli.verbs.reproduce import gather_rows
+from lta_cli.verbs.reproduce import collect_row_results
 from lta_studies.reproduce import run
 from lta_studies.reproduce.run import ReproductionRequest, select_rows
 from lta_studies.reproduce.sources import hash_sources, iterate_sources, trace_imports
@@ -62,7 +62,9 @@ def studied(monkeypatch):
 def shown(folder, terminal):
     """Return what a console was told while the rows were gathered, and the rows."""
     console = Console(file=StringIO(), force_terminal=terminal, width=100)
-    kepts = gather_rows(ReproductionRequest(NAMES, True, folder, 1), select_rows(NAMES), console)
+    kepts = collect_row_results(
+        ReproductionRequest(NAMES, True, folder, 1), select_rows(NAMES), console
+    )
     return console.file.getvalue(), kepts
 
 

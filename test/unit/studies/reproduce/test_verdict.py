@@ -4,7 +4,7 @@ import math
 
 from kept_figures import kepts_in
 from lta_config.errors import BadInput
-from lta_config.files import list_shipped, validate_content
+from lta_config.files import list_shipped_names, validate_content
 from lta_config.quantity import Quantity
 from lta_config.schema.paper_file import AgreementRule, PaperMeasure, PaperRow
 from lta_studies.reproduce import figures_file, lines, row_store
@@ -80,7 +80,7 @@ def test_values_are_told_rounded_as_declared_with_their_interval():
 def test_a_gap_is_told_where_a_claim_differs_alone():
     def told_of(path):
         found = {'path': MeasuredValue(path), 'first': MeasuredValue('BAG')}
-        return lines.build_notes(ROW, row_store.StoredRow(found, [], [], 1, 0.0))[0]
+        return lines.list_claim_findings(ROW, row_store.StoredRow(found, [], [], 1, 0.0))[0]
 
     assert told_of(9.0) == ('The path is 7.3 m.', 'It took 9.0 m.', 'By BAG.')
     assert told_of(7.0) == ('The path is 7.3 m.', 'It took 7.0 m.', '')
@@ -120,7 +120,7 @@ def test_a_changed_row_file_or_effort_is_another_row():
 
 
 def test_every_row_has_a_study_and_every_study_a_row():
-    assert set(STUDIES) == set(list_shipped('paper'))
+    assert set(STUDIES) == set(list_shipped_names('paper'))
 
 
 def test_an_unknown_row_is_one_sentence():
@@ -140,7 +140,7 @@ def test_what_the_paper_leaves_for_later_is_no_claim_of_it():
             {'path': MeasuredValue(7.0), 'first': MeasuredValue('BAG')}, [], [], 1, 0.0
         )
     }
-    assert lines.format_title([row], found).startswith(
+    assert lines.format_headline([row], found).startswith(
         "Of the paper's 3 claims, 2 agree, 0 differ and 1 "
     )
     later = {**later, 'rule': {'least': '7 m'}}
@@ -149,7 +149,7 @@ def test_what_the_paper_leaves_for_later_is_no_claim_of_it():
 
 
 def test_nothing_is_told_of_a_measure_that_was_left_out():
-    notes = lines.build_notes(
+    notes = lines.list_claim_findings(
         ROW, row_store.StoredRow({'first': MeasuredValue('BAG')}, [], [], 1, 0.0)
     )
     assert notes[0] == ('The path is 7.3 m.', '', '')
@@ -161,7 +161,7 @@ def test_figures_come_back_from_their_file():
         'way', 'The way', 'From above.', '{}', 'lta simulate', 'bags/way'
     )
     found = {'row': row_store.StoredRow(values, [drawn], [], 3, 2.04)}
-    again = kepts_in(figures_file.build_figures([ROW], found))['row']
+    again = kepts_in(figures_file.encode_figures([ROW], found))['row']
     assert again.values['path'][:2] == (9.0, 8.0)
     assert math.isnan(again.values['path'].high)
     assert again.values['first'].value == 'DGA'
@@ -173,11 +173,13 @@ def test_a_cause_is_told_with_what_sized_it_and_not_where_that_was_left_out():
     series = {'one': {'figure': 'Fig. 1', 'printed': 'a path', 'said': 'It takes {path}.'}}
     row = validate_content(PaperRow, {**CONTENT, 'series': series}, 'row')
     found = row_store.StoredRow({'path': MeasuredValue(7.04)}, [], [], 1, 0.0)
-    assert lines.build_series_lines([row], {'row': found}) == [
+    assert lines.build_paper_figure_rows([row], {'row': found}) == [
         ['1', 'Fig. 1', 'a path', 'It takes 7.0 m.']
     ]
     assert (
-        lines.build_series_lines([row], {'row': row_store.StoredRow({}, [], [], 1, 0.0)})[0][3]
+        lines.build_paper_figure_rows([row], {'row': row_store.StoredRow({}, [], [], 1, 0.0)})[0][
+            3
+        ]
         == '\N{EN DASH}'
     )
     wrong = {**CONTENT, 'series': {'one': {**series['one'], 'said': 'It takes {pth}.'}}}

@@ -198,9 +198,9 @@ def test_a_mission_that_is_too_heavy_is_not_reached():
 def test_what_the_rotors_carry():
     # Two rotors of 0.0915 + 0.0677 N, 0.961 of it upwards, less the 2 g of the trim.
     most = 2 * 0.961 * (0.0915 + 0.0677) / STANDARD_GRAVITY - 2e-3
-    assert helium_limit.rotor_loss_limit(TuningScene('gtmab').nominal_vehicle) == pytest.approx(
-        most, rel=1e-9
-    )
+    assert helium_limit.rotor_lift_loss_limit(
+        TuningScene('gtmab').nominal_vehicle
+    ) == pytest.approx(most, rel=1e-9)
 
 
 def test_a_limit_is_bracketed():
@@ -219,7 +219,9 @@ def test_gains_that_may_ask_for_less_hold_less(monkeypatch):
     weak = replace_parameters(
         shipped, {'climb.limit': 0.1}
     )  # N; carries 10.2 g, 8.2 g beyond the trim
-    strong, feeble = (helium_limit.find_helium_limit('gtmab', gains) for gains in (shipped, weak))
+    strong, feeble = (
+        helium_limit.find_tolerable_helium_loss('gtmab', gains) for gains in (shipped, weak)
+    )
     assert feeble.demand == pytest.approx(1e3 * 0.1 / STANDARD_GRAVITY - 2.0)
     assert (feeble.grams, feeble.fails) == (0.0, pytest.approx(14.6, abs=0.05))
     assert strong.grams == pytest.approx(14.6, abs=0.05)

@@ -13,8 +13,8 @@ from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_data.plot.channel_selection import (
     crop_channel,
     group_by_unit,
-    make_readable,
     select_channels,
+    unwrap_to_degrees,
 )
 from lta_data.plot.page import render_page, write_png
 from lta_data.plot.terminal import build_channel_listing, print_channels
@@ -56,10 +56,11 @@ def plot(
         raise BadInput(f'--from ({begin:g} s) is not below --to ({end:g} s); choose a later --to.')
     flight = open_flight(find_bag(bag), robot)
     if not patterns:
-        print_overview(flight, begin, end, console)
+        print_channel_overview(flight, begin, end, console)
         return
     found = [
-        make_readable(crop_channel(item, begin, end)) for item in select_channels(flight, patterns)
+        unwrap_to_degrees(crop_channel(item, begin, end))
+        for item in select_channels(flight, patterns)
     ]
     # First and last time of each channel that has data
     times = [time for item in found if len(item.time) for time in item.time[[0, -1]]]
@@ -82,10 +83,12 @@ def plot(
     print_remarks(flight.bag.losses, console)
 
 
-def print_overview(flight: RecordedFlight, begin: float, end: float, console: Console) -> None:
+def print_channel_overview(
+    flight: RecordedFlight, begin: float, end: float, console: Console
+) -> None:
     """Print all channels, and the topics that could not be decoded."""
     found = read_all_channels(flight)
-    shown = [make_readable(crop_channel(item, begin, end)) for item in found.channels.values()]
+    shown = [unwrap_to_degrees(crop_channel(item, begin, end)) for item in found.channels.values()]
     console.print(build_channel_listing(shown, console.width))
     print_remarks([*found.remarks, *flight.bag.losses], console)
 

@@ -6,10 +6,10 @@ import sys
 from typing import Annotated
 
 from lta_cli.options.out_option import Out
-from lta_cli.options.pictures_option import check_pictures, Pictures
+from lta_cli.options.pictures_option import check_picture_output, Pictures
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import format_lta_command, relative_path
-from lta_config.errors import unknown_name
+from lta_config.errors import unknown_name_error
 from lta_config.schema.mount_file import load_mount
 from lta_config.schema.tunnel_file import load_tunnel_file
 from lta_report.results_folder import (
@@ -25,13 +25,13 @@ from lta_sim.cfd.openfoam.case_runner import CaseRunner
 from lta_sim.cfd.openfoam.engine import FoamPrograms
 from lta_sim.cfd.slices import FlowSlice, read_flow_slice
 from lta_sim.cfd.solve import build_sweep, solve_sweep
-from lta_sim.cfd.sweep_table import drop_maps, format_sweep, TunnelSweep
+from lta_sim.cfd.sweep_table import drop_pressure_maps, format_sweep, TunnelSweep
 from lta_sim.cfd.tunnel_model import load_tunnel_model, TunnelModel
-from lta_studies.cfd.page import format_title, write_page
+from lta_studies.cfd.page import format_headline, write_page
 from lta_studies.cfd.progress import TunnelProgress
 from lta_studies.cfd.solvers import (
     Cache,
-    check_solver,
+    check_solver_options,
     Jobs,
     open_solver,
     resolve_cache_folder,
@@ -95,18 +95,18 @@ def run(
     Example: lta cfd run gtmab --only heave --only both_up
     """
     console = plain_console(stderr=json)
-    check_pictures(pictures)
+    check_picture_output(pictures)
     file, _ = load_tunnel_file(name)
     model = load_tunnel_model(name, load_mount(mount) if mount else None)
     target = resolve_folder(out, f'{model.name}-cfd')
     check_creatable(target)
     wanted: list[TunnelFlow] = []
     if fidelity is not Fidelity.analytic:
-        check_solver(jobs, scheduler)
+        check_solver_options(jobs, scheduler)
         known = plan_flows(model, fidelity, AIR)
         # Names of axes and patterns depend on the vehicle, so Typer cannot check them
         if strangers := [each for each in only or () if each not in {f.about for f in known}]:
-            raise unknown_name('axis or pattern', strangers[0], [f.about for f in known])
+            raise unknown_name_error('axis or pattern', strangers[0], [f.about for f in known])
         wanted = plan_flows(model, fidelity, AIR, only or ())
     if wanted:
         with (
@@ -115,7 +115,7 @@ def run(
         ):
             found = solve_sweep(crew, model, wanted, AIR, bar.show_message)
             sweep = build_sweep(
-                model, file.vehicle, fidelity, AIR, *found, engine=crew.engine_name()
+                model, file.vehicle, fidelity, AIR, *found, engine=crew.solver_version()
             )
     else:
         sweep = build_sweep(model, file.vehicle, fidelity, AIR, {}, {}, {})
@@ -125,7 +125,7 @@ def run(
     words += ['--mount', mount] if mount else []
     with stage_results(target, 'report.html') as part:
         # Pressure maps are large; only the blown file contains them
-        small = format_sweep(drop_maps(sweep))
+        small = format_sweep(drop_pressure_maps(sweep))
         (part / f'{model.name}.sweep.json').write_text(small, encoding='utf-8')
         if sweep.blows:
             (part / f'{model.name}.blown.json').write_text(format_sweep(sweep), encoding='utf-8')
@@ -142,7 +142,7 @@ def run(
     print_table(build_drag_table(sweep), console)
     if sweep.blows:
         print_table(build_rotor_table(sweep), console)
-    lines = [format_title(sweep), format_page_line(relative_path(target / 'report.html'))]
+    lines = [format_headline(sweep), format_page_line(relative_path(target / 'report.html'))]
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)
     # Nothing was solved; the files still contain the analytic part
     if wanted and not sweep.axes and not sweep.blows:

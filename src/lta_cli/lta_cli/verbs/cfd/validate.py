@@ -5,7 +5,7 @@ import sys
 from typing import Annotated
 
 from lta_cli.options.out_option import Out
-from lta_cli.options.pictures_option import check_pictures, Pictures
+from lta_cli.options.pictures_option import check_picture_output, Pictures
 from lta_cli.options.plain_console import plain_console
 from lta_cli.verbs.cfd.run import AIR, Fidelity
 from lta_config.command_line import format_lta_command, relative_path
@@ -18,10 +18,14 @@ from lta_report.results_folder import (
     write_json,
 )
 from lta_report.screenshots import write_pictures
-from lta_sim.cfd.validation import build_sphere, compare_flows, plan_validation
+from lta_sim.cfd.validation import (
+    build_sphere_model,
+    compare_with_measurements,
+    plan_validation_flows,
+)
 from lta_studies.cfd.progress import TunnelProgress
-from lta_studies.cfd.solvers import Cache, check_solver, Jobs, open_solver, Scheduler
-from lta_studies.cfd.sphere_page import format_title, write_page
+from lta_studies.cfd.solvers import Cache, check_solver_options, Jobs, open_solver, Scheduler
+from lta_studies.cfd.sphere_page import format_headline, write_page
 from lta_studies.cfd.tables import build_sphere_table
 from lta_studies.energy.tables import print_table
 import typer
@@ -53,24 +57,24 @@ def validate(
     Example: lta cfd validate --fidelity reference
     """
     console = plain_console(stderr=json)
-    check_pictures(pictures)
+    check_picture_output(pictures)
     if fidelity is Fidelity.analytic:
         raise BadInput(
             'The analytic sphere is the reference itself; choose --fidelity preview or reference.'
         )
     # Fail before any work if OpenFOAM or the scheduler is missing
-    check_solver(jobs, scheduler)
+    check_solver_options(jobs, scheduler)
     target = resolve_folder(out, 'cfd-sphere')
     check_creatable(target)
     # The reference includes the preview, to show the effect of the model
     levels = ('preview',) if fidelity is Fidelity.preview else ('preview', 'reference')
-    model = build_sphere()
-    wanted = [flow for level in levels for flow in plan_validation(model, level, AIR)]
+    model = build_sphere_model()
+    wanted = [flow for level in levels for flow in plan_validation_flows(model, level, AIR)]
     with (
         TunnelProgress(console, wanted) as bar,
         open_solver(wanted, bar, jobs, cache, scheduler) as crew,
     ):
-        found = compare_flows(crew, model, wanted, AIR, bar.show_message)
+        found = compare_with_measurements(crew, model, wanted, AIR, bar.show_message)
     # Every case failed; the progress display has listed the reasons
     if not found:
         raise typer.Exit(1)
@@ -83,5 +87,5 @@ def validate(
     if json:
         sys.stdout.write(text)
     print_table(build_sphere_table(found), console)
-    lines = [format_title(found), format_page_line(relative_path(target / 'report.html'))]
+    lines = [format_headline(found), format_page_line(relative_path(target / 'report.html'))]
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

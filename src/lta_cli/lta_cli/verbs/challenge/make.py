@@ -2,10 +2,9 @@
 
 from typing import Annotated, Final
 
-from lta_challenge.make import ChallengeRequest
-from lta_challenge.make import make_challenge as make_challenge
+from lta_challenge.make import ChallengeRequest, generate_challenge
 from lta_challenge.progress import challenge_bar, Jobs
-from lta_challenge.rows import parse_kind
+from lta_challenge.rows import parse_case_kind
 from lta_cli.options.out_option import Out
 from lta_cli.options.plain_console import plain_console
 from lta_config.errors import BadInput
@@ -59,10 +58,12 @@ def make(
         raise BadInput(
             f'Flights must last {SHORTEST:g} to 600 s; give the shorter duration first.'
         )
-    order = ChallengeRequest(seed, n, row, None if kind is None else parse_kind(kind), seconds)
+    order = ChallengeRequest(
+        seed, n, row, None if kind is None else parse_case_kind(kind), seconds
+    )
     place = resolve_folder(out, f'challenge-{seed}')
     with challenge_bar(console, 'flying', n) as bar:
-        make_challenge(
+        generate_challenge(
             order, place, jobs or count_processors(), lambda done: bar.update_bar(completed=done)
         )
     console.print(f'{n} cases in {place}', highlight=False, soft_wrap=True)

@@ -9,10 +9,10 @@ from lta_challenge.progress import challenge_bar, Jobs
 from lta_challenge.score import ChallengeScore, write_score
 from lta_challenge.score import score_challenge as score_challenge
 from lta_challenge.score_report import (
-    format_cost,
-    format_errors,
-    format_figures,
-    format_matrix,
+    format_error_and_time,
+    format_median_errors,
+    format_outcome_table,
+    format_score_figures,
     render_markdown,
 )
 from lta_cli.options.out_option import parse_folder
@@ -86,13 +86,13 @@ def score(
 def _print_score(scored: ChallengeScore, console: Console) -> None:
     """Print the metrics and the confusion matrix."""
     for heads, lines in (
-        (['figure', 'share', 'target', 'met'], format_figures(scored.cases)),
-        format_matrix(scored.cases),
+        (['figure', 'share', 'target', 'met'], format_score_figures(scored.cases)),
+        format_outcome_table(scored.cases),
     ):
         table = Table(*heads, box=None, pad_edge=False)
         for line in lines:
             table.add_row(*line)
         console.print(table)
-    words = f'{format_errors(scored.cases)} {format_cost(scored.cases)}'
+    words = f'{format_median_errors(scored.cases)} {format_error_and_time(scored.cases)}'
     # Soft wrap leaves line breaks to the terminal, so that the text can be copied
     console.print(words, highlight=False, markup=False, soft_wrap=True)

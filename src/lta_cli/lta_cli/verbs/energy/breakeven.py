@@ -5,14 +5,14 @@ from typing import Annotated
 from lta_bridge.bag.writer import prepare_empty_folder
 from lta_cli.options.json_option import Json, print_json_text
 from lta_cli.options.out_option import Out
-from lta_cli.options.pictures_option import check_pictures, Pictures
+from lta_cli.options.pictures_option import check_picture_output, Pictures
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import format_lta_command, relative_path
 from lta_model.vehicle import load_vehicle
 from lta_report.results_folder import format_page_line, resolve_folder, write_json
 from lta_report.screenshots import write_pictures
-from lta_studies.energy.break_even.page import format_title, write_page
-from lta_studies.energy.break_even.study import build_table, compute_map
+from lta_studies.energy.break_even.page import format_headline, write_page
+from lta_studies.energy.break_even.study import build_illuminance_table, compute_break_even_map
 from lta_studies.energy.tables import print_table
 import typer
 
@@ -47,11 +47,11 @@ def breakeven(
     Example: lta energy breakeven --cell kitronik --budget 60
     """
     console = plain_console(stderr=json)
-    check_pictures(pictures)
+    check_picture_output(pictures)
     # Remove duplicates and keep the order
     names = list(dict.fromkeys(cell or CELLS))
     # g to kg
-    found = compute_map(load_vehicle(vehicle), names, 1e-3 * budget)
+    found = compute_break_even_map(load_vehicle(vehicle), names, 1e-3 * budget)
     target = prepare_empty_folder(resolve_folder(out, 'breakeven'))
     content = write_json(found.to_json(), target / 'breakeven.json')
     again = format_lta_command(
@@ -63,6 +63,6 @@ def breakeven(
         write_pictures(page, pictures)
     if json:
         print_json_text(content, page)
-    print_table(build_table(found), console)
-    lines = [format_title(found), format_page_line(relative_path(page))]
+    print_table(build_illuminance_table(found), console)
+    lines = [format_headline(found), format_page_line(relative_path(page))]
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

@@ -5,7 +5,7 @@ from typing import Annotated
 from lta_bridge.bag.writer import prepare_empty_folder
 from lta_cli.options.json_option import Json, print_json_text
 from lta_cli.options.out_option import Out
-from lta_cli.options.pictures_option import check_pictures, Pictures
+from lta_cli.options.pictures_option import check_picture_output, Pictures
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import format_lta_command, relative_path
 from lta_report.results_folder import format_page_line, resolve_folder, write_json
@@ -13,8 +13,8 @@ from lta_report.screenshots import write_pictures
 from lta_studies.energy.budget.page import (
     build_cause_table,
     build_task_table,
-    format_notes,
-    format_title,
+    describe_differences,
+    format_headline,
     write_page,
 )
 from lta_studies.energy.budget.run import count_flights, measure_budget, to_json
@@ -48,7 +48,7 @@ def budget(
     Example: lta energy budget --seeds 1
     """
     console = plain_console(stderr=json)
-    check_pictures(pictures)
+    check_picture_output(pictures)
     target = prepare_empty_folder(resolve_folder(out, 'budget'))
     found = run_with_progress(
         lambda tick: measure_budget(vehicle, beside, seeds, tick), count_flights(seeds), console
@@ -70,5 +70,9 @@ def budget(
         print_json_text(content, page)
     for each in (build_task_table(found), build_cause_table(found)):
         print_table(each, console)
-    lines = [*format_notes(found), format_title(found), format_page_line(relative_path(page))]
+    lines = [
+        *describe_differences(found),
+        format_headline(found),
+        format_page_line(relative_path(page)),
+    ]
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

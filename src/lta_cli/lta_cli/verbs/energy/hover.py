@@ -5,16 +5,16 @@ from typing import Annotated
 from lta_bridge.bag.writer import prepare_empty_folder
 from lta_cli.options.json_option import Json, print_json_text
 from lta_cli.options.out_option import Out
-from lta_cli.options.pictures_option import check_pictures, Pictures
+from lta_cli.options.pictures_option import check_picture_output, Pictures
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import format_lta_command, relative_path
 from lta_report.results_folder import format_page_line, resolve_folder, write_json
 from lta_report.screenshots import write_pictures
 from lta_studies.energy import paper
 from lta_studies.energy.hover.page import (
-    build_table,
-    format_notes,
-    format_title,
+    build_discharge_table,
+    describe_differences,
+    format_headline,
     to_json,
     write_page,
 )
@@ -50,7 +50,7 @@ def hover(
     Example: lta energy hover --seconds 60
     """
     console = plain_console(stderr=json)
-    check_pictures(pictures)
+    check_picture_output(pictures)
     target = prepare_empty_folder(resolve_folder(out, 'hover'))
     # Two flights of the same length, one after the other
     with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
@@ -69,6 +69,10 @@ def hover(
         write_pictures(page, pictures)
     if json:
         print_json_text(content, page)
-    print_table(build_table(found), console)
-    lines = [*format_notes(found), format_title(found), format_page_line(relative_path(page))]
+    print_table(build_discharge_table(found), console)
+    lines = [
+        *describe_differences(found),
+        format_headline(found),
+        format_page_line(relative_path(page)),
+    ]
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

@@ -5,7 +5,7 @@ from typing import Annotated
 from lta_bridge.bag.writer import prepare_empty_folder
 from lta_cli.options.json_option import Json, print_json_text
 from lta_cli.options.out_option import Out
-from lta_cli.options.pictures_option import check_pictures, Pictures
+from lta_cli.options.pictures_option import check_picture_output, Pictures
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.files import find_file, load_yaml
@@ -14,7 +14,7 @@ from lta_report.screenshots import write_pictures
 from lta_studies.energy.mounting import verdict
 from lta_studies.energy.mounting.page import write_page
 from lta_studies.energy.mounting.run import compare_mounts, MountingRequest
-from lta_studies.energy.mounting.tables import build_tables, to_json
+from lta_studies.energy.mounting.tables import build_comparison_tables, to_json
 from lta_studies.energy.progress import run_with_progress
 from lta_studies.energy.tables import print_table, transpose_table
 import typer
@@ -57,7 +57,7 @@ def mounting(
     Example: lta energy mounting --seeds 1
     """
     console = plain_console(stderr=json)
-    check_pictures(pictures)
+    check_picture_output(pictures)
     names = list(dict.fromkeys(mount or MOUNTS))
     order = MountingRequest(
         # cm to m; the raw file, because mounts replace one of its layers
@@ -90,11 +90,11 @@ def mounting(
         write_pictures(page, pictures)
     if json:
         print_json_text(content, page)
-    for table in build_tables(found):
+    for table in build_comparison_tables(found):
         print_table(transpose_table(table), console)
     lines = [
         *verdict.format_findings(found),
-        verdict.format_title(found),
+        verdict.format_headline(found),
         format_page_line(relative_path(page)),
     ]
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

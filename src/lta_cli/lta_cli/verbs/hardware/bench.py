@@ -14,7 +14,7 @@ from lta_bridge.hardware.drone import DEADLINE
 from lta_bridge.hardware.motor import interrupt_on_signals, MotorBench, MotorTurnResult
 from lta_cli.options.json_option import print_json
 from lta_cli.options.plain_console import plain_console
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_config.schema.crazyflie_file import find_crazyflie, MOTORS
 from lta_model.vehicle import load_vehicle
 from lta_report.progress_bar import ProgressBar
@@ -58,7 +58,7 @@ def bench(
     craft = load_vehicle(vehicle)
     file = find_crazyflie(vehicle, craft.file.name)
     if motor not in MOTORS:
-        raise unknown_name('motor', motor, list(MOTORS))
+        raise unknown_name_error('motor', motor, list(MOTORS))
     # Setpoints reach the firmware's controller, which turns several motors
     if file.command != 'motors':
         raise BadInput(

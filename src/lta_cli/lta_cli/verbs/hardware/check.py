@@ -4,8 +4,8 @@ import sys
 from typing import Annotated
 
 from lta_bridge.devices import format_udev_rules, RULES_FILE
-from lta_bridge.hardware.check import HardwareCheckRequest, run_check
-from lta_bridge.hardware.figures import format_diode_rows, format_stream_rows, to_json
+from lta_bridge.hardware.check import HardwareCheckRequest, run_hardware_check
+from lta_bridge.hardware.results_formatting import format_diode_rows, format_stream_rows, to_json
 from lta_cli.doctor import exit_status, print_checks
 from lta_cli.options.json_option import print_json
 from lta_cli.options.plain_console import plain_console
@@ -65,7 +65,7 @@ def check(
     asked = HardwareCheckRequest(uri, port, vehicle, frequency, seconds)
     columns = (TextColumn('{task.description}'), BarColumn())
     with ProgressBar(console, *columns, begin='searching', total=1.0) as bar:
-        outcome = run_check(
+        outcome = run_hardware_check(
             asked, lambda doing, part: bar.update_bar(description=doing, completed=part)
         )
     if json:

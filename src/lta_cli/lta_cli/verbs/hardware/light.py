@@ -16,11 +16,11 @@ from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_data.bag.recorded_flight import open_flight
 from lta_report.progress_bar import ProgressBar
 from lta_report.results_folder import format_page_line, resolve_folder, write_json
-from lta_studies.light.bearing.study_page import build_rows
-from lta_studies.light.turntable.page import build_claim_rows, build_gain_rows, write_page
+from lta_studies.light.bearing.study_page import build_ring_rows
+from lta_studies.light.turntable.page import build_claim_rows, build_diode_gain_rows, write_page
 from lta_studies.light.turntable.response import fit_response, TurntableResponse
 from lta_studies.light.turntable.turntable import (
-    read_turn,
+    evaluate_turn,
     summarize_directions,
     TurntableMotion,
     zero_offset,
@@ -84,7 +84,7 @@ def light(
     diodes = build_diode_array(entry)
     demodulation = DemodulationSettings(frequency=frequency)
     with ProgressBar(console, TextColumn('reading light blocks {task.completed:.0f}')) as bar:
-        readings = read_turn(
+        readings = evaluate_turn(
             flight,
             diodes,
             demodulation,
@@ -111,9 +111,9 @@ def light(
     )  # fmt: skip
     if json:
         print_json(content, page)
-    print_table('Median errors over 16 directions', build_rows([found]), console)
+    print_table('Median errors over 16 directions', build_ring_rows([found]), console)
     print_table("The paper's claims, checked", build_claim_rows(found), console)
-    print_table('Gains', build_gain_rows(fitted), console)
+    print_table('Gains', build_diode_gain_rows(fitted), console)
     console.print(format_response(fitted, zero, align), highlight=False, soft_wrap=True)
     console.print(
         format_page_line(relative_path(page)), highlight=False, markup=False, soft_wrap=True

@@ -9,10 +9,10 @@ from lta_cli.options.json_option import Json, print_json
 from lta_cli.options.out_option import parse_folder
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import relative_path
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_report.progress_bar import ProgressBar
 from lta_report.results_folder import format_page_line, resolve_folder, write_json
-from lta_studies.light.bearing.page import build_rows, format_range, write_page
+from lta_studies.light.bearing.page import build_bearing_rows, format_range, write_page
 from lta_studies.light.bearing.places import build_flight_spec, PLACES
 from lta_studies.light.bearing.run import BearingTrialRequest, run_bearing_trials, to_json
 from rich.console import Console
@@ -80,7 +80,7 @@ def bearing(
     )
     for name in asked.places:
         if name not in PLACES:
-            raise unknown_name('place', name, list(PLACES))
+            raise unknown_name_error('place', name, list(PLACES))
         # Check that the vehicle fits the scene before any work
         build_flight_spec(PLACES[name], vehicle, 1)
     target = prepare_empty_folder(resolve_folder(out, 'bearing'))
@@ -92,7 +92,7 @@ def bearing(
     page = write_page(found, asked, target / 'report.html')
     if json:
         print_json(content, page)
-    print_table(build_rows(found), console)
+    print_table(build_bearing_rows(found), console)
     console.print(
         format_page_line(relative_path(page)), highlight=False, markup=False, soft_wrap=True
     )

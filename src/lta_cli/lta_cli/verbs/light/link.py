@@ -13,8 +13,8 @@ from lta_config.command_line import format_lta_command, relative_path
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_report.results_folder import format_page_line, resolve_folder, write_json
-from lta_studies.light.link.link_budget import LampLink, simulate_lamp_link
-from lta_studies.light.link.page import format_row, HEADS, write_page
+from lta_studies.light.link.link_budget import compute_lamp_link, LampLink
+from lta_studies.light.link.page import format_link_row, HEADS, write_page
 from rich.console import Console
 from rich.progress import track
 from rich.table import Table
@@ -68,7 +68,7 @@ def link(
     read = [load_scenario(name) for name in scenes]
     target = prepare_empty_folder(resolve_folder(out, 'link'))
     found = [
-        simulate_lamp_link(
+        compute_lamp_link(
             load_vehicle(vehicle, each.air.density), each, distances, altitude, blocks
         )
         # The density of the scene's air belongs to the vehicle model
@@ -100,7 +100,7 @@ def print_links(links: Sequence[LampLink], console: Console) -> None:
         for head in HEADS:
             printed.add_column(head, justify='right')
         for at in each.at:
-            printed.add_row(*format_row(at))
+            printed.add_row(*format_link_row(at))
         console.print(printed)
     # The statement of the seed paper, for comparison
     console.print('Paper: several tens of lux at 7 m, and an SNR that stays high.')

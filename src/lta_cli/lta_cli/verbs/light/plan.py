@@ -26,7 +26,7 @@ from lta_studies.light.plan.inputs import load_inputs
 from lta_studies.light.plan.json_output import encode_layout
 from lta_studies.light.plan.layout import LampLayout
 from lta_studies.light.plan.mounts import list_mounts
-from lta_studies.light.plan.page import format_percent, format_title, write_page
+from lta_studies.light.plan.page import format_headline, format_percent, write_page
 from lta_studies.light.plan.planner import plan_layout
 from lta_studies.light.plan.scenario_file import format_scenario
 from rich.console import Console
@@ -137,13 +137,13 @@ def plan(
 
 def print_plan(result: LampLayout, console: Console) -> None:
     """Print the lamps and the gaps."""
-    console.print(format_title(result), highlight=False)
+    console.print(format_headline(result), highlight=False)
     printed = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0))
     for column in ('lamp', 'x [m]', 'y [m]', 'z [m]', 'Hz', 'coverage [m²]'):
         printed.add_column(column, justify='left' if column == 'lamp' else 'right', no_wrap=True)
     for k, lamp in enumerate(result.lamps):
         # Number of covered cells times the cell area [m2]
-        area = float(result.audible[k].sum()) * result.floor.cell**2
+        area = float(result.is_received[k].sum()) * result.floor.cell**2
         place = (f'{part:.1f}' for part in lamp.mount.position)
         printed.add_row(lamp.name, *place, f'{lamp.frequency:g}', f'{area:.0f}')
     console.print(printed)
@@ -162,6 +162,6 @@ def print_plan(result: LampLayout, console: Console) -> None:
     console.print(
         f'{count} lamps (lower bound {result.bound}), one per '
         f'{result.floor.area / count:.0f} m²; two lamps are detected on '
-        f'{format_percent(float((result.audible_count >= 2).mean()))} % of the floor.',
+        f'{format_percent(float((result.received_count >= 2).mean()))} % of the floor.',
         highlight=False, soft_wrap=True,
     )  # fmt: skip

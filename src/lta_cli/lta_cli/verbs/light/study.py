@@ -13,7 +13,12 @@ from lta_report.progress_bar import ProgressBar
 from lta_report.results_folder import format_page_line, resolve_folder, write_json
 from lta_studies.light.bearing.places import build_flight_spec, PLACES
 from lta_studies.light.bearing.study import COUNTS, DIRECTIONS, judge_claims, READINGS, study_rings
-from lta_studies.light.bearing.study_page import build_claim_rows, build_rows, DEFECT, write_page
+from lta_studies.light.bearing.study_page import (
+    build_claim_rows,
+    build_ring_rows,
+    DEFECT,
+    write_page,
+)
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 from rich.table import Table
@@ -69,7 +74,9 @@ def light_study(
     page = write_page(found, vehicle, readings, seed, target / 'report.html')
     if json:
         print_json(content, page)
-    print_table('Median errors over 16 directions, the lamp 3 m away', build_rows(found), console)
+    print_table(
+        'Median errors over 16 directions, the lamp 3 m away', build_ring_rows(found), console
+    )
     print_table(
         "The paper's claims, checked",
         build_claim_rows(found),

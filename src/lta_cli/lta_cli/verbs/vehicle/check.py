@@ -5,8 +5,8 @@ import sys
 from lta_cli.options.json_option import Json, print_json
 from lta_cli.options.plain_console import plain_console
 from lta_config.files import find_file
-from lta_vehicle.argument import Named
 from lta_vehicle.validation import validate_vehicle_file
+from lta_vehicle.vehicle_argument import Named
 from lta_vehicle.views import terminal
 import typer
 

@@ -6,8 +6,8 @@ from lta_cli.options.json_option import Json, print_json
 from lta_cli.options.plain_console import plain_console
 from lta_config.errors import BadInput
 from lta_model.vehicle import load_vehicle
-from lta_vehicle.argument import Named
 from lta_vehicle.difference import compare_vehicles, load_vehicle_variant
+from lta_vehicle.vehicle_argument import Named
 from lta_vehicle.views import terminal
 from lta_vehicle.views.json_output import encode_difference
 import typer

@@ -28,11 +28,11 @@ def new(
     write_new_vehicle(name, model, path)
     console = plain_console()
     console.print(f'File {path}', highlight=False, soft_wrap=True)
-    line = format_lta_command('vehicle', 'check', _format_path(path))
+    line = format_lta_command('vehicle', 'check', _format_explicit_path(path))
     console.print(f'Enter your own numbers, then run: {line}', highlight=False, soft_wrap=True)
 
 
-def _format_path(path: Path) -> str:
+def _format_explicit_path(path: Path) -> str:
     """Format a path so that it cannot be mistaken for a shipped name."""
     text = str(relative_path(path))
     # A word without slash and ending is taken as the name of a shipped vehicle

@@ -7,11 +7,11 @@ from lta_cli.options.json_option import Json, print_json
 from lta_cli.options.plain_console import plain_console
 from lta_control.gains_file import load_gains
 from lta_model.vehicle import load_vehicle
-from lta_studies.tune.helium_limit import find_helium_limit
+from lta_studies.tune.helium_limit import find_tolerable_helium_loss
 from lta_studies.tune.run import select_start_gains
-from lta_vehicle.argument import Named
 from lta_vehicle.figures.sheet import build_sheet
 from lta_vehicle.validation import find_warnings
+from lta_vehicle.vehicle_argument import Named
 from lta_vehicle.views import terminal
 from lta_vehicle.views.json_output import encode_sheet
 from lta_vehicle.views.page import write_page
@@ -68,6 +68,8 @@ def _find_helium_limit(name: str, console: Console) -> float:
         word = 'hold' if holds else 'fail'
         console.print(f'{1e3 * loss:6.1f} g of lift lost: the gains {word}', highlight=False)
 
-    limit = find_helium_limit(name, load_gains(select_start_gains(name, None)), tell=print_step)
+    limit = find_tolerable_helium_loss(
+        name, load_gains(select_start_gains(name, None)), tell=print_step
+    )
     # g to kg; None means that the gains fail without any loss
     return 0.0 if limit.grams is None else 1e-3 * limit.grams

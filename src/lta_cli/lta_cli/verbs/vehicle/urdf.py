@@ -8,7 +8,7 @@ from lta_bridge.urdf import build_urdf
 from lta_cli.options.plain_console import plain_console
 from lta_model.vehicle import load_vehicle
 from lta_report.page_frame import write_file
-from lta_vehicle.argument import Named
+from lta_vehicle.vehicle_argument import Named
 import typer
 
 

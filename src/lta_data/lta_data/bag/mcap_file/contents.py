@@ -58,7 +58,7 @@ class DamagedRegion:
     start: int | None = None
     end: int | None = None
 
-    def widen_times(self, start: int, end: int) -> None:
+    def extend_time_span(self, start: int, end: int) -> None:
         """Extend the span of log times. [ns]"""
         self.start = start if self.start is None else min(self.start, start)
         self.end = end if self.end is None else max(self.end, end)
@@ -117,7 +117,7 @@ class McapContents:
             elif opcode == Opcode.METADATA:
                 metadata = Metadata.read(stream)
                 if metadata.name == PROVENANCE:
-                    self.provenance = strip_controls(metadata.metadata) | self.provenance
+                    self.provenance = strip_terminal_codes(metadata.metadata) | self.provenance
         except (struct.error, UnicodeDecodeError, McapError) as error:
             raise DamagedRecord from error
 
@@ -129,15 +129,15 @@ class McapContents:
     def count_message(self, channel: int, log_time: int) -> None:
         """Count a message."""
         self.counts[channel] += 1
-        self.widen_times(log_time, log_time)
+        self.extend_time_span(log_time, log_time)
 
-    def widen_times(self, start: int, end: int) -> None:
+    def extend_time_span(self, start: int, end: int) -> None:
         """Extend the span of log times. [ns]"""
         self.start = start if self.start is None else min(self.start, start)
         self.end = end if self.end is None else max(self.end, end)
 
 
-def strip_controls(notes: Mapping[str, str]) -> dict[str, str]:
+def strip_terminal_codes(notes: Mapping[str, str]) -> dict[str, str]:
     """Return notes without terminal control codes."""
     return {to_one_line(key): strip_control_codes(text) for key, text in notes.items()}
 

@@ -13,7 +13,7 @@ from lta_config.limits import NOTE_BYTES
 from lta_data.bag.mcap_file.chunks import MESSAGE, Read, RECORD, unpack_by_crc
 from lta_data.bag.mcap_file.compression import DamagedRecord
 from lta_data.bag.mcap_file.record_shape import is_plausible_head, is_well_formed, SHAPES
-from lta_data.bag.mcap_file.resync import find_candidates, HEADS, is_chunk_like
+from lta_data.bag.mcap_file.resync import find_candidate_offsets, HEADS, is_chunk_like
 from mcap.opcode import Opcode
 
 PRIVATE = 0x80  # opcodes from here on are private; MCAP defines none beyond DATA_END
@@ -73,7 +73,7 @@ class RecordProber:
 
     def read_record(self, at: int, chunk: bool = False) -> ValidRecord | None:
         """Return the record at an offset if it is valid; with `chunk` it must be a chunk."""
-        opcode, length = self.read_head(at)
+        opcode, length = self.read_record_header(at)
         end = at + RECORD.size + length
         if opcode == Opcode.CHUNK or chunk:
             return self._read_chunk(at, length)
@@ -85,7 +85,7 @@ class RecordProber:
             return ValidRecord(opcode, end, body) if holds else None
         return self._read_unverified(at, opcode, end)
 
-    def read_head(self, at: int) -> tuple[int, int]:
+    def read_record_header(self, at: int) -> tuple[int, int]:
         """Return opcode and length of the record at an offset; 0 beyond the end of the file."""
         opcode, length = RECORD.unpack(self._read(at, RECORD.size).ljust(RECORD.size, b'\0'))
         return opcode, length
@@ -108,7 +108,7 @@ class RecordProber:
         length = end - at - RECORD.size
         body = head[RECORD.size : RECORD.size + MESSAGE.size]
         if opcode == Opcode.MESSAGE and (
-            length < MESSAGE.size or not self._is_trustworthy(at, body, end)
+            length < MESSAGE.size or not self._is_plausible_message(at, body, end)
         ):
             return None
         if is_chunk_like(head, length):
@@ -117,9 +117,12 @@ class RecordProber:
 
     def _is_too_long(self, at: int, end: int) -> bool:
         """Return whether a length is wrong: no record starts at its end, but one before."""
-        return not self._can_begin(end) and self._search_record(at, end) is not None
+        return (
+            not self._is_possible_record_start(end)
+            and self._find_valid_record(at, end) is not None
+        )
 
-    def _is_trustworthy(self, at: int, body: bytes, end: int) -> bool:
+    def _is_plausible_message(self, at: int, body: bytes, end: int) -> bool:
         """Return whether a bare message is plausible in a file whose messages come in chunks."""
         if self._doubt:
             return False
@@ -131,22 +134,24 @@ class RecordProber:
         )
         return channel in self._channels and not index
 
-    def _can_begin(self, at: int) -> bool:
+    def _is_possible_record_start(self, at: int) -> bool:
         """Return whether a record, or the end of the file, can be at an offset."""
         if self._size - at < RECORD.size:
             return True
-        opcode, length = self.read_head(at)
+        opcode, length = self.read_record_header(at)
         return is_plausible_head(opcode, length) or opcode >= PRIVATE
 
-    def find_next(self, at: int) -> tuple[int, bool] | None:
+    def find_resume_offset(self, at: int) -> tuple[int, bool] | None:
         """Return the offset behind an invalid record to continue at, and if it must be a chunk."""
-        opcode, length = self.read_head(at)
+        opcode, length = self.read_record_header(at)
         end = at + RECORD.size + length
-        framed = opcode == Opcode.CHUNK and end < self._size and self._can_begin(end)
+        framed = (
+            opcode == Opcode.CHUNK and end < self._size and self._is_possible_record_start(end)
+        )
         self._chunked |= opcode == Opcode.CHUNK
         self._doubt = self._chunked
         reason = self.reason
-        found = self._find_overrun_chunk(at) or self._search_record(
+        found = self._find_overrun_chunk(at) or self._find_valid_record(
             at, end if framed else self._size
         )
         self.reason = reason
@@ -156,41 +161,46 @@ class RecordProber:
         """Return the chunk that starts inside the last records, which were misread."""
         if not self.before:
             return None
-        found = self._search_record(self.before[0], at, only_chunks=True)
+        found = self._find_valid_record(self.before[0], at, only_chunks=True)
         while self.before and (found is None or self.before[-1] >= found[0]):
             self.before.pop()  # the remaining ones precede the chunk
         while found is not None and len(self.before) > 1:
             self.before.popleft()  # only the last one overlaps it
         return found
 
-    def _search_record(
+    def _find_valid_record(
         self, start: int, stop: int, only_chunks: bool = False
     ) -> tuple[int, bool] | None:
         """Return the offset of a valid record before `stop`, and if it must be a chunk."""
-        if not self._spend_effort(A_SEARCH):
+        if not self._may_continue_search(A_SEARCH):
             return None
-        for at, chunk in find_candidates(self._read, start, stop, self._size):
-            opcode, length = self.read_head(at)
+        for at, chunk in find_candidate_offsets(self._read, start, stop, self._size):
+            opcode, length = self.read_record_header(at)
             if (
                 (chunk or at == start)
-                and self._spend_effort(A_CHUNK)
+                and self._may_continue_search(A_CHUNK)
                 and self._read_chunk(at, length) is not None
             ):
                 return at, True
             end = at + RECORD.size + length
-            if only_chunks or at == start or end > self._size or not self._can_begin(end):
+            if (
+                only_chunks
+                or at == start
+                or end > self._size
+                or not self._is_possible_record_start(end)
+            ):
                 continue
             if opcode == Opcode.MESSAGE and not self._chunked:
                 return at, False
             if (
                 opcode in SHAPES
-                and self._spend_effort(length)
+                and self._may_continue_search(length)
                 and self.read_record(at) is not None
             ):
                 return at, False
         return None
 
-    def _spend_effort(self, cost: int) -> bool:
+    def _may_continue_search(self, cost: int) -> bool:
         """Return whether the search may go on; hostile files could make it endless."""
         self._effort -= cost
         return self._effort > 0

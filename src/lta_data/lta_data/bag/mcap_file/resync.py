@@ -17,7 +17,9 @@ CHUNK = 6  # Opcode.CHUNK
 MAGIC_OF: Final = {kind: int.from_bytes(magic, 'little') for magic, kind in MAGICS.items()}
 
 
-def find_candidates(read: Read, start: int, stop: int, size: int) -> Iterator[tuple[int, bool]]:
+def find_candidate_offsets(
+    read: Read, start: int, stop: int, size: int
+) -> Iterator[tuple[int, bool]]:
     """
     Yield offsets before `stop` where a record can start, and whether it can be a chunk.
 
@@ -78,7 +80,7 @@ def find_record_heads(window: NDArray[np.uint8], count: int, left: int) -> NDArr
 
 
 def find_chunk_heads(window: NDArray[np.uint8], count: int, left: int) -> NDArray[np.bool_]:
-    """Return where a chunk can start; see `find_candidates`."""
+    """Return where a chunk can start; see `find_candidate_offsets`."""
     opcode = window[:count] == CHUNK
     length = read_field(window, count, 1, '<u8')
     size = read_field(window, count, RECORD.size + 16, '<u8')

@@ -24,7 +24,7 @@ MANY_PENDING = 10_000  # bare messages held before they enter the rhythm
 MOST_TOLD = 100  # further losses are only counted
 
 
-def scan_file(stream: BinaryIO, size: int) -> McapContents:
+def scan_mcap_file(stream: BinaryIO, size: int) -> McapContents:
     """Return the contents of a file that starts as MCAP; `size` in bytes."""
 
     def read(offset: int, length: int) -> bytes:
@@ -55,7 +55,7 @@ class McapScanner:
         while at + RECORD.size <= self._size and not finished:
             found = self._prober.read_record(at, chunk)
             if found is None:
-                following = self._prober.find_next(at)
+                following = self._prober.find_resume_offset(at)
                 if following is None:
                     break
                 self._note_loss(min([at, *self._prober.before]), following[0])
@@ -80,7 +80,7 @@ class McapScanner:
         elif record.opcode == Opcode.MESSAGE:
             self._add_message(at, record)
         elif record.opcode == Opcode.MESSAGE_INDEX:
-            self._add_index(at, record)
+            self._count_lost_messages(at, record)
         elif record.opcode == Opcode.DATA_END:
             self._ended = True
         else:
@@ -108,7 +108,7 @@ class McapScanner:
         contents.counts.update(channels)
         first, last = min(times, default=None), max(times, default=None)
         if first is not None and last is not None:
-            contents.widen_times(first, last)
+            contents.extend_time_span(first, last)
         contents.rhythm.add_times(np.array(times, np.uint64), np.array(channels, np.uint16))
         known = frozenset(channels)
         contents.places.append(MessageRegion(at, chunk.end - at, True, known, first, last))
@@ -142,21 +142,21 @@ class McapScanner:
             )
             self._pending.clear()
 
-    def _add_index(self, at: int, record: ValidRecord) -> None:
+    def _count_lost_messages(self, at: int, record: ValidRecord) -> None:
         """Count the messages of a lost chunk by its message index."""
         if self._orphan is not None:
             for channel, listed in iterate_index_entries(self._read(at, record.end - at)):
                 self._orphan.counts[channel] += len(listed)
                 if len(listed):
                     times = listed['time']
-                    self._orphan.widen_times(int(times.min()), int(times.max()))
+                    self._orphan.extend_time_span(int(times.min()), int(times.max()))
 
     def _note_loss(self, at: int, end: int) -> None:
         """Add an unusable region."""
         # Behind the data end only the summary is damaged, which the scan does not need.
         if self._ended or end <= at:
             return
-        chunks = int(self._prober.read_head(at)[0] == Opcode.CHUNK)
+        chunks = int(self._prober.read_record_header(at)[0] == Opcode.CHUNK)
         self._orphan = DamagedRegion(at, end - at, chunks)
         self.contents.lost.append(self._orphan)
         if len(self.contents.lost) <= MOST_TOLD:
@@ -168,7 +168,7 @@ class McapScanner:
         """Add the loss of a truncated end."""
         self.contents.losses.append(describe_truncation(at, self._size))
         if at < self._size and not self._ended:
-            chunks = int(self._prober.read_head(at)[0] == Opcode.CHUNK)
+            chunks = int(self._prober.read_record_header(at)[0] == Opcode.CHUNK)
             self.contents.lost.append(DamagedRegion(at, self._size - at, chunks))
 
 

@@ -32,7 +32,7 @@ def read_summary(stream: BinaryIO, size: int) -> McapContents | None:
         return None
 
 
-def has_damaged_summary(stream: BinaryIO, size: int) -> bool:
+def summary_is_damaged(stream: BinaryIO, size: int) -> bool:
     """Return whether a file ends like a finished one but with a damaged summary."""
     if size < TAIL:
         return False
@@ -76,7 +76,7 @@ def parse_summary(stream: BinaryIO, start: int, section: bytes) -> McapContents:
     for record in iterate_records(section):
         body = section[record.start : record.end]
         if record.opcode == Opcode.CHUNK_INDEX:
-            contents.places.append(parse_chunk_index(body))
+            contents.places.append(parse_chunk_region(body))
         elif record.opcode == Opcode.STATISTICS:
             statistics = Statistics.read(ReadDataStream(BytesIO(body)))
         elif record.opcode == Opcode.METADATA_INDEX:
@@ -89,7 +89,7 @@ def parse_summary(stream: BinaryIO, start: int, section: bytes) -> McapContents:
         add_metadata(stream, contents, note)
     contents.counts.update(statistics.channel_message_counts)
     if statistics.message_count:
-        contents.widen_times(statistics.message_start_time, statistics.message_end_time)
+        contents.extend_time_span(statistics.message_start_time, statistics.message_end_time)
     return contents
 
 
@@ -107,7 +107,7 @@ def add_metadata(stream: BinaryIO, contents: McapContents, note: MetadataIndex) 
         contents.remarks.append(f"Its metadata record '{note.name}' is damaged and left out.")
 
 
-def parse_chunk_index(body: bytes) -> MessageRegion:
+def parse_chunk_region(body: bytes) -> MessageRegion:
     """Return the region of a chunk."""
     start, end, offset, length, size = CHUNK_INDEX.unpack_from(body)
     stop = CHUNK_INDEX.size + size

@@ -20,7 +20,7 @@ from lta_data.data_quality.finding import (
 from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.motion import PoseSeries, remove_sign_jumps, VectorSeries
 from lta_data.data_quality.motion_pairs import MotionPair, pair_rates, pair_velocity
-from lta_data.data_quality.similarity import measure_similarity, PairSimilarity
+from lta_data.data_quality.pair_similarity import measure_similarity, PairSimilarity
 import numpy as np
 from numpy.typing import NDArray
 
@@ -44,7 +44,7 @@ def find_axis_errors(evidence: CheckContext) -> CheckVerdict:
     found: list[QualityFinding] = []
     by_name = {pose.attitude.name: pose for pose in evidence.poses if pose.attitude is not None}
     by_place = {pose.position.name: pose for pose in evidence.poses if pose.position is not None}
-    for pair, alike in evidence.similarities:
+    for pair, alike in evidence.pair_similarities:
         if alike is None or alike.axes_agree:
             continue
         pose = by_name.get(pair.made) or by_place.get(pair.made)

@@ -11,7 +11,7 @@ from lta_data.bag.channels import SignalChannel
 from lta_data.data_quality import roles
 from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.checks.constant_channels import is_constant
-from lta_data.data_quality.checks.freezes import ends_with_jump, find_run_end, START
+from lta_data.data_quality.checks.freezes import ends_with_jump, find_initial_run_end, START
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
 from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.runs import find_runs
@@ -30,7 +30,7 @@ def find_clipping(evidence: CheckContext) -> CheckVerdict:
     """Find accumulations at extremes, and ADC blocks at the limits of the ADC."""
     found: list[QualityFinding] = []
     for channel in evidence.recording.channels.values():
-        if roles.find_restless_kind(channel):
+        if roles.match_noisy_quantity(channel):
             found += find_pileups(channel, evidence.limits, evidence.recording.is_simulated)
         elif channel.topic == ADC and channel.field.startswith(('min[', 'max[')):
             found += find_railed_blocks(channel, evidence)
@@ -46,7 +46,9 @@ def find_pileups(
     """Yield the extremes of one channel at which values accumulate."""
     good = np.isfinite(channel.values)
     if simulated:  # exactly constant until take-off
-        good[: find_run_end(np.diff(channel.values, prepend=channel.values[:1]) == 0.0)] = False
+        good[
+            : find_initial_run_end(np.diff(channel.values, prepend=channel.values[:1]) == 0.0)
+        ] = False
     values, time = channel.values[good], channel.time[good]
     if len(values) < limits.least_samples or is_constant(channel):
         return

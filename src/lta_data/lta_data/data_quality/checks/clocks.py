@@ -12,7 +12,7 @@ from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
 from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.motion_pairs import MotionPair
-from lta_data.data_quality.similarity import estimate_lag, high_pass_pair, PairSimilarity
+from lta_data.data_quality.pair_similarity import estimate_lag, high_pass_pair, PairSimilarity
 import numpy as np
 from numpy.typing import NDArray
 
@@ -50,9 +50,9 @@ def find_clock_errors(evidence: CheckContext) -> CheckVerdict:
     found: list[QualityFinding] = []
     unjudged: list[str] = []
     turning = {
-        pair.told.split('/')[0] for pair, _ in evidence.similarities if pair.what == 'rates'
+        pair.told.split('/')[0] for pair, _ in evidence.pair_similarities if pair.what == 'rates'
     }
-    for pair, alike in evidence.similarities:
+    for pair, alike in evidence.pair_similarities:
         if pair.what == 'force' and pair.told.split('/')[0] in turning:
             continue  # the rates of this sensor are more precise
         if alike is None:

@@ -40,7 +40,7 @@ def find_constant_channels(evidence: CheckContext) -> CheckVerdict:
 
 def should_vary(channel: SignalChannel) -> bool:
     """Return whether a channel of an instrument should change all the time."""
-    if roles.find_restless_kind(channel) is not None:
+    if roles.match_noisy_quantity(channel) is not None:
         return True
     lit = bool(roles.SHINE.match(channel.field)) and channel.topic == 'photodiodes'
     return roles.is_measured(channel) and (lit or channel.name == 'range/range')

@@ -24,7 +24,7 @@ def find_duplication(evidence: CheckContext) -> CheckVerdict:
     found = [
         finding
         for channel in evidence.recording.channels.values()
-        if roles.find_restless_kind(channel)
+        if roles.match_noisy_quantity(channel)
         for finding in find_repeats(channel, evidence.limits)
     ]
     return CheckVerdict(tuple(found))

@@ -32,7 +32,7 @@ def find_freezes(evidence: CheckContext) -> CheckVerdict:
     found = [
         finding
         for channel in evidence.recording.channels.values()
-        if roles.find_restless_kind(channel) and len(channel.values) >= limits.least_samples
+        if roles.match_noisy_quantity(channel) and len(channel.values) >= limits.least_samples
         for finding in find_channel_freezes(channel, limits, evidence.recording.is_simulated)
     ]
     return CheckVerdict(tuple(found))
@@ -48,7 +48,7 @@ def find_channel_freezes(
     with np.errstate(invalid='ignore'):
         equal = np.diff(values) == 0.0
     if simulated:  # exactly constant until take-off
-        equal[: find_run_end(equal)] = False
+        equal[: find_initial_run_end(equal)] = False
     found = find_runs(equal)
     lengths = found[:, 1] - found[:, 0]
     low, high = np.nanmin(values), np.nanmax(values)
@@ -79,7 +79,7 @@ def find_channel_freezes(
             yield build_freeze_finding(channel, begin, end)
 
 
-def find_run_end(equal: NDArray[np.bool_]) -> int:
+def find_initial_run_end(equal: NDArray[np.bool_]) -> int:
     """Return the end of a run at the beginning; 0 without one."""
     found = find_runs(equal)
     return int(found[0, 1]) if len(found) and found[0, 0] <= START else 0

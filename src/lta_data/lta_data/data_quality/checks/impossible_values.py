@@ -69,7 +69,7 @@ def find_out_of_range(
 
 def find_non_numbers(channel: SignalChannel) -> Iterator[QualityFinding]:
     """Yield infinite values, and NaN between numbers, in quantities that are always defined."""
-    if roles.find_restless_kind(channel) is None or not np.isfinite(channel.values).any():
+    if roles.match_noisy_quantity(channel) is None or not np.isfinite(channel.values).any():
         return
     infinite = np.isinf(channel.values)
     yield from build_stretch_findings(channel.name, channel.time, infinite, 'infinite')

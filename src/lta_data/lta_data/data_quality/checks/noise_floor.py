@@ -39,7 +39,7 @@ def find_missing_noise(evidence: CheckContext) -> CheckVerdict:
         return CheckVerdict()
     groups: defaultdict[tuple[str, str], list[SignalChannel]] = defaultdict(list)
     for channel in evidence.recording.channels.values():
-        what = roles.find_restless_kind(channel)
+        what = roles.match_noisy_quantity(channel)
         if what is not None:
             groups[what, roles.vector_name(channel.name)].append(channel)
     found, unjudged = [], []

@@ -20,7 +20,7 @@ from lta_data.data_quality.finding import (
 )
 from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.motion_pairs import MotionPair
-from lta_data.data_quality.similarity import PairSimilarity
+from lta_data.data_quality.pair_similarity import PairSimilarity
 from lta_data.data_quality.smoothing import (
     hann_kernel,
     median_period,
@@ -58,38 +58,38 @@ class UnitSizeRule(NamedTuple):
     units: tuple[tuple[float, float, str], ...]
 
 
-def median_size(values: NDArray[np.float64]) -> float:
+def median_magnitude(values: NDArray[np.float64]) -> float:
     """Return the median magnitude."""
     return float(np.median(np.abs(values)))
 
 
-def largest_size(values: NDArray[np.float64]) -> float:
+def upper_magnitude(values: NDArray[np.float64]) -> float:
     """Return the 99th percentile of the magnitude."""
     return float(np.percentile(np.abs(values), 99.0))
 
 
 SIZES: Final = (
     UnitSizeRule(
-        re.compile(r'/fluid_pressure$'), median_size,
+        re.compile(r'/fluid_pressure$'), median_magnitude,
         ((300.0, 1100.0, 'hPa'), (30.0, 110.0, 'kPa'), (0.3, 1.1, 'bar')),
     ),
-    UnitSizeRule(re.compile(r'^battery/voltage$'), median_size, ((2500.0, 61000.0, 'mV'),)),
+    UnitSizeRule(re.compile(r'^battery/voltage$'), median_magnitude, ((2500.0, 61000.0, 'mV'),)),
     # No micro-drone draws 60 A
-    UnitSizeRule(re.compile(r'^(battery|panel)/current$'), median_size, ((60.0, 1e5, 'mA'),)),
+    UnitSizeRule(re.compile(r'^(battery|panel)/current$'), median_magnitude, ((60.0, 1e5, 'mA'),)),
     UnitSizeRule(
-        re.compile(r'^motors/effort[.\[]'), largest_size,
+        re.compile(r'^motors/effort[.\[]'), upper_magnitude,
         ((1.3, 100.0, '%'), (100.0, 255.0, 'of 255'), (1000.0, 65535.0, 'of 65535')),
     ),
-    UnitSizeRule(re.compile(r'/percentage$'), median_size, ((1.5, 100.0, '%'),)),
-    UnitSizeRule(re.compile(r'(^|/)range/range$'), median_size, ((40.0, 1e5, 'mm or cm'),)),
-    UnitSizeRule(re.compile(r'\.(yaw|pitch|roll)$'), largest_size, ((7.0, 361.0, 'deg'),)),
+    UnitSizeRule(re.compile(r'/percentage$'), median_magnitude, ((1.5, 100.0, '%'),)),
+    UnitSizeRule(re.compile(r'(^|/)range/range$'), median_magnitude, ((40.0, 1e5, 'mm or cm'),)),
+    UnitSizeRule(re.compile(r'\.(yaw|pitch|roll)$'), upper_magnitude, ((7.0, 361.0, 'deg'),)),
 )  # fmt: skip
 
 
 def find_wrong_units(evidence: CheckContext) -> CheckVerdict:
     """Find channels in a wrong unit."""
     found: list[QualityFinding] = []
-    for pair, likeness in evidence.similarities:
+    for pair, likeness in evidence.pair_similarities:
         if likeness is not None:
             found += find_unit_by_pair(pair, likeness, evidence.limits)
     for channel in evidence.recording.channels.values():
@@ -104,12 +104,12 @@ def find_wrong_units(evidence: CheckContext) -> CheckVerdict:
             found += find_unit_by_speed(
                 pose.position.name, pose.position.time, pose.position.values, evidence.limits
             )
-    return CheckVerdict(select_first_findings(found), describe_unjudged(evidence))
+    return CheckVerdict(select_first_findings(found), describe_unpaired_rates(evidence))
 
 
-def describe_unjudged(evidence: CheckContext) -> tuple[str, ...]:
+def describe_unpaired_rates(evidence: CheckContext) -> tuple[str, ...]:
     """Return a remark for rates that have no counterpart."""
-    judged = {pair.told for pair, likeness in evidence.similarities if likeness is not None}
+    judged = {pair.told for pair, likeness in evidence.pair_similarities if likeness is not None}
     return tuple(
         f"The unit and axes of '{sensor.rates.name}' cannot be judged: no changing attitude."
         for sensor in evidence.inertials

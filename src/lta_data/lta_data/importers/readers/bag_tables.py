@@ -18,7 +18,7 @@ from typing import Any, final, NamedTuple
 from lta_config.errors import BadInput
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_config.schema.import_file import OrientationField, ScalarField, TopicMapping, VectorField
-from lta_data.bag.columns import build_columns
+from lta_data.bag.columns import extract_field_columns
 from lta_data.bag.stamps import extract_stamp
 from lta_data.importers.log_table import LogTable, Numbers
 from lta_data.importers.message_parts import MessagePart, SHAPES
@@ -63,10 +63,10 @@ class DecodedMessage(NamedTuple):
     message: object
 
 
-def build_table(met: Iterable[DecodedMessage]) -> LogTable:
+def build_message_table(met: Iterable[DecodedMessage]) -> LogTable:
     """Convert messages of one type to a table; one without a stamp gets its log time."""
     listed = list(met)
-    numbers, _ = build_columns(one.message for one in listed)
+    numbers, _ = extract_field_columns(one.message for one in listed)
     stamps = [extract_stamp(one.message) for one in listed]
     times = np.array([one.log_time for one in listed], dtype=np.int64)
     own = [
@@ -94,7 +94,7 @@ class RowCollector:
         if len(self._met) >= PIECE:
             self._pack_pending()
 
-    def build_table(self) -> LogTable | None:
+    def finish_table(self) -> LogTable | None:
         """Return all messages as a table; None if there are none."""
         if self._met:
             self._pack_pending()
@@ -109,7 +109,7 @@ class RowCollector:
         )
 
     def _pack_pending(self) -> None:
-        self._parts.append(build_table(self._met))
+        self._parts.append(build_message_table(self._met))
         self._met = []
 
     def _join_column(self, name: str) -> Numbers:
@@ -158,7 +158,7 @@ def build_tables(
         for name in takers:
             _, sign, child = name.partition(CHILD)
             met[name].add_messages(select_child(one, child) if sign else [one])
-    tables = {name: rows.build_table() for name, rows in met.items()}
+    tables = {name: rows.finish_table() for name, rows in met.items()}
     return {name: table for name, table in tables.items() if table is not None}
 
 

@@ -24,8 +24,8 @@ from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_config.topics import load_topic_table
 from lta_data.importers.clocks import CLOCK
 from lta_data.importers.log_table import LogTable
-from lta_data.importers.protocol import TableLog
-from lta_data.importers.readers.size_limit import refuse_large_log
+from lta_data.importers.protocol import InMemoryLog
+from lta_data.importers.readers.size_limit import check_log_size
 import numpy as np
 
 MAGIC = 0xBC
@@ -50,7 +50,7 @@ class UsdEvent(NamedTuple):
     record: np.dtype[np.void]
 
 
-def open_usd_log(path: Path, mapping: MappingFile | None) -> TableLog:
+def open_usd_log(path: Path, mapping: MappingFile | None) -> InMemoryLog:
     """
     Read a log of the card completely.
 
@@ -60,7 +60,7 @@ def open_usd_log(path: Path, mapping: MappingFile | None) -> TableLog:
         If its header is invalid, or it contains no event.
 
     """
-    refuse_large_log(path)
+    check_log_size(path)
     data = path.read_bytes()
     events, at, version = _read_header(data, path)
     # The last four bytes are a CRC only if it is right; otherwise they may be data.
@@ -94,7 +94,7 @@ def open_usd_log(path: Path, mapping: MappingFile | None) -> TableLog:
         CLOCK: 'since the drone was switched on',
     }
     _note_shift(notes)
-    return TableLog(tables, notes, facts)
+    return InMemoryLog(tables, notes, facts)
 
 
 def _read_header(data: bytes, path: Path) -> tuple[dict[int, UsdEvent], int, int]:

@@ -17,13 +17,13 @@ from lta_config.schema.import_file import TextFormat
 from lta_config.topics import load_topic_table
 from lta_data.importers.clocks import CLOCK
 from lta_data.importers.log_table import LogTable, Times
-from lta_data.importers.protocol import PassedMessage, RawTopic, Reached
+from lta_data.importers.protocol import PassThroughMessage, RawTopic, Reached
 from lta_data.importers.readers.line_stream import decompress_stream, open_text_lines
 from lta_data.importers.readers.row_times import (
     compute_even_times,
-    format_cell,
     parse_exact_times,
     SECOND,
+    shorten_cell,
 )
 import numpy as np
 import pyarrow as pa
@@ -75,21 +75,21 @@ class CsvLog:
         types = dict.fromkeys(needed, pa.float64()) | dict.fromkeys(self.timed, pa.binary())
         size = self._path.stat().st_size
         with self._path.open('rb') as stream:
-            for batch in self._iterate_batches(stream, types):
+            for batch in self._read_record_batches(stream, types):
                 reached(min(1.0, stream.tell() / size))
                 if batch.num_rows:
                     yield {'': self._build_table(batch, needed)}
 
-    def iterate_messages(self, reached: Reached) -> Iterator[PassedMessage]:
+    def iterate_messages(self, reached: Reached) -> Iterator[PassThroughMessage]:
         """Yield nothing."""
         yield from ()
 
-    def _iterate_batches(
+    def _read_record_batches(
         self, stream: BinaryIO, types: Mapping[str, pa.DataType]
     ) -> Iterator[Any]:
         """Yield the text as record batches; an invalid cell raises BadInput with its row."""
         try:
-            yield from open_reader(stream, self._mapping.text, self._names, types)
+            yield from open_csv_reader(stream, self._mapping.text, self._names, types)
         except (pa.ArrowInvalid, pa.ArrowKeyError, EOFError, OSError) as error:
             raise self._translate_error(str(error), types) from None
 
@@ -117,7 +117,7 @@ class CsvLog:
             self._note_zone(zoneless)
         # The first part decides for the whole file
         if self._shift is None:
-            self._shift = self._choose_shift(int(found[0]))
+            self._shift = self._choose_time_offset(int(found[0]))
         return found + self._shift
 
     def _note_zone(self, zoneless: bool) -> None:
@@ -125,7 +125,7 @@ class CsvLog:
         if zoneless and ZONELESS not in self.notes:
             self.notes.append(ZONELESS)
 
-    def _choose_shift(self, first: int) -> int:
+    def _choose_time_offset(self, first: int) -> int:
         """Return the offset of all times: zero, unless they start near or below zero. [ns]"""
         start = load_topic_table().start_ns
         if first >= start:
@@ -145,7 +145,7 @@ class CsvLog:
         # pyarrow names neither row nor column reliably, so find the cell by reading again
         if 'conversion error' in error:
             for name, kind in types.items():
-                if kind == pa.float64() and (found := self._find_wrong_cell(name)):
+                if kind == pa.float64() and (found := self._find_non_numeric_cell(name)):
                     row, cell = found
                     return BadInput(
                         f"'{self._path}': '{cell}' in column '{name}', row {row}, is not a "
@@ -156,19 +156,21 @@ class CsvLog:
         reason = ' '.join(error.split())
         return BadInput(f"'{self._path}' cannot be read as text with columns: {reason[:200]}.")
 
-    def _find_wrong_cell(self, name: str) -> tuple[int, str] | None:
+    def _find_non_numeric_cell(self, name: str) -> tuple[int, str] | None:
         """Return row and text of the first non-numeric cell of a column."""
         row = 0
         with self._path.open('rb') as stream:
-            for batch in open_reader(stream, self._mapping.text, self._names, {name: pa.binary()}):
+            for batch in open_csv_reader(
+                stream, self._mapping.text, self._names, {name: pa.binary()}
+            ):
                 for cell in map(decode_cell, batch.column(name).to_pylist()):
                     row += 1
                     if cell and not is_number(cell):
-                        return row, format_cell(cell)
+                        return row, shorten_cell(cell)
         return None
 
 
-def open_reader(
+def open_csv_reader(
     stream: BinaryIO, text: TextFormat, names: list[str], types: Mapping[str, pa.DataType]
 ) -> Any:  # noqa: ANN401 - of pyarrow
     """Return a reader of the text's rows with only the columns of `types`."""

@@ -54,7 +54,7 @@ def open_text_lines(stream: BinaryIO, text: TextFormat, unread: int) -> tuple[An
     return CleanedLines(plain, text, unread), delimiter
 
 
-def refuse_endless_line(line: bytes) -> None:
+def check_line_length(line: bytes) -> None:
     """Raise OSError for a line that was cut off at the limit."""
     if len(line) >= LINE_BYTES and not line.endswith(b'\n'):
         raise OSError(f'it has a line of more than {LINE_BYTES} bytes')
@@ -71,7 +71,7 @@ class CleanedLines(io.RawIOBase):
         self._comment = None if text.comment is None else text.comment.encode()
         self._blank = text.delimiter == 'whitespace'
         self._rest = b''
-        self._pieces = self._iterate_pieces(unread)
+        self._pieces = self._iterate_line_blocks(unread)
 
     def readable(self) -> bool:
         """Return True."""
@@ -91,14 +91,14 @@ class CleanedLines(io.RawIOBase):
         self._rest = self._rest[count:]
         return count
 
-    def _iterate_pieces(self, unread: int) -> Iterator[bytes]:
+    def _iterate_line_blocks(self, unread: int) -> Iterator[bytes]:
         """Yield the data lines in large blocks."""
         try:
             while unread:
                 line = self._source.readline(LINE_BYTES)
                 if not line:
                     return
-                refuse_endless_line(line)
+                check_line_length(line)
                 # Empty lines and comments do not count as skipped lines
                 unread -= self._is_data_line(line)
             # No line needs a change: pass large blocks on
@@ -115,7 +115,7 @@ class CleanedLines(io.RawIOBase):
         """Return the next lines, about one block."""
         found, size = [], 0
         while size < self.PIECE and (line := self._source.readline(LINE_BYTES)):
-            refuse_endless_line(line)
+            check_line_length(line)
             found.append(line)
             size += len(line)
         return found

@@ -10,8 +10,8 @@ from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_data.bag.bag_folder import find_bag_files
-from lta_data.bag.reader import Bag, read_bag, read_contents
-from lta_data.importers.protocol import PassedMessage, RawTopic, Reached
+from lta_data.bag.reader import Bag, read_bag, read_file_contents
+from lta_data.importers.protocol import PassThroughMessage, RawTopic, Reached
 from lta_data.importers.readers.bag_tables import (
     BagTableLog,
     build_tables,
@@ -52,14 +52,14 @@ class McapLog(BagTableLog):
         if not any(topic.count for topic in self._bag.topics.values()):
             raise BadInput(f"'{path}' contains no message; give a bag with messages.")
 
-    def iterate_messages(self, reached: Reached) -> Iterator[PassedMessage]:
+    def iterate_messages(self, reached: Reached) -> Iterator[PassThroughMessage]:
         """Yield all messages in the order of recording."""
         for order, (topic, log_time, data) in enumerate(
             self._bag.iterate_messages(list(self.raw))
         ):
             if order % LOOK == 0:
                 reached(min(1.0, order / self._total))
-            yield PassedMessage(order, topic, log_time, data)
+            yield PassThroughMessage(order, topic, log_time, data)
         # At the end, since some damage is detected only while reading
         self.notes += [loss for loss in self._bag.losses if loss not in self.notes]
 
@@ -82,7 +82,7 @@ def _list_raw_topics(bag: Bag, path: Path) -> dict[str, RawTopic]:
     """Return the topics with their definitions, whatever their encoding."""
     found: dict[str, RawTopic] = {}
     for file in find_bag_files(path):
-        contents = read_contents(file)
+        contents = read_file_contents(file)
         for channel in contents.channels.values():
             # A channel without a schema gets None
             known = read_bag_definition(channel, contents.schemas.get(channel.schema_id))

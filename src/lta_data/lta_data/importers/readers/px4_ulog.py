@@ -16,8 +16,8 @@ from lta_config.errors import BadInput
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_data.importers.clocks import CLOCK
 from lta_data.importers.log_table import LogTable, Times
-from lta_data.importers.protocol import TableLog
-from lta_data.importers.readers.size_limit import refuse_large_log
+from lta_data.importers.protocol import InMemoryLog
+from lta_data.importers.readers.size_limit import check_log_size
 import numpy as np
 from pyulog import ULog
 from pyulog.exceptions import ULogException
@@ -40,7 +40,7 @@ FACTS = {
 }  # ULog key -> provenance key
 
 
-def open_ulog(path: Path, mapping: MappingFile | None) -> TableLog:
+def open_ulog(path: Path, mapping: MappingFile | None) -> InMemoryLog:
     """
     Read a PX4 log completely.
 
@@ -50,7 +50,7 @@ def open_ulog(path: Path, mapping: MappingFile | None) -> TableLog:
         If it cannot be read, or contains no message.
 
     """
-    refuse_large_log(path)
+    check_log_size(path)
     said = io.StringIO()
     try:
         # pyulog prints warnings, and does not close files that it opens itself.
@@ -74,7 +74,7 @@ def open_ulog(path: Path, mapping: MappingFile | None) -> TableLog:
         for key, ours in FACTS.items()
         if key in log.msg_info_dict
     }
-    return TableLog(tables, notes, facts)
+    return InMemoryLog(tables, notes, facts)
 
 
 def _format_table_name(data: Any) -> str:  # noqa: ANN401 - pyulog has no types

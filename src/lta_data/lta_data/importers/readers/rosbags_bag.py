@@ -16,7 +16,8 @@ from lta_bridge.bag.schemas import load_jazzy_types
 from lta_config.bounded_memory import limit_memory
 from lta_config.errors import BadInput
 from lta_config.schema.import_file import ImportMapping as MappingFile
-from lta_data.importers.protocol import PassedMessage, RawTopic, Reached
+from lta_data.importers.protocol import PassThroughMessage, RawTopic, Reached
+from lta_data.importers.readers.bag_safety_checks import refuse_hostile_bag
 from lta_data.importers.readers.bag_tables import (
     BagTableLog,
     build_tables,
@@ -24,7 +25,6 @@ from lta_data.importers.readers.bag_tables import (
     list_mapping_tables,
 )
 from lta_data.importers.readers.definitions import find_store_definition
-from lta_data.importers.readers.rosbags_guards import refuse_hostile_bag
 from rosbags.convert.converter import is_same_wireformat, migrate_bytes
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Connection
@@ -58,16 +58,16 @@ class RosbagsLog(BagTableLog):
         self.raw: dict[str, RawTopic] = {}
         self._count = 0
         # Reading the first message registers the topics, and detects an empty bag.
-        with closing(self._iterate_raw()) as first:
+        with closing(self._iterate_raw_messages()) as first:
             if next(first, None) is None:
                 raise BadInput(f"'{path}' contains no message; give a bag with messages.")
         self._tables = build_tables(
             list_mapping_tables(mapping), self.raw, self._iterate_decodable()
         )
 
-    def iterate_messages(self, reached: Reached) -> Iterator[PassedMessage]:
+    def iterate_messages(self, reached: Reached) -> Iterator[PassThroughMessage]:
         """Yield all messages by log time."""
-        for order, (_, connection, log_time, data) in enumerate(self._iterate_raw()):
+        for order, (_, connection, log_time, data) in enumerate(self._iterate_raw_messages()):
             if order % LOOK == 0:
                 reached(min(1.0, order / self._count))
             try:
@@ -75,9 +75,9 @@ class RosbagsLog(BagTableLog):
             # rosbags raises many types for damaged messages
             except Exception as error:
                 raise self._translate_error(error) from None
-            yield PassedMessage(order, connection.topic, log_time, ours)
+            yield PassThroughMessage(order, connection.topic, log_time, ours)
 
-    def _iterate_raw(self) -> Generator[Read, None, None]:
+    def _iterate_raw_messages(self) -> Generator[Read, None, None]:
         """Yield reader, connection, log time in ns and raw message; errors become `BadInput`."""
         try:
             with (
@@ -123,7 +123,7 @@ class RosbagsLog(BagTableLog):
 
     def _iterate_decodable(self) -> Iterator[tuple[str, int, Decode]]:
         """Yield topic, log time in ns and a decoding function of every message."""
-        for reader, connection, log_time, data in self._iterate_raw():
+        for reader, connection, log_time, data in self._iterate_raw_messages():
             yield (
                 connection.topic,
                 log_time,

@@ -57,7 +57,7 @@ def parse_exact_times(texts: list[str], unit: str, column: str, first: int) -> P
         try:
             found[index] = reading(text)
         except (InvalidOperation, OverflowError, ValueError):
-            told = f"'{format_cell(text)}'" if text else 'nothing'
+            told = f"'{shorten_cell(text)}'" if text else 'nothing'
             raise BadInput(
                 f"Column '{column}' has {told} in row {first + index + 1}, which is not a time; "
                 'correct the row or remove it.'
@@ -92,6 +92,6 @@ def parse_date(text: str) -> int:
     return (passed.days * 86_400 + passed.seconds) * SECOND + parts
 
 
-def format_cell(cell: str) -> str:
+def shorten_cell(cell: str) -> str:
     """Shorten a cell to one line for an error message."""
     return ' '.join(cell[:40].split())

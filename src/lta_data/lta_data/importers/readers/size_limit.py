@@ -6,7 +6,7 @@ from lta_config.errors import BadInput
 from lta_config.limits import LOG_BYTES
 
 
-def refuse_large_log(path: Path) -> None:
+def check_log_size(path: Path) -> None:
     """Raise BadInput for a log above the size limit."""
     if path.stat().st_size > LOG_BYTES:
         raise BadInput(f"'{path}' is larger than {LOG_BYTES} bytes; split the log.")

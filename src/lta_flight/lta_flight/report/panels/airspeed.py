@@ -2,7 +2,7 @@
 
 from lta_flight.report.time_figure import create_time_figure
 from lta_flight.report.view import FlightView
-from lta_report.drawing import build_line, EndLabel, label_ends, padded_range
+from lta_report.drawing import build_line_trace, EndLabel, label_ends, padded_range
 from lta_report.palette import ESTIMATE, SETPOINT, TRUTH
 from plotly.graph_objects import Figure
 
@@ -16,7 +16,7 @@ def plot_airspeed(view: FlightView) -> Figure:
     if view.has_topics('setpoint/velocity'):
         asked = view.speed_setpoint
         figure.add_trace(
-            build_line(
+            build_line_trace(
                 'set-point', *asked, SETPOINT, unit='m/s', width=1.2, dash='dot', steps=True
             )
         )
@@ -25,11 +25,11 @@ def plot_airspeed(view: FlightView) -> Figure:
     if view.has_topics('odom'):
         estimate = view.estimate
         figure.add_trace(
-            build_line('estimate', estimate.time, estimate.speed, ESTIMATE, unit='m/s')
+            build_line_trace('estimate', estimate.time, estimate.speed, ESTIMATE, unit='m/s')
         )
         labels.append(EndLabel('estimate', estimate.speed[-1], ESTIMATE))
         shown.append(estimate.speed)
-    figure.add_trace(build_line('truth', truth.time, truth.speed, TRUTH, unit='m/s'))
+    figure.add_trace(build_line_trace('truth', truth.time, truth.speed, TRUTH, unit='m/s'))
     figure.update_yaxes(title_text='forward airspeed [m/s]')
     label_ends(figure, labels, padded_range(*shown))
     return figure

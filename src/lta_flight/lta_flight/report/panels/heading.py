@@ -4,7 +4,7 @@ from lta_flight.report.goal import wrap_angle
 from lta_flight.report.time_figure import create_time_figure
 from lta_flight.report.view import FlightView
 from lta_report.curves import interpolate
-from lta_report.drawing import build_line, EndLabel, label_ends, padded_range
+from lta_report.drawing import build_line_trace, EndLabel, label_ends, padded_range
 from lta_report.palette import ESTIMATE, LAMP, SETPOINT, TRUTH
 import numpy as np
 from plotly.graph_objects import Figure
@@ -20,7 +20,9 @@ def plot_heading(view: FlightView) -> Figure:
     if view.goal.places:
         # The direction is in the body frame
         lamp = heading + np.degrees(view.goal.lamp_direction(truth))
-        figure.add_trace(build_line('to the lamp', truth.time, lamp, LAMP, unit='°', width=1.2))
+        figure.add_trace(
+            build_line_trace('to the lamp', truth.time, lamp, LAMP, unit='°', width=1.2)
+        )
         labels.append(EndLabel('to the lamp', lamp[-1], LAMP))
         shown.append(lamp)
     if view.has_topics('odom', 'setpoint/pose'):
@@ -29,7 +31,7 @@ def plot_heading(view: FlightView) -> Figure:
         # Shift the set-point by full turns to the estimate, so that the lines stay together
         asked = np.degrees(estimate + wrap_angle(asked - estimate))
         figure.add_trace(
-            build_line(
+            build_line_trace(
                 'set-point', time, asked, SETPOINT, unit='°', width=1.2, dash='dot', steps=True
             )
         )
@@ -37,10 +39,10 @@ def plot_heading(view: FlightView) -> Figure:
         shown.append(asked)
     if view.has_topics('odom'):
         own = np.degrees(view.estimate.yaw)
-        figure.add_trace(build_line('estimate', view.estimate.time, own, ESTIMATE, unit='°'))
+        figure.add_trace(build_line_trace('estimate', view.estimate.time, own, ESTIMATE, unit='°'))
         labels.append(EndLabel('estimate', own[-1], ESTIMATE))
         shown.append(own)
-    figure.add_trace(build_line('truth', truth.time, heading, TRUTH, unit='°'))
+    figure.add_trace(build_line_trace('truth', truth.time, heading, TRUTH, unit='°'))
     figure.update_yaxes(title_text='heading [°]')
     label_ends(figure, labels, padded_range(*shown))
     return figure

@@ -4,7 +4,7 @@ from lta_flight.report.results import beacon_direction
 from lta_flight.report.time_figure import create_time_figure
 from lta_flight.report.view import FlightView
 from lta_report.curves import Array
-from lta_report.drawing import build_line, EndLabel, label_ends, padded_range
+from lta_report.drawing import build_line_trace, EndLabel, label_ends, padded_range
 from lta_report.palette import build_color_scale, ESTIMATE, GOOD, HEAT, LAMP, SOFT
 import numpy as np
 from plotly.graph_objects import Figure, Heatmap, Scatter
@@ -24,18 +24,18 @@ def plot_light(view: FlightView) -> Figure:
     shown = average_stretches(time), azimuth[order], average_stretches(amplitude)
     figure.add_trace(build_amplitude_map(*shown), row=1, col=1)
     if view.has_topics('light/bearing'):
-        figure.add_trace(build_bearing_dots(view), row=1, col=1)
+        figure.add_trace(build_bearing_trace(view), row=1, col=1)
     if view.has_topics('ground_truth/odom') and view.goal.places:
         truth = view.truth
         angle = insert_wrap_gaps(np.degrees(beacon_direction(view, truth)))
         figure.add_trace(
-            build_line('true', truth.time, angle, LAMP, unit='°', width=1.4), row=1, col=1
+            build_line_trace('true', truth.time, angle, LAMP, unit='°', width=1.4), row=1, col=1
         )
     figure.update_yaxes(title_text='left of the nose [°]', tickvals=[-90, 0, 90, 180], row=1)
     best = parts['snr'].max(axis=1)
     # The axis is logarithmic, so its range is in decades
     snr = np.log10(np.maximum(best, 0.1))
-    figure.add_trace(build_snr_line(time, best), row=2, col=1)
+    figure.add_trace(build_snr_trace(time, best), row=2, col=1)
     figure.update_yaxes(title_text='SNR [1]', type='log', row=2)
     low, high = padded_range(snr)
     figure.update_yaxes(range=[low, high], nticks=4, row=2)
@@ -83,7 +83,7 @@ def average_stretches(values: Array) -> Array:
     return np.asarray(np.add.reduceat(values, starts, axis=-1) / lengths)
 
 
-def build_bearing_dots(view: FlightView) -> Scatter:
+def build_bearing_trace(view: FlightView) -> Scatter:
     """Return the measured bearings as dots."""
     time, angle = view.bearing
     return Scatter(
@@ -96,9 +96,9 @@ def build_bearing_dots(view: FlightView) -> Scatter:
     )
 
 
-def build_snr_line(time: Array, best: Array) -> Scatter:
+def build_snr_trace(time: Array, best: Array) -> Scatter:
     """Return the SNR of the best diode."""
-    return build_line('best diode', time, np.maximum(best, 0.1), GOOD, unit='')
+    return build_line_trace('best diode', time, np.maximum(best, 0.1), GOOD, unit='')
 
 
 def insert_wrap_gaps(angle: Array) -> Array:

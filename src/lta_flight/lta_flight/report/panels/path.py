@@ -27,7 +27,7 @@ def plot_path(view: FlightView) -> Figure:
         draw_rays(figure, view)
     if view.has_topics('odom'):
         draw_estimate(figure, view)
-    figure.add_trace(build_path_ribbon(view))
+    figure.add_trace(build_colored_path(view))
     draw_times(figure, view)
     set_axis_ranges(figure, view)
     return figure
@@ -99,7 +99,7 @@ def find_farthest_point(
     return (float(path[k, 0]), float(path[k, 1])), (float(x), float(y))
 
 
-def build_path_ribbon(view: FlightView) -> Scatter:
+def build_colored_path(view: FlightView) -> Scatter:
     """Return the true path as points coloured by time."""
     truth = view.truth
     keep = slice(None, None, max(1, len(truth.time) // BEADS))

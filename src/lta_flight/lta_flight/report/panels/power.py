@@ -2,7 +2,7 @@
 
 from lta_flight.report.time_figure import create_time_figure
 from lta_flight.report.view import FlightView
-from lta_report.drawing import build_line, EndLabel, label_ends, padded_range
+from lta_report.drawing import build_line_trace, EndLabel, label_ends, padded_range
 from lta_report.palette import ESTIMATE, GOOD
 import numpy as np
 from plotly.graph_objects import Figure
@@ -14,18 +14,20 @@ def plot_power(view: FlightView) -> Figure:
     figure = create_time_figure(view, 2)
     time, voltage, current = view.battery
     power = -voltage * current
-    figure.add_trace(build_line('cell', time, power, ESTIMATE, unit='W'), row=1, col=1)
+    figure.add_trace(build_line_trace('cell', time, power, ESTIMATE, unit='W'), row=1, col=1)
     labels = [EndLabel('out of cell', power[-1], ESTIMATE)]
     # The axis always includes zero
     shown = [power, np.zeros(1)]
     if view.has_topics('panel'):
         when, volts, amperes = view.panel
-        figure.add_trace(build_line('panel', when, volts * amperes, GOOD, unit='W'), row=1, col=1)
+        figure.add_trace(
+            build_line_trace('panel', when, volts * amperes, GOOD, unit='W'), row=1, col=1
+        )
         labels.append(EndLabel('from panel', float(volts[-1] * amperes[-1]), GOOD))
         shown.append(volts * amperes)
     # The first value must be 0 J
     energy = cumulative_trapezoid(power, time, initial=0)
-    figure.add_trace(build_line('energy', time, energy, ESTIMATE, unit='J'), row=2, col=1)
+    figure.add_trace(build_line_trace('energy', time, energy, ESTIMATE, unit='J'), row=2, col=1)
     figure.update_yaxes(title_text='power [W]', row=1)
     figure.update_yaxes(title_text='energy [J]', row=2)
     label_ends(figure, labels, padded_range(*shown))

@@ -17,10 +17,10 @@ PARAMETERS = tuple(
 )
 
 
-def compute_diagonal(p: Values) -> Wrench:
+def added_inertia_diagonal(p: Values) -> Wrench:
     """Return the diagonal of the added inertia matrix."""
     roll, pitch, yaw = p
     return (0.0, 0.0, 0.0, roll, pitch, yaw)
 
 
-EFFECT = InertiaEffect('added_inertia', PARAMETERS, compute_diagonal)
+EFFECT = InertiaEffect('added_inertia', PARAMETERS, added_inertia_diagonal)

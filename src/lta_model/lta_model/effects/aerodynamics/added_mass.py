@@ -17,10 +17,10 @@ PARAMETERS = tuple(
 )
 
 
-def compute_diagonal(p: Values) -> Wrench:
+def added_mass_diagonal(p: Values) -> Wrench:
     """Return the diagonal of the added mass matrix."""
     surge, sway, heave = p
     return (surge, sway, heave, 0.0, 0.0, 0.0)
 
 
-EFFECT = InertiaEffect('added_mass', PARAMETERS, compute_diagonal)
+EFFECT = InertiaEffect('added_mass', PARAMETERS, added_mass_diagonal)

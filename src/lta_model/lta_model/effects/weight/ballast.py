@@ -8,7 +8,7 @@ Not modelled: its size, and the air that it displaces (1 g of water 1.2 mg, of s
 """
 
 from lta_model.effects.protocol import BodyEffect, EffectParameter, RigidBody, Values
-from lta_model.effects.weight.point_mass import add_point_mass
+from lta_model.effects.weight.point_mass import with_point_mass
 
 _MASS = 'prior: 2 g, to which a balloon is trimmed (assumed); bounds: what trims a small vehicle'
 _PLACE = 'prior: 5 cm on a place read off the vehicle (assumed), within a hull of 10 m'
@@ -24,7 +24,7 @@ PARAMETERS = (
 def change_body(p: Values, rigid: RigidBody) -> RigidBody:
     """Return the body with that ballast."""
     mass, x, y, z = p
-    return add_point_mass(rigid, mass, (x, y, z))
+    return with_point_mass(rigid, mass, (x, y, z))
 
 
 EFFECT = BodyEffect('ballast', PARAMETERS, change_body)

@@ -8,7 +8,7 @@ pendulum motion; a CG above the hull centre is unstable.
 """
 
 from lta_model.effects.protocol import BodyEffect, EffectParameter, RigidBody, Values
-from lta_model.effects.weight.cg_shift import shift_cg
+from lta_model.effects.weight.cg_shift import with_cg_shifted
 
 _SOURCE = (
     'prior: published depths of one GT-MAB are 5 cm and 8.7 to 9.7 cm, parts known to 1 cm '
@@ -21,7 +21,7 @@ PARAMETERS = (EffectParameter('z', 'm', 0.0, -3.0, 3.0, 0.01, _SOURCE),)
 def change_body(p: Values, rigid: RigidBody) -> RigidBody:
     """Return the body with the shifted CG."""
     (z,) = p
-    return shift_cg(rigid, (0.0, 0.0, z))
+    return with_cg_shifted(rigid, (0.0, 0.0, z))
 
 
 EFFECT = BodyEffect('cg_height', PARAMETERS, change_body)

@@ -8,7 +8,7 @@ depth of the CG below the hull centre.
 """
 
 from lta_model.effects.protocol import BodyEffect, EffectParameter, RigidBody, Values
-from lta_model.effects.weight.cg_shift import shift_cg
+from lta_model.effects.weight.cg_shift import with_cg_shifted
 
 _SOURCE = 'prior: 5 mm on a balanced CG, 3.6 deg at 8 cm depth (assumed); within a hull of 6 m'
 
@@ -21,7 +21,7 @@ PARAMETERS = (
 def change_body(p: Values, rigid: RigidBody) -> RigidBody:
     """Return the body with the shifted CG."""
     x, y = p
-    return shift_cg(rigid, (x, y, 0.0))
+    return with_cg_shifted(rigid, (x, y, 0.0))
 
 
 EFFECT = BodyEffect('cg_offset', PARAMETERS, change_body)

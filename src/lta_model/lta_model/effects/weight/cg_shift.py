@@ -11,7 +11,7 @@ the mass and is exactly zero for d = 0.
 from lta_model.effects.protocol import RigidBody, Vector
 
 
-def shift_cg(rigid: RigidBody, shift: Vector) -> RigidBody:
+def with_cg_shifted(rigid: RigidBody, shift: Vector) -> RigidBody:
     """Return the body with its centre of gravity shifted by a vector in the body frame. [m]"""
     x, y, z = shift
     m, mass, i = rigid.moment, rigid.mass, rigid.inertia

@@ -8,7 +8,7 @@ its drag, and the air that it displaces.
 """
 
 from lta_model.effects.protocol import BodyEffect, EffectParameter, RigidBody, Values
-from lta_model.effects.weight.point_mass import add_point_mass
+from lta_model.effects.weight.point_mass import with_point_mass
 
 _MASS = 'prior: 2 g, the comparison set-up of the seed paper; bound: an airship of 50 kg lift'
 _PLACE = 'prior: 5 cm on a place read off the vehicle (assumed), within a hull of 10 m'
@@ -24,7 +24,7 @@ PARAMETERS = (
 def change_body(p: Values, rigid: RigidBody) -> RigidBody:
     """Return the body with that load."""
     mass, x, y, z = p
-    return add_point_mass(rigid, mass, (x, y, z))
+    return with_point_mass(rigid, mass, (x, y, z))
 
 
 EFFECT = BodyEffect('payload', PARAMETERS, change_body)

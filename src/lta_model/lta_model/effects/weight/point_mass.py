@@ -9,7 +9,7 @@ about the hull centre: the theorem of Steiner for a body without inertia of its 
 from lta_model.effects.protocol import RigidBody, Vector
 
 
-def add_point_mass(rigid: RigidBody, mass: float, place: Vector) -> RigidBody:
+def with_point_mass(rigid: RigidBody, mass: float, place: Vector) -> RigidBody:
     """
     Return the body with a point mass [kg] at a place from the hull centre, body frame [m].
 

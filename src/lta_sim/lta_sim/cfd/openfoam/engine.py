@@ -57,7 +57,7 @@ def program_environment() -> Mapping[str, str]:
 
 
 @cache
-def find_version() -> str:
+def find_openfoam_version() -> str:
     """Return the installed OpenFOAM version."""
     output = subprocess.run(
         ['simpleFoam', '-help'], env=program_environment(),

@@ -108,7 +108,7 @@ def format_tunnel_fields(
     return files
 
 
-def format_still_fields(names: Sequence[str], walls: Sequence[str]) -> dict[str, str]:
+def format_still_air_fields(names: Sequence[str], walls: Sequence[str]) -> dict[str, str]:
     """Return the fields of an open box of still air; parameters as `format_tunnel_fields`."""
     files = {}
     for name in names:

@@ -170,9 +170,9 @@ def build_mesh_case(
 
     """
     from lta_sim.cfd.openfoam.numerics import (
-        format_control,
-        format_solution,
-        format_steady_schemes,
+        format_control_dict,
+        format_fv_solution,
+        format_steady_fv_schemes,
     )
 
     files: dict[str, str | bytes] = {
@@ -181,10 +181,10 @@ def build_mesh_case(
     files |= {
         'system/blockMeshDict': block_text,
         'system/snappyHexMeshDict': snappy_text,
-        'system/controlDict': format_control('snappyHexMesh', 0, 1, {}),
+        'system/controlDict': format_control_dict('snappyHexMesh', 0, 1, {}),
         # snappyHexMesh requires these files even though no flow is solved
-        'system/fvSchemes': format_steady_schemes(),
-        'system/fvSolution': format_solution(),
+        'system/fvSchemes': format_steady_fv_schemes(),
+        'system/fvSolution': format_fv_solution(),
     }
     steps = [
         ProgramStep('block', ('blockMesh',)),

@@ -25,7 +25,7 @@ _COMMON: Final[Mapping[str, Entry]] = {
 }
 
 
-def format_steady_schemes(carried: Sequence[str] = TURBULENT) -> str:
+def format_steady_fv_schemes(carried: Sequence[str] = TURBULENT) -> str:
     """Return fvSchemes of simpleFoam, for a turbulence model with these transported fields."""
     limited: Entry = 'cellLimited Gauss linear 1'
     return format_dictionary('fvSchemes', {
@@ -45,7 +45,7 @@ def format_steady_schemes(carried: Sequence[str] = TURBULENT) -> str:
     })  # fmt: skip
 
 
-def format_transient_schemes() -> str:
+def format_transient_fv_schemes() -> str:
     """Return fvSchemes of pimpleFoam."""
     return format_dictionary('fvSchemes', {
         'ddtSchemes': {'default': 'backward'},
@@ -60,7 +60,7 @@ def format_transient_schemes() -> str:
     })  # fmt: skip
 
 
-def format_solution(
+def format_fv_solution(
     velocity: float = 0.8, turbulence: float = 0.7, carried: Sequence[str] = TURBULENT
 ) -> str:
     """
@@ -100,7 +100,7 @@ def format_solution(
     })  # fmt: skip
 
 
-def format_transient_solution() -> str:
+def format_transient_fv_solution() -> str:
     """
     Return fvSolution of pimpleFoam.
 
@@ -122,7 +122,7 @@ def format_transient_solution() -> str:
     })  # fmt: skip
 
 
-def format_control(
+def format_control_dict(
     program: str,
     begin: float,
     end: float,

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Final
 
 from lta_bridge.provenance import read_commit
-from lta_energy.break_even import LAMPS
+from lta_energy.break_even_illuminance import LAMPS
 from lta_report.drawing import create_figure
 from lta_report.formatting import Tile
+from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import render_section, render_tile
 from lta_report.palette import ESTIMATE, GOOD, LAMP, TRUTH, WALL
-from lta_studies.energy.break_even.study import BreakEvenMap, build_table, format_klux
+from lta_studies.energy.break_even.study import BreakEvenMap, build_illuminance_table, format_klux
 from lta_studies.energy.tables import render_text_table
 from plotly.graph_objects import Figure, Scatter
 
@@ -41,20 +41,20 @@ def render_page(result: BreakEvenMap, commands: Mapping[str, str]) -> str:
     """Return the HTML of the page."""
     return assemble_page(
         'energy.html',
-        title=escape(format_title(result)),
+        title=escape(format_headline(result)),
         kicker=escape(f'energy breakeven · {result.vehicle}'),
         about=ABOUT,
         tiles='\n'.join(render_tile(*each) for each in build_tiles(result)),
-        first=render_section('income', 'Power from the light', OWN, draw_income(result)),
+        first=render_section('income', 'Power from the light', OWN, plot_charger_output(result)),
         pictures='',
-        tables=render_text_table(build_table(result)),
+        tables=render_text_table(build_illuminance_table(result)),
         method=''.join(f'<p class="note">{escape(each)}</p>' for each in METHOD),
         facts={'vehicle': result.vehicle, 'commit': read_commit()},
         commands=commands,
     )
 
 
-def format_title(result: BreakEvenMap) -> str:
+def format_headline(result: BreakEvenMap) -> str:
     """Return the headline."""
     lux = [result.break_even_lux(result.arrays[0], lamp, result.loads['idle']) for lamp in LAMPS]
     return (
@@ -72,11 +72,11 @@ def build_tiles(result: BreakEvenMap) -> list[Tile]:
     return made
 
 
-def draw_income(result: BreakEvenMap) -> Figure:
+def plot_charger_output(result: BreakEvenMap) -> Figure:
     """Plot the charger output against illuminance, with the power of the tasks."""
     figure = create_figure()
     for colour, lamp in zip(COLOURS, LAMPS, strict=False):
-        lux, watts = result.sample_income(result.arrays[0], lamp)
+        lux, watts = result.sample_charger_output(result.arrays[0], lamp)
         figure.add_trace(
             Scatter(
                 # A logarithmic axis cannot show zero; None leaves a gap.

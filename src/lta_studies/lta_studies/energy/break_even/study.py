@@ -6,7 +6,13 @@ from typing import Final, final
 
 from lta_config.errors import BadInput
 from lta_config.schema.cell_file import load_cell_file
-from lta_energy.break_even import break_even_illuminance, charging_power, LAMPS, LEAST, MOST
+from lta_energy.break_even_illuminance import (
+    break_even_illuminance,
+    charging_power,
+    LAMPS,
+    LEAST,
+    MOST,
+)
 from lta_energy.harvest import HarvestCurve
 from lta_model.electrical.charger import ChargerModel
 from lta_model.electrical.panel import SolarArrayModel
@@ -58,7 +64,9 @@ class BreakEvenMap:
         """Return the illuminance at which the charger output equals the load. [lx]"""
         return break_even_illuminance(array.harvest, self.charger, LAMPS[lamp], load)
 
-    def sample_income(self, array: CandidateArray, lamp: str) -> tuple[list[float], list[float]]:
+    def sample_charger_output(
+        self, array: CandidateArray, lamp: str
+    ) -> tuple[list[float], list[float]]:
         """Return illuminances [lx] and the charger output there [W]."""
         lux = np.geomspace(LEAST, MOST, POINTS).tolist()
         return lux, [
@@ -91,7 +99,7 @@ def list_task_loads(vehicle: Vehicle) -> dict[str, float]:
     }
 
 
-def compute_map(vehicle: Vehicle, cells: Sequence[str], budget: float) -> BreakEvenMap:
+def compute_break_even_map(vehicle: Vehicle, cells: Sequence[str], budget: float) -> BreakEvenMap:
     """
     Compute the map of a vehicle.
 
@@ -131,7 +139,7 @@ def compute_map(vehicle: Vehicle, cells: Sequence[str], budget: float) -> BreakE
     return BreakEvenMap(vehicle.file.name, vehicle.charger, list_task_loads(vehicle), arrays)
 
 
-def build_table(result: BreakEvenMap) -> TextTable:
+def build_illuminance_table(result: BreakEvenMap) -> TextTable:
     """Return the illuminances as a table."""
     rows = [
         [

@@ -9,8 +9,8 @@ from lta_bridge.provenance import read_commit
 from lta_energy import rotor
 from lta_report.drawing import create_figure, EndLabel, label_ends
 from lta_report.formatting import format_number, MISSING, Tile
+from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import render_section, render_tile
 from lta_report.palette import ESTIMATE, GOOD, INK, LAMP, RAW, SOFT, TRUTH
 from lta_studies.energy import paper
 from lta_studies.energy.budget.run import format_paper_values, PowerBudget
@@ -41,7 +41,7 @@ def render_page(result: PowerBudget, commands: Mapping[str, str]) -> str:
     """Return the HTML of the page."""
     return assemble_page(
         'energy.html',
-        title=escape(format_title(result)),
+        title=escape(format_headline(result)),
         kicker=escape(f'energy budget · {result.vehicle}'),
         about='Power of each task in simulated flights, compared with the seed paper.',
         tiles='\n'.join(render_tile(*each) for each in build_tiles(result)),
@@ -53,7 +53,9 @@ def render_page(result: PowerBudget, commands: Mapping[str, str]) -> str:
             render_text_table(each)
             for each in (build_task_table(result), build_cause_table(result))
         ),
-        method=''.join(f'<p class="note">{escape(each)}</p>' for each in format_notes(result)),
+        method=''.join(
+            f'<p class="note">{escape(each)}</p>' for each in describe_differences(result)
+        ),
         facts={
             'vehicle': result.vehicle,
             'compared with': result.standard,
@@ -63,11 +65,11 @@ def render_page(result: PowerBudget, commands: Mapping[str, str]) -> str:
     )
 
 
-def format_title(result: PowerBudget) -> str:
+def format_headline(result: PowerBudget) -> str:
     """Return the headline."""
     hover = result.tasks['hovering'].power
     return (
-        f'Hovering takes {1e3 * hover:.0f} mW, {100.0 * result.hover_share:.0f} % of a '
+        f'Hovering takes {1e3 * hover:.0f} mW, {100.0 * result.hover_power_ratio:.0f} % of a '
         f'{result.standard}; the paper states {1e3 * paper.HOVER:.0f} mW, "almost one third".'
     )
 
@@ -140,9 +142,9 @@ def build_cause_table(result: PowerBudget) -> TextTable:
     return TextTable('Possible causes of 1333 mW', ('cause', 'amount', ''), rows, note)
 
 
-def format_notes(result: PowerBudget) -> list[str]:
+def describe_differences(result: PowerBudget) -> list[str]:
     """Return notes on the differences to the paper."""
-    flown, share = result.tasks['flying at 0.5 m/s'], result.hover_share
+    flown, share = result.tasks['flying at 0.5 m/s'], result.hover_power_ratio
     return [
         f'A third: 3 x 1333 mW would be a standard drone of {paper.STANDARD:.1f} W. By '
         f"Bitcraze's bench data a Crazyflie of 27 g takes {result.hover.power:.1f} W, so that "

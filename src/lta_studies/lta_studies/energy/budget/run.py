@@ -47,7 +47,7 @@ class PowerBudget:
     loads: LoadModel
 
     @property
-    def hover_share(self) -> float:
+    def hover_power_ratio(self) -> float:
         """Hover power of the drone relative to the multirotor. [1]"""
         return self.tasks['hovering'].power / self.hover.power
 
@@ -94,7 +94,7 @@ def to_json(result: PowerBudget) -> dict[str, Any]:
         'standard': result.standard,
         'tasks': {name: _task_to_json(task) for name, task in result.tasks.items()},
         'standard_hover': _task_to_json(result.hover),
-        'share_of_standard': result.hover_share,
+        'share_of_standard': result.hover_power_ratio,
         'causes': asdict(result.causes),
     }
 

@@ -14,10 +14,16 @@ from typing import final
 from lta_config.topics import load_topic_table
 from lta_control.cascade import Setpoint
 from lta_flight.closed_loop import ClosedLoop
-from lta_flight.flight_spec import build_parts, FlightSpec, load_spec
+from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec
 from lta_model.electrical.loads import LoadModel, navigation_power
 from lta_sim.readings import FlightOutcome
-from lta_studies.energy.course_flight import build_loop, Course, FlightTrack, fly_until, stop_after
+from lta_studies.energy.course_flight import (
+    build_closed_loop,
+    Course,
+    FlightTrack,
+    fly_until,
+    stop_after,
+)
 
 SCENE, LAMP_SCENE = 'hall', 'lamp_room'
 STRATEGIES = ('bag', 'des', 'dga')
@@ -91,8 +97,8 @@ def fly_course(vehicle: str, seeds: int, tick: Callable[[], None]) -> list[Fligh
 def prepare_flight(vehicle: str, seed: int) -> ClosedLoop:
     """Return the closed loop of a flight along the course before its first step."""
     made_of = load_spec(vehicle, SCENE, 'bag', '')
-    base = build_parts(made_of)[0].height_on_floor
-    return build_loop(made_of, build_course(base), seed)
+    base = build_vehicle_scenario_stack(made_of)[0].hull_height_on_floor
+    return build_closed_loop(made_of, build_course(base), seed)
 
 
 def average_flight_tasks(loads: LoadModel, tracks: Sequence[FlightTrack]) -> list[TaskPower]:
@@ -129,7 +135,7 @@ def measure_navigation(
     made_of: FlightSpec = load_spec(vehicle, LAMP_SCENE, strategy, '')
     flown, electronics = [], 0.0
     for seed in range(1, seeds + 1):
-        loop = build_loop(made_of, None, seed)
+        loop = build_closed_loop(made_of, None, seed)
         loads, energy = loop.world.vehicle.loads, loop.world.vehicle.file.energy
         electronics = loads.idle + loads.transmitting + navigation_power(energy, strategy)
         whole = fly_until(loop, is_flight_over)

@@ -6,11 +6,11 @@ import math
 from typing import final
 
 from lta_config.schema.cell_file import CellFile, load_cell_file
-from lta_config.schema.cell_table import CellTable, PrintedArray
+from lta_config.schema.cell_table import BuiltArray, CellTable
 from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_model.electrical.charger import charger_output, ChargerModel
 from lta_model.electrical.loads import LoadModel, power_demand
-from lta_model.electrical.panel import find_max_power, SolarArrayModel
+from lta_model.electrical.panel import find_max_power_point, SolarArrayModel
 
 LOWEST = 4.95  # V, minimum input of the seed paper's charger LT3652 (data sheet)
 
@@ -42,7 +42,7 @@ class CellArray:
     def peak_power(self, irradiance: float) -> float:
         """Return the maximum power [W] at an irradiance [W/m2]."""
         return math.prod(
-            find_max_power(
+            find_max_power_point(
                 SolarArrayModel.from_cells(self.cell.name, self.series, self.parallel), irradiance
             )
         )
@@ -102,12 +102,12 @@ def compute_ground_loads(energy: EnergyBlock) -> tuple[float, float]:
     return power_demand(own, (), transmitting=False), power_demand(own, (), transmitting=True)
 
 
-def build_array_readings(built: PrintedArray) -> list[CellArray]:
+def build_printed_arrays(built: BuiltArray) -> list[CellArray]:
     """Return a printed array for each reading of its cells."""
     return [CellArray(load_cell_file(name), built.series, built.parallel) for name in built.cells]
 
 
-def has_printed_signs(net: NetPower, built: PrintedArray) -> bool:
+def has_printed_signs(net: NetPower, built: BuiltArray) -> bool:
     """Return whether the net power has the printed signs."""
     signs = ['surplus' if power > 0.0 else 'deficit' for power in (net.standby, net.transmitting)]
     return signs == [built.standby, built.transmitting]
@@ -115,4 +115,4 @@ def has_printed_signs(net: NetPower, built: PrintedArray) -> bool:
 
 def build_all_arrays(table: CellTable) -> Mapping[str, Sequence[CellArray]]:
     """Return the printed arrays by name, one for each reading."""
-    return {name: build_array_readings(built) for name, built in table.arrays.built.items()}
+    return {name: build_printed_arrays(built) for name, built in table.arrays.built.items()}

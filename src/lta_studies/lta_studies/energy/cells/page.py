@@ -10,16 +10,16 @@ from lta_config.schema.cell_table import CellTable
 from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_report.drawing import create_figure
 from lta_report.formatting import format_number, Tile
+from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import render_section, render_tile
 from lta_report.palette import ESTIMATE, SOFT, TRUTH
 from lta_studies.energy.cells.arrays import build_all_arrays, compute_net_powers
-from lta_studies.energy.cells.ranking import CellEntry, Figure, list_entries
+from lta_studies.energy.cells.ranking import CellReading, Figure, list_readings
 from lta_studies.energy.cells.tables import (
     build_array_table,
     build_mass_budget_table,
     build_ranking_table,
-    find_both_fronts,
+    find_fronts_by_criterion,
     GRAMS,
     SQUARE,
     WORDS,
@@ -64,9 +64,11 @@ def render_page(
     table: CellTable, energy: EnergyBlock, budget: float, commands: Mapping[str, str]
 ) -> str:
     """Return the HTML of the page; the budget is a mass. [kg]"""
-    found = list_entries(table)
+    found = list_readings(table)
     # One pair of fronts for each reading of the ambiguous rows
-    fronts = [find_both_fronts(found, which) for which in range(max(e.readings for e in found))]
+    fronts = [
+        find_fronts_by_criterion(found, which) for which in range(max(e.readings for e in found))
+    ]
     paper, fair = zip(*fronts, strict=True)
     by_area = draw_fronts(found, lambda each: each.charging_time_per_area / SQUARE, 's/cm²', paper)
     times_area = draw_fronts(
@@ -109,7 +111,10 @@ def build_tiles(table: CellTable, energy: EnergyBlock) -> list[Tile]:
 
 
 def draw_fronts(
-    entries: Sequence[CellEntry], figure: Figure, unit: str, fronts: Sequence[Sequence[CellEntry]]
+    entries: Sequence[CellReading],
+    figure: Figure,
+    unit: str,
+    fronts: Sequence[Sequence[CellReading]],
 ) -> Picture:
     """Plot a criterion of the cells against mass per area, with the Pareto fronts."""
     drawn = create_figure()
@@ -146,5 +151,5 @@ def draw_fronts(
     return drawn.update_yaxes(type='log', title_text=f'charging time [{unit}]', dtick='D2')
 
 
-def _areal_mass(each: CellEntry) -> float:
+def _areal_mass(each: CellReading) -> float:
     return each.areal_mass * GRAMS / SQUARE

@@ -16,7 +16,7 @@ from lta_config.schema.cell_table import CellTable, CellTableRow
 
 @final
 @dataclass(frozen=True, slots=True)
-class CellEntry:
+class CellReading:
     """
     One reading of one row.
 
@@ -62,24 +62,24 @@ class CellEntry:
         return self.row.charge.si * self.row.mass.si
 
 
-Figure = Callable[[CellEntry], float]
+Figure = Callable[[CellReading], float]
 
 
-def list_entries(table: CellTable) -> list[CellEntry]:
+def list_readings(table: CellTable) -> list[CellReading]:
     """Return every reading of every row."""
     return [
-        CellEntry(row, load_cell_file(name), len(row.cells))
+        CellReading(row, load_cell_file(name), len(row.cells))
         for row in table.rows.values()
         for name in row.cells
     ]
 
 
-def select_readings(entries: Sequence[CellEntry], which: int) -> list[CellEntry]:
+def select_readings(entries: Sequence[CellReading], which: int) -> list[CellReading]:
     """Return one entry per row; `which` selects among several readings."""
     return [each for each in entries if each.cell.name == each.row.cells[which % each.readings]]
 
 
-def find_pareto_front(entries: Sequence[CellEntry], figure: Figure) -> list[CellEntry]:
+def find_pareto_front(entries: Sequence[CellReading], figure: Figure) -> list[CellReading]:
     """Return the Pareto front in mass per area and a criterion, lightest first."""
     best, front = float('inf'), []
     # From light to heavy: an entry is on the front if it improves on all lighter ones.

@@ -16,9 +16,9 @@ from lta_studies.energy.cells.arrays import (
     NetPower,
 )
 from lta_studies.energy.cells.ranking import (
-    CellEntry,
+    CellReading,
     find_pareto_front,
-    list_entries,
+    list_readings,
     select_readings,
 )
 from lta_studies.energy.tables import TextTable
@@ -38,9 +38,9 @@ CHARGED: Final = (
 WORDS: Final = {'white_led': 'LED', 'sunlight': 'sun'}
 
 
-def find_both_fronts(
-    entries: Sequence[CellEntry], which: int
-) -> tuple[list[CellEntry], list[CellEntry]]:
+def find_fronts_by_criterion(
+    entries: Sequence[CellReading], which: int
+) -> tuple[list[CellReading], list[CellReading]]:
     """Return the fronts by the paper's and the fair criterion, for one reading of the rows."""
     rows = select_readings(entries, which)
     return find_pareto_front(rows, lambda each: each.charging_time_per_area), find_pareto_front(
@@ -50,9 +50,10 @@ def find_both_fronts(
 
 def build_ranking_table(table: CellTable) -> TextTable:
     """Return the table of cells with both criteria and the fronts they are on."""
-    found = list_entries(table)
+    found = list_readings(table)
     fronts = [
-        find_both_fronts(found, which) for which in range(max(each.readings for each in found))
+        find_fronts_by_criterion(found, which)
+        for which in range(max(each.readings for each in found))
     ]
     heads = ('cell', 'cm²', 'g/cm²', 's', 'sheet', 's/cm²', 's cm²', 'g s', 'front')
     rows = []
@@ -78,7 +79,7 @@ def build_ranking_table(table: CellTable) -> TextTable:
     )
 
 
-def datasheet_charging_time(each: CellEntry, entries: Sequence[CellEntry]) -> float:
+def datasheet_charging_time(each: CellReading, entries: Sequence[CellReading]) -> float:
     """Return the charging time by short-circuit current, relative to the fastest cell. [s]"""
     first = min(entries, key=lambda entry: entry.row.charge.si)
     # Charging a capacitor takes Q / I, so times are inverse to the short-circuit currents.
@@ -107,13 +108,18 @@ def build_array_table(table: CellTable, energy: EnergyBlock) -> TextTable:
                 prefix = '' if has_printed_signs(net, built) else 'not '
                 light = WORDS.get(net.light, net.light)
                 rows.append(
-                    [format_array(array), light, *format_powers(net), f'{prefix}{built.standby}']
+                    [
+                        format_array(array),
+                        light,
+                        *format_net_power(net),
+                        f'{prefix}{built.standby}',
+                    ]
                 )
     heading = f'Arrays of the paper at {klux:g} klux, power in mW'
     return TextTable(heading, heads, rows, CHARGED)
 
 
-def format_powers(net: NetPower) -> list[str]:
+def format_net_power(net: NetPower) -> list[str]:
     """Format irradiance [W/m2] and powers [mW]."""
     powers = (net.harvest, net.given, net.standby, net.transmitting)
     return [format_number(net.irradiance, 0), *(format_number(power, 1, 1e3) for power in powers)]
@@ -149,12 +155,12 @@ def build_mass_budget_table(table: CellTable, energy: EnergyBlock, budget: float
 
 def list_cells(table: CellTable) -> list[CellFile]:
     """Return the cells of a table."""
-    return [each.cell for each in list_entries(table)]
+    return [each.cell for each in list_readings(table)]
 
 
 def to_json(table: CellTable, energy: EnergyBlock, budget: float) -> dict[str, Any]:
     """Convert the comparison to JSON, in SI units."""
-    found = list_entries(table)
+    found = list_readings(table)
     return {
         'cells': {
             each.cell.name: {
@@ -168,7 +174,7 @@ def to_json(table: CellTable, energy: EnergyBlock, budget: float) -> dict[str, A
         'fronts': [
             {
                 name: [each.cell.name for each in front]
-                for name, front in zip(FRONTS, find_both_fronts(found, which), strict=True)
+                for name, front in zip(FRONTS, find_fronts_by_criterion(found, which), strict=True)
             }
             for which in range(max(each.readings for each in found))
         ],

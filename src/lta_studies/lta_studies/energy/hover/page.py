@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any, Final
 
 from lta_bridge.provenance import read_commit
-from lta_report.drawing import build_line, create_figure, EndLabel, label_ends, padded_range
+from lta_report.drawing import build_line_trace, create_figure, EndLabel, label_ends, padded_range
 from lta_report.formatting import format_number, MISSING, Tile
+from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import render_section, render_tile
 from lta_report.palette import ESTIMATE, SETPOINT, SOFT, TRUTH
 from lta_studies.energy import paper
 from lta_studies.energy.hover.discharge import DischargeTrace
@@ -34,7 +34,7 @@ def render_page(result: HoverComparison, commands: Mapping[str, str]) -> str:
     """Return the HTML of the page."""
     return assemble_page(
         'energy.html',
-        title=escape(format_title(result)),
+        title=escape(format_headline(result)),
         kicker=escape(f'energy hover · {result.first.name} and {result.second.name}'),
         about=f'Both hover in still air on the same full cell for {result.seconds:.0f} s.',
         tiles='\n'.join(render_tile(*each) for each in build_tiles(result)),
@@ -44,14 +44,16 @@ def render_page(result: HoverComparison, commands: Mapping[str, str]) -> str:
         pictures=render_section(
             'charge', 'State of charge', CHARGE, draw_traces(result, 'charge')
         ),
-        tables=render_text_table(build_table(result)),
-        method=''.join(f'<p class="note">{escape(each)}</p>' for each in format_notes(result)),
+        tables=render_text_table(build_discharge_table(result)),
+        method=''.join(
+            f'<p class="note">{escape(each)}</p>' for each in describe_differences(result)
+        ),
         facts={'vehicles': f'{result.first.name}, {result.second.name}', 'commit': read_commit()},
         commands=commands,
     )
 
 
-def format_title(result: HoverComparison) -> str:
+def format_headline(result: HoverComparison) -> str:
     """Return the headline."""
     first, second = result.first, result.second
     end = second.trace.failed
@@ -76,25 +78,25 @@ def build_tiles(result: HoverComparison) -> list[Tile]:
         when = '' if each.trace.failed is None else f' after {each.trace.failed:.0f} s'
         made.append(Tile(each.name, f'{each.power:.2f}', 'W', left + when))
     note = 'of its power; paper: almost a third'
-    return [*made, Tile('share', f'{100 * result.power_share:.0f}', '%', note)]
+    return [*made, Tile('share', f'{100 * result.power_ratio:.0f}', '%', note)]
 
 
-def build_table(result: HoverComparison) -> TextTable:
+def build_discharge_table(result: HoverComparison) -> TextTable:
     """Return the table of the plotted lines."""
     heads = ('load', 'power [mW]', 'drop [V]', 'at the end [V]', 'charge left [%]',
              'failed after [s]', 'of the multirotor [%]')  # fmt: skip
     rows = [
-        format_row(each.name, each.trace, each.power, result)
+        format_discharge_row(each.name, each.trace, each.power, result)
         for each in (result.first, result.second)
     ]
     for power, (name, trace) in zip(
         (paper.HOVER, paper.STANDARD), result.paper.items(), strict=True
     ):
-        rows.append(format_row(name, trace, power, result))
+        rows.append(format_discharge_row(name, trace, power, result))
     return TextTable(f'{result.seconds:.0f} s of hovering', heads, rows)
 
 
-def format_row(
+def format_discharge_row(
     name: str, trace: DischargeTrace, power: float, result: HoverComparison
 ) -> list[str]:
     """Return one row of the table."""
@@ -107,12 +109,12 @@ def format_row(
     ]  # fmt: skip
 
 
-def format_notes(result: HoverComparison) -> list[str]:
+def describe_differences(result: HoverComparison) -> list[str]:
     """Return notes on the differences to the paper."""
     second = result.second
     notes = [
         f"A third: the paper's 1333 mW are {100 * paper.HOVER / second.power:.0f} % of the power "
-        f"of {second.name} by Bitcraze's bench data, and ours {100.0 * result.power_share:.0f} %; "
+        f"of {second.name} by Bitcraze's bench data, and ours {100.0 * result.power_ratio:.0f} %; "
         f'one third corresponds to a standard drone of {paper.STANDARD:.1f} W.',
         "As in the paper's figure, the voltage of the drone hardly drops and that of the "
         'multirotor drops steadily. The paper does not print the values of that figure.',
@@ -140,7 +142,7 @@ def draw_traces(result: HoverComparison, key: str) -> Figure:
         values = factor * getattr(trace, key)
         lines.append(values)
         figure.add_trace(
-            build_line(name, trace.time, values, colour, unit=unit, dash=dash, width=1.4)
+            build_line_trace(name, trace.time, values, colour, unit=unit, dash=dash, width=1.4)
         )
         # A line that ends early is labelled at its end, the others at the right margin.
         if trace.failed is None:
@@ -161,7 +163,7 @@ def to_json(result: HoverComparison) -> dict[str, Any]:
     """Convert the comparison to JSON, in SI units."""
     return {
         'seconds': result.seconds,
-        'share': result.power_share,
+        'share': result.power_ratio,
         'flown': {each.name: _hover_to_json(each) for each in (result.first, result.second)},
         'paper': {name: _trace_to_json(trace) for name, trace in result.paper.items()},
     }

@@ -12,11 +12,11 @@ from typing import Any, final
 
 from lta_control.cascade import Setpoint
 from lta_flight.closed_loop import ClosedLoop
-from lta_flight.flight_spec import build_parts, FlightSpec, load_spec
+from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec
 from lta_model.electrical.battery import BatteryModel
 from lta_model.electrical.loads import LoadModel
 from lta_studies.energy import paper
-from lta_studies.energy.course_flight import build_loop, FlightTrack, fly_until
+from lta_studies.energy.course_flight import build_closed_loop, FlightTrack, fly_until
 from lta_studies.energy.hover.discharge import DischargeTrace, simulate_discharge
 import numpy as np
 
@@ -63,7 +63,7 @@ class HoverComparison:
     paper: Mapping[str, DischargeTrace]
 
     @property
-    def power_share(self) -> float:
+    def power_ratio(self) -> float:
         """Power of the first drone relative to the second. [1]"""
         return self.first.power / self.second.power
 
@@ -99,7 +99,7 @@ def compare_hovering(
     """
     own = build_hover_spec(first)
     battery = own.contents['vehicle']['energy']['battery']
-    cell = build_parts(own)[0].battery
+    cell = build_vehicle_scenario_stack(own)[0].battery
     return HoverComparison(
         seconds=seconds,
         first=fly_hover(own, seconds, tick),
@@ -118,12 +118,12 @@ def simulate_paper_hover(cell: BatteryModel, seconds: float) -> dict[str, Discha
 
 def prepare_hover(spec: FlightSpec) -> ClosedLoop:
     """Return the closed loop of a hover before its first step."""
-    base = build_parts(spec)[0].height_on_floor
+    base = build_vehicle_scenario_stack(spec)[0].hull_height_on_floor
 
     def setpoint_at(time: float) -> Setpoint:
         return Setpoint(base + (RISE if time >= GO else 0.0), 0.0, 0.0)
 
-    return build_loop(spec, setpoint_at, 1)
+    return build_closed_loop(spec, setpoint_at, 1)
 
 
 def fly_hover(spec: FlightSpec, seconds: float, tick: Callable[[float], None]) -> HoverResult:
@@ -151,7 +151,7 @@ def fly_hover(spec: FlightSpec, seconds: float, tick: Callable[[float], None]) -
         # Without the first sample, which precedes the first load
         trace=DischargeTrace(flown.time[1:], flown.voltage[1:], flown.charge[1:], failed),
         power=mean_hover_power(loads, flown),
-        energy=loop.world.supply.energy_books.consumed,
+        energy=loop.world.supply.energy_totals.consumed,
     )
 
 

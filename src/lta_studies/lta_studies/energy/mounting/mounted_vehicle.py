@@ -49,7 +49,7 @@ class MountedVehicle:
     vehicle: Vehicle
 
     @property
-    def rest_lean(self) -> float:
+    def nose_down_pitch(self) -> float:
         """Nose-down pitch at rest, from the centre of gravity. [rad]"""
         x, _, z = self.vehicle.cg
         # At rest the centre of gravity hangs vertically below the centre of buoyancy.
@@ -88,14 +88,14 @@ def build_mounted_vehicle(
     )
 
 
-def lacking_lift(content: Mapping[str, Any], name: str) -> float:
+def lift_deficit(content: Mapping[str, Any], name: str) -> float:
     """Return the lift that the hull lacks to fly a mount at the file's heaviness. [kg]"""
     roomy = build_mounted_vehicle(content, name, fuller=ROOMY).vehicle
     # The roomy hull has this much more lift than the real one; ballast took up the unused part.
     return roomy.gross_lift * (1.0 - 1.0 / ROOMY) - roomy.ballast_mass
 
 
-def required_fullness(content: Mapping[str, Any], names: Sequence[str]) -> float:
+def required_volume_factor(content: Mapping[str, Any], names: Sequence[str]) -> float:
     """Return the volume factor that carries every mount; 1 if the hull does. [1]"""
     most = 1.0
     for name in names:

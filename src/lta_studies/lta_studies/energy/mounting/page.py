@@ -8,16 +8,16 @@ from typing import Final
 
 from lta_bridge.provenance import read_commit
 from lta_report.curves import Array
-from lta_report.drawing import build_line, create_figure, EndLabel, label_ends, padded_range
+from lta_report.drawing import build_line_trace, create_figure, EndLabel, label_ends, padded_range
 from lta_report.formatting import Tile
+from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import render_section, render_tile
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, TRUTH, WALL
 from lta_studies.energy.mounting import verdict
 from lta_studies.energy.mounting.panel_light import LIGHTS
 from lta_studies.energy.mounting.run import MountingStudy, MountTrial
 from lta_studies.energy.mounting.straight_flight import AWAY, END, HELD, LIFT_OFF
-from lta_studies.energy.mounting.tables import build_tables
+from lta_studies.energy.mounting.tables import build_comparison_tables
 from lta_studies.energy.tables import render_text_table
 from lta_vehicle.figures.mass_budget import DEGREES
 import numpy as np
@@ -75,13 +75,13 @@ def render_page(study: MountingStudy, commands: Mapping[str, str]) -> str:
     notes = [*verdict.format_findings(study), *METHOD]
     return assemble_page(
         'energy.html',
-        title=escape(verdict.format_title(study)),
+        title=escape(verdict.format_headline(study)),
         kicker=escape(f'energy mounting · {study.vehicle}'),
         about=ABOUT,
         tiles='\n'.join(render_tile(*each) for each in build_tiles(study)),
         first=first,
         pictures=''.join(pictures),
-        tables=''.join(render_text_table(each) for each in build_tables(study)),
+        tables=''.join(render_text_table(each) for each in build_comparison_tables(study)),
         method=''.join(f'<p class="note">{escape(each)}</p>' for each in notes),
         facts={'vehicle': study.vehicle, 'commit': read_commit()},
         commands=commands,
@@ -109,7 +109,7 @@ def draw_straight_flights(study: MountingStudy) -> Figure:
             flown = each.flights[0].flown.crop(LIFT_OFF - 4.0, END)
             degrees = DEGREES * flown.pitch
             figure.add_trace(
-                build_line(name, flown.time, degrees, colour, unit='°', width=1.2), row, 1
+                build_line_trace(name, flown.time, degrees, colour, unit='°', width=1.2), row, 1
             )
             # Mean over the last samples, as the last one is a random phase of the swing
             labels.append(EndLabel(name, float(degrees[-1000:].mean()), colour))
@@ -129,9 +129,9 @@ def draw_swings(study: MountingStudy) -> Figure:
     labels = []
     for colour, (name, each) in zip(COLOURS, study.shared.items(), strict=False):
         time, tilt = each.release.time, DEGREES * each.release.tilt
-        figure.add_trace(build_line(name, time, tilt, colour, unit='°', width=1.3))
+        figure.add_trace(build_line_trace(name, time, tilt, colour, unit='°', width=1.3))
         figure.add_trace(
-            build_line(
+            build_line_trace(
                 f'{name}, by hand',
                 time,
                 swing_envelope(each, time),
@@ -163,7 +163,9 @@ def draw_overturning(study: MountingStudy) -> Figure:
         where = 'coincident' if each.height == 0.0 else 'above' if each.height > 0.0 else 'below'
         name = f'{where} ({100 * each.height:+.1f} cm)' if each.height else where
         tilt = DEGREES * each.release.tilt
-        figure.add_trace(build_line(name, each.release.time, tilt, colour, unit='°', width=1.4))
+        figure.add_trace(
+            build_line_trace(name, each.release.time, tilt, colour, unit='°', width=1.4)
+        )
         labels.append(EndLabel(where, float(tilt[-1]), colour))
     lines = [DEGREES * each.release.tilt for each in study.overturning]
     label_ends(figure, labels, padded_range(*lines))

@@ -7,9 +7,9 @@ from typing import Any, final
 
 from lta_studies.energy.mounting.mounted_vehicle import (
     build_mounted_vehicle,
-    lacking_lift,
+    lift_deficit,
     MountedVehicle,
-    required_fullness,
+    required_volume_factor,
 )
 from lta_studies.energy.mounting.panel_light import (
     compute_light_shares,
@@ -17,8 +17,8 @@ from lta_studies.energy.mounting.panel_light import (
     LIGHTS,
     PanelLightShares,
 )
-from lta_studies.energy.mounting.release import Release, simulate_release, tilt_growth_rate
 from lta_studies.energy.mounting.straight_flight import fly_straight, StraightFlightResult
+from lta_studies.energy.mounting.tilt_release import Release, simulate_release, tilt_growth_rate
 from lta_vehicle.figures.pendulum import compute_pendulum_mode, PendulumMode
 
 TILT = math.radians(5.0)  # at the release
@@ -118,9 +118,9 @@ class MountingRequest:
 
     def build_vehicles(self) -> dict[str, list[MountedVehicle]]:
         """Build all vehicles by group; raise `BadInput` if one cannot be built."""
-        fuller = required_fullness(self.content, self.mounts)
+        fuller = required_volume_factor(self.content, self.mounts)
         # 1e-9 kg absorbs rounding for a mount that just fits.
-        able = [name for name in self.mounts if lacking_lift(self.content, name) <= 1e-9]
+        able = [name for name in self.mounts if lift_deficit(self.content, name) <= 1e-9]
         return {
             'own': [build_mounted_vehicle(self.content, name) for name in able],
             'shared': [
@@ -133,7 +133,7 @@ class MountingRequest:
         }
 
 
-def run_trial(mounted: MountedVehicle, seeds: int, tick: Callable[[], None]) -> MountTrial:
+def evaluate_mount(mounted: MountedVehicle, seeds: int, tick: Callable[[], None]) -> MountTrial:
     """Evaluate a mount: analytical swing, release, and flights."""
     flights = []
     for seed in range(1, seeds + 1):
@@ -174,7 +174,7 @@ def compare_mounts(request: MountingRequest, tick: Callable[[], None]) -> Mounti
     """Compare the mounts; call `tick` after each flight."""
     fits = request.build_vehicles()
     own, shared, misplaced = (
-        {each.mount.name: run_trial(each, request.seeds, tick) for each in fits[group]}
+        {each.mount.name: evaluate_mount(each, request.seeds, tick) for each in fits[group]}
         for group in ('own', 'shared', 'misplaced')
     )
     # If the hull carries no mount, use the larger hull.
@@ -182,9 +182,9 @@ def compare_mounts(request: MountingRequest, tick: Callable[[], None]) -> Mounti
     return MountingStudy(
         vehicle=str(request.content['name']),
         ahead=request.ahead,
-        fuller=required_fullness(request.content, request.mounts),
+        fuller=required_volume_factor(request.content, request.mounts),
         lacking={
-            name: lacking_lift(request.content, mount)
+            name: lift_deficit(request.content, mount)
             for name, mount in zip(shared, request.mounts, strict=True)
         },
         own=own,

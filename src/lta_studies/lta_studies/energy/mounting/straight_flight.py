@@ -14,7 +14,7 @@ from typing import final
 from lta_control.cascade import Setpoint
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import load_spec
-from lta_studies.energy.course_flight import build_loop, FlightTrack, fly_until, stop_after
+from lta_studies.energy.course_flight import build_closed_loop, FlightTrack, fly_until, stop_after
 from lta_studies.energy.mounting.mounted_vehicle import MountedVehicle
 import numpy as np
 
@@ -67,13 +67,13 @@ def prepare_flight(mounted: MountedVehicle, gains: str, seed: int) -> ClosedLoop
         'vehicle': mounted.content,
         'scenario': {**scene, 'start': start},
     }
-    base = mounted.vehicle.height_on_floor
+    base = mounted.vehicle.hull_height_on_floor
 
     def setpoint_at(time: float) -> Setpoint:
         rise = RISE if time >= LIFT_OFF else 0.0
         return Setpoint(base + rise, 0.0, SPEED if time >= AWAY else 0.0)
 
-    return build_loop(replace(made_of, contents=contents), setpoint_at, seed)
+    return build_closed_loop(replace(made_of, contents=contents), setpoint_at, seed)
 
 
 def fly_straight(mounted: MountedVehicle, gains: str, seed: int) -> StraightFlightResult:

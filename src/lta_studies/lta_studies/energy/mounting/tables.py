@@ -13,7 +13,7 @@ GRAMS: Final = 1e3
 CENTIMETRES: Final = 1e2
 
 
-def build_tables(study: MountingStudy) -> list[TextTable]:
+def build_comparison_tables(study: MountingStudy) -> list[TextTable]:
     """Return every table of the comparison."""
     more = f'{100.0 * (study.fuller - 1.0):.1f} % fuller'
     own = {f'{name}, own hull': each for name, each in study.own.items()}
@@ -60,7 +60,7 @@ def build_flight_table(entries: dict[str, MountTrial]) -> TextTable:
     rows = []
     for name, each in entries.items():
         figures = [
-            format_figure(each, key, digits, factor)
+            format_seed_mean(each, key, digits, factor)
             for key, digits, factor in (
                 ('swing', 2, DEGREES), ('amplitude', 2, DEGREES), ('rms', 3, DEGREES),
                 ('hover', 0, 1e3), ('power', 0, 1e3),
@@ -72,11 +72,11 @@ def build_flight_table(entries: dict[str, MountTrial]) -> TextTable:
             if each.fitted.ahead == 0.0
             else MISSING
         )
-        rows.append([name, format_number(each.fitted.rest_lean, 2, DEGREES), *figures, far])
+        rows.append([name, format_number(each.fitted.nose_down_pitch, 2, DEGREES), *figures, far])
     return TextTable('Straight flight at 0.1 m/s', heads, rows)
 
 
-def format_figure(each: MountTrial, key: str, digits: int, factor: float) -> str:
+def format_seed_mean(each: MountTrial, key: str, digits: int, factor: float) -> str:
     """Format a mean over flights, with the deviation of single seeds if visible."""
     found = average_over_seeds(each.flights, key)
     off = format_number(found.off, digits, factor)
@@ -122,7 +122,7 @@ def _trial_to_json(each: MountTrial) -> dict[str, Any]:
     keys = ('swing', 'lean', 'amplitude', 'rms', 'hover', 'power')
     return {
         'mass': body.mass, 'ballast': body.ballast_mass, 'cg': body.cg.tolist(),
-        'inertia': body.inertia.tolist(), 'lean_by_hand': each.fitted.rest_lean,
+        'inertia': body.inertia.tolist(), 'lean_by_hand': each.fitted.nose_down_pitch,
         'stiffness': each.swing.stiffness, 'period_by_hand': each.swing.period,
         'period': each.release.period, 'damping_by_hand': each.swing.damping_ratio,
         'damping': each.release.damping_ratio, 'misplacement_for_paper': each.misplacement,

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 import math
 
 from lta_model.electrical.charger import charger_output
-from lta_model.electrical.panel import find_max_power
+from lta_model.electrical.panel import find_max_power_point
 from lta_model.vehicle import Vehicle
 from lta_studies.energy.mounting.run import MountingStudy
 from lta_studies.energy.mounting.straight_flight import average_over_seeds
@@ -28,7 +28,7 @@ def pitch_rms(study: MountingStudy) -> dict[str, float]:
     }
 
 
-def mean_power(study: MountingStudy) -> dict[str, float]:
+def mean_flight_power(study: MountingStudy) -> dict[str, float]:
     """Return the mean flight power, in the hull that carries all mounts. [W]"""
     return {
         name: average_over_seeds(each.flights, 'power').mean for name, each in study.shared.items()
@@ -45,7 +45,7 @@ def charger_power(study: MountingStudy, light: str) -> dict[str, float]:
 
 def _charger_output(vehicle: Vehicle, irradiance: float) -> float:
     """Return the charger output at the irradiance of the darkest panel. [W]"""
-    voltage, current = find_max_power(vehicle.panel, irradiance)
+    voltage, current = find_max_power_point(vehicle.panel, irradiance)
     return charger_output(vehicle.charger, voltage * current)
 
 
@@ -57,7 +57,7 @@ def find_best_mount(study: MountingStudy) -> str:
     return max(able, key=lambda name: able[name])
 
 
-def format_title(study: MountingStudy) -> str:
+def format_headline(study: MountingStudy) -> str:
     """Return the headline."""
     won, light, swing = find_best_mount(study), mean_light_share(study), pitch_rms(study)
     steady = min(swing, key=lambda name: swing[name])
@@ -83,7 +83,7 @@ def format_findings(study: MountingStudy) -> list[str]:
         'In that hull, at equal lift: '
         + format_ranking('pitch rms', pitch_rms(study), DEGREES, '°', 3)
         + '; '
-        + format_ranking('power in flight', mean_power(study), 1e3, 'mW', 0)
+        + format_ranking('power in flight', mean_flight_power(study), 1e3, 'mW', 0)
         + '.'
     )
     sentences.extend(

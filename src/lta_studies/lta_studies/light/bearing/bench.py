@@ -7,7 +7,7 @@ from typing import final
 from lta_config.compilation.compiler import compile_functions
 from lta_config.topics import load_topic_table
 from lta_control.cascade import wrap_angle
-from lta_flight.flight_spec import build_parts, FlightSpec
+from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec
 from lta_model.light.gain_selection import select_diode_gain
 from lta_model.light.view import LightView
 from lta_model.sensors.photodiode import PhotodiodeArray
@@ -56,7 +56,7 @@ class BearingBench:
     """A vehicle in a scene with both bearing estimators."""
 
     def __init__(self, spec: FlightSpec) -> None:
-        self._vehicle, self.scenario, self._policy = build_parts(spec)
+        self._vehicle, self.scenario, self._policy = build_vehicle_scenario_stack(spec)
         table = load_topic_table()
         self._rate, self._samples = table.light.sample_rate.si, table.light.samples
         self._bins = plan_bins(self._policy.demodulation, self._rate, self._samples)
@@ -69,11 +69,13 @@ class BearingBench:
         self._middle = self._vehicle.diodes.planes[:, :3].mean(axis=0)
         self._lamp = np.array(self.scenario.goal_lamp.position.vector)
 
-    def draw_diodes(self, chance: Generator) -> PhotodiodeArray:
+    def sample_diode_gains(self, chance: Generator) -> PhotodiodeArray:
         """Return the diodes of one vehicle with random gains."""
         return self._diodes.draw_gains(chance)
 
-    def read_block(self, pose: Pose, diodes: PhotodiodeArray, chance: Generator) -> BearingReading:
+    def estimate_block_bearing(
+        self, pose: Pose, diodes: PhotodiodeArray, chance: Generator
+    ) -> BearingReading:
         """
         Simulate one light block and estimate the bearing.
 
@@ -91,7 +93,7 @@ class BearingBench:
         view.record_pose(pose)
         # Random start within 1 s [ns], so that the phase of the lamp differs between blocks.
         start = int(chance.integers(1_000_000_000))
-        block = view.read_block(start, self._rate, self._samples, chance)
+        block = view.sample_light_block(start, self._rate, self._samples, chance)
         peaks = demodulate_beacon(block, self._bins)
         threshold, prior = self._policy.demodulation.threshold, self._policy.prior
         azimuth, elevation = self.true_direction(pose)

@@ -10,8 +10,8 @@ from lta_bridge.provenance import read_commit
 from lta_config.command_line import format_lta_command
 from lta_report.drawing import create_figure
 from lta_report.formatting import Tile
+from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import render_section, render_tile
 from lta_report.palette import ESTIMATE, SOFT, TIME, TRUTH, WALL
 from lta_studies.light.bearing.places import PLACES
 from lta_studies.light.bearing.run import BearingTrialRequest, BearingTrialResult
@@ -57,11 +57,11 @@ def render_page(results: Sequence[BearingTrialResult], request: BearingTrialRequ
     places = ' · '.join(f'{name}: {PLACES[name].about}' for name in request.places)
     return assemble_page(
         'bearing.html',
-        title=escape(format_title(results)),
+        title=escape(format_headline(results)),
         kicker='light · bearing',
         about=escape(f'{places}. {request.poses} random poses of each kind.'),
         tiles='\n'.join(render_tile(*each) for each in build_tiles(results)),
-        table=render_table(build_rows(results)),
+        table=render_table(build_bearing_rows(results)),
         notes=f'<p class="note">{escape(METHOD)}</p>',
         picture=render_section('errors', 'Error of the bearing', CAPTION, plot_errors(results)),
         honest=render_section(
@@ -107,7 +107,7 @@ def format_percent(part: float) -> str:
     return f'{100.0 * part:.1f}' if math.isfinite(part) else MISSING
 
 
-def build_rows(results: Sequence[BearingTrialResult]) -> list[tuple[str, ...]]:
+def build_bearing_rows(results: Sequence[BearingTrialResult]) -> list[tuple[str, ...]]:
     """Return the table as text; the first row is the head."""
     rows: list[tuple[str, ...]] = [HEAD]
     for each in results:
@@ -123,7 +123,7 @@ def build_rows(results: Sequence[BearingTrialResult]) -> list[tuple[str, ...]]:
     return rows
 
 
-def format_title(results: Sequence[BearingTrialResult]) -> str:
+def format_headline(results: Sequence[BearingTrialResult]) -> str:
     """Return the headline."""
     # Prefer 8 diodes at 3 m, the setup of the paper.
     best = min(results, key=lambda each: (each.count != 8, each.range != 3.0))

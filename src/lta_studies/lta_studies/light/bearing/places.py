@@ -10,7 +10,7 @@ DIODES: Final = 'vehicle.sensors.diodes'
 
 @final
 @dataclass(frozen=True, slots=True)
-class BearingPlace:
+class BearingScenario:
     """A named scenario file of the bearing studies."""
 
     name: str
@@ -18,14 +18,14 @@ class BearingPlace:
     about: str
 
 
-PLACES: Final[dict[str, BearingPlace]] = {
-    'indoor': BearingPlace('indoor', 'lamp_room', 'the shared room with reflecting surfaces'),
-    'outdoor': BearingPlace(
+PLACES: Final[dict[str, BearingScenario]] = {
+    'indoor': BearingScenario('indoor', 'lamp_room', 'the shared room with reflecting surfaces'),
+    'outdoor': BearingScenario(
         'outdoor', 'sunny_field', 'a field in full daylight, 80 klux on the ground'
     ),
 }
 
 
-def build_flight_spec(place: BearingPlace, vehicle: str, count: int) -> FlightSpec:
+def build_flight_spec(place: BearingScenario, vehicle: str, count: int) -> FlightSpec:
     """Return the spec of a vehicle with an even ring of diodes at a place."""
     return load_spec(vehicle, place.scenario, 'bag', '').with_values({f'{DIODES}.count': count})

@@ -43,7 +43,7 @@ def draw_pose(scenario: Scenario, distance: float | None, chance: Generator) -> 
     # Rejection sampling: draw places until one is usable.
     for _ in range(TRIES):
         x, y = draw_place(scenario, distance, chance)
-        if is_before_lamp(scenario, x, y):
+        if is_within_lamp_beam(scenario, x, y):
             pitch, roll = TILT * chance.standard_normal(2)
             # Upper-case axes are intrinsic: yaw, then pitch, then roll.
             turn = Rotation.from_euler('ZYX', [chance.uniform(-math.pi, math.pi), pitch, roll])
@@ -70,7 +70,7 @@ def draw_place(
     return lamp_x + distance * math.cos(angle), lamp_y + distance * math.sin(angle)
 
 
-def is_before_lamp(scenario: Scenario, x: float, y: float) -> bool:
+def is_within_lamp_beam(scenario: Scenario, x: float, y: float) -> bool:
     """Return whether a place [m] is in the room, within the beam and far enough away."""
     lamp_x, lamp_y, _ = scenario.goal_lamp.position.vector
     ahead = np.array(scenario.goal_lamp.facing.vector[:2])

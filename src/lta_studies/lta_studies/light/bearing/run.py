@@ -83,14 +83,14 @@ def run_bearing_trials(
         for count in request.counts:
             bench = BearingBench(build_flight_spec(PLACES[place], request.vehicle, count))
             for distance in request.ranges:
-                readings = tuple(read_random_poses(bench, distance, request, tick))
+                readings = tuple(simulate_random_poses(bench, distance, request, tick))
                 found.append(
                     BearingTrialResult(place, count, distance, readings, score_readings(readings))
                 )
     return found
 
 
-def read_random_poses(
+def simulate_random_poses(
     bench: BearingBench,
     distance: float | None,
     request: BearingTrialRequest,
@@ -102,7 +102,7 @@ def read_random_poses(
     readings = []
     for _ in range(request.poses):
         pose = draw_pose(bench.scenario, distance, where)
-        readings.append(bench.read_block(pose, bench.draw_diodes(what), what))
+        readings.append(bench.estimate_block_bearing(pose, bench.sample_diode_gains(what), what))
         tick()
     return readings
 

@@ -116,11 +116,11 @@ def study_ring(
     """Study one ring in all directions."""
     # The same draws indoors and outdoors: only the place differs.
     chance = np.random.default_rng([seed, count])
-    diodes = bench.draw_diodes(chance)
+    diodes = bench.sample_diode_gains(chance)
     paper, ours, snrs = [], [], []
     for direction in list_directions():
-        pose = pose_before_lamp(bench, direction)
-        blocks = [bench.read_block(pose, diodes, chance) for _ in range(readings)]
+        pose = pose_for_lamp_direction(bench, direction)
+        blocks = [bench.estimate_block_bearing(pose, diodes, chance) for _ in range(readings)]
         paper.append(error_quantile(extract_column(blocks, 'paper'), 50.0))
         ours.append(error_quantile(extract_column(blocks, 'ours'), 50.0))
         snrs.append(float(np.median(extract_column(blocks, 'snr'))))
@@ -128,7 +128,7 @@ def study_ring(
     return RingStudy(place, count, tuple(paper), tuple(ours), float(np.median(snrs)))
 
 
-def pose_before_lamp(bench: BearingBench, direction: float) -> Pose:
+def pose_for_lamp_direction(bench: BearingBench, direction: float) -> Pose:
     """Return the level pose off the lamp's axis that has the lamp in a direction. [rad]"""
     x, y, _ = bench.scenario.goal_lamp.position.vector
     ahead_x, ahead_y, _ = bench.scenario.goal_lamp.facing.vector
@@ -142,7 +142,7 @@ def pose_before_lamp(bench: BearingBench, direction: float) -> Pose:
     )  # fmt: skip
 
 
-def count_within(errors: Sequence[float], limit: float) -> int:
+def count_accurate_directions(errors: Sequence[float], limit: float) -> int:
     """Return the number of directions with a median error below a limit."""
     return sum(error < limit for error in errors)
 
@@ -156,7 +156,7 @@ def judge_claims(studies: Sequence[RingStudy]) -> list[tuple[str, str, str]]:
 def judge_claim(claim: RingClaim, ring: RingStudy) -> tuple[str, str, str]:
     """Return a claim, and the number of directions in which each estimator meets it."""
     paper, ours = (
-        f'{count_within(errors, claim.limit)} of {DIRECTIONS}'
+        f'{count_accurate_directions(errors, claim.limit)} of {DIRECTIONS}'
         for errors in (ring.paper, ring.ours)
     )
     return f'{claim.sentence}: {claim.at_least} of {DIRECTIONS}', paper, ours

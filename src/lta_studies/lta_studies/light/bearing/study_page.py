@@ -10,13 +10,13 @@ from lta_bridge.provenance import read_commit
 from lta_config.command_line import format_lta_command
 from lta_report.drawing import create_figure
 from lta_report.formatting import Tile
+from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import render_section, render_tile
 from lta_report.palette import GOOD, LAMP, TRUTH
 from lta_studies.light.bearing.page import format_degrees, render_table
 from lta_studies.light.bearing.places import PLACES
 from lta_studies.light.bearing.study import (
-    count_within,
+    count_accurate_directions,
     COUNTS,
     DIRECTIONS,
     DISTANCE,
@@ -75,7 +75,7 @@ def write_page(
             kicker='light · study of the number of photodiodes',
             about=escape(f'{DIRECTIONS} directions, {readings} readings each.'),
             tiles='\n'.join(render_tile(*each) for each in build_tiles(studies)),
-            table=render_table(build_rows(studies)),
+            table=render_table(build_ring_rows(studies)),
             claims=render_table(build_claim_rows(studies)),
             notes=''.join(f'<p class="note">{escape(each)}</p>' for each in (METHOD, DEFECT)),
             pictures='\n'.join(pictures),
@@ -101,13 +101,13 @@ def median_error(errors: Sequence[float]) -> float:
     return float(np.median(errors))
 
 
-def build_rows(studies: Sequence[RingStudy]) -> list[tuple[str, ...]]:
+def build_ring_rows(studies: Sequence[RingStudy]) -> list[tuple[str, ...]]:
     """Return the table as text; the first row is the head."""
     rows: list[tuple[str, ...]] = [HEAD]
     for each in studies:
         cells = [each.place, str(each.count), f'{each.snr:.0f}']
         for errors in (each.paper, each.ours):
-            below = f'{count_within(errors, math.radians(2.0))} of {DIRECTIONS}'
+            below = f'{count_accurate_directions(errors, math.radians(2.0))} of {DIRECTIONS}'
             cells += [format_degrees(median_error(errors)), format_degrees(max(errors)), below]
         rows.append(tuple(cells))
     return rows

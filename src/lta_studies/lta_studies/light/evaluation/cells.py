@@ -58,18 +58,18 @@ class EvaluationCell:
         """Flights that reached the lamp, by seed."""
         return {seed: row for seed, row in self.rows.items() if row.outcome == REACHED}
 
-    def select_figure(self, name: str) -> dict[int, float]:
+    def arrival_values(self, name: str) -> dict[int, float]:
         """Return a figure of the flights that reached the lamp, by seed."""
         found = {seed: row.figures.get(name) for seed, row in self.arrivals.items()}
         return {seed: float(value) for seed, value in found.items() if value is not None}
 
     def mean(self, name: str) -> BootstrapMean:
         """Return the mean of a figure over the flights that reached the lamp."""
-        return bootstrap_mean(list(self.select_figure(name).values()))
+        return bootstrap_mean(list(self.arrival_values(name).values()))
 
     def ratio_to(self, best: 'EvaluationCell | None', name: str = 'path_length') -> BootstrapMean:
         """Return the ratio of a figure to another cell, over seeds where both arrived."""
-        own, other = self.select_figure(name), {} if best is None else best.select_figure(name)
+        own, other = self.arrival_values(name), {} if best is None else best.arrival_values(name)
         # Paired by seed: the same wind and start for both
         both = sorted(own.keys() & other.keys())
         return bootstrap_ratio([own[seed] for seed in both], [other[seed] for seed in both])

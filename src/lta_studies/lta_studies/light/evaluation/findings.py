@@ -48,7 +48,7 @@ class EvaluationFindings:
         return self.done.order.seeds
 
     @property
-    def flying_time(self) -> float:
+    def computing_time(self) -> float:
         """Computing time of all flights. [s]"""
         return self.done.work
 
@@ -134,7 +134,7 @@ class EvaluationFindings:
             'statement': self.statement,
             'sets': {name: encode_cells(own) for name, own in self.cells.items()},
             'ablations': [
-                {'case': each.case, 'holds': each.holds, 'share': encode_number(each.share)}
+                {'case': each.case, 'holds': each.holds, 'share': finite_or_none(each.share)}
                 for each in self.ablations
             ],
             'paper': {name: flown._asdict() for name, flown in paper.INDOORS.items()},
@@ -149,8 +149,8 @@ def encode_cells(cells: Sequence[EvaluationCell]) -> list[dict[str, Any]]:
         {
             'case': cell.case,
             'strategy': cell.strategy,
-            'place': encode_number(cell.place),
-            'wind': encode_number(cell.wind),
+            'place': finite_or_none(cell.place),
+            'wind': finite_or_none(cell.wind),
             'flights': len(cell.rows),
             'failed': cell.failed,
             'reached': encode_interval(cell.reached_share),
@@ -163,9 +163,9 @@ def encode_cells(cells: Sequence[EvaluationCell]) -> list[dict[str, Any]]:
 
 def encode_interval(value: BootstrapMean | ShareInterval) -> dict[str, float | None]:
     """Convert a value with its interval to JSON."""
-    return {name: encode_number(part) for name, part in value._asdict().items()}
+    return {name: finite_or_none(part) for name, part in value._asdict().items()}
 
 
-def encode_number(value: float) -> float | None:
+def finite_or_none(value: float) -> float | None:
     """Return a number; None if it is not finite."""
     return value if math.isfinite(value) else None

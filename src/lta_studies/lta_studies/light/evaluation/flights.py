@@ -16,7 +16,7 @@ from lta_config.schema.sweep_file import load_sweep, SweepSeeds
 from lta_control.cascade import CascadeGains
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import build_loop, FlightSpec, load_spec
-from lta_flight.sweep.job_runner import fly_to_row, SweepRow
+from lta_flight.sweep.job_runner import run_job, SweepRow
 from lta_flight.sweep.plan import SweepJob, SweepPlan
 from lta_studies.light.evaluation import pilot
 from lta_studies.light.evaluation.sets import find_flight_set
@@ -34,7 +34,7 @@ class EvaluationTask:
     job: SweepJob
 
 
-def build_plan(name: str) -> SweepPlan:
+def build_sweep_plan(name: str) -> SweepPlan:
     """
     Return the checked sweep plan of a set, including the pilot's flights if it has any.
 
@@ -60,7 +60,7 @@ def build_plan(name: str) -> SweepPlan:
     )
 
 
-def count_points(plan: SweepPlan) -> int:
+def count_flights_per_seed(plan: SweepPlan) -> int:
     """Return the number of flights per seed."""
     return plan.count // plan.file.draws_per_point
 
@@ -70,13 +70,13 @@ def iterate_tasks(plans: dict[str, SweepPlan], seeds: int) -> Iterator[Evaluatio
     # Seeds are the outer loop: every set has its first seed before any has a second.
     for turn in range(seeds):
         for name, plan in plans.items():
-            for point in range(count_points(plan)):
+            for point in range(count_flights_per_seed(plan)):
                 yield EvaluationTask(
                     name, plan.build_job(point * plan.file.draws_per_point + turn)
                 )
 
 
-def complete_job(plan: SweepPlan, job: SweepJob, place: int) -> SweepJob:
+def build_standalone_job(plan: SweepPlan, job: SweepJob, place: int) -> SweepJob:
     """Return a self-contained job, as the workers fly jobs of all sets."""
     base = plan.base
     case = {**base.names, STRATEGY: base.strategy, **base.replaced, **job.case}
@@ -85,7 +85,7 @@ def complete_job(plan: SweepPlan, job: SweepJob, place: int) -> SweepJob:
 
 def fly_task(job: SweepJob) -> SweepRow:
     """Fly a self-contained job."""
-    return fly_to_row(job, lambda: prepare_flight(job))
+    return run_job(job, lambda: prepare_flight(job))
 
 
 def prepare_flight(job: SweepJob) -> ClosedLoop:
@@ -118,6 +118,6 @@ def build_flight_spec(changes: dict[str, object]) -> FlightSpec:
     return load_spec(vehicle, scenario, strategy, gains).with_values(changes)
 
 
-def build_plans(names: Sequence[str]) -> dict[str, SweepPlan]:
+def build_sweep_plans(names: Sequence[str]) -> dict[str, SweepPlan]:
     """Return the unique plans of some sets in their order."""
-    return {name: build_plan(name) for name in dict.fromkeys(names)}
+    return {name: build_sweep_plan(name) for name in dict.fromkeys(names)}

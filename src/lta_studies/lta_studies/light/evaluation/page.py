@@ -8,8 +8,8 @@ from typing import Final
 from lta_bridge.provenance import read_commit
 from lta_config.command_line import format_lta_command, relative_path
 from lta_report.formatting import Tile
+from lta_report.html_elements import render_html_table, render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import render_html_table, render_section, render_tile
 from lta_studies.light.evaluation import labels, pictures, pilot, tables, tracks
 from lta_studies.light.evaluation.cells import EvaluationCell
 from lta_studies.light.evaluation.findings import EvaluationFindings
@@ -42,21 +42,21 @@ def render_page(findings: EvaluationFindings) -> str:
         ),
         about=escape(findings.about),
         tiles='\n'.join(render_tile(*each) for each in build_tiles(findings)),
-        first='\n'.join(render_indoors(findings)),
-        pictures='\n'.join(render_sections(findings)),
+        first='\n'.join(render_indoor_sections(findings)),
+        pictures='\n'.join(render_set_sections(findings)),
         order=render_order(findings),
         targets=render_table(
-            tables.TARGET_HEADS, tables.build_target_lines(findings.cells, findings.own_strategy)
+            tables.TARGET_HEADS, tables.build_target_rows(findings.cells, findings.own_strategy)
         ),
         paper=render_table(
-            tables.PAPER_HEADS, tables.build_paper_lines(findings.cells.get(INDOORS, []))
+            tables.PAPER_HEADS, tables.build_paper_rows(findings.cells.get(INDOORS, []))
         )
         + render_table(
-            tables.OUTDOOR_HEADS, tables.build_wind_lines(findings.cells.get(WINDS, []))
+            tables.OUTDOOR_HEADS, tables.build_wind_rows(findings.cells.get(WINDS, []))
         ),
         cautions=''.join(f'<p class="note">{escape(each)}</p>' for each in findings.cautions),
-        results=render_results(findings) + f'<p class="note">{escape(METHOD)}</p>',
-        facts=describe_provenance(findings),
+        results=render_set_tables(findings) + f'<p class="note">{escape(METHOD)}</p>',
+        facts=build_provenance_table(findings),
         commands=suggest_commands(findings),
     )
 
@@ -74,14 +74,14 @@ def build_tiles(findings: EvaluationFindings) -> list[Tile]:
     ]  # fmt: skip
 
 
-def render_indoors(findings: EvaluationFindings) -> list[str]:
+def render_indoor_sections(findings: EvaluationFindings) -> list[str]:
     """Return the sections of the indoor set: comparison with the paper, and tracks."""
     cells = [cell for cell in findings.cells.get(INDOORS, []) if cell.rows]
     if not cells:
         return []
     part = find_flight_set(INDOORS)
     # One seed for all tracks, so that start and noise are the same.
-    seed = tracks.select_seed(cells)
+    seed = tracks.select_track_seed(cells)
     flown, scenario = tracks.fly_again(findings.plans[INDOORS], cells, seed)
     height = findings.plans[INDOORS].base.read_value('mission.altitude')
     return [
@@ -91,7 +91,7 @@ def render_indoors(findings: EvaluationFindings) -> list[str]:
     ]  # fmt: skip
 
 
-def render_sections(findings: EvaluationFindings) -> list[str]:
+def render_set_sections(findings: EvaluationFindings) -> list[str]:
     """Return a section for each other set."""
     made = []
     for name, cells in findings.cells.items():
@@ -109,16 +109,16 @@ def plot_set(name: str, cells: Sequence[EvaluationCell]) -> Figure:
 
 def render_order(findings: EvaluationFindings) -> str:
     """Return the statement on the paper's order of paths, with its table."""
-    body = tables.build_order_lines(findings.ablations)
+    body = tables.build_path_order_rows(findings.ablations)
     shown = render_table(tables.ORDER_HEADS, body) if body else ''
     return f'<p class="statement">{escape(findings.statement)}</p>{shown}'
 
 
-def render_results(findings: EvaluationFindings) -> str:
+def render_set_tables(findings: EvaluationFindings) -> str:
     """Return a table for each set."""
     return ''.join(
         f'<h3>{escape(find_flight_set(name).title)}</h3>'
-        + render_table(tables.HEADS, tables.build_set_lines(name, cells))
+        + render_table(tables.HEADS, tables.build_set_rows(name, cells))
         for name, cells in findings.cells.items()
     )
 
@@ -130,14 +130,14 @@ def render_table(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
     return f'<div class="wide">{render_html_table(heads, lines)}</div>'
 
 
-def describe_provenance(findings: EvaluationFindings) -> dict[str, str]:
+def build_provenance_table(findings: EvaluationFindings) -> dict[str, str]:
     """Return the provenance table of the page."""
     return {
         'sets': ', '.join(findings.cells),
         'sweeps': ', '.join(find_flight_set(name).file for name in findings.cells),
         'seeds': f'1 to {findings.seeds}',
         'flights': findings.flight_count_text,
-        'work': f'{findings.flying_time:.0f} s of one processor',
+        'work': f'{findings.computing_time:.0f} s of one processor',
         'commit': read_commit(),
     }
 

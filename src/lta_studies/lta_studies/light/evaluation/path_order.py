@@ -58,7 +58,7 @@ def find_path_orders(cells: Sequence[EvaluationCell]) -> list[PathOrder]:
 def assess_path_order(case: str, own: Mapping[str, EvaluationCell]) -> PathOrder:
     """Assess the order of the paths in one case."""
     paths = {name: cell.mean('path_length') for name, cell in own.items()}
-    values = [list(cell.select_figure('path_length').values()) for cell in own.values()]
+    values = [list(cell.arrival_values('path_length').values()) for cell in own.values()]
     means = [each.value for each in paths.values()]
     # The mapping is in the order of the paper, shortest path first.
     holds = all(a < b for a, b in pairwise(means))

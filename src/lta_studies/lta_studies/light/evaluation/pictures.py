@@ -35,12 +35,12 @@ def build_error_bars(values: Sequence[Interval], colour: str) -> dict[str, Any]:
     """Return error bars from intervals."""
     return {
         'type': 'data', 'symmetric': False, 'thickness': 1.4, 'width': 5, 'color': colour,
-        'array': [finite_length(each.high - each.value) for each in values],
-        'arrayminus': [finite_length(each.value - each.low) for each in values],
+        'array': [none_if_nan(each.high - each.value) for each in values],
+        'arrayminus': [none_if_nan(each.value - each.low) for each in values],
     }  # fmt: skip
 
 
-def finite_length(length: float) -> float | None:
+def none_if_nan(length: float) -> float | None:
     """Return a number; None if it is NaN."""
     return None if math.isnan(length) else length
 
@@ -51,7 +51,7 @@ def build_markers(
     """Return the markers of one strategy with error bars."""
     shade = strategy_color(name)
     return Scatter(
-        x=list(x), y=[finite_length(each.value) for each in values],
+        x=list(x), y=[none_if_nan(each.value) for each in values],
         error_y=build_error_bars(values, shade),
         mode='lines+markers' if joined else 'markers', name=labels.label_strategy(name),
         line={'color': shade, 'width': 1.4}, showlegend=legend, legendgroup=name,
@@ -114,7 +114,7 @@ def plot_along_axis(cells: Sequence[EvaluationCell], axis: EvaluationAxis) -> Fi
     seen: set[str] = set()
     for row, (family, own) in enumerate(families.items(), start=1):
         for name, line in group_by_strategy(own).items():
-            x = offset_places(line, places, axis, name)
+            x = offset_marker_positions(line, places, axis, name)
             shares = [cell.reached_share for cell in line]
             figure.add_trace(
                 build_markers(name, x, shares, joined=True, legend=name not in seen),
@@ -153,7 +153,7 @@ def add_ratios(
         if name == pilot.NAME:
             continue
         ratios = [cell.ratio_to(best.get(cell.case)) for cell in line]
-        x = offset_places(line, places, axis, name)
+        x = offset_marker_positions(line, places, axis, name)
         figure.add_trace(
             build_markers(name, x, ratios, joined=False, legend=False), row=row, col=1
         )
@@ -179,7 +179,7 @@ def group_by_strategy(cells: Sequence[EvaluationCell]) -> dict[str, list[Evaluat
     return {cell.strategy: own[cell.strategy] for cell in cells}
 
 
-def offset_places(
+def offset_marker_positions(
     line: Sequence[EvaluationCell], places: Sequence[float], axis: EvaluationAxis, name: str
 ) -> list[float]:
     """Return the x positions of a strategy's cells, shifted so that markers do not overlap."""

@@ -18,7 +18,7 @@ import math
 from lta_control.attitude import yaw_from_quaternion
 from lta_control.strategies.protocol import (
     CruiseSettings,
-    LightSight,
+    LightMeasurement,
     Memory,
     NavigationStrategy,
     SteeringCommand,
@@ -49,7 +49,7 @@ def build_pilot_strategy(world: World, top: float) -> NavigationStrategy:
         return (heading,)
 
     def steer(
-        settings: CruiseSettings, memory: Memory, sight: LightSight
+        settings: CruiseSettings, memory: Memory, sight: LightMeasurement
     ) -> tuple[SteeringCommand, Memory]:
         towards = math.atan2(lamp_y - float(world.state[1]), lamp_x - float(world.state[0]))
         c, s = math.cos(towards), math.sin(towards)

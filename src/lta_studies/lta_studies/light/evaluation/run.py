@@ -15,9 +15,9 @@ from lta_flight.sweep.run import count_cores
 from lta_flight.sweep.workers import LocalWorkers
 from lta_studies.light.evaluation.cells import build_cells, EvaluationCell
 from lta_studies.light.evaluation.flights import (
-    build_plans,
-    complete_job,
-    count_points,
+    build_standalone_job,
+    build_sweep_plans,
+    count_flights_per_seed,
     EvaluationTask,
     fly_task,
     iterate_tasks,
@@ -85,7 +85,7 @@ def run_evaluation(order: EvaluationRequest, console: Console) -> EvaluationStat
 
     """
     # All sets are checked before the first flight.
-    plans = build_plans(order.sets)
+    plans = build_sweep_plans(order.sets)
     begun = time.monotonic()
     with ExitStack() as stack:
         logs = {
@@ -98,14 +98,16 @@ def run_evaluation(order: EvaluationRequest, console: Console) -> EvaluationStat
             task for task in iterate_tasks(dict(plans), order.seeds)
             if task.job.index not in logs[task.part].rows
         ]  # fmt: skip
-        total = order.seeds * sum(map(count_points, plans.values()))
+        total = order.seeds * sum(map(count_flights_per_seed, plans.values()))
         stopped = False
         try:
             fly_tasks(todo, plans, logs, (total, order.workers or count_cores()), console)
         except KeyboardInterrupt:
             stopped = True  # report the flights so far
-        known = sum(len(select_rows(log, plans[name], order.seeds)) for name, log in logs.items())
-    rows = {name: select_rows(log, plans[name], order.seeds) for name, log in logs.items()}
+        known = sum(
+            len(filter_by_seed(log, plans[name], order.seeds)) for name, log in logs.items()
+        )
+    rows = {name: filter_by_seed(log, plans[name], order.seeds) for name, log in logs.items()}
     return EvaluationStatus(
         order, plans, {name: build_cells(name, plans[name], rows[name]) for name in plans},
         # Flights known now minus those known before: flown in this run
@@ -124,7 +126,7 @@ def fly_tasks(
     """Fly tasks into the logs of their sets; `size` is the total and the number of workers."""
     total, workers = size
     # Jobs are numbered over all sets; the log gets back the index within its own set.
-    jobs = (complete_job(plans[task.part], task.job, k) for k, task in enumerate(todo))
+    jobs = (build_standalone_job(plans[task.part], task.job, k) for k, task in enumerate(todo))
     pool = LocalWorkers(fly_task, min(workers, max(1, len(todo))))
     with SweepProgress(console, total, total - len(todo)) as progress, pool:
         for row in pool.run_jobs(jobs):
@@ -133,6 +135,6 @@ def fly_tasks(
             progress.count_flight(row, pool.deaths)
 
 
-def select_rows(log: SweepLog, plan: SweepPlan, seeds: int) -> list[SweepRow]:
+def filter_by_seed(log: SweepLog, plan: SweepPlan, seeds: int) -> list[SweepRow]:
     """Return the flights of the requested seeds; a log may hold more."""
     return [row for row in log.sorted_rows if row.index % plan.file.draws_per_point < seeds]

@@ -19,11 +19,11 @@ def format_scores_page(findings: EvaluationFindings) -> str:
         '![Path, time and success of each strategy](images/evaluate.png)',
         '## Compared with the paper',
         format_markdown_table(
-            tables.PAPER_HEADS, tables.build_paper_lines(findings.cells.get(INDOORS, []))
+            tables.PAPER_HEADS, tables.build_paper_rows(findings.cells.get(INDOORS, []))
         ).rstrip(),
         *(
             format_markdown_table(
-                tables.OUTDOOR_HEADS, tables.build_wind_lines(findings.cells[name])
+                tables.OUTDOOR_HEADS, tables.build_wind_rows(findings.cells[name])
             ).rstrip()
             for name in findings.cells
             if name == WINDS
@@ -35,10 +35,10 @@ def format_scores_page(findings: EvaluationFindings) -> str:
     if findings.ablations:
         parts.append(
             format_markdown_table(
-                tables.ORDER_HEADS, tables.build_order_lines(findings.ablations)
+                tables.ORDER_HEADS, tables.build_path_order_rows(findings.ablations)
             ).rstrip()
         )
-    wanted = tables.build_target_lines(findings.cells, findings.own_strategy)
+    wanted = tables.build_target_rows(findings.cells, findings.own_strategy)
     if wanted:
         parts += [
             '## Targets of our strategy',
@@ -50,6 +50,6 @@ def format_scores_page(findings: EvaluationFindings) -> str:
         head = f'### {part.title}\n\n{part.about} Sweep `{part.file}`.'
         parts += [
             head,
-            format_markdown_table(tables.HEADS, tables.build_set_lines(name, cells)).rstrip(),
+            format_markdown_table(tables.HEADS, tables.build_set_rows(name, cells)).rstrip(),
         ]
     return '\n\n'.join(parts) + '\n'

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import math
 from typing import Final, final
 
-from lta_config.errors import unknown_name
+from lta_config.errors import unknown_name_error
 from lta_config.quantity import Quantity
 from lta_flight.flight_spec import FlightSpec
 
@@ -59,7 +59,7 @@ class FlightSet:
     piloted: bool = True
 
 
-def read_quantity(spec: FlightSpec, path: str) -> tuple[float, ...]:
+def read_si_values(spec: FlightSpec, path: str) -> tuple[float, ...]:
     """Return the numbers at a path, in SI units."""
     return Quantity.model_validate(spec.read_value(path)).vector
 
@@ -67,29 +67,29 @@ def read_quantity(spec: FlightSpec, path: str) -> tuple[float, ...]:
 def lamp_distance(spec: FlightSpec) -> float:
     """Return the distance from start to lamp. [m]"""
     # Horizontal distance; the start has no height of its own.
-    x, y = read_quantity(spec, 'scenario.start.position')
-    there = read_quantity(spec, 'scenario.lamp.position')
+    x, y = read_si_values(spec, 'scenario.start.position')
+    there = read_si_values(spec, 'scenario.lamp.position')
     return math.hypot(there[0] - x, there[1] - y)
 
 
 def reference_wind(spec: FlightSpec) -> float:
     """Return the wind at the reference height. [m/s]"""
-    return read_quantity(spec, 'scenario.air.profile.wind')[0]
+    return read_si_values(spec, 'scenario.air.profile.wind')[0]
 
 
 def ground_roughness(spec: FlightSpec) -> float:
     """Return the roughness of the ground. [m]"""
-    return read_quantity(spec, 'scenario.air.profile.roughness')[0]
+    return read_si_values(spec, 'scenario.air.profile.roughness')[0]
 
 
 def uniform_wind(spec: FlightSpec) -> float:
     """Return the mean wind. [m/s]"""
-    return math.hypot(*read_quantity(spec, 'scenario.air.wind'))
+    return math.hypot(*read_si_values(spec, 'scenario.air.wind'))
 
 
 def ambient_light(spec: FlightSpec) -> float:
     """Return the steady ambient light. [lx]"""
-    return read_quantity(spec, 'scenario.ambient.steady')[0]
+    return read_si_values(spec, 'scenario.ambient.steady')[0]
 
 
 INDOORS: Final = 'indoors'
@@ -139,5 +139,5 @@ SETS: Final[dict[str, FlightSet]] = {
 def find_flight_set(name: str) -> FlightSet:
     """Return a set; raise `BadInput` for an unknown name."""
     if name not in SETS:
-        raise unknown_name('set', name, list(SETS))
+        raise unknown_name_error('set', name, list(SETS))
     return SETS[name]

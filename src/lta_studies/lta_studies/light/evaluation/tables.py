@@ -27,7 +27,7 @@ RATIO_WANTED: Final = 1.1
 Lines = list[list[str]]
 
 
-def build_set_lines(name: str, cells: Sequence[EvaluationCell]) -> Lines:
+def build_set_rows(name: str, cells: Sequence[EvaluationCell]) -> Lines:
     """Return a row for each case and strategy of a set."""
     axis, best = find_flight_set(name).axis, select_pilot_cells(cells)
     return [
@@ -45,7 +45,7 @@ def build_set_lines(name: str, cells: Sequence[EvaluationCell]) -> Lines:
     ]  # fmt: skip
 
 
-def build_paper_lines(cells: Sequence[EvaluationCell]) -> Lines:
+def build_paper_rows(cells: Sequence[EvaluationCell]) -> Lines:
     """Return rows that compare the indoor flights with the paper's."""
     own = {cell.strategy: cell for cell in cells}
     return [
@@ -59,7 +59,7 @@ def build_paper_lines(cells: Sequence[EvaluationCell]) -> Lines:
     ]  # fmt: skip
 
 
-def build_wind_lines(cells: Sequence[EvaluationCell]) -> Lines:
+def build_wind_rows(cells: Sequence[EvaluationCell]) -> Lines:
     """Return rows that compare success in the paper's winds."""
     return [
         [
@@ -74,7 +74,7 @@ def build_wind_lines(cells: Sequence[EvaluationCell]) -> Lines:
     ]
 
 
-def build_order_lines(orders: Sequence[PathOrder]) -> Lines:
+def build_path_order_rows(orders: Sequence[PathOrder]) -> Lines:
     """Return a row with the order of paths for each ablation."""
     return [
         [
@@ -87,7 +87,7 @@ def build_order_lines(orders: Sequence[PathOrder]) -> Lines:
     ]
 
 
-def build_target_lines(findings: Mapping[str, Sequence[EvaluationCell]], ours: str) -> Lines:
+def build_target_rows(findings: Mapping[str, Sequence[EvaluationCell]], ours: str) -> Lines:
     """Return a row for each piloted case: whether our strategy meets its targets."""
     made = []
     for name, cells in findings.items():

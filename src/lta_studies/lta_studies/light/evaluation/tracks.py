@@ -12,7 +12,7 @@ from lta_report.curves import Array
 from lta_report.drawing import create_figure
 from lta_studies.light.evaluation import labels
 from lta_studies.light.evaluation.cells import EvaluationCell
-from lta_studies.light.evaluation.flights import complete_job, prepare_flight
+from lta_studies.light.evaluation.flights import build_standalone_job, prepare_flight
 from lta_studies.light.evaluation.pictures import LEGEND, strategy_color
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
@@ -33,7 +33,7 @@ class EvaluationTrack:
     reached: bool
 
 
-def select_seed(cells: Sequence[EvaluationCell]) -> int:
+def select_track_seed(cells: Sequence[EvaluationCell]) -> int:
     """Return the first seed in which the most strategies reach the lamp."""
     seeds = sorted({seed for cell in cells for seed in cell.rows})
     # -seed: of equal seeds the first
@@ -49,7 +49,7 @@ def fly_again(
         if seed not in cell.rows:
             continue
         row = cell.rows[seed]
-        loop = prepare_flight(complete_job(plan, plan.build_job(row.index), row.index))
+        loop = prepare_flight(build_standalone_job(plan, plan.build_job(row.index), row.index))
         view = LoopView(loop)
         for _ in loop.iterate_steps():
             view.record_step()

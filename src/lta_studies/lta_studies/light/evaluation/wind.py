@@ -11,7 +11,7 @@ from typing import Final
 
 from lta_config.quantity import Quantity
 from lta_control.cascade import CascadeGains
-from lta_flight.flight_spec import build_parts, FlightSpec
+from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec
 from lta_model.vehicle import load_vehicle
 from lta_sim import wind_limits
 
@@ -20,7 +20,7 @@ ALLOWED: Final = 0.9  # ratio up to which a strategy must reach the lamp
 
 def wind_to_airspeed_ratio(spec: FlightSpec) -> float:
     """Return mean wind plus one deviation at the hull, relative to the top airspeed. [1]"""
-    vehicle, scenario, policy = build_parts(spec)
+    vehicle, scenario, policy = build_vehicle_scenario_stack(spec)
     air = scenario.air
     mean = math.hypot(*air.wind.vector)
     if scenario.outside is not None:

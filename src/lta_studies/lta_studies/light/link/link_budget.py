@@ -76,7 +76,7 @@ class LampLink:
     at: tuple[LinkPoint, ...]
 
 
-def simulate_lamp_link(
+def compute_lamp_link(
     vehicle: Vehicle, scenario: Scenario, distances: Sequence[float], altitude: float, blocks: int
 ) -> LampLink:
     """
@@ -142,7 +142,7 @@ def _compute_link_point(
     frequency = field.first_lamp.wave.frequency
     bins = plan_bins(DemodulationSettings(frequency=frequency), rate, samples)
     x, y, z, towards = stand
-    facing = LightView(field, vehicle, diodes).compute_illuminance(
+    facing = LightView(field, vehicle, diodes).compute_diode_readings(
         [_build_level_pose(x, y, z, towards)]
     )
     snr, clipped = [], False
@@ -177,7 +177,7 @@ def simulate_block(
     view = LightView(field, vehicle, diodes.draw_gains(chance))
     view.record_pose(_build_level_pose(x, y, z, towards + TURN * float(chance.uniform(-1.0, 1.0))))
     # Blocks follow each other in time, so each has another phase of the lamp.
-    return view.read_block(seed * BLOCK_NS, light.sample_rate.si, light.samples, chance)
+    return view.sample_light_block(seed * BLOCK_NS, light.sample_rate.si, light.samples, chance)
 
 
 def _build_level_pose(x: float, y: float, z: float, heading: float) -> Pose:

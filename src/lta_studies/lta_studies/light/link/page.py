@@ -9,8 +9,8 @@ from lta_bridge.provenance import read_commit
 from lta_config.command_line import format_lta_command
 from lta_report.drawing import create_figure
 from lta_report.formatting import Tile
+from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import render_section, render_tile
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, SOFT, TRUTH, WALL
 from lta_studies.light.link.link_budget import LampLink, LinkPoint
 from plotly.graph_objects import Figure, Scatter
@@ -44,13 +44,13 @@ def render_page(links: Sequence[LampLink], again: str, vehicle: str) -> str:
     first = links[0].scenario
     return assemble_page(
         'light_link.html',
-        title=escape(format_title(links)),
+        title=escape(format_headline(links)),
         kicker=escape(f'light link · {vehicle}'),
         about='Light and signal-to-noise ratio of a lamp against the distance from it.',
         tiles='\n'.join(render_tile(*each) for each in build_tiles(links)),
         lux=render_section('lux', 'Light on the diodes', LUX, plot_lux(links)),
         snr=render_section('snr', 'Signal-to-noise ratio', SNR, plot_snr(links)),
-        table=''.join(render_table(each) for each in links),
+        table=''.join(render_link_table(each) for each in links),
         method=escape(METHOD),
         facts={'vehicle': vehicle, 'commit': read_commit()},
         commands={
@@ -65,7 +65,7 @@ def find_reference_point(link: LampLink) -> LinkPoint:
     return min(link.at, key=lambda at: abs(at.distance - PAPER_DISTANCE))
 
 
-def format_title(links: Sequence[LampLink]) -> str:
+def format_headline(links: Sequence[LampLink]) -> str:
     """Return the headline."""
     values = [f'{find_reference_point(each).snr:.0f} in {each.scenario}' for each in links]
     distances = {f'{find_reference_point(each).distance:g}' for each in links}
@@ -140,19 +140,19 @@ def plot_links(
 HEADS: Final = ('distance [m]', 'direct [lx]', 'read [lx]', 'echo [lx]', 'steady [lx]', 'SNR')
 
 
-def format_row(at: LinkPoint) -> list[str]:
+def format_link_row(at: LinkPoint) -> list[str]:
     """Format one row of the table."""
     snr = f'{at.snr:.1f}' + (' clipped' if at.clipped else '')
     numbers = (at.lux, at.read, at.echo, at.steady)
     return [f'{at.distance:g}', *(f'{number:.1f}' for number in numbers), snr]
 
 
-def render_table(link: LampLink) -> str:
+def render_link_table(link: LampLink) -> str:
     """Return the HTML table of one scene."""
     head = ''.join(f'<th scope="col">{each}</th>' for each in HEADS)
     rows = []
     for at in link.at:
-        first, *rest = format_row(at)
+        first, *rest = format_link_row(at)
         own = ''.join(f'<td>{escape(cell)}</td>' for cell in rest)
         rows.append(f'<tr><th scope="row">{escape(first)}</th>{own}</tr>')
     caption = f'{link.scenario}, feedback resistor of {link.feedback / 1e3:g} kohm'

@@ -102,7 +102,7 @@ def build_floor(plan: FloorPlan, vehicle: Vehicle, cell: float) -> FloorGrid:
     x, y = (low[k] + (np.arange(counts[k]) + 0.5) * cell for k in (0, 1))
     points = np.stack(np.meshgrid(x, y), axis=-1)
     free = points_in_polygon(points, corners)
-    radius, lowest = hull_radius(vehicle), plan.altitude.si - vehicle.height_on_floor
+    radius, lowest = hull_radius(vehicle), plan.altitude.si - vehicle.hull_height_on_floor
     in_the_way = [polygon_edges(corners)]
     walls = [_wall_faces(corners, plan.height.si)]
     for obstacle in plan.obstacles.values():
@@ -136,7 +136,7 @@ def hull_radius(vehicle: Vehicle) -> float:
 def _check_height(plan: FloorPlan, vehicle: Vehicle) -> None:
     """Raise `BadInput` for an altitude at which the vehicle hits the floor or the ceiling."""
     altitude, name = plan.altitude.si, vehicle.file.name
-    standing, above = vehicle.height_on_floor, half_axes(vehicle.file.hull)[2]
+    standing, above = vehicle.hull_height_on_floor, half_axes(vehicle.file.hull)[2]
     if altitude < standing:
         raise BadInput(
             f'{plan.name} is flown at {altitude:g} m, but the hull centre of {name} is at '

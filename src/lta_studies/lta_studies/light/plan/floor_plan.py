@@ -16,7 +16,7 @@ from lta_model.scenario_light import AmbientScene
 from lta_studies.light.plan.polygon import (
     Array,
     distance_to_edges,
-    find_flaw,
+    find_polygon_flaw,
     points_in_polygon,
     polygon_edges,
 )
@@ -47,7 +47,7 @@ class FloorArea(StrictModel):
                 f'has {across} numbers in x and {up} in y; give the same number in both, from 3 '
                 f'to {MOST_CORNERS}'
             )
-        if wrong := find_flaw(self.corners):
+        if wrong := find_polygon_flaw(self.corners):
             raise ValueError(wrong)
         return self
 

@@ -78,7 +78,7 @@ class FrequencyBand:
         """Return the aliased frequencies in the sampled spectrum. [Hz]"""
         return np.abs(frequency - self.rate * np.rint(frequency / self.rate))
 
-    def is_usable(self, frequency: Array) -> Mask:
+    def is_usable_frequency(self, frequency: Array) -> Mask:
         """Return whether the windows are within the band and clear of the mains."""
         half = self.half_window
         # The nearest multiple of the mains flicker, not counting 0
@@ -111,7 +111,7 @@ def find_clear_frequencies(
 ) -> list[float]:
     """Return up to `most` further frequencies, lowest first. [Hz]"""
     middles: Array = np.arange(1.0, band.samples // 2 + 1) * band.bin_width
-    free = band.is_usable(middles)
+    free = band.is_usable_frequency(middles)
     for frequency in existing:
         free &= band.is_separable(frequency, middles, order)
     found: list[float] = []
@@ -143,7 +143,7 @@ def choose_frequencies(
         If existing frequencies conflict, or not enough new ones fit.
 
     """
-    _check_existing(band, existing)
+    _check_existing_frequencies(band, existing)
     for order in ORDERS:
         if _find_conflict(band, existing, order):
             continue
@@ -169,10 +169,10 @@ def explain_shortage(band: FrequencyBand, existing: Sequence[float], count: int,
     )
 
 
-def _check_existing(band: FrequencyBand, existing: Sequence[float]) -> None:
+def _check_existing_frequencies(band: FrequencyBand, existing: Sequence[float]) -> None:
     """Raise `BadInput` if existing frequencies are unusable or conflict."""
     for frequency in existing:
-        if not band.is_usable(np.array(frequency)):
+        if not band.is_usable_frequency(np.array(frequency)):
             raise BadInput(
                 f'An existing lamp flickers at {frequency:g} Hz, below {LOWEST:g} Hz, '
                 f'too near to Nyquist ({band.rate / 2:g} Hz) or within '

@@ -40,25 +40,25 @@ def find_gaps(layout: LampLayout) -> list[CoverageGap]:
     """Return the gaps of a layout, largest first."""
     floor, half = layout.floor, 0.5 * layout.floor.cell
     # `overlap` lamps must be received everywhere; more than one allows hand-overs.
-    lacking = layout.audible_count < layout.overlap
+    lacking = layout.received_count < layout.overlap
     grid = np.zeros(floor.wanted.shape, dtype=bool)
     grid[floor.wanted] = lacking
     causes = np.full(floor.wanted.shape, '', dtype=object)
-    causes[floor.wanted] = _explain_cells(layout)
+    causes[floor.wanted] = _find_gap_causes(layout)
     # Cells that touch at a corner belong together.
     labels, count = ndimage.label(grid, structure=np.ones((3, 3)))
     found = []
     for k in range(1, count + 1):
         rows, columns = np.nonzero(labels == k)
         x, y = floor.x[columns], floor.y[rows]
-        why = _most_common(causes[rows, columns].tolist())
+        why = _most_common_word(causes[rows, columns].tolist())
         west, south = float(x.min()) - half, float(y.min()) - half
         east, north = float(x.max()) + half, float(y.max()) + half
         found.append(CoverageGap(len(rows) * floor.cell**2, west, south, east, north, why))
     return sorted(found, key=lambda gap: -gap.area)
 
 
-def _explain_cells(layout: LampLayout) -> list[str]:
+def _find_gap_causes(layout: LampLayout) -> list[str]:
     """Return the cause for each wanted cell, in case it is a gap."""
     # Lamps bright enough if no other lamp interfered
     alone = (layout.light >= layout.least).sum(axis=0)
@@ -68,6 +68,6 @@ def _explain_cells(layout: LampLayout) -> list[str]:
     ]
 
 
-def _most_common(words: Sequence[str]) -> str:
+def _most_common_word(words: Sequence[str]) -> str:
     # Sorted, so that ties do not depend on the order of a set.
     return max(sorted(set(words)), key=words.count)

@@ -46,7 +46,7 @@ class LampHandover:
 
 def plan_handover(layout: LampLayout) -> LampHandover:
     """Plan the hand-overs and the route of a layout."""
-    centres, audible = layout.floor.cell_centers, layout.audible
+    centres, audible = layout.floor.cell_centers, layout.is_received
     ends = [find_arrival_cell(centres, audible[k], layout, k) for k in range(len(layout.lamps))]
     edges = []
     for i, here in enumerate(ends):
@@ -54,7 +54,7 @@ def plan_handover(layout: LampLayout) -> LampHandover:
             # Lamp j must be received where the flight to lamp i ends.
             if i == j or here is None or there is None or not audible[j, here]:
                 continue
-            if is_way_free(layout.floor, centres[here], centres[there]):
+            if is_straight_path_clear(layout.floor, centres[here], centres[there]):
                 edges.append((i, j))
     route = find_longest_route(len(ends), edges)
     start = None
@@ -73,7 +73,7 @@ def find_arrival_cell(centres: Array, audible: Mask, layout: LampLayout, lamp: i
     return int(np.where(audible, off, np.inf).argmin())
 
 
-def is_way_free(floor: FloorGrid, here: Array, there: Array) -> bool:
+def is_straight_path_clear(floor: FloorGrid, here: Array, there: Array) -> bool:
     """Return whether the hull fits along the straight path between two places. [m]"""
     # Two samples per cell, so that no cell on the path is skipped.
     steps = max(int(np.ceil(2.0 * np.hypot(*(there - here)) / floor.cell)), 1)
@@ -105,7 +105,7 @@ def find_farthest_place(floor: FloorGrid, centres: Array, audible: Mask, end: in
     off = np.where(audible, np.hypot(*(centres - centres[end]).T), -1.0)
     # From the farthest cell; the first one with a free path is the answer.
     for cell in np.argsort(-off):
-        if off[cell] >= 0.0 and is_way_free(floor, centres[cell], centres[end]):
+        if off[cell] >= 0.0 and is_straight_path_clear(floor, centres[cell], centres[end]):
             return _to_point(centres[cell])
     return _to_point(centres[end])
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from lta_config.errors import unknown_name
+from lta_config.errors import unknown_name_error
 from lta_config.files import find_file, load_yaml, validate_content
 from lta_config.parameter_override import parse_assignment, replace_parameter
 from lta_config.schema.vehicle_file import VehicleFile
@@ -44,7 +44,7 @@ def load_inputs(
         path, value = parse_assignment(text)
         root, _, below = path.partition('.')
         if root not in ROOTS or not below:
-            raise unknown_name('parameter', path, [f'{name}. ...' for name in ROOTS])
+            raise unknown_name_error('parameter', path, [f'{name}. ...' for name in ROOTS])
         contents[root] = replace_parameter(contents[root], below, value, root)
     hall = validate_content(FloorPlan, contents['plan'], str(files['plan']))
     flown = Vehicle(validate_content(VehicleFile, contents['vehicle'], str(files['vehicle'])))

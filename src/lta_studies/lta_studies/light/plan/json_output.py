@@ -9,7 +9,7 @@ from lta_studies.light.plan.layout import LampLayout
 
 def encode_layout(layout: LampLayout, handover: LampHandover) -> dict[str, Any]:
     """Return the JSON object of a layout."""
-    floor, audible, count = layout.floor, layout.audible, layout.audible_count
+    floor, audible, count = layout.floor, layout.is_received, layout.received_count
     names = [lamp.name for lamp in layout.lamps]
     return {
         'plan': layout.plan.name,

@@ -77,17 +77,17 @@ class LampLayout:
     bound: int
 
     @property
-    def audible(self) -> Mask:
+    def is_received(self) -> Mask:
         """Whether each lamp is received in each wanted cell, shape (lamps, cells)."""
         return np.asarray(self.snr >= self.ear.required_snr)
 
     @property
-    def audible_count(self) -> Array:
+    def received_count(self) -> Array:
         """Number of lamps received in each wanted cell."""
-        return np.asarray(self.audible.sum(axis=0))
+        return np.asarray(self.is_received.sum(axis=0))
 
     @property
     def coverage(self) -> float:
         """Share of the wanted cells that receive enough lamps."""
         # All cells have the same area, so a share of cells is a share of area.
-        return float((self.audible_count >= self.overlap).mean())
+        return float((self.received_count >= self.overlap).mean())

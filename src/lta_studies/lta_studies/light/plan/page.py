@@ -8,8 +8,8 @@ from typing import Final
 
 from lta_bridge.provenance import read_commit
 from lta_report.formatting import MISSING, Tile
+from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import render_section, render_tile
 from lta_studies.light.plan.gaps import CoverageGap, find_gaps
 from lta_studies.light.plan.handover import LampHandover
 from lta_studies.light.plan.joint_snr import PURE
@@ -54,7 +54,7 @@ def render_page(
     plan, gaps = layout.plan, find_gaps(layout)
     return assemble_page(
         'light_plan.html',
-        title=escape(format_title(layout)),
+        title=escape(format_headline(layout)),
         kicker=escape(f'light plan · {plan.name}'),
         about=escape(plan.about),
         tiles='\n'.join(render_tile(*each) for each in build_tiles(layout, handover)),
@@ -74,13 +74,13 @@ def render_page(
                 cell=layout.floor.cell,
             )
         ),
-        facts=describe_provenance(layout),
+        facts=build_provenance_table(layout),
         commands={'Repeat the plan': again, 'Fly in it': next_step},
         files={'The scenario file': scene},
     )  # fmt: skip
 
 
-def format_title(layout: LampLayout) -> str:
+def format_headline(layout: LampLayout) -> str:
     """Return the headline."""
     count, where = len(layout.lamps), layout.plan.name.replace('_', ' ')
     number = 'one' if layout.overlap == 1 else f'{layout.overlap} of them'
@@ -101,7 +101,7 @@ def build_tiles(layout: LampLayout, handover: LampHandover) -> list[Tile]:
     wanted = float(floor.wanted.sum()) * floor.cell**2
     # The best lamp in each cell, then the worst cell
     weakest = float(layout.snr.max(axis=0).min())
-    two = format_percent(float((layout.audible_count >= 2).mean()))
+    two = format_percent(float((layout.received_count >= 2).mean()))
     tones = [lamp.frequency for lamp in layout.lamps]
     steps = len(handover.route)
     return [
@@ -138,7 +138,7 @@ def render_lamps(layout: LampLayout, handover: LampHandover) -> str:
     names = [lamp.name for lamp in layout.lamps]
     lines = []
     for k, lamp in enumerate(layout.lamps):
-        area = float(layout.audible[k].sum()) * layout.floor.cell**2
+        area = float(layout.is_received[k].sum()) * layout.floor.cell**2
         numbers = [*(f'{part:.1f}' for part in lamp.mount.position), f'{lamp.frequency:g}']
         cells = ''.join(f'<td>{cell}</td>' for cell in (*numbers, f'{area:.0f}'))
         # Lamps are numbered from 1, as in the plots.
@@ -197,7 +197,7 @@ def render_gaps(gaps: Sequence[CoverageGap]) -> str:
     )
 
 
-def describe_provenance(layout: LampLayout) -> dict[str, str]:
+def build_provenance_table(layout: LampLayout) -> dict[str, str]:
     """Return the provenance table of the page."""
     plan, lamp = layout.plan, layout.plan.lamp
     angle = math.degrees(lamp.half_power.si)

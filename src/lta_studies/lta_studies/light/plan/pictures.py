@@ -33,7 +33,7 @@ CHARACTER: Final = 6.0  # px, width of a character of a label
 
 def plot_coverage(layout: LampLayout) -> Figure:
     """Plot the SNR of the best received lamp, the lamps, and the gaps hatched."""
-    figure = plot_ground(layout)
+    figure = create_floor_figure(layout)
     floor = layout.floor
     best = np.full(floor.wanted.shape, np.nan)
     names = np.full(floor.wanted.shape, '', dtype=object)
@@ -62,7 +62,7 @@ def plot_coverage(layout: LampLayout) -> Figure:
 
 def plot_handovers(layout: LampLayout, handover: LampHandover) -> Figure:
     """Plot the ends of flights to lamps, the hand-overs between them, and the route."""
-    figure = plot_ground(layout)
+    figure = create_floor_figure(layout)
     ends = handover.arrivals
     ways = [(a, b) for i, j in handover.edges if (a := ends[i]) and (b := ends[j])]
     draw_ways(figure, ways, RAW, 1.2, 'hand-over')
@@ -86,7 +86,7 @@ def plot_handovers(layout: LampLayout, handover: LampHandover) -> Figure:
     return figure
 
 
-def plot_ground(layout: LampLayout) -> Figure:
+def create_floor_figure(layout: LampLayout) -> Figure:
     """Return a figure with the walls and obstacles."""
     plan = layout.plan
     figure = create_figure()
@@ -100,16 +100,16 @@ def plot_ground(layout: LampLayout) -> Figure:
     for obstacle in plan.obstacles.values():
         for footprint in obstacle.footprints:
             figure.add_shape(
-                type='path', path=format_outline(footprint), layer='below', line={'width': 0},
+                type='path', path=format_svg_path(footprint), layer='below', line={'width': 0},
                 fillcolor=RAW,
             )  # fmt: skip
     figure.add_shape(
-        type='path', path=format_outline(corners), layer='below', line={'color': WALL, 'width': 3}
+        type='path', path=format_svg_path(corners), layer='below', line={'color': WALL, 'width': 3}
     )
     return figure.update_layout(hovermode='closest', margin={'l': 48, 'r': 16, 't': 12, 'b': 40})
 
 
-def format_outline(corners: NDArray[np.float64]) -> str:
+def format_svg_path(corners: NDArray[np.float64]) -> str:
     """Return the SVG path of a polygon."""
     return 'M ' + ' L '.join(f'{x:g} {y:g}' for x, y in corners) + ' Z'
 
@@ -133,7 +133,7 @@ def hatch_gaps(figure: Figure, layout: LampLayout) -> None:
     """Hatch the cells that receive too few lamps."""
     floor, half = layout.floor, 0.5 * layout.floor.cell
     grid = np.zeros(floor.wanted.shape, dtype=bool)
-    grid[floor.wanted] = layout.audible_count < layout.overlap
+    grid[floor.wanted] = layout.received_count < layout.overlap
     x: list[float | None] = []
     y: list[float | None] = []
     for row, line in enumerate(grid):

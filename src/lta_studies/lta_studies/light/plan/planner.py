@@ -13,9 +13,9 @@ from lta_studies.light.plan.mounts import LampMount
 from lta_studies.light.plan.receiver import LightReceiver
 from lta_studies.light.plan.reception import (
     ambient_shares,
+    build_lamp_link,
     compute_lamp_light,
-    compute_reception,
-    compute_snr,
+    compute_simultaneous_snr,
     solve_required_light,
 )
 from lta_studies.light.plan.set_cover import (
@@ -78,7 +78,7 @@ def plan_layout(
     # Positions are chosen before frequencies: any clear frequency serves to find the light needed.
     first = choose_frequencies(band, [], 1)[0][0]
     link, share = (
-        compute_reception(plan, ear, mounts[0], first),
+        build_lamp_link(plan, ear, mounts[0], first),
         float(ambient_shares(plan, ear).mean()),
     )
     least = solve_required_light(link, share, ear.required_snr)
@@ -99,7 +99,7 @@ def plan_layout(
     lamps, order = _assign_frequencies([mounts[k] for k in chosen], band)
     chosen_mounts, tones = [lamp.mount for lamp in lamps], [lamp.frequency for lamp in lamps]
     # Index 1 is the light at the best heading: 0 where the lamp is hidden.
-    snr = compute_snr(plan, ear, floor, chosen_mounts, tones, light[chosen, 1] > 0.0)
+    snr = compute_simultaneous_snr(plan, ear, floor, chosen_mounts, tones, light[chosen, 1] > 0.0)
     return LampLayout(
         plan, floor, ear, overlap, lamps, light[chosen, 0], snr, alone.sum(axis=0), len(mounts),
         least, order, bound,

@@ -44,7 +44,7 @@ def distance_to_edges(points: Array, edges: Array) -> Array:
     return nearest
 
 
-def find_flaw(corners: Array) -> str | None:
+def find_polygon_flaw(corners: Array) -> str | None:
     """Return why corners of shape (k, 2) are not a simple polygon, or None."""
     edges = polygon_edges(corners)
     sides = np.hypot(*(edges[:, 2:] - edges[:, :2]).T)

@@ -49,7 +49,7 @@ def build_light_field(plan: FloorPlan, mount: LampMount, frequency: float) -> Li
     )
 
 
-def compute_reception(
+def build_lamp_link(
     plan: FloorPlan, ear: LightReceiver, mount: LampMount, frequency: float
 ) -> LightLink:
     """Return the light link of a lamp at a frequency. [Hz]"""
@@ -64,7 +64,7 @@ def compute_reception(
     )
 
 
-def pack_numbers(reception: LightLink) -> Numbers:
+def pack_common_parameters(reception: LightLink) -> Numbers:
     """Return the numbers common to all lamps, as in `diode_snr`."""
     return (
         reception.counts, reception.dark, reception.steady, reception.top, reception.variance,
@@ -72,7 +72,7 @@ def pack_numbers(reception: LightLink) -> Numbers:
     )  # fmt: skip
 
 
-def lone_lamp_snr(reception: LightLink, share: float, light: float) -> float:
+def single_lamp_snr(reception: LightLink, share: float, light: float) -> float:
     """
     Return the SNR of a single lamp on a diode.
 
@@ -87,7 +87,7 @@ def lone_lamp_snr(reception: LightLink, share: float, light: float) -> float:
 
     """
     own, steady = reception.counts * light, share * reception.steady
-    if is_saturated(own, share, pack_numbers(reception)):
+    if is_saturated(own, share, pack_common_parameters(reception)):
         return 0.0
     swing, quiet, _ = expected_magnitude(reception, own, steady)
     return swing / (quiet + reception.hum * share)
@@ -102,13 +102,15 @@ def solve_required_light(reception: LightLink, share: float, needed: float) -> f
         * NEARLY,
     )
     # Not received even just below saturation
-    if lone_lamp_snr(reception, share, high) < needed:
+    if single_lamp_snr(reception, share, high) < needed:
         return math.inf
     # 60 halvings exhaust double precision.
     for _ in range(60):
         middle = 0.5 * (low + high)
         low, high = (
-            (low, middle) if lone_lamp_snr(reception, share, middle) >= needed else (middle, high)
+            (low, middle)
+            if single_lamp_snr(reception, share, middle) >= needed
+            else (middle, high)
         )
     return high
 
@@ -141,7 +143,7 @@ def compute_lamp_light(
     """
     (kernel,) = compile_functions(compute_cell_light)
     cells, planes, hull = _prepare_cells(plan, ear, floor)
-    headings, eye = choose_headings(planes, hull), _build_eye(ear)
+    headings, eye = choose_headings(planes, hull), _build_diode_response(ear)
     light = np.zeros((len(mounts), 2, len(cells)))
     for k, mount in enumerate(mounts):
         # The geometry of the beam does not depend on its frequency (1 Hz here).
@@ -151,7 +153,7 @@ def compute_lamp_light(
     return light
 
 
-def compute_snr(
+def compute_simultaneous_snr(
     plan: FloorPlan, ear: LightReceiver, floor: FloorGrid, mounts: Sequence[LampMount],
     tones: Sequence[float], visible: Mask,
 ) -> Array:  # fmt: skip
@@ -170,19 +172,20 @@ def compute_snr(
     """
     (kernel,) = compile_functions(compute_joint_snr)
     cells, planes, hull = _prepare_cells(plan, ear, floor)
-    links = [compute_reception(plan, ear, *pair) for pair in zip(mounts, tones, strict=True)]
+    links = [build_lamp_link(plan, ear, *pair) for pair in zip(mounts, tones, strict=True)]
     window, quiet = compute_crosstalk(ear, tones, plan.lamp.duty.si)
     snr = np.empty(visible.shape)
     kernel(
-        np.array([each.lamp for each in links]), _build_eye(ear), np.ascontiguousarray(visible.T),
-        cells, planes, hull, choose_headings(planes, hull), pack_numbers(links[0]),
+        np.array([each.lamp for each in links]), _build_diode_response(ear),
+        np.ascontiguousarray(visible.T),
+        cells, planes, hull, choose_headings(planes, hull), pack_common_parameters(links[0]),
         np.array([(each.gain, each.leak, each.hum) for each in links]), window, quiet,
         np.empty((len(links), len(planes))), snr,
     )  # fmt: skip
     return snr
 
 
-def _build_eye(ear: LightReceiver) -> DiodeResponse:
+def _build_diode_response(ear: LightReceiver) -> DiodeResponse:
     return DiodeResponse(ear.vehicle.diodes.response, ear.vehicle.diodes.edge_cosine)
 
 
@@ -190,7 +193,7 @@ def ambient_shares(plan: FloorPlan, ear: LightReceiver) -> Array:
     """Return each diode's share of isotropic ambient light, shape (diodes,). [1]"""
     # The shares of ambient light do not depend on the lamp, so any lamp will do.
     nowhere = LampMount((0.0, 0.0, plan.lamp.height.si), (1.0, 0.0, 0.0))
-    link = compute_reception(plan, ear, nowhere, LOWEST)
+    link = build_lamp_link(plan, ear, nowhere, LOWEST)
     out = np.empty((LAMPS + 1, len(link.planes)))
     scratch = np.empty(scratch_size(1))
     write_ring_light(link, (0.0, 0.0, plan.altitude.si), (0.0, 0.0, 0.0, 1.0), out, scratch)

@@ -89,7 +89,7 @@ def improve_cover(
     """
     # With a limit on the lamps the demand may be unmet; keep what the greedy choice reached.
     goal = np.minimum(audible[chosen].sum(axis=0), needed)
-    best = drop_redundant(audible, goal, chosen, existing)
+    best = drop_redundant_lamps(audible, goal, chosen, existing)
     for _ in range(TRIES):
         movable = [lamp for lamp in best if lamp not in existing]
         if len(best) <= bound or not movable:
@@ -102,11 +102,11 @@ def improve_cover(
         filled = select_greedily(audible, goal, rest, len(best), weights)
         # Accept an equal number of lamps too: another layout may have a redundant one.
         if np.all(audible[filled].sum(axis=0) >= goal):
-            best = drop_redundant(audible, goal, filled, existing)
+            best = drop_redundant_lamps(audible, goal, filled, existing)
     return best
 
 
-def drop_redundant(audible: Mask, goal: Whole, chosen: Chosen, existing: Chosen) -> Chosen:
+def drop_redundant_lamps(audible: Mask, goal: Whole, chosen: Chosen, existing: Chosen) -> Chosen:
     """Drop lamps whose cells all receive enough others, in the order of choice."""
     count = audible[chosen].sum(axis=0)
     left = list(chosen)

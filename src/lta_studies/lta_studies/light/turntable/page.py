@@ -8,8 +8,8 @@ from typing import Final
 
 from lta_report.drawing import create_figure
 from lta_report.formatting import Tile
+from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_report.page_parts import render_section, render_tile
 from lta_report.palette import ESTIMATE, GRID, SETPOINT, SOFT, TIME, TRUTH
 from lta_studies.light.bearing.page import format_degrees, render_table
 from lta_studies.light.bearing.study import (
@@ -19,7 +19,7 @@ from lta_studies.light.bearing.study import (
     list_directions,
     RingStudy,
 )
-from lta_studies.light.bearing.study_page import build_rows, median_error
+from lta_studies.light.bearing.study_page import build_ring_rows, median_error
 from lta_studies.light.turntable.response import TurntableResponse
 from lta_studies.light.turntable.turntable import TurntableReadings
 from lta_vlc.diodes import DiodeArray
@@ -67,11 +67,12 @@ def write_page(
                 'blocks.'
             ),
             tiles='\n'.join(render_tile(*each) for each in build_tiles(study, response)),
-            table=render_table(build_rows([study])) + render_table(build_gain_rows(response)),
+            table=render_table(build_ring_rows([study]))
+            + render_table(build_diode_gain_rows(response)),
             claims=render_table(build_claim_rows(study)),
             notes=f'<p class="note">{escape(METHOD)}</p>',
             pictures='\n'.join([
-                render_section('polar', 'Error by direction', POLAR, plot_polar(study)),
+                render_section('polar', 'Error by direction', POLAR, plot_polar_errors(study)),
                 render_section('curve', 'Angular response of a diode', CURVE,
                         plot_response(readings, response, diodes)),
             ]),
@@ -90,7 +91,7 @@ def build_claim_rows(study: RingStudy) -> list[tuple[str, ...]]:
     return rows
 
 
-def build_gain_rows(response: TurntableResponse) -> list[tuple[str, ...]]:
+def build_diode_gain_rows(response: TurntableResponse) -> list[tuple[str, ...]]:
     """Return the table of diode gains; the first row is the head."""
     rows: list[tuple[str, ...]] = [('diode', 'gain', 'standard deviation')]
     rows += [
@@ -118,7 +119,7 @@ def build_tiles(study: RingStudy, response: TurntableResponse) -> list[Tile]:
     ]  # fmt: skip
 
 
-def plot_polar(study: RingStudy) -> Figure:
+def plot_polar_errors(study: RingStudy) -> Figure:
     """Plot the error by direction; the first direction is repeated to close the curve."""
     figure = create_figure()
     around = [*np.degrees(list_directions()), 360.0]

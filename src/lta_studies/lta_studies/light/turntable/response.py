@@ -117,18 +117,18 @@ def _fit_parameters(cosine: Array, amplitude: Array) -> Array:
     """Return exponent, strength, pedestal and gains, with the mean gain fixed to 1."""
     top = float(amplitude.max())
 
-    def expand(values: Array) -> Array:
+    def expand_parameters(values: Array) -> Array:
         # The last gain follows from the mean of 1, as a common factor is part of the strength.
         gains = np.append(values[3:], amplitude.shape[1] - values[3:].sum())
         return np.concatenate([values[:1], top * values[1:3], gains])
 
     def residuals(values: Array) -> Array:
         # Scaled to order 1, so that the tolerances of the solver fit
-        over: Array = (_predict_amplitude(expand(values), cosine) - amplitude) / top
+        over: Array = (_predict_amplitude(expand_parameters(values), cosine) - amplitude) / top
         return over.ravel()
 
     begin = np.concatenate([[BEGIN_AT, 1.0, 0.01], np.ones(amplitude.shape[1] - 1)])
     low = np.concatenate([[EXPONENTS[0], 0.0, 0.0], np.zeros(len(begin) - 3)])
     high = np.concatenate([[EXPONENTS[1], 10.0, 10.0], np.full(len(begin) - 3, np.inf)])
     found = least_squares(residuals, begin, bounds=(low, high))
-    return expand(found.x)
+    return expand_parameters(found.x)

@@ -87,7 +87,7 @@ class TurntableReadings:
     amplitude: Array
 
 
-def read_turn(
+def evaluate_turn(
     flight: RecordedFlight,
     diodes: DiodeArray,
     demodulation: DemodulationSettings,
@@ -129,7 +129,7 @@ def read_turn(
     amplitudes = []
     for part in flight.iterate_blocks(PHOTODIODES, TOGETHER):
         for time, block in zip(part.time, part.samples, strict=True):
-            diodes.check_count(block.shape[1])
+            diodes.check_diode_count(block.shape[1])
             direction = lamp(float(time) + half)
             if math.isnan(direction):
                 continue

@@ -42,15 +42,17 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     flights = fly_entries(pairs, request.seeds)
     values: dict[str, MeasuredValue] = {}
     for name, manoeuvre in pairs:
-        values[f'{name}_{manoeuvre}_held'] = flights.hold_share(name, manoeuvre)
-        values[f'{name}_{manoeuvre}_rms'] = flights.measure_figure(name, manoeuvre, 'rms')
-    values['gtmab_overshoot'] = flights.measure_figure('gtmab', 'climb', 'overshoot')
-    values['gtmab_settles'] = flights.measure_figure('gtmab', 'climb', 'settling_time')
+        values[f'{name}_{manoeuvre}_held'] = flights.success_share(name, manoeuvre)
+        values[f'{name}_{manoeuvre}_rms'] = flights.metric_value(name, manoeuvre, 'rms')
+    values['gtmab_overshoot'] = flights.metric_value('gtmab', 'climb', 'overshoot')
+    values['gtmab_settles'] = flights.metric_value('gtmab', 'climb', 'settling_time')
     values |= lift_margins(flights)
-    return RowStudyResult(values, [build_picture(request, flights, each) for each in manoeuvres])
+    return RowStudyResult(
+        values, [plot_both_platforms(request, flights, each) for each in manoeuvres]
+    )
 
 
-def build_picture(
+def plot_both_platforms(
     request: RowStudyRequest, flights: ComparisonFlights, manoeuvre: str
 ) -> StudyPicture:
     """Plot both platforms in a manoeuvre, and BEAVIS with a linear B if flown."""

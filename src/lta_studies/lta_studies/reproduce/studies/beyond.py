@@ -8,15 +8,20 @@ from lta_studies.light.bearing.bench import BearingBench
 from lta_studies.light.bearing.places import build_flight_spec, PLACES
 from lta_studies.light.bearing.study import READINGS, RingStudy, study_ring
 from lta_studies.light.evaluation.pictures import plot_paper_comparison
-from lta_studies.light.evaluation.tracks import fly_again, plot_tracks, select_seed
+from lta_studies.light.evaluation.tracks import fly_again, plot_tracks, select_track_seed
 from lta_studies.mission.pictures import draw_charge
-from lta_studies.mission.run import filter_by_schedule, load_request, run_missions, schedule_gain
+from lta_studies.mission.run import (
+    filter_by_schedule,
+    flight_time_ratio,
+    load_request,
+    run_missions,
+)
 from lta_studies.mission.simulate_mission import AWARE, NAIVE
 from lta_studies.reproduce.flights import (
     FlightGroup,
     fly_group,
     format_command,
-    reached_value,
+    measure_success_share,
     record_group,
     summarize_cell,
     thin_annotations,
@@ -63,7 +68,8 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     winds = fly_group('uniform', request.seeds, strategies=BOTH, cases=list(WINDS))
     for case, label in WINDS.items():
         values |= {
-            f'{name}_{label}_reached': reached_value(winds.find_cell(name, case)) for name in BOTH
+            f'{name}_{label}_reached': measure_success_share(winds.find_cell(name, case))
+            for name in BOTH
         }
     values |= measure_bearings(request.seeds)
     missions, drawn = study_mission(request.folder / MISSION, request.seeds)
@@ -87,7 +93,7 @@ def measure_bearings(seeds: int) -> dict[str, MeasuredValue]:
 def build_headwind_picture(request: RowStudyRequest, winds: FlightGroup) -> StudyPicture:
     """Plot both strategies in a headwind, from above."""
     cells = list(winds.find_cells('head_90').values())
-    seed = select_seed(cells)
+    seed = select_track_seed(cells)
     tracks, scenario = fly_again(winds.plan, cells, seed)
     bag = record_group(winds, cells, seed, request.folder / 'wind')
     again = format_command(winds, winds.find_cell('homing', 'head_90'), seed)
@@ -102,7 +108,7 @@ def study_mission(folder: Path, seeds: int) -> tuple[dict[str, MeasuredValue], S
     folder.mkdir(parents=True, exist_ok=True)
     results = run_missions(order, folder, lambda _: None)
     ours = [each.figures for each in filter_by_schedule(results, AWARE)]
-    more = schedule_gain(results)
+    more = flight_time_ratio(results)
     # Both schedules were simulated, so the ratio exists.
     assert more is not None
     values = {

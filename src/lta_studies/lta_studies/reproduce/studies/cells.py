@@ -7,7 +7,7 @@ from lta_config.command_line import format_lta_command
 from lta_config.schema.cell_table import CellTable, load_cell_table
 from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_energy.break_even import break_even_illuminance, LightSource
+from lta_energy.break_even_illuminance import break_even_illuminance, LightSource
 from lta_energy.harvest import HarvestCurve
 from lta_model.electrical.charger import ChargerModel
 from lta_model.electrical.panel import SolarArrayModel
@@ -18,11 +18,11 @@ from lta_studies.energy.cells.arrays import (
     NetPower,
 )
 from lta_studies.energy.cells.page import draw_fronts, FAIR, PAPER
-from lta_studies.energy.cells.ranking import CellEntry, list_entries, select_readings
+from lta_studies.energy.cells.ranking import CellReading, list_readings, select_readings
 from lta_studies.energy.cells.tables import (
     build_array_table,
     datasheet_charging_time,
-    find_both_fronts,
+    find_fronts_by_criterion,
     SQUARE,
 )
 from lta_studies.reproduce.study_result import (
@@ -42,8 +42,8 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     del request
     table = load_cell_table('seed_paper')
     energy = load_vehicle_file('gtmab').energy
-    found = list_entries(table)
-    fronts = [find_both_fronts(found, which) for which in range(len(READINGS))]
+    found = list_readings(table)
+    fronts = [find_fronts_by_criterion(found, which) for which in range(len(READINGS))]
     values = {
         **quotient_errors(found),
         **data_sheet_times(found),
@@ -66,12 +66,12 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     return RowStudyResult(values, pictures, [build_array_table(table, energy)])
 
 
-def list_makers(front: Sequence[CellEntry]) -> MeasuredValue:
+def list_makers(front: Sequence[CellReading]) -> MeasuredValue:
     """Return the makers on a front, lightest cell first."""
     return MeasuredValue(', '.join(each.row.maker for each in front))
 
 
-def quotient_errors(cells: Sequence[CellEntry]) -> dict[str, MeasuredValue]:
+def quotient_errors(cells: Sequence[CellReading]) -> dict[str, MeasuredValue]:
     """Return the largest relative errors of the printed quotients."""
     worst = {}
     for which, reading in enumerate(READINGS):
@@ -85,7 +85,7 @@ def quotient_errors(cells: Sequence[CellEntry]) -> dict[str, MeasuredValue]:
     return worst
 
 
-def data_sheet_times(cells: Sequence[CellEntry]) -> dict[str, MeasuredValue]:
+def data_sheet_times(cells: Sequence[CellReading]) -> dict[str, MeasuredValue]:
     """Return the charging times from the data sheets, scaled to ANYSOLAR's."""
     return {
         f'sheet_{each.cell.name}': MeasuredValue(datasheet_charging_time(each, cells))
@@ -94,7 +94,7 @@ def data_sheet_times(cells: Sequence[CellEntry]) -> dict[str, MeasuredValue]:
     }
 
 
-def charging_time_factor(values: Sequence[CellEntry]) -> dict[str, MeasuredValue]:
+def charging_time_factor(values: Sequence[CellReading]) -> dict[str, MeasuredValue]:
     """Return the factor from data-sheet to printed times, and its leave-one-out error."""
     by = {
         each.cell.name: each.row.charge.si / datasheet_charging_time(each, values)

@@ -33,14 +33,14 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     flights = fly_entries(pairs, request.seeds)
     values: dict[str, MeasuredValue] = {}
     for name, manoeuvre in pairs:
-        values[f'{name}_{manoeuvre}_held'] = flights.hold_share(name, manoeuvre)
-        values[f'{name}_{manoeuvre}_overshoot'] = flights.measure_figure(
+        values[f'{name}_{manoeuvre}_held'] = flights.success_share(name, manoeuvre)
+        values[f'{name}_{manoeuvre}_overshoot'] = flights.metric_value(
             name, manoeuvre, 'overshoot'
         )
-        values[f'{name}_{manoeuvre}_rms'] = flights.measure_figure(name, manoeuvre, 'rms')
+        values[f'{name}_{manoeuvre}_rms'] = flights.metric_value(name, manoeuvre, 'rms')
     for name in shown:
-        values[f'{name}_climb_settles'] = flights.measure_figure(name, 'climb', 'settling_time')
-        values[f'{name}_cruise_ripple'] = flights.measure_figure(name, 'cruise', 'ripple')
+        values[f'{name}_climb_settles'] = flights.metric_value(name, 'climb', 'settling_time')
+        values[f'{name}_cruise_ripple'] = flights.metric_value(name, 'cruise', 'ripple')
     pictures = [
         StudyPicture(each, HEADINGS[each], CAPTIONS[each], flights.plot_tracking(each, shown),
                      format_lta_command('platforms', '--seeds', str(request.seeds)),

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from lta_config.command_line import format_lta_command
-from lta_energy.break_even import charging_power, LAMPS
+from lta_energy.break_even_illuminance import charging_power, LAMPS
 from lta_energy.harvest import HarvestCurve
 from lta_model.vehicle import load_vehicle
 from lta_studies.energy import paper
@@ -47,7 +47,7 @@ TASK: Final = {
 def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Measure power budget, cell voltage and charging."""
     found = measure_budget(VEHICLE, STANDARD, request.seeds, lambda: None)
-    values = {**measure_tasks(found, request.seeds), **measure_causes(found)}
+    values = {**measure_task_power(found, request.seeds), **measure_causes(found)}
     values |= measure_charging(found)
     pictures = [
         StudyPicture('tasks', 'Power by task', TASKS, draw_task_power(found),
@@ -79,7 +79,7 @@ def record_flights(folder: Path) -> str:
     return relative_bag_path(folder)
 
 
-def measure_tasks(power_budget: PowerBudget, seeds: int) -> dict[str, MeasuredValue]:
+def measure_task_power(power_budget: PowerBudget, seeds: int) -> dict[str, MeasuredValue]:
     """Return the power of every task, and ratios of them."""
     values = {name: task_power(power_budget.tasks[task], seeds) for task, name in TASK.items()}
     hover = power_budget.tasks['hovering'].power

@@ -48,7 +48,12 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     curve = StudyPicture('thrust', 'Thrust of one rotor', CURVE, plot_thrust(vehicle), command)
     both = {'GT-MAB': vehicle, 'BEAVIS': beavis['beavis']}
     return RowStudyResult(
-        values, [curve, *tunnel.build_pictures(sweep, both), *pressure.build_pictures(values)]
+        values,
+        [
+            curve,
+            *tunnel.plot_drag_and_matrices(sweep, both),
+            *pressure.plot_pressures_and_maps(values),
+        ],
     )
 
 

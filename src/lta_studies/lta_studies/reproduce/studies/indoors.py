@@ -10,7 +10,7 @@ from lta_studies.light.evaluation.cells import EvaluationCell
 from lta_studies.light.evaluation.paper import ORDER
 from lta_studies.light.evaluation.path_order import assess_path_order
 from lta_studies.light.evaluation.pictures import plot_paper_comparison
-from lta_studies.light.evaluation.tracks import fly_again, plot_tracks, select_seed
+from lta_studies.light.evaluation.tracks import fly_again, plot_tracks, select_track_seed
 from lta_studies.reproduce.flights import (
     FlightGroup,
     fly_group,
@@ -78,7 +78,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     indoors = groups['']
     values['dga_by_bag_time'] = mean_ratio(indoors, 'search_time', 'dga', 'bag')
     values['dga_by_bag_path'] = mean_ratio(indoors, 'path_length', 'dga', 'bag')
-    return RowStudyResult(values, build_pictures(request, groups))
+    return RowStudyResult(values, plot_indoor_flights(request, groups))
 
 
 def measure_factors(seeds: int) -> dict[str, MeasuredValue]:
@@ -137,7 +137,7 @@ def mean_ratio(group: FlightGroup, figure: str, above: str, below: str) -> Measu
     return MeasuredValue(value, seeds=top.flights)
 
 
-def build_pictures(
+def plot_indoor_flights(
     request: RowStudyRequest, groups: Mapping[str, FlightGroup]
 ) -> list[StudyPicture]:
     """Plot the flights from above, and the comparison with the paper."""
@@ -151,7 +151,7 @@ def build_pictures(
     for prefix, group in groups.items():
         name, heading = HEADINGS[prefix]
         cells = group.cells
-        seed = select_seed(cells)
+        seed = select_track_seed(cells)
         tracks, scenario = fly_again(group.plan, cells, seed)
         bag = '' if request.quick else record_group(group, cells, seed, request.folder / name)
         first = next(each for each in cells if each.strategy == 'bag')

@@ -12,10 +12,10 @@ from lta_model.vehicle import load_vehicle
 from lta_report.drawing import create_figure
 from lta_report.palette import ESTIMATE, RAW, TRUTH
 from lta_studies.light.link.link_budget import (
+    compute_lamp_link,
     LampLink,
     LinkPoint,
     simulate_block,
-    simulate_lamp_link,
 )
 from lta_studies.light.link.page import LUX, plot_lux, plot_snr, SNR
 from lta_studies.light.plan.floor import build_floor
@@ -61,7 +61,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     trace = simulate_samples()
     values['frequency'] = MeasuredValue(estimate_frequency())
     if not request.quick:
-        values['area'] = MeasuredValue(floor_per_lamp())
+        values['area'] = MeasuredValue(floor_area_per_lamp())
     again = format_lta_command(
         'light', 'link', *(word for name in links for word in ('--scenario', name)),
         *(word for each in DISTANCES for word in ('--distance', f'{each:g}')),
@@ -69,7 +69,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     )  # fmt: skip
     drawn = list(links.values())
     pictures = [
-        StudyPicture('trace', 'What a diode reads', TRACED, plot_trace(trace),
+        StudyPicture('trace', 'What a diode reads', TRACED, plot_diode_samples(trace),
                 format_lta_command('simulate', '--scenario', ROOM)),
         StudyPicture('lux', 'Light by distance', LUX, plot_lux(drawn), again),
         StudyPicture('snr', 'Signal-to-noise ratio by distance', SNR, plot_snr(drawn), again),
@@ -81,7 +81,7 @@ def measure_link(name: str, blocks: int) -> LampLink:
     """Compute the link budget of a scene."""
     scenario = load_scenario(name)
     vehicle = load_vehicle(VEHICLE, scenario.air.density)
-    return simulate_lamp_link(vehicle, scenario, DISTANCES, ALTITUDE, blocks)
+    return compute_lamp_link(vehicle, scenario, DISTANCES, ALTITUDE, blocks)
 
 
 def find_point(points: Sequence[LinkPoint], distance: float) -> LinkPoint:
@@ -113,12 +113,12 @@ def estimate_frequency() -> float:
         load_vehicle(VEHICLE).file.sensors.diodes.largest_reading,
     )
     listener = BeaconReceiver(DemodulationSettings(), light.sample_rate.si, light.samples, top)
-    peaks = listener.demodulate(simulate_samples(RANGE)).peaks[0]
+    peaks = listener.demodulate_next_block(simulate_samples(RANGE)).peaks[0]
     # Of the diode with the best SNR
     return float(peaks.frequency[int(peaks.snr.argmax())])
 
 
-def floor_per_lamp() -> float:
+def floor_area_per_lamp() -> float:
     """Return the floor area per lamp in the shipped warehouse. [m2]"""
     # 2.0: required SNR as a multiple of the demodulator's threshold
     plan, ear = load_inputs('warehouse', VEHICLE, 2.0, ())
@@ -128,7 +128,7 @@ def floor_per_lamp() -> float:
     return float(found.floor.area / len(found.lamps))
 
 
-def plot_trace(block: np.ndarray) -> Figure:
+def plot_diode_samples(block: np.ndarray) -> Figure:
     """Plot the first samples of the brightest and the darkest diode."""
     figure = create_figure()
     time = 1e3 * np.arange(SHOWN) / load_topic_table().light.sample_rate.si

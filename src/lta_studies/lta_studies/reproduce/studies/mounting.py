@@ -22,7 +22,7 @@ from lta_studies.energy.mounting.run import (
     MountingStudy,
 )
 from lta_studies.energy.mounting.straight_flight import average_over_seeds, END, prepare_flight
-from lta_studies.energy.mounting.tables import build_tables
+from lta_studies.energy.mounting.tables import build_comparison_tables
 from lta_studies.reproduce.recording import record_flight, relative_bag_path
 from lta_studies.reproduce.study_result import (
     MeasuredValue,
@@ -41,7 +41,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Fly each mount straight ahead, and release the hull with three heights of the weight."""
     order = MountingRequest(load_yaml(find_file('vehicle', 'gtmab')), MOUNTS, AHEAD, request.seeds)
     found = compare_mounts(order, lambda: None)
-    values = {**measure_mounts(found, request.seeds), **measure_heights(found)}
+    values = {**measure_mounts(found, request.seeds), **measure_tilt_by_height(found)}
     command = format_lta_command('energy', 'mounting', '--seeds', str(request.seeds))
     pictures = [
         StudyPicture('straight', 'Straight flight at 0.1 m/s', STRAIGHT,
@@ -52,7 +52,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
                      draw_overturning(found), command),
         StudyPicture('swing', 'Swing after a release', SWUNG, draw_swings(found), command),
     ]  # fmt: skip
-    return RowStudyResult(values, pictures, build_tables(found))
+    return RowStudyResult(values, pictures, build_comparison_tables(found))
 
 
 def record_flights(comparison: MountingStudy, folder: Path) -> str:
@@ -91,7 +91,7 @@ def measure_mounts(comparison: MountingStudy, seeds: int) -> dict[str, MeasuredV
     return values
 
 
-def measure_heights(comparison: MountingStudy) -> dict[str, MeasuredValue]:
+def measure_tilt_by_height(comparison: MountingStudy) -> dict[str, MeasuredValue]:
     """Return how a tilt develops with the centre of gravity below, at and above the centre."""
     below, at, above = comparison.overturning
     last = float(at.release.tilt[-1]) / float(at.release.tilt[0])

@@ -23,8 +23,8 @@ from lta_studies.reproduce.flights import (
     FlightGroup,
     fly_group,
     format_command,
+    measure_success_share,
     PAPERS,
-    reached_value,
     record_group,
     summarize_cell,
     thin_annotations,
@@ -65,7 +65,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
             values |= measure_reached_share(f'{name}_{speed:g}', winds, name, speed)
     values |= hull_winds()
     if request.quick:
-        return RowStudyResult(values, build_pictures(request, winds))
+        return RowStudyResult(values, plot_outdoor_flights(request, winds))
     grounds = fly_group(
         'roughness', request.seeds, strategies=('bag',),
         vary={ROUGH: [f'{each:g} m' for each in GROUNDS]},
@@ -76,10 +76,14 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     for name in (*PAPERS, 'homing'):
         values |= measure_reached_share(f'{name}_rough', rough, name, SHOWN)
     values['bag_rough_time'] = summarize_cell('x', find_cell(rough, 'bag', SHOWN))['x_time']
-    values['bag_from_roughness'] = MeasuredValue(least_roughness(grounds), seeds=request.seeds)
-    values |= {f'{name}_update': MeasuredValue(time_update(name), seeds=1) for name in PAPERS}
+    values['bag_from_roughness'] = MeasuredValue(
+        minimum_flyable_roughness(grounds), seeds=request.seeds
+    )
+    values |= {
+        f'{name}_update': MeasuredValue(measure_update_time(name), seeds=1) for name in PAPERS
+    }
     return RowStudyResult(
-        values, build_pictures(request, winds, rough), [build_algorithm_table(values)]
+        values, plot_outdoor_flights(request, winds, rough), [build_algorithm_table(values)]
     )
 
 
@@ -95,10 +99,10 @@ def measure_reached_share(
     name: str, group: FlightGroup, strategy: str, place: float
 ) -> dict[str, MeasuredValue]:
     """Return the share that reached the lamp."""
-    return {f'{name}_reached': reached_value(find_cell(group, strategy, place))}
+    return {f'{name}_reached': measure_success_share(find_cell(group, strategy, place))}
 
 
-def least_roughness(grounds: FlightGroup) -> float:
+def minimum_flyable_roughness(grounds: FlightGroup) -> float:
     """Return the smallest roughness over which most BAG flights arrive in 8 m/s. [m]"""
     over = [each.place for each in grounds.cells if each.reached_share.value > MOST]
     return min(over, default=math.nan)
@@ -116,20 +120,20 @@ def hull_winds() -> dict[str, MeasuredValue]:
     }
 
 
-def time_update(name: str) -> float:
+def measure_update_time(name: str) -> float:
     """Return the median computing time of one strategy update in an indoor flight. [s]"""
     loop = build_loop(load_spec('gtmab', 'lamp_room', name, ''), 1)
     inner, took = loop.policy.strategy, []
 
     # Wrap the strategy, so that only its update is timed.
-    def steer_timed(*given: Any) -> Any:  # noqa: ANN401 - as strategies are called
+    def steer_with_timer(*given: Any) -> Any:  # noqa: ANN401 - as strategies are called
         begun = clock.perf_counter()
         answer = inner.steer(*given)
         took.append(clock.perf_counter() - begun)
         return answer
 
     loop.policy = replace(
-        loop.policy, strategy=NavigationStrategy(inner.name, inner.start, steer_timed)
+        loop.policy, strategy=NavigationStrategy(inner.name, inner.start, steer_with_timer)
     )
     for _ in loop.iterate_steps():
         pass
@@ -148,7 +152,7 @@ def build_algorithm_table(values: Mapping[str, MeasuredValue]) -> TextTable:
     return TextTable('Algorithms', heads, rows)
 
 
-def build_pictures(
+def plot_outdoor_flights(
     request: RowStudyRequest, winds: FlightGroup, rough: FlightGroup | None = None
 ) -> list[StudyPicture]:
     """Plot tracks and distances in the paper's winds, and over a flyable ground."""

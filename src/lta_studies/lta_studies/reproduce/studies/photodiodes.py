@@ -10,7 +10,7 @@ from lta_report.palette import GRID, SOFT
 from lta_studies.light.bearing.bench import BearingBench
 from lta_studies.light.bearing.places import build_flight_spec, DIODES, PLACES
 from lta_studies.light.bearing.study import (
-    count_within,
+    count_accurate_directions,
     COUNTS,
     DIRECTIONS,
     list_directions,
@@ -52,10 +52,10 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         )
     values['outdoor_eight_by_sixteen'] = compare_rings(outdoor[8], outdoor[16], np.median)
     values['worst_outdoor_by_indoor_4'] = compare_rings(outdoor[4], indoor[4], np.max)
-    values['indoor_16_below_2'] = count_below(indoor[16], 2.0)
-    values['indoor_8_below_4'] = count_below(indoor[8], 4.0)
-    values['indoor_8_below_8'] = count_below(indoor[8], 8.0)
-    values['indoor_4_below_10'] = count_below(indoor[4], 10.0)
+    values['indoor_16_below_2'] = count_low_error_directions(indoor[16], 2.0)
+    values['indoor_8_below_4'] = count_low_error_directions(indoor[8], 4.0)
+    values['indoor_8_below_8'] = count_low_error_directions(indoor[8], 8.0)
+    values['indoor_4_below_10'] = count_low_error_directions(indoor[4], 10.0)
     values['four_good_midway'] = average_over_seeds([midway_share(ring) for ring in indoor[4]])
     values['sixteen_worst_dark_walls'] = worst_error(
         study_rings(request, 'indoor', 16, DARK_WALLS)
@@ -66,7 +66,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     pictures = [
         StudyPicture(place, f'{place.capitalize()}: {PLACES[place].about}',
                 f'Median error by direction; the radius is in degrees. Seed 1. {METHOD}',
-                plot_polar({count: each[0] for count, each in by_count.items()}), command)
+                plot_polar_errors({count: each[0] for count, each in by_count.items()}), command)
         for place, by_count in found.items()
     ]  # fmt: skip
     return RowStudyResult(values, pictures)
@@ -94,10 +94,10 @@ def measure_errors(name: str, studies: Sequence[RingStudy]) -> dict[str, Measure
     }
 
 
-def count_below(studies: Sequence[RingStudy], degrees: float) -> MeasuredValue:
+def count_low_error_directions(studies: Sequence[RingStudy], degrees: float) -> MeasuredValue:
     """Return the number of directions with an error below a limit."""
     return average_over_seeds(
-        [count_within(ring.paper, math.radians(degrees)) for ring in studies]
+        [count_accurate_directions(ring.paper, math.radians(degrees)) for ring in studies]
     )
 
 
@@ -125,7 +125,7 @@ def midway_share(ring: RingStudy) -> float:
     return sum(k % step == step // 2 for k in good) / len(good) if good else math.nan
 
 
-def plot_polar(studies: Mapping[int, RingStudy]) -> Figure:
+def plot_polar_errors(studies: Mapping[int, RingStudy]) -> Figure:
     """Plot the errors by direction as in the paper."""
     figure = create_figure()
     angles = np.degrees([*list_directions(), math.tau])

@@ -60,7 +60,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     flights = fly_entries([(name, each) for name in RANKED for each in flown], request.seeds)
     measured = {
         criterion: {name: measure(name) for name in RANKED}
-        for criterion, measure in build_measures(flights).items()
+        for criterion, measure in build_criterion_functions(flights).items()
         if criterion not in FLOWN or FLOWN[criterion] in flown
     }
     values = {
@@ -89,16 +89,18 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     return RowStudyResult(values, pictures)
 
 
-def build_measures(flights: ComparisonFlights) -> dict[str, Callable[[str], MeasuredValue]]:
+def build_criterion_functions(
+    flights: ComparisonFlights,
+) -> dict[str, Callable[[str], MeasuredValue]]:
     """Return a function of the platform name for each criterion."""
 
     def vehicle(name: str) -> Vehicle:
         return build_entrant(flights.comparison.contestants[name], AIR_DENSITY).vehicle
 
     return {
-        'planar': lambda name: flights.measure_figure(name, 'cruise', 'rms'),
-        'vertical': lambda name: flights.measure_figure(name, 'climb', 'rms'),
-        'attitude': lambda name: flights.measure_figure(name, 'turn', 'rms'),
+        'planar': lambda name: flights.metric_value(name, 'cruise', 'rms'),
+        'vertical': lambda name: flights.metric_value(name, 'climb', 'rms'),
+        'attitude': lambda name: flights.metric_value(name, 'turn', 'rms'),
         'endurance': lambda name: MeasuredValue(thrust_to_weight(vehicle(name))),
         'size': lambda name: MeasuredValue(greatest_extent(vehicle(name))),
         'complexity': lambda name: MeasuredValue(float(count_thrust_lines(vehicle(name)))),

@@ -75,7 +75,7 @@ def airspeed_from_dynamic_pressure(pressure: float) -> float:
     return math.sqrt(2.0 * pressure / AIR_DENSITY)
 
 
-def build_pictures(values: Mapping[str, MeasuredValue]) -> list[StudyPicture]:
+def plot_pressures_and_maps(values: Mapping[str, MeasuredValue]) -> list[StudyPicture]:
     """Plot all pressures, and pressure maps of the hulls from below."""
     made = [
         StudyPicture('pressure', 'Pressures compared', BESIDE, plot_pressures(values),

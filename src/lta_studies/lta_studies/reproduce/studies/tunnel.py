@@ -8,7 +8,7 @@ from lta_config.files import share_folder
 from lta_model.vehicle import Vehicle
 from lta_report.drawing import create_figure
 from lta_report.palette import ESTIMATE, PAPER, TRUTH
-from lta_sim.cfd.aero_fit import fit_axes
+from lta_sim.cfd.aero_fit import fit_drag_by_axis
 from lta_sim.cfd.sweep_table import read_sweep, TunnelSweep
 from lta_studies.cfd.pictures import draw_drag
 from lta_studies.reproduce.study_result import MeasuredValue, StudyPicture
@@ -34,7 +34,7 @@ def load_sweep() -> TunnelSweep:
 
 def collect_coefficients(sweep: TunnelSweep) -> dict[str, MeasuredValue]:
     """Return the drag coefficients, and the net force of both upward rotors. [SI]"""
-    fits = fit_axes(sweep)
+    fits = fit_drag_by_axis(sweep)
     found = {'tunnel_up': MeasuredValue(sweep.blows[BOTH_UP].force[2])}
     for axis in ('surge', 'heave', 'roll', 'pitch', 'yaw'):
         found[f'tunnel_{axis}_linear'] = MeasuredValue(fits[axis].linear)
@@ -42,7 +42,9 @@ def collect_coefficients(sweep: TunnelSweep) -> dict[str, MeasuredValue]:
     return found
 
 
-def build_pictures(sweep: TunnelSweep, vehicles: Mapping[str, Vehicle]) -> list[StudyPicture]:
+def plot_drag_and_matrices(
+    sweep: TunnelSweep, vehicles: Mapping[str, Vehicle]
+) -> list[StudyPicture]:
     """Plot drag along and about the axes, and B of the vehicles."""
     flown, shown = (
         format_lta_command('cfd', 'run', 'gtmab'),

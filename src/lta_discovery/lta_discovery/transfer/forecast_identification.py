@@ -11,26 +11,26 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Final, final, NamedTuple
 
-from lta_discovery.finding import GroupShare, LeftOutRegime, TransferEvidence
+from lta_discovery.finding import IdentifiedGroup, LeftOutRegime, TransferEvidence
 from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.forecast.forecast_fit import ForecastFitter
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import LinearizationPoint, SENSORS, zero_unknowns
-from lta_discovery.replay.linearizer import FlightLinearizer
 from lta_discovery.study import DiscoveryStudy, StudyFlight, ThreeModelComparison
-from lta_discovery.transfer.candidate_groups import CandidateGroup, list_groups
-from lta_discovery.transfer.confirmation import confirm_groups
+from lta_discovery.transfer.candidate_groups import CandidateGroup, list_candidate_groups
 from lta_discovery.transfer.cross_validation import (
-    RegimeError,
+    RegimeForecastErrors,
     remaining_error_share,
     sum_squared_error,
     TOLD,
 )
-from lta_discovery.transfer.forecast_gaps import compute_forecast_gaps
+from lta_discovery.transfer.effect_confirmation import confirm_groups
+from lta_discovery.transfer.effect_values import EffectValues, fit_effect_values, tune_tolerances
+from lta_discovery.transfer.forecast_errors import compute_model_errors
 from lta_discovery.transfer.forward_selection import GroupSelection, select_forward
-from lta_discovery.transfer.full_refit import refit_everything
-from lta_discovery.transfer.group_values import fit_groups, GroupValues, tune_tolerances
-from lta_discovery.transfer.named_effects import build_effects
-from lta_discovery.transfer.overlapping_pieces import cut_long_pieces, piece_spacing
+from lta_discovery.transfer.full_refit import refit_all_parameters
+from lta_discovery.transfer.named_effects import build_named_effects
+from lta_discovery.transfer.overlapping_pieces import cut_overlapping_pieces, piece_spacing
 from lta_discovery.transfer.regimes import group_by_regime
 import numpy as np
 from numpy.typing import NDArray
@@ -65,7 +65,7 @@ class TransferOutcome(NamedTuple):
 
     chosen: GroupSelection
     kept: Sequence[CandidateGroup]
-    best: GroupValues | None
+    best: EffectValues | None
     lost: Sequence[CandidateGroup]
 
 
@@ -85,7 +85,7 @@ def needs_forecasts(study: DiscoveryStudy) -> bool:
     return large and not finding.effects and len(told) >= ENOUGH
 
 
-def name_by_forecasts(study: DiscoveryStudy, tell: Progress) -> DiscoveryStudy:
+def add_forecast_effects(study: DiscoveryStudy, tell: Progress) -> DiscoveryStudy:
     """Add the effects that forecasts identify to a study, or return it unchanged."""
     if not needs_forecasts(study):
         return study
@@ -97,30 +97,32 @@ def name_by_forecasts(study: DiscoveryStudy, tell: Progress) -> DiscoveryStudy:
     plain, rest = tune_tolerances(taught.sight, parts)
     # Do not name an effect if tuned tolerances explain most of the error.
     if remaining_error_share(rest) < LOOSE:
-        return _add_warning(study, format_tolerance_share(remaining_error_share(rest)))
+        return _add_warning(study, format_tolerance_warning(remaining_error_share(rest)))
     names = _select_groups(taught, parts, rest, study.finding.seed, tell)
     if names.best is None:
-        return _report_lost(study, names.lost)
+        return _warn_of_rejected_effects(study, names.lost)
     models = {'before': np.zeros_like(plain), 'tuned': plain, 'after': names.best.fitted.values}
     numbers = 0
     if len(taught.flown) >= ENOUGH:
         tell('refitting everything', 0.9)
-        models['refitted'], numbers = refit_everything(taught.sight, names.best.fitted.values)
+        models['refitted'], numbers = refit_all_parameters(taught.sight, names.best.fitted.values)
     told = _summarize_transfer(
         names.chosen, names.kept, names.best, [one.name for one in names.lost], numbers
     )
-    return _add_gaps(_add_effects(study, taught, names, names.best, told), taught, models)
+    return _add_prediction_errors(
+        _add_named_effects(study, taught, names, names.best, told), taught, models
+    )
 
 
 def _select_groups(
     taught: ForecastFlights,
     parts: Mapping[str, Sequence[int]],
-    rest: Sequence[RegimeError],
+    rest: Sequence[RegimeForecastErrors],
     seed: int,
     tell: Progress,
 ) -> TransferOutcome:
     """Select effects and validate them; repeat without the rejected ones."""
-    candidates, lost = list_groups(taught.sight.knobs), []
+    candidates, lost = list_candidate_groups(taught.sight.knobs), []
     halves = [
         [f for f, one in enumerate(taught.flown) if one.role == role]
         for role in ('train', 'confirm')
@@ -142,14 +144,14 @@ def _select_groups(
 def _summarize_transfer(
     chosen: GroupSelection,
     confirmed: Sequence[CandidateGroup],
-    best: GroupValues,
+    best: EffectValues,
     lost: Sequence[str],
     numbers: int,
 ) -> TransferEvidence:
     """Return the evidence for the effects."""
     worth = {group.name: share for group, share in zip(chosen.groups, chosen.worth, strict=True)}
     return TransferEvidence(
-        tuple(GroupShare(one.name, worth[one.name]) for one in confirmed),
+        tuple(IdentifiedGroup(one.name, worth[one.name]) for one in confirmed),
         tuple(LeftOutRegime(one.name, one.flights, one.ratio) for one in best.regimes),
         tuple(lost),
         numbers,
@@ -162,7 +164,7 @@ def _cut_forecast_flights(
     """Return flights in overlapping pieces; None if all are too short."""
     knobs = selected[0].flight.knobs if selected else []
     apart = piece_spacing([one.flight.replay.flight for one in selected])
-    cut = [(one, cut_long_pieces(one.flight, knobs, apart)) for one in selected]
+    cut = [(one, cut_overlapping_pieces(one.flight, knobs, apart)) for one in selected]
     known = [(one, flight) for one, flight in cut if flight is not None]
     if not known:
         return None
@@ -185,11 +187,11 @@ def _validate_groups(
     groups: Sequence[CandidateGroup],
     parts: Mapping[str, Sequence[int]],
     seed: int,
-    rest: Sequence[RegimeError],
-) -> tuple[GroupValues | None, Sequence[CandidateGroup]]:
+    rest: Sequence[RegimeForecastErrors],
+) -> tuple[EffectValues | None, Sequence[CandidateGroup]]:
     """Return the longest list of effects that improves every regime and beats tuned tolerances."""
     while groups:
-        best = fit_groups(sight, groups, parts, seed)
+        best = fit_effect_values(sight, groups, parts, seed)
         better = all(one.ratio < 1.0 for one in best.regimes)
         if better and sum_squared_error(best.regimes) < TUNED * sum_squared_error(rest):
             beside = tune_tolerances(sight, parts, groups)[1]
@@ -200,9 +202,13 @@ def _validate_groups(
     return None, groups
 
 
-def _report_lost(study: DiscoveryStudy, lost: Sequence[CandidateGroup]) -> DiscoveryStudy:
+def _warn_of_rejected_effects(
+    study: DiscoveryStudy, lost: Sequence[CandidateGroup]
+) -> DiscoveryStudy:
     """Return a study with a warning about rejected effects."""
-    return _add_warning(study, format_interpolation([one.name for one in lost])) if lost else study
+    return (
+        _add_warning(study, format_transfer_warning([one.name for one in lost])) if lost else study
+    )
 
 
 def _add_warning(study: DiscoveryStudy, sentence: str) -> DiscoveryStudy:
@@ -211,7 +217,7 @@ def _add_warning(study: DiscoveryStudy, sentence: str) -> DiscoveryStudy:
     return replace(study, finding=replace(study.finding, warnings=warnings))
 
 
-def format_tolerance_share(share: float) -> str:
+def format_tolerance_warning(share: float) -> str:
     """Return a warning that tolerances alone remove most of the squared error."""
     taken = f'{100.0 * (1.0 - share):.0f} %'
     return (
@@ -220,7 +226,7 @@ def format_tolerance_share(share: float) -> str:
     )
 
 
-def format_interpolation(names: Sequence[str]) -> str:
+def format_transfer_warning(names: Sequence[str]) -> str:
     """Return a warning that effects did not transfer."""
     more = f' and {len(names) - TOLD} more' if len(names) > TOLD else ''
     return (
@@ -229,21 +235,21 @@ def format_interpolation(names: Sequence[str]) -> str:
     )
 
 
-def _add_effects(
+def _add_named_effects(
     study: DiscoveryStudy,
     taught: ForecastFlights,
     names: TransferOutcome,
-    best: GroupValues,
+    best: EffectValues,
     carried: TransferEvidence,
 ) -> DiscoveryStudy:
     """Return a study with the identified effects."""
     knobs, warnings = taught.sight.knobs, study.finding.warnings
     if carried.interpolates:
-        warnings = (*warnings, format_interpolation(carried.interpolates))
+        warnings = (*warnings, format_transfer_warning(carried.interpolates))
     finding = replace(
         study.finding,
         verdict='named+unexplained',
-        effects=build_effects(study.nominal, knobs, names.chosen, names.kept, best),
+        effects=build_named_effects(study.nominal, knobs, names.chosen, names.kept, best),
         warnings=warnings,
         carried=carried,
     )
@@ -251,13 +257,13 @@ def _add_effects(
     return replace(study, finding=finding, learned=learned)
 
 
-def _add_gaps(
+def _add_prediction_errors(
     study: DiscoveryStudy, taught: ForecastFlights, models: Mapping[str, Array]
 ) -> DiscoveryStudy:
     """Return a study with prediction errors, on held-out flights if there are any."""
     last = _cut_forecast_flights(study, [one for one in study.flights if one.role == 'holdout'])
     shown = last or taught
-    told = compute_forecast_gaps(shown.sight, models, study.finding.seed)
+    told = compute_model_errors(shown.sight, models, study.finding.seed)
     finding = replace(study.finding, gaps=tuple(told), held_out=last is not None)
     seen = [_compare_models(study, one, models) for one in shown.flown]
     every = models.get('refitted')

@@ -39,13 +39,15 @@ def shrink_tolerances(fitter: JointFitter, joint: JointFit, named: Iterable[int]
     best, least = mean, np.inf
     for share in SHARES:
         at = np.where(held, mean, share * mean)
-        error = forecast_error(fitter.flights, _build_points(fitter, joint, at))
+        error = forecast_error(fitter.flights, _build_forecast_points(fitter, joint, at))
         if error < (BETTER if np.isfinite(least) else 1.0) * least:
             best, least = at, error
     return replace(joint, fitted=joint.fitted._replace(mean=best))
 
 
-def _build_points(fitter: JointFitter, joint: JointFit, at: Array) -> list[LinearizationPoint]:
+def _build_forecast_points(
+    fitter: JointFitter, joint: JointFit, at: Array
+) -> list[LinearizationPoint]:
     """Return the point of each flight's forecasts: shared values, and its own errors."""
     out, own = [], fitter.variance > 0.0
     for flight, linear in zip(fitter.flights, joint.group.linears, strict=True):

@@ -11,9 +11,9 @@ from lta_model.light.panel_light import PanelPlane
 from lta_sim.compiled_sensors import SensorDatasheets
 from lta_sim.environment import SteadyWind
 from lta_sim.light_link import LightLink
-from lta_sim.supply_step import SupplyParts
+from lta_sim.supply_step import SupplyComponents
 from lta_sim.termination import EndConditions, GoalProgress
-from lta_vlc.reading_model import DirectionPrior, FitArray
+from lta_vlc.reading_model import DiodeFitInputs, DirectionPrior
 
 Vector = tuple[float, float, float]
 
@@ -21,7 +21,7 @@ Vector = tuple[float, float, float]
 class BatchPower(NamedTuple):
     """The electrical system: supply, loads and panel."""
 
-    parts: SupplyParts
+    parts: SupplyComponents
     loads: LoadModel
     looking: float  # W, power of light sensing and navigation
     panel: PanelPlane
@@ -71,7 +71,7 @@ class FlightConstants(NamedTuple):
     mission: MissionSettings
     sensors: SensorDatasheets
     listening: LightLink
-    array: FitArray
+    array: DiodeFitInputs
     expected: DirectionPrior
     goal: EndConditions
     power: BatchPower

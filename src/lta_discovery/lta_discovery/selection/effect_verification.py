@@ -14,8 +14,8 @@ from lta_discovery.fit.joint_fit import JointFit, JointFitter
 from lta_discovery.model.candidates import expand_vectors, vector_components
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.replay.linearizer import FlightLinearizer
-from lta_discovery.selection.acceptance import LARGER, TIE, TRIFLE
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.selection.candidate_acceptance import LARGER, TIE, TRIFLE
 from lta_discovery.selection.candidate_scan import column_cosines
 from lta_discovery.selection.effect_search import EffectSearchResult, MOST, Pair, SelectionRound
 from lta_discovery.selection.weak_effects import WeakEffectSearch
@@ -124,7 +124,7 @@ class EffectVerification:
         rivals: dict[str, tuple[str, ...]] = {}
         unlike: dict[str, tuple[str, ...]] = {}
         for name in names:
-            found, full, name_now = self._swap_effect(name, names, full)
+            found, full, name_now = self._compare_with_rivals(name, names, full)
             if name_now != name:
                 names = tuple(name_now if one == name else one for one in names)
                 costs[name_now] = costs.pop(name)
@@ -145,7 +145,7 @@ class EffectVerification:
     ) -> tuple[tuple[SelectionRound, ...], JointFit]:
         """Add effects that are detectable only on all flights together; return the rounds."""
         faint, steps = WeakEffectSearch(self.fitter, teach, self._sizes), []
-        last = faint.fit_lower_floor(full)
+        last = faint.refit_with_lower_floor(full)
         while last is not None and len(names) < MOST:
             step, last = faint.run_round(names, last)
             steps.append(step)
@@ -166,7 +166,7 @@ class EffectVerification:
 
     def _fit_jointly(self, names: Sequence[str], pair: Pair) -> JointFit:
         """Fit all flights together, starting from the side that fits better."""
-        joined = pair[0].group.join(pair[1].group)
+        joined = pair[0].group.combine_groups(pair[1].group)
         deviations = np.sqrt(pair[0].deviations * pair[1].deviations)
         prior = build_shared_prior(self.knobs, names, self._sizes)
         groups = [replace(joined, at=side.group.at) for side in pair]
@@ -205,7 +205,7 @@ class EffectVerification:
             out[name] = cost
         return out
 
-    def _swap_effect(
+    def _compare_with_rivals(
         self, name: str, names: Sequence[str], full: JointFit
     ) -> tuple[dict[str, bool], JointFit, str]:
         """Return the rivals of an effect with their similarity, the best fit, and its effect."""

@@ -12,8 +12,8 @@ from typing import Final, final, NamedTuple
 from lta_discovery.fit.evidence import FLOOR
 from lta_discovery.fit.joint_fit import FlightFit
 from lta_discovery.model.quaternions import rotation_matrix
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import AXES
-from lta_discovery.replay.linearizer import FlightLinearizer
 from lta_discovery.replay.variational_equation import WIDTH
 from lta_model.effects.protocol import AXES as NAMES
 import numpy as np

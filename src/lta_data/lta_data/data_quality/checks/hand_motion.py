@@ -23,7 +23,7 @@ from lta_data.data_quality.smoothing import (
     median_period,
     smooth_columns,
 )
-from lta_data.even_grid import build_even_grid
+from lta_data.even_grid import build_uniform_time_grid
 import numpy as np
 from numpy.typing import NDArray
 
@@ -47,7 +47,7 @@ class TremorLevels(NamedTuple):
     above: Array
 
 
-def find_handling(evidence: CheckContext) -> CheckVerdict:
+def find_hand_motion(evidence: CheckContext) -> CheckVerdict:
     """Find stretches in which a hand held the vehicle."""
     limits = evidence.limits
     found: list[QualityFinding] = []
@@ -90,7 +90,7 @@ def second_derivative(place: VectorSeries) -> Array:
 def measure_tremor(vector: VectorSeries, values: Array, limits: QualityLimits) -> TremorLevels:
     """Return the RMS in the bands, by windows on an even grid."""
     step = median_period(vector.time)
-    grid = build_even_grid(vector.time[0], vector.time[-1], step, len(vector.time))
+    grid = build_uniform_time_grid(vector.time[0], vector.time[-1], step, len(vector.time))
     table, known = interpolate_on_grid(vector.time, values, grid)
     count = round(limits.hold_window / step)
     starts = np.arange(0, len(grid) - count + 1, max(1, count // HOP))
@@ -177,7 +177,7 @@ def find_idle_motion(
 ) -> Iterator[QualityFinding]:
     """Yield stretches in which a vehicle with idle rotors is moved."""
     step = max(median_period(place.time), 0.01)
-    grid = build_even_grid(place.time[0], place.time[-1], step, len(place.time))
+    grid = build_uniform_time_grid(place.time[0], place.time[-1], step, len(place.time))
     if len(grid) < limits.least_samples:
         return
     table, known = interpolate_on_grid(place.time, place.values, grid)

@@ -97,7 +97,7 @@ def embed_picture(name: str, words: str, about: str, picture: Figure, timed: boo
     )
 
 
-def render_terms(content: Mapping[str, str], code: bool = False) -> str:
+def render_definition_list(content: Mapping[str, str], code: bool = False) -> str:
     """Return a definition list; with `code`, the values are commands to type."""
     mark = ('<code>', '</code>') if code else ('', '')
     return '\n'.join(
@@ -123,9 +123,11 @@ def render_footer(
         Whole files by name, collapsed.
 
     """
-    lists = [f'<dl class="facts">\n{render_terms(facts)}\n</dl>'] if facts else []
+    lists = [f'<dl class="facts">\n{render_definition_list(facts)}\n</dl>'] if facts else []
     if commands:
-        lists.append(f'<dl class="facts commands">\n{render_terms(commands, code=True)}\n</dl>')
+        lists.append(
+            f'<dl class="facts commands">\n{render_definition_list(commands, code=True)}\n</dl>'
+        )
     folded = [
         f'<details><summary>{escape(name)}</summary>'
         f'<pre tabindex="0">{escape(text)}</pre></details>'

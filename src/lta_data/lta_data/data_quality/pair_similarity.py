@@ -83,7 +83,7 @@ def high_pass_pair(pair: MotionPair) -> tuple[Array, Array, Array, Array]:
     return one, two, left[1], right[1]
 
 
-def lagged_products(left: Array, right: Array, most: int) -> Array:
+def raw_cross_correlations(left: Array, right: Array, most: int) -> Array:
     """Return the sums of left_i[t + lag] right_j[t] over t, for lags -most..most: (2m+1, i, j)."""
     size = 1 << int(len(left) + most).bit_length()
     ahead = np.fft.rfft(left, size, axis=0)[:, :, None]
@@ -109,7 +109,7 @@ def estimate_lag(left: Array, right: Array, step: float, search: float) -> float
     """
     most = max(1, min(round(search / step), len(left) // 2))
     # The best left axis of each right axis counts.
-    total = np.abs(lagged_products(left, right, most)).max(axis=1).sum(axis=1)
+    total = np.abs(raw_cross_correlations(left, right, most)).max(axis=1).sum(axis=1)
     best = int(np.argmax(total))
     # Vertex of the parabola through the peak and its neighbours: a fraction of a grid step
     if 0 < best < 2 * most:

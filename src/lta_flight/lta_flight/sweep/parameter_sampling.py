@@ -18,7 +18,7 @@ from numpy.random import Generator
 TRIES = 10_000  # draws of a bounded normal distribution before it is an error
 
 
-def draw_value(how: Distribution, path: str, seed: int, sample: int) -> Any:  # noqa: ANN401 - YAML's
+def sample_parameter(how: Distribution, path: str, seed: int, sample: int) -> Any:  # noqa: ANN401 - YAML's
     """
     Return the value of one parameter in one sample, as a file would hold it.
 

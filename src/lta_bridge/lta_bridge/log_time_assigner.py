@@ -28,7 +28,7 @@ def read_stamp(data: bytes) -> int | None:
 
 
 @final
-class MessageAccounting:
+class LogTimeAssigner:
     """
     Assign each message's log time and count gaps.
 

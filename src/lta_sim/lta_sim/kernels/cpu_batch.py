@@ -15,7 +15,7 @@ from lta_config.compilation.compiler import OWN
 from lta_config.compilation.kernel_cache import load_kernel
 from lta_model.effects import EFFECTS
 from lta_sim.kernels.columns import ColumnAccess
-from lta_sim.kernels.compose import KernelForm, write_kernel_source
+from lta_sim.kernels.compose import KernelTarget, render_kernel_source
 from lta_sim.kernels.vehicle_batch import pack_columns, VehicleBatch
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -71,7 +71,7 @@ def advance_blocks(fixed, on, states, dt, steps):
             step(state, stages[0], stages[1], stages[2], stages[3], dt)
 '''
 
-FORM = KernelForm(
+FORM = KernelTarget(
     'from numba import njit\nimport numpy as np\n',
     f'@njit({OWN}, forceinline=True)',
     # No fastmath, which would reorder arithmetic; nogil lets the thread pool run in parallel
@@ -84,7 +84,7 @@ FORM = KernelForm(
 @cache
 def _load_kernel() -> ModuleType:
     """Load the kernel with all effects."""
-    return load_kernel(write_kernel_source(EFFECTS, FORM))
+    return load_kernel(render_kernel_source(EFFECTS, FORM))
 
 
 def _pack_blocks(rows: NDArray[np.float64], width: int) -> NDArray[np.float64]:

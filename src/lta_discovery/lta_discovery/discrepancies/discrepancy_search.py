@@ -12,15 +12,18 @@ from dataclasses import dataclass, replace
 from typing import Final, final
 
 from lta_discovery.discrepancies.change_point import find_change_point
-from lta_discovery.discrepancies.conditions import find_largest_condition, list_conditions
+from lta_discovery.discrepancies.conditions import (
+    find_largest_condition,
+    list_condition_quantities,
+)
 from lta_discovery.finding import Discrepancy
 from lta_discovery.fit.evidence import wrench_floor
 from lta_discovery.fit.joint_fit import FlightFit
 from lta_discovery.flights.measured_flight import CHANNELS
 from lta_discovery.forecast.flight_prediction import best_start_residual
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import LinearizationPoint
-from lta_discovery.replay.linearizer import FlightLinearizer
-from lta_discovery.unmodeled.remainders import latent_at_knots
+from lta_discovery.unmodeled.unexplained_force import latent_at_knots
 from lta_model.effects.protocol import AXES
 import numpy as np
 from numpy.typing import NDArray
@@ -146,7 +149,7 @@ def _locate_discrepancy(
     flight = one.flight.replay.flight
     known = {
         name: (values[quantity.index], unit)
-        for name, (values, unit) in list_conditions(flight, one.light).items()
+        for name, (values, unit) in list_condition_quantities(flight, one.light).items()
     }
     told = find_largest_condition(quantity.values**2, known, quantity.block, seed)
     begin, end = _longest_interval(told.holds, flight.time[quantity.index])

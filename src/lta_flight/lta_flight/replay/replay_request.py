@@ -6,18 +6,18 @@ from pathlib import Path
 from typing import Any, final
 
 from lta_bridge.playback.node_selection import (
-    list_answering_roles,
+    list_replayable_roles,
     list_supporting_roles,
     NodeSelection,
     select_nodes,
 )
 from lta_bridge.playback.settings import FOREVER
-from lta_config.errors import BadInput, unknown_name
+from lta_config.errors import BadInput, unknown_name_error
 from lta_config.files import find_file
 from lta_config.parameter_override import parse_assignment, parse_quantity
 from lta_config.quantity import Quantity
 from lta_config.topics import load_topic_table
-from lta_control.strategies import find_strategy
+from lta_control.strategies import find_navigation_strategy
 from lta_data.bag.recorded_flight import RecordedFlight
 from lta_graph.launch_file import LaunchPlan, load_plan
 from lta_graph.launch_node import format_ros_yaml, LaunchProcess
@@ -90,10 +90,10 @@ class ReplayRequest:
 def parse_nodes(text: str) -> tuple[str, ...]:
     """Return the nodes of a comma-separated list; raise `BadInput` for an unknown one."""
     names = tuple(dict.fromkeys(word.strip() for word in text.split(',') if word.strip()))
-    known = list_answering_roles(load_topic_table())
+    known = list_replayable_roles(load_topic_table())
     for name in names:
         if name not in known:
-            raise unknown_name('node', name, known)
+            raise unknown_name_error('node', name, known)
     if not names:
         raise BadInput(f'No node is named; give one or more of {", ".join(known)}.')
     return names
@@ -118,7 +118,7 @@ def read_recorded_settings(provenance: Mapping[str, str]) -> dict[str, dict[str,
 def check_request(order: ReplayRequest, flight: RecordedFlight) -> None:
     """Reject a request that the recording cannot serve."""
     if order.strategy is not None:
-        find_strategy(order.strategy)
+        find_navigation_strategy(order.strategy)
     table = load_topic_table()
     answers = order.node_selection.answers
     for node in order.nodes:
@@ -127,7 +127,9 @@ def check_request(order: ReplayRequest, flight: RecordedFlight) -> None:
         if trigger not in answers and trigger not in flight.topics:
             source = table[trigger].source
             remedy = (
-                f'run {source} again as well, or ' if source in list_answering_roles(table) else ''
+                f'run {source} again as well, or '
+                if source in list_replayable_roles(table)
+                else ''
             )
             raise BadInput(
                 f"'{order.bag}' has no '{trigger}', which {node} answers; {remedy}leave {node} "
@@ -135,7 +137,7 @@ def check_request(order: ReplayRequest, flight: RecordedFlight) -> None:
             )
 
 
-def build_plan(order: ReplayRequest, flight: RecordedFlight, folder: Path) -> LaunchPlan:
+def build_launch_plan(order: ReplayRequest, flight: RecordedFlight, folder: Path) -> LaunchPlan:
     """
     Return the processes of a replay: player and nodes, as in `fly.launch.yaml`.
 
@@ -167,7 +169,7 @@ def build_plan(order: ReplayRequest, flight: RecordedFlight, folder: Path) -> La
     wanted = ('player', *selection.nodes)
     return LaunchPlan(
         tuple(
-            add_parameters(process, changed.get(process.name, {}))
+            with_parameters(process, changed.get(process.name, {}))
             for process in plan.processes
             if process.name in wanted
         )
@@ -192,7 +194,7 @@ def build_launch_arguments(
     }
 
 
-def add_parameters(process: LaunchProcess, parameters: Mapping[str, Any]) -> LaunchProcess:
+def with_parameters(process: LaunchProcess, parameters: Mapping[str, Any]) -> LaunchProcess:
     """Return a process with more parameters; later ones override earlier ones."""
     # Later -p options override earlier ones in ROS
     words = [

@@ -15,14 +15,14 @@ def format_headline(sheet: VehicleSheet) -> str:
     f = sheet.by_key
     name = sheet.vehicle.file.name
     heavy = f['heaviness']
-    weight = f['mass'].text
+    weight = f['mass'].value_with_unit
     if sheet.vehicle.file.hull.shape == 'none':
         first = f'{name} weighs {weight}, all carried by its rotors'
     # Exactly zero: trimmed to neutral buoyancy by the file
     elif heavy.value == 0.0:
         first = f'{name} weighs {weight}, gas included, and floats'
     else:
-        value = heavy.text.replace('\N{MINUS SIGN}', '')
+        value = heavy.value_with_unit.replace('\N{MINUS SIGN}', '')
         than = 'heavier' if (heavy.value or 0.0) > 0.0 else 'lighter'
         first = f'{name} weighs {weight}, gas included, and is {value} {than} than air'
     duty = f['hover_duty']
@@ -30,7 +30,7 @@ def format_headline(sheet: VehicleSheet) -> str:
         return f'{first}; its rotors cannot carry it'
     if duty.value == 0.0:
         return first
-    return f'{first}; it hovers at {duty.text} duty'
+    return f'{first}; it hovers at {duty.value_with_unit} duty'
 
 
 def describe_vehicle(sheet: VehicleSheet) -> list[str]:
@@ -50,13 +50,14 @@ def _describe_weight(sheet: VehicleSheet) -> Iterator[str]:
     ballast = f.get('ballast')
     if ballast is not None:
         yield (
-            f'Add {ballast.text} of ballast to make it {f["heaviness"].text} heavy; '
-            'then estimate its actual weight from a hover with lta vehicle trim.'
+            f'Add {ballast.value_with_unit} of ballast to make it '
+            f'{f["heaviness"].value_with_unit} heavy; then estimate its actual '
+            'weight from a hover with lta vehicle trim.'
         )
     if 'cg_x' in f and 'lean' in f and (f['lean'].value or 0.0) > 1.0:
         yield (
-            f'It hangs {f["lean"].text} off the vertical, because its centre of gravity is '
-            f'{_format_side(f["cg_x"], "ahead of", "behind")} the hull centre and '
+            f'It hangs {f["lean"].value_with_unit} off the vertical, because its centre of '
+            f'gravity is {_format_side(f["cg_x"], "ahead of", "behind")} the hull centre and '
             f'{_format_side(f["cg_y"], "to the left", "to the right")} of it.'
         )
 
@@ -64,7 +65,7 @@ def _describe_weight(sheet: VehicleSheet) -> Iterator[str]:
 def _format_side(figure: DerivedFigure, positive: str, negative: str) -> str:
     """Return a length with the side that its sign denotes."""
     words = negative if (figure.value or 0.0) < 0.0 else positive
-    return f'{figure.text.removeprefix(MINUS)} {words}'
+    return f'{figure.value_with_unit.removeprefix(MINUS)} {words}'
 
 
 def _describe_push(sheet: VehicleSheet) -> Iterator[str]:
@@ -72,15 +73,15 @@ def _describe_push(sheet: VehicleSheet) -> Iterator[str]:
     up, rotors = f['push_up'], len(sheet.vehicle.rotors)
     count = MANY[rotors] if rotors < len(MANY) else str(rotors)
     if up.value is not None and up.note:
-        yield f'With its {count} rotor{"s" if rotors != 1 else ""} it {_format_note(up.note)}.'
+        yield f'With its {count} rotor{"s" if rotors != 1 else ""} it {_prepend_verb(up.note)}.'
     level = f['level_speed']
     if level.value:
         climb = f.get('climb_speed')
-        more = f' and climbs up to {climb.text}' if climb and climb.value else ''
-        yield f'It flies up to {level.text} level{more}.'
+        more = f' and climbs up to {climb.value_with_unit}' if climb and climb.value else ''
+        yield f'It flies up to {level.value_with_unit} level{more}.'
 
 
-def _format_note(note: str) -> str:
+def _prepend_verb(note: str) -> str:
     return note if note.startswith('could') else f'is {note}'
 
 
@@ -90,13 +91,13 @@ def _describe_stability(sheet: VehicleSheet) -> Iterator[str]:
         yield 'It has no righting moment when tilted; a controller must stabilise it.'
         return
     half = f['damping_pitch'].note
-    yield f'Tilted, it swings with a period of {f["swing_pitch"].text}; {half}.'
+    yield f'Tilted, it swings with a period of {f["swing_pitch"].value_with_unit}; {half}.'
     tumble, level = f['tumble_speed'], f['level_speed']
     if tumble.value is not None and not math.isinf(tumble.value):
-        yield f'The hull can tumble above {tumble.text} ({tumble.note}).'
+        yield f'The hull can tumble above {tumble.value_with_unit} ({tumble.note}).'
     lean = f.get('push_lean')
     if lean is not None and (lean.value or 0.0) >= 0.5 and level.value:
-        yield f'At full forward thrust it leans {lean.text}.'
+        yield f'At full forward thrust it leans {lean.value_with_unit}.'
 
 
 def _describe_helium(sheet: VehicleSheet) -> Iterator[str]:
@@ -104,12 +105,12 @@ def _describe_helium(sheet: VehicleSheet) -> Iterator[str]:
     if 'leak_low' not in f:
         return
     yield (
-        f'A film like that of airships would lose {f["leak_low"].text} to '
-        f'{f["leak_high"].text} of lift (assumed: no figure for this film was found).'
+        f'A film like that of airships would lose {f["leak_low"].value_with_unit} to '
+        f'{f["leak_high"].value_with_unit} of lift (assumed: no figure for this film was found).'
     )
     loss = f['hover_loss']
     if loss.value is not None:
-        yield f'It can hover until {loss.text} of lift are lost: {loss.note}.'
+        yield f'It can hover until {loss.value_with_unit} of lift are lost: {loss.note}.'
     if 'gains_loss' in f:
         held = f['gains_loss']
-        yield f'Its gains hold until {held.text} of lift are lost: {held.note}.'
+        yield f'Its gains hold until {held.value_with_unit} of lift are lost: {held.note}.'

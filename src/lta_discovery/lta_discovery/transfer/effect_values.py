@@ -10,7 +10,7 @@ from lta_discovery.transfer.candidate_groups import (
     iterated_prior_deviations,
     tolerance_indices,
 )
-from lta_discovery.transfer.cross_validation import cross_validate, RegimeError
+from lta_discovery.transfer.cross_validation import cross_validate, RegimeForecastErrors
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,7 +21,7 @@ TUNING: Final = 4  # most steps of the fit of tolerances
 
 
 @final
-class GroupValues(NamedTuple):
+class EffectValues(NamedTuple):
     """
     Selected effects with their values.
 
@@ -37,15 +37,15 @@ class GroupValues(NamedTuple):
     which: list[int]
     fitted: ForecastFit
     draws: Array
-    regimes: list[RegimeError]
+    regimes: list[RegimeForecastErrors]
 
 
-def fit_groups(
+def fit_effect_values(
     sight: ForecastFitter,
     groups: Sequence[CandidateGroup],
     parts: Mapping[str, Sequence[int]],
     seed: int,
-) -> GroupValues:
+) -> EffectValues:
     """Fit effects to all flights."""
     every = range(len(sight.flights))
     which = [k for group in groups for k in group.knobs]
@@ -53,14 +53,14 @@ def fit_groups(
     fitted = sight.fit(which, spread, every, rounds=ROUNDS)
     found = cross_validate(sight, fitted, which, spread, parts)
     draws = bootstrap_values(fitted, sight.knobs, which, spread, seed)
-    return GroupValues(which, fitted, draws, found)
+    return EffectValues(which, fitted, draws, found)
 
 
 def tune_tolerances(
     sight: ForecastFitter,
     parts: Mapping[str, Sequence[int]],
     groups: Sequence[CandidateGroup] = (),
-) -> tuple[Array, list[RegimeError]]:
+) -> tuple[Array, list[RegimeForecastErrors]]:
     """Fit tolerances to forecasts, together with effects; return the values and regime errors."""
     named = [k for group in groups for k in group.knobs]
     rest = [k for k in tolerance_indices(sight.knobs) if k not in named]

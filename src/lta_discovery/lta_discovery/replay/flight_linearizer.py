@@ -32,7 +32,7 @@ from lta_discovery.replay.linearized_flight import (
     SENSORS,
 )
 from lta_discovery.replay.reading_jacobian import reading_jacobians
-from lta_discovery.replay.replay import BodyInputs, ModelReplay, STEPS
+from lta_discovery.replay.replay import BodyInputs, FlightReplay, STEPS
 from lta_discovery.replay.sensing import (
     ideal_readings,
     predict_readings,
@@ -42,7 +42,7 @@ from lta_discovery.replay.sensing import (
     transform_to_map,
 )
 from lta_discovery.replay.variational_equation import (
-    add_change,
+    apply_state_changes,
     discretize_dynamics,
     propagate_changes,
     WIDTH,
@@ -72,7 +72,7 @@ class FlightLinearizer:
     """
 
     def __init__(
-        self, replay: ModelReplay, knobs: Sequence[FreeParameter], places: SensorPlaces
+        self, replay: FlightReplay, knobs: Sequence[FreeParameter], places: SensorPlaces
     ) -> None:
         self.replay, self.knobs, self.places = replay, list(knobs), places
         flight, cut = replay.flight, replay.cut
@@ -96,8 +96,8 @@ class FlightLinearizer:
 
     def simulate_trajectory(self, point: LinearizationPoint, which: slice = slice(None)) -> Array:
         """Return the states at each step, shape (S, span + 1, 13)."""
-        rows = self.replay.build_rows(point.nominal)
-        return self._simulate_pieces(rows, self.replay.compute_inputs(rows), point, which)
+        rows = self.replay.build_replay_rows(point.nominal)
+        return self._simulate_pieces(rows, self.replay.compute_body_inputs(rows), point, which)
 
     def simulate_forecast(self, point: LinearizationPoint) -> Array:
         """
@@ -105,10 +105,12 @@ class FlightLinearizer:
 
         The states start at the measured ones and are in the map frame, whatever the tracker frame.
         """
-        rows = self.replay.build_rows(point.nominal)
+        rows = self.replay.build_replay_rows(point.nominal)
         start = transform_to_map(self.replay.cut.start, rows.acting)
         latent = np.zeros((len(start), self.replay.span, AXES))
-        return self.replay.integrate_pieces(rows, self.replay.compute_inputs(rows), start, latent)
+        return self.replay.integrate_pieces(
+            rows, self.replay.compute_body_inputs(rows), start, latent
+        )
 
     def _simulate_pieces(
         self, rows: ReplayRows, ready: BodyInputs, point: LinearizationPoint, which: slice
@@ -117,7 +119,7 @@ class FlightLinearizer:
         told_at = self.replay.cut.start[which]
         # Poses are in the tracker frame; the model needs the map frame
         begun = transform_to_map(told_at, rows.acting) if self._seen_only else told_at
-        start = add_change(begun, point.random[which, :WIDTH])
+        start = apply_state_changes(begun, point.random[which, :WIDTH])
         return self.replay.integrate_pieces(
             rows, ready, start, self._interpolate_latent(point, which, self._hats), which
         )
@@ -127,7 +129,7 @@ class FlightLinearizer:
         knots = point.random[which, WIDTH : self.motion].reshape(-1, AXES, self._knots)
         return np.ascontiguousarray(np.einsum('saj,kj->ska', knots, hats))
 
-    def compute_columns(
+    def compute_whitened_columns(
         self, point: LinearizationPoint, which: slice = slice(None)
     ) -> tuple[Array, Array]:
         """
@@ -136,7 +138,7 @@ class FlightLinearizer:
         Columns are the unknowns of the piece, then parameters, then SENSORS.
         """
         about = prepare_linearization(self.replay, self.knobs, point)
-        table, left = self._compute_table(point, about, which)
+        table, left = self._compute_whitened_table(point, about, which)
         out = np.zeros((*left.shape, self.random + len(self.knobs) + len(SENSORS)))
         out[:, :, : table.shape[2], self._column_order(about)[:-1]] = table[..., :-1]
         return out, left
@@ -168,7 +170,7 @@ class FlightLinearizer:
         residual = np.empty((pieces, self.replay.cut.length, len(CHANNELS)))
         for begin in range(0, pieces, CHUNK):
             which = slice(begin, begin + CHUNK)
-            table, left = self._compute_table(point, about, which)
+            table, left = self._compute_whitened_table(point, about, which)
             known = np.isfinite(left)
             # An unmeasured reading contributes nothing to the products
             table[~known[..., : table.shape[2]]] = 0.0
@@ -190,7 +192,7 @@ class FlightLinearizer:
         # Columns are stored in the order in which they are computed; this restores theirs
         return np.array([*range(self.motion), *moving, first - 1, *reading, *sensors])
 
-    def _compute_table(
+    def _compute_whitened_table(
         self, point: LinearizationPoint, about: LinearizationInputs, which: slice
     ) -> tuple[Array, Array]:
         """

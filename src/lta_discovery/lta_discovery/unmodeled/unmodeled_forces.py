@@ -10,28 +10,28 @@ from typing import Final, final, NamedTuple
 
 from lta_discovery.finding import Verdict
 from lta_discovery.fit.joint_fit import JointFit
-from lta_discovery.replay.linearizer import FlightLinearizer
-from lta_discovery.unmodeled.draught import detect_draught, DraughtFinding, is_one_sided, LEVEL
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.unmodeled.draught import detect_draught, DraughtEstimate, is_one_sided, LEVEL
 from lta_discovery.unmodeled.fit_baseline import FitBaseline
 from lta_discovery.unmodeled.latent_series import LatentSeries
 from lta_discovery.unmodeled.oscillation import (
     dominant_oscillations,
-    find_oscillations,
+    find_common_oscillations,
     LatentOscillation,
 )
-from lta_discovery.unmodeled.remainders import find_remainders, Remainder
 from lta_discovery.unmodeled.rivals import GenericRival, RivalSearch
 from lta_discovery.unmodeled.spectral_line import (
-    find_lines,
+    find_spectral_lines,
     lowest_frequency,
     select_strong_lines,
     SpectralLine,
 )
+from lta_discovery.unmodeled.unexplained_force import find_remainders, Remainder
 from lta_discovery.unmodeled.verdict import (
     add_oscillations,
     add_rival_terms,
     decide_verdict,
-    list_sentences,
+    describe_unexplained_forces,
     select_evident_rivals,
 )
 import numpy as np
@@ -67,29 +67,29 @@ class UnmodeledForces(NamedTuple):
     rivals: tuple[GenericRival, ...]
     lines: tuple[SpectralLine, ...]
     oscillations: tuple[LatentOscillation, ...] = ()
-    draught: DraughtFinding | None = None
+    draught: DraughtEstimate | None = None
 
     @property
     def sentences(self) -> tuple[str, ...]:
         """All of them in words."""
-        return list_sentences(self.remains, self.lines, self.oscillations)
+        return describe_unexplained_forces(self.remains, self.lines, self.oscillations)
 
     @property
-    def has_any(self) -> bool:
+    def has_unmodeled_forces(self) -> bool:
         """Whether there are any."""
         return self.decide_verdict(()) == 'unexplained'
 
     @property
     def is_trackable(self) -> bool:
         """Whether there are any, in flights that the model can follow."""
-        return self.has_any and all(one.floors < FOLLOWED for one in self.remains)
+        return self.has_unmodeled_forces and all(one.floors < FOLLOWED for one in self.remains)
 
     def decide_verdict(self, named: Sequence[str]) -> Verdict:
         """Return the verdict; see `decide_verdict`."""
         return decide_verdict(named, self.remains, self.rivals, [*self.oscillations, *self.lines])
 
 
-def assess_unmodeled(
+def assess_unmodeled_forces(
     pair: Sequence[Sequence[FlightLinearizer]], full: JointFit, floor: Array
 ) -> UnmodeledForces:
     """
@@ -114,12 +114,12 @@ def assess_unmodeled(
     noise = [each.replay.flight.noise for each in flights]
     knots = full.group.linears[0].knots
     # Slower oscillations are followed by the latent wrench and sought there
-    seen = find_lines(residuals, times, noise, lowest_frequency(knots))
+    seen = find_spectral_lines(residuals, times, noise, lowest_frequency(knots))
     nominal = full.group.linears[0].point.nominal
     inverse = nominal.build_model().inverse
     told = select_strong_lines(seen, np.reshape(inverse, (6, 6)), floor)
     series = [LatentSeries.from_fit(*each) for each in zip(flights, members, strict=True)]
-    slow = find_oscillations(series, floor, knots)
+    slow = find_common_oscillations(series, floor, knots)
     air = None
     # An oscillation is structure, so the remainder is not just a draught.
     if not (slow or told):

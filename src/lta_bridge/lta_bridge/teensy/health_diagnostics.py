@@ -12,11 +12,11 @@ def describe_health(reader: BoardReader | None, now_ns: int, active: bool) -> He
     """Return the health at a host time [ns]; without a reader it is not configured."""
     if reader is None:
         return HealthFact(TASK, HealthLevel.WARN, 'not configured')
-    level, message = _assess_level(reader, now_ns, active)
-    return HealthFact(TASK, level, message, _list_figures(reader, reader.board))
+    level, message = _assess_health(reader, now_ns, active)
+    return HealthFact(TASK, level, message, _collect_diagnostic_values(reader, reader.board))
 
 
-def _assess_level(reader: BoardReader, now_ns: int, active: bool) -> tuple[HealthLevel, str]:
+def _assess_health(reader: BoardReader, now_ns: int, active: bool) -> tuple[HealthLevel, str]:
     board = reader.board
     if reader.trouble:
         return HealthLevel.ERROR, reader.trouble
@@ -31,7 +31,7 @@ def _assess_level(reader: BoardReader, now_ns: int, active: bool) -> tuple[Healt
     return HealthLevel.OK, 'receiving light' if active else 'receiving light, not publishing'
 
 
-def _list_figures(reader: BoardReader, board: LightBoard) -> dict[str, str]:
+def _collect_diagnostic_values(reader: BoardReader, board: LightBoard) -> dict[str, str]:
     framing, blocks, clock = board.framing, board.blocks, board.clock
     figures: dict[str, object] = {
         'frames': framing.frames,

@@ -32,7 +32,7 @@ def refuse_hostile_bag(path: Path) -> None:
         if file.suffix == '.zstd' or file.suffix == '.zst':
             refuse_decompression_bomb(file)
         elif file.suffix == '.db3':
-            refuse_active_database(file)
+            refuse_unsafe_database(file)
 
 
 def iterate_qos_texts(held: object) -> Iterator[str]:
@@ -64,7 +64,7 @@ def refuse_decompression_bomb(file: Path) -> None:
         raise BadInput(f"'{file}' cannot be unpacked ({error}); copy it again.") from None
 
 
-def refuse_active_database(file: Path) -> None:
+def refuse_unsafe_database(file: Path) -> None:
     """Raise BadInput for a database with computed content or oversized messages."""
     try:
         with closing(sqlite3.connect(f'{file.absolute().as_uri()}?mode=ro', uri=True)) as base:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from lta_discovery.finding import PredictionGap
+from lta_discovery.finding import ChannelErrors
 from lta_discovery.flights.measured_flight import CHANNELS, PERIOD
 from lta_discovery.forecast.forecast_fit import ForecastFitter
 from lta_discovery.forecast.held_out import bootstrap_shrinkage, UNITS, WHOLE
@@ -15,7 +15,7 @@ from lta_discovery.model.quaternions import (
     quaternion_logarithm,
     quaternion_product,
 )
-from lta_discovery.replay.linearizer import FlightLinearizer
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.transfer.online_lift import piece_start_times, subtract_online_lift
 import numpy as np
 from numpy.typing import NDArray
@@ -45,16 +45,18 @@ def forecast_errors(sight: ForecastFitter, values: Array, flights: Sequence[int]
     return np.concatenate(
         [
             subtract_online_lift(
-                sight.compute_errors(values, f), piece_start_times(sight.flights[f]), sight.lift
+                sight.compute_flight_errors(values, f),
+                piece_start_times(sight.flights[f]),
+                sight.lift,
             )
             for f in flights
         ]
     )
 
 
-def compute_forecast_gaps(
+def compute_model_errors(
     sight: ForecastFitter, models: Mapping[str, Array], seed: int
-) -> list[PredictionGap]:
+) -> list[ChannelErrors]:
     """
     Return the errors of each model: position and attitude, then by channel, at each horizon.
 
@@ -82,7 +84,7 @@ def compute_forecast_gaps(
                 continue
             mean = {kind: float(np.sqrt(np.mean(each[known]))) for kind, each in square.items()}
             out.append(
-                PredictionGap(
+                ChannelErrors(
                     name, unit, horizon, **mean,
                     noise_floor=float(np.sqrt(np.sum(noise[columns] ** 2))),
                     shrink=1.0 - mean['after'] / mean['before'],
