@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
-from lta_challenge.truth_flight import KEPT, LONGEST
+from lta_challenge.truth_equations import TruthConstants, TruthWork
+from lta_challenge.truth_flight import KEPT, LONGEST, PilotConstants, PilotSeries
 from lta_challenge.truth_source import RIGID
 from lta_challenge.truth_vehicle import (
     allocation_matrix,
@@ -111,6 +112,14 @@ def initial_state(hull: TruthVehicle, height: float, tilt: Sequence[float]) -> A
     return y
 
 
+def create_work_arrays(size: int) -> TruthWork:
+    """Return working arrays for a state of `size` elements."""
+    return TruthWork(
+        np.zeros((7, size)), np.zeros(ACTUATORS), np.zeros(ACTUATORS), np.zeros(9), np.zeros(6),
+        np.zeros(1), np.zeros((3, 3)),
+    )  # fmt: skip
+
+
 def simulate_flight(
     hull: TruthVehicle,
     pilot: PilotInputs,
@@ -150,13 +159,22 @@ def simulate_flight(
     mixing = np.linalg.pinv(wanted.T)[:, :3]
     # All rotors of the nominal vehicle have the thrust curve of the first
     curve = np.array([nominal.parameter_value('thrust_curve', f'{c}_1') for c in 'ab'])
-    around = np.zeros(SURROUNDINGS)
-    compile_truth(rotors).fly(
-        initial_state(hull, height, tilt), hull.parameters, hull.on, around, hull.body,
-        hull.inverse, hull.lift, hull.allocation, pilot.pushed, pilot.wanted, pilot.noise,
-        pilot.shaken, np.array(GAINS), np.ascontiguousarray(mixing), curve, np.array(LIMITS),
-        hull.command_delay, np.array(cell), longest, commands, kept,
+    constants = TruthConstants(
+        hull.parameters, hull.on, np.zeros(SURROUNDINGS), hull.body, hull.inverse, hull.lift,
+        hull.allocation, pilot.pushed,
     )  # fmt: skip
+    compile_truth(rotors).truth_fly_truth(
+        initial_state(hull, height, tilt),
+        constants,
+        PilotConstants(np.array(GAINS), np.ascontiguousarray(mixing), curve, np.array(LIMITS)),
+        PilotSeries(pilot.wanted, pilot.noise, pilot.shaken),
+        hull.command_delay,
+        np.array(cell),
+        longest,
+        create_work_arrays(build_truth_model().state_size),
+        commands,
+        kept,
+    )
     # A hidden effect may be strong enough to destabilise the flight
     if not np.isfinite(kept).all():
         raise BadInput(

@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from string import Template
 from typing import Final, final
 
-from lta_challenge.truth_equations import TEMPLATE
+from lta_challenge.truth_equations import TruthKernel
+from lta_challenge.truth_flight import fly_truth
 from lta_config.compilation.extract import SourceExtract
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import (
@@ -16,10 +16,10 @@ from lta_model.effects.protocol import (
     KernelEffect,
     no_rate,
     no_rotor_rate,
-    VehicleMotion,
     WrenchEffect,
 )
 from lta_model.state import ACTUATORS
+from lta_sim.kernels.layout import indent_lines
 
 # Effects that the truth implements itself, or that do not occur in free flight of a bare hull
 APART: Final = frozenset(
@@ -30,6 +30,15 @@ APART: Final = frozenset(
         'battery_compensation',
     }
 )  # fmt: skip
+HEAD: Final = '''"""The truth of a challenge, composed; edits here are lost."""
+
+from collections import namedtuple
+import math
+
+from numba import njit
+
+
+'''
 RIGID: Final = 18  # position, rotation matrix, momentum, angular momentum
 
 
@@ -112,9 +121,10 @@ class TruthModel:
             if isinstance(effect, AirEffect):
                 p = _tuple_source('p', self.parameter_offsets[name], len(effect.parameters))
                 call = extract.add_function(effect.air, name)
+                place = extract.add_named_tuple(AirEffectInput)
                 lines += [
                     f'if on[{self.flag_index(name)}]:',
-                    f'    e = {call}({p}, (), Place(at, still, (u, v, w), around))',
+                    f'    e = {call}({p}, (), {place}(at, still, (u, v, w), around))',
                     '    u, v, w = u + e[0], v + e[1], w + e[2]',
                 ]
         return lines
@@ -170,47 +180,59 @@ class TruthModel:
                 lines += [f'    dy[{place + k}] = e[{k}]' for k in range(len(effect.memory))]
         return lines
 
-    def render_simulator_source(self, own: str, rotors: int, entries: str) -> str:
+    def render_simulator_source(self, own: str, entry: str, rotors: int) -> str:
         """
-        Generate the source of the simulator.
+        Generate the source of the simulator, whose entry is `truth_fly_truth`.
 
         Parameters
         ----------
-        own : str
-            Decorator of internal functions.
+        own, entry : str
+            Decorators of internal functions, and of `truth_flight.fly_truth`.
         rotors : int
             Number of rotors.
-        entries : str
-            Source of the functions that Python calls.
 
         """
-        extract = SourceExtract()
-        parts = {
-            'air': (self._air_lines(extract), 1),
-            'actuators': (self._actuator_lines(extract), 2),
-            'wrenches': (self._wrench_lines(extract), 1),
-        }
-        texts = {
-            # Indent the lines to their depth in the template
-            name: '\n'.join('    ' * depth + line for line in lines)
-            for name, (lines, depth) in parts.items()
-        }
-        winds = [
+        extract = SourceExtract(kernel=TruthKernel(rotors, self.state_size))
+        name = extract.add_function(fly_truth, 'truth')
+        generated = [
+            self._render_wind(extract),
+            self._render_wind_flag(),
+            self._render_thrusts(extract, rotors),
+            self._render_wrenches(extract),
+        ]
+        functions = '\n\n\n'.join(f'{own}\n{text}' for text in generated)
+        return f'{HEAD}{extract.render_pieces(own, entry, [name])}\n\n\n{functions}\n'
+
+    def _render_wind(self, extract: SourceExtract) -> str:
+        """Return the source of `TruthKernel.wind_at`."""
+        lines = [
+            'u, v, w = 0.0, 0.0, 0.0',
+            'at, still = (x, y, z), (0.0, 0.0, 0.0)',
+            *self._air_lines(extract),
+            'return u, v, w',
+        ]
+        return f'def wind_at(x, y, z, p, on, around):\n{indent_lines(lines)}'
+
+    def _render_wind_flag(self) -> str:
+        """Return the source of `TruthKernel.is_windy`."""
+        flags = [
             f'on[{self.flag_index(n)}]'
             for n, e in self.all_effects.items()
             if isinstance(e, AirEffect)
         ]
-        return Template(TEMPLATE + entries).substitute(
-            own=own,
-            rotors=rotors,
-            size=self.state_size,
-            motion=repr(VehicleMotion._fields),
-            place=repr(AirEffectInput._fields),
-            # Without wind, the differences of the wind are skipped
-            windy=' or '.join(winds) or 'False',
-            functions=extract.render_pieces(own),
-            **texts,
-        )
+        return f'def is_windy(on):\n    return {" or ".join(flags) or False}'
+
+    def _render_thrusts(self, extract: SourceExtract, rotors: int) -> str:
+        """Return the source of `TruthKernel.write_thrusts`."""
+        lines = ['value = told[j]', *self._actuator_lines(extract), 'u[j] = value']
+        head = f'def write_thrusts(y, dy, told, p, on, around, u):\n    for j in range({rotors}):'
+        return f'{head}\n{indent_lines(lines, 2)}'
+
+    def _render_wrenches(self, extract: SourceExtract) -> str:
+        """Return the source of `TruthKernel.add_wrenches`."""
+        lines = [*self._wrench_lines(extract), 'return f0, f1, f2, n0, n1, n2']
+        arguments = 'f0, f1, f2, n0, n1, n2, y, dy, p, on, motion, u, extra'
+        return f'def add_wrenches({arguments}):\n{indent_lines(lines)}'
 
 
 def library_effects() -> dict[str, KernelEffect]:

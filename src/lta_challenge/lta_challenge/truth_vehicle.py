@@ -7,7 +7,6 @@ from types import ModuleType
 from typing import final
 
 from lta_challenge.outside import STRANGE
-from lta_challenge.truth_flight import ENTRIES
 from lta_challenge.truth_source import APART, library_effects, TruthModel
 from lta_config.compilation.kernel_cache import load_kernel
 from lta_config.errors import BadInput
@@ -42,9 +41,7 @@ def build_truth_model() -> TruthModel:
 @cache
 def compile_truth(rotors: int) -> ModuleType:
     """Return the simulator for a number of rotors; it is compiled at its first flight."""
-    return load_kernel(
-        build_truth_model().render_simulator_source(OWN, rotors, ENTRIES.replace('$entry', ENTRY))
-    )
+    return load_kernel(build_truth_model().render_simulator_source(OWN, ENTRY, rotors))
 
 
 @final
