@@ -162,7 +162,8 @@ def test_a_strategy(tmp_path):
     said = python(
         tmp_path,
         '-c',
-        'from lta_control.strategies import find_strategy; print(find_strategy("straight"))',
+        'from lta_control.strategies import find_navigation_strategy as find; '
+        'print(find("straight"))',
     )
     assert "name='straight'" in said
 
@@ -195,9 +196,9 @@ def test_a_vehicle_is_a_file_and_no_line(tmp_path):
         tmp_path,
         '-c',
         f'import sys; sys.path.insert(0, "{share}")\n'
-        'from lta_config.files import list_shipped\n'
+        'from lta_config.files import list_shipped_names\n'
         'from lta_config.schema.vehicle_file import load_vehicle_file\n'
-        'print(list_shipped("vehicles"), load_vehicle_file("mine").name)',
+        'print(list_shipped_names("vehicles"), load_vehicle_file("mine").name)',
     )
     assert "'mine'" in said
     assert said.split()[-1] == 'mine'

@@ -21,7 +21,7 @@ Lux = Annotated[Quantity, si_quantity('lx', low=0.0, high=2e5, sourced=True)]
 STEADY = Quantity(value=1.0, unit='1', source='not flickering')
 
 
-class CloudPattern(StrictModel):
+class CloudSequence(StrictModel):
     """
     A sequence of passing clouds.
 
@@ -52,7 +52,7 @@ class SunModel(StrictModel):
     day: Annotated[int, Field(ge=1, le=366)]
     through: Share
     efficacy: Efficacy
-    clouds: CloudPattern
+    clouds: CloudSequence
 
 
 class TimedLamp(StrictModel):

@@ -93,7 +93,7 @@ def mission_step(
     ----------
     strategy : NavigationStrategy
         Steers while seeking.
-    sight : LightSight
+    sight : LightMeasurement
         The latest light.
     altitude : float
         Estimated altitude; NaN while take-off is not allowed: the estimator calibrates its

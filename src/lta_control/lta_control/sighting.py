@@ -1,5 +1,5 @@
 r"""
-Convert the demodulator's output of one block to a `LightSight` for the strategies.
+Convert the demodulator's output of one block to a `LightMeasurement` for the strategies.
 
 The node takes the numbers from messages, the one-process loop from what the messages would carry.
 The lamp is a point with a covariance that is long along its bearing ray

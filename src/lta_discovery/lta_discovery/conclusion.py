@@ -48,7 +48,7 @@ class Conclusion:
         Whether a model that ignores the commands predicts the position best.
     advice : str
         What to do with the vehicle file, a key of `ADVICE`.
-    gain : PredictionGap, optional
+    gain : ChannelErrors, optional
         The improvement to report: the position at the longest horizon. None unless the advice is
         to act on it.
     by_tolerances : bool

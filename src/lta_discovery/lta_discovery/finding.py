@@ -235,7 +235,7 @@ class TransferEvidence:
 
     Attributes
     ----------
-    names : tuple of GroupShare
+    names : tuple of IdentifiedGroup
         In the order of selection.
     regimes : tuple of LeftOutRegime
         The worst first.
@@ -264,11 +264,11 @@ class StudyResult:
         'none', 'named', 'unexplained', 'named+unexplained' or 'not_identifiable'.
     effects : tuple of NamedEffect
         The strongest first.
-    ladder : tuple of tuple of LadderRung
+    ladder : tuple of tuple of SearchCandidate
         Rounds of the search, the best candidate first.
     where : tuple of Discrepancy
         The largest first.
-    gaps : tuple of PredictionGap
+    gaps : tuple of ChannelErrors
         Of the held-out flights where there are any.
     held_out : bool
         Whether the gaps are of flights that nothing was fitted to.
@@ -292,7 +292,7 @@ class StudyResult:
         Remainders in words: 'a pitch moment that follows surge speed x yaw rate, 1.2 mN m'.
     carried : TransferEvidence, optional
         Evidence where forecasts, not the sensor readings, identified the effects.
-    draught : DraughtFinding, optional
+    draught : DraughtEstimate, optional
         Slow air motion in the room; not a defect of the vehicle file.
     strained : tuple of str
         Parameters that the flights want further off than their tolerance allows.

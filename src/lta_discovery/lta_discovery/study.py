@@ -76,7 +76,7 @@ class DiscoveryStudy:
 
     Attributes
     ----------
-    finding : DiscoveryFinding
+    finding : StudyResult
         Texts and numbers.
     nominal, learned : NominalVehicle
         The vehicle of the file, and the same with the named effects.

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import math
 from typing import final, NamedTuple
 
-from lta_config.schema.light_day_file import CloudPattern, DAY, LightDay, SunModel, TimedLamp
+from lta_config.schema.light_day_file import CloudSequence, DAY, LightDay, SunModel, TimedLamp
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
@@ -155,7 +155,7 @@ def clear_sky_irradiance(sun: SunModel, times: Array) -> Array:
     return sun.through.si * np.where(sine > 1e-3, outside, 0.0)
 
 
-def simulate_cloud_transmittance(clouds: CloudPattern, chance: Generator) -> Array:
+def simulate_cloud_transmittance(clouds: CloudSequence, chance: Generator) -> Array:
     """Simulate the cloud transmittance of one day, one value per minute. [1]"""
     low, high = clouds.cover.vector
     cover = float(chance.uniform(low, high))
@@ -175,7 +175,7 @@ def simulate_cloud_transmittance(clouds: CloudPattern, chance: Generator) -> Arr
     return share
 
 
-def mean_cloud_transmittance(clouds: CloudPattern) -> float:
+def mean_cloud_transmittance(clouds: CloudSequence) -> float:
     """Return the mean transmittance of the clouds. [1]"""
     # Cover and transmittance are drawn uniformly and independently: use the means of their ranges
     cover = sum(clouds.cover.vector) / 2.0

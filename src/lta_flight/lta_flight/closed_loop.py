@@ -30,7 +30,7 @@ from lta_energy.monitoring.reading import MeterReading, TravelState
 from lta_flight.flight_stack import build_autopilot, FlightStack
 from lta_model.diode_ring import DiodeRing
 from lta_model.vehicle import Vehicle
-from lta_sim.readings import FlightOutcome, VehicleReadings
+from lta_sim.readings import FlightOutcome, SensorReadings
 from lta_sim.world import World
 from lta_vlc.beacon_request import NO_WISH
 from lta_vlc.bearing import Bearing, estimate_bearing
@@ -102,7 +102,7 @@ class ClosedLoop:
 
     Attributes
     ----------
-    readings, estimate, duties : VehicleReadings, MotionEstimate, tuple of float
+    readings, estimate, duties : SensorReadings, MotionEstimate, tuple of float
         Sensor readings, estimate and duties of the newest step.
     light, asked : LightObservation, Setpoint
         The newest light block, and the navigator's setpoint after it; None before the first one.
@@ -151,7 +151,7 @@ class ClosedLoop:
             message_rounding.round_to_float32(ranger.minimum),
             message_rounding.round_to_float32(ranger.maximum),
         )
-        self.readings = VehicleReadings(world.stamp_ns)
+        self.readings = SensorReadings(world.stamp_ns)
         self.duties = self.autopilot.duties
         self.light: LightObservation | None = None
         self.asked: Setpoint | None = None
@@ -211,7 +211,7 @@ class ClosedLoop:
         if readings.battery is not None:
             self._update_energy(readings)
 
-    def _estimate_and_control(self, readings: VehicleReadings) -> None:
+    def _estimate_and_control(self, readings: SensorReadings) -> None:
         """Run the estimator and the controller, and add the excitation of a course."""
         if isinstance(self.autopilot, LawAutopilot) and readings.truth is not None:
             self.autopilot.receive_tracking(readings.truth)
@@ -229,7 +229,7 @@ class ClosedLoop:
             self.autopilot.override_duties(self.duties)
         self._reckoned.append(self.autopilot.dead_reckoning)
 
-    def _newest_range(self, readings: VehicleReadings) -> float:
+    def _newest_range(self, readings: SensorReadings) -> float:
         """Return the newest range as in its message, NaN if there is none. [m]"""
         if not readings.ranges:
             return math.nan
@@ -289,7 +289,7 @@ class ClosedLoop:
             math.hypot(reckoned.x, reckoned.y), math.hypot(reckoned.forward, reckoned.left)
         )
 
-    def _update_energy(self, readings: VehicleReadings) -> None:
+    def _update_energy(self, readings: SensorReadings) -> None:
         """Update the energy estimate with one set of meter readings."""
         # Missing readings are NaN, as in the messages
         nothing = math.nan, math.nan

@@ -19,7 +19,7 @@ from lta_control.strategies import find_navigation_strategy
 from lta_flight.domain_lock import DomainLock
 from lta_flight.preflight import check_plan
 from lta_flight.stall_monitor import FLIGHT, StallMonitor
-from lta_flight.viewers import check_live_ports, find_viewers, report_live_views
+from lta_flight.viewers import find_viewers, report_live_views, require_free_live_ports
 from lta_graph.child_process import ProcessExit
 from lta_graph.health import HealthFact, HealthLevel
 from lta_graph.launch_file import load_plan
@@ -111,7 +111,7 @@ def fly_once(order: FlightRequest, watcher: FlightObserver) -> FlightRun:
     from lta_graph.ros.listener import DiagnosticsListener
 
     with DomainLock(ROBOT), DiagnosticsListener(ROBOT) as listener:
-        check_live_ports(plan)
+        require_free_live_ports(plan)
         # After all checks, so that a refused flight leaves no folder
         prepare_empty_folder(folder)
         report_live_views(plan, watcher.show_message)

@@ -6,7 +6,7 @@ from contextlib import ExitStack
 from lta_bridge.crazyflie.safety import LEAVE
 from lta_flight.domain_lock import DomainLock
 from lta_flight.stall_monitor import StallMonitor
-from lta_flight.viewers import check_live_ports, find_viewers, report_live_views
+from lta_flight.viewers import find_viewers, report_live_views, require_free_live_ports
 from lta_graph.child_process import ProcessExit
 from lta_graph.launch_file import LaunchPlan
 from lta_graph.launcher import GRACE, Launcher
@@ -44,7 +44,7 @@ def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> 
         listener = stack.enter_context(DiagnosticsListener(*plan.namespaces))
         lookout = StallMonitor(say, listener.publish_error)
         spare = find_viewers(plan)
-        check_live_ports(plan)
+        require_free_live_ports(plan)
         report_live_views(plan, say)
         launcher = stack.enter_context(
             Launcher(plan, on_line, grace=shutdown_grace(plan), optional=spare)

@@ -16,7 +16,7 @@ from lta_flight.closed_loop import ClosedLoop, EnergyObservation, LightObservati
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import to_stamp
 from lta_model import messages
-from lta_sim.readings import VehicleReadings
+from lta_sim.readings import SensorReadings
 from lta_vlc.diodes import build_diode_array
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks
 from sensor_msgs.msg import BatteryState
@@ -85,7 +85,7 @@ class LoopRecorder:
             data = encode_cdr(message)
             self._writer.write(self._names[name], data, self._books.assign_log_time(name, data))
 
-    def _write_motion(self, readings: VehicleReadings) -> None:
+    def _write_motion(self, readings: SensorReadings) -> None:
         """Write the messages of the simulator for the estimator."""
         world, stamp = self._loop.world, to_stamp(readings.stamp_ns)
         for taken_ns, distance in readings.ranges:
@@ -119,7 +119,7 @@ class LoopRecorder:
         self._write_message('setpoint/velocity', velocity)
         self._write_message('light/beacon', Float64(data=self._loop.beacon))
 
-    def _write_energy(self, readings: VehicleReadings, energy: EnergyObservation) -> None:
+    def _write_energy(self, readings: SensorReadings, energy: EnergyObservation) -> None:
         """Write the readings of the meters and the output of the energy monitor."""
         # Meters are read less often than the loop steps
         if readings.illuminance is None or readings.battery is None or readings.panel is None:

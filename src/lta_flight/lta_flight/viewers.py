@@ -34,7 +34,7 @@ def find_viewers(plan: LaunchPlan) -> frozenset[str]:
     return frozenset(plan.label(process) for process in plan.processes if _is_viewer(process))
 
 
-def check_live_ports(plan: LaunchPlan) -> None:
+def require_free_live_ports(plan: LaunchPlan) -> None:
     """
     Reject a live view that cannot listen.
 
@@ -60,7 +60,7 @@ def report_live_views(plan: LaunchPlan, say: Callable[[str], None]) -> None:
     """Print the addresses of live views, if the plan has any."""
     views = _list_live_views(plan)
     for process, _, port in views:
-        # The port was checked by `check_live_ports`
+        # The port was checked by `require_free_live_ports`
         url = build_app_url(int(str(port)))
         whose = f'{process.namespace.strip("/")}; ' if len(views) > 1 else ''
         say(f'Live   {url}  ({whose}or, in the Foxglove app, Open connection)')

@@ -64,7 +64,7 @@ class Inbox:
 
     Attributes
     ----------
-    turns : MessageTurns or None
+    turns : MessageSchedule or None
         Due messages in lockstep.
 
     """

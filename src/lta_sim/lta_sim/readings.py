@@ -21,7 +21,7 @@ class FlightOutcome(StrEnum):
 
 @final
 @dataclass(slots=True)
-class VehicleReadings:
+class SensorReadings:
     """
     Sensor readings of one control step; None where nothing is due.
 

@@ -24,7 +24,7 @@ from lta_model.state import pack_state, RIGID
 from lta_model.vehicle import Vehicle
 from lta_sim.command_link import CommandLink
 from lta_sim.environment import draw_initial_memory, FlightEnvironment
-from lta_sim.readings import FlightOutcome, Vector, VehicleReadings
+from lta_sim.readings import FlightOutcome, SensorReadings, Vector
 from lta_sim.scene_model import build_scene_model, vehicle_reach
 from lta_sim.simulated_vehicle import LAYOUT, SimulatedVehicle
 from lta_sim.supply import Supply
@@ -222,15 +222,15 @@ class World:
         # A topic's latency shifts its grid against the control grid.
         return since >= 0 and since % period == 0
 
-    def sense(self) -> VehicleReadings:
+    def sense(self) -> SensorReadings:
         """Return the sensor readings at the present control step; call it once per step."""
         readings = self.sense_motion()
         self.sense_rest(readings)
         return readings
 
-    def sense_motion(self) -> VehicleReadings:
+    def sense_motion(self) -> SensorReadings:
         """Return the estimator's inputs: IMU, range and pressure."""
-        readings = VehicleReadings(self.stamp_ns)
+        readings = SensorReadings(self.stamp_ns)
         self._craft.evaluate_state()
         # A held drone does not accelerate, whatever its thrusts
         rate = STILL if self.is_held else self._craft.rate
@@ -247,7 +247,7 @@ class World:
             )  # fmt: skip
         return readings
 
-    def sense_rest(self, readings: VehicleReadings) -> None:
+    def sense_rest(self, readings: SensorReadings) -> None:
         """Add light, energy and truth, which no node answers within the step."""
         if self._is_due('photodiodes'):
             # A block is stamped with its first sample and published after its last

@@ -31,7 +31,7 @@ class Lit:
     def __init__(self, sun, begin=0.0, end=math.inf):
         self.sun, self.begin, self.end = sun, begin, end
 
-    def forecast(self, time):
+    def forecast_irradiance(self, time):
         return DARK._replace(sun=self.sun if self.begin <= time < self.end else 0.0)
 
 

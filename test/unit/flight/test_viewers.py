@@ -2,7 +2,7 @@
 
 from lta_cli.verbs import fly as verb
 from lta_config.errors import BadInput
-from lta_flight.viewers import check_live_ports, find_viewers, report_live_views
+from lta_flight.viewers import find_viewers, report_live_views, require_free_live_ports
 from lta_graph.launch_file import LaunchPlan
 from lta_graph.launch_node import LaunchProcess
 import pytest
@@ -45,17 +45,17 @@ def test_a_view_of_another_s_launch_file_may_keep_its_defaults_or_have_them_in_a
     report_live_views(LaunchPlan((alone, filed)), said.append)
     assert 'ws://localhost:8765 ' in said[0]
     assert len(said) == 2
-    check_live_ports(LaunchPlan((filed, filed)))
+    require_free_live_ports(LaunchPlan((filed, filed)))
     words = ('--ros-args', '--params-file', 'live.yaml', '-p', 'port:=9000')
     told = LaunchProcess('lta_bridge', 'live', 'live', '/b', words, False)
     with pytest.raises(BadInput, match='Two live views were given port 9000'):
-        check_live_ports(LaunchPlan((told, told)))
+        require_free_live_ports(LaunchPlan((told, told)))
 
 
 @pytest.mark.parametrize('port', ['0', '65536', "'8765'", '80.5', 'true'])
 def test_what_is_no_port_is_refused(port):
     with pytest.raises(BadInput, match='whole number from 1 to 65535'):
-        check_live_ports(plan(port))
+        require_free_live_ports(plan(port))
 
 
 @pytest.mark.parametrize(
@@ -86,7 +86,7 @@ def test_of_several_views_each_has_its_own_port_and_says_whose_it_is():
         return plan(port, (namespace,)).processes
 
     with pytest.raises(BadInput, match='Two live views were given port 8765; give each a port'):
-        check_live_ports(plan(namespaces=('/a', '/b')))
+        require_free_live_ports(plan(namespaces=('/a', '/b')))
     said = []
     report_live_views(LaunchPlan(on('9000', '/a') + on('9001', '/b')), said.append)
     first, second, layout = said

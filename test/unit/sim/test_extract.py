@@ -1,5 +1,6 @@
 """What a function uses comes with its text, or is refused."""
 
+from importlib.util import module_from_spec, spec_from_file_location
 import math
 from math import hypot
 import os
@@ -81,9 +82,27 @@ def test_a_function_within_a_function_is_refused():
         text_of(square)
 
 
-def test_two_things_cannot_share_a_name():
-    with pytest.raises(BadInput, match='box_compute_wrench'):
-        text_of(linear_drag.compute_wrench, quadratic_drag.compute_wrench)
+def test_two_things_of_one_name_are_called_by_their_file_too():
+    text, _ = text_of(linear_drag.compute_wrench, quadratic_drag.compute_wrench)
+    assert 'def box_compute_wrench(' in text
+    assert 'def box_quadratic_drag_compute_wrench(' in text
+
+
+def test_two_things_of_one_name_in_files_of_one_name_are_refused(tmp_path):
+    extract = SourceExtract()
+    functions = []
+    for k in range(3):
+        path = tmp_path / str(k) / 'same.py'
+        path.parent.mkdir()
+        path.write_text(f'def give():\n    return {k}\n')
+        spec = spec_from_file_location('same', path)
+        module = module_from_spec(spec)
+        spec.loader.exec_module(module)
+        functions.append(module.give)
+    assert extract.add_function(functions[0], 'box') == 'box_give'
+    assert extract.add_function(functions[1], 'box') == 'box_same_give'
+    with pytest.raises(BadInput, match='box_same_give'):
+        extract.add_function(functions[2], 'box')
 
 
 def test_the_kernel_needs_numba_only():

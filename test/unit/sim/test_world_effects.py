@@ -8,7 +8,7 @@ from lta_model.state import IRRADIANCE, NOISE, VOLTAGE, WIND
 from lta_sim.command_link import CommandLink
 from lta_sim.environment import FlightEnvironment
 from lta_sim.kernels import kernel
-from lta_sim.readings import VehicleReadings
+from lta_sim.readings import SensorReadings
 import numpy as np
 import pytest
 
@@ -44,10 +44,10 @@ def flown(steps=12, seed=3, **vehicle):
     return world, readings, states
 
 
-def plain(reading: VehicleReadings):
+def plain(reading: SensorReadings):
     """Return a reading as something that compares."""
     block = None if reading.block is None else reading.block[1].tobytes()
-    return [getattr(reading, name) for name in VehicleReadings.__slots__ if name != 'block'] + [
+    return [getattr(reading, name) for name in SensorReadings.__slots__ if name != 'block'] + [
         block
     ]
 

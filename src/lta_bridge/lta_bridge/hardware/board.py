@@ -89,7 +89,7 @@ def measure_board(
         See `open_port`.
     light : AdcBlockShape
         Layout of a block.
-    diodes : DiodesBlock
+    diodes : PhotodiodesBlock
         Diodes of the vehicle file.
     bins : BeaconBins
         Frequency bins of the beacon in a block.

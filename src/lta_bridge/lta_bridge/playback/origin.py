@@ -28,7 +28,7 @@ def build_replay_origin(recording: RobotBagRecording, graph: Mapping[str, str]) 
 
     Parameters
     ----------
-    recording : BagRecording
+    recording : RobotBagRecording
         The replayed recording: origin of scene, seed, and whether the data were measured.
     graph : mapping of str to str
         Provenance of the launch: vehicle, gains and strategy of the running nodes.

@@ -76,7 +76,7 @@ class SensorSet:
 
     Parameters
     ----------
-    path : SimulatedPath
+    path : SimulatedTrajectory
         The flight.
     truth : VehicleTruth
         Its true parameters.
@@ -112,7 +112,7 @@ class SensorSet:
         first = 2.0 * TICK + age + self._draw.uniform(0.0, 1.0 / rate)
         return np.arange(first, self._path.time[-1], period)
 
-    def _stamp_times(self, time: Array, *, pose: bool = False) -> Array:
+    def _times_to_stamps(self, time: Array, *, pose: bool = False) -> Array:
         """Return the stamps of sample times."""
         if self._stamps == 'millisecond':
             return np.round(time / MILLISECOND) * MILLISECOND
@@ -149,7 +149,7 @@ class SensorSet:
         )
         shaken = Rotation.from_rotvec(self._white_noise(ATTITUDE_NOISE, len(time), 3))
         turn = to_map.inv() * moments.turn * shaken
-        return self._stamp_times(time, pose=True), np.hstack([place, turn.as_quat()])
+        return self._times_to_stamps(time, pose=True), np.hstack([place, turn.as_quat()])
 
     def measure_imu(self) -> tuple[Array, Array]:
         """Return body rates and specific force at the position of the IMU."""
@@ -163,7 +163,7 @@ class SensorSet:
         rates = rates * (1.0 + np.array(t.gyro_scale)) + t.gyro_bias
         rates = rates + self._white_noise(GYRO_NOISE, len(time), 3)
         force = force + t.imu_bias + self._white_noise(FORCE_NOISE, len(time), 3)
-        return self._stamp_times(time), np.hstack([rates, force])
+        return self._times_to_stamps(time), np.hstack([rates, force])
 
     def measure_ranges(self) -> tuple[Array, Array]:
         """Return the distance to the floor along the body's downward axis."""
@@ -172,7 +172,7 @@ class SensorSet:
         height = moments.place[:, 2] + moments.turn.apply(t.range_place)[:, 2]
         upright = moments.turn.apply([0.0, 0.0, 1.0])[:, 2]
         seen = height / upright + t.range_offset + self._white_noise(RANGE_NOISE, len(time))
-        return self._stamp_times(time), seen[:, None]
+        return self._times_to_stamps(time), seen[:, None]
 
     def measure_pressures(self) -> tuple[Array, Array]:
         """Return the air pressure at the flight controller."""
@@ -182,7 +182,7 @@ class SensorSet:
         # Weather: a random walk
         walk = np.cumsum(self._white_noise(PRESSURE_WALK / math.sqrt(PRESSURE_RATE), len(time)))
         seen = SEA_LEVEL * np.exp(-height / SCALE_HEIGHT) + t.pressure_offset + walk
-        return self._stamp_times(time), (seen + self._white_noise(PRESSURE_NOISE, len(time)))[
+        return self._times_to_stamps(time), (seen + self._white_noise(PRESSURE_NOISE, len(time)))[
             :, None
         ]
 
@@ -196,7 +196,7 @@ class SensorSet:
         voltage = full - 0.7 * used - INNER * current
         time = self._sample_times(BATTERY_RATE)
         seen = np.interp(time, self._path.time, voltage) + self._white_noise(noise, len(time))
-        return self._stamp_times(time), seen[:, None]
+        return self._times_to_stamps(time), seen[:, None]
 
     def record_streams(self) -> dict[str, tuple[Array, Array]]:
         """Return all recorded topics, the commands included."""

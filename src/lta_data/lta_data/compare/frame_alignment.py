@@ -40,7 +40,7 @@ class FrameAlignment:
         A's and B's.
     topic : str
         A's topic whose positions were used.
-    fit : FramePlacement or None
+    fit : FrameTransform or None
         Transformation from B to A; None with too few positions.
     applied : bool
         Whether it was applied.

@@ -72,7 +72,7 @@ class ForecastFit:
         Shared parameters, relative to the vehicle file; 0 if not fitted.
     precision, pull : ndarray, shape (K, K) and (K,)
         Of the fitted parameters, about `values`, without the prior.
-    said : tuple of ForecastInformation
+    said : tuple of ForecastNormalEquations
         By flight.
 
     """

@@ -27,7 +27,7 @@ from lta_discovery.selection.residual_guards import (
 )
 from lta_discovery.unmodeled.fit_baseline import FitBaseline
 from lta_discovery.unmodeled.rivals import GenericRival, RivalSearch
-from lta_discovery.unmodeled.unexplained_force import CLEAR, find_remainders
+from lta_discovery.unmodeled.unexplained_force import CLEAR, find_unexplained_forces
 from lta_discovery.unmodeled.verdict import select_confirmed_rivals
 import numpy as np
 from numpy.typing import NDArray
@@ -194,7 +194,7 @@ class RivalTest:
 
     def _follows_state(self, fits: Pair) -> bool:
         """Return whether the remainder follows the state, unlike gusts."""
-        left = find_remainders(self._flights, [each.members for each in fits], self._floor)
+        left = find_unexplained_forces(self._flights, [each.members for each in fits], self._floor)
         clearly = any(one.carried > FOLLOWS for one in left)
         return clearly or bool(select_confirmed_rivals(self._find_rivals(fits)))
 

@@ -29,7 +29,7 @@ class EffectValues(NamedTuple):
     ----------
     draws : ndarray, shape (D, K)
         Bootstrap values.
-    regimes : list of RegimeError
+    regimes : list of RegimeForecastErrors
         Left-out regimes, the worst first.
 
     """

@@ -226,7 +226,7 @@ class RivalSearch:
         )
 
     def build_group_comparison(self, side: int, baseline: FitBaseline) -> GroupComparison:
-        """Return the flights of one side with all groups."""
+        """Build the comparison of all groups on the flights of one side."""
         flown = zip(self.flights[side], baseline.linears, strict=True)
         known = [
             list(

@@ -141,7 +141,7 @@ def select_terms(
     return (chosen, share) if share > CARRIED else ((), max(share, 0.0))
 
 
-def find_remainders(
+def find_unexplained_forces(
     flights: Sequence[Sequence[FlightLinearizer]],
     fits: Sequence[Sequence[FlightFit]],
     floor: Array = FLOOR,

@@ -26,7 +26,7 @@ from lta_discovery.unmodeled.spectral_line import (
     select_strong_lines,
     SpectralLine,
 )
-from lta_discovery.unmodeled.unexplained_force import find_remainders, Remainder
+from lta_discovery.unmodeled.unexplained_force import find_unexplained_forces, Remainder
 from lta_discovery.unmodeled.verdict import (
     add_oscillations,
     add_rival_terms,
@@ -57,7 +57,7 @@ class UnmodeledForces(NamedTuple):
         The strongest first.
     oscillations : tuple of LatentOscillation
         The strongest first.
-    draught : DraughtFinding, optional
+    draught : DraughtEstimate, optional
         Slow air motion. Its axes, and rivals that explain only one of them, are then not in the
         rest.
 
@@ -107,7 +107,7 @@ def assess_unmodeled_forces(
         [FitBaseline.from_part(full, side, floor) for side in sides]
     )
     members = full.members
-    left = find_remainders(pair, [members[side] for side in sides], floor)
+    left = find_unexplained_forces(pair, [members[side] for side in sides], floor)
     flights = [*pair[0], *pair[1]]
     residuals = [linear.residual for linear in full.group.linears]
     times = [each.time for each in flights]

@@ -72,10 +72,10 @@ def build_source(
     strategy : NavigationStrategy
         How the drone navigates.
     constants : TupleLayout
-        Of `flight_data.FlightConstants`.
+        Of `constants_and_tally.FlightConstants`.
     diodes : int
         Number of diodes.
-    rhythm : BatchRhythm
+    rhythm : BatchSchedule
         The schedule.
     target : CompileTarget
         `CPU` or `GPU`.

@@ -44,7 +44,7 @@ class FlightConstants(NamedTuple):
         Altitudes and speeds.
     sensors, listening, goal, power : SensorDatasheets, LightLink, EndConditions, BatchPower
         The world.
-    array, expected : FitArray, DirectionPrior
+    array, expected : DiodeFitInputs, DirectionPrior
         The drone's model of its diodes, and its prior on the lamp.
     place : tuple of float
         Hull centre at the start. [m, map]

@@ -28,7 +28,7 @@ from lta_model import messages
 from lta_model.scenario import load_scenario
 from lta_model.start_offset import offset_start
 from lta_model.vehicle import load_vehicle
-from lta_sim.readings import FlightOutcome, VehicleReadings
+from lta_sim.readings import FlightOutcome, SensorReadings
 from lta_sim.simulator_settings import SimulatorSettings
 from lta_sim.world import World
 from rclpy.clock import Clock, ClockType
@@ -254,7 +254,7 @@ class Simulator(GraphNode):
             self._clocked = now
             self._outputs['/clock'].publish(ClockMessage(clock=to_stamp(stamp_ns)))
 
-    def _publish_motion(self, readings: VehicleReadings) -> None:
+    def _publish_motion(self, readings: SensorReadings) -> None:
         """Publish range, pressure and IMU, the last of which the estimator answers."""
         stamp = to_stamp(readings.stamp_ns)
         out = self._outputs
@@ -273,7 +273,7 @@ class Simulator(GraphNode):
             messages.build_imu_message(stamp, readings.force, readings.rates, noises)
         )
 
-    def _publish_rest(self, readings: VehicleReadings) -> None:
+    def _publish_rest(self, readings: SensorReadings) -> None:
         """Publish light, energy and truth."""
         stamp = to_stamp(readings.stamp_ns)
         out = self._outputs

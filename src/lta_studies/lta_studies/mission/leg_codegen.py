@@ -52,7 +52,7 @@ def generate_leg_source(
         Layouts of `FlightConstants`, `LegPlan` and `LegState`.
     diodes : int
         Number of diodes in the ring.
-    rhythm : BatchRhythm
+    rhythm : BatchSchedule
         Schedule of a batch flight.
 
     """

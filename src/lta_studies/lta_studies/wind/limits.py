@@ -63,7 +63,7 @@ class PlatformWindLimits:
         the lowest of the three.
     flown : FlyableWind or None
         Limit flown in uniform wind.
-    over : tuple of GroundLimit
+    over : tuple of GroundWindLimits
         Limits over each ground.
     note : str
         Why a limit is missing.

@@ -173,7 +173,7 @@ def test_provenance_outlives_either_of_its_places(torn, tmp_path):
 KILLED = """
 import itertools, sys, time
 from pathlib import Path
-from lta_data.bag.mcap_file.scan import scan_file
+from lta_data.bag.mcap_file.scan import scan_mcap_file
 from lta_data.bag.mcap_file.summary import read_summary
 from lta_bridge.bag import BagWriter
 bag = BagWriter(Path(sys.argv[1]), {'seed': '9'})

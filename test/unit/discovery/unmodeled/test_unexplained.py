@@ -9,7 +9,7 @@ from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.replay.linearized_flight import count_unknowns, unchanged_vehicle_point
 from lta_discovery.unmodeled import unexplained_force
 from lta_discovery.unmodeled.unexplained_force import (
-    find_remainders,
+    find_unexplained_forces,
     latent_at_knots,
     select_terms,
     state_terms,
@@ -66,7 +66,7 @@ def test_turbulence_remains_on_the_axes_that_it_pushes(gtmab: Known) -> None:
         )
         for flight in flights
     ]
-    left = find_remainders([[one] for one in flights], [[one] for one in fits])
+    left = find_unexplained_forces([[one] for one in flights], [[one] for one in fits])
     assert {'surge', 'sway'} <= {one.axis for one in left}
     for one in left:
         assert one.size == pytest.approx(one.floors * FLOOR[AXES.index(one.axis)])
@@ -178,12 +178,12 @@ def test_an_axis_counts_if_the_mean_of_all_flights_is_above_2_5_floors(
         'select_terms',
         lambda states, forces: asked.append(forces) or (('x',), 0.5),
     )
-    found = find_remainders([[], []], fits)
+    found = find_unexplained_forces([[], []], fits)
     assert [one.axis for one in found] == ['roll', 'heave', 'sway']
     np.testing.assert_allclose([one.floors for one in found], [10.0, 3.0, 6.5**0.5])
     np.testing.assert_allclose([one.size for one in found], [8e-4, 12e-4, 4e-4 * 6.5**0.5])
     assert [[each.tolist() for each in forces] for forces in asked] == [
         [[k, k + 6.0], [k + 12.0, k + 18.0]] for k in (1.0, 2.0, 3.0)
     ]
-    lower = find_remainders([[], []], fits, 0.5 * FLOOR, 4.95)
+    lower = find_unexplained_forces([[], []], fits, 0.5 * FLOOR, 4.95)
     assert [one.axis for one in lower] == ['roll', 'heave', 'sway', 'yaw']

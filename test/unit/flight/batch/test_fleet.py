@@ -207,7 +207,7 @@ SIMULATED = """
     import sys
     from lta_flight.batch import fly
     from lta_flight.batch.batch_flight import build_flight
-    from lta_flight.flight_spec import build_parts, load_spec
+    from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
     from lta_config.parameter_override import parse_assignment
     from lta_config.topics import load_topic_table
     import numpy as np
@@ -219,7 +219,7 @@ SIMULATED = """
     )
     flights = [
         build_flight(
-            *build_parts(base.with_values({'mission.speed': speed})), load_topic_table()
+            *build_vehicle_scenario_stack(base.with_values({'mission.speed': speed})), load_topic_table()
         )
         for speed in (0.3, 0.5)
     ]
