@@ -219,7 +219,8 @@ SIMULATED = """
     )
     flights = [
         build_flight(
-            *build_vehicle_scenario_stack(base.with_values({'mission.speed': speed})), load_topic_table()
+            *build_vehicle_scenario_stack(base.with_values({'mission.speed': speed})),
+            load_topic_table(),
         )
         for speed in (0.3, 0.5)
     ]
