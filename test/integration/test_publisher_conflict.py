@@ -52,4 +52,4 @@ def test_a_stranger_is_named_until_it_is_gone(node):
     conflict.report(health)
     assert health.facts[0].message == expected
     stranger.destroy_publisher(rival)
-    assert told(HealthLevel.OK) == 'nobody else publishes the same'
+    assert told(HealthLevel.OK) == 'no other node publishes the topics of this node'

@@ -281,7 +281,10 @@ class SourceExtract:
             return self.add_function(value, name)
         if _is_literal(value):
             return self.render_literal(value)
-        raise BadInput(f'{name}.{attribute} is {value!r}, which cannot be compiled.')
+        raise BadInput(
+            f'{name}.{attribute} is {value!r}, which cannot be compiled; use a plain function, a '
+            'number or a tuple of numbers.'
+        )
 
     def render_literal(self, value: Any) -> str:  # noqa: ANN401 - any nest of numbers
         """Return the text of a number or a nest of tuples, whose types are added."""

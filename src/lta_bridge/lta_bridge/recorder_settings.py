@@ -54,7 +54,10 @@ class RecorderSettings(RobotOrigin):
         fixed=True,
     )
     replay: str = setting(
-        '', 'Replayed bag, whose origin is copied (only with source:=replay).', fixed=True
+        '',
+        'Bag that is replayed; the new bag repeats whether it was simulated or measured (only '
+        'with source:=replay).',
+        fixed=True,
     )
     topics: str = setting(
         '',

@@ -17,7 +17,7 @@ class StorageFault(OSError):
         """Return the message for the user."""
         return (
             f"Writing '{self.filename}' failed ({self.strerror}). The recording ends here and "
-            'stays readable; free disk space before the next one.'
+            'stays readable. Free disk space, or record to another folder.'
         )
 
 

@@ -55,7 +55,7 @@ class TeensyBridgeSettings(Settings):
         high=1000.0,
     )
     prior: LampPrior = setting(
-        LampPrior(), 'Place of the lamp assumed before it is seen (only with peaks:=true).'
+        LampPrior(), 'Assumed position of the lamp until it is first seen (only with peaks:=true).'
     )
     patience: float = setting(
         0.0,

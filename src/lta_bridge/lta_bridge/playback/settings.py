@@ -17,8 +17,8 @@ class PlayerSettings(Settings):
     )
     nodes: str = setting(
         '',
-        'Nodes that run again, so that their recorded messages are not played; separated by '
-        'spaces, empty for all.',
+        'Nodes to run again, separated by spaces; their recorded messages are not played. If '
+        'empty, all run again.',
         fixed=True,
     )
     roles: str = setting(

@@ -70,7 +70,9 @@ def discover(
     seed: Annotated[int, typer.Option(help='Random seed.', min=0, max=2**31 - 1)] = 1,
     out: Out = None,
     pictures: Pictures = None,
-    json: Annotated[bool, typer.Option('--json', help='Print only discovery.json.')] = False,
+    json: Annotated[
+        bool, typer.Option('--json', help='Print the content of discovery.json, and nothing else.')
+    ] = False,
 ) -> None:
     """
     Find where a vehicle's model disagrees with its flights, and name the missing effect.

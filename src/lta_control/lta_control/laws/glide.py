@@ -37,9 +37,12 @@ class GlideGains(Settings):
     climb_limit: float = setting(
         ..., 'Largest commanded climb rate.', unit='m/s', low=0.01, high=2.0
     )
-    climb: PidGains = setting(..., 'Loop from climb rate error to nose-up pitch, rad per m/s.')
+    climb: PidGains = setting(
+        ..., 'Gains from the climb rate error to the nose-up pitch, in rad per m/s.'
+    )
     pitch: PidGains = setting(
-        ..., 'Loop from pitch error to position of the moving mass, m backwards per rad.'
+        ...,
+        'Gains from the pitch error to the position of the moving mass, in m backwards per rad.',
     )
     speed: PidGains = setting(..., 'Loop from speed error to thrust, N per m/s.')
     heading_kp: float = setting(

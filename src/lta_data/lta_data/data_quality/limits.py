@@ -22,7 +22,9 @@ class QualityLimits(Settings):
         8, 'Fewest equal readings in a row that are reported as a freeze.'
     )
     frozen_chance: float = setting(
-        1e-9, 'A run of equal readings that is likelier to be chance than this is no freeze.'
+        1e-9,
+        'A run of equal readings counts as a frozen sensor if chance would produce it with a '
+        'lower probability than this.',
     )
     frozen_times: float = setting(
         5.0, 'Smallest ratio of a freeze to the usual length of runs of equal readings.'
@@ -73,7 +75,7 @@ class QualityLimits(Settings):
     )
     quiet_velocity: float = setting(
         3e-6,
-        'Least plausible noise of a velocity, derived from a tracker and smoothed.',
+        'Lowest plausible noise of a velocity that was computed from tracked poses and smoothed.',
         unit='m/s',
     )
     quiet_rates: float = setting(
@@ -132,7 +134,7 @@ class QualityLimits(Settings):
     )
 
     wander_agree: float = setting(
-        0.7, 'Correlation after correcting a clock drift, from which it is reported.'
+        0.7, 'Smallest correlation after correcting a clock drift for which the drift is reported.'
     )
 
     gap_periods: float = setting(
@@ -148,7 +150,7 @@ class QualityLimits(Settings):
         0.3, 'Largest relative spread of the period of a topic whose gaps are judged.'
     )
     log_jump: float = setting(
-        0.5, 'Jump of the stamps, relative to the log time, from which it is reported.', unit='s'
+        0.5, 'Smallest jump of the message stamps against the log time that is reported.', unit='s'
     )
 
     twin_time: float = setting(

@@ -242,7 +242,7 @@ def _render_latent_wrench(study: DiscoveryStudy) -> str:
     )
     made = render_section(
         'latent', 'The unexplained force over time',
-        f'As computed from the measured motion: {names}.',
+        f'Not measured, but computed from the measured motion: {names}.',
         figures.plot_stacked_curves(rows, titles, 'time', 's'),
     )  # fmt: skip
     known = flights[0].terms

@@ -165,7 +165,8 @@ def _list_block_quantities(
             if min(numbers) < 0.0:
                 raise BadInput(
                     f'The learned quadratic drag is below that of the parts of '
-                    f'{vehicle.file.name}; mark their drag as in_aero and run the study again.'
+                    f'{vehicle.file.name} alone; if the measured drag includes the parts, set '
+                    'in_aero: true at their drag in that file, and run the study again.'
                 )
         words = [f'{name} {notes[name]}' for name in order if name in notes]
         if not set(order) & set(names):

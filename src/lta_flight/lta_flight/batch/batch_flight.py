@@ -79,9 +79,9 @@ def build_schedule(table: TopicTable) -> BatchSchedule:
     # A light block needs an even number of control steps, since its middle must be one
     if control % step_ns or due['range'] % step_ns or due['photodiodes'] % (2 * control):
         raise BadInput(
-            f'Batch flight (--device) uses steps of {1e3 * STEP:g} ms, which do not fit the '
-            'periods '
-            f'of control ({control} ns) and sensors ({due} ns); change these in topics.yaml.'
+            f'Batch flight (--device) uses steps of {1e3 * STEP:g} ms, but the '
+            f'periods of control ({control} ns) and sensors ({due} ns) are not whole multiples of '
+            'it; change them in topics.yaml.'
         )
     return BatchSchedule(
         control // step_ns,

@@ -41,7 +41,9 @@ class PublisherConflict:
             words = f'{", ".join(shared)} ({self._format_other_nodes(shared)}); stop all but one'
             health.report(OTHERS, HealthLevel.ERROR, f'published by others too: {words}')
         elif OTHERS in health:
-            health.report(OTHERS, HealthLevel.OK, 'nobody else publishes the same')
+            health.report(
+                OTHERS, HealthLevel.OK, 'no other node publishes the topics of this node'
+            )
 
     def _format_other_nodes(self, shared: list[str]) -> str:
         """Return the names of the other nodes; a second node of the own name counts."""

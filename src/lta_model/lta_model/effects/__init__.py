@@ -105,8 +105,8 @@ def merge_installed_effects(library: dict[str, Effect]) -> dict[str, Effect]:
             if UNITS.get(parameter.unit) != (parameter.unit, 1.0):
                 raise BadInput(
                     f'The parameter {effect.name}.{parameter.name} of {point.value} is in '
-                    f'{parameter.unit!r}, which is no SI unit that files know; take one of '
-                    f'{", ".join(sorted({unit for unit, _ in UNITS.values()}))}.'
+                    f'{parameter.unit!r}, which vehicle files do not accept; use one of the SI '
+                    f'units {", ".join(sorted({unit for unit, _ in UNITS.values()}))}.'
                 )
         effects[effect.name] = effect
     return effects

@@ -52,7 +52,8 @@ def evaluate(
         ),
     ] = None,
     markdown: Annotated[
-        bool, typer.Option('--markdown', help='Print docs/navigation_scores.md.')
+        bool,
+        typer.Option('--markdown', help='Evaluate, and print the page docs/navigation_scores.md.'),
     ] = False,
     json: Annotated[bool, typer.Option('--json', help='Print the figures as JSON.')] = False,
 ) -> None:

@@ -95,5 +95,6 @@ def refuse_large_message(file: Path, head: object) -> None:
         if size < 0 or size > CHUNK_BYTES:
             raise BadInput(
                 f"'{file}' has a message that decompresses to more than {CHUNK_BYTES} bytes; "
-                'remove it with the ROS tools first.'
+                'copy the bag without the topic of that message (ros2 bag convert) and import '
+                'the copy.'
             )

@@ -112,8 +112,8 @@ class RosbagsLog(BagTableLog):
             if name in self.raw:
                 if self.raw[name].definition.type_name != ours:
                     raise BadInput(
-                        f"'{self._path}' has messages of several types on '{name}'; filter it "
-                        'with the ROS tools first.'
+                        f"'{self._path}' has messages of several types on '{name}'; copy it "
+                        'without this topic (ros2 bag convert) and import the copy.'
                     )
                 continue
             self.raw[name] = RawTopic(find_store_definition(ours, types, self.notes))
