@@ -7,7 +7,7 @@ from typing import Annotated
 
 from lta_bridge.bag.writer import prepare_empty_folder
 from lta_cli.options.json_option import Json, print_json
-from lta_cli.options.out_option import parse_folder
+from lta_cli.options.out_option import Out
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import relative_path
 from lta_config.files import list_shipped_names
@@ -68,14 +68,7 @@ def wind(
     fly: Annotated[
         bool, typer.Option(help='Simulate flights; --no-fly computes only the static limits.')
     ] = True,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            help='Folder of the results; runs/<time>-wind by default.',
-            parser=parse_folder,
-            metavar='FOLDER',
-        ),
-    ] = None,
+    out: Out = None,
     json: Json = False,
 ) -> None:
     """
