@@ -25,7 +25,7 @@ TICK: Final = 0.01  # s; period of the pilot and of the stored samples
 LONGEST: Final = 0.005  # s; largest integrator step
 # Columns of a stored sample: position 3, rotation 9, velocity 3, rates 3, thrust 8, wrench of
 # effects outside the library 6, voltage 1; 5 are unused
-KEPT: Final = 38
+SAMPLE_SIZE: Final = 38
 
 
 class PilotConstants(NamedTuple):
@@ -54,7 +54,7 @@ class PilotConstants(NamedTuple):
 class PilotSeries(NamedTuple):
     """Setpoints, measurement noise and excitation of the pilot at each tick."""
 
-    wanted: Array
+    setpoints: Array
     noise: Array
     shaken: Array
 
@@ -110,18 +110,18 @@ def orthonormalize_rotation(y: Array, n: Array) -> None:
 
 
 def demanded_wrench(
-    y: Array, s: Array, wanted: Array, noise: Array, gains: Array, height_sum: Array
+    y: Array, s: Array, setpoints: Array, noise: Array, gains: Array, height_sum: Array
 ) -> tuple[float, float, float]:
     """Return the force forward and up and the moment about the vertical that the pilot demands."""
     height, heading, speed = y[2] + noise[0], math.atan2(y[6], y[3]) + noise[1], s[0] + noise[2]
     climb = y[9] * s[0] + y[10] * s[1] + y[11] * s[2] + noise[2]
-    off = wanted[0] - height
+    off = setpoints[0] - height
     if abs(off) < 0.6:
         height_sum[0] = min(max(height_sum[0] + 0.01 * off, -8.0), 8.0)
     up = gains[0] * off - gains[1] * climb + gains[2] * height_sum[0] + gains[3]
-    turn = (wanted[1] - heading + math.pi) % (2.0 * math.pi) - math.pi
+    turn = (setpoints[1] - heading + math.pi) % (2.0 * math.pi) - math.pi
     around = gains[4] * min(max(turn, -1.0), 1.0) - gains[5] * s[5]
-    ahead = gains[6] * (wanted[2] - speed) + gains[7] * abs(wanted[2]) * wanted[2]
+    ahead = gains[6] * (setpoints[2] - speed) + gains[7] * abs(setpoints[2]) * setpoints[2]
     return ahead, up, around
 
 
@@ -145,7 +145,7 @@ def write_command(
 ) -> None:
     """Write the command of the pilot at tick k: duties, or a wrench."""
     ahead, up, around = demanded_wrench(
-        y, work.speeds, series.wanted[k], series.noise[k], pilot.gains, work.height_sum
+        y, work.speeds, series.setpoints[k], series.noise[k], pilot.gains, work.height_sum
     )
     shaken, limits = series.shaken[k], pilot.limits
     for j in range(out.shape[0]):
@@ -162,7 +162,7 @@ def write_command(
 
 
 def write_sample(y: Array, hull: TruthConstants, work: TruthWork, out: Array) -> None:
-    """Write the sample of a tick, see `KEPT`."""
+    """Write the sample of a tick, see `SAMPLE_SIZE`."""
     for j in range(12):
         out[j] = y[j]
     for j in range(6):
@@ -184,7 +184,7 @@ def fly_truth(
     longest: float,
     work: TruthWork,
     commands: Array,
-    kept: Array,
+    samples: Array,
 ) -> None:
     """
     Fly, and store the commands and a sample at each tick.
@@ -194,7 +194,7 @@ def fly_truth(
     """
     spent, tick, newest = 0.0, 0.01, -1
     told = work.command
-    for k in range(kept.shape[0]):
+    for k in range(samples.shape[0]):
         now = k * tick
         write_speeds(kernel, y, hull, work.speeds)
         write_command(kernel, y, hull, pilot, series, k, work, commands[k])
@@ -212,7 +212,7 @@ def fly_truth(
                 told[j] = commands[newest, j] if newest >= 0 else 0.0
             if now == k * tick:
                 write_slope(kernel, y, work.stages[0], hull, work)
-                write_sample(y, hull, work, kept[k])
+                write_sample(y, hull, work, samples[k])
             until = end
             coming = (newest + 1) * tick + delay
             if newest + 1 <= k and coming < end - 1e-9:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Final, final
 
 from lta_challenge.truth_equations import TruthConstants, TruthWork
-from lta_challenge.truth_flight import KEPT, LONGEST, PilotConstants, PilotSeries
+from lta_challenge.truth_flight import LONGEST, PilotConstants, PilotSeries, SAMPLE_SIZE
 from lta_challenge.truth_source import RIGID
 from lta_challenge.truth_vehicle import (
     allocation_matrix,
@@ -152,7 +152,7 @@ def simulate_flight(
 
     """
     count, rotors = len(pilot.wanted), len(nominal.rotors)
-    commands, kept = np.zeros((count, ACTUATORS)), np.zeros((count, KEPT))
+    commands, kept = np.zeros((count, ACTUATORS)), np.zeros((count, SAMPLE_SIZE))
     # Columns: surge, heave, yaw and roll
     wanted = allocation_matrix(nominal)[:, [0, 2, 5, 3]]  # a mix for these must leave roll alone
     # The pilot commands surge, heave and yaw; roll is zero, so its column is dropped
