@@ -163,10 +163,10 @@ def _replace_at(content: Any, keys: list[str], value: Any, where: str) -> Any:  
         return {**content, key: _mark_source(value)}
     new = _replace_at({} if below is None else below, rest, value, f'{where}.{key}')
     found = parse_quantity(content)
-    return {**content, key: new} if found is None else _replace_element(found, int(key), new)
+    return {**content, key: new} if found is None else _copy_with_element(found, int(key), new)
 
 
-def _replace_element(
+def _copy_with_element(
     quantity: dict[str, Any], index: int, new: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Return a quantity with one element replaced, in its original unit."""

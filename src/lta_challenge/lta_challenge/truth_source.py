@@ -80,11 +80,6 @@ class TruthModel:
         return out
 
     @cached_property
-    def parameter_count(self) -> int:
-        """Number of all parameters."""
-        return sum(len(effect.parameters) for effect in self.all_effects.values())
-
-    @cached_property
     def memory_offsets(self) -> dict[str, int]:
         """Index of the first memory element of each effect in the state."""
         out, count = {}, RIGID

@@ -117,7 +117,7 @@ def collect_energy_values(
         'time_to_full_s': full.mean,
         'time_to_full_sigma_s': full.deviation,
         **_collect_cell_values(cell, estimate),
-        **_collect_return_values(settings, estimate, reading),
+        **_collect_way_home_values(settings, estimate, reading),
         'illuminance_lx': reading.illuminance,
     }
 
@@ -138,7 +138,7 @@ def _collect_cell_values(cell: BatteryModel, estimate: EnergyEstimate) -> dict[s
     }
 
 
-def _collect_return_values(
+def _collect_way_home_values(
     settings: MonitorSettings, estimate: EnergyEstimate, reading: MeterReading
 ) -> dict[str, float]:
     """Return the distance home, the spare energy beyond way home and reserve, and its range."""

@@ -83,11 +83,11 @@ class MotionWindow:
                 return
             # The first pose has none before it.
             if self._next > 0:
-                yield estimate_motion(list(self._select_neighbors(centre)), centre)
+                yield estimate_motion(list(self._select_window_poses(centre)), centre)
             self._next += 1
             self._drop_old_poses()
 
-    def _select_neighbors(self, centre_ns: int) -> Iterator[tuple[int, TrackerPose]]:
+    def _select_window_poses(self, centre_ns: int) -> Iterator[tuple[int, TrackerPose]]:
         """Yield the poses of the window, and the direct neighbours even if farther away."""
         for k, item in enumerate(self._poses):
             if abs(item[0] - centre_ns) <= HALF_NS or abs(k - self._next) <= 1:

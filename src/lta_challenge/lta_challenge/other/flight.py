@@ -156,7 +156,7 @@ class FlightSimulator:
 
     def _rotor_thrusts(self, after: float) -> Sequence[float]:
         """Return the thrust of each rotor at a time after the last command [s]."""
-        thrusts = self._rotors.thrusts_after(after)
+        thrusts = self._rotors.thrusts_after_command(after)
         return self._strange.adjust_thrusts(thrusts, self._duties) if self._strange else thrusts
 
     def _compute_accelerations(self, time: float, after: float, state: State) -> Six:
@@ -168,7 +168,7 @@ class FlightSimulator:
 
     def _unlisted_wrench(self, time: float, state: State, gain: Six) -> Array:
         """Return the wrench that is equivalent to the disturbance."""
-        wrench = self._plain.total_wrench(self._plain.thrusts_after(0.0))
+        wrench = self._plain.total_wrench(self._plain.thrusts_after_command(0.0))
         air = self._plain_air.sample_flow(time, state[0], state[1], state[2])
         plain = self._body.rigid_body_accelerations(state, air, wrench, time)
         more = np.subtract(gain, plain)

@@ -64,7 +64,7 @@ class RotorSet:
         """Advance the rotors by a time. [s]"""
         self._first, self._second = self._lag_stages(seconds)
 
-    def thrusts_after(self, seconds: float) -> list[float]:
+    def thrusts_after_command(self, seconds: float) -> list[float]:
         """Return the thrust of each rotor [N] at a time after the command [s]."""
         a, b = self._truth.curve
         scale = self._truth.thrust

@@ -158,7 +158,7 @@ class ColumnBuilder:
 
     def _add_columns(self, layout: CdrLayout, part: 'EqualLengthMessages') -> None:
         """Add messages of one layout to the columns."""
-        values = [extract_leaf(layout, part.table, leaf) for leaf in layout.leaves]
+        values = [normalize_leaf(layout, part.table, leaf) for leaf in layout.leaves]
         rows, first = part.rows, part.begin + int(part.indices[0])
         for place, (leaf, column) in enumerate(zip(layout.leaves, values, strict=True)):
             self._ensure_column(leaf.path, (first, place)).add_piece((first, place), rows, column)
@@ -221,7 +221,7 @@ def stack_messages(batch: Sequence[bytes], indices: Sequence[int]) -> NDArray[np
     return whole.reshape(len(indices), -1 if len(whole) else 0)
 
 
-def extract_leaf(layout: CdrLayout, table: NDArray[np.uint8], leaf: CdrLeaf) -> NDArray[Any]:
+def normalize_leaf(layout: CdrLayout, table: NDArray[np.uint8], leaf: CdrLeaf) -> NDArray[Any]:
     """Return a copy of a leaf in native byte order, with the types of `build_columns`."""
     if leaf.code == TEXT:
         return decode_texts(table[:, leaf.offset : leaf.offset + (leaf.length or 0)])

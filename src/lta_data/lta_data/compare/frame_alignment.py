@@ -207,10 +207,10 @@ def transform_triple(
         x, y = fit.rotate_vectors(given[:, 0], given[:, 1])
         values = np.stack([x, y, given[:, 2]], axis=1)
 
-    def replace_values(channel: SignalChannel, column: Array) -> SignalChannel:
+    def copy_with_values(channel: SignalChannel, column: Array) -> SignalChannel:
         return replace(channel, values=column)
 
     return {
-        pair.name: pair._replace(b=replace_values(pair.b, column))
+        pair.name: pair._replace(b=copy_with_values(pair.b, column))
         for pair, column in zip(parts, values.T, strict=True)
     }

@@ -32,7 +32,7 @@ from lta_data.compare.tables import (
     format_channel_table,
     format_fault_table,
     format_short_row,
-    is_pickable,
+    is_worth_plotting,
 )
 from lta_data.compare.traces import encode_channel, encode_floats
 from lta_report.formatting import Tile
@@ -64,7 +64,7 @@ def write_page(comparison: ComparisonResult, out: Path) -> Path:
 def render_page(comparison: ComparisonResult) -> str:
     """Return the page's HTML."""
     shown, time = select_panel_channels(comparison.channels), find_total_span(comparison)
-    first = next((each for each in comparison.channels if is_pickable(each)), None)
+    first = next((each for each in comparison.channels if is_worth_plotting(each)), None)
     return assemble_page(
         'compare.html',
         title=escape(format_verdict(comparison)),
@@ -180,7 +180,7 @@ def render_overview(comparison: ComparisonResult) -> str:
     heads = ''.join(
         f'<th scope="col">{head}</th>' for head in ('channel', 'diverges at', 'RMS', 'NRMSE')
     )
-    moving = [each for each in comparison.channels if is_pickable(each)][:12]
+    moving = [each for each in comparison.channels if is_worth_plotting(each)][:12]
     rows = ''.join(format_short_row(each) for each in moving)
     return (
         f'{drawn}<section class="panel ranking" aria-labelledby="title-ranking">'
@@ -193,7 +193,7 @@ def render_overview(comparison: ComparisonResult) -> str:
 
 def render_channel_picker(comparison: ComparisonResult, first: ChannelComparison) -> str:
     """Return the channel picker with the overlay and spectra of the chosen channel."""
-    known = [each for each in comparison.channels if is_pickable(each)]
+    known = [each for each in comparison.channels if is_worth_plotting(each)]
     options = ''.join(f'<option>{escape(each.name)}</option>' for each in known)
     content = {each.name: build_picker_data(each) for each in known}
     about = f'{first.name}. {summarize_channel(first)}'

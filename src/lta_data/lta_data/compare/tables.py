@@ -13,7 +13,7 @@ HEADS: Final = (
 )  # fmt: skip
 
 
-def is_pickable(each: ChannelComparison) -> bool:
+def is_worth_plotting(each: ChannelComparison) -> bool:
     """Return whether a channel is worth plotting."""
     return each.measures is not None and not each.both_constant
 
@@ -28,7 +28,7 @@ def format_short_row(each: ChannelComparison) -> str:
 def format_pick_button(each: ChannelComparison) -> str:
     """Return a channel's name, as a button if the channel can be plotted."""
     name = escape(each.name)
-    if not is_pickable(each):
+    if not is_worth_plotting(each):
         return name
     # <wbr> lets a long name break after a slash or dot
     shown = name.replace('/', '/<wbr>').replace('.', '.<wbr>')

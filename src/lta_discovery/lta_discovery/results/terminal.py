@@ -41,7 +41,7 @@ def print_finding(finding: StudyResult, console: Console) -> None:
     for said in format_effects(finding):
         console.print(Text(said), soft_wrap=True)
     if finding.carried is not None:
-        console.print(Text(format_transfer(finding.carried)), soft_wrap=True)
+        console.print(Text(format_forecast_evidence(finding.carried)), soft_wrap=True)
     for line in format_prediction_errors(finding):
         console.print(line, soft_wrap=True)
     if finding.where:
@@ -68,7 +68,7 @@ def format_named_parameters(finding: StudyResult) -> str:
     )
 
 
-def format_transfer(carried: TransferEvidence) -> str:
+def format_forecast_evidence(carried: TransferEvidence) -> str:
     """Return the forecast evidence in a sentence."""
     ratios = [one.ratio for one in carried.regimes]
     better = sum(ratio < 1.0 for ratio in ratios)

@@ -106,7 +106,7 @@ def add_forecast_effects(study: DiscoveryStudy, tell: Progress) -> DiscoveryStud
     if len(taught.flown) >= ENOUGH:
         tell('refitting everything', 0.9)
         models['refitted'], numbers = refit_all_parameters(taught.sight, names.best.fitted.values)
-    told = _summarize_transfer(
+    told = _collect_transfer_evidence(
         names.chosen, names.kept, names.best, [one.name for one in names.lost], numbers
     )
     return _add_prediction_errors(
@@ -141,7 +141,7 @@ def _select_groups(
     return TransferOutcome(chosen, kept, best, lost)
 
 
-def _summarize_transfer(
+def _collect_transfer_evidence(
     chosen: GroupSelection,
     confirmed: Sequence[CandidateGroup],
     best: EffectValues,

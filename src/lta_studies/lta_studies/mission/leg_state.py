@@ -10,12 +10,11 @@ the diodes; no ADC blocks are simulated.
 import math
 from typing import NamedTuple
 
-from lta_control.attitude import yaw_from_quaternion
 from lta_control.per_rotor import NONE
 from lta_control.phases import Phase
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_flight.batch.constants_and_tally import FlightConstants
-from lta_flight.batch.flight import build_command, is_plausible, State, unreachable_pose
+from lta_flight.batch.flight import build_command, is_plausible, unreachable_pose
 from lta_flight.batch.flight_step import (
     flight_step,
     FlightInputs,
@@ -188,8 +187,3 @@ def assess_leg(
         return FLYING
     # A dwell ends by its time; every other leg that reaches its limit is late.
     return DONE if leg.kind == DWELL else LATE
-
-
-def state_heading(state: State) -> float:
-    """Return the heading of a state. [rad]"""
-    return yaw_from_quaternion((state[3], state[4], state[5], state[6]))

@@ -171,15 +171,17 @@ def test_rotors_lag_and_stand_still_in_the_deadband(truth: VehicleTruth) -> None
     rotors = RotorSet(truth, [0.0] * 4)
     rotors.set_duties([0.5, 0.0, 0.0, 0.0])
     u = 0.5 * (1.0 - math.exp(-1.0))
-    assert rotors.thrusts_after(0.072)[0] == pytest.approx(0.0915 * u * u + 0.0677 * u, rel=1e-9)
+    assert rotors.thrusts_after_command(0.072)[0] == pytest.approx(
+        0.0915 * u * u + 0.0677 * u, rel=1e-9
+    )
     dead = RotorSet(replace(truth, deadband=0.1), [0.0] * 4)
     for duty, works in ((0.101, False), (0.103, True), (0.099, True), (0.097, False)):
         dead.set_duties([duty] * 4)
-        assert (dead.thrusts_after(2.0)[0] > 0.0) == works
+        assert (dead.thrusts_after_command(2.0)[0] > 0.0) == works
     # Both stages of a hidden lag delay by their sum: the area above the rise.
     slow, time = RotorSet(replace(truth, slow_lag=0.1, curve=(0.0, 1.0)), [0.0] * 4), 0.002
     slow.set_duties([1.0] * 4)
-    rise = [slow.thrusts_after(time * (k + 0.5))[0] for k in range(1500)]
+    rise = [slow.thrusts_after_command(time * (k + 0.5))[0] for k in range(1500)]
     assert time * sum(1.0 - u for u in rise) == pytest.approx(0.172, rel=1e-3)
 
 

@@ -19,7 +19,7 @@ from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.page.transfer_table import render_transfer
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.results.discovery_json import to_dict
-from lta_discovery.results.terminal import format_transfer
+from lta_discovery.results.terminal import format_forecast_evidence
 from lta_discovery.transfer.bootstrap_intervals import (
     bootstrap_values,
     compute_confidence_intervals,
@@ -161,7 +161,7 @@ def test_programs_and_people_are_told_what_names_rest_on() -> None:
     assert known['carried']['regimes'][0] == {'name': 'slow', 'flights': 5, 'ratio': 0.95}
     assert known['carried']['interpolates'] == ['side force']
     assert known['gap']['refitted'] == 0.17
-    assert '2 of 2 regimes' in format_transfer(CARRIED)
+    assert '2 of 2 regimes' in format_forecast_evidence(CARRIED)
     page = render_transfer(told())
     assert '2.8 %' in page
     assert '\N{MINUS SIGN}5 %' in page  # of the worst regime

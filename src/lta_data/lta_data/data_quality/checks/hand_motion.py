@@ -62,7 +62,7 @@ def find_hand_motion(evidence: CheckContext) -> CheckVerdict:
         found += find_tremor(force, force.values, limits)
     for place in places:
         judged += bool(is_sampled_fast(place))
-        found += find_tremor(place, second_derivative(place), limits)
+        found += find_tremor(place, compute_acceleration(place), limits)
     idle = find_idle_times(evidence.recording, limits)
     if idle is None:
         unjudged.append('Motion with idle rotors cannot be judged: no commands are recorded.')
@@ -81,7 +81,7 @@ def is_sampled_fast(vector: VectorSeries) -> bool:
     return len(vector.time) > 200 and median_period(vector.time) <= 0.5 / FLANKS[2] * 0.75
 
 
-def second_derivative(place: VectorSeries) -> Array:
+def compute_acceleration(place: VectorSeries) -> Array:
     """Return the second derivative of a position. [m/s2]"""
     return np.asarray(np.gradient(np.gradient(place.values, place.time, axis=0), place.time,
                                   axis=0))  # fmt: skip

@@ -47,7 +47,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     values = {
         **quotient_errors(found),
         **data_sheet_times(found),
-        **measure_arrays(table, energy),
+        **compute_array_power(table, energy),
         **charging_time_factor(found),
     }
     for reading, (paper, fair) in zip(READINGS, fronts, strict=True):
@@ -113,7 +113,7 @@ def charging_time_factor(values: Sequence[CellReading]) -> dict[str, MeasuredVal
     }
 
 
-def measure_arrays(table: CellTable, energy: EnergyBlock) -> dict[str, MeasuredValue]:
+def compute_array_power(table: CellTable, energy: EnergyBlock) -> dict[str, MeasuredValue]:
     """Return the net power of each array in stand-by and while transmitting, by light."""
     values: dict[str, MeasuredValue] = {}
     for strings in build_all_arrays(table).values():
