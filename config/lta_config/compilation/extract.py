@@ -263,10 +263,18 @@ class SourceExtract:
             names[name] = self._add_global(function, name, prefix)
             if _is_named_tuple(value):
                 fields[name] = value._fields
-        bound = [name for name in self._bound if name in function.__code__.co_varnames]
+        code = function.__code__
+        arguments = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]
+        bound = [name for name in self._bound if name in arguments]
         for name in bound:
             for attribute in _list_attributes(source, name):
-                attributes[f'{name}.{attribute}'] = self._add_bound(name, attribute)
+                text = self._add_bound(name, attribute)
+                if text in code.co_varnames:
+                    raise BadInput(
+                        f'{function.__name__} of {function.__module__} has a variable {text}, '
+                        f'which would hide {name}.{attribute} when compiled; rename the variable.'
+                    )
+                attributes[f'{name}.{attribute}'] = text
         self._pieces[own] = _render_function(
             source, own, (*names.items(),), (*attributes.items(),), (*fields.items(),), (*bound,)
         )

@@ -31,19 +31,19 @@ WIND_DISTANCE = 1e-3  # over which the wind is differentiated, in seconds of tra
 
 class TruthConstants(NamedTuple):
     """
-    Values that stay constant during a flight, but for the voltage.
+    Values that stay constant during a flight, except the voltage.
 
     Attributes
     ----------
     parameters, on : ndarray
         Parameters and flags of the effects.
     surroundings : ndarray, shape (SURROUNDINGS,)
-        The last one is the battery voltage.
+        `lta_model.state.VOLTAGE` is the index of the battery voltage.
     body, inverse : ndarray
         Mass properties, and the inverse of the inertia matrix.
     lift : ndarray
         Gravity. [m/s2]
-    allocation : ndarray, shape (ROTORS, 6)
+    allocation : ndarray, shape (rotors, 6)
         Wrench of each rotor per newton.
     pushed : bool
         Whether commands are wrenches instead of duties.
@@ -66,7 +66,7 @@ class TruthWork(NamedTuple):
 
     Attributes
     ----------
-    stages : ndarray, shape (7, SIZE)
+    stages : ndarray, shape (7, size)
         Derivatives of the integrator's stages, and a state.
     command : ndarray, shape (8,)
         The command that acts.
@@ -94,7 +94,7 @@ class TruthWork(NamedTuple):
 
 class TruthKernel(NamedTuple):
     """
-    What the effects and the number of rotors decide.
+    The parts of the equations that depend on the effects and the number of rotors.
 
     Attributes
     ----------

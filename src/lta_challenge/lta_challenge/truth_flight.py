@@ -20,6 +20,7 @@ from lta_challenge.truth_equations import (
     write_slope,
     write_speeds,
 )
+from lta_model.state import VOLTAGE
 
 TICK: Final = 0.01  # s; period of the pilot and of the stored samples
 LONGEST: Final = 0.005  # s; largest integrator step
@@ -117,7 +118,7 @@ def demanded_wrench(
     climb = y[9] * s[0] + y[10] * s[1] + y[11] * s[2] + noise[2]
     off = setpoints[0] - height
     if abs(off) < 0.6:
-        height_sum[0] = min(max(height_sum[0] + 0.01 * off, -8.0), 8.0)
+        height_sum[0] = min(max(height_sum[0] + TICK * off, -8.0), 8.0)
     up = gains[0] * off - gains[1] * climb + gains[2] * height_sum[0] + gains[3]
     turn = (setpoints[1] - heading + math.pi) % (2.0 * math.pi) - math.pi
     around = gains[4] * min(max(turn, -1.0), 1.0) - gains[5] * s[5]
@@ -170,7 +171,7 @@ def write_sample(y: Array, hull: TruthConstants, work: TruthWork, out: Array) ->
         out[26 + j] = work.strange[j]
     for j in range(8):
         out[18 + j] = work.thrusts[j] if not hull.pushed else work.command[j]
-    out[32] = hull.surroundings[7]
+    out[32] = hull.surroundings[VOLTAGE]
 
 
 def fly_truth(
@@ -192,7 +193,7 @@ def fly_truth(
     `cell` is the voltage when full and at rest, its loss per duty and second, and per duty;
     `delay` is that of a command [s], and `longest` the largest integrator step [s].
     """
-    spent, tick, newest = 0.0, 0.01, -1
+    spent, tick, newest = 0.0, TICK, -1
     told = work.command
     for k in range(samples.shape[0]):
         now = k * tick
@@ -202,7 +203,7 @@ def fly_truth(
         for j in range(kernel.rotors):
             load += commands[k, j] if not hull.pushed else 0.1
         spent += load * tick
-        hull.surroundings[7] = cell[0] - cell[1] * spent - cell[2] * load
+        hull.surroundings[VOLTAGE] = cell[0] - cell[1] * spent - cell[2] * load
         end = now + tick
         while True:
             # A command that has arrived holds until the next arrives

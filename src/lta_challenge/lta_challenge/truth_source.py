@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Final, final
 
-from lta_challenge.truth_equations import TruthKernel
-from lta_challenge.truth_flight import fly_truth
+from lta_challenge.truth_equations import TruthConstants, TruthKernel, TruthWork
+from lta_challenge.truth_flight import fly_truth, PilotConstants, PilotSeries
 from lta_config.compilation.extract import SourceExtract
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import (
@@ -189,6 +189,9 @@ class TruthModel:
         """
         extract = SourceExtract(kernel=TruthKernel(rotors, self.state_size))
         name = extract.add_function(fly_truth, 'truth')
+        # Python passes these in; in the text, their fields are part of the key of the cache
+        for kind in (TruthConstants, TruthWork, PilotConstants, PilotSeries):
+            extract.add_named_tuple(kind)
         generated = [
             self._render_wind(extract),
             self._render_wind_flag(),

@@ -4,8 +4,9 @@ from importlib.util import module_from_spec, spec_from_file_location
 import math
 from math import hypot
 import os
+from typing import NamedTuple
 
-from lta_config.compilation.extract import SourceExtract
+from lta_config.compilation.extract import GeneratedFunction, SourceExtract
 from lta_config.errors import BadInput
 from lta_model.effects import EFFECTS
 from lta_model.effects.aerodynamics import linear_drag, quadratic_drag
@@ -103,6 +104,43 @@ def test_two_things_of_one_name_in_files_of_one_name_are_refused(tmp_path):
     assert extract.add_function(functions[1], 'box') == 'box_same_give'
     with pytest.raises(BadInput, match='box_same_give'):
         extract.add_function(functions[2], 'box')
+
+
+class Plant(NamedTuple):
+    rates: GeneratedFunction = GeneratedFunction('rates')
+
+
+def changes(plant, state):
+    return plant.rates(state)
+
+
+def hidden(plant, state):
+    rates = 2.0
+    return plant.rates(state) * rates
+
+
+def local(state):
+    plant = (state, 1.0)
+    return plant[0]
+
+
+def test_a_generated_function_is_called_by_its_name():
+    extract = SourceExtract(plant=Plant())
+    extract.add_function(changes, 'box')
+    assert 'def box_changes(state):\n    return rates(state)' in extract.render_pieces('')
+    with pytest.raises(TypeError, match='rates is generated'):
+        changes(Plant(), 1.0)
+
+
+def test_a_variable_that_would_hide_a_generated_function_is_refused():
+    with pytest.raises(BadInput, match='has a variable rates'):
+        SourceExtract(plant=Plant()).add_function(hidden, 'box')
+
+
+def test_a_variable_that_is_called_like_a_bound_argument_stays():
+    extract = SourceExtract(plant=Plant())
+    extract.add_function(local, 'box')
+    assert 'plant = (state, 1.0)' in extract.render_pieces('')
 
 
 def test_the_kernel_needs_numba_only():

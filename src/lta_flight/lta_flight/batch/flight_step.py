@@ -197,7 +197,7 @@ def begin_flight(
     """
     Return the memory before the first step, at rest in the dark.
 
-    `command` may be any of the kernel's form, `dark` is zero for each diode, and `store` the state
+    `command` is that of the resting rotors, `dark` is zero for each diode, and `store` the state
     of the power path.
     """
     return FlightMemory(

@@ -11,6 +11,7 @@ from typing import Any
 from lta_config.compilation.compiler import ENTRY
 from lta_config.compilation.extract import SourceExtract
 from lta_config.compilation.flat import PREFIX, TupleLayout
+from lta_config.errors import BadInput
 from lta_control.strategies.homing import STRATEGY
 from lta_flight.batch.codegen import build_kernel, write_flight_source
 from lta_flight.batch.flight_step import WorkArrays
@@ -22,7 +23,20 @@ COARSE = 2  # steps of the full loop per step here; a Runge-Kutta step of 5 ms i
 
 
 def slow_rhythm(rhythm: BatchSchedule) -> BatchSchedule:
-    """Return the schedule of a leg from that of a batch flight: longer steps."""
+    """
+    Return the schedule of a leg from that of a batch flight: longer steps.
+
+    Raises
+    ------
+    BadInput
+        If a period is not a whole number of these steps.
+
+    """
+    if rhythm.control % COARSE or rhythm.range % COARSE:
+        raise BadInput(
+            f'Missions use steps of {1e3 * COARSE * STEP:g} ms, but the periods of control and '
+            'range are not whole multiples of it; change them in topics.yaml.'
+        )
     return BatchSchedule(
         rhythm.control // COARSE,
         rhythm.range // COARSE,

@@ -50,7 +50,7 @@ class LegPilot:
     Parameters
     ----------
     flight : BatchFlight
-        Vehicle and scene.
+        Vehicle and scene, from `MissionScene`: not held, and without a reserve of its own.
     leg : LegPlan
         Any plan; only its layout is used.
 
