@@ -288,16 +288,16 @@ class SourceExtract:
         if isinstance(value, FunctionType):
             return self.add_function(value, name)
         if _is_literal(value):
-            return self.render_literal(value)
+            return self._render_literal(value)
         raise BadInput(
             f'{name}.{attribute} is {value!r}, which cannot be compiled; use a plain function, a '
             'number or a tuple of numbers.'
         )
 
-    def render_literal(self, value: Any) -> str:  # noqa: ANN401 - any nest of numbers
+    def _render_literal(self, value: Any) -> str:  # noqa: ANN401 - any nest of numbers
         """Return the text of a number or a nest of tuples, whose types are added."""
         if isinstance(value, tuple):
-            items = ''.join(f'{self.render_literal(item)}, ' for item in value)
+            items = ''.join(f'{self._render_literal(item)}, ' for item in value)
             kind = self.add_named_tuple(type(value)) if hasattr(value, '_fields') else ''
             return f'{kind}({items})'
         if isinstance(value, IntEnum):
@@ -305,7 +305,8 @@ class SourceExtract:
         if isinstance(value, float) and not math.isfinite(value):
             # Not a literal of Python
             return 'math.nan' if math.isnan(value) else 'math.inf' if value > 0.0 else '-math.inf'
-        return repr(value)
+        # A number of numpy has a repr of its own
+        return repr(float(value)) if isinstance(value, float) else repr(value)
 
     def add_named_tuple(self, kind: type[Any]) -> str:
         """Add a named tuple type and return its name in the text."""
@@ -327,7 +328,7 @@ class SourceExtract:
         if _is_named_tuple(value):
             return self.add_named_tuple(value)
         if _is_literal(value):
-            text = self.render_literal(value)
+            text = self._render_literal(value)
             own = self._claim_name(prefix, name, function.__module__, text)
             return self._add_piece(own, f'{own} = {text}')
         kind = 'a module' if isinstance(value, ModuleType) else repr(value)

@@ -58,7 +58,7 @@ class TupleLayout(Generic[Nested]):
         self.size = len(self.paths)
         text = self.render_expression('n')
         # Names and types decide equality, since compiled code depends on both
-        self._form = f'{text} {self.tuple_fields()}'
+        self._form = f'{text} {self._tuple_fields()}'
         # Generated code, as in a named tuple's own constructor: three times as fast as recursion
         self._made = eval(f'lambda n: {text}', dict(_iterate_types(self._example)))
 
@@ -95,7 +95,7 @@ class TupleLayout(Generic[Nested]):
         for _, kind in _iterate_types(self._example):
             extract.add_named_tuple(kind)
 
-    def tuple_fields(self) -> dict[str, tuple[str, ...]]:
+    def _tuple_fields(self) -> dict[str, tuple[str, ...]]:
         """Return the fields of each named tuple by its name."""
         return dict(_iterate_fields(self._example))
 

@@ -225,7 +225,7 @@ class CaseGenerator:
             hull,
             pilot,
             self._vehicle.nominal,
-            height=float(pilot.wanted[0, 0]),
+            height=float(pilot.setpoints[0, 0]),
             tilt=(TILT * draw.standard_normal(3)).tolist(),
             cell=cell,
         )

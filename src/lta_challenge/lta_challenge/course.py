@@ -3,8 +3,7 @@
 from collections.abc import Callable
 from typing import Final
 
-from lta_challenge.truth_flight import TICK
-from lta_challenge.truth_simulation import PilotInputs
+from lta_challenge.truth_flight import PilotInputs, TICK
 import numpy as np
 from numpy.typing import NDArray
 

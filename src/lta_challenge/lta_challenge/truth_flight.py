@@ -52,12 +52,27 @@ class PilotConstants(NamedTuple):
     limits: Array
 
 
-class PilotSeries(NamedTuple):
-    """Setpoints, measurement noise and excitation of the pilot at each tick."""
+class PilotInputs(NamedTuple):
+    """
+    Inputs of the pilot for one flight.
+
+    Attributes
+    ----------
+    setpoints : ndarray, shape (n, 3)
+        Height [m], heading [rad] and forward speed [m/s] at each tick.
+    noise : ndarray, shape (n, 3)
+        Measurement noise of height, heading and speed.
+    shaken : ndarray, shape (n, 8)
+        Excitation added to duties [1], or to a wrench, relative to its limits.
+    pushed : bool
+        Whether the commands are wrenches instead of duties.
+
+    """
 
     setpoints: Array
     noise: Array
     shaken: Array
+    pushed: bool = False
 
 
 def dormand_prince_step(
@@ -139,7 +154,7 @@ def write_command(
     y: Array,
     hull: TruthConstants,
     pilot: PilotConstants,
-    series: PilotSeries,
+    series: PilotInputs,
     k: int,
     work: TruthWork,
     out: Array,
@@ -179,7 +194,7 @@ def fly_truth(
     y: Array,
     hull: TruthConstants,
     pilot: PilotConstants,
-    series: PilotSeries,
+    series: PilotInputs,
     delay: float,
     cell: Array,
     longest: float,

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Final, final
 
 from lta_challenge.truth_equations import TruthConstants, TruthWork
-from lta_challenge.truth_flight import LONGEST, PilotConstants, PilotSeries, SAMPLE_SIZE
+from lta_challenge.truth_flight import LONGEST, PilotConstants, PilotInputs, SAMPLE_SIZE
 from lta_challenge.truth_source import RIGID
 from lta_challenge.truth_vehicle import (
     allocation_matrix,
@@ -26,31 +26,6 @@ Array = NDArray[np.float64]
 # Of the pilot: height, climb, sum of the heights, hover force; heading, yaw rate; speed, drag.
 GAINS: Final = (0.12, 0.35, 0.012, 0.02, 0.01, 0.02, 0.4, 0.1)
 LIMITS: Final = (0.2, 0.05, 0.2, 0.012, 0.012, 0.012)  # of a commanded wrench [N, N m]
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class PilotInputs:
-    """
-    Inputs of the pilot for one flight.
-
-    Attributes
-    ----------
-    wanted : ndarray, shape (n, 3)
-        Setpoints of height [m], heading [rad] and forward speed [m/s] at each tick.
-    noise : ndarray, shape (n, 3)
-        Measurement noise of height, heading and speed.
-    shaken : ndarray, shape (n, 8)
-        Excitation added to duties [1], or to a wrench, relative to its limits.
-    pushed : bool
-        Whether the commands are wrenches instead of duties.
-
-    """
-
-    wanted: Array
-    noise: Array
-    shaken: Array
-    pushed: bool = False
 
 
 @final
@@ -151,7 +126,7 @@ def simulate_flight(
         Largest integrator step. [s]
 
     """
-    count, rotors = len(pilot.wanted), len(nominal.rotors)
+    count, rotors = len(pilot.setpoints), len(nominal.rotors)
     commands, kept = np.zeros((count, ACTUATORS)), np.zeros((count, SAMPLE_SIZE))
     # Columns: surge, heave, yaw and roll
     wanted = allocation_matrix(nominal)[:, [0, 2, 5, 3]]  # a mix for these must leave roll alone
@@ -163,11 +138,11 @@ def simulate_flight(
         hull.parameters, hull.on, np.zeros(SURROUNDINGS), hull.body, hull.inverse, hull.lift,
         hull.allocation, pilot.pushed,
     )  # fmt: skip
-    compile_truth(rotors).truth_fly_truth(
+    compile_truth(rotors).core_fly_truth(
         initial_state(hull, height, tilt),
         constants,
         PilotConstants(np.array(GAINS), np.ascontiguousarray(mixing), curve, np.array(LIMITS)),
-        PilotSeries(pilot.wanted, pilot.noise, pilot.shaken),
+        pilot,
         hull.command_delay,
         np.array(cell),
         longest,

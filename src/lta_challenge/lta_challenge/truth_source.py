@@ -6,8 +6,9 @@ from functools import cached_property
 from typing import Final, final
 
 from lta_challenge.truth_equations import TruthConstants, TruthKernel, TruthWork
-from lta_challenge.truth_flight import fly_truth, PilotConstants, PilotSeries
+from lta_challenge.truth_flight import fly_truth, PilotConstants, PilotInputs
 from lta_config.compilation.extract import SourceExtract
+from lta_config.compilation.flat import PREFIX
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import (
     ActuatorEffect,
@@ -177,7 +178,7 @@ class TruthModel:
 
     def render_simulator_source(self, own: str, entry: str, rotors: int) -> str:
         """
-        Generate the source of the simulator, whose entry is `truth_fly_truth`.
+        Generate the source of the simulator, whose entry is `core_fly_truth`.
 
         Parameters
         ----------
@@ -188,9 +189,9 @@ class TruthModel:
 
         """
         extract = SourceExtract(kernel=TruthKernel(rotors, self.state_size))
-        name = extract.add_function(fly_truth, 'truth')
+        name = extract.add_function(fly_truth, PREFIX)
         # Python passes these in; in the text, their fields are part of the key of the cache
-        for kind in (TruthConstants, TruthWork, PilotConstants, PilotSeries):
+        for kind in (TruthConstants, TruthWork, PilotConstants, PilotInputs):
             extract.add_named_tuple(kind)
         generated = [
             self._render_wind(extract),

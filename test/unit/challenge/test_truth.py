@@ -2,7 +2,8 @@
 
 from dataclasses import replace
 
-from lta_challenge.truth_simulation import PilotInputs, simulate_flight
+from lta_challenge.truth_flight import PilotInputs
+from lta_challenge.truth_simulation import simulate_flight
 from lta_challenge.truth_vehicle import build_truth_vehicle
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters

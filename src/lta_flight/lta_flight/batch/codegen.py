@@ -57,7 +57,7 @@ def build_source(
     strategy: NavigationStrategy,
     constants: TupleLayout[Any],
     diodes: int,
-    rhythm: BatchSchedule,
+    schedule: BatchSchedule,
     target: CompileTarget,
     *,
     closed: bool,
@@ -75,7 +75,7 @@ def build_source(
         Of `constants_and_tally.FlightConstants`.
     diodes : int
         Number of diodes.
-    rhythm : BatchSchedule
+    schedule : BatchSchedule
         The schedule.
     target : CompileTarget
         `CPU` or `GPU`.
@@ -84,7 +84,7 @@ def build_source(
 
     """
     kernel = build_kernel(names, diodes, closed=closed)
-    extract = SourceExtract(kernel=kernel, strategy=strategy, rhythm=rhythm)
+    extract = SourceExtract(kernel=kernel, strategy=strategy, schedule=schedule)
     name = extract.add_function(fly, PREFIX)
     entry = Template(target.entry).substitute(
         fly=name,

@@ -35,7 +35,7 @@ FIGURES = (
 
 def fly(
     kernel: FlightKernel,
-    rhythm: BatchSchedule,
+    schedule: BatchSchedule,
     strategy: NavigationStrategy,
     constants: FlightConstants,
     numbers: NDArray[np.float64],
@@ -46,41 +46,38 @@ def fly(
     inputs = FlightInputs(numbers, draw_errors(constants.sensors, seed), seed, 0.0)
     state = kernel.add_effects(draw_initial_state(constants, seed), seed)
     memory = begin_flight(
-        strategy, kernel.begin, state, build_command(constants, NONE), kernel.dark,
+        strategy,
+        kernel.begin,
+        state,
+        build_command(constants, NONE),
+        kernel.dark,
         resting_flow(constants.power.charge),
-    )  # fmt: skip
-    memory = memory_with_range(
-        memory, simulate_range_reading(constants.sensors, inputs.errors, seed, 0, state)
+        simulate_range_reading(constants.sensors, inputs.errors, seed, 0, state),
     )
     tally = initial_tally(constants)
     while tally.outcome == FLYING:
         before = memory
-        memory = flight_step(kernel, rhythm, strategy, constants, before, inputs, work)
-        tally = update_tallies(kernel, rhythm, constants, tally, before, memory)
+        memory = flight_step(kernel, schedule, strategy, constants, before, inputs, work)
+        tally = update_tallies(kernel, schedule, constants, tally, before, memory)
     x, y, z = memory.state[0], memory.state[1], memory.state[2]
     return (
-        1.0 * tally.outcome, memory.step * rhythm.period, tally.lift_off, tally.search_start,
+        1.0 * tally.outcome, memory.step * schedule.period, tally.lift_off, tally.search_start,
         tally.path_length, tally.closest, tally.energy, tally.blocks, tally.bearings,
         tally.squares, memory.supply.flow.charge, x, y, z, 1.0 * memory.onboard.stopped,
     )  # fmt: skip
 
 
-def memory_with_range(memory: FlightMemory, distance: float) -> FlightMemory:
-    """Return the memory with a range. [m]"""
-    return memory._replace(distance=distance)
-
-
 def update_tallies(
     kernel: FlightKernel,
-    rhythm: BatchSchedule,
+    schedule: BatchSchedule,
     constants: FlightConstants,
     tally: FlightTally,
     before: FlightMemory,
     memory: FlightMemory,
 ) -> FlightTally:
     """Return the tally after a step."""
-    if kernel.closed and is_block_end(rhythm, before.step):
-        began = (before.step - rhythm.light) * rhythm.period
+    if kernel.closed and is_block_end(schedule, before.step):
+        began = (before.step - schedule.light) * schedule.period
         tally = update_light_tally(
             constants, tally, memory.middle, memory.seen, memory.bearing, memory.setpoint.speed,
             began,
@@ -91,6 +88,6 @@ def update_tallies(
         (before.state[0], before.state[1]),
         memory.state,
         memory.supply,
-        memory.step * rhythm.period,
-        rhythm.period,
+        memory.step * schedule.period,
+        schedule.period,
     )

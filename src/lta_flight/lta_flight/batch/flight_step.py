@@ -193,12 +193,13 @@ def begin_flight(
     command: State,
     dark: Reading,
     store: PowerFlow,
+    distance: float,
 ) -> FlightMemory:
     """
     Return the memory before the first step, at rest in the dark.
 
-    `command` is that of the resting rotors, `dark` is zero for each diode, and `store` the state
-    of the power path.
+    `command` is that of the resting rotors, `dark` is zero for each diode, `store` the state of
+    the power path, and `distance` the first range [m].
     """
     return FlightMemory(
         state=state,
@@ -213,7 +214,7 @@ def begin_flight(
         daylight=dark,
         seen=False,
         bearing=0.0,
-        distance=math.nan,
+        distance=distance,
         supply=initial_supply(store),
         irradiance=0.0,
         step=0,
@@ -223,7 +224,7 @@ def begin_flight(
 
 def flight_step(
     kernel: FlightKernel,
-    rhythm: BatchSchedule,
+    schedule: BatchSchedule,
     strategy: NavigationStrategy,
     constants: FlightConstants,
     memory: FlightMemory,
@@ -231,22 +232,22 @@ def flight_step(
     work: WorkArrays,
 ) -> FlightMemory:
     """Return the memory of a flight one control period later."""
-    surroundings = compute_surroundings(kernel, rhythm, constants, memory, inputs)
+    surroundings = compute_surroundings(kernel, schedule, constants, memory, inputs)
     if kernel.closed:
-        memory = sense_and_control(kernel, rhythm, constants, memory, inputs, surroundings, work)
-        if is_block_end(rhythm, memory.step):
-            memory = navigate(kernel, rhythm, strategy, constants, memory, inputs, work)
-    return advance_vehicle(kernel, rhythm, constants, memory, inputs, surroundings)
+        memory = sense_and_control(kernel, schedule, constants, memory, inputs, surroundings, work)
+        if is_block_end(schedule, memory.step):
+            memory = navigate(kernel, schedule, strategy, constants, memory, inputs, work)
+    return advance_vehicle(kernel, schedule, constants, memory, inputs, surroundings)
 
 
-def is_block_end(rhythm: BatchSchedule, step: int) -> bool:
+def is_block_end(schedule: BatchSchedule, step: int) -> bool:
     """Return whether a light block ends at the beginning of a control period."""
-    return step > 0 and step % rhythm.light == 0
+    return step > 0 and step % schedule.light == 0
 
 
 def compute_surroundings(
     kernel: FlightKernel,
-    rhythm: BatchSchedule,
+    schedule: BatchSchedule,
     constants: FlightConstants,
     memory: FlightMemory,
     inputs: FlightInputs,
@@ -255,7 +256,7 @@ def compute_surroundings(
     noise, warmth = (0.0, 0.0, 0.0), 0.0
     # Computed only for effects that use it, to save time in every step
     if kernel.turbulence:
-        noise = draw_white_noise(inputs.seed, memory.step, rhythm.period)
+        noise = draw_white_noise(inputs.seed, memory.step, schedule.period)
     if kernel.superheat:
         warmth = hull_irradiance(constants, memory.state)
     wind = steady_wind_at(constants.wind, memory.state[0])
@@ -264,7 +265,7 @@ def compute_surroundings(
 
 def sense_and_control(
     kernel: FlightKernel,
-    rhythm: BatchSchedule,
+    schedule: BatchSchedule,
     constants: FlightConstants,
     memory: FlightMemory,
     inputs: FlightInputs,
@@ -274,25 +275,25 @@ def sense_and_control(
     """Return the memory after the sensors, the estimator and the controller."""
     state, step = memory.state, memory.step
     rate = kernel.rates(state, inputs.numbers, memory.command, surroundings)
-    held = step * rhythm.period < constants.held
+    held = step * schedule.period < constants.held
     readings = read_sensors(
         constants,
         inputs.errors,
         inputs.seed,
         step,
-        step * rhythm.period,
+        step * schedule.period,
         sensor_specific_force(constants, state, rate, held),
         (state[10], state[11], state[12]),
         state[2],
         memory.distance,
-        step % rhythm.pressure == 0,
+        step % schedule.pressure == 0,
     )
     onboard = memory.onboard
     if memory.fresh:
         onboard = with_setpoint(onboard, memory.setpoint)
     onboard = onboard_step(constants.drone, onboard, readings, work.scratch)
     middle, reckoned = memory.middle, memory.reckoned
-    if step % rhythm.light == rhythm.block_middle:
+    if step % schedule.light == schedule.block_middle:
         middle, reckoned = pose_of(state), reckon_motion(onboard)
     return memory._replace(
         onboard=onboard, fresh=False, middle=middle, reckoned=reckoned, distance=math.nan
@@ -306,7 +307,7 @@ def pose_of(state: State) -> Pose:
 
 def navigate(
     kernel: FlightKernel,
-    rhythm: BatchSchedule,
+    schedule: BatchSchedule,
     strategy: NavigationStrategy,
     constants: FlightConstants,
     memory: FlightMemory,
@@ -317,21 +318,21 @@ def navigate(
     listening, pose = constants.listening, memory.middle
     position, q = (pose[0], pose[1], pose[2]), (pose[3], pose[4], pose[5], pose[6])
     gathered = memory.gathered
-    if not rhythm.reuse_reflections or has_moved(pose, gathered):
+    if not schedule.reuse_reflections or has_moved(pose, gathered):
         gathered = pose
         write_reflections(listening, position, q, work.echoes, work.pencils)
     copy_light(work.echoes, work.lights)
     add_direct_light(listening, position, q, work.lights)
     # Stored reflections do not show how daylight sweeps over a turning diode
     daylight = kernel.daylight_of(work.lights)
-    before = daylight if rhythm.reuse_reflections else memory.daylight
+    before = daylight if schedule.reuse_reflections else memory.daylight
     amplitudes, snrs, errors = kernel.read_diodes(
         listening, work.lights, before, inputs.seed, memory.step
     )
     fit = fit_direction(constants.array, constants.expected, amplitudes, errors, work.scratch)
     detected = is_lamp_detected(snrs, listening.threshold)
     sight = sight_from_fit(
-        constants, fit, detected, amplitudes, memory.reckoned, rhythm.block_time
+        constants, fit, detected, amplitudes, memory.reckoned, schedule.block_time
     )
     setpoint, mission = mission_step(
         constants.mission,
@@ -363,7 +364,7 @@ def copy_light(light: Array, out: Array) -> None:
 
 def advance_vehicle(
     kernel: FlightKernel,
-    rhythm: BatchSchedule,
+    schedule: BatchSchedule,
     constants: FlightConstants,
     memory: FlightMemory,
     inputs: FlightInputs,
@@ -376,22 +377,22 @@ def advance_vehicle(
         duties = NONE
     command = build_command(constants, duties)
     state, ticks, distance = memory.state, memory.ticks, memory.distance
-    for _ in range(rhythm.control):
-        state = runge_kutta_step(kernel, rhythm, state, inputs.numbers, command, surroundings)
+    for _ in range(schedule.control):
+        state = runge_kutta_step(kernel, schedule, state, inputs.numbers, command, surroundings)
         ticks += 1
-        if ticks % rhythm.range == 0:
+        if ticks % schedule.range == 0:
             distance = simulate_range_reading(
-                constants.sensors, inputs.errors, inputs.seed, ticks // rhythm.range, state
+                constants.sensors, inputs.errors, inputs.seed, ticks // schedule.range, state
             )
-    if memory.step * rhythm.period < constants.held:
+    if memory.step * schedule.period < constants.held:
         # A hand holds the drone; motors, gas and turbulence go on
         state = memory.state[0:RIGID] + state[RIGID:]
     irradiance = memory.irradiance
-    if memory.step % rhythm.light == 0:
+    if memory.step % schedule.light == 0:
         irradiance = panel_irradiance(constants, state)
     thrusts = kernel.thrusts_of(state, inputs.numbers, command, surroundings)
     supply = step_supply(
-        constants, memory.supply, irradiance, thrusts, inputs.payload, rhythm.period
+        constants, memory.supply, irradiance, thrusts, inputs.payload, schedule.period
     )
     return memory._replace(
         state=state,
@@ -406,14 +407,14 @@ def advance_vehicle(
 
 def runge_kutta_step(
     kernel: FlightKernel,
-    rhythm: BatchSchedule,
+    schedule: BatchSchedule,
     state: State,
     numbers: Array,
     command: State,
     surroundings: State,
 ) -> State:
     """Return the state after one classical Runge-Kutta step."""
-    dt = rhythm.dt
+    dt = schedule.dt
     a = kernel.rates(state, numbers, command, surroundings)
     b = kernel.rates(kernel.ahead(state, a, 0.5 * dt), numbers, command, surroundings)
     c = kernel.rates(kernel.ahead(state, b, 0.5 * dt), numbers, command, surroundings)

@@ -37,9 +37,9 @@ def _compile_kernel(
 ) -> ModuleType:
     """Return the compiled flight for some effects."""
     target = GPU if device == 'gpu' else CPU
-    rhythm = build_schedule(load_topic_table())
+    schedule = build_schedule(load_topic_table())
     source = build_source(
-        names, STRATEGIES[strategy], layout, diodes, rhythm, target, closed=closed
+        names, STRATEGIES[strategy], layout, diodes, schedule, target, closed=closed
     )
     return load_kernel(source)
 

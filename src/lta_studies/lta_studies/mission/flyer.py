@@ -112,8 +112,7 @@ class MissionFlyer:
             self._fly_leg(going, self._mission.perch, self._leg._replace(kind=LAND, limit=60.0))
         memory, supply = going.memory, going.memory.flight.supply
         flight = MissionFlight(
-            # A step is one control period of 10 ms.
-            departure.time, memory.flight.step * 0.01, going.visits, memory.path,
+            departure.time, memory.flight.step * self._pilot.period, going.visits, memory.path,
             EnergyTotals(supply.harvested, 0.0, supply.consumed, supply.lost),
             departure.store.charge, supply.flow.charge, memory.charge, memory.lowest,
             ENDINGS.get(outcome, 'home'),
@@ -166,8 +165,7 @@ class MissionFlyer:
             outcome = self._fly_leg(going, perch, going_home)
             if outcome != DONE or going.distance_to(x, y) <= self._mission.dock.si:
                 return outcome
-            # Steps of 10 ms
-            left -= (going.memory.flight.step - begun) * 0.01
+            left -= (going.memory.flight.step - begun) * self._pilot.period
         return LATE
 
     def _leg_time_limit(self, going: OngoingFlight, name: str) -> float:

@@ -22,7 +22,7 @@ from lta_studies.mission.leg_state import fly_leg
 COARSE = 2  # steps of the full loop per step here; a Runge-Kutta step of 5 ms is as accurate
 
 
-def slow_rhythm(rhythm: BatchSchedule) -> BatchSchedule:
+def coarse_schedule(schedule: BatchSchedule) -> BatchSchedule:
     """
     Return the schedule of a leg from that of a batch flight: longer steps.
 
@@ -32,16 +32,16 @@ def slow_rhythm(rhythm: BatchSchedule) -> BatchSchedule:
         If a period is not a whole number of these steps.
 
     """
-    if rhythm.control % COARSE or rhythm.range % COARSE:
+    if schedule.control % COARSE or schedule.range % COARSE:
         raise BadInput(
             f'Missions use steps of {1e3 * COARSE * STEP:g} ms, but the periods of control and '
             'range are not whole multiples of it; change them in topics.yaml.'
         )
     return BatchSchedule(
-        rhythm.control // COARSE,
-        rhythm.range // COARSE,
-        rhythm.pressure,
-        rhythm.light,
+        schedule.control // COARSE,
+        schedule.range // COARSE,
+        schedule.pressure,
+        schedule.light,
         dt=COARSE * STEP,
         reuse_reflections=True,
     )
@@ -53,7 +53,7 @@ def generate_leg_source(
     leg: TupleLayout[Any],
     memory: TupleLayout[Any],
     diodes: int,
-    rhythm: BatchSchedule,
+    schedule: BatchSchedule,
 ) -> str:
     """
     Return the source of a leg.
@@ -66,12 +66,12 @@ def generate_leg_source(
         Layouts of `FlightConstants`, `LegPlan` and `LegState`.
     diodes : int
         Number of diodes in the ring.
-    rhythm : BatchSchedule
+    schedule : BatchSchedule
         Schedule of a batch flight.
 
     """
     kernel = build_kernel(names, diodes, closed=True)
-    extract = SourceExtract(kernel=kernel, strategy=STRATEGY, rhythm=slow_rhythm(rhythm))
+    extract = SourceExtract(kernel=kernel, strategy=STRATEGY, schedule=coarse_schedule(schedule))
     name, work = extract.add_function(fly_leg, PREFIX), extract.add_named_tuple(WorkArrays)
     light = f'np.empty(({LAMPS + 1}, {diodes}))'
     lines = [

@@ -98,7 +98,7 @@ def ground_leg_state(flight: FlightMemory, charge: float) -> LegState:
 
 def fly_leg(
     kernel: FlightKernel,
-    rhythm: BatchSchedule,
+    schedule: BatchSchedule,
     strategy: NavigationStrategy,
     constants: FlightConstants,
     leg: LegPlan,
@@ -112,8 +112,8 @@ def fly_leg(
     flight = _resume_flight(constants, before.flight, inputs)
     now = before._replace(flight=flight)
     while now.outcome == FLYING:
-        flight = flight_step(kernel, rhythm, strategy, constants, now.flight, inputs, work)
-        now = update_leg(rhythm, constants, leg, now, flight)
+        flight = flight_step(kernel, schedule, strategy, constants, now.flight, inputs, work)
+        now = update_leg(schedule, constants, leg, now, flight)
     return now
 
 
@@ -131,14 +131,16 @@ def _resume_flight(
 
 
 def update_leg(
-    rhythm: BatchSchedule,
+    schedule: BatchSchedule,
     constants: FlightConstants,
     leg: LegPlan,
     before: LegState,
     flight: FlightMemory,
 ) -> LegState:
     """Return the state of the leg after a step."""
-    charge = meter_charge(constants, leg, before.charge, flight.supply.flow.current, rhythm.period)
+    charge = meter_charge(
+        constants, leg, before.charge, flight.supply.flow.current, schedule.period
+    )
     old = before.flight.state
     return LegState(
         flight,
@@ -146,7 +148,7 @@ def update_leg(
         before.begun,
         before.path + math.hypot(flight.state[0] - old[0], flight.state[1] - old[1]),
         min(before.lowest, flight.supply.flow.voltage),
-        assess_leg(constants, leg, flight, charge, (flight.step - before.begun) * rhythm.period),
+        assess_leg(constants, leg, flight, charge, (flight.step - before.begun) * schedule.period),
     )
 
 

@@ -58,8 +58,7 @@ def measure_leg(
     store = resting_flow(start.charge)
     ground = pilot.ground_state(place, start.heading, store, start.charge, seed)
     flight = pilot.fly_leg(pilot.pack_constants(made), leg, ground, seed).flight
-    # A step is one control period of 10 ms.
-    return flight.supply.consumed, flight.step * 0.01
+    return flight.supply.consumed, flight.step * pilot.period
 
 
 def build_full_loop(scenes: MissionScene, beacon: str, start: LegStart, seed: int) -> ClosedLoop:

@@ -1,6 +1,7 @@
 """Fly legs: compile their source once and call it with arrays."""
 
 from functools import cache
+import math
 from types import ModuleType
 from typing import Any, final
 
@@ -54,6 +55,11 @@ class LegPilot:
     leg : LegPlan
         Any plan; only its layout is used.
 
+    Attributes
+    ----------
+    period : float
+        Control period. [s]
+
     """
 
     def __init__(self, flight: BatchFlight, leg: LegPlan) -> None:
@@ -62,6 +68,7 @@ class LegPilot:
         self.names = tuple(n for n in LAYOUT.effects if model.on[LAYOUT.flag_index(n)])
         parameters, _ = LAYOUT.find_effect_indices(self.names)
         self._fixed = np.array([*model.parameters[parameters], *model.body, *model.inverse])
+        self.period = build_schedule(load_topic_table()).period
         self._dark = (0.0,) * len(flight.craft.listening.planes)
         self._leg = TupleLayout(leg)
         # Any state: only its layout matters
@@ -107,9 +114,15 @@ class LegPilot:
                 if name == 'turbulence'
                 else initial_effect_memory(name)
             )
-        # The first leg computes the command anew
+        # The first leg computes the command and the first range
         flight = begin_flight(
-            STRATEGY, OnboardMemory(), state, (0.0,) * FIXED['command'], self._dark, store
+            STRATEGY,
+            OnboardMemory(),
+            state,
+            (0.0,) * FIXED['command'],
+            self._dark,
+            store,
+            math.nan,
         )
         return ground_leg_state(flight, charge)
 

@@ -1,0 +1,34 @@
+"""The state in which a mission's flight starts, and the schedule of its legs."""
+
+from lta_config.errors import BadInput
+from lta_flight.batch.targets import BatchSchedule
+from lta_model.electrical.charger import resting_flow
+from lta_model.state import RIGID
+from lta_sim.compiled_sensors import draw_turbulence_memory
+from lta_studies.mission.leg_codegen import coarse_schedule
+from lta_studies.mission.legs import LegPilot
+import pytest
+
+
+def test_each_effect_has_its_own_initial_memory():
+    """Turbulence comes before the motors, whose thrusts start at zero."""
+    pilot = LegPilot.__new__(LegPilot)  # without compiling
+    pilot.names, pilot._dark = ('turbulence', 'motor_lag'), (0.0,) * 8
+    state = pilot.ground_state((0.0, 0.0, 1.0), 0.0, resting_flow(0.8), 0.8, 3).flight.state
+    turbulence = draw_turbulence_memory(3)
+    assert any(turbulence)
+    assert state[RIGID : RIGID + len(turbulence)] == turbulence
+    assert not any(state[RIGID + len(turbulence) :])
+
+
+def test_a_leg_has_the_same_control_period_in_longer_steps():
+    fine = BatchSchedule(control=4, range=10, pressure=2, light=10)
+    coarse = coarse_schedule(fine)
+    assert (coarse.dt, coarse.control, coarse.range) == (0.005, 2, 5)
+    assert coarse.period == fine.period == 0.01
+
+
+@pytest.mark.parametrize(('control', 'every'), [(1, 10), (5, 10), (4, 7)])
+def test_a_period_that_is_not_whole_in_longer_steps_is_refused(control, every):
+    with pytest.raises(BadInput, match='not whole multiples of it'):
+        coarse_schedule(BatchSchedule(control, every, 2, 10))
