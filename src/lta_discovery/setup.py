@@ -15,7 +15,7 @@ setup(
     zip_safe=False,
     maintainer='LTA maintainers',
     maintainer_email='maintainers@users.noreply.github.com',
-    description='Discovery: the physical effect that a model lacks, found in recorded flights.',
+    description='Find the physical effect that a vehicle model lacks, from recorded flights.',
     license='Apache-2.0',
     entry_points={'console_scripts': []},
 )

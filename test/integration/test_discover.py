@@ -89,7 +89,7 @@ def _is_overlay(path):
         (('--train', 'A', '--confirm', 'B'), 'no vehicle file'),
         (('--vehicle', 'gtmab'), 'no training flight'),
         (('--vehicle', 'gtmab', '--train', 'A', 'B', '--confirm', 'A'), 'is given twice'),
-        (('--vehicle', 'sblimp', '--train', 'A', '--confirm', 'B'), 'has no command of'),
+        (('--vehicle', 'sblimp', '--train', 'A', '--confirm', 'B'), 'has no commands for'),
         (('--demo', '--train', 'A'), '--demo makes its own flights'),
     ],
 )

@@ -146,8 +146,8 @@ def test_the_laws_find_a_page_that_retracts(
             terminal=said.terminal.replace('linear_drag', 'linear')
         ),
         'not in the result': said._replace(ladder='Round 1: net lift is named'),
-        'says that no force remains': said._replace(tiles='no force or moment remains'),
-        'a file value is shown': said._replace(effects='the file does not have it'),
+        'says that no force remains': said._replace(tiles='no unexplained force or moment'),
+        'a file value is shown': said._replace(effects='not in the vehicle file'),
         'only one of headline and JSON': said._replace(headline=said.headline.partition(':')[0]),
         'the advice differs': said._replace(terminal=said.terminal.replace('Use', 'Keep')),
     }
@@ -186,8 +186,8 @@ def test_each_phrase_of_the_laws_is_one_that_some_study_says(named: StudyResult)
     ]
     said = '\n'.join(render_study(one).text_without_json for one in findings)
     phrases = (
-        *BETTER, *DOUBT, *UNFIT, FITS, NOTHING, 'Unexplained:', 'no force or moment remains',
-        'no cause for doubt', 'the file does not have it', 'assumed and not fitted',
+        *BETTER, *DOUBT, *UNFIT, FITS, NOTHING, 'Unexplained:', 'no unexplained force or moment',
+        'no cause for doubt', 'not in the vehicle file', 'assumed and not fitted',
         ' fly --vehicle', 'keep the vehicle file', 'linear drag (surge) is named',
     )  # fmt: skip
     assert [one for one in phrases if one not in said] == []

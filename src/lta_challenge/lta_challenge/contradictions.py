@@ -28,17 +28,16 @@ from rich.console import Console
 COLUMNS: Final = 80
 TAG: Final = re.compile('<[^>]+>')
 # Headlines that assert a missing effect; the lookahead excludes guesses and negations
-CLAIMS: Final = re.compile(
-    '(?!It may be|Something|Nothing|No effect|These flights).* (is|are) missing'
-)
-NOTHING: Final = 'Nothing is missing'
-BETTER: Final = ('falls from', 'takes the', 'Use the vehicle file with what was learned')
+CLAIMS: Final = re.compile('(?!These flights).* (is|are) missing')
+NOTHING: Final = 'no effect that the model lacks'
+BETTER: Final = ('falls from', 'tolerances reduces the', 'Use the corrected vehicle file')
+AGAIN: Final = 'Record another flight before'
 DOUBT: Final = (
-    'inconclusive', 'cannot distinguish', 'Fly again', 'do not trust', 'predicts worse',
-    'forecasts are worse', 'does not show which',
+    'inconclusive', 'cannot distinguish', AGAIN, 'do not trust', 'predicts worse',
+    'named effects are worse', 'do not show which',
 )  # fmt: skip
 FITS: Final = 'explains these flights to within'
-UNFIT: Final = ('need more than', 'Measure the numbers')
+UNFIT: Final = ('standard deviations of their tolerance', 'Measure the parameters')
 
 
 @final
@@ -99,8 +98,8 @@ def _check_gains(rendered: RenderedStudy) -> Iterator[str]:
     """Check that no gain is reported and no learned file offered that should not be used."""
     keep = 'keep the vehicle file' in rendered.text_without_json.lower()
     doubted = (
-        'do not trust its value' in rendered.text_without_json
-        or 'Fly again' in rendered.text_without_json
+        'do not trust the values' in rendered.text_without_json
+        or AGAIN in rendered.text_without_json
     )
     for words in BETTER:
         if words in rendered.text_without_json and (keep or doubted):
@@ -146,7 +145,9 @@ def _check_nothing(finding: StudyResult, rendered: RenderedStudy) -> Iterator[st
     more = finding.effects or finding.remains or finding.unexplained
     if NOTHING in rendered.headline and (more or 'Unexplained:' in rendered.terminal):
         yield 'the headline says that nothing is missing, but something is'
-    if 'no force or moment remains' in rendered.tiles and (finding.remains or finding.unexplained):
+    if 'no unexplained force or moment' in rendered.tiles and (
+        finding.remains or finding.unexplained
+    ):
         yield 'a tile says that no force remains, but something is unexplained'
     if FITS in rendered.effects and any(words in rendered.text_without_json for words in UNFIT):
         yield 'the file explains the flights, but should be measured again'
@@ -155,7 +156,7 @@ def _check_nothing(finding: StudyResult, rendered: RenderedStudy) -> Iterator[st
 def _check_values(finding: StudyResult, rendered: RenderedStudy) -> Iterator[str]:
     """Check the values of the file and the notes on assumed values."""
     lacking = sum(not each.in_file for one in finding.effects for each in one.parameters)
-    if rendered.effects.count('the file does not have it') != lacking:
+    if rendered.effects.count('not in the vehicle file') != lacking:
         yield 'a file value is shown for a parameter that the file does not have'
     assumed = sum(bool(one.assumed) for one in finding.effects)
     if rendered.effects.count('assumed and not fitted') != assumed:

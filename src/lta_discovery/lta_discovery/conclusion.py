@@ -26,9 +26,9 @@ WORSE: Final = 1.05  # of the error before; above it, the learned file should no
 CLOSER: Final = 0.95  # of the error with tolerances alone; above it, the effect predicts no better
 ADVICE: Final[Mapping[Advice, str]] = {
     'keep': 'Keep the vehicle file as it is.',
-    'measure': 'Measure the numbers of the vehicle file again, and correct them.',
-    'again': 'Fly again before you change the vehicle file.',
-    'use': 'Use the vehicle file with what was learned.',
+    'measure': 'Measure the parameters in the vehicle file again, and correct them.',
+    'again': 'Record another flight before you change the vehicle file.',
+    'use': 'Use the corrected vehicle file: vehicle.yaml in the results folder.',
 }
 
 

@@ -289,7 +289,7 @@ class StudyResult:
     detectable : tuple of DetectionLimit
         Smallest detectable size of each candidate; empty where not requested.
     unexplained : tuple of str
-        Remainders in words: 'a pitch moment that follows surge speed x yaw rate, 1.2 mN m'.
+        Remainders in words: 'a pitch moment that varies with surge speed x yaw rate, 1.2 mN m'.
     carried : TransferEvidence, optional
         Evidence where forecasts, not the sensor readings, identified the effects.
     draught : DraughtEstimate, optional

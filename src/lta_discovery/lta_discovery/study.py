@@ -138,7 +138,8 @@ def study_flights(
     differences = compute_model_errors([f.flight for f in last], models, seed)
     if not held_out:
         warnings.append(
-            'No flight was held out: the prediction errors are of the confirming flights.'
+            'No flight was held out (--holdout), so the prediction errors are those of the '
+            'confirming flights, and may be too small.'
         )
     strained = find_exceeded_tolerances(known, proven.full.prior, proven.full.fitted.mean)
     warnings.extend(format_bounds_warning(strained))
@@ -237,7 +238,7 @@ def _remove_outliers(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
         clean, count = remove_outliers(flight)
         out.append((name, role, clean))
         if count:
-            said.append(f'{name}: {count} outliers were left out.')
+            said.append(f'{name}: outliers removed from the readings: {count}.')
     return out, merge_sentences(said, len(flights))
 
 
@@ -260,8 +261,9 @@ def _check_long_enough(flights: Sequence[StudyFlight]) -> None:
     for one in flights:
         if len(one.flight.replay.first) < FEWEST:
             raise BadInput(
-                f"The flight '{one.name}' has {len(one.flight.replay.first)} usable pieces "
-                f"as '{one.role}'; at least {FEWEST} are needed: fly longer, or close its gaps."
+                f"The flight '{one.name}' has too little usable data for the role '{one.role}' "
+                f'(pieces without a gap: {len(one.flight.replay.first)}, needed: {FEWEST}). '
+                'Record a longer flight, with fewer gaps.'
             )
 
 

@@ -30,7 +30,7 @@ def run_discovery_demo(seed: int, folder: Path, tell: Tell) -> tuple[DemoEffect,
     hidden, bags = draw_demo_effect(seed), {}
     try:
         for k, (name, role) in enumerate(FLIGHTS):
-            tell(f'flying {name} with a hidden effect', None)
+            tell(f'simulating flight {name} with the hidden effect', None)
             place = folder / 'flights' / name
             # Each flight has its own seed
             bags[role] = [fly_hidden(hidden, APART * seed + k, SECONDS, place)]

@@ -179,7 +179,7 @@ def _find_changes(
     # Report the axis that disagrees most after the change
     sizes = {each.name: _rms(each.values[time[each.index] >= at]) for each in forces}
     axis = max(sizes, key=lambda name: sizes[name])
-    said = f'after about {at:.0f} s, as if {found.knob} changed'
+    said = f'from about {at:.0f} s on, as if {found.knob} had changed'
     return [Discrepancy(one.name, axis, at, end, said, sizes[axis])]
 
 

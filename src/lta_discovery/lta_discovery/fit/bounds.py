@@ -73,8 +73,9 @@ def format_bounds_warning(names: Sequence[str]) -> list[str]:
     if not names:
         return []
     return [
-        f'The flights need more than {FARTHEST:g} standard deviations of tolerance for '
-        f'{", ".join(names)}.'
+        f'To explain the flights, these parameters would have to differ from the vehicle file by '
+        f'more than {FARTHEST:g} standard deviations of their tolerance: {", ".join(names)}. '
+        'Measure them again.'
     ]
 
 

@@ -41,7 +41,10 @@ DOUBTS: Final = (4.0, 30.0, 300.0, 3e3, 3e4, 3e5, 3e6)
 PARTS: Final = (0.5, 0.2, 0.08, 0.03)
 BROKEN: Final = 2.0  # of the predicted misfit; above it shorter steps are tried too
 LEAP: Final = 1e3  # nats; a step with a larger gain does not count as a round
-RAN_AWAY: Final = 'The model diverges from the flight; start with a more accurate vehicle file.'
+RAN_AWAY: Final = (
+    'The simulation of the recorded flights with this vehicle file diverges; correct the vehicle '
+    'file first.'
+)
 WORSE: Final = 1.0  # in -2 log density; tolerated increase of a step
 ASTRAY: Final = 3.0  # times the error of unaided forecasts; a step above it is rejected
 

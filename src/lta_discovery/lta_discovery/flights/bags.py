@@ -98,9 +98,9 @@ def _register_recording(path: Path, role: Role, roles: dict[Path, Role]) -> None
         # Follow links, so that one file under two names is detected
         place = file.resolve()
         if place in roles:
-            both = f'to {roles[place]} and to {role}' if roles[place] != role else f'to {role}'
+            both = f'{roles[place]} and --{role}' if roles[place] != role else role
             raise BadInput(
-                f"'{path}' is given twice, {both}; give each flight once, with one role."
+                f"The flight '{path}' is given twice, with --{both}; give each flight only once."
             )
         roles[place] = role
 
@@ -134,24 +134,26 @@ def check_same_vehicle(flights: Sequence[StudyRecording], vehicle: VehicleFile) 
     # One flight per vehicle suffices to name the conflict
     by_name = {one.vehicle: one.name for one in flights if one.vehicle}
     by_rotors = {one.rotor_names: one.name for one in flights if one.rotor_names}
-    for kinds, what in ((by_name, 'fly'), (by_rotors, 'command')):
+    for kinds, what in (
+        (by_name, 'are of different vehicles'),
+        (by_rotors, 'command different rotors'),
+    ):
         if len(kinds) > 1:
             told = '; '.join(
-                f"'{flight}' {_format_vehicle(kind)}" for kind, flight in kinds.items()
+                f"'{flight}': {_format_vehicle(kind)}" for kind, flight in kinds.items()
             )
-            raise BadInput(
-                f'The flights {what} different vehicles ({told}); study one vehicle at a time.'
-            )
+            raise BadInput(f'The flights {what} ({told}); study one vehicle at a time.')
     other = [name for name in by_name if name != vehicle.name]
     return [
-        f'The recordings are of the vehicle {name}; the vehicle file is called {vehicle.name}.'
+        f'The flights were recorded with the vehicle {name}, but the vehicle file is that of '
+        f'{vehicle.name}; check --vehicle.'
         for name in other
     ]
 
 
 def _format_vehicle(kind: str | tuple[str, ...]) -> str:
     """Return a vehicle or its rotors as words."""
-    return kind if isinstance(kind, str) else f'the rotors {", ".join(kind)}'
+    return kind if isinstance(kind, str) else ', '.join(kind)
 
 
 def require_distinct_runs(flights: Sequence[StudyRecording]) -> None:

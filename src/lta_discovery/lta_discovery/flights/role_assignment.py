@@ -51,14 +51,14 @@ def assign_roles(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
     train = [flight for flight in flights if flight[1] == 'train']
     rest = [flight for flight in flights if flight[1] != 'train']
     if not train:
-        raise BadInput('There is no training flight; name at least one bag to train on.')
+        raise BadInput('There is no training flight; name at least one with --train.')
     if any(role == 'confirm' for _, role, _ in rest):
         return list(flights), []
     if len(train) > 1:
         # With an odd number, training gets the extra flight.
         half = (len(train) + 1) // 2
         moved = [(name, 'confirm', flight) for name, _, flight in train[half:]]
-        said = 'There is no confirming flight: half of the training flights confirm'
+        said = 'No flight is given with --confirm, so half of the training flights confirm'
         return [*train[:half], *moved, *rest], [f'{said} the other half.']
     name, _, flight = train[0]
     if rest:
@@ -66,11 +66,11 @@ def assign_roles(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
             (name, 'train', restrict_to_interval(flight, 0.0, TWO)),
             (name, 'confirm', restrict_to_interval(flight, TWO, 1)),
         ]
-        said = 'The effects are confirmed by a later part of the training flight, which'
-        return [*parts, *rest], [f'{said} is weaker than another flight.']
+        said = 'No flight is given with --confirm: the last part of the training flight confirms'
+        return [*parts, *rest], [f'{said} the effects, which is weaker than another flight.']
     first, second = ONE
     edges = zip(ROLES, (0.0, first, second), (first, second, 1.0), strict=True)
-    said = 'One flight is split into training, confirming and held-out parts, which is weaker than'
+    said = 'A single flight is split into a training, a confirming and a held-out part, which'
     return [(name, role, restrict_to_interval(flight, a, b)) for role, a, b in edges], [
-        f'{said} three flights.'
+        f'{said} gives weaker evidence than three flights.'
     ]

@@ -39,7 +39,8 @@ def _join_channels(channels: Sequence[SignalChannel]) -> Stream:
     time = channels[0].time
     if any(len(channel.time) != len(time) for channel in channels):
         raise BadInput(
-            f"The channels of '{channels[0].topic}' are not equally long; record the topic again."
+            f"The fields of the topic '{channels[0].topic}' have different numbers of readings; "
+            'record the topic again.'
         )
     # Duplicate stamps would break the interpolation: keep the first of each
     _, first = np.unique(time, return_index=True)
@@ -152,8 +153,8 @@ def find_tracker_prefix(channels: Mapping[str, SignalChannel]) -> str:
     if free:
         return free[0]
     raise BadInput(
-        'The recording has no pose from a tracker (ground_truth/odom, pose); '
-        'without one no model can be compared with it. Record the pose too.'
+        'The recording has no measured pose, so no model can be compared with it; record one of '
+        f'the topics {", ".join(TRACKERS)}.'
     )
 
 
@@ -189,9 +190,10 @@ def build_streams(
     if missing and wrench is None:
         there = [name.removeprefix(COMMAND) for name in channels if name.startswith(COMMAND)]
         raise BadInput(
-            f"The recording has no command of {', '.join(missing)} in 'motors', and no "
-            f"'wrench_command'; it has commands of {', '.join(sorted(there)) or 'nothing'}. Give "
-            'the flown vehicle with --vehicle, and use the rotor names of its file.'
+            f"The recording has no commands for {', '.join(missing)} in 'motors', and no "
+            f"'wrench_command'; it has commands for {', '.join(sorted(there)) or 'no rotor'}. "
+            'Give the recorded vehicle with --vehicle; its file must use the rotor names of the '
+            'recording.'
         )
     # Without rotor commands the wrench drives the model, and the duties stay 0.
     if missing:

@@ -108,10 +108,10 @@ def repair_timestamps(name: str, streams: FlightStreams) -> tuple[FlightStreams,
         Applied repairs, one sentence each.
 
     """
-    pose, deviation, words = _repair_stream(f"{name}: the tracker's stamps", streams.pose)
+    pose, deviation, words = _repair_stream(f"{name}: the tracker's timestamps", streams.pose)
     others, read = dict(streams.others), streams.others.get('rates', streams.others.get('force'))
     if read is not None:
-        better, _, more = _repair_stream(f"{name}: the IMU's stamps", read)
+        better, _, more = _repair_stream(f"{name}: the IMU's timestamps", read)
         words += more
         # Both come in one IMU message, so they share the stamps
         for sensor in ('rates', 'force') if more else ():
@@ -143,10 +143,12 @@ def _repair_stream(who: str, stream: Stream) -> tuple[Stream, float, list[str]]:
     if rms < NONE or doubt > 0.5 or np.any(np.diff(put) <= 0.0):
         return stream, 0.0, []
     rate = 1.0 / float(np.median(np.diff(raster[there])))
-    what = f'are rounded to {1e3 * step:g} ms' if rounded else 'jitter, but its readings do not'
+    what = (
+        f'are rounded to {1e3 * step:g} ms' if rounded else 'jitter, but its sampling is regular'
+    )
     word = (
-        f'{who} {what}; they fit a regular {rate:.1f} Hz raster to {1e3 * rms:.2f} ms and were '
-        'put on it.'
+        f'{who} {what}; they were replaced by regular times at {rate:.1f} Hz, from which they '
+        f'deviate by {1e3 * rms:.2f} ms rms.'
     )
     return Stream(put, stream.values), 0.0, [word]
 
@@ -166,7 +168,7 @@ def add_stamp_noise(
     noise = flight.noise.copy()
     noise[:6] = np.hypot(noise[:6], more)
     words = [
-        f"{name}: the tracker's stamps are rounded and irregular; the motion within "
-        f'{1e3 * deviation:.2f} ms is added to the noise of the poses.'
+        f"{name}: the tracker's timestamps are rounded and cannot be repaired; an error of "
+        f'{1e3 * deviation:.2f} ms rms is included in the noise of the poses.'
     ]
     return replace(flight, noise=noise), words if np.any(more > WORTH * flight.noise[:6]) else []

@@ -95,7 +95,7 @@ def select_usable_flights(flights: Sequence[StudyRecording], vehicle: Vehicle) -
     if made := [one.name for one in flights if one.recording.is_simulated]:
         verb = 'is' if len(made) == 1 else 'are'
         warnings.append(
-            f'{", ".join(made)} {verb} declared as simulated: results do not apply to a real '
+            f'{", ".join(made)} {verb} marked as simulated: the results do not apply to a real '
             'vehicle.'
         )
     cuts: list[ExcludedInterval] = []
@@ -112,7 +112,8 @@ def select_usable_flights(flights: Sequence[StudyRecording], vehicle: Vehicle) -
         # A short flight is left out; an error follows only if too little remains in all.
         if seconds < SHORTEST:
             warnings.append(
-                f'{one.name}: only {seconds:.0f} s are usable; the flight is left out.'
+                f'{one.name}: only {seconds:.0f} s are usable, and {SHORTEST:.0f} s are needed; '
+                'the flight is left out.'
             )
         elif len(cut_into_pieces(flight).first) < FEWEST:
             warnings.append(
@@ -152,14 +153,14 @@ def _load_streams(one: StudyRecording, vehicle: Vehicle) -> FlightStreams:
         raise BadInput(f'{one.name}: {fault}') from None
     if not np.isfinite(told.pose.values).all(axis=1).any():
         raise BadInput(
-            f'{one.name}: no pose is valid (NaN, zero quaternions); record the flight again.'
+            f'{one.name}: no pose is valid (NaN or zero quaternion); record the flight again.'
         )
     apart = np.diff(told.pose.time)
     if len(apart) < 2 or np.median(apart) > GAP:
         rate = 1.0 / float(np.median(apart)) if len(apart) else 0.0
         raise BadInput(
-            f'{one.name}: the pose rate of {rate:.3g} Hz is too low to observe the forces; '
-            f'record it at {np.ceil(1.0 / GAP):.0f} Hz or more.'
+            f'{one.name}: the pose was recorded at {rate:.3g} Hz, which is too slow to observe '
+            f'the forces; record it at {np.ceil(1.0 / GAP):.0f} Hz or more.'
         )
     known = np.isfinite(told.commands.values).all(axis=1)
     return replace(told, commands=Stream(told.commands.time[known], told.commands.values[known]))
@@ -200,15 +201,15 @@ def _clean_flight(
             smooth.append(finding.channel.rpartition('/')[0])
         elif finding.is_grave and finding.kind == clocks.KIND and set(LATE) & set(finding.values):
             warnings.append(
-                f'{one.name}: {finding.channel}: {finding.evidence} The data are kept.'
+                f'{one.name}: {finding.channel}: {finding.evidence} The data are used anyway.'
             )
         elif finding.is_grave:
             cuts.append(_exclude_interval(one.name, finding, end))
     if smooth:
         topics = ', '.join(dict.fromkeys(smooth))
         warnings.append(
-            f'{one.name} is smoother than any instrument ({topics}): it is heavily filtered, or '
-            'simulated without a declaration; do not rely on lags and fast motion.'
+            f'{one.name}: the readings of {topics} have less noise than any real sensor: they are '
+            'heavily filtered, or simulated. Do not rely on results about delays and fast motion.'
         )
     streams, cuts = _drop_bad_sensors(streams, cuts, pose, whole, one.name)
     # Repair stamps before resampling, which would spread their errors.
@@ -289,7 +290,7 @@ def _list_data_warnings(name: str, flight: MeasuredFlight, streams: FlightStream
     if len(full) > 1 and full.all(axis=1).mean() > MOST:
         out.append(
             f'{name}: all rotors are at full duty for {100.0 * full.all(axis=1).mean():.0f} % of '
-            'the time; their response at lower duty is poorly known.'
+            'the time, so their thrust at lower duty is poorly known.'
         )
     return out
 
@@ -313,6 +314,6 @@ def _require_usable_time(
                 f'{c.flight}: {c.channel}: {c.reason}' for c in cuts if c.flight in names
             )
             raise BadInput(
-                f'Only {seconds:.0f} s of the {role} flights are usable, which is too '
+                f'Only {seconds:.0f} s of the flights of --{role} are usable, which is too '
                 f'little; record {LEAST:.0f} s or more. {" ".join(list(why)[:2])}'.rstrip()
             )

@@ -46,22 +46,24 @@ def list_forecast_warnings(gaps: Sequence[ChannelErrors]) -> list[str]:
     out = []
     if should_keep_file(gaps):
         out.append(
-            f'The fit predicts worse than the vehicle file ({_format_channel_horizons(lost)}): '
-            'keep the vehicle file.'
+            f'The fitted model predicts worse than the vehicle file '
+            f'({_format_channel_horizons(lost)}): keep the vehicle file.'
         )
     elif lost:
-        out.append(f'Some forecasts get worse: {_format_channel_horizons(lost)}.')
+        out.append(
+            f'Some predictions of the fitted model are less accurate than those of the vehicle '
+            f'file: {_format_channel_horizons(lost)}.'
+        )
     if vain and not should_keep_file(gaps):
         out.append(
-            f'With the named effects, forecasts are worse than with tolerances alone '
-            f'({_format_channel_horizons(vain)}): the name may be right, but do not '
-            'trust its value; fly '
-            f'again.'
+            f'Forecasts with the named effects are worse than forecasts with only the tolerances '
+            f'of the vehicle file fitted ({_format_channel_horizons(vain)}): the names may be '
+            'right, but do not trust the values; record another flight.'
         )
     if idle:
         out.append(
-            f'Constant velocity and rates predict better than any model '
-            f'({_format_channel_horizons(idle)}).'
+            f'A forecast with constant velocity and turn rates, which ignores the commands, is '
+            f'better than every model ({_format_channel_horizons(idle)}).'
         )
     return out
 

@@ -12,7 +12,7 @@ from lta_discovery.page.formatting import format_percent, format_quantity, join_
 from lta_discovery.page.tables import render_table, Row
 
 HEADS: Final = (
-    'before', 'tuned', 'after', 'coast', 'noise', 'shrinks by', '95 %', 'pieces',
+    'before', 'tuned', 'after', 'coast', 'noise', 'reduced by', '95 % interval', 'pieces',
 )  # fmt: skip
 WHOLE: Final = ('position', 'attitude')
 KEY: Final = (
@@ -36,7 +36,7 @@ def render_pose_errors(finding: StudyResult) -> str:
             for gap in of
         ]
         title = NAMES.get(channel, channel)
-        inside = render_table(('ahead', '', *HEADS), rows, 'plain gaps', f'Errors of {title}')
+        inside = render_table(('horizon', '', *HEADS), rows, 'plain gaps', f'Errors of {title}')
         out.append(f'<h3>{escape(title.capitalize())}</h3>{inside}')
     return f'{"".join(out)}<p class="note">{escape(_format_scope(finding))}</p>'
 
@@ -54,7 +54,9 @@ def render_channel_errors(finding: StudyResult) -> str:
         )
         for gap in single
     ]
-    inside = render_table(('channel', 'ahead', *HEADS), rows, 'plain', 'Errors of single channels')
+    inside = render_table(
+        ('channel', 'horizon', *HEADS), rows, 'plain', 'Errors of single channels'
+    )
     return (
         '<section class="panel section" aria-labelledby="title-channels">'
         '<h2 id="title-channels">Channel by channel</h2><details><summary>'
@@ -65,14 +67,16 @@ def render_channel_errors(finding: StudyResult) -> str:
 def _format_scope(finding: StudyResult) -> str:
     """Describe the flights and columns of the errors."""
     whose = (
-        f'on {join_words(finding.bags.get("holdout", ()))}, to which nothing was fitted'
+        f'on {join_words(finding.bags.get("holdout", ()))}, which no fit has used'
         if finding.held_out
-        else 'on flights that were also used in the search'
+        else 'on flights that the search has used as well'
     )
     return (
-        f'Root mean square {whose}. Tuned: tolerances of the file fitted, without a new effect. '
-        'Coast: velocity and rates constant, commands ignored. Shaded: the measurement noise, '
-        'which no model can undercut. Intervals by bootstrap over pieces.'
+        f'Root mean square errors {whose}. Before: with the vehicle file. Tuned: with its '
+        'parameters fitted within their tolerances, without a new effect. After: with the named '
+        'effects. Coast: with constant velocity and turn rates, without the commands. Shaded: the '
+        'measurement noise, the smallest error that can be seen. The reduction is from before to '
+        'after; its interval is a bootstrap over the pieces of flight.'
     )
 
 

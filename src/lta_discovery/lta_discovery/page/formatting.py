@@ -111,7 +111,7 @@ def join_words(words: Sequence[str], last: str = 'and') -> str:
 def format_file_value(one: ParameterEstimate) -> str:
     """Describe the vehicle file's value of a parameter."""
     return (
-        f'the file has {format_number(one.before)}' if one.in_file else 'the file does not have it'
+        f'vehicle file: {format_number(one.before)}' if one.in_file else 'not in the vehicle file'
     )
 
 
@@ -128,15 +128,15 @@ def format_assumed(one: NamedEffect) -> str:
         f'{each.name.replace("_", " ")} {append_unit(format_number(each.value), each.unit)}'
         for each in one.assumed
     ]
-    return f' with {join_words(numbers)}, assumed and not fitted'
+    return f' for {join_words(numbers)} (assumed and not fitted)'
 
 
 def format_remainder(one: Remainder) -> str:
-    """Describe a remaining force: 'a force along surge that follows heading (sine)'."""
+    """Describe a remaining force: 'a force along surge that varies with heading (sine)'."""
     kind = f'force along {one.axis}' if one.axis in FORCES else f'{one.axis} moment'
     if not one.follows:
-        return f'a {kind} that follows no measured quantity'
-    return f'a {kind} that follows {join_words(one.follows)}'
+        return f'a {kind} that is unrelated to all measured quantities'
+    return f'a {kind} that varies with {join_words(one.follows)}'
 
 
 def remainder_unit(one: Remainder) -> str:
@@ -166,7 +166,11 @@ def explain_decision(rung: SearchCandidate, beaten: bool, stands: bool) -> str:
     """
     witness = max(rung.confirm, rung.carried)
     if rung.accepted:
-        return 'named' if stands else 'named, then dropped: all flights together do not support it'
+        return (
+            'named'
+            if stands
+            else 'first named, then dropped: all flights together do not support it'
+        )
     if rung.total <= GAIN or max(rung.train, witness) <= LARGER:
         return 'too little evidence'
     if rung.apart >= APART:
@@ -175,5 +179,5 @@ def explain_decision(rung: SearchCandidate, beaten: bool, stands: bool) -> str:
         return 'another explains it better'
     alone = rung.confirm > AGAIN and rung.carried > -SPOILT
     if alone or (rung.carried > HOLDS and rung.confirm > -TORN):
-        return 'an unexplained force takes its place'
+        return 'an unexplained force explains the flights better'
     return 'the other flights do not confirm it'

@@ -43,30 +43,30 @@ COLOURS: Final = {
     'evidence': GOOD,
 }  # fmt: skip
 HEAT: Final = (
-    'Each column is a piece of some seconds, each row a channel; darker means a larger error in '
-    'units of the noise. A model that explains the flight is pale everywhere. Each piece starts '
-    'from its best-fitting state, and sensor offsets are removed. Training and confirming flights '
-    'are shown as fitted.'
+    'Each column is a few seconds of flight, each row a channel. A darker cell means a larger '
+    'error relative to the measurement noise; if the model explains the flight, all cells are '
+    'pale. The initial state of each piece is fitted, and sensor offsets are removed. Training '
+    'and confirming flights are shown as fitted.'
 )
 CONDITIONS: Final = (
     'Pose error of each piece against its flight conditions: orange with the vehicle file, blue '
     'with the learned effects. Errors that rise to one side show where to look.'
 )
 ABOVE: Final = (
-    'Each piece starts at the measured state and runs without correction. Broad grey: '
-    'measured; orange: the vehicle file; blue: with the learned effects.'
+    'Each piece starts at the measured state and is predicted without correction. Thick grey: '
+    'measured; orange: predicted with the vehicle file; blue: predicted with the learned effects.'
 )
 OVER: Final = (
-    'The same over time; below, the distance of each prediction from the measurement, from the '
-    'beginning of its piece on.'
+    'Height and heading, measured and predicted. Below: the distance between predicted and '
+    'measured position, which grows from the start of each piece.'
 )
 WHITE: Final = (
     'Autocorrelation of the residuals. White noise drops to 0 at once and stays '
-    'between the dashes; a model that misses something decays slowly.'
+    'between the dashed lines; if the model lacks something, the curve decays slowly.'
 )
 POWER: Final = (
-    'Spectrum of the residuals, in units of the noise: the dashes are white noise of the '
-    'measured size. A rise to the left is motion that the model does not have.'
+    'Spectrum of the residuals relative to the noise; the dashed line is white noise of the '
+    'measured size. A rise at low frequencies is motion that the model lacks.'
 )
 NOBODY: Final = '<p class="absent">There is no flight to draw.</p>'
 
@@ -101,7 +101,7 @@ def render_page(study: DiscoveryStudy, folder: Path, bags: Bags = NONE) -> str:
     return assemble_page(
         'discover.html',
         title=escape(format_headline(found)),
-        kicker=escape(f'discover · {found.vehicle} · {len(study.flights)} flights'),
+        kicker=escape(f'lta discover · {found.vehicle} · {len(study.flights)} flights'),
         about=escape(format_flight_roles(found)),
         tiles='\n'.join(render_tile(*each) for each in build_tiles(found)),
         effects=tables.render_effects(found),
@@ -153,10 +153,12 @@ def render_overlays(names: Sequence[str], lines: Sequence[FlightOverlay]) -> str
         )
     return (
         f'{choice}<div class="grid">'
-        + render_section('above', 'Before and after, from above', ABOVE, figures.plot_path(first))
+        + render_section(
+            'above', 'Measured and predicted path, from above', ABOVE, figures.plot_path(first)
+        )
         + render_section(
             'overtime',
-            'Before and after, over time',
+            'Measured and predicted motion over time',
             OVER,
             figures.plot_time_series(first),
             timed=True,
@@ -213,8 +215,8 @@ def render_remainders(study: DiscoveryStudy) -> str:
     """Return the unexplained forces with their figures, or a note that there are none."""
     found = study.finding
     if not found.remains:
-        more = 'else ' if found.draught else ''
-        said = f'Nothing {more}exceeds the noise floor on any axis.'
+        more = 'other ' if found.draught or found.unexplained else ''
+        said = f'No {more}unexplained force or moment exceeds the noise floor on any axis.'
         return f'{tables.render_unexplained(found)}<p class="note">{said}</p>'
     return (
         tables.render_unexplained(found)
@@ -242,7 +244,7 @@ def _render_latent_wrench(study: DiscoveryStudy) -> str:
     )
     made = render_section(
         'latent', 'The unexplained force over time',
-        f'Not measured, but computed from the measured motion: {names}.',
+        f'Estimated from the measured motion, not measured directly: {names}.',
         figures.plot_stacked_curves(rows, titles, 'time', 's'),
     )  # fmt: skip
     known = flights[0].terms
@@ -250,9 +252,9 @@ def _render_latent_wrench(study: DiscoveryStudy) -> str:
     if following is not None:
         axis, unit = AXES.index(following.axis), remainder_unit(following)
         made += render_section(
-            'follows', f'What the {following.axis} part follows',
-            f'{format_remainder(following).capitalize()}. Points on the dashed line are '
-            'fully explained by these terms.',
+            'follows', f'What the unexplained force or moment ({following.axis}) varies with',
+            f'{format_remainder(following).capitalize()}. These terms fully explain the points '
+            'on the dashed line.',
             figures.plot_parity(
                 fit_terms(flights, axis, following.follows),
                 [np.where(each.known, each.wrench[..., axis], np.nan).ravel() for each in flights],

@@ -74,11 +74,11 @@ def _format_nothing_named(finding: StudyResult) -> str:
     tried = [rung for step in finding.ladder for rung in step]
     best = max(tried, key=lambda rung: rung.total, default=None)
     near = (
-        'No candidate was promising enough for a refit.'
+        'No candidate was promising enough for a full fit.'
         if best is None
-        else f'The best candidate was {format_parameter(best.knob)}, with '
-        f'{format_number(best.total)} nats; '
-        f'{GAIN:g} are required: {explain_decision(best, beaten=False, stands=False)}.'
+        else f'The best candidate was {format_parameter(best.knob)}, with evidence of '
+        f'{format_number(best.total)} nats ({GAIN:g} are required). It was rejected for this '
+        f'reason: {explain_decision(best, beaten=False, stands=False)}.'
     )
     said = {
         'none': 'The vehicle file explains these flights to within its own tolerances and the '
@@ -89,8 +89,8 @@ def _format_nothing_named(finding: StudyResult) -> str:
         'so no effect is named.',
     }.get(
         finding.verdict,
-        'A force or moment remains that no effect of the library explains on both flights. '
-        'It is described below without a name.',
+        'A force or moment remains that no effect of the library explains in both the training '
+        'and the confirming flights. It is described below.',
     )
     return f'{said} {near}'
 
@@ -134,9 +134,8 @@ def _render_effect(one: NamedEffect) -> str:
         f'<div class="effect"><h3>{escape(names[:1].upper() + names[1:])}</h3>'
         f'<p class="what">{escape(explain_effect(one.name))}</p>'
         f'{"".join(map(_render_parameter, one.parameters))}{_render_assumed_values(one)}'
-        f'<p class="note">Without it the flights lose <b>{format_number(one.log_evidence)} '
-        f'nats</b> of '
-        f'evidence, {format_odds(one.log_evidence)} against the file without '
+        f'<p class="note">Evidence for this effect: <b>{format_number(one.log_evidence)} '
+        f'nats</b>, {format_odds(one.log_evidence)} compared with the file without '
         f'it.</p>{alike}</div>'
     )
 
@@ -144,7 +143,7 @@ def _render_effect(one: NamedEffect) -> str:
 def _render_assumed_values(one: NamedEffect) -> str:
     """Return the assumed numbers that the values of an effect depend on."""
     said = format_assumed(one).strip()
-    return f'<p class="note">Its values hold {escape(said)}.</p>' if said else ''
+    return f'<p class="note">Its values are valid {escape(said)}.</p>' if said else ''
 
 
 def _render_parameter(one: ParameterEstimate) -> str:
@@ -163,7 +162,7 @@ def render_search_rounds(finding: StudyResult) -> str:
     """Return all candidates of the search, by round."""
     rungs = [rung for step in finding.ladder for rung in step]
     if not rungs:
-        return '<p class="absent">No candidate was promising enough for a refit.</p>'
+        return '<p class="absent">No candidate was promising enough for a full fit.</p>'
     # Leave room to the right of the threshold line, even if no candidate reaches it.
     most = max(GAIN * 1.6, *(rung.total for rung in rungs))
     out = []
@@ -177,9 +176,11 @@ def render_search_rounds(finding: StudyResult) -> str:
                 f'{"" if kept else ", but dropped at the end"}'
             )
         out.append(f'<h3>Round {k}: {escape(words)}</h3>')
-        heads = ('candidate', 'evidence', 'train', 'confirm', 'carried', 'apart', 'reason')
+        heads = ('candidate', 'evidence', 'training [nats]', 'confirming [nats]',
+                 'confirming, with the value from training [nats]',
+                 'difference of the two values [sigma]', 'decision')  # fmt: skip
         if not step:
-            out.append('<p class="note">No candidate was promising enough for a refit.</p>')
+            out.append('<p class="note">No candidate was promising enough for a full fit.</p>')
             continue
         rows = [
             _format_candidate_cells(
@@ -209,9 +210,11 @@ def render_discrepancies(finding: StudyResult) -> str:
         return '<p class="absent">The error exceeds the noise nowhere.</p>'
     most = max(place.ratio_to_noise for place in finding.where)
     rows = [_format_discrepancy(place, most) for place in finding.where]
-    heads = ('when', 'by the noise', '', 'channel', 'flight', 'from', 'to')
+    heads = ('when', 'error / noise', '', 'channel', 'flight', 'from', 'to')
     first, rest = (
-        render_table(heads, part, 'plain places', 'Where the model disagrees most') if part else ''
+        render_table(heads, part, 'plain places', 'Largest errors of the vehicle file')
+        if part
+        else ''
         for part in (rows[:MOST], rows[MOST:])
     )
     more = f'<details><summary>{len(rows) - MOST} more</summary>{rest}</details>' if rest else ''
@@ -237,8 +240,17 @@ def render_remainders(finding: StudyResult) -> str:
         return ''
     most = max(one.floors for one in finding.remains)
     rows = [_format_remainder(one, most) for one in finding.remains]
-    heads = ('axis', 'by noise floor', '', 'size', 'description', 'carries over')
-    return render_table(heads, rows, 'plain remains', 'What no effect of the library explains')
+    heads = (
+        'axis',
+        'size / noise floor',
+        '',
+        'size',
+        'description',
+        'explained in the other flights',
+    )
+    return render_table(
+        heads, rows, 'plain remains', 'Forces and moments that no effect of the library explains'
+    )
 
 
 def _format_remainder(one: Remainder, most: float) -> Row:

@@ -15,7 +15,7 @@ from lta_discovery.page.formatting import (
 from lta_discovery.page.tables import render_table
 
 WHOLE: Final = ('position', 'attitude')
-HEADS: Final = ('error', 'vehicle file', 'with the names', 'everything refitted', 'ratio')
+HEADS: Final = ('error', 'vehicle file', 'named effects', 'all parameters fitted', 'ratio')
 
 
 def render_transfer(finding: StudyResult) -> str:
@@ -60,17 +60,25 @@ def render_transfer(finding: StudyResult) -> str:
         else ''
     )
     return (
-        '<h3>By forecasts: what carries over</h3>'
+        '<h3>Effects identified by forecasts</h3>'
         '<p class="note">The model error is so large, or the poses are so smooth, that the '
         'readings do not decide; forecasts of five seconds do. An effect is named if it improves '
         'forecasts in regimes that were left out of its fit, and from training to confirming '
         'flights and back.</p>'
         + render_table(
-            ('name', '', 'of the squared error'), names, 'plain', 'Error removed by each effect'
+            ('effect', '', 'removed share of the squared error'),
+            names,
+            'plain',
+            'Error removed by each effect',
         )
-        + f'{lost}<p class="note">Each regime, predicted from the others; error relative to the '
-        f'vehicle file. In the worst regime it changes by {worst} %.</p>'
-        + render_table(('left out', 'flights', 'error'), regimes, 'plain', 'Regimes left out')
+        + f'{lost}<p class="note">Each regime is predicted with a fit to the others. In the worst '
+        f'regime the error changes by {worst} % compared with the vehicle file.</p>'
+        + render_table(
+            ('left-out regime', 'flights', 'error / that of the file'),
+            regimes,
+            'plain',
+            'Regimes left out',
+        )
         + fitted
-        + '<h3>By readings</h3>'
+        + '<h3>Search by sensor readings</h3>'
     )

@@ -24,7 +24,7 @@ from lta_discovery.unmodeled.draught import DraughtEstimate
 from lta_report.formatting import MISSING, Tile
 
 ROLES: Final = {
-    'train': 'learned from', 'confirm': 'confirmed by', 'holdout': 'shown on',
+    'train': 'learned from', 'confirm': 'confirmed by', 'holdout': 'tested on',
 }  # fmt: skip
 
 
@@ -36,12 +36,13 @@ def format_headline(finding: StudyResult) -> str:
     if finding.verdict == 'not_identifiable':
         return _format_unidentifiable(finding, said)
     if finding.verdict == 'unexplained':
-        return f'Something is missing that no effect of the library describes{rest}.'
+        return f'The model lacks something that no effect of the library describes{rest}.'
     names = join_words([_format_alternatives(one) for one in finding.effects])
     verb = 'are' if _has_several_parameters(finding) else 'is'
-    text = f'{names[:1].upper()}{names[1:]} {verb} missing{_format_improvement(finding, said)}'
+    gain = _format_improvement(finding, said)
+    text = f'{names[:1].upper()}{names[1:]} {verb} missing from the model{gain}'
     if finding.verdict == 'named+unexplained':
-        return f'{text}; and something that no effect of the library describes{rest}.'
+        return f'{text}. Something else is missing that no effect of the library describes{rest}.'
     return f'{text}.'
 
 
@@ -49,13 +50,17 @@ def _format_unidentifiable(finding: StudyResult, conclusion: Conclusion) -> str:
     """Return the headline of a study that does not identify an effect."""
     if conclusion.coasting:
         return (
-            'These flights are inconclusive: ignoring the commands predicts better than the model.'
+            'These flights are inconclusive: a forecast that ignores the commands is better than '
+            'that of the model.'
         )
     if not finding.effects:
-        return 'These flights do not show what, if anything, is missing.'
+        return 'These flights do not show what, if anything, is missing from the model.'
     names = join_words([format_effect(one) for one in finding.effects])
     if not conclusion.rivals:
-        return f'It may be {names} that is missing, but these flights are inconclusive.'
+        return (
+            f'{names[:1].upper()}{names[1:]} may be missing from the model, but these flights are '
+            'inconclusive.'
+        )
     rivals = join_words([format_parameter(knob) for knob in conclusion.rivals], 'or')
     return f'These flights cannot distinguish {names} from {rivals}.'
 
@@ -80,7 +85,7 @@ def _format_remainder(finding: StudyResult) -> str:
 def _format_draught(finding: StudyResult) -> str:
     """Return a sentence about the draught, to be appended; '' if there is none."""
     return (
-        f' There was a draught of {format_draught_size(finding.draught)}.'
+        f' A draught pushed the vehicle with {format_draught_size(finding.draught)} rms.'
         if finding.draught
         else ''
     )
@@ -96,12 +101,13 @@ def _format_no_effect_headline(conclusion: Conclusion) -> str:
     gap = conclusion.gain
     if gap is None:
         if conclusion.advice == 'keep':
-            return 'Nothing is missing that these flights could reveal.'
-        return 'No effect is confirmed as missing.'
+            return 'These flights reveal no effect that the model lacks.'
+        return 'No missing effect was confirmed.'
     before, tuned = (format_quantity(part, gap.unit, 2) for part in (gap.before, gap.tuned))
     return (
-        f'No effect is confirmed as missing: tuning the tolerances of the file takes the '
-        f'{gap.channel} error after {gap.horizon_s:g} s from {before} to {tuned}.'
+        f'No missing effect was confirmed. Fitting the parameters of the vehicle file within '
+        f'their tolerances reduces the {gap.channel} error after {gap.horizon_s:g} s from '
+        f'{before} to {tuned}.'
     )
 
 
@@ -117,13 +123,19 @@ def _format_improvement(finding: StudyResult, conclusion: Conclusion) -> str:
         f': with {them}, the {gap.channel} error after {gap.horizon_s:g} s falls from '
         f'{format_quantity(gap.before, gap.unit, 2)} to {format_quantity(gap.after, gap.unit, 2)}'
     )
-    return f'{text}, as it does with tolerances alone' if conclusion.by_tolerances else text
+    # The effects add nothing to what the tolerances achieve
+    alone = 'fitting the parameters of the file within their tolerances does as much'
+    return f'{text}, but {alone}' if conclusion.by_tolerances else text
 
 
 def format_advice(finding: StudyResult) -> str:
     """Return what to do with the vehicle file, in a sentence or two."""
     said = draw_conclusion(finding)
-    which = ' It does not show which of the names is right.' if said.rivals else ''
+    which = (
+        ' These flights do not show which of the alternative effects is right.'
+        if said.rivals
+        else ''
+    )
     return ADVICE[said.advice] + (which if said.advice == 'use' else '')
 
 
@@ -132,7 +144,7 @@ def list_learned_file_commands(finding: StudyResult, folder: Path) -> dict[str, 
     if not finding.effects:
         return {}
     learned = relative_path(folder / 'vehicle.yaml')
-    out = {'see what was learned': format_lta_command('vehicle', 'diff', finding.vehicle, learned)}
+    out = {'show the changes': format_lta_command('vehicle', 'diff', finding.vehicle, learned)}
     if draw_conclusion(finding).advice == 'use':
         out['fly it'] = format_lta_command('fly', '--vehicle', learned)
     return out
@@ -144,12 +156,12 @@ def format_flight_roles(finding: StudyResult) -> str:
              if finding.bags.get(role)]  # fmt: skip
     said = ', '.join(parts) or finding.vehicle
     shown = (
-        'Nothing was fitted to the flights of the prediction errors.'
+        'The prediction errors are of flights that no fit has used.'
         if finding.held_out
-        else 'No flight was held out: the prediction errors are optimistic.'
+        else 'No flight was held out, so the prediction errors may be too small.'
     )
     count = len(finding.warnings)
-    more = f' {count} {"warning" if count == 1 else "warnings"} below.' if count else ''
+    more = f' See the {count} {"warning" if count == 1 else "warnings"} below.' if count else ''
     return f'{said[:1].upper()}{said[1:]}. {shown if finding.gaps else ""}{more}'.strip()
 
 
@@ -158,7 +170,7 @@ def build_tiles(finding: StudyResult) -> list[Tile]:
     gap = select_main_error(finding.gaps)
     made = [_build_verdict_tile(finding), _build_evidence_tile(finding)]
     if gap is None:
-        made.append(Tile('Error', MISSING, '', 'no flight to compute it on'))
+        made.append(Tile('Prediction error', MISSING, '', 'no flight to compute it on'))
     else:
         ahead = f'{gap.channel.capitalize()} error after {gap.horizon_s:g} s'
         value, _, unit = format_quantity(gap.after, gap.unit).partition(' ')
@@ -166,11 +178,12 @@ def build_tiles(finding: StudyResult) -> list[Tile]:
         low, high = (format_percent(part) for part in gap.shrink_ci95)
         floor, coast = (format_quantity(part, gap.unit) for part in (gap.noise_floor, gap.coast))
         made += [
-            Tile(ahead, value, unit, f'before {before}; tuned without a new effect {tuned}'),
+            Tile(ahead, value, unit,
+                 f'with the vehicle file {before}; with its tolerances fitted {tuned}'),
             Tile('Error reduced by', format_percent(gap.shrink), '%',
-                 f'{low} to {high} % (95 %), {gap.pieces} pieces'),
+                 f'95 % interval {low} to {high} %; {gap.pieces} pieces of flight'),
             Tile('Measurement noise', *floor.partition(' ')[::2],
-                 f'error of a forecast without commands: {coast}'),
+                 f'error of a forecast that ignores the commands: {coast}'),
         ]  # fmt: skip
     made.append(_build_remainder_tile(finding))
     return made
@@ -182,14 +195,14 @@ def _build_remainder_tile(finding: StudyResult) -> Tile:
         first = finding.remains[0]
         return Tile(
             'Unexplained', format_number(first.floors, 2), '\N{MULTIPLICATION SIGN} noise floor',
-            f'on {join_words([one.axis for one in finding.remains])}',
+            f'force or moment on {join_words([one.axis for one in finding.remains])}',
         )  # fmt: skip
     if finding.unexplained:
         return Tile('Unexplained', str(len(finding.unexplained)), '', finding.unexplained[0])
     left = (
         f'a draught of {format_draught_size(finding.draught)}, and no other force or moment'
         if finding.draught
-        else 'no force or moment remains'
+        else 'no unexplained force or moment'
     )
     return Tile('Unexplained', '0', 'axes', left)
 
@@ -208,8 +221,8 @@ def _build_verdict_tile(finding: StudyResult) -> Tile:
         'unexplained': 'no effect of the library fits',
         'not_identifiable': 'another flight is needed',
     }.get(finding.verdict, '; '.join(values[:3]))
-    value = {'none': 'none', 'unexplained': 'no name', 'not_identifiable': 'inconclusive'}
-    return Tile('Missing', value.get(finding.verdict, str(count)),
+    value = {'none': 'none', 'unexplained': 'unknown', 'not_identifiable': 'inconclusive'}
+    return Tile('Missing effects', value.get(finding.verdict, str(count)),
                 '' if finding.verdict in value else 'named', note)  # fmt: skip
 
 
@@ -218,13 +231,13 @@ def _build_evidence_tile(finding: StudyResult) -> Tile:
     if finding.effects:
         least = min(one.log_evidence for one in finding.effects)
         which = 'the weakest effect; ' if len(finding.effects) > 1 else ''
-        against = '; none against the alternatives' if draw_conclusion(finding).rivals else ''
+        against = '; the alternatives fit as well' if draw_conclusion(finding).rivals else ''
         return Tile(
             'Evidence', format_number(least), 'nats', f'{which}{format_odds(least)}{against}'
         )
     tried = [rung for step in finding.ladder for rung in step]
     if not tried:
-        return Tile('Evidence', MISSING, '', 'no candidate was promising enough for a refit')
+        return Tile('Evidence', MISSING, '', 'no candidate was promising enough for a full fit')
     best = max(tried, key=lambda rung: rung.total)
     return Tile(
         'Best candidate', format_number(best.total), 'nats',

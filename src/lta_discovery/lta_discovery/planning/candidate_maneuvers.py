@@ -109,8 +109,8 @@ def _random_leg(space: AltitudeRange, k: int) -> PlannedLeg:
 
 MANOEUVRES: Final[dict[str, tuple[str, Callable[[AltitudeRange, int], PlannedLeg]]]] = {
     'hover': ('hover on the spot', _hover_leg),
-    'heights': ('climb and come down in steps', _heights_leg),
-    'speeds': ('fly out and back, faster and faster', _speeds_leg),
+    'heights': ('climb and descend in steps', _heights_leg),
+    'speeds': ('fly out and back at increasing speeds', _speeds_leg),
     'yaws': ('turn left and right on the spot', _yaws_leg),
     'laps': ('fly laps at two heights', _laps_leg),
     'all': ('change height, heading and speed at once', _random_leg),
@@ -144,7 +144,7 @@ def build_maneuver(
     course: dict[str, Any] = {'between': 'step', 'rows': rows}
     if shake:
         course['shake'] = {'duty': _build_quantity(shake, '1'), 'hold': _build_quantity(HOLD, 's')}
-        about += f', with motor dither of {100.0 * shake:.0f} %'
+        about += f', with a random dither of {100.0 * shake:.0f} % duty on the motors'
     # Effort in seconds; flights without dither are preferred
     return PlannedManeuver(about, course, at + DESCENT, (at + DESCENT) * (1.0 + 2.0 * shake))
 

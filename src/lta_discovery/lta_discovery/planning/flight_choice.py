@@ -114,7 +114,7 @@ class NextFlightPlanner:
         if self.space.high < standing + 2.0 * DEEP:
             raise BadInput(
                 f'The scenario {scenario.name} is {top:g} m high, too low to fly '
-                f'{self.vehicle.file.name} in; plan in another with --scenario.'
+                f'{self.vehicle.file.name} in; choose a higher one with --scenario.'
             )
 
     def find_parameter(self, name: str) -> FreeParameter:

@@ -26,13 +26,13 @@ def list_objections(rehearsed: SimulatedFlight, vehicle: Vehicle, scenario: Scen
     # The room is centred on the origin of the map
     near = np.abs(rehearsed.path[:, :2]).max(axis=0) + radius + MARGIN
     if near[0] > length / 2.0 or near[1] > width / 2.0:
-        out.append('it comes near a wall')
+        out.append(f'it comes within {MARGIN:g} m of a wall')
     if rehearsed.path[:, 2].max() + half_height + MARGIN > height:
-        out.append('it comes near the ceiling')
+        out.append(f'it comes within {MARGIN:g} m of the ceiling')
     if rehearsed.tilt > TILT:
         out.append(f'it tilts by {math.degrees(rehearsed.tilt):.0f} degrees')
     if np.max(np.mean(np.abs(rehearsed.duties) >= FULL, axis=0)) > SHARE:
-        out.append('a rotor is at its limit')
+        out.append('a rotor is saturated for too long')
     if rehearsed.path[-1, 2] > rehearsed.standing + CLEAR:
         out.append('it does not land')
     return out

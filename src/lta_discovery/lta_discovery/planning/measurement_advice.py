@@ -15,31 +15,31 @@ class MeasurementAdvice(NamedTuple):
 MEASURE: Final = (
     MeasurementAdvice(
         frozenset({'net_lift', 'payload', 'ballast', 'gas_purity'}),
-        'each is a constant force; weigh the vehicle without gas, and with it on a scale',
+        'each acts as a constant force; weigh the vehicle on a scale, without and with gas',
     ),
     MeasurementAdvice(
         frozenset({'tracker_delay', 'clock_offset', 'command_delay'}),
-        'each is a delay; compare the clocks of tracker and vehicle, by a tap that both record',
+        'each is a delay; tap the vehicle and compare when its IMU and the tracker record it',
     ),
     MeasurementAdvice(
         frozenset({'added_mass', 'cg_height', 'thrust_scale', 'added_inertia', 'motor_lag'}),
-        'they scale forces alike; measure the thrust on a scale, or fly with a known load',
+        'they scale the response alike; measure the thrust on a scale, or fly a known payload',
     ),
     MeasurementAdvice(
         frozenset({'rotor_misalignment', 'rotor_fault', 'cg_offset', 'tracker_misalignment'}),
-        'check the rotors and level the tracker; measuring one of them separately decides',
+        'check the rotors, level the tracker, and measure one of these effects on its own',
     ),
     MeasurementAdvice(
         frozenset({'linear_drag', 'quadratic_drag', 'cross_flow'}),
         'tow the vehicle at two known speeds, or let it glide to rest with its motors off',
     ),
 )
-OTHERWISE: Final = 'measure one of them separately'
+OTHERWISE: Final = 'measure one of these effects on its own'
 RICHER: Final[dict[Kind, tuple[Kind, str]]] = {
     'pose': ('imu', 'record the IMU as well'),
     'imu': ('all', 'record range, pressure and voltage as well'),
-    'wrench': ('pose', 'record the duties of the motors as well'),
-    'hover': ('all', 'fly more than a hover'),
+    'wrench': ('pose', 'record the motor duties as well'),
+    'hover': ('all', 'fly manoeuvres, not only a hover'),
 }
 
 

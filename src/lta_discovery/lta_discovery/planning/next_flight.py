@@ -39,7 +39,7 @@ FILE: Final = 'next_flight.yaml'
 SCENE: Final = 'hall'
 STRATEGY: Final = 'bag'
 MOST: Final = 4  # most rivals of one flight
-CERTAIN: Final = 'No name is in doubt: there is no flight to plan.'
+CERTAIN: Final = 'No named effect can be confused with another, so there is no flight to plan.'
 BIG: Final = 2.0  # typical sizes; hypothetical size of an effect without earlier flights
 SEEN_BY: Final[dict[Kind, Sensors]] = {
     'all': 'all',
@@ -76,13 +76,13 @@ class NextFlightPlan:
         if self.scenario is None:
             return None
         path = folder / FILE
-        head = f'# {self.text}\n# Flown by: lta fly --scenario {FILE}\n'
+        head = f'# {self.text}\n# Fly it with: lta fly --scenario {FILE}\n'
         text = yaml.safe_dump(self.scenario, sort_keys=False, default_flow_style=None, width=110)
         try:
             path.write_text(head + text, encoding='utf-8')
         except OSError as error:
             raise BadInput(
-                f"'{path}' cannot be written ({error.strerror}); free disk space."
+                f"'{path}' cannot be written ({error.strerror}); check folder and disk space."
             ) from error
         return path
 
@@ -270,7 +270,7 @@ def format_next_step(study: DiscoveryStudy) -> str:
     words = [_format_no_flight(name, never, rich)] if never else []
     if rest:
         words.append(
-            f'The same command with --plan writes a flight that separates {name} from '
+            f'Repeat the command with --plan to plan a flight that separates {name} from '
             f'{_join_names(rest, "or")}.'
         )
     return ' '.join(words)
@@ -281,9 +281,9 @@ def _format_flight(name: str, names: tuple[str, ...], chosen: FlightChoice) -> s
     x, y, z = chosen.space
     return (
         f'To separate {name} from {_join_names(names, "or")}, {chosen.manoeuvre.about} for '
-        f'{chosen.manoeuvre.length:.0f} s, twice: the true one is expected to lead by '
-        f'{chosen.nats:.0f} nats (3 decide). It needs {x:.0f} m by {y:.0f} m, and {z:.1f} m of '
-        'height.'
+        f'{chosen.manoeuvre.length:.0f} s; fly this twice. The expected evidence for the true '
+        f'effect is {chosen.nats:.0f} nats (3 are enough). The flight needs a space of {x:.0f} m '
+        f'by {y:.0f} m and a height of {z:.1f} m.'
     )
 
 

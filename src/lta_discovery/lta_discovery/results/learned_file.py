@@ -164,15 +164,13 @@ def _list_block_quantities(
             numbers = [all_ - own for all_, own in zip(numbers, faces, strict=True)]
             if min(numbers) < 0.0:
                 raise BadInput(
-                    f'The learned quadratic drag is below that of the parts of '
-                    f'{vehicle.file.name} alone; if the measured drag includes the parts, set '
-                    'in_aero: true at their drag in that file, and run the study again.'
+                    f'The learned quadratic drag is smaller than the drag of the parts of '
+                    f'{vehicle.file.name} alone. If its aero block includes their drag, set '
+                    'in_aero: true in the drag of each part, and run lta discover again.'
                 )
         words = [f'{name} {notes[name]}' for name in order if name in notes]
         if not set(order) & set(names):
-            yield VehicleFileQuantity(
-                place, numbers, units[order[0]], 'unchanged value of the hull'
-            )
+            yield VehicleFileQuantity(place, numbers, units[order[0]], 'unchanged by lta discover')
         else:
             held = numbers if len(order) > 1 else numbers[0]
             yield VehicleFileQuantity(
@@ -188,7 +186,9 @@ def _format_provenance(source: str, notes: Sequence[str], content: Any, place: s
         before = None
     was = before.get('source') if isinstance(before, dict) else None
     number = before.get('value') if isinstance(before, dict) else None
-    old = '' if number is None else f'; before {number} {before["unit"]} ({was or "no source"})'
+    old = (
+        '' if number is None else f'; previously {number} {before["unit"]} ({was or "no source"})'
+    )
     return '; '.join([*notes, source]) + old
 
 

@@ -27,9 +27,9 @@ BAR: Final = 32  # characters
 BARS: Final = (
     ('coast', 'ignoring the commands', 'dim'),
     ('before', 'the vehicle file', 'red'),
-    ('tuned', 'its tolerances tuned', 'yellow'),
+    ('tuned', 'its tolerances fitted', 'yellow'),
     ('after', 'with the named effects', 'green'),
-    ('noise_floor', 'the tracker itself', 'dim'),
+    ('noise_floor', 'measurement noise', 'dim'),
 )
 WHOLE: Final = ('position', 'attitude')
 MOST: Final = 8  # most discrepancies that are printed
@@ -73,9 +73,9 @@ def format_forecast_evidence(carried: TransferEvidence) -> str:
     ratios = [one.ratio for one in carried.regimes]
     better = sum(ratio < 1.0 for ratio in ratios)
     return (
-        f'Named by forecasts: left out of the fit, {better} of {len(ratios)} regimes are '
-        f'predicted better than by the vehicle file (error '
-        f'{min(ratios):.2f} to {max(ratios):.2f} of that of the file).'
+        f'The effects were identified by forecasts: {better} of {len(ratios)} flight regimes, '
+        f'each left out of the fit, are predicted better than by the vehicle file (error ratio '
+        f'{min(ratios):.2f} to {max(ratios):.2f}).'
     )
 
 
@@ -93,7 +93,7 @@ def format_effects(finding: StudyResult) -> Iterator[str]:
     for one in finding.effects:
         rivals = join_words(one.confusable_with, 'or')
         instead = f'; it may be {rivals} instead' if rivals else ''
-        yield f'{one.name}: {format_number(one.log_evidence)} nats{instead}'
+        yield f'{one.name}: evidence {format_number(one.log_evidence)} nats{instead}'
         for each in one.parameters:
             now, low, high = format_with_interval(each.value, each.ci95)
             yield (
@@ -101,7 +101,7 @@ def format_effects(finding: StudyResult) -> Iterator[str]:
                 f'(95 %: {low} to {high}; {format_file_value(each)})'
             )
         if one.assumed:
-            yield f'  These values hold{format_assumed(one)}.'
+            yield f'  These values are valid{format_assumed(one)}.'
 
 
 def format_prediction_errors(finding: StudyResult) -> Iterator[Text]:
@@ -117,7 +117,7 @@ def format_prediction_errors(finding: StudyResult) -> Iterator[Text]:
             yield Text(
                 f'{one.channel.capitalize()} error after {at:g} s, {seen}: '
                 f'{format_percent(sign * one.shrink)} % '
-                f'{word} ({low} to {high} %)'
+                f'{word} than with the vehicle file (95 % interval {low} to {high} %)'
             )
             yield from _format_bars(one)
 
@@ -137,7 +137,7 @@ def build_discrepancy_table(finding: StudyResult) -> Table:
     """Return the table of the largest discrepancies."""
     table = _create_frameless_table(
         ('where', 'left'), ('flight', 'left'), ('from', 'right'), ('to', 'right'),
-        ('when', 'left'), ('x noise', 'right'),
+        ('when', 'left'), ('error / noise', 'right'),
     )  # fmt: skip
     forces = [place for place in finding.where if place.channel in AXES]
     others = [place for place in finding.where if place.channel not in AXES]

@@ -89,9 +89,9 @@ def format_interpolation_warning(
     worse = [regime for regime in regimes if regime.ratio > KEPT]
     if not worse:
         return ''
-    told = ', '.join(f'{one.name} ({one.ratio:.2f} times the error)' for one in worse[:TOLD])
+    told = ', '.join(f'{one.name} ({one.ratio:.2f} times its error)' for one in worse[:TOLD])
     more = f' and {len(worse) - TOLD} more' if len(worse) > TOLD else ''
     return (
-        f'{", ".join(names)}: interpolation only; if left out of the fit, {told}{more} '
-        'are worse than with the vehicle file.'
+        f'{", ".join(names)}: interpolation only. Flight regimes that are left out of the fit are '
+        f'predicted worse than by the vehicle file: {told}{more}.'
     )

@@ -221,8 +221,8 @@ def format_tolerance_warning(share: float) -> str:
     """Return a warning that tolerances alone remove most of the squared error."""
     taken = f'{100.0 * (1.0 - share):.0f} %'
     return (
-        f'Forecasts identify no effect: the tolerances of the vehicle file alone remove {taken} '
-        'of the squared error in left-out regimes.'
+        f'Forecasts identify no effect, because fitting the vehicle file within its tolerances '
+        f'already removes {taken} of the squared error in flight regimes left out of the fit.'
     )
 
 
@@ -231,7 +231,7 @@ def format_transfer_warning(names: Sequence[str]) -> str:
     more = f' and {len(names) - TOLD} more' if len(names) > TOLD else ''
     return (
         f'{", ".join(names[:TOLD])}{more}: interpolation only; forecasts improve in the fitted '
-        'flights, but not in flights or regimes that were left out.'
+        'flights, but not in flights or regimes that were left out of the fit.'
     )
 
 

@@ -55,7 +55,7 @@ def _command_regime(flight: FlightLinearizer) -> str:
     size = float(np.abs(stream.values).max())
     if size == 0.0 or float(np.abs(stream.values - middle).max()) > STEADY * size:
         return ''
-    return f'commands at {", ".join(f"{value:.2g}" for value in middle)}'
+    return f'constant commands {", ".join(f"{value:.2g}" for value in middle)}'
 
 
 def _group_by_speed(flights: Sequence[FlightLinearizer]) -> dict[str, list[int]]:

@@ -267,7 +267,7 @@ def _build_swing_group(inputs: TermInputs, axis: int, floor: Array, nearest: Arr
     swung = [
         _simulate_oscillator(inputs, (shaken - shaken.mean()) / usual, hertz) for hertz in SWINGS
     ]
-    names = [f'a swing at {hertz} Hz' for hertz in SWINGS for _ in range(2)]
+    names = [f'a load swinging at {hertz} Hz' for hertz in SWINGS for _ in range(2)]
     values = np.concatenate(swung, axis=-1)
     knots = _project_on_knots(values, nearest)
     return _build_axis_group('something that swings', axis, names, knots, floor)

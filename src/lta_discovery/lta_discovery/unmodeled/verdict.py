@@ -29,7 +29,7 @@ AGAINST: Final = 3.0  # nats; a rival with a larger loss is contradicted
 QUIET: Final = 0.5  # of the smaller of surge and sway; limit of the other axes in gusts
 LINES: Final = 3  # most reported lines; an oscillation shows in many channels
 SAID: Final = {
-    'x': 'the place along x', 'y': 'the place along y', 'z': 'the height',
+    'x': 'the position along x', 'y': 'the position along y', 'z': 'the height',
     'turn_x': 'the roll angle', 'turn_y': 'the pitch angle', 'turn_z': 'the yaw angle',
     'p': 'the roll rate', 'q': 'the pitch rate', 'r': 'the yaw rate',
     'fx': 'the specific force ahead', 'fy': 'the specific force to the left',
@@ -144,10 +144,10 @@ def format_remainder(one: Remainder) -> str:
     terms = [term for term in one.follows if term != CONSTANT]
     if terms:
         listed = ' and '.join(filter(None, [', '.join(terms[:-1]), terms[-1]]))
-        return f'a {what} that follows {listed}, {size}'
+        return f'a {what} that varies with {listed}, {size}'
     if one.follows:
         return f'a constant {what}, {size}'
-    return f'a {what} that follows no measured quantity, {size}'
+    return f'a {what} that is unrelated to all measured quantities, {size}'
 
 
 def add_oscillations(
@@ -173,7 +173,7 @@ def describe_unexplained_forces(
     """
     Describe all unexplained forces in words.
 
-    For example 'a pitch moment that follows surge speed x yaw rate, 1.2 mN m'. An axis that an
+    For example 'a pitch moment that varies with surge speed x yaw rate, 1.2 mN m'. An axis that an
     oscillation dominates has no further sentence.
     """
     told = dominant_oscillations(oscillations)

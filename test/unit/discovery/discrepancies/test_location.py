@@ -58,7 +58,7 @@ def test_a_rotor_that_fails_is_told_with_its_time(gtmab: Known, failing: FlightL
         (one.ratio_to_noise for one in found), reverse=True
     )
     (change,) = [one for one in found if one.condition.startswith('after')]
-    assert change.condition.endswith('as if rotor_fault.lost_3 changed')
+    assert change.condition.endswith('as if rotor_fault.lost_3 had changed')
     assert change.from_s == pytest.approx(FAILED, abs=6.0)  # to a piece
     assert change.channel in {'surge', 'yaw', 'pitch'}
     assert 'x' in {one.channel for one in found}
@@ -220,7 +220,7 @@ def test_a_change_is_reported_for_the_axis_that_is_worst_after_it(
     monkeypatch.setattr(module, '_complete_columns', lambda fitted, flight: fitted)
     one = BaselineFlight('one', SimpleNamespace(replay=replay, knobs=[]), None, SimpleNamespace())
     (told,) = module._find_changes(one, forces, 1)
-    said = 'after about 5 s, as if net_lift.force changed'
+    said = 'from about 5 s on, as if net_lift.force had changed'
     assert told[:5] == ('one', 'sway', 5.0, 12.5, said)
     assert told.ratio_to_noise == pytest.approx(np.sqrt(3.0))
     monkeypatch.setattr(module, 'find_change_point', lambda fitted, knobs, seed: None)

@@ -108,10 +108,10 @@ def test_a_bag_gives_poses_and_commands(tmp_path) -> None:
 def test_without_a_tracker_or_a_rotor_it_says_what_is_missing(tmp_path) -> None:
     flight = open_flight(write_flight(tmp_path / 'bag'))
     channels = read_all_channels(flight).channels
-    with pytest.raises(BadInput, match='no command of tail'):
+    with pytest.raises(BadInput, match='no commands for tail'):
         build_streams(channels, ['tail'])
     blind = {name: c for name, c in channels.items() if not name.startswith('ground_truth')}
-    with pytest.raises(BadInput, match='no pose from a tracker'):
+    with pytest.raises(BadInput, match='no measured pose'):
         build_streams(blind, list(ROTORS))
 
 

@@ -90,8 +90,8 @@ def test_rounded_stamps_are_mended_and_said() -> None:
     assert wrong(told.pose.time, true) < 0.05 * MS
     assert deviation == 0.0
     assert words == [
-        "A: the tracker's stamps are rounded to 2 ms; they fit a regular 120.0 Hz raster to "
-        '0.57 ms and were put on it.'
+        "A: the tracker's timestamps are rounded to 2 ms; they were replaced by regular times at "
+        '120.0 Hz, from which they deviate by 0.57 ms rms.'
     ]
 
 
@@ -99,7 +99,7 @@ def test_the_poses_tell_whether_stamps_jitter_or_they_do() -> None:
     shaken = every(100.0) + 0.3 * MS * np.random.default_rng(4).standard_normal(len(every(100.0)))
     told, _, words = repair_timestamps('A', flown(every(100.0), shaken))
     assert wrong(told.pose.time, every(100.0)) < 0.05 * MS
-    assert words[0].startswith("A: the tracker's stamps jitter, but its readings do not;")
+    assert words[0].startswith("A: the tracker's timestamps jitter, but its sampling is regular;")
     true = flown(shaken, shaken)
     assert repair_timestamps('A', true) == (true, 0.0, [])
     hovering = flown(np.zeros(len(shaken)), shaken)
@@ -142,8 +142,8 @@ def test_an_imu_is_put_on_its_raster_by_its_own_readings_and_commands_stay() -> 
     assert found.commands is given_out
     assert found.pose is told.pose
     assert words == [
-        "A: the IMU's stamps are rounded to 4 ms; they fit a regular 100.0 Hz raster to 1.00 ms "
-        'and were put on it.'
+        "A: the IMU's timestamps are rounded to 4 ms; they were replaced by regular times at "
+        '100.0 Hz, from which they deviate by 1.00 ms rms.'
     ]
 
 

@@ -49,7 +49,7 @@ def test_whole_flights_are_used_whole_and_told_to_be_simulated(flights, gtmab):
     ]  # fmt: skip
     assert found.cuts == ()
     assert found.warnings == (
-        'A, B, C are declared as simulated: results do not apply to a real vehicle.',
+        'A, B, C are marked as simulated: the results do not apply to a real vehicle.',
     )
     for _, _, flight in found.flights:
         assert flight.usable[flight.time > 4.0].all()  # until then it stands on the floor
@@ -133,11 +133,13 @@ def test_what_comes_after_a_jump_of_the_clock_is_not_used(flights, gtmab):
 
 def test_a_pose_at_five_hertz_is_refused(flights, gtmab):
     one = _changed(flights[0], lambda c: _only(c, slice(None, None, 20)), TRUTH)
-    with pytest.raises(BadInput, match=r'A: the pose rate of 5 Hz is too low'):
+    with pytest.raises(BadInput, match=r'A: the pose was recorded at 5 Hz, which is too slow'):
         _believed(flights, gtmab, one)
 
 
-@pytest.mark.parametrize(('gone', 'lacks'), [('motors/', 'command of up_left'), (TRUTH, 'pose')])
+@pytest.mark.parametrize(
+    ('gone', 'lacks'), [('motors/', 'commands for up_left'), (TRUTH, 'measured pose')]
+)
 def test_flights_without_commands_or_pose_are_refused(flights, gtmab, gone, lacks):
     one = _changed(flights[0], lambda _: None, gone)
     with pytest.raises(BadInput, match=f'A: The recording has no {lacks}'):
@@ -234,7 +236,7 @@ def test_flights_of_different_vehicles_are_refused(flights, gtmab):
     told = flights[1].recording.provenance
     other = {**told, 'vehicle_file': told['vehicle_file'].replace('name: gtmab', 'name: other')}
     strange = replace(flights[1], recording=replace(flights[1].recording, provenance=other))
-    with pytest.raises(BadInput, match=r"different vehicles \('A' gtmab; 'B' other\)"):
+    with pytest.raises(BadInput, match=r"different vehicles \('A': gtmab; 'B': other\)"):
         select_usable_flights([flights[0], strange], gtmab)
 
 
@@ -245,13 +247,13 @@ def test_flights_with_different_rotors_are_refused(flights, gtmab):
     one = _changed(flights[1], renamed, 'motors/effort.up_left')
     channels = {c.name: c for c in one.recording.channels.values()}
     two = replace(one, recording=replace(one.recording, channels=channels))
-    with pytest.raises(BadInput, match='command different vehicles'):
+    with pytest.raises(BadInput, match='command different rotors'):
         select_usable_flights([flights[0], two], gtmab)
 
 
 def test_too_little_that_can_be_used_is_refused(flights, gtmab):
     one = _changed(flights[0], lambda c: _only(c, c.time < 15.0), TRUTH)
-    with pytest.raises(BadInput, match=r'Only 1\d s of the train flights are usable'):
+    with pytest.raises(BadInput, match=r'Only 1\d s of the flights of --train are usable'):
         _believed(flights, gtmab, one)
 
 
@@ -270,7 +272,7 @@ def test_poses_without_noise_that_nobody_calls_simulated_are_a_warning(flights, 
     one = _changed(flights[0], smooth, f'{TRUTH}pose.pose.position')
     one = replace(one, recording=replace(one.recording, provenance={}))
     found = _believed(flights, gtmab, one)
-    assert any('smoother than any instrument' in word for word in found.warnings)
+    assert any('less noise than any real sensor' in word for word in found.warnings)
 
 
 def test_stamps_that_are_wrong_in_a_pattern_cost_nothing_and_are_said(flights, gtmab):

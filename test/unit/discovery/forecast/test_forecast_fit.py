@@ -106,5 +106,5 @@ def test_what_only_interpolates_is_said_so() -> None:
     ]
     told = format_interpolation_warning(['hull_lift'], regimes)
     assert told.startswith('hull_lift: interpolation only')
-    assert 'fast (1.50 times the error)' in told
+    assert 'fast (1.50 times its error)' in told
     assert 'slow' not in told

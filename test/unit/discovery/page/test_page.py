@@ -162,7 +162,7 @@ def test_every_number_and_name_of_the_finding_is_on_the_page(
         describe_effect(EFFECTS['linear_drag']),
         'quadratic drag (surge)',
         'airspeed above 0.21 m/s',
-        'follows surge speed and yaw rate',
+        'varies with surge speed and yaw rate',
         *finding.warnings,
         'An oscillation of q at 2.0 Hz, 0.02 rad/s.',
         finding.next_flight,
@@ -189,9 +189,12 @@ def test_the_page_is_one_small_file_and_its_data_are_valid(
 @pytest.mark.parametrize(
     ('verdict', 'says'),
     [
-        ('none', 'Nothing is missing that these flights could reveal.'),
-        ('unexplained', 'describes: a force along surge that follows surge speed and yaw'),
-        ('not_identifiable', 'These flights do not show what, if anything, is missing.'),
+        ('none', 'These flights reveal no effect that the model lacks.'),
+        ('unexplained', 'describes: a force along surge that varies with surge speed and yaw'),
+        (
+            'not_identifiable',
+            'These flights do not show what, if anything, is missing from the model.',
+        ),
     ],
 )
 def test_a_study_without_names_has_a_calm_page(
@@ -206,7 +209,7 @@ def test_a_study_without_names_has_a_calm_page(
     text, data = _read(given, tmp_path)
     assert says in text
     assert 'linear drag (sway) 0.0034 N s/m' in text
-    assert ('Nothing exceeds the noise floor' in text) == (remains == ())
+    assert ('No unexplained force or moment exceeds' in text) == (remains == ())
     assert ('figure-latent' in data) == ('figure-follows' in data) == (remains != ())
     assert 'vehicle.yaml' not in text
 
@@ -214,8 +217,11 @@ def test_a_study_without_names_has_a_calm_page(
 @pytest.mark.parametrize(
     ('said', 'title'),
     [
-        (SAID, 'Something is missing that no effect of the library describes: an oscillation'),
-        ((), 'Something is missing that no effect of the library describes.'),
+        (
+            SAID,
+            'The model lacks something that no effect of the library describes: an oscillation',
+        ),
+        ((), 'The model lacks something that no effect of the library describes.'),
     ],
 )
 def test_what_no_axis_shows_has_a_title_as_well(
@@ -238,10 +244,10 @@ def test_a_draught_is_on_the_page_and_nothing_is_missing_for_it(
     )
     text, _ = _read(given, tmp_path)
     for words in (
-        'There was a draught of 1.1 mN.',
+        'A draught pushed the vehicle with 1.1 mN rms.',
         'A draught: a random horizontal force of 1.1 mN, as from air moving at about 2.6',
         'a draught of 1.1 mN, and no other force or moment',
-        'Nothing else exceeds the noise floor on any axis.',
+        'No other unexplained force or moment exceeds the noise floor on any axis.',
     ):
         assert words in text
 
@@ -252,7 +258,7 @@ def test_a_study_without_held_out_flights_says_so(found: DiscoveryStudy, tmp_pat
     bare = replace(_with(found, gaps=(), ladder=(), warnings=(), versions={}), shown=())
     text, data = _read(bare, tmp_path)
     assert 'There was no flight to compute prediction errors on.' in text
-    assert 'No candidate was promising enough for a refit.' in text
+    assert 'No candidate was promising enough for a full fit.' in text
     assert 'figure-above' not in data
 
 
@@ -427,7 +433,7 @@ def test_a_candidate_that_both_flights_confirm_is_not_said_to_fail_there() -> No
     """It was, where a force without a name took its place."""
     for confirm, carried in ((8.0, -11.0), (-2.0, 2.0)):
         said = why(40.0, confirm, carried, 1.0)
-        assert said == 'an unexplained force takes its place'
+        assert said == 'an unexplained force explains the flights better'
 
 
 def test_a_name_that_all_flights_together_do_not_keep_is_given_up(
@@ -443,7 +449,9 @@ def test_a_name_that_all_flights_together_do_not_keep_is_given_up(
 def test_an_effect_with_an_equal_rival_is_told_as_either(found: DiscoveryStudy) -> None:
     """And the gain is that of the name whose value it is."""
     said = format_headline(found.finding)
-    assert said.startswith('Linear drag (surge) or quadratic drag (surge) is missing: ')
+    assert said.startswith(
+        'Linear drag (surge) or quadratic drag (surge) is missing from the model: '
+    )
     assert 'with linear drag (surge), the position error' in said
     assert 'alternatives' in build_tiles(found.finding)[1].note
 
@@ -459,19 +467,19 @@ def test_no_gain_is_told_where_the_file_should_be_kept(found: DiscoveryStudy) ->
 def test_what_the_file_lacks_has_no_value_before() -> None:
     """A factor that the file does not have was told as 1 before."""
     lacking = ParameterEstimate('factor', '1', 1.0, 1.2, (1.1, 1.3), in_file=False)
-    assert format_file_value(lacking) == 'the file does not have it'
-    assert format_file_value(lacking._replace(in_file=True)) == 'the file has 1'
+    assert format_file_value(lacking) == 'not in the vehicle file'
+    assert format_file_value(lacking._replace(in_file=True)) == 'vehicle file: 1'
 
 
 def test_a_file_that_tolerances_make_much_better_is_said_to_be(found: DiscoveryStudy) -> None:
     gap = replace(found.finding.gaps[3], before=0.28, tuned=0.016, after=0.016)
     said = format_headline(replace(found.finding, verdict='none', effects=(), gaps=(gap,)))
-    assert said.endswith('takes the position error after 5 s from 28 cm to 1.6 cm.')
+    assert said.endswith('reduces the position error after 5 s from 28 cm to 1.6 cm.')
     gap = replace(gap, coast=0.01)
     said = format_headline(
         replace(found.finding, verdict='not_identifiable', effects=(), gaps=(gap,))
     )
-    assert 'ignoring the commands predicts better' in said
+    assert 'ignores the commands is better' in said
 
 
 def test_an_effect_that_predicts_no_better_than_tolerances_is_said_to(
@@ -479,14 +487,16 @@ def test_an_effect_that_predicts_no_better_than_tolerances_is_said_to(
 ) -> None:
     gap = replace(found.finding.gaps[3], tuned=0.015, after=0.015)
     said = format_headline(replace(found.finding, gaps=(gap,)))
-    assert said.endswith('to 1.5 cm, as it does with tolerances alone.')
+    assert 'to 1.5 cm, but fitting' in said
+    assert said.endswith('within their tolerances does as much.')
 
 
 def test_the_headline_says_what_is_missing_and_how_much_better(found: DiscoveryStudy) -> None:
     alone = replace(found.finding.effects[0], confusable_with=())
     said = format_headline(replace(found.finding, effects=(alone,)))
     gap = found.finding.gaps[3]
-    assert said.startswith('Linear drag (surge) is missing: with it, the position error after 5 s')
+    start = 'Linear drag (surge) is missing from the model: with it, the position error after 5 s'
+    assert said.startswith(start)
     assert said.endswith(f'to {format_quantity(gap.after, "m", 2)}.')
     two = replace(
         found.finding.effects[0], name='net_lift', knobs=('net_lift.force',),
@@ -494,4 +504,4 @@ def test_the_headline_says_what_is_missing_and_how_much_better(found: DiscoveryS
     )  # fmt: skip
     two = replace(two, confusable_with=())
     both = replace(found.finding, effects=(alone, two), gaps=())
-    assert format_headline(both) == 'Linear drag (surge) and net lift are missing.'
+    assert format_headline(both) == 'Linear drag (surge) and net lift are missing from the model.'

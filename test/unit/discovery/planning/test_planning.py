@@ -105,10 +105,10 @@ def test_what_is_not_safe_is_said() -> None:
     duties[:20, 1] = 1.0
     for wrong, words in (
         (_rehearsed(outcome=FlightOutcome.ESCAPED), 'left the room'),
-        (_rehearsed(path=far), 'near a wall'),
+        (_rehearsed(path=far), 'of a wall'),
         (_rehearsed(path=high), 'near the ceiling'),
         (_rehearsed(tilt=math.radians(31.0)), 'tilts by 31 degrees'),
-        (_rehearsed(duties=duties), 'at its limit'),
+        (_rehearsed(duties=duties), 'a rotor is saturated'),
         (_rehearsed(path=up), 'does not land'),
     ):
         (said,) = list_objections(wrong, vehicle, hall)
@@ -162,14 +162,14 @@ def test_where_nothing_in_flight_decides_it_says_what_to_measure(tmp_path) -> No
     assert 'weigh the vehicle' in found.text
     assert found.write(tmp_path) is None
     assert (
-        'clocks'
+        'tracker record it'
         in plan_separating_flight('gtmab', 'tracker_delay.delay', 'clock_offset.offset').text
     )
     assert suggest_measurement('linear_drag.surge', ('quadratic_drag.surge',), 'wrench') == (
-        'record the duties of the motors as well'
+        'record the motor duties as well'
     )
     assert suggest_measurement('net_lift.force', ('payload.mass',), 'pose').startswith(
-        'each is a constant'
+        'each acts as a constant'
     )
 
 

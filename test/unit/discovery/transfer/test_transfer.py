@@ -161,7 +161,7 @@ def test_programs_and_people_are_told_what_names_rest_on() -> None:
     assert known['carried']['regimes'][0] == {'name': 'slow', 'flights': 5, 'ratio': 0.95}
     assert known['carried']['interpolates'] == ['side force']
     assert known['gap']['refitted'] == 0.17
-    assert '2 of 2 regimes' in format_forecast_evidence(CARRIED)
+    assert '2 of 2 flight regimes' in format_forecast_evidence(CARRIED)
     page = render_transfer(told())
     assert '2.8 %' in page
     assert '\N{MINUS SIGN}5 %' in page  # of the worst regime

@@ -79,7 +79,7 @@ def test_what_is_met_on_one_flight_only_tells_that_something_is_there() -> None:
 
 def test_sentences_are_for_people() -> None:
     assert describe_unexplained_forces([PITCH], [LINE]) == (
-        'a pitch moment that follows surge speed x yaw rate, 1.2 mN m',
+        'a pitch moment that varies with surge speed x yaw rate, 1.2 mN m',
         'an oscillation of the specific force upwards at 2.4 Hz, 0.031 m/s2',
     )
 
@@ -89,7 +89,7 @@ def test_a_force_that_stays_the_same_follows_nothing() -> None:
     assert describe_unexplained_forces([steady]) == ('a constant heave force, 3.1 mN',)
     more = steady._replace(follows=('constant', 'height', 'x', 'surge speed'))
     assert describe_unexplained_forces([more]) == (
-        'a heave force that follows height, x and surge speed, 3.1 mN',
+        'a heave force that varies with height, x and surge speed, 3.1 mN',
     )
 
 
@@ -105,7 +105,7 @@ def test_gusts_are_called_gusts() -> None:
 
 def test_a_wind_to_and_fro_is_no_gusts() -> None:
     assert describe_unexplained_forces([SURGE, SWAY, PITCH], [], [SWING]) == (
-        'a pitch moment that follows surge speed x yaw rate, 1.2 mN m',
+        'a pitch moment that varies with surge speed x yaw rate, 1.2 mN m',
         'an oscillation of the force along y of the map at 0.21 Hz, 3.1 mN',
     )
     told = add_oscillations([SURGE, PITCH], dominant_oscillations([SWING]))
