@@ -20,7 +20,7 @@ import typer
 
 
 def sweep(
-    file: Annotated[str, typer.Argument(help='Sweep file, or the shipped one: heaviness.')],
+    file: Annotated[str, typer.Argument(help='Sweep file, or a shipped one, such as heaviness.')],
     out: Annotated[
         Path | None,
         typer.Option(
