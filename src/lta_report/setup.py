@@ -15,7 +15,7 @@ setup(
     zip_safe=False,
     maintainer='LTA maintainers',
     maintainer_email='maintainers@users.noreply.github.com',
-    description='What all results share: pages, pictures, folders, progress and worker processes.',
+    description='Code shared by all results: HTML pages, pictures, folders, progress, workers.',
     license='Apache-2.0',
     entry_points={'console_scripts': []},
 )

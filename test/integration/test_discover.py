@@ -86,11 +86,11 @@ def _is_overlay(path):
 @pytest.mark.parametrize(
     ('words', 'said'),
     [
-        (('--train', 'A', '--confirm', 'B'), 'no vehicle file'),
+        (('--train', 'A', '--confirm', 'B'), 'A vehicle file to compare'),
         (('--vehicle', 'gtmab'), 'no training flight'),
         (('--vehicle', 'gtmab', '--train', 'A', 'B', '--confirm', 'A'), 'is given twice'),
         (('--vehicle', 'sblimp', '--train', 'A', '--confirm', 'B'), 'has no commands for'),
-        (('--demo', '--train', 'A'), '--demo makes its own flights'),
+        (('--demo', '--train', 'A'), '--demo simulates its own flights'),
     ],
 )
 def test_what_cannot_be_studied_is_one_sentence(bags, words, said, tmp_path, monkeypatch, capsys):

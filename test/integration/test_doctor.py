@@ -19,7 +19,7 @@ def test_two_processes_talk(monkeypatch):
         monkeypatch.setattr(dds, limit, PATIENCE)
     check = dds.check_message_exchange()
     assert check.state == 'ok', check.found
-    assert check.found.startswith('two processes found each other in ')
+    assert check.found.startswith('two processes discovered each other in ')
 
 
 def test_nobody_answers():

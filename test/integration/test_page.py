@@ -160,7 +160,7 @@ def test_picture_of_an_unknown_panel_names_the_known_ones(page, tmp_path):
 
 
 def test_no_page_is_one_sentence(browser, tmp_path):
-    with pytest.raises(BadInput, match=r"^There is no page '.+'; check the path\.$"):
+    with pytest.raises(BadInput, match=r"^HTML page '.+' does not exist; check the path\.$"):
         open_page(browser, tmp_path / 'none.html', 'light', 1280)
 
 
@@ -195,7 +195,7 @@ def test_without_a_browser_the_sentence_says_how_to_get_one(monkeypatch, tmp_pat
 
 def test_named_browser_must_exist(monkeypatch):
     monkeypatch.setenv(OVERRIDE, '/no/such/program')
-    with pytest.raises(BadInput, match="LTA_CHROMIUM names '/no/such/program'"):
+    with pytest.raises(BadInput, match="LTA_CHROMIUM is '/no/such/program'"):
         find_chromium()
 
 

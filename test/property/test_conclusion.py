@@ -137,19 +137,19 @@ def test_the_laws_find_a_page_that_retracts(
     said = render_study(named)
     broken = {
         'the headline does not mention': said._replace(headline='Linear drag (surge) is missing.'),
-        'not to use it': said._replace(rest=f'{said.rest} keep the vehicle file'),
-        'a doubt is stated together': said._replace(rest=f'{said.rest} no cause for doubt'),
-        'a text is truncated': said._replace(
+        'the advice is not to use': said._replace(rest=f'{said.rest} keep the vehicle file'),
+        'the study states a doubt': said._replace(rest=f'{said.rest} no cause for doubt'),
+        'a text is cut off': said._replace(
             terminal=f'{said.terminal} linear_dr\N{HORIZONTAL ELLIPSIS}'
         ),
-        'linear_drag is truncated': said._replace(
+        'linear_drag is cut off': said._replace(
             terminal=said.terminal.replace('linear_drag', 'linear')
         ),
         'not in the result': said._replace(ladder='Round 1: net lift is named'),
         'says that no force remains': said._replace(tiles='no unexplained force or moment'),
-        'a file value is shown': said._replace(effects='not in the vehicle file'),
-        'only one of headline and JSON': said._replace(headline=said.headline.partition(':')[0]),
-        'the advice differs': said._replace(terminal=said.terminal.replace('Use', 'Keep')),
+        'shows a vehicle-file value': said._replace(effects='not in the vehicle file'),
+        'headline and JSON disagree': said._replace(headline=said.headline.partition(':')[0]),
+        'give different advice': said._replace(terminal=said.terminal.replace('Use', 'Keep')),
     }
     other = replace(
         named, ladder=((SearchCandidate('net_lift.force', 30.0, 20.0, 20.0, 0.1, True),),)

@@ -51,15 +51,18 @@ def read_answers(path: Path) -> dict[str, Any]:
         text = zlib.decompress(base64.b64decode(data, validate=True)).decode()
     except OSError as error:
         raise BadInput(
-            f"'{path}' cannot be read ({error.strerror}); make the challenge again."
+            f"The answer key '{path}' cannot be read ({error.strerror}); create the challenge "
+            'again with "lta challenge make".'
         ) from None
     except (ValueError, zlib.error):
         raise BadInput(
-            f"'{path}' is not the answer key of a challenge; make the challenge again."
+            f"'{path}' is not a valid answer key; create the challenge again with "
+            '"lta challenge make".'
         ) from None
     if note != NOTE or hashlib.sha256(text.encode()).hexdigest() != digest:
         raise BadInput(
-            f"The answer key '{path}' was changed after it was made; make the challenge again."
+            f"The answer key '{path}' was changed after it was created; create the challenge "
+            'again with "lta challenge make".'
         )
     found: dict[str, Any] = json.loads(text)
     return found

@@ -103,13 +103,13 @@ def _check_gains(rendered: RenderedStudy) -> Iterator[str]:
     )
     for words in BETTER:
         if words in rendered.text_without_json and (keep or doubted):
-            yield f"'{words}' together with the advice not to use it"
+            yield f"the text says '{words}', but the advice is not to use the learned file"
     if ' fly --vehicle' in rendered.commands and (keep or doubted):
-        yield 'a command uses the learned file, but the advice is not to use it'
+        yield 'a command uses the learned vehicle file, but the advice is not to use it'
     if 'no cause for doubt' in rendered.text_without_json and any(
         words in rendered.text_without_json for words in DOUBT
     ):
-        yield 'a doubt is stated together with "no cause for doubt"'
+        yield 'the study states a doubt, but also "no cause for doubt"'
 
 
 def _check_names(finding: StudyResult, rendered: RenderedStudy) -> Iterator[str]:
@@ -120,47 +120,47 @@ def _check_names(finding: StudyResult, rendered: RenderedStudy) -> Iterator[str]
                 finding.verdict != 'not_identifiable'
                 and format_parameter(rival) not in rendered.headline
             ):
-                yield f'the headline does not mention {rival}'
+                yield f'the headline does not mention {rival}, which explains the flights as well'
         # Remove line breaks: a narrow terminal may wrap a long name
         folded = ''.join(rendered.terminal.split())
         if one.name not in folded:
-            yield f'{one.name} is truncated on a terminal of {COLUMNS} columns'
+            yield f'the effect name {one.name} is cut off in a terminal of {COLUMNS} columns'
     if '\N{HORIZONTAL ELLIPSIS}' in rendered.terminal:
-        yield f'a text is truncated on a terminal of {COLUMNS} columns'
+        yield f'a text is cut off in a terminal of {COLUMNS} columns'
     if CLAIMS.match(rendered.headline) and (
         finding.verdict == 'not_identifiable' or not finding.effects
     ):
-        yield 'the headline names an effect that the verdict does not have'
+        yield 'the headline names a missing effect, but the result contains none'
     named = {name.partition('.')[0] for one in finding.effects for name in one.knobs}
     for knob in (rung.knob for step in finding.ladder for rung in step):
         heading = f'{format_parameter(knob)} is named'
         # A parameter may be named in one round and dropped in a later one
         stays = rendered.ladder.count(heading) > rendered.ladder.count(f'{heading}, but dropped')
         if stays and knob.partition('.')[0] not in named:
-            yield f'{knob} is named in a round but not in the result'
+            yield f'parameter {knob} is named in a search round, but not in the result'
 
 
 def _check_nothing(finding: StudyResult, rendered: RenderedStudy) -> Iterator[str]:
     """Check that "nothing is missing" is stated only if that is the result."""
     more = finding.effects or finding.remains or finding.unexplained
     if NOTHING in rendered.headline and (more or 'Unexplained:' in rendered.terminal):
-        yield 'the headline says that nothing is missing, but something is'
+        yield 'the headline says that nothing is missing, but the result names an effect or force'
     if 'no unexplained force or moment' in rendered.tiles and (
         finding.remains or finding.unexplained
     ):
-        yield 'a tile says that no force remains, but something is unexplained'
+        yield 'a tile says that no force remains, but the result has an unexplained force'
     if FITS in rendered.effects and any(words in rendered.text_without_json for words in UNFIT):
-        yield 'the file explains the flights, but should be measured again'
+        yield 'the file explains the flights, but the advice is to measure its numbers again'
 
 
 def _check_values(finding: StudyResult, rendered: RenderedStudy) -> Iterator[str]:
     """Check the values of the file and the notes on assumed values."""
     lacking = sum(not each.in_file for one in finding.effects for each in one.parameters)
     if rendered.effects.count('not in the vehicle file') != lacking:
-        yield 'a file value is shown for a parameter that the file does not have'
+        yield 'the table shows a vehicle-file value for a parameter that the file does not have'
     assumed = sum(bool(one.assumed) for one in finding.effects)
     if rendered.effects.count('assumed and not fitted') != assumed:
-        yield 'a value that depends on an assumed one is not marked'
+        yield 'an estimate depends on an assumed value, but the table does not say so'
 
 
 def _check_json(finding: StudyResult, rendered: RenderedStudy) -> Iterator[str]:
@@ -168,10 +168,10 @@ def _check_json(finding: StudyResult, rendered: RenderedStudy) -> Iterator[str]:
     drawn = rendered.json['conclusion']
     gain = any(words in rendered.headline for words in BETTER)
     if gain != (drawn['gain'] is not None):
-        yield 'only one of headline and JSON reports a gain'
+        yield 'headline and JSON disagree on whether the prediction improves'
     # The first two phrases are those of an undecided result
     undecided = any(words in rendered.headline for words in DOUBT[:2])
     if drawn['asserted'] != (bool(finding.effects) and not undecided):
-        yield 'only one of headline and JSON asserts an effect'
+        yield 'headline and JSON disagree on whether an effect is missing'
     if drawn['do'] not in rendered.terminal.replace('\n', ' ') or drawn['do'] not in rendered.rest:
-        yield 'the advice differs between the outputs'
+        yield 'the page, the terminal and the JSON give different advice'

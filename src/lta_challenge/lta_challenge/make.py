@@ -163,6 +163,6 @@ def read_challenge(folder: Path) -> dict[str, Any]:
         int(found['cases'])
     except (OSError, ValueError, TypeError, KeyError):
         raise BadInput(
-            f"'{folder}' contains no challenge; make one: lta challenge make --out {folder}"
+            f"'{folder}' contains no challenge; create one: lta challenge make --out {folder}"
         ) from None
     return found

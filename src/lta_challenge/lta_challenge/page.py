@@ -25,12 +25,12 @@ from lta_report.page_frame import assemble_page, write_file
 NAME: Final = 'report.html'
 # Figures shown as tiles, with their targets.
 SHOWN: Final = {
-    'one effect, 6 sigma or more: exact': '97 %',
-    'one effect: a wrong name': '2 % at most',
-    'nothing hidden: any name': '1 % at most',
-    'outside the library: unexplained': '90 %',
-    f'outside the library{LATE}: unexplained': '90 %',
-    'intervals of 95 % that hold the truth': '90 to 98 %',
+    'one hidden effect, 6 sigma or more: named exactly': '97 %',
+    'one hidden effect: a wrong one named': '2 % at most',
+    'no hidden effect: an effect named': '1 % at most',
+    'effect outside the library: unexplained force reported': '90 %',
+    f'effect outside the library{LATE}: unexplained force reported': '90 %',
+    '95 % intervals that contain the true value': '90 to 98 %',
 }
 
 
@@ -50,9 +50,11 @@ def render_page(scored: ChallengeScore, folder: Path) -> str:
     ]
     return assemble_page(
         'challenge.html',
-        title=escape(f'{len(cases)} cases with hidden effects: what discovery named'),
+        title=escape(f'Discovery results for {len(cases)} cases with hidden effects'),
         kicker=escape(f'challenge {about["seed"]} \N{MIDDLE DOT} {about["row"]}'),
-        about=escape(f'{row.about}. {format_median_errors(cases)} {format_error_and_time(cases)}'),
+        about=escape(
+            f'Flights: {row.about}. {format_median_errors(cases)} {format_error_and_time(cases)}'
+        ),
         tiles='\n'.join(render_tile(*each) for each in tiles),
         pictures=_render_plot_sections(scored),
         figures=_render_table(['figure', 'share', 'target', 'met'], format_score_figures(cases)),
@@ -81,22 +83,25 @@ def _render_plot_sections(scored: ChallengeScore) -> str:
         render_section(
             'confusion',
             'Confusion of effects',
-            'Hidden effect against the effect that the study named, for cases with at most one '
-            'hidden effect; a case with any wrong name counts as wrong.',
+            'Number of cases by hidden effect (rows) and effect that discovery named (columns), '
+            'for cases with at most one hidden effect. If several effects were named and one of '
+            'them is wrong, the case counts as wrong.',
             plot_confusion(cases),
         ),
         render_section(
             'strength',
             'Detection by strength',
-            'Share of exact, wrong and missing names of single hidden effects, by strength: '
-            'effect divided by its standard deviation from these flights and the tolerance of the '
+            'Share of cases with one hidden effect in which discovery named exactly this effect, '
+            'a wrong one, or none (silent), by strength. Strength is the size of the effect '
+            'divided by its standard deviation, given these flights and the tolerance of the '
             'vehicle. Bars are 95 % intervals (Wilson).',
             plot_strength(cases),
         ),
     ]
     if any(one.intervals for one in cases):
         caption = (
-            'Each dot is a correctly named parameter; 95 % of them should lie between the lines.'
+            'Each dot is a parameter of a correctly named effect: true value minus estimate, in '
+            'half widths of the 95 % interval. 95 % of the dots should lie between the lines.'
         )
         shown.append(
             render_section('coverage', 'Coverage of the intervals', caption, plot_coverage(cases))

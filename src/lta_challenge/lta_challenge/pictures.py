@@ -38,11 +38,11 @@ def plot_confusion(cases: Sequence[ScoredCase]) -> Figure:
             showscale=False,
             xgap=1,
             ygap=1,
-            hovertemplate='%{y}, said %{x}: %{z}<extra></extra>',
+            hovertemplate='hidden %{y}, named %{x}: %{z} cases<extra></extra>',
         )
     )
-    figure.update_xaxes(title_text='said', tickangle=-50, type='category')
-    figure.update_yaxes(title_text='hidden', autorange='reversed', type='category')
+    figure.update_xaxes(title_text='effect that discovery named', tickangle=-50, type='category')
+    figure.update_yaxes(title_text='hidden effect', autorange='reversed', type='category')
     return figure.update_layout(hovermode='closest', margin={'l': 150, 'b': 150, 'r': 24})
 
 
@@ -77,7 +77,7 @@ def plot_strength(cases: Sequence[ScoredCase]) -> Figure:
                 hovertemplate='%{y:.0f} %<extra>' + name + '</extra>',
             )
         )
-    figure.update_xaxes(title_text='strength of the hidden effect [sigma]', type='log')
+    figure.update_xaxes(title_text='size of the hidden effect [standard deviations]', type='log')
     figure.update_yaxes(title_text='share [%]', range=[-3, 103])
     return figure.update_layout(showlegend=True, legend={'orientation': 'h', 'y': 1.08})
 
@@ -105,6 +105,6 @@ def plot_coverage(cases: Sequence[ScoredCase]) -> Figure:
     )
     for edge in (-1.0, 1.0):
         figure.add_hline(y=edge, line={'color': WALL, 'width': 1, 'dash': '3px,3px'})
-    figure.update_xaxes(title_text='intervals in order [%]')
-    figure.update_yaxes(title_text='truth less value [half intervals]')
+    figure.update_xaxes(title_text='rank of the parameter [%]')
+    figure.update_yaxes(title_text='true value minus estimate [half interval widths]')
     return figure.update_layout(hovermode='closest')

@@ -61,18 +61,23 @@ class ChallengeRow:
 
 POSE: Final = ('ground_truth/odom',)
 ROWS: Final[dict[str, ChallengeRow]] = {
-    'base': ChallengeRow('pose, IMU, range, pressure, battery', 0),
-    'worse': ChallengeRow('tolerances and noise 1.5 times as large', 1, worse=1.5),
+    'base': ChallengeRow('all sensors (pose, IMU, range, pressure, battery)', 0),
+    'worse': ChallengeRow('vehicle tolerances and sensor noise 1.5 times as large', 1, worse=1.5),
     'structured': ChallengeRow(
-        'thrust, pitch and yaw moments not as modelled, always', 2, structured=True
+        'model errors of thrust, pitch moment and yaw moment in every flight', 2, structured=True
     ),
-    'pose': ChallengeRow('nothing but pose and commands', 3, topics=POSE, data='pose'),
-    'hover': ChallengeRow('nothing but hovering', 4, courses=('hover',), data='hover'),
+    'pose': ChallengeRow('only pose and commands are recorded', 3, topics=POSE, data='pose'),
+    'hover': ChallengeRow('only hovering flights', 4, courses=('hover',), data='hover'),
     'wrench': ChallengeRow(
-        'commanded by a wrench, only a pose', 5, topics=POSE, pushed=True, data='wrench'
+        'flown by force and moment commands; only pose and commands are recorded',
+        5,
+        topics=POSE,
+        pushed=True,
+        data='wrench',
     ),
     'other': ChallengeRow(
-        'an independent simulator: no equation of the model, swings of 20 degrees, stamps of labs',
+        'an independent simulator without equations of the model; swings of 20 degrees; '
+        'timestamps as in laboratories',
         6,
         courses=(),
         independent=True,

@@ -79,12 +79,15 @@ def _check_complete(folder: Path, todo: Sequence[int], about: dict[str, Any]) ->
     # The digest in challenge.json was written when the challenge was made
     if read_digest(folder / SEALED) != about['answers_sha256']:
         raise BadInput(
-            f"The answer key '{folder / SEALED}' was changed after it was made; "
-            'make the challenge again.'
+            f"The answer key '{folder / SEALED}' was changed after it was created; "
+            'create the challenge again with "lta challenge make".'
         )
     for place in (folder / case_folder(number) for number in todo):
         if not place.is_dir():
-            raise BadInput(f"The case folder '{place}' is missing; make the challenge again.")
+            raise BadInput(
+                f"The case folder '{place}' is missing; create the challenge again with "
+                '"lta challenge make".'
+            )
 
 
 def score_challenge(

@@ -20,31 +20,32 @@ from lta_challenge.score_statistics import (
 
 DASH: Final = '\N{EN DASH}'
 METHOD: Final = """\
-A case is a GT-MAB that deviates from its file within vehicle tolerances (thrust 3 %, each
-rotor 2 %, drag, added mass 5 %, inertia 4 %, mass 1 %, centre of gravity 3 mm, toe 0.5 degrees,
-lag 6 ms, delay 5 ms; and in each flight lift 0.6 mN and the sensor biases). It has three flights
-(train, confirm, holdout: laps, climbs, steps, random waypoints, with pilot excitation) and hidden
-effects. The tracker loses the vehicle at times, reports outliers, and has its own clock. Cases
-with the same seed, row and number share vehicle, courses and hidden effects, as far as their kinds
-allow.
+A case is a GT-MAB that deviates from its file within vehicle tolerances (thrust 3 %, each rotor
+2 %, drag, added mass 5 %, inertia 4 %, mass 1 %, centre of gravity 3 mm, rotor toe 0.5 degrees,
+rotor lag 6 ms, delay 5 ms; and in each flight lift 0.6 mN and the sensor biases). It has three
+flights (train, confirm, holdout: laps, climbs, steps, random waypoints, with pilot excitation)
+and hidden effects. The tracker loses the vehicle at times, reports outliers, and has its own
+clock. Cases with the same seed, row and number share vehicle, courses and hidden effects, as
+far as their kinds allow.
 
 The flights share only the equations of the effects with the model under test. Rigid body
 (rotation matrix and momenta in map axes), integrator (Dormand and Prince), weight, rotors and
 their toe, command path, pilot, battery, sensors and noise are implemented separately
-(`lta_challenge/truth_*.py`, `truth_sensors.py`). Without
-noise and tolerance both agree to 1e-4 with each effect (4e-3 with a toed rotor, which the
-model turns to first order) (`test/unit/challenge/test_truth.py`). Flights of the row
-`other` share no equation: `lta_challenge/other/` is a separate simulator with its own kinds
-outside the library, which count as late kinds.
+(`lta_challenge/truth_*.py`, `truth_sensors.py`). Without noise and tolerances, simulator and
+model agree to 1e-4 with each effect (4e-3 with a toed rotor, which the model rotates to first
+order only) (`test/unit/challenge/test_truth.py`). Flights of the row `other` share no equation:
+`lta_challenge/other/` is a separate simulator with its own kinds outside the library, which
+count as late kinds.
 
-*Sigma* of a hidden effect is its size divided by its standard deviation, when all parameters are
-fitted to the flights of the case with the true structure; the vehicle's tolerance of the same
-parameter is included. Sizes are drawn from a forecast of sigma and counted by the achieved sigma.
-*Exact*: all hidden effects were named and nothing else; names that such data cannot distinguish
-count as one ([classes](discovery_classes.md)). *Outside* kinds are sized by the force that they
-leave unexplained, 4 to 40 times the noise floor. *Late kinds* are in every second of these cases:
-their author had not seen how discovery works, and they were not used before it was finished
-(`drying` has been examined since). The *oracle* knows the hidden structure, not its size."""
+*Sigma* of a hidden effect is its size divided by its standard deviation, when all parameters
+are fitted to the flights of the case with the true structure; the vehicle's tolerance of the
+same parameter is included. Sizes are drawn from a forecast of sigma and counted by the achieved
+sigma. *Exact*: all hidden effects were named and nothing else; names that such data cannot
+distinguish count as one ([classes](discovery_classes.md)). *Outside* kinds are sized by the
+force that they leave unexplained, 4 to 40 times the noise floor. Every second of these cases
+has a *late kind*: its author had not seen how discovery works, and it was not used before
+discovery was finished (`drying` has been examined since). The *oracle* knows the hidden
+structure, not its size."""
 
 
 def format_share(share: ShareEstimate) -> str:
@@ -96,7 +97,9 @@ def format_strength_bands(cases: Sequence[ScoredCase]) -> list[list[str]]:
     ]
 
 
-OUTSIDE_HEADS: Final = ('kind', 'what', 'written', 'cases', 'unexplained', 'named')
+OUTSIDE_HEADS: Final = (
+    'kind', 'description', 'written', 'cases', 'unexplained force', 'an effect named',
+)  # fmt: skip
 
 
 def format_outside_kinds(cases: Sequence[ScoredCase]) -> list[list[str]]:
@@ -116,19 +119,30 @@ def format_outside_kinds(cases: Sequence[ScoredCase]) -> list[list[str]]:
     return out
 
 
+# Labels of the median errors, by key
+MODELS: Final = {
+    'coast': 'constant velocity',
+    'before': 'vehicle file',
+    'tuned': 'vehicle file with fitted tolerances',
+    'after': 'model that discovery found',
+    'oracle': 'oracle',
+    'noise': 'measurement noise',
+}
+
+
 def format_median_errors(cases: Sequence[ScoredCase]) -> str:
     """Return the median position errors, from the vehicle file to the oracle."""
     # A median without cases is NaN
     known = {name: value for name, value in median_errors(cases).items() if math.isfinite(value)}
-    steps = ', '.join(f'{name} {1e3 * value:.1f}' for name, value in known.items())
-    return f'Position after 3 s on held-out flights, median of cases [mm]: {steps or DASH}.'
+    steps = ', '.join(f'{MODELS[name]} {1e3 * value:.1f}' for name, value in known.items())
+    return f'Median position error after 3 s on held-out flights [mm]: {steps or DASH}.'
 
 
 def format_error_and_time(cases: Sequence[ScoredCase]) -> str:
     """Return the median parameter error and computing time."""
     error = finite_median(each.error for one in cases for each in one.intervals)
     seconds = finite_median(one.seconds for one in cases)
-    off = DASH if math.isnan(error) else f'{100 * error:.0f} % of the change'
+    off = DASH if math.isnan(error) else f'{100 * error:.0f} % of the hidden change'
     return f'Median parameter error: {off}; median processor time per case: {seconds:.1f} s.'
 
 

@@ -13,8 +13,8 @@ CLEAR: Final = 6.0  # sigma; effects from this strength on should be named
 WEAK: Final = 3.0  # sigma
 ORACLE: Final = 1.05  # held-out error relative to the oracle's
 # Kinds outside the library: known during the development of discovery, or written independently
-EARLY: Final = ', early kinds'
-LATE: Final = ', late kinds'
+EARLY: Final = ' (early kinds)'
+LATE: Final = ' (late kinds)'
 BANDS: Final = (0.0, 3.0, 6.0, 10.0, 20.0, 50.0, math.inf)
 
 
@@ -113,38 +113,50 @@ def _naming_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
     silent = [one for one in single if one.outcome == 'silent']
     return [
         ScoreFigure(
-            'one effect, 6 sigma or more: exact',
+            'one hidden effect, 6 sigma or more: named exactly',
             _estimate_passing_share(clear, _is_exact),
             least=0.97,
         ),
         ScoreFigure(
-            'one effect, 3 to 6 sigma: exact', _estimate_passing_share(weak, _is_exact), least=0.70
+            'one hidden effect, 3 to 6 sigma: named exactly',
+            _estimate_passing_share(weak, _is_exact),
+            least=0.70,
         ),
         ScoreFigure(
-            'one effect: a wrong name', _estimate_passing_share(single, _has_wrong_name), most=0.02
+            'one hidden effect: a wrong one named',
+            _estimate_passing_share(single, _has_wrong_name),
+            most=0.02,
         ),
         ScoreFigure(
-            'one effect: silent',
+            'one hidden effect: none named',
             _estimate_passing_share(single, lambda one: one.outcome == 'silent'),
         ),
         ScoreFigure(
-            'one effect: silent, of a size to be seen',
+            'one hidden effect, none named: above the detection limit',
             _estimate_passing_share(silent, _has_detectable_miss),
             most=0.05,
         ),
-        ScoreFigure('one effect: also unexplained', _estimate_passing_share(single, _is_flagged)),
         ScoreFigure(
-            'two effects, both 6 sigma or more: both exact',
+            'one hidden effect: unexplained force reported',
+            _estimate_passing_share(single, _is_flagged),
+        ),
+        ScoreFigure(
+            'two hidden effects, both 6 sigma or more: named exactly',
             _estimate_passing_share(both, _is_exact),
             least=0.85,
         ),
-        ScoreFigure('two effects: a wrong name', _estimate_passing_share(pair, _has_wrong_name)),
         ScoreFigure(
-            'nothing hidden: any name',
+            'two hidden effects: a wrong one named', _estimate_passing_share(pair, _has_wrong_name)
+        ),
+        ScoreFigure(
+            'no hidden effect: an effect named',
             _estimate_passing_share(clean, lambda one: bool(one.named)),
             most=0.01,
         ),
-        ScoreFigure('nothing hidden: unexplained', _estimate_passing_share(clean, _is_flagged)),
+        ScoreFigure(
+            'no hidden effect: unexplained force reported',
+            _estimate_passing_share(clean, _is_flagged),
+        ),
     ]
 
 
@@ -168,17 +180,17 @@ def _unexplained_figures(cases: Sequence[ScoredCase], when: str = '') -> list[Sc
     both = _estimate_passing_share(strong, lambda one: one.exact and one.flagged)
     return [
         ScoreFigure(
-            f'outside the library{when}: unexplained',
+            f'effect outside the library{when}: unexplained force reported',
             _estimate_passing_share(outside, _is_flagged),
             least=0.90,
         ),
         ScoreFigure(
-            f'outside the library{when}: a name',
+            f'effect outside the library{when}: an effect named',
             _estimate_passing_share(outside, _has_wrong_name),
             most=0.03,
         ),
         ScoreFigure(
-            f'an effect and something outside{when}: named and unexplained', both, least=0.75
+            f'one effect in and one outside the library{when}: both reported', both, least=0.75
         ),
     ]
 
@@ -194,18 +206,19 @@ def _value_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
         near, lambda one: one.errors['after'] <= ORACLE * one.errors['oracle']
     )
     return [
-        ScoreFigure('intervals of 95 % that hold the truth', covered, 0.90, 0.98),
-        ScoreFigure('held-out error within 1.05 of the oracle', good),
+        ScoreFigure('95 % intervals that contain the true value', covered, 0.90, 0.98),
+        ScoreFigure('held-out error at most 1.05 times that of the oracle', good),
     ]
 
 
 def compute_score_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
     """Return all figures of the cases of one row."""
     silent = ScoreFigure(
-        'no answer', _estimate_passing_share(cases, lambda one: bool(one.refused))
+        'discovery refused the flights',
+        _estimate_passing_share(cases, lambda one: bool(one.refused)),
     )
     torn = _estimate_passing_share(cases, lambda one: bool(one.contradictions))
-    rest = [silent, ScoreFigure('the study contradicts itself', torn, most=0.0)]
+    rest = [silent, ScoreFigure('outputs of the study contradict each other', torn, most=0.0)]
     return [*_naming_figures(cases), *_outside_figures(cases), *_value_figures(cases), *rest]
 
 

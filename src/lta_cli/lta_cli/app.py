@@ -108,7 +108,7 @@ LIGHT: Final = VerbGroup(
     },
 )
 ENERGY: Final = VerbGroup(
-    'Study energy use and solar harvest, compared with the paper and a multirotor.',
+    'Simulate energy use and solar charging; compare with published values and a multirotor.',
     {
         'budget': Verb('energy.budget', 'budget'),
         'hover': Verb('energy.hover', 'hover'),
@@ -125,7 +125,7 @@ CFD: Final = VerbGroup(
     },
 )
 HARDWARE: Final = VerbGroup(
-    'Check drones and light boards, bench-test one motor, evaluate turntable recordings.',
+    'Check connected drones and light boards, test one motor, evaluate turntable recordings.',
     {
         'check': Verb('hardware.check', 'check'),
         'bench': Verb('hardware.bench', 'bench'),
@@ -241,7 +241,7 @@ def add_verb(
 
 def require_verb(context: typer.Context) -> None:
     """Refuse options before the verb: the verb was listed but not imported."""
-    raise BadInput(f"Put the verb first: '{context.command_path} ...'.")
+    raise BadInput(f"Put the command before its options: '{context.command_path} ...'.")
 
 
 def repeat_options(words: Sequence[str]) -> list[str]:
@@ -320,7 +320,7 @@ def run_command_line(loaded: Callable[[], None] = lambda: None) -> int:
         # Other errors are defects and keep their traceback
         if error.filename is None or error.errno not in UNUSABLE:
             raise
-        sys.stderr.write(f"'{error.filename}' cannot be used ({error.strerror}).\n")
+        sys.stderr.write(f"Cannot read or write '{error.filename}': {error.strerror}.\n")
         return 2
     except Exception as error:
         # Click's usage errors are vendored by Typer; only this method identifies them.

@@ -68,7 +68,10 @@ def describe_wrong_middleware() -> str | None:
     name, installed = os.environ.get(MIDDLEWARE), list_middlewares()
     if not name or not installed or name in installed:
         return None
-    return f"{MIDDLEWARE} is '{name}', which is not installed; known: {', '.join(installed)}."
+    return (
+        f"{MIDDLEWARE} is '{name}', which is not installed; unset it or use one of: "
+        f'{", ".join(installed)}.'
+    )
 
 
 def _exit_at_once(number: int, _: object) -> None:

@@ -6,7 +6,7 @@ from lta_config.errors import BadInput
 import typer
 
 ROS: Final = ('rclpy', 'rcl_interfaces', 'builtin_interfaces', 'std_srvs')
-REMEDY: Final = 'build the ROS 2 workspace of the sources (make build) and use its ./lta'
+REMEDY: Final = 'get the LTA sources, run "make build" there, and use ./lta'
 # A verb that cannot be imported accepts all arguments, so that its own message is shown.
 ANYTHING: Final = {'allow_extra_args': True, 'ignore_unknown_options': True}
 
@@ -20,7 +20,9 @@ def is_ros_module(module: str | None) -> bool:
 
 def missing_ros_error(missing: ModuleNotFoundError) -> BadInput:
     """Return the error for a missing ROS 2 module."""
-    return BadInput(f"This needs ROS 2, whose '{missing.name}' is not installed; {REMEDY}.")
+    return BadInput(
+        f"This command needs ROS 2, but its package '{missing.name}' is not installed; {REMEDY}."
+    )
 
 
 def refuse_without_ros(context: typer.Context) -> None:

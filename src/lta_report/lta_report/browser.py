@@ -68,7 +68,8 @@ def find_chromium() -> str:
         found = shutil.which(named)
         if found is None:
             raise BadInput(
-                f"{OVERRIDE} names '{named}', which cannot be run; correct or unset it."
+                f"{OVERRIDE} is '{named}', which is not an executable program; correct or unset "
+                'this environment variable.'
             )
         return found
     for name in NAMES:
@@ -181,10 +182,13 @@ class Browser:
             failed = any(name == 'Runtime.exceptionThrown' for name, _ in self.events[before:])
             if took > (FAILED if failed else PATIENCE):
                 why = (
-                    'because a script failed' if failed else 'perhaps because the machine is busy'
+                    'because a script in it failed'
+                    if failed
+                    else 'perhaps because the machine is busy'
                 )
                 raise BadInput(
-                    f'The page was not drawn within {took:.0f} s, {why}; open it in a browser.'
+                    f'Chromium did not draw the HTML page within {took:.0f} s, {why}; open it in '
+                    'a browser.'
                 )
             time.sleep(0.02)
 
@@ -213,7 +217,8 @@ class Browser:
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(1.0)
         return BadInput(
-            f'{self._program} exited during {method} with status {self._process.returncode}; '
+            f'Chromium ({self._program}) exited during {method} with status '
+            f'{self._process.returncode}; '
             'start it in a terminal to see why.'
         )
 

@@ -29,7 +29,7 @@ def connect_cluster(address: str) -> tuple[Any, Any]:
         dask: Any = import_module(DASK)
     except ImportError:
         raise BadInput(
-            'A cluster needs dask.distributed, which is not installed; '
+            'A Dask cluster needs the package dask.distributed, which is not installed; '
             'run "pip install -r requirements-dask.txt".'
         ) from None
     try:

@@ -83,7 +83,8 @@ class LineLog(Generic[Piece]):
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise BadInput(
-                f"Another {self._kind.word} writes to '{self._path.parent}'; wait until it ends."
+                f"Another {self._kind.word} is writing to '{self._path.parent}'; wait until it "
+                'ends.'
             ) from None
 
     def _resume(self, read: Callable[[Any], Piece]) -> None:
@@ -121,20 +122,20 @@ class LineLog(Generic[Piece]):
             raise self._build_format_error()
         if content[self._kind.key] != self._identity:
             raise BadInput(
-                f"'{self._path}' belongs to another {self._kind.word}; choose another "
-                f'{self._kind.option}.'
+                f"'{self._path}' is the log of a {self._kind.word} with other settings; choose "
+                f'another folder with {self._kind.option}.'
             )
 
     def _build_format_error(self) -> BadInput:
         return BadInput(
-            f"'{self._path}' is not a log of a {self._kind.word}; choose another "
+            f"'{self._path}' is not the log of a {self._kind.word}; choose another folder with "
             f'{self._kind.option}.'
         )
 
     def _build_access_error(self, error: OSError) -> BadInput:
         return BadInput(
-            f"'{self._path}' cannot be written ({error.strerror}); make room or choose another "
-            f'{self._kind.option}.'
+            f"'{self._path}' cannot be written ({error.strerror}); free disk space, or choose "
+            f'another folder with {self._kind.option}.'
         )
 
     def append(self, content: Mapping[str, Any]) -> None:
@@ -147,8 +148,8 @@ class LineLog(Generic[Piece]):
             self._file.flush()
         except OSError as error:
             raise BadInput(
-                f'The results cannot be written ({error.strerror}); make room and start the '
-                f'{self._kind.word} again; it continues where it stopped.'
+                f"'{self._path}' cannot be written ({error.strerror}); free disk space and start "
+                f'the {self._kind.word} again; it continues where it stopped.'
             ) from None
 
     def close(self) -> None:

@@ -95,7 +95,7 @@ def write_file(content: str | bytes, out: Path) -> Path:
             part.write_bytes(content.encode() if isinstance(content, str) else content)
     except OSError as error:
         raise BadInput(
-            f"The page '{out}' cannot be written ({error.strerror}); make room, or choose "
-            'another folder with --out.'
+            f"'{out}' cannot be written ({error.strerror}); free disk space, or choose another "
+            'folder with --out.'
         ) from error
     return out

@@ -77,8 +77,8 @@ def write_json(content: Mapping[str, Any] | list[Any], place: Path) -> str:
             part.write_text(text, encoding='utf-8')
     except OSError as error:
         raise BadInput(
-            f"'{place}' cannot be written ({error.strerror}); make room, or choose another folder "
-            'with --out.'
+            f"'{place}' cannot be written ({error.strerror}); free disk space, or choose another "
+            'folder with --out.'
         ) from error
     return text
 

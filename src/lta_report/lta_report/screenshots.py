@@ -143,7 +143,7 @@ def write_pictures(page: Path, folder: Path, theme: Theme = 'light') -> list[Pat
 def open_page(browser: Browser, page: Path, theme: Theme, width: int) -> None:
     """Open a page and wait until it is drawn."""
     if not page.is_file():
-        raise BadInput(f"There is no page '{page}'; check the path.")
+        raise BadInput(f"HTML page '{page}' does not exist; check the path.")
     # The page follows the reader's theme
     preference = [{'name': 'prefers-color-scheme', 'value': theme}]
     browser.call('Emulation.setEmulatedMedia', features=preference)
@@ -170,7 +170,9 @@ def capture_part(browser: Browser, panel: str, out: Path) -> None:
     # Chromium would enlarge the window itself for the picture, without waiting for the redraw
     resize_window(browser, browser.evaluate('innerWidth'), max(math.ceil(box['height']), 1))
     if browser.evaluate(SETTLED % {'panel': panel}) is not True:
-        raise BadInput(f'The {panel} of the page is not drawn; open the page in a browser.')
+        raise BadInput(
+            f"Chromium did not draw part '{panel}' of the HTML page; open the page in a browser."
+        )
     # The replay bar sticks to the bottom of the window and would cover the panel
     browser.evaluate("document.getElementById('bar')?.style.setProperty('visibility', 'hidden')")
     box = locate_part(browser, panel)

@@ -15,7 +15,7 @@ from lta_config.errors import BadInput
 
 Result = TypeVar('Result')
 
-KEPT = ' Finished work is kept: run the same command again to continue.'
+KEPT = ' Finished work is stored; run the same command again to continue.'
 # One thread per worker, since the workers already use all processors
 ALONE = ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS')
 
@@ -63,7 +63,7 @@ class WorkerPool:
             else None
         )
         self._died = (
-            'A worker process died; check whether memory ran out, or use '
+            'A worker process died, perhaps because memory ran out; try again with '
             f'{option} 1.{KEPT if goes_on else ""}'
         )
 

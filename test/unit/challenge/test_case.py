@@ -147,7 +147,7 @@ def test_answers_that_were_changed_are_refused(tmp_path: Path) -> None:
     with pytest.raises(BadInput, match='changed after it was made'):
         read_answers(path)
     path.write_text('something else\n')
-    with pytest.raises(BadInput, match='is not the answer key'):
+    with pytest.raises(BadInput, match='is not a valid answer key'):
         read_answers(path)
 
 

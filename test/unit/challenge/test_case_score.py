@@ -96,15 +96,15 @@ def test_figures_are_counted_by_kind_and_strength() -> None:
         case(drag, drag, kind='mixed', outside='skin', verdict='named+unexplained'),
     ]
     found = {each.name: each for each in compute_score_figures(cases)}
-    clear = found['one effect, 6 sigma or more: exact']
+    clear = found['one hidden effect, 6 sigma or more: named exactly']
     assert (clear.share.hits, clear.share.of, clear.target_met) == (9, 10, 'no')
-    assert found['one effect, 3 to 6 sigma: exact'].share.value == 0.5
-    assert found['one effect: a wrong name'].share[:2] == (1, 12)
-    assert found['two effects, both 6 sigma or more: both exact'].share[:2] == (1, 2)
-    assert found['nothing hidden: any name'].share[:2] == (1, 2)
-    assert found['outside the library: unexplained'].target_met == 'yes'
-    assert found['an effect and something outside: named and unexplained'].target_met == 'yes'
-    assert found['held-out error within 1.05 of the oracle'].share[:2] == (15, 16)
+    assert found['one hidden effect, 3 to 6 sigma: named exactly'].share.value == 0.5
+    assert found['one hidden effect: a wrong one named'].share[:2] == (1, 12)
+    assert found['two hidden effects, both 6 sigma or more: named exactly'].share[:2] == (1, 2)
+    assert found['no hidden effect: an effect named'].share[:2] == (1, 2)
+    assert found['effect outside the library: unexplained force reported'].target_met == 'yes'
+    assert found['one effect in and one outside the library: both reported'].target_met == 'yes'
+    assert found['held-out error at most 1.05 times that of the oracle'].share[:2] == (15, 16)
     bands = {low: (exact.hits, exact.of) for low, _, exact, _, _ in shares_by_strength(cases)}
     assert bands[3.0] == (1, 2)
     assert bands[10.0] == (9, 10)
@@ -124,15 +124,15 @@ def test_kinds_that_were_kept_from_discovery_have_lines_of_their_own() -> None:
     ]
     assert [one.late for one in cases] == [False] * 3 + [True] * 2 + [False, True, False]
     found = {each.name: each.share[:2] for each in compute_score_figures(cases)}
-    alone, beside = 'outside the library', 'an effect and something outside'
+    alone, beside = 'effect outside the library', 'one effect in and one outside the library'
     for when, flagged, named, both in (
         ('', (4, 5), (1, 5), (1, 2)),
-        (', early kinds', (3, 3), (0, 3), (1, 1)),
-        (', late kinds', (1, 2), (1, 2), (0, 1)),
+        (' (early kinds)', (3, 3), (0, 3), (1, 1)),
+        (' (late kinds)', (1, 2), (1, 2), (0, 1)),
     ):
-        assert found[f'{alone}{when}: unexplained'] == flagged
-        assert found[f'{alone}{when}: a name'] == named
-        assert found[f'{beside}{when}: named and unexplained'] == both
+        assert found[f'{alone}{when}: unexplained force reported'] == flagged
+        assert found[f'{alone}{when}: an effect named'] == named
+        assert found[f'{beside}{when}: both reported'] == both
     lines = {line[0]: line[2:] for line in format_outside_kinds(cases)}
     assert lines == {
         'tether': ['early', '3', '3', '0'],
@@ -140,7 +140,7 @@ def test_kinds_that_were_kept_from_discovery_have_lines_of_their_own() -> None:
         'tray': ['late', '1', '0', '1'],
     }
     text = render_page(ChallengeScore({**ABOUT, 'cases': 8}, tuple(cases)), Path('somewhere'))
-    assert 'outside the library, late kinds: unexplained' in text
+    assert 'effect outside the library (late kinds): unexplained force reported' in text
 
 
 ABOUT = {
@@ -153,7 +153,8 @@ def test_the_page_says_what_it_scored() -> None:
     cases = [case({'motor_lag': 0.1}, {'linear_drag.surge': 0.03})]
     text = render_markdown([(ABOUT, cases)])
     assert 'effects `abc`, vehicle `gtmab` `def`, commit `c0ffee`.' in text
-    assert '| one effect: a wrong name | 1/1 = 100 % (21 to 100) | <= 2 % | no |' in text
+    row = '| one hidden effect: a wrong one named | 1/1 = 100 % (21 to 100) | <= 2 % | no |'
+    assert row in text
     assert '| 0 | base | single | motor_lag (10.0) | linear_drag.surge |' in text
     assert '## All rows' not in text
 
@@ -167,8 +168,8 @@ def test_a_page_has_the_challenges_of_a_row_together_and_the_rows_side_by_side()
     assert '| figure | target | base | pose |' in text
     assert '| cases |  | 4 | 1 |' in text
     dash = '\N{EN DASH}'
-    assert f'| nothing hidden: any name | <= 1 % | 0/3 = 0 % | {dash} |' in text
-    assert '| one effect: a wrong name | <= 2 % | 1/1 = 100 % | 1/1 = 100 % |' in text
+    assert f'| no hidden effect: an effect named | <= 1 % | 0/3 = 0 % | {dash} |' in text
+    assert '| one hidden effect: a wrong one named | <= 2 % | 1/1 = 100 % | 1/1 = 100 % |' in text
     heads = [line for line in text.splitlines() if line.startswith('## ')]
     assert [head.split(':')[0] for head in heads] == ['## All rows', '## Base', '## Pose']
     assert (

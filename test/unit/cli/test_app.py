@@ -33,7 +33,10 @@ def test_help_flows_at_any_width(call):
 def test_an_empty_folder_is_refused(call):
     status, said = call('fly', '--out', '')
     assert status == 2
-    assert said.err == "Invalid value for '--out': it is empty; give a folder; see --help.\n"
+    assert (
+        said.err
+        == "Invalid value for '--out': the path is empty; give a folder or file; see --help.\n"
+    )
 
 
 @pytest.mark.parametrize(
@@ -98,7 +101,7 @@ def test_a_list_loads_no_verb():
 
 def test_a_verb_comes_first(call):
     status, said = call('--', 'fly')
-    assert (status, said.err) == (2, "Put the verb first: 'lta fly ...'.\n")
+    assert (status, said.err) == (2, "Put the command before its options: 'lta fly ...'.\n")
 
 
 def test_options_of_several_values_may_stand_once():

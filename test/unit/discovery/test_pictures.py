@@ -26,4 +26,4 @@ def test_a_plan_without_flights_has_no_page(tmp_path, call):
     words = ('--vehicle', 'gtmab', '--between', 'linear_drag.surge', 'quadratic_drag.surge')
     status, said = call('discover', *words, '--pictures', tmp_path / 'p')
     assert status == 2
-    assert said.err == '--between writes no page; leave out --pictures.\n'
+    assert said.err == '--between writes no HTML report; remove --pictures.\n'

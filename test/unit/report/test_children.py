@@ -13,8 +13,8 @@ from lta_studies.tune import workers
 import pytest
 from waiting import PATIENCE
 
-DIED = r'^A worker process died; check whether memory ran out, or use --workers 1\.'
-GOES_ON = r' Finished work is kept: run the same command again to continue\.$'
+DIED = r'^A worker process died, perhaps because memory ran out; try again with --workers 1\.'
+GOES_ON = r' Finished work is stored; run the same command again to continue\.$'
 
 
 def test_what_is_done_comes_back_whoever_does_it():

@@ -55,14 +55,14 @@ def test_a_first_line_that_was_torn_off_is_written_again(three):
 @pytest.mark.parametrize(
     ('content', 'sentence'),
     [
-        (b'{"count": "yours"}\n{"n": 1}\n', 'belongs to another search; choose another --folder.'),
-        (b'garbage\n', 'is not a log of a search; choose another --folder.'),
-        (b'garbage', 'is not a log of a search'),
-        (b'\xff\xfe\n{"n": 1}\n', 'is not a log of a search'),
-        (b'[1]\n', 'is not a log of a search'),
-        (b'{"other": "mine"}\n', 'is not a log of a search'),
-        (b'{"count": "mine"}\n{"m": 1}\n', 'is not a log of a search'),
-        (b'{"count": "mine"}\n7\n', 'is not a log of a search'),
+        (b'{"count": "yours"}\n{"n": 1}\n', 'is the log of a search with other settings; '),
+        (b'garbage\n', 'is not the log of a search; choose another folder with --folder.'),
+        (b'garbage', 'is not the log of a search'),
+        (b'\xff\xfe\n{"n": 1}\n', 'is not the log of a search'),
+        (b'[1]\n', 'is not the log of a search'),
+        (b'{"other": "mine"}\n', 'is not the log of a search'),
+        (b'{"count": "mine"}\n{"m": 1}\n', 'is not the log of a search'),
+        (b'{"count": "mine"}\n7\n', 'is not the log of a search'),
     ],
 )
 def test_the_log_of_something_else_is_refused_and_not_touched(tmp_path, content, sentence):
@@ -76,7 +76,7 @@ def test_the_log_of_something_else_is_refused_and_not_touched(tmp_path, content,
 
 def test_one_writes_at_a_time(tmp_path):
     log = opened(tmp_path)
-    with pytest.raises(BadInput, match=r'Another search writes .* wait until it ends'):
+    with pytest.raises(BadInput, match=r'Another search is writing .* wait until it ends'):
         opened(tmp_path)
     log.append({'n': 5})
     log.close()
@@ -87,7 +87,7 @@ def test_a_full_disk_is_a_sentence_and_what_was_kept_stays(three, room):
     log = opened(three.parent)
     whole = three.read_bytes()
     with room(len(whole) + 4):
-        with pytest.raises(BadInput, match=r'make room and start the search again'):
+        with pytest.raises(BadInput, match=r'free disk space and start the search again'):
             log.append({'n': 3})
         log.close()
     assert three.stat().st_size == len(whole) + 4
@@ -96,12 +96,14 @@ def test_a_full_disk_is_a_sentence_and_what_was_kept_stays(three, room):
 
 
 def test_a_full_disk_at_the_beginning_is_a_sentence(tmp_path, room):
-    with room(4), pytest.raises(BadInput, match=r'make room'):
+    with room(4), pytest.raises(BadInput, match=r'free disk space'):
         opened(tmp_path)
     assert kept(tmp_path) == []
 
 
 def test_a_folder_that_cannot_be_made_is_a_sentence(tmp_path):
     (tmp_path / 'file').touch()
-    with pytest.raises(BadInput, match=r'cannot be written \(.*choose another --folder'):
+    with pytest.raises(
+        BadInput, match=r'cannot be written \(.*choose another folder with --folder'
+    ):
         opened(tmp_path / 'file' / 'new')

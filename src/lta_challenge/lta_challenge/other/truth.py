@@ -185,8 +185,8 @@ def build_vehicle_truth(vehicle: Vehicle) -> VehicleTruth:
     diameter, height = file.hull.diameter, file.hull.height
     if diameter is None or height is None or height.si >= diameter.si or len(file.rotors) != 4:
         raise BadInput(
-            f'{file.name} is not a balloon with four rotors that is wider than high; choose '
-            'another vehicle.'
+            'The independent simulator needs a hull that is wider than high, and four rotors; '
+            f"vehicle '{file.name}' differs, so choose another vehicle."
         )
     added = spheroid_added_mass(diameter.si, height.si, vehicle.air_density)
     linear, square = file.aero.linear_drag, file.aero.quadratic_drag

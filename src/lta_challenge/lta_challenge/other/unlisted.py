@@ -46,7 +46,7 @@ class UnlistedKind(NamedTuple):
 
 UNLISTED: Final[Mapping[str, UnlistedKind]] = {
     'other_pendulum': UnlistedKind(
-        'a weight on a thread below the gondola',
+        'a weight that swings on a thread below the gondola',
         HangingWeight,
         {
             'size': ParameterRange(2e-4, 0.04, True),
@@ -56,12 +56,12 @@ UNLISTED: Final[Mapping[str, UnlistedKind]] = {
         },
     ),
     'other_sticking_rotor': UnlistedKind(
-        'a rotor that lags behind by a play',
+        'a rotor that follows its command with backlash',
         StickingRotor,
         {'size': ParameterRange(0.01, 0.3, True), 'rotor': ParameterRange(0.0, 4.0)},
     ),
     'other_skewed_drag': UnlistedKind(
-        'drag with exponent 1.5, askew of the axes',
+        'drag along an oblique direction, proportional to speed^1.5',
         SkewedDrag,
         {
             'size': ParameterRange(5e-3, 0.4, True),
@@ -70,7 +70,7 @@ UNLISTED: Final[Mapping[str, UnlistedKind]] = {
         },
     ),
     'other_cross_wind': UnlistedKind(
-        'wind across the room, to and fro',
+        'wind across the room that oscillates',
         CrossWind,
         {
             'size': ParameterRange(5e-3, 0.3, True),
@@ -80,7 +80,7 @@ UNLISTED: Final[Mapping[str, UnlistedKind]] = {
         },
     ),
     'other_tether': UnlistedKind(
-        'a rubber thread to the floor',
+        'an elastic thread from the gondola to the floor',
         Tether,
         {
             'size': ParameterRange(1e-4, 0.05, True),
@@ -91,7 +91,7 @@ UNLISTED: Final[Mapping[str, UnlistedKind]] = {
         },
     ),
     'other_fan': UnlistedKind(
-        'the jet of a fan',
+        'the air jet of a fan in the room',
         FanJet,
         {
             'size': ParameterRange(0.1, 3.0, True),
@@ -103,7 +103,7 @@ UNLISTED: Final[Mapping[str, UnlistedKind]] = {
         },
     ),
     'other_sloshing': UnlistedKind(
-        'a gas bag that sloshes',
+        'a gas bag that sloshes in the hull',
         SloshingGas,
         {
             'size': ParameterRange(2e-4, 0.06, True),
@@ -113,12 +113,12 @@ UNLISTED: Final[Mapping[str, UnlistedKind]] = {
         },
     ),
     'other_tiring_rotors': UnlistedKind(
-        'rotors that grow weaker with use',
+        'rotors that lose thrust as they heat up',
         TiringRotors,
         {'size': ParameterRange(0.2, 4.0, True), 'memory': ParameterRange(8.0, 30.0)},
     ),
     'other_heading_force': UnlistedKind(
-        'a side force that goes with the heading',
+        'a side force that depends on the heading',
         HeadingForce,
         {
             'size': ParameterRange(5e-4, 0.05, True),
@@ -127,7 +127,7 @@ UNLISTED: Final[Mapping[str, UnlistedKind]] = {
         },
     ),
     'other_shedding': UnlistedKind(
-        'a side force that alternates with the way',
+        'an alternating side force from vortex shedding',
         VortexShedding,
         {
             'size': ParameterRange(5e-3, 0.3, True),

@@ -23,6 +23,6 @@ def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> 
 
 KIND: Final = OutsideKind(
     WrenchEffect('blown_fin', PARAMETERS, wrench),
-    'a fin in the jet',
+    'a fin in the rotor jet',
     {'size': (0.03, 0.1)},
 )

@@ -51,7 +51,7 @@ def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
 
 KIND: Final = OutsideKind(
     WrenchEffect('charged', PARAMETERS, wrench, memory=(('charge', 0.5),), rate=rate),
-    'a charged hull among curtains',
+    'an electrically charged hull between metal curtains',
     {'size': (0.01, 0.04), 'leak': (10.0, 60.0), 'normal': (-3.1, 3.1), 'away': (0.5, 2.5)},
     late=True,
 )

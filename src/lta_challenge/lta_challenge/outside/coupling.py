@@ -23,6 +23,6 @@ def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> 
 
 KIND: Final = OutsideKind(
     WrenchEffect('coupling', PARAMETERS, wrench),
-    'pitch by ahead times up',
+    'a pitch moment in simultaneous forward and vertical flight',
     {'size': (-0.02, 0.02)},
 )

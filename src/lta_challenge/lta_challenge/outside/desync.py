@@ -41,7 +41,7 @@ def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
 
 KIND: Final = OutsideKind(
     WrenchEffect('desync', PARAMETERS, wrench, memory=(('lost', 0.0), ('slow', 0.0)), rate=rate),
-    'a motor that loses step',
+    'a motor that loses synchronisation',
     {'size': (0.3, 0.8), 'jump': (0.06, 0.14), 'back': (0.2, 0.8)},
     late=True,
 )

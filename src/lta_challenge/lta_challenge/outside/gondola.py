@@ -52,6 +52,6 @@ KIND: Final = OutsideKind(
         memory=(('roll', 0.0), ('p', 0.0), ('pitch', 0.0), ('q', 0.0)),
         rate=rate,
     ),
-    'a gondola on springs',
+    'a gondola that oscillates on springs',
     {'size': (0.002, 0.006), 'f': (4.0, 9.0), 'damping': (0.03, 0.15)},
 )

@@ -22,6 +22,6 @@ def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> 
 
 KIND: Final = OutsideKind(
     WrenchEffect('inflow', PARAMETERS, wrench),
-    'thrust lost with speed',
+    'forward thrust that falls with airspeed',
     {'size': (0.04, 0.12)},
 )

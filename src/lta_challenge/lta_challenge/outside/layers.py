@@ -26,6 +26,6 @@ def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> 
 
 KIND: Final = OutsideKind(
     WrenchEffect('layers', PARAMETERS, wrench),
-    'air in layers',
+    'stratified air: lift that changes with height',
     {'size': (0.004, 0.01), 's': (0.15, 0.5)},
 )

@@ -48,7 +48,7 @@ def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> 
 
 KIND: Final = OutsideKind(
     WrenchEffect('leash', PARAMETERS, wrench),
-    'a leash on a reel that comes taut',
+    'a leash on a reel that pulls when it is taut',
     {'size': (0.005, 0.02), 'length': (0.9, 1.5), 'east': (-0.6, 0.6), 'north': (-0.6, 0.6)},
     late=True,
 )

@@ -26,6 +26,6 @@ def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> 
 
 KIND: Final = OutsideKind(
     WrenchEffect('magnet', PARAMETERS, wrench),
-    'a magnet aboard',
+    'a magnet on board, turned by the magnetic field of the room',
     {'size': (0.0005, 0.002), 'north': (-3.1, 3.1)},
 )

@@ -24,6 +24,6 @@ def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> 
 
 KIND: Final = OutsideKind(
     WrenchEffect('one_sided', PARAMETERS, wrench),
-    'a flap that opens one way',
+    'a flap that opens in one direction only',
     {'size': (0.002, 0.006), 'lever': (2.0, 10.0)},
 )

@@ -41,7 +41,7 @@ def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> 
 
 KIND: Final = OutsideKind(
     WrenchEffect('plume', PARAMETERS, wrench),
-    'warm air over patches of the floor',
+    'warm air that rises over patches of the floor',
     {'size': (0.005, 0.02), 'wide': (0.4, 0.8), 'east': (-1.5, 1.5), 'north': (-1.5, 1.5)},
     late=True,
 )

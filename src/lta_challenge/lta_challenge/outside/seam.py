@@ -45,7 +45,7 @@ def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
 
 KIND: Final = OutsideKind(
     WrenchEffect('seam', PARAMETERS, wrench, memory=(('taut', 1.0), ('even', 1.5)), rate=rate),
-    'a seam that buckles and springs back',
+    'a hull seam that buckles and springs back',
     {'size': (0.002, 0.006), 'half': (0.04, 0.1), 'lever': (-0.15, 0.15)},
     late=True,
 )

@@ -33,6 +33,6 @@ def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
 
 KIND: Final = OutsideKind(
     WrenchEffect('skin', PARAMETERS, wrench, memory=(('a', 0.0), ('b', 0.0)), rate=rate),
-    'a skin with hysteresis',
+    'a hull skin whose folds resist rotation with hysteresis',
     {'size': (0.0005, 0.002), 's': (0.03, 0.3)},
 )

@@ -60,6 +60,6 @@ KIND: Final = OutsideKind(
         memory=(('x', 0.0), ('y', 0.0), ('u', 0.0), ('v', 0.0)),
         rate=rate,
     ),
-    'ballast that slides',
+    'ballast that slides in its tray against a spring',
     {'size': (0.01, 0.03), 'f': (2.0, 6.0), 'damping': (0.03, 0.15)},
 )

@@ -39,7 +39,7 @@ def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
 
 KIND: Final = OutsideKind(
     WrenchEffect('stall', PARAMETERS, wrench, memory=(('wash', -1.0),), rate=rate),
-    'rotors that stall in their own wash',
+    'lifting rotors that stall in their own wash in descent',
     {'size': (0.3, 0.7), 'middle': (0.02, 0.06), 'half': (0.01, 0.03)},
     late=True,
 )

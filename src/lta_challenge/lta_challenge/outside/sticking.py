@@ -33,6 +33,6 @@ def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
 
 KIND: Final = OutsideKind(
     WrenchEffect('sticking', PARAMETERS, wrench, memory=(('time', 0.0),), rate=rate),
-    'a rotor that sticks',
+    'a rotor that sticks at irregular times',
     {'size': (0.2, 0.5)},
 )

@@ -25,6 +25,6 @@ def wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> 
 
 KIND: Final = OutsideKind(
     WrenchEffect('weathercock', PARAMETERS, wrench),
-    'turns into the wind',
+    'a hull that turns into the airflow',
     {'size': (-0.01, 0.01)},
 )

@@ -35,6 +35,6 @@ def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
 
 KIND: Final = OutsideKind(
     WrenchEffect('wobble', PARAMETERS, wrench, memory=(('phase', 0.0),), rate=rate),
-    'a bent shaft',
+    'a bent rotor shaft',
     {'size': (0.1, 0.4), 'f': (8.0, 16.0)},
 )

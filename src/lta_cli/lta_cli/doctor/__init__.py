@@ -59,8 +59,10 @@ def iterate_check_results() -> Iterator[HardwareCheck]:
         try:
             yield check()
         except Exception as error:  # a defect in one check must not hide the others
-            text = f'the check itself failed: {type(error).__name__}: {error}'
-            yield HardwareCheck(name, 'fail', text, 'Report this line as a defect of LTA.')
+            text = f'this check ended with an error: {type(error).__name__}: {error}'
+            yield HardwareCheck(
+                name, 'fail', text, 'This is a bug in LTA; please report this line.'
+            )
 
 
 def run_checks() -> list[HardwareCheck]:

@@ -17,7 +17,7 @@ FIREWALL = (
     " that the interface 'lo' is up."
 )
 
-FAULT = 'A process could not join the graph; fix what its message above names.'
+FAULT = 'A ROS 2 test process could not start; fix the error in the line above.'
 
 
 def domain_ports(domain: int) -> list[int]:
@@ -76,17 +76,20 @@ def check_message_exchange() -> HardwareCheck:
         lines = errors.decode(errors='replace').strip().splitlines()
         if lines:
             return HardwareCheck('dds', 'fail', lines[-1], FAULT)
-        found = f'no answer from another process within {DEADLINE - 2.0:g} s'
+        found = f'no DDS message from a second process within {DEADLINE - 2.0:g} s'
         return HardwareCheck('dds', 'fail', found, FIREWALL)
     times = json.loads(output)
     found = (
-        f'two processes found each other in {times["discovery_s"]:.1f} s, round trip'
-        f' {times["round_trip_s"] * 1e6:.0f} us ({time.monotonic() - began:.1f} s in all)'
+        f'two processes discovered each other in {times["discovery_s"]:.1f} s, round trip'
+        f' {times["round_trip_s"] * 1e6:.0f} us (check took {time.monotonic() - began:.1f} s)'
     )
     # Works, but every start of a graph will be slow
     if times['discovery_s'] > SLOW:
         return HardwareCheck(
-            'dds', 'warn', found, 'Discovery is slow: the machine is busy or lossy.'
+            'dds',
+            'warn',
+            found,
+            'DDS discovery is slow; close other programs, and check the network for packet loss.',
         )
     return HardwareCheck('dds', 'ok', found)
 
@@ -97,15 +100,15 @@ def check_ports() -> HardwareCheck:
     if not text.isdecimal() or int(text) > 232:  # the ports of domain 233 exceed 65535
         found = f'ROS_DOMAIN_ID is {text!r}'
         return HardwareCheck(
-            'ports', 'fail', found, 'Set it to a number from 0 to 101, or unset it.'
+            'ports', 'fail', found, 'Set ROS_DOMAIN_ID to a number from 0 to 101, or unset it.'
         )
     domain = int(text)
     busy = find_busy_ports(domain_ports(domain))
     if busy:
-        found = f'domain {domain}: in use on UDP port {", ".join(map(str, busy))}'
-        remedy = 'Another graph runs here; stop it or choose another domain: ROS_DOMAIN_ID=7'
+        found = f'ROS domain {domain}: UDP port {", ".join(map(str, busy))} in use'
+        remedy = 'Stop the other ROS 2 nodes, or choose another domain, such as ROS_DOMAIN_ID=7'
         return HardwareCheck('ports', 'warn', found, f'{remedy}.')
     listened = domain_ports(domain)
     return HardwareCheck(
-        'ports', 'ok', f'domain {domain}: UDP {listened[0]} to {listened[-1]} are free'
+        'ports', 'ok', f'ROS domain {domain}: UDP ports {listened[0]} to {listened[-1]} are free'
     )

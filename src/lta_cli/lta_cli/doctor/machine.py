@@ -16,7 +16,7 @@ def check_python_version(version: tuple[int, int] = sys.version_info[:2]) -> Har
     found = f'{host.python_version()} ({sys.executable})'
     if not OLDEST_PYTHON <= version <= NEWEST_PYTHON:
         oldest, newest = ('.'.join(map(str, bound)) for bound in (OLDEST_PYTHON, NEWEST_PYTHON))
-        remedy = f'LTA needs {oldest} to {newest}: make PYTHON=/path/to/it.'
+        remedy = f'LTA needs Python {oldest} to {newest}; run: make PYTHON=/path/to/python'
         return HardwareCheck('python', 'fail', found, remedy)
     return HardwareCheck('python', 'ok', found)
 
@@ -25,7 +25,7 @@ def check_platform() -> HardwareCheck:
     """Check the operating system and the processor."""
     found = f'{host.system()} {host.release()}, {host.machine()}'
     if (host.system(), host.machine()) != ('Linux', 'x86_64'):
-        remedy = 'ROS 2 comes as wheels for Linux on x86-64; use such a machine or container.'
+        remedy = 'The ROS 2 wheels need Linux on x86-64; use such a machine or container.'
         return HardwareCheck('platform', 'fail', found, remedy)
     return HardwareCheck('platform', 'ok', found)
 
@@ -35,13 +35,13 @@ def check_disk_space(runs: Path = Path('runs')) -> HardwareCheck:
     # `runs` may not exist yet: use the nearest existing parent
     folder = next(path for path in (runs.absolute(), *runs.absolute().parents) if path.is_dir())
     free = shutil.disk_usage(folder).free / MEGABYTE
-    found = f'{free:.0f} MB free for {runs.absolute()}'
+    found = f'{free:.0f} MB free on the disk of {runs.absolute()}'
     if not os.access(folder, os.W_OK):
         return HardwareCheck(
-            'disk', 'fail', f'{folder} is not writable', 'Change to a folder that you own.'
+            'disk', 'fail', f'{folder} is not writable', 'Work in a folder that you can write to.'
         )
     return grade_value(
-        'disk', free, 2000.0, 200.0, found, 'Remove old runs or choose another folder.'
+        'disk', free, 2000.0, 200.0, found, 'Delete old recordings, or work on another disk.'
     )
 
 
@@ -50,7 +50,7 @@ def check_processor_cores() -> HardwareCheck:
     # Cores that a container or taskset allows, not those of the machine
     count = len(os.sched_getaffinity(0))
     found = f'{count} cores, load {os.getloadavg()[0]:.1f}'
-    remedy = 'Seven nodes share one core: the flight will be slow; give it two or more.'
+    remedy = 'A flight runs seven nodes and is slow on one core; use two cores or more.'
     return grade_value('cores', count, 2, 1, found, remedy)
 
 

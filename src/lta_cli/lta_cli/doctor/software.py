@@ -14,7 +14,7 @@ MODULES = ('rclpy', 'sensor_msgs', 'numpy', 'scipy', 'numba', 'pydantic', 'yaml'
 PACKAGES = ('analysis', 'bridge', 'config', 'control', 'energy', 'graph', 'sim', 'vlc')
 BROWSERS = ('chromium', 'chromium-browser', 'google-chrome', 'google-chrome-stable')
 PATIENCE = 60.0  # s; the first import after an installation reads from a cold disk cache
-MAKE_AGAIN = "Run 'make build'; if that changes nothing, 'make clean' and 'make build'."
+MAKE_AGAIN = "Run 'make build'; if the problem remains, 'make clean' and then 'make build'."
 
 
 def check_dependency_imports() -> HardwareCheck:
@@ -28,7 +28,8 @@ def check_dependency_imports() -> HardwareCheck:
         module = result.stdout.split()[-1]
         why = (result.stderr.strip().splitlines() or [f'exit status {result.returncode}'])[-1]
         return HardwareCheck('wheels', 'fail', f'cannot import {module}: {why}', MAKE_AGAIN)
-    return HardwareCheck('wheels', 'ok', f'{len(MODULES)} of {len(MODULES)} can be imported')
+    found = f'{len(MODULES)} of {len(MODULES)} Python packages can be imported'
+    return HardwareCheck('wheels', 'ok', found)
 
 
 def read_version_pins(constraints: Path) -> dict[str, str]:
@@ -48,7 +49,7 @@ def check_dependency_versions(
 ) -> HardwareCheck:
     """Check that the installed versions are the ones that LTA was tested with."""
     if not constraints.is_file():
-        found = f'not compared: {sys.prefix} is not an environment made by make'
+        found = f'versions not compared: {sys.prefix} was not created by "make build"'
         return HardwareCheck('versions', 'ok', found)
     wanted = read_version_pins(constraints)
     # A pinned package that is not installed is fine: only the tests need it. Records without
@@ -59,13 +60,13 @@ def check_dependency_versions(
         if _normalize_name(item.name) in wanted and item.read_text('INSTALLER')
     }
     other = [
-        f'{name} {version} instead of {wanted[name]}'
+        f'{name} {version} is installed, LTA was tested with {wanted[name]}'
         for name, version in installed.items()
         if version != wanted[name]
     ]
     if other:
         return HardwareCheck('versions', 'warn', ', '.join(other), MAKE_AGAIN)
-    return HardwareCheck('versions', 'ok', f'{len(installed)} packages as pinned')
+    return HardwareCheck('versions', 'ok', f'{len(installed)} packages have the tested version')
 
 
 def check_workspace_packages() -> HardwareCheck:
@@ -79,10 +80,10 @@ def check_workspace_packages() -> HardwareCheck:
         if not any((prefix / index / f'lta_{name}').is_file() for prefix in prefixes)
     ]
     if missing:
-        found = f'not in the ament index: {", ".join(missing)}'
+        found = f'packages missing in the ament index: {", ".join(missing)}'
         return HardwareCheck('packages', 'fail', found, MAKE_AGAIN)
     return HardwareCheck(
-        'packages', 'ok', f'{len(PACKAGES)} of {len(PACKAGES)} in the ament index'
+        'packages', 'ok', f'{len(PACKAGES)} of {len(PACKAGES)} LTA packages in the ament index'
     )
 
 
@@ -94,6 +95,6 @@ def check_browser() -> HardwareCheck:
     return HardwareCheck(
         'browser',
         'warn',
-        'no Chromium; pages can be written, their pictures cannot',
-        'Install one (Debian, Ubuntu: sudo apt install chromium).',
+        'Chromium not found; HTML reports can be written, PNG files of figures cannot',
+        'Install Chromium (Debian, Ubuntu: sudo apt install chromium).',
     )

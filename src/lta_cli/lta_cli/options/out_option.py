@@ -9,7 +9,7 @@ import typer
 def parse_folder(text: str) -> Path:
     """Return a folder; refuse empty text (an unset shell variable), which would mean '.'."""
     if not text.strip():
-        raise typer.BadParameter('it is empty; give a folder')
+        raise typer.BadParameter('the path is empty; give a folder or file')
     return Path(text)
 
 

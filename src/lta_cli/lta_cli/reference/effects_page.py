@@ -26,19 +26,25 @@ Generated from `lta_model.effects` by `./lta effects --markdown > docs/effects.m
 
 The vehicle model is the sum of these effects. Each is one file in
 `src/lta_model/lta_model/effects/` with its equations, limitations and sources. A vehicle file
-enables an effect under `effects:` by giving a parameter a value other than its null value; with
-null values the result is bit-identical. `./lta effects NAME` shows the source of every bound.
-`name_1..` means one parameter per rotor.
+enables an effect under `effects:` by giving a parameter a value other than its null value. With
+null values the effect changes nothing, to the last bit. `./lta effects NAME` shows the source of
+every bound. `name_1..` means one parameter per rotor.
 """
 
 # Title and description of each kind, in the order in which a command passes through the model.
 KINDS: dict[type, tuple[str, str]] = {
-    AirEffect: ('Air', 'Wind at the hull; all other effects use the sum.'),
-    ActuatorEffect: ('Actuators', 'From duty to thrust for each rotor, applied in this order.'),
-    WrenchEffect: ('Force and moment', 'Summed at the hull.'),
-    InertiaEffect: ('Added mass', 'Added to the mass matrix.'),
-    BodyEffect: ('Mass and balance', 'Mass and displaced volume of the vehicle; applied first.'),
-    MeasurementEffect: ('Measurement', 'Errors of sensors, tracker and clocks.'),
+    AirEffect: ('Air', 'Wind at the hull. All other effects use the sum of these winds.'),
+    ActuatorEffect: (
+        'Actuators',
+        'How a duty becomes the thrust of a rotor; applied in this order.',
+    ),
+    WrenchEffect: ('Force and moment', 'Forces and moments on the hull, which are summed.'),
+    InertiaEffect: ('Added mass', 'Terms that are added to the mass matrix.'),
+    BodyEffect: (
+        'Mass and balance',
+        'Changes of the mass and the displaced volume; applied before all others.',
+    ),
+    MeasurementEffect: ('Measurement', 'Errors of sensors, motion tracker and clocks.'),
 }
 
 
@@ -80,6 +86,6 @@ def render_page() -> str:
             for name, effect in select_built_in_effects().items()
             if type(effect) is kind
         ]
-        table = '| effect | what | parameters |\n|---|---|---|\n' + ''.join(rows)
+        table = '| effect | description | parameters |\n|---|---|---|\n' + ''.join(rows)
         texts.append(f'\n## {title}\n{about}\n\n{table}')
     return ''.join(texts)

@@ -21,10 +21,10 @@ Generated from the settings of the nodes by `python -m lta_cli.reference paramet
 docs/parameters.md`.
 
 These are ROS parameters: `./lta run PACKAGE NODE --ros-args -p name:=value`, a launch file, or
-`ros2 param set` with an installed ROS 2. A change that violates the declaration is rejected with
-an error message. *Fixed* parameters can only be set at start. `lta simulate --set` accepts those
-of estimator, demodulator, navigator (`mission`) and energy monitor. Gains of a vehicle are files
-in `config/control`.
+`ros2 param set` with an installed ROS 2. A value of a wrong type or outside the bounds is
+rejected with an error message. *Fixed* parameters can only be set at start. `lta simulate --set`
+accepts those of estimator, demodulator, navigator (`mission`) and energy monitor. Gains of a
+vehicle are files in `config/control`.
 """
 
 
@@ -32,7 +32,7 @@ def render_page() -> str:
     """Return the page: the common parameters, then a section for each node."""
     tables = [
         format_model_section(
-            'Every node', GraphSettings, 'Parameters that every node of the graph has.'
+            'Every node', GraphSettings, 'Parameters that all ROS nodes of LTA have.'
         )
     ]
     tables += [

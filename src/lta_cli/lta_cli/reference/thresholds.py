@@ -10,14 +10,14 @@ from typing import Final, final, NamedTuple
 PACKAGE: Final = 'lta_discovery'
 # Modules that contain decision thresholds, in order; the rest of the package is presentation.
 PARTS: Final = {
-    'flights': 'Which readings count',
-    'model': 'What can be turned',
-    'replay': 'How finely a flight is replayed',
+    'flights': 'Selection of sensor readings',
+    'model': 'Model parameters that can be fitted',
+    'replay': 'Resolution of the flight replay',
     'fit': 'Fitting',
-    'selection': 'Naming',
+    'selection': 'Selection of effects',
     'unmodeled': 'Unexplained forces',
     'forecast': 'Forecasts',
-    'transfer': 'Names by forecasts, on real flights',
+    'transfer': 'Selection of effects by forecasts, on real flights',
     'conclusion': 'The conclusion',
     'study': 'The whole study',
 }
@@ -30,7 +30,7 @@ DECLARED: Final = re.compile(
 # Array sizes (of a state, a wrench or a column) are not thresholds.
 SHAPES: Final = ('AXES', 'POSE', 'RIGID', 'WIDTH')
 KEPT: Final = 'discovery_sensitivity.json'
-TABLE: Final = """| constant | value | what it is | doubled | halved |
+TABLE: Final = """| constant | value | unit and meaning | if doubled | if halved |
 |---|---|---|---|---|
 """
 HEAD: Final = """# Thresholds of discovery

@@ -28,13 +28,13 @@ import typer
 
 def cells(
     table: Annotated[
-        str, typer.Argument(help='Table of solar cells, shipped name or file.')
+        str, typer.Argument(help='Table of solar cells: a shipped name or a file.')
     ] = 'seed_paper',
     budget: Annotated[
-        str, typer.Option(help='Largest mass of the panels of an array, such as "50 g".')
+        str, typer.Option(help='Maximum mass of a solar array, such as "50 g".')
     ] = '50 g',
     vehicle: Annotated[
-        str, typer.Option(help='Vehicle whose charger and loads are used.')
+        str, typer.Option(help='Vehicle whose solar charger and electrical loads are used.')
     ] = 'gtmab',
     out: Out = None,
     pictures: Pictures = None,
@@ -61,12 +61,14 @@ def cells(
     mass, energy = parse_mass(budget), load_vehicle_file(vehicle).energy
     # Without a charger, the surplus of an array is undefined
     if energy.charger is None:
-        raise BadInput(f'{vehicle} has no charger for solar panels; choose another --vehicle.')
+        raise BadInput(
+            f"Vehicle '{vehicle}' has no charger for solar panels; choose another --vehicle."
+        )
     read = load_cell_table(table)
     target = prepare_empty_folder(resolve_folder(out, 'cells'))
     content = write_json(to_json(read, energy, mass), target / 'cells.json')
     again = format_lta_command('cells', table, '--budget', budget, '--vehicle', vehicle)
-    page = write_page(read, energy, mass, {'Find it again': again}, target / 'report.html')
+    page = write_page(read, energy, mass, {'Repeat this study': again}, target / 'report.html')
     if pictures is not None:
         write_pictures(page, pictures)
     if json:

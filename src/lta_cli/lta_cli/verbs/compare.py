@@ -38,8 +38,8 @@ def compare(
     pair: Annotated[
         list[str] | None,
         typer.Option(
-            help='Topics or channels to compare, as A=B, such as odom=ground_truth/odom; '
-            'repeatable. By default those of the same name.'
+            help='Compare a topic or channel of bag A with one of bag B, such as '
+            'odom=ground_truth/odom; repeatable. By default, those with the same name.'
         ),
     ] = None,
     topic: Annotated[
@@ -73,8 +73,8 @@ def compare(
     tolerance: Annotated[
         list[str] | None,
         typer.Option(
-            help='CHANNEL=VALUE: tolerance of a channel, instead of its noise band; CHANNEL may '
-            'be a pattern, such as "odom/*position*=0.05 m"; repeatable.'
+            help='Tolerance of a channel, used instead of its measured noise: CHANNEL=VALUE, such '
+            'as "odom/*position*=0.05 m" (* matches any text); repeatable.'
         ),
     ] = None,
     same: Annotated[
@@ -88,9 +88,9 @@ def compare(
             metavar='FOLDER',
         ),
     ] = None,
-    page: Annotated[bool, typer.Option(help='Write the page.')] = True,
+    page: Annotated[bool, typer.Option(help='Write the HTML report.')] = True,
     pictures: Pictures = None,
-    json: Annotated[bool, typer.Option('--json', help='Print everything as JSON.')] = False,
+    json: Annotated[bool, typer.Option('--json', help='Print all results as JSON.')] = False,
 ) -> None:
     """
     Compare two flights, simulated or measured: where, when and by how much they differ.
@@ -117,7 +117,7 @@ def compare(
     other = open_comparison_flight(b, robots[2] or robots[0], 'B')
     # The pictures are rendered from the page
     if pictures is not None and not page:
-        raise BadInput('--pictures needs the page; leave out --no-page.')
+        raise BadInput('--pictures needs the HTML report; remove --no-page.')
     check_picture_output(pictures)
     # A default folder has the time in its name and is always new
     if out is not None and out.exists():
@@ -151,7 +151,7 @@ def open_comparison_flight(path: Path, robot: str, label: str) -> RecordedFlight
         # The user must choose a robot for this side
         if 'several robots' in str(error):
             raise BadInput(
-                f'{label}: {error} For two different robots: --robot lta1:lta2.'
+                f'Bag {label}: {error} To compare different robots, use --robot A:B.'
             ) from error
         raise
 

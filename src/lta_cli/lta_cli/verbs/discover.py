@@ -27,7 +27,7 @@ BAG = 'Bag folders, results folders or .mcap files'
 
 def discover(
     vehicle: Annotated[
-        str | None, typer.Option(help='Nominal model of the flown vehicle, name or file.')
+        str | None, typer.Option(help='Vehicle file to check against the flights, name or file.')
     ] = None,
     train: Annotated[
         list[Path] | None, typer.Option(metavar='BAG...', help=f'Training flights. {BAG}.')
@@ -35,33 +35,36 @@ def discover(
     confirm: Annotated[
         list[Path] | None,
         typer.Option(
-            metavar='BAG...', help='Other flights of the vehicle, to confirm the result.'
+            metavar='BAG...', help='Other flights of the same vehicle, to confirm the result.'
         ),
     ] = None,
     holdout: Annotated[
         list[Path] | None,
         typer.Option(
             metavar='BAG...',
-            help='Flights for testing: prediction errors are reported, nothing is fitted.',
+            help='Test flights: used only to report prediction errors, not to fit anything.',
         ),
     ] = None,
     robot: Annotated[
         str | None, typer.Option(help='Robot whose flight is used; needed if a bag has several.')
     ] = None,
     demo: Annotated[
-        bool, typer.Option('--demo', help='Run a demonstration: hide an effect, fly, discover it.')
+        bool,
+        typer.Option(
+            '--demo', help='Demonstration: simulate flights with a hidden effect and discover it.'
+        ),
     ] = False,
     plan: Annotated[
         bool,
         typer.Option(
             '--plan',
-            help='Plan the next flight: the one that best separates the candidate effects.',
+            help='Also plan the next flight that best distinguishes the candidate effects.',
         ),
     ] = False,
     between: Annotated[
         tuple[str, str] | None,
         typer.Option(
-            metavar='EFFECT EFFECT', help='Plan a flight that separates these two effects.'
+            metavar='EFFECT EFFECT', help='Plan a flight that distinguishes these two effects.'
         ),
     ] = None,
     scenario: Annotated[
@@ -71,7 +74,7 @@ def discover(
     out: Out = None,
     pictures: Pictures = None,
     json: Annotated[
-        bool, typer.Option('--json', help='Print the content of discovery.json, and nothing else.')
+        bool, typer.Option('--json', help='Print only the content of discovery.json.')
     ] = False,
 ) -> None:
     """
@@ -106,7 +109,7 @@ def discover(
     # Refuse contradictory options before any work
     _check_exclusive_options(vehicle, any(bags.values()), demo, between is not None)
     if pictures is not None and between is not None:
-        raise BadInput('--between writes no page; leave out --pictures.')
+        raise BadInput('--between writes no HTML report; remove --pictures.')
     check_picture_output(pictures)
     folder = resolve_folder(out, 'discover-demo' if demo else 'discover')
     # Discovery takes minutes: find out now whether its results can be written
@@ -135,14 +138,16 @@ def discover(
 def _check_exclusive_options(vehicle: str | None, bags: bool, demo: bool, between: bool) -> None:
     """Refuse options that exclude each other."""
     if demo and (bags or vehicle):
-        raise BadInput('--demo makes its own flights; leave out the vehicle and the bags.')
+        raise BadInput('--demo simulates its own flights; remove --vehicle and the bags.')
     if not demo and vehicle is None:
         raise BadInput(
-            'There is no vehicle file to compare the flights with; name one with --vehicle, or '
+            'A vehicle file to compare the flights with is missing; name one with --vehicle, or '
             'try --demo.'
         )
     if between and (bags or demo):
-        raise BadInput('--between plans without flights; leave out the bags, or use --plan.')
+        raise BadInput(
+            '--between plans without flights; remove the bags and --demo, or use --plan instead.'
+        )
 
 
 def print_result_json(result: DiscoveryResult, hidden: DemoEffect | None) -> None:

@@ -32,16 +32,18 @@ def fly(
     time: Annotated[
         Literal['lockstep', 'realtime'] | None,
         typer.Option(
-            help='lockstep: as fast as the nodes respond. realtime: at wall-clock speed.',
+            help='Clock. lockstep: as fast as the nodes respond. realtime: wall-clock speed.',
             show_default='lockstep; realtime with --live',
         ),
     ] = None,
     out: Out = None,
-    live: Annotated[bool, typer.Option('--live', help='Stream the flight to Foxglove.')] = False,
+    live: Annotated[
+        bool, typer.Option('--live', help='Stream the flight live to Foxglove.')
+    ] = False,
     live_port: Annotated[
-        int, typer.Option(help='Port of the live view.', min=1, max=65535)
+        int, typer.Option(help='Port for Foxglove, with --live.', min=1, max=65535)
     ] = PORT,
-    page: Annotated[bool, typer.Option(help='Write the page of the flight.')] = True,
+    page: Annotated[bool, typer.Option(help='Write an HTML report of the flight.')] = True,
     json: Json = False,
 ) -> None:
     """
@@ -119,7 +121,7 @@ def format_outcome(flight: FlightRun, figures: FlightResults | None) -> str:
 def print_files(bag: Path, page: Path | None, console: Console) -> None:
     """Print the paths of the results and how to open them."""
     lines = [
-        f'Bag  {bag}  (drop it into Foxglove, or: '
+        f'Bag  {bag}  (open it in Foxglove, or run: '
         f'{format_lta_command("bag", "info", relative_path(bag))})'
     ]
     if page is not None:

@@ -27,10 +27,9 @@ def import_(
     mapping: Annotated[
         str | None,
         typer.Option(
-            help='Meaning of the columns: a file, or one of '
+            help='Mapping that defines the columns: a file, or one of '
             f'{", ".join(list_shipped_names("imports"))}. '
-            'Detected from the columns if only one shipped '
-            'mapping fits.'
+            'By default, the only shipped mapping that fits the columns.'
         ),
     ] = None,
     format: Annotated[
@@ -38,9 +37,7 @@ def import_(
         typer.Option(help=f'File format: {", ".join(get_args(Format))}; detected by default.'),
     ] = None,
     out: Out = None,
-    robot: Annotated[
-        str, typer.Option(help='Robot namespace of the topics in the new bag.')
-    ] = 'lta1',
+    robot: Annotated[str, typer.Option(help='Namespace of the topics in the new bag.')] = 'lta1',
     vehicle: Annotated[
         str | None, typer.Option(help='Flown vehicle, name or file; stored in the bag.')
     ] = None,
@@ -70,7 +67,7 @@ def import_(
     console = plain_console(stderr=json)
     # The robot becomes a ROS namespace
     if not is_name(robot):
-        raise BadInput(f"Robot '{robot}' is not a valid namespace; use letters and digits.")
+        raise BadInput(f"--robot '{robot}' is not a valid ROS namespace; use letters and digits.")
     # A name such as '.csv' has an empty stem
     name = sources[0].name.split('.')[0] or 'log'
     target = resolve_folder(out, name)

@@ -21,7 +21,10 @@ WHEELS = 'wheels'  # tools/workspace.sh: the underlay is pip wheels, without a r
 
 
 def launch(
-    file: Annotated[str, typer.Argument(help='Shipped launch file (fly) or a *.launch.yaml.')],
+    file: Annotated[
+        str,
+        typer.Argument(help='Launch file (*.launch.yaml), or a shipped one: fly, pair, emulated.'),
+    ],
     given: Annotated[
         list[str] | None, typer.Argument(metavar='[NAME:=VALUE]...', help='Launch arguments.')
     ] = None,

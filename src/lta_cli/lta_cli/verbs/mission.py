@@ -22,7 +22,7 @@ DAY = 86400.0
 
 
 def mission(
-    name: Annotated[str, typer.Argument(help='Mission, shipped name or file.')] = 'greenhouse',
+    name: Annotated[str, typer.Argument(help='Mission: a shipped name or a file.')] = 'greenhouse',
     days: Annotated[int, typer.Option(help='Days to simulate.', min=1, max=365)] = 1,
     seeds: Annotated[
         int, typer.Option(help='Number of runs, each with different weather.', min=1, max=1000)
@@ -32,7 +32,7 @@ def mission(
         Literal['all', 'by light', 'duty cycle', 'duty cycle, asleep'],
         typer.Option(
             help='When to fly. by light: as light and charge allow. duty cycle: at fixed times, '
-            'as a baseline. all: run every schedule.'
+            'as a baseline; asleep: with sleep between flights. all: simulate each schedule.'
         ),
     ] = 'all',
     out: Out = None,

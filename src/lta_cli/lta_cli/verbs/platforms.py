@@ -31,14 +31,17 @@ import typer
 
 def platforms(
     file: Annotated[
-        str, typer.Argument(help='Shipped comparison (platforms) or a comparison file.')
+        str, typer.Argument(help='Comparison file, or the shipped one: platforms.')
     ] = 'platforms',
     seeds: Annotated[
         int | None,
-        typer.Option(help='Number of flights of each platform; as in the file by default.', min=1),
+        typer.Option(
+            help='Number of flights of each platform; by default as in the comparison file.', min=1
+        ),
     ] = None,
     workers: Annotated[
-        int | None, typer.Option(help='Worker processes; one per processor by default.', min=1)
+        int | None,
+        typer.Option(help='Number of worker processes; one per processor by default.', min=1),
     ] = None,
     out: Out = None,
     pictures: Annotated[
@@ -47,7 +50,9 @@ def platforms(
             help='Write each figure as PNG to this folder; needs Chromium.', metavar='FOLDER'
         ),
     ] = None,
-    json: Annotated[bool, typer.Option('--json', help='Print every flight as JSON.')] = False,
+    json: Annotated[
+        bool, typer.Option('--json', help='Print the results of all flights as JSON.')
+    ] = False,
 ) -> None:
     """
     Compare platforms in climb, turn, heading and cruise, each with its own control law.

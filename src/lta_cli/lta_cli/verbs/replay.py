@@ -31,7 +31,7 @@ def replay(
         str, typer.Option(help='Nodes to rerun, separated by commas.')
     ] = 'demodulator,navigator',
     against: Annotated[
-        bool, typer.Option('--against', help='Compare every output with the recorded one.')
+        bool, typer.Option('--against', help='Compare all outputs with the recorded ones.')
     ] = False,
     set_: Annotated[
         list[str] | None,
@@ -54,14 +54,16 @@ def replay(
     rate: Annotated[
         float | None,
         typer.Option(
-            help='Playback speed relative to real time; lockstep by default.', min=1e-3, max=1e6
+            help='Playback speed relative to real time; by default as fast as the nodes respond.',
+            min=1e-3,
+            max=1e6,
         ),
     ] = None,
     start: Annotated[
-        float, typer.Option(help='Start this many seconds into the bag.', min=0.0)
+        float, typer.Option(help='Start time in seconds after the first message.', min=0.0)
     ] = 0.0,
     end: Annotated[
-        float | None, typer.Option(help='End this many seconds after the first message.', min=0.0)
+        float | None, typer.Option(help='End time in seconds after the first message.', min=0.0)
     ] = None,
     out: Annotated[
         Path | None,
@@ -135,12 +137,12 @@ def write_results(
     if json:
         sys.stdout.write(written)
     if not played.is_complete:
-        console.print('The replay did not finish.', highlight=False)
+        console.print('The replay stopped before the end of the recording.', highlight=False)
     elif played.standing is not None:
         status = played.standing
         console.print(
             f'Replayed {status["time_s"]} s at {status["pace"]} x real time: '
-            f'{status["messages"]} messages played, {status["answers"]} outputs.',
+            f'{status["messages"]} messages played, {status["answers"]} output messages.',
             highlight=False,
         )
     if verdict is not None:
@@ -178,9 +180,8 @@ def print_verdict(verdict: ReplayVerdict, console: Console) -> None:
             at = verdict.relative_time(int(decision.keys[decision.first_change]))
             how = f', {format_largest_change(decision)}' if decision.unit else ''
             console.print(
-                f'{decision.name}: {decision.change_count} of {len(decision.keys)} changed, first '
-                f'at '
-                f'{at:.2f} s{how}.',
+                f'{decision.name}: {decision.change_count} of {len(decision.keys)} decisions '
+                f'differ from the recording, first at {at:.2f} s{how}.',
                 highlight=False,
             )
     for topic in verdict.topics:

@@ -18,7 +18,7 @@ def report(
     out: Annotated[
         Path | None,
         typer.Option(
-            help='HTML file; by default report.html or report-ROBOT.html next to the bag.'
+            help='HTML file to write; by default report.html or report-ROBOT.html next to the bag.'
         ),
     ] = None,
     robot: Annotated[

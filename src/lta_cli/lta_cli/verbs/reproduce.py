@@ -35,9 +35,12 @@ LIST_HEADS = ('name', 'row', 'seeds', 'quick', 'claims', 'defects')
 
 def reproduce(
     names: Annotated[
-        list[str] | None, typer.Argument(help='Rows (experiments) to reproduce; all by default.')
+        list[str] | None,
+        typer.Argument(help='Experiments (rows) to reproduce, see --list; all by default.'),
     ] = None,
-    listed: Annotated[bool, typer.Option('--list', help='List the rows and run nothing.')] = False,
+    listed: Annotated[
+        bool, typer.Option('--list', help='List the experiments (rows) and exit.')
+    ] = False,
     quick: Annotated[
         bool,
         typer.Option(
@@ -53,11 +56,12 @@ def reproduce(
         ),
     ] = None,
     workers: Annotated[
-        int | None, typer.Option(help='Worker processes; one per processor by default.', min=1)
+        int | None,
+        typer.Option(help='Number of worker processes; one per processor by default.', min=1),
     ] = None,
     pictures: Pictures = None,
     as_markdown: Annotated[bool, typer.Option('--markdown', help='Print docs/paper.md.')] = False,
-    json: Annotated[bool, typer.Option('--json', help='Print the figures as JSON.')] = False,
+    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
 ) -> None:
     """
     Repeat every experiment of the seed paper; report what agrees, what differs, and why.
@@ -92,7 +96,7 @@ def reproduce(
     # Command that repeats the run, shown on the page
     words = ['reproduce', *(names or []), *(['--quick'] if quick else [])]
     page = write_page(
-        rows, kepts, {'Find it again': format_lta_command(*words)}, target / 'report.html'
+        rows, kepts, {'Repeat this study': format_lta_command(*words)}, target / 'report.html'
     )
     if pictures is not None:
         write_pictures(page, pictures)

@@ -14,7 +14,7 @@ from lta_sim.simulated_vehicle import is_compiled
 import typer
 
 KNOWN = ', '.join(STRATEGIES)
-COMPILING = 'compiling the model (only the first time, about half a minute)'
+COMPILING = 'compiling the vehicle model (only the first time, about half a minute)'
 
 
 def simulate(
@@ -30,7 +30,7 @@ def simulate(
         typer.Option('--set', metavar='PATH=VALUE', help='Override a parameter; repeatable.'),
     ] = None,
     out: Out = None,
-    bag: Annotated[bool, typer.Option(help='Record a bag and write its page.')] = True,
+    bag: Annotated[bool, typer.Option(help='Record a bag and write an HTML report.')] = True,
     json: Json = False,
 ) -> None:
     """
@@ -71,7 +71,7 @@ def simulate(
             del content['bag']
         print_json(content)
     console.print(format_outcome(flight, figures), highlight=False, soft_wrap=True)
-    console.print(f'Simulated at {flight.pace:.1f} x real time.', highlight=False)
+    console.print(f'Simulation speed: {flight.pace:.1f} x real time.', highlight=False)
     if bag:
         print_files(flight.bag, target, console)
     if flight.outcome != 'reached':

@@ -20,7 +20,7 @@ import typer
 
 
 def sweep(
-    file: Annotated[str, typer.Argument(help='Shipped sweep (heaviness) or a sweep file.')],
+    file: Annotated[str, typer.Argument(help='Sweep file, or a shipped one, such as heaviness.')],
     out: Annotated[
         Path | None,
         typer.Option(
@@ -30,24 +30,28 @@ def sweep(
         ),
     ] = None,
     workers: Annotated[
-        int | None, typer.Option(help='Worker processes; one per processor by default.', min=1)
+        int | None,
+        typer.Option(help='Number of worker processes; one per processor by default.', min=1),
     ] = None,
     scheduler: Annotated[
         str | None,
-        typer.Option(metavar='ADDRESS', help='Use the Dask cluster of this scheduler.'),
+        typer.Option(metavar='ADDRESS', help='Run on a Dask cluster; address of its scheduler.'),
     ] = None,
     device: Annotated[
         Device | None,
-        typer.Option(help='Fly as one batch, on all cores (cpu-batch) or on a GPU (gpu).'),
+        typer.Option(
+            help='Simulate all flights as one batch: on all cores (cpu-batch) or on a GPU (gpu).'
+        ),
     ] = None,
     duties: Annotated[
         str | None,
         typer.Option(
-            metavar='A,B,...', help='With --device: fly open loop with these rotor duties.'
+            metavar='A,B,...',
+            help='With --device: fly open loop with these rotor duties, -1 to 1.',
         ),
     ] = None,
     retry: Annotated[bool, typer.Option('--retry-failed', help='Repeat failed flights.')] = False,
-    page: Annotated[bool, typer.Option(help='Write the page of the sweep.')] = True,
+    page: Annotated[bool, typer.Option(help='Write an HTML report of the sweep.')] = True,
     json: Annotated[bool, typer.Option('--json', help='Print the summary as JSON.')] = False,
 ) -> None:
     """
@@ -99,7 +103,9 @@ def parse_duties(text: str | None) -> tuple[float, ...]:
         # NaN fails the range check below, which has the error message
         found = (math.nan,)
     if not all(-1.0 <= duty <= 1.0 for duty in found):
-        raise BadInput(f"The duties are '{text}'; give numbers from -1 to 1, separated by commas.")
+        raise BadInput(
+            f"--duties '{text}' is invalid; give numbers from -1 to 1, such as 0.2,0.2."
+        )
     return found
 
 
@@ -108,10 +114,10 @@ def check_exclusive_options(
 ) -> None:
     """Refuse options that exclude each other."""
     if duties and device is None:
-        raise BadInput('Open-loop duties (--duties) need batch mode; add --device.')
+        raise BadInput('--duties needs batch mode; add --device cpu-batch or --device gpu.')
     if device is not None and (workers is not None or scheduler is not None):
         raise BadInput(
-            '--device cannot be combined with --workers or --scheduler; leave those out.'
+            '--device cannot be combined with --workers or --scheduler; remove one of them.'
         )
 
 
@@ -141,9 +147,12 @@ def print_summary(done: SweepRun, console: Console) -> None:
         rate = done.flown / done.wall
         lines.append(f'{done.flown} flights in {done.wall:.0f} s: {rate:.2f} flights/s.')
     else:
-        lines.append('All flights were already stored.')
+        lines.append('All flights were already stored; nothing was flown.')
     if done.deaths:
-        lines.append(f'{done.deaths} workers were lost; other workers flew their flights.')
+        lines.append(
+            f'{done.deaths} worker processes were lost; their flights were repeated or count as '
+            'failed.'
+        )
     failures = Counter(row.sentence for row in done.rows if row.outcome == FAILED)
     # The three most frequent reasons; the table has all
     for sentence, count in failures.most_common(3):

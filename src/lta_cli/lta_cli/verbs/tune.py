@@ -54,7 +54,9 @@ def parse_mass(text: str) -> float:
     # To kg; other units are not a mass
     factor = {'g': 1e-3, 'kg': 1.0}.get(found['unit']) if found else None
     if found is None or factor is None or not isinstance(found['value'], int | float):
-        raise typer.BadParameter(f"'{text}' is not a mass; give one such as '6 g'")
+        raise typer.BadParameter(
+            f"'{text}' is not a mass; give a number with a unit, such as '6 g'"
+        )
     return float(found['value']) * factor
 
 
@@ -84,16 +86,18 @@ def tune(
     cases: Annotated[
         int,
         typer.Option(
-            help='Number of losses of lift in that range; each candidate flies once at each.',
+            help='Number of losses of lift from --least to --most; candidates fly once at each.',
             min=1,
         ),
     ] = 4,
     budget: Annotated[
-        int, typer.Option(help='Number of candidate gain sets to fly.', min=1)
+        int, typer.Option(help='Number of candidate sets of gains to fly.', min=1)
     ] = 121,
     draws: Annotated[
         int,
-        typer.Option(help='Number of new random cases that compare the old and new gains.', min=2),
+        typer.Option(
+            help='Number of new random cases on which old and new gains are compared.', min=2
+        ),
     ] = 20,
     numbers: Annotated[
         list[str] | None,
@@ -111,12 +115,12 @@ def tune(
         Path | None,
         typer.Option(
             '--folder',
-            help='Folder of the search log and the page; runs/tune-<name>-<hash> by default.',
+            help='Folder of the search log and the report; runs/tune-<name>-<hash> by default.',
             parser=parse_folder,
             metavar='FOLDER',
         ),
     ] = None,
-    page: Annotated[bool, typer.Option(help='Write the page of the tuning.')] = True,
+    page: Annotated[bool, typer.Option(help='Write an HTML report of the tuning.')] = True,
     json: Json = False,
 ) -> None:
     """

@@ -46,15 +46,21 @@ def wind(
         float, typer.Option(help='Height of the hull centre in metres.', min=0.1, max=100.0)
     ] = 0.5,
     reference: Annotated[
-        float, typer.Option(help='Height of the reference wind in metres.', min=0.5, max=300.0)
+        float,
+        typer.Option(
+            help='Height at which the reference wind is given, in metres.', min=0.5, max=300.0
+        ),
     ] = 10.0,
     scenario: Annotated[
-        str, typer.Option(help='Scenario; its mean wind is replaced, its turbulence stays.')
+        str,
+        typer.Option(
+            help='Scenario to fly in; its mean wind is replaced, its turbulence is kept.'
+        ),
     ] = 'windy_field',
     seeds: Annotated[
         int,
         typer.Option(
-            help='Flights at each wind; a wind counts as flyable only if all make headway.',
+            help='Flights at each wind speed, which is flyable if all of them make headway.',
             min=1,
             max=1000,
         ),
@@ -173,7 +179,7 @@ def print_table(
 ) -> None:
     """Print the table and its notes."""
     printed = Table(
-        title='Wind limits in m/s: static and flown',
+        title='Wind limits in m/s: computed (static) and simulated (flown)',
         title_justify='left', box=None, pad_edge=False, padding=(0, 1, 0, 0),
     )  # fmt: skip
     for column in rows[0]:
@@ -188,8 +194,8 @@ def print_table(
         printed.add_row(*row)
     console.print(printed)
     console.print(
-        f'even: uniform wind. z0: wind at {request.reference:g} m height over this roughness '
-        f'length in metres, with the hull at {request.height:g} m.',
+        f'even: uniform wind. z0: wind at {request.reference:g} m height over ground of this '
+        f'roughness length in metres; the hull flies at {request.height:g} m.',
         highlight=False,
     )
     for each in limits:

@@ -77,7 +77,7 @@ def test_without_its_name_typed_nothing_is_even_connected(drone, call, typed, te
     typed(text)
     status, said = call('hardware', 'bench', 'm2', '--uri', drone.uri)
     assert status == 2
-    assert said.err == "Nothing turned: 'spin m2' was not typed.\n"
+    assert said.err == "Cancelled: 'spin m2' was not typed, so no motor turned.\n"
     assert at_rest(drone)
     assert drone.firmware.log.blocks == {}
 

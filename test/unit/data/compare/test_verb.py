@@ -75,7 +75,7 @@ def test_the_pictures_of_the_page_are_taken_if_asked_for(tmp_path, monkeypatch, 
         (['--align', 'motion'], 'The flights have no common start of motion or commands'),
         (
             ['--pictures', 'p', '--no-page'],
-            '--pictures needs the page; leave out --no-page.',
+            '--pictures needs the HTML report; remove --no-page.',
         ),
     ],
 )

@@ -83,7 +83,12 @@ CASES = {
     'unknown mapping': ('a.csv', b't,x\n1,2\n', ('--mapping', 'mine'), 'known: crazyflie_usd'),
     'unknown format': ('a.csv', b't,x\n1,2\n', ('--format', 'xls'), "Unknown format 'xls'"),
     'other format': ('a.csv', b't,x\n1,2\n', ('--format', 'usd'), 'is not a Crazyflie log'),
-    'robot': ('a.csv', b't,x\n1,2\n', ('--robot', 'a b'), "Robot 'a b' is not a valid namespace"),
+    'robot': (
+        'a.csv',
+        b't,x\n1,2\n',
+        ('--robot', 'a b'),
+        "--robot 'a b' is not a valid ROS namespace",
+    ),
     'vehicle': ('a.txt', TRACE.encode(), ('--mapping', 'tum', '--vehicle', 'x'), 'known: beavis'),
     'not a gzip': ('a.csv.gz', b'\x1f\x8bnothing', (), 'cannot be read'),
 }

@@ -129,8 +129,8 @@ def test_the_command_lists_all_and_draws_some(call, bag, tmp_path):
     ('words', 'sentence'),
     [
         (('none',), "No channel matches 'none'"),
-        (('motors', '--from', '5', '--to', '4'), '--from (5 s) is not below --to (4 s)'),
-        (('motors', '--from', '99'), 'have no data in that time range'),
+        (('motors', '--from', '5', '--to', '4'), '--from (5 s) must be less than --to (4 s)'),
+        (('motors', '--from', '99'), 'have no data between --from and --to'),
     ],
 )
 def test_what_cannot_be_shown_is_one_sentence(call, bag, words, sentence):

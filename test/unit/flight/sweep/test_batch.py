@@ -70,7 +70,10 @@ def test_it_is_flown_once_and_has_table_and_page(sweep, tmp_path):
 def test_flights_of_another_kind_do_not_go_into_its_log(sweep, tmp_path):
     file, folder = sweep(), tmp_path / 'out'
     run(file, folder, page=False)
-    with pytest.raises(BadInput, match=r'belongs to another sweep; choose another --out'):
+    with pytest.raises(
+        BadInput,
+        match=r'is the log of a sweep with other settings; choose another folder with --out',
+    ):
         run(file, folder, duties=(0.1, 0.1, 0.1, 0.1))
 
 
@@ -156,13 +159,13 @@ def test_a_sweep_over_few_values_is_no_map(sweep):
 
 
 def test_options_that_exclude_each_other_are_refused():
-    with pytest.raises(BadInput, match=r'Open-loop duties \(--duties\) need batch mode'):
+    with pytest.raises(BadInput, match='--duties needs batch mode'):
         check_exclusive_options(None, (0.1,), None, None)
     with pytest.raises(
         BadInput, match=r'--device cannot be combined with --workers or --scheduler'
     ):
         check_exclusive_options('gpu', (), 2, None)
-    with pytest.raises(BadInput, match=r"The duties are '1,x'; give numbers from -1 to 1"):
+    with pytest.raises(BadInput, match=r"--duties '1,x' is invalid; give numbers from -1 to 1"):
         parse_duties('1,x')
     assert parse_duties('0.1,-0.5') == (0.1, -0.5)
 

@@ -113,7 +113,10 @@ def test_a_torn_line_is_flown_again(sweep, tmp_path, here):
 def test_another_sweep_is_not_mixed_in(sweep, tmp_path, here):
     folder = tmp_path / 'out'
     run(sweep(1), folder)
-    with pytest.raises(BadInput, match='belongs to another sweep; choose another --out'):
+    with pytest.raises(
+        BadInput,
+        match='is the log of a sweep with other settings; choose another folder with --out',
+    ):
         run(sweep(2), folder)
     (tmp_path / 'full').mkdir()
     (tmp_path / 'full' / 'thesis.tex').touch()

@@ -296,7 +296,7 @@ def test_the_command_takes_sets_without_repeating_the_option(done, capsys, monke
     assert app.run_command_line() == 0
     said = capsys.readouterr()
     assert said.out.startswith('# Scores of navigation')
-    assert 'All flights were already stored.' in said.err
+    assert 'All flights were already stored; nothing was flown.' in said.err
     monkeypatch.setattr(sys, 'argv', ['lta', 'light', 'evaluate', '--sets', 'indoor'])
     assert app.run_command_line() == 2
     assert "Unknown set 'indoor'; known: ablations, indoors (" in capsys.readouterr().err

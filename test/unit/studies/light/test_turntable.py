@@ -123,4 +123,4 @@ def test_a_recording_that_does_not_say_how_it_turned_asks(call, bag):
     assert said.err.startswith('The recording has no ground_truth/odom')
     status, said = call('hardware', 'light', bag, '--step', '22.5')
     assert status == 2
-    assert 'give either --rate, or --step with --hold' in said.err
+    assert 'give either --rate, or both --step and --hold' in said.err

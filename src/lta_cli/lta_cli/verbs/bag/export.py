@@ -16,7 +16,7 @@ import typer
 def export(
     bag: Annotated[Path, typer.Argument(help='Bag folder, results folder or .mcap file.')],
     form: Annotated[
-        str, typer.Option('--format', help=f'Format of the files: {", ".join(FORMATS)}.')
+        str, typer.Option('--format', help=f'Format of the exported files: {", ".join(FORMATS)}.')
     ] = 'parquet',
     topics: Annotated[
         str,
@@ -27,14 +27,16 @@ def export(
     out: Annotated[
         Path | None,
         typer.Option(
-            help='Folder of the files, new or empty; runs/<time>-export by default.',
+            help='Folder for the files, new or empty; runs/<time>-export by default.',
             parser=parse_folder,
             metavar='FOLDER',
         ),
     ] = None,
     rate: Annotated[
         float | None,
-        typer.Option(help='Resample all topics to this rate, into one table.', metavar='HZ'),
+        typer.Option(
+            help='Resample all topics to this rate and write them as one table.', metavar='HZ'
+        ),
     ] = None,
     method: Annotated[
         str,

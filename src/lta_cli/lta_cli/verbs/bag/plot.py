@@ -27,11 +27,14 @@ def plot(
     bag: Annotated[Path, typer.Argument(help='Bag folder, results folder or .mcap file.')],
     patterns: Annotated[
         list[str] | None,
-        typer.Argument(metavar='CHANNEL...', help='Channels, topics, or either with *.'),
+        typer.Argument(
+            metavar='CHANNEL...',
+            help='Channels or topics to plot, also with *; without any, lists all.',
+        ),
     ] = None,
     begin: Annotated[float, typer.Option('--from', help='Start time in seconds.')] = -math.inf,
     end: Annotated[float, typer.Option('--to', help='End time in seconds.')] = math.inf,
-    png: Annotated[Path | None, typer.Option(help='PNG file to write; needs a Chromium.')] = None,
+    png: Annotated[Path | None, typer.Option(help='PNG file to write; needs Chromium.')] = None,
     html: Annotated[Path | None, typer.Option(help='Interactive HTML page to write.')] = None,
     robot: Annotated[
         str | None, typer.Option(help='Robot to plot; needed if the bag has several.')
@@ -53,7 +56,7 @@ def plot(
     console = plain_console()
     # Also refuses NaN
     if not begin < end:
-        raise BadInput(f'--from ({begin:g} s) is not below --to ({end:g} s); choose a later --to.')
+        raise BadInput(f'--from ({begin:g} s) must be less than --to ({end:g} s).')
     flight = open_flight(find_bag(bag), robot)
     if not patterns:
         print_channel_overview(flight, begin, end, console)
@@ -65,7 +68,9 @@ def plot(
     # First and last time of each channel that has data
     times = [time for item in found if len(item.time) for time in item.time[[0, -1]]]
     if not times:
-        raise BadInput('The channels have no data in that time range; widen it.')
+        raise BadInput(
+            'The chosen channels have no data between --from and --to; widen that time range.'
+        )
     span, panels = (min(times), max(times)), list(group_by_unit(found))
     # Without files, draw in the terminal
     if png is None and html is None:

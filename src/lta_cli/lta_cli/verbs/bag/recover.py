@@ -30,12 +30,12 @@ def recover(
     out: Annotated[
         Path | None,
         typer.Option(
-            help='Folder of the new bag; BAG-recovered next to the original by default.',
+            help='Folder for the new bag; BAG-recovered next to the original by default.',
             parser=parse_folder,
             metavar='FOLDER',
         ),
     ] = None,
-    json: Annotated[bool, typer.Option('--json', help='Print JSON instead of sentences.')] = False,
+    json: Annotated[bool, typer.Option('--json', help='Print the result as JSON.')] = False,
 ) -> None:
     """
     Recover a damaged bag into a new, complete, indexed one.

@@ -16,11 +16,11 @@ def refit(
     sweep: Annotated[
         str,
         typer.Argument(
-            metavar='SWEEP', help='CFD sweep to fit, shipped name or .sweep.json file.'
+            metavar='SWEEP', help='CFD results to fit: a shipped name or a .sweep.json file.'
         ),
     ],
     out: Annotated[
-        Path | None, typer.Option(help='File to write; printed by default.', metavar='FILE')
+        Path | None, typer.Option(help='Aero file to write; printed by default.', metavar='FILE')
     ] = None,
 ) -> None:
     """
@@ -44,5 +44,5 @@ def refit(
             part.write_text(text, encoding='utf-8')
     except OSError as error:
         raise BadInput(
-            f"'{out}' cannot be written ({error.strerror}); choose another --out."
+            f"'{out}' cannot be written ({error.strerror}); choose another file with --out."
         ) from error

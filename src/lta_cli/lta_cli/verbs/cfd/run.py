@@ -55,16 +55,24 @@ class Fidelity(StrEnum):
 
 def run(
     name: Annotated[
-        str, typer.Argument(metavar='TUNNEL', help='Wind tunnel, shipped name or file.')
+        str, typer.Argument(metavar='TUNNEL', help='Wind tunnel setup: a shipped name or a file.')
     ] = 'gtmab',
     fidelity: Annotated[
-        Fidelity, typer.Option(help='Solution: closed-form, steady or transient.')
+        Fidelity,
+        typer.Option(
+            help='analytic: closed form, without OpenFOAM. preview: steady flow. reference: '
+            'transient flow.'
+        ),
     ] = Fidelity.preview,
     only: Annotated[
-        list[str] | None, typer.Option(help='Solve only this axis or rotor pattern; repeatable.')
+        list[str] | None,
+        typer.Option(
+            help='Solve only this axis or rotor pattern, such as heave or both_up; repeatable.'
+        ),
     ] = None,
     mount: Annotated[
-        str | None, typer.Option(help='Mount of the solar panels: side, bottom, top or a file.')
+        str | None,
+        typer.Option(help='Add solar panels with this mount: side, bottom, top or a file.'),
     ] = None,
     jobs: Jobs = None,
     cache: Cache = None,
@@ -75,7 +83,7 @@ def run(
     ] = None,
     out: Out = None,
     pictures: Pictures = None,
-    json: Annotated[bool, typer.Option('--json', help='Print the sweep as JSON.')] = False,
+    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
 ) -> None:
     """
     Compute a vehicle's drag along and about six axes, with rotors off and on.

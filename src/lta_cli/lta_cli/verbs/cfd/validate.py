@@ -35,7 +35,7 @@ def validate(
     fidelity: Annotated[
         Fidelity,
         typer.Option(
-            help='Fidelity to validate: preview, or reference (validates preview as well).'
+            help='preview: validate the steady solver. reference: the transient solver as well.'
         ),
     ] = Fidelity.preview,
     jobs: Jobs = None,
@@ -60,7 +60,7 @@ def validate(
     check_picture_output(pictures)
     if fidelity is Fidelity.analytic:
         raise BadInput(
-            'The analytic sphere is the reference itself; choose --fidelity preview or reference.'
+            '--fidelity analytic solves no flow to validate; choose preview or reference.'
         )
     # Fail before any work if OpenFOAM or the scheduler is missing
     check_solver_options(jobs, scheduler)

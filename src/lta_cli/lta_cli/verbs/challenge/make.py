@@ -20,17 +20,24 @@ def make(
     n: Annotated[int, typer.Option('--n', help='Number of cases.', min=1)] = 20,
     row: Annotated[
         str,
-        typer.Option(help='Row of cases: base, worse, structured, pose, hover, wrench or other.'),
+        typer.Option(
+            help='Conditions of the flights. base: all sensors. worse: larger tolerances and '
+            'noise. structured: model errors in every flight. pose: only pose and commands. '
+            'hover: only hovering. wrench: force and moment commands. other: independent '
+            'simulator.'
+        ),
     ] = 'base',
     kind: Annotated[
         str | None,
         typer.Option(
-            help='What is hidden in each case: clean, single, pair, outside or mixed; random by '
-            'default.'
+            help='What is hidden in each case. clean: nothing. single, pair: one or two effects '
+            'of the library. outside: an effect outside the library. mixed: one of each. Random '
+            'by default.'
         ),
     ] = None,
     seconds: Annotated[
-        tuple[float, float], typer.Option(help='Shortest and longest flight in seconds.')
+        tuple[float, float],
+        typer.Option(help='Shortest and longest duration of a flight in seconds.'),
     ] = (60.0, 180.0),
     jobs: Jobs = None,
     out: Out = None,
@@ -56,7 +63,7 @@ def make(
     # s; longer flights take hours to analyse
     if not SHORTEST <= seconds[0] <= seconds[1] <= 600.0:
         raise BadInput(
-            f'Flights must last {SHORTEST:g} to 600 s; give the shorter duration first.'
+            f'--seconds must be two durations from {SHORTEST:g} to 600 s, the shorter one first.'
         )
     order = ChallengeRequest(
         seed, n, row, None if kind is None else parse_case_kind(kind), seconds

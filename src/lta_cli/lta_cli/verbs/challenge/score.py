@@ -29,7 +29,9 @@ import typer
 def score(
     folders: Annotated[
         list[Path],
-        typer.Argument(help='Challenge folders; a score and a page are written to each.'),
+        typer.Argument(
+            help='Folders from "lta challenge make"; scores and an HTML report go to each.'
+        ),
     ],
     most: Annotated[
         int | None, typer.Option(help='Number of cases to score; all by default.', min=1)
@@ -60,7 +62,7 @@ def score(
     """
     # Otherwise the cases would count twice in the summary
     if len({place.resolve() for place in folders}) < len(folders):
-        raise BadInput('A challenge folder is named more than once; name each folder only once.')
+        raise BadInput('The same challenge folder is given twice; give each folder only once.')
     console = plain_console(stderr=json)
     done: list[ChallengeScore] = []
     for place in folders:

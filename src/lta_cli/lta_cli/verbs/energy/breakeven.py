@@ -22,15 +22,15 @@ CELLS = ['powerfilm_large', 'anysolar', 'adafruit', 'dracula']  # cells that fit
 
 def breakeven(
     vehicle: Annotated[
-        str, typer.Option(help='Vehicle whose loads, array and charger are used.')
+        str, typer.Option(help='Vehicle whose electrical loads, solar array and charger are used.')
     ] = 'gtmab',
     cell: Annotated[
         list[str] | None,
-        typer.Option(help='Panel of an alternative array, name or file; repeatable.'),
+        typer.Option(help='Solar panel of an alternative array, name or file; repeatable.'),
     ] = None,
     budget: Annotated[
         float,
-        typer.Option(help='Largest mass of an alternative array in g.', min=1.0, max=10_000.0),
+        typer.Option(help='Maximum mass of an alternative array in g.', min=1.0, max=10_000.0),
     ] = BUDGET,
     out: Out = None,
     pictures: Pictures = None,
@@ -58,7 +58,7 @@ def breakeven(
         'energy', 'breakeven', '--vehicle', vehicle, '--budget', f'{budget:g}',
         *(word for name in names for word in ('--cell', name)),
     )  # fmt: skip
-    page = write_page(found, {'Find it again': again}, target / 'report.html')
+    page = write_page(found, {'Repeat this study': again}, target / 'report.html')
     if pictures is not None:
         write_pictures(page, pictures)
     if json:

@@ -60,8 +60,8 @@ def budget(
     )
     # Commands for the next steps, listed on the page
     commands = {
-        'Find it again': again,
-        'What it means on a cell': format_lta_command('energy', 'hover'),
+        'Repeat this study': again,
+        'Hover on one battery cell': format_lta_command('energy', 'hover'),
     }
     page = write_page(found, commands, target / 'report.html')
     if pictures is not None:

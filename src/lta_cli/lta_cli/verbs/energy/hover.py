@@ -26,7 +26,7 @@ import typer
 
 def hover(
     vehicle: Annotated[
-        str, typer.Option(help='Buoyant vehicle, name or file; both drones use its cell.')
+        str, typer.Option(help='Buoyant vehicle, name or file; both drones use its battery cell.')
     ] = 'gtmab',
     beside: Annotated[
         str, typer.Option(help='Multirotor to compare with, name or file.')
@@ -61,8 +61,8 @@ def hover(
         'energy', 'hover', '--vehicle', vehicle, '--beside', beside, '--seconds', f'{seconds:g}'
     )
     commands = {
-        'Find it again': again,
-        'What the rest takes': format_lta_command('energy', 'budget'),
+        'Repeat this study': again,
+        'Power of the other tasks': format_lta_command('energy', 'budget'),
     }
     page = write_page(found, commands, target / 'report.html')
     if pictures is not None:

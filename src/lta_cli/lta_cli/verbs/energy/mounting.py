@@ -26,12 +26,16 @@ MOUNTS = ['side', 'bottom', 'top']
 def mounting(
     mount: Annotated[
         list[str] | None,
-        typer.Option(help='Mount, name or file; repeatable. Default: side, bottom and top.'),
+        typer.Option(
+            help='Mount of the panels, name or file; repeatable. Default: side, bottom and top.'
+        ),
     ] = None,
-    vehicle: Annotated[str, typer.Option(help='Vehicle that carries the panels.')] = 'gtmab',
+    vehicle: Annotated[
+        str, typer.Option(help='Vehicle that carries the panels, name or file.')
+    ] = 'gtmab',
     misplaced: Annotated[
         float,
-        typer.Option(help='Forward placement error of the panels in cm.',
+        typer.Option(help='Placement error of the panels towards the front, in cm.',
                      min=-50.0, max=50.0),
     ] = 3.0,
     seeds: Annotated[
@@ -81,8 +85,8 @@ def mounting(
     )  # fmt: skip
     best = relative_path(target / f'{verdict.find_best_mount(found)}.yaml')
     commands = {
-        'Find it again': again,
-        'What differs': format_lta_command('vehicle', 'diff', vehicle, best),
+        'Repeat this study': again,
+        'Compare with the vehicle': format_lta_command('vehicle', 'diff', vehicle, best),
         'Fly it': format_lta_command('simulate', '--vehicle', best),
     }
     page = write_page(found, commands, target / 'report.html')

@@ -29,19 +29,19 @@ LEAST = 1.0 / 256.0  # smallest duty of 8-bit PWM that turns a motor; the app ke
 
 def bench(
     motor: Annotated[
-        str, typer.Argument(help='Motor to turn: m1, m2, m3 or m4, as on the Crazyflie.')
+        str, typer.Argument(help='Motor to turn: m1, m2, m3 or m4, numbered as on the Crazyflie.')
     ],
     uri: Annotated[str, typer.Option(help='URI of the Crazyflie.')] = (
         'radio://0/80/2M/E7E7E7E7E7'
     ),
     vehicle: Annotated[str, typer.Option(help='Vehicle that the Crazyflie flies.')] = 'gtmab',
     duty: Annotated[
-        float, typer.Option(help='Motor duty, at most 0.3.', min=0.01, max=MOST)
+        float, typer.Option(help='Motor duty; 1 would be full power.', min=0.01, max=MOST)
     ] = 0.1,
     seconds: Annotated[
         float, typer.Option(help='Duration in seconds.', min=0.2, max=LONGEST)
     ] = 2.0,
-    json: Annotated[bool, typer.Option('--json', help='Print the outcome as JSON.')] = False,
+    json: Annotated[bool, typer.Option('--json', help='Print the result as JSON.')] = False,
 ) -> None:
     """
     Turn one motor of a TETHERED drone at low duty, after a typed confirmation.
@@ -62,8 +62,8 @@ def bench(
     # Setpoints reach the firmware's controller, which turns several motors
     if file.command != 'motors':
         raise BadInput(
-            f'{vehicle} uses the stock firmware, which cannot turn a single motor safely; flash '
-            'the app of firmware/crazyflie and name a --vehicle that uses it.'
+            f"Vehicle '{vehicle}' uses the stock firmware, which cannot turn a single motor "
+            'safely; flash the app in firmware/crazyflie and choose a --vehicle that uses it.'
         )
     # Not opened yet: the radio stays silent until the user has confirmed
     link = create_link(uri, BLOCKS, time.time_ns)
@@ -98,7 +98,7 @@ def turn_motor(
                 return bench.turn_motor(duty, seconds, lambda been: bar.update_bar(completed=been))
         except LinkFailed as error:
             # A lost link stops the motor: the firmware's time-out disarms the drone
-            sys.stderr.write(f'{motor} is stopped: {error}.\n')
+            sys.stderr.write(f'Motor {motor} is stopped: {error}.\n')
             raise typer.Exit(1) from None
         finally:
             link.close()
@@ -112,21 +112,28 @@ def confirm_motor(motor: str, rotor: str, duty: float, seconds: float, console: 
     """
     wanted = f'spin {motor}'
     console.print(
-        f'{motor} ({rotor}) is about to turn at {duty:.0%} for {seconds:g} s. Tether the drone, '
-        f"keep fingers and strings away, then type '{wanted}':",
+        f'Motor {motor} ({rotor}) is about to turn at {duty:.0%} duty for {seconds:g} s. '
+        f"Tether the drone, keep fingers and strings away, then type '{wanted}':",
         highlight=False, soft_wrap=True,
     )  # fmt: skip
     # A closed stdin gives an empty line, which is refused
     if sys.stdin.readline().strip() != wanted:
-        raise BadInput(f"Nothing turned: '{wanted}' was not typed.")
+        raise BadInput(f"Cancelled: '{wanted}' was not typed, so no motor turned.")
 
 
 def format_outcome(motor: str, turned: MotorTurnResult, right: bool) -> str:
     """Return the result of the test as text."""
-    cell = f'; the cell fell to {turned.voltage:.2f} V' if math.isfinite(turned.voltage) else ''
-    text = f'{motor} turned at up to {turned.duty:.0%}, the others at {turned.others:.0%}{cell}.'
+    cell = (
+        f'; the battery voltage fell to {turned.voltage:.2f} V'
+        if math.isfinite(turned.voltage)
+        else ''
+    )
+    text = (
+        f'Motor {motor} turned at up to {turned.duty:.0%} duty, the others at '
+        f'{turned.others:.0%}{cell}.'
+    )
     if right:
         return (
             f'{text} Check that the right rotor turned, and that it blew in the right direction.'
         )
-    return f'{text} This is not what was commanded: check the firmware before flying.'
+    return f'{text} This differs from the command; check the firmware before flying.'

@@ -35,7 +35,10 @@ def check(
         float, typer.Option(help='Listening time per device in s.', min=0.5, max=3600.0)
     ] = 5.0,
     udev: Annotated[
-        bool, typer.Option('--udev', help='Print a udev rules file for access, and exit.')
+        bool,
+        typer.Option(
+            '--udev', help='Print udev rules that allow access to the devices, and exit.'
+        ),
     ] = False,
     json: Annotated[bool, typer.Option('--json', help='Print JSON instead of tables.')] = False,
 ) -> None:
@@ -57,8 +60,8 @@ def check(
         sys.stdout.write(format_udev_rules())
         # The rules go to stdout for tee, the instructions to stderr
         sys.stderr.write(
-            f'Save this as {RULES_FILE}, then run: sudo udevadm control --reload && sudo udevadm '
-            'trigger, and reconnect the devices.\n'
+            f'Save these rules as {RULES_FILE}, run: sudo udevadm control --reload && sudo '
+            'udevadm trigger, then reconnect the devices.\n'
         )
         return
     console = plain_console(stderr=json)

@@ -35,21 +35,23 @@ def light(
     bag: Annotated[
         Path, typer.Argument(help='Bag recorded from the light board, with photodiode readings.')
     ],
-    rate: Annotated[float, typer.Option(help='Turntable rate in deg/s, counter-clockwise.')] = 0.0,
+    rate: Annotated[
+        float, typer.Option(help='Constant speed of the turntable in deg/s, counter-clockwise.')
+    ] = 0.0,
     step: Annotated[
-        float, typer.Option(help='Turntable step in degrees, instead of --rate.')
+        float, typer.Option(help='Turntable step in degrees, instead of --rate; needs --hold.')
     ] = 0.0,
     hold: Annotated[
-        float, typer.Option(help='Time per step in seconds.', min=0.0, max=3600.0)
+        float, typer.Option(help='Time at each step in seconds.', min=0.0, max=3600.0)
     ] = 0.0,
     start: Annotated[
-        float, typer.Option(help='Initial bearing of the lamp, degrees from the nose.')
+        float, typer.Option(help='Bearing of the lamp at the start, in degrees from the nose.')
     ] = 0.0,
     align: Annotated[
         bool, typer.Option('--align', help='Estimate and remove the zero offset of the turntable.')
     ] = False,
     vehicle: Annotated[
-        str, typer.Option(help='Vehicle that carries the diodes, name or file.')
+        str, typer.Option(help='Vehicle that carries the photodiodes, name or file.')
     ] = 'gtmab',
     frequency: Annotated[
         float, typer.Option(help='Flicker frequency of the lamp in Hz.', min=1.0, max=1e5)
@@ -75,8 +77,8 @@ def light(
     # Step and hold belong together and exclude a constant rate
     if bool(step) != bool(hold) or (rate and step):
         raise BadInput(
-            'The turntable motion is ambiguous or incomplete; give either --rate, or --step with '
-            '--hold.'
+            'The turntable motion is ambiguous or incomplete; give either --rate, or both --step '
+            'and --hold.'
         )
     table = TurntableMotion(math.radians(rate), math.radians(step), hold, math.radians(start))
     flight = open_flight(bag, robot)
@@ -111,7 +113,7 @@ def light(
     )  # fmt: skip
     if json:
         print_json(content, page)
-    print_table('Median errors over 16 directions', build_ring_rows([found]), console)
+    print_table('Bearing errors over 16 directions', build_ring_rows([found]), console)
     print_table("The paper's claims, checked", build_claim_rows(found), console)
     print_table('Gains', build_diode_gain_rows(fitted), console)
     console.print(format_response(fitted, zero, align), highlight=False, soft_wrap=True)
@@ -124,7 +126,8 @@ def format_response(response: TurntableResponse, zero: float, align: bool) -> st
     """Return the entries for the vehicle file and the zero offset of the turntable."""
     done = 'removed' if align else 'kept; --align removes it'
     return (
-        f'response: {response.exponent:.2f} ± {response.exponent_deviation:.1g}, gain_spread: '
+        f'Diode entries for the vehicle file: response: {response.exponent:.2f} ± '
+        f'{response.exponent_deviation:.1g}, gain_spread: '
         f'{1e2 * response.gain_spread:.1f} %. Zero offset of the turntable: '
         f'{math.degrees(zero):.2f}° ({done}).'
     )

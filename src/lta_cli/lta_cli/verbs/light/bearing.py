@@ -24,26 +24,30 @@ ANY = 'any'
 
 
 def bearing(
-    vehicle: Annotated[str, typer.Option(help='Vehicle with the diodes, name or file.')] = 'gtmab',
+    vehicle: Annotated[
+        str, typer.Option(help='Vehicle that carries the photodiodes, name or file.')
+    ] = 'gtmab',
     place: Annotated[
         list[str] | None,
-        typer.Option(help='Place, indoor or outdoor; repeatable; default both.'),
+        typer.Option(help='Where to simulate: indoor or outdoor; repeatable; default: both.'),
     ] = None,
     diodes: Annotated[
         list[int] | None,
         typer.Option(
-            help='Number of diodes in the ring; repeatable; default 4, 8 and 16.', min=1, max=64
+            help='Number of photodiodes in the ring; repeatable; default: 4, 8, 16.', min=1, max=64
         ),
     ] = None,
     range_: Annotated[
         list[str] | None,
         typer.Option(
             '--range',
-            help='Distance to the lamp in metres, or "any"; repeatable; default 3, 7 and any.',
+            help='Distance to the lamp in metres, or "any" (random); repeatable; '
+            'default: 3, 7, any.',
         ),
     ] = None,
     poses: Annotated[
-        int, typer.Option(help='Number of random poses of each kind.', min=1, max=1_000_000)
+        int,
+        typer.Option(help='Number of random poses for each combination.', min=1, max=1_000_000),
     ] = 500,
     seed: Annotated[int, typer.Option(help='Random seed.', min=0)] = 1,
     out: Annotated[
@@ -109,7 +113,7 @@ def parse_range(text: str) -> float | None:
     # NaN fails this test as well
     if not 1.0 <= distance <= 100.0:
         raise BadInput(
-            f'The distance to the lamp is {text}; give 1 to 100 metres, or "{format_range(None)}".'
+            f"--range '{text}' is not a distance; give 1 to 100 metres, or {format_range(None)}."
         )
     return distance
 

@@ -25,7 +25,7 @@ STOPPED = 130
 
 def evaluate(
     seeds: Annotated[
-        int, typer.Option(help='Flights of each strategy in each case.', min=1, max=MOST)
+        int, typer.Option(help='Number of flights of each strategy in each case.', min=1, max=MOST)
     ] = 50,
     sets: Annotated[
         list[str] | None,
@@ -42,7 +42,8 @@ def evaluate(
         ),
     ] = None,
     workers: Annotated[
-        int | None, typer.Option(help='Worker processes; one per processor by default.', min=1)
+        int | None,
+        typer.Option(help='Number of worker processes; one per processor by default.', min=1),
     ] = None,
     retry: Annotated[bool, typer.Option('--retry-failed', help='Repeat failed flights.')] = False,
     pictures: Annotated[
@@ -53,9 +54,9 @@ def evaluate(
     ] = None,
     markdown: Annotated[
         bool,
-        typer.Option('--markdown', help='Evaluate, and print the page docs/navigation_scores.md.'),
+        typer.Option('--markdown', help='Also print the Markdown page docs/navigation_scores.md.'),
     ] = False,
-    json: Annotated[bool, typer.Option('--json', help='Print the figures as JSON.')] = False,
+    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
 ) -> None:
     """
     Compare the navigation strategies: indoors, in wind, from afar, in daylight, and variations.
@@ -111,10 +112,10 @@ def print_summary(findings: EvaluationFindings, done: EvaluationStatus, console:
         each = done.work / max(findings.flight_count, 1)
         lines.append(
             f'{done.flown} flights in {done.wall:.0f} s: {done.flown / done.wall:.1f} flights/s; '
-            f'{each:.2f} s of processor time each.'
+            f'{each:.2f} s of processor time per flight.'
         )
     else:
-        lines.append('All flights were already stored.')
+        lines.append('All flights were already stored; nothing was flown.')
     if done.stopped:
         lines.append(f'Stopped: {findings.flight_count_text}; repeat the command to resume.')
     console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)

@@ -27,9 +27,11 @@ DISTANCES = [0.5, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 15.0]  # m
 def link(
     scenario: Annotated[
         list[str] | None,
-        typer.Option(help='Scenario; repeatable; default lamp_room and sunny_field.'),
+        typer.Option(help='Scenario with a lamp; repeatable; default: lamp_room, sunny_field.'),
     ] = None,
-    vehicle: Annotated[str, typer.Option(help='Vehicle with diodes and hull.')] = 'gtmab',
+    vehicle: Annotated[
+        str, typer.Option(help='Vehicle that carries the photodiodes, name or file.')
+    ] = 'gtmab',
     distance: Annotated[
         list[float] | None,
         typer.Option(help='Distance from the lamp in metres; repeatable.', min=0.05, max=1000.0),
@@ -94,7 +96,8 @@ def print_links(links: Sequence[LampLink], console: Console) -> None:
     """Print a table for each scenario, and the paper's figure."""
     for each in links:
         printed = Table(
-            title=f'{each.scenario}, feedback resistor of {each.feedback / 1e3:g} kohm',
+            title=f'Scenario {each.scenario}, photodiode feedback resistor '
+            f'{each.feedback / 1e3:g} kohm',
             title_justify='left', box=None, pad_edge=False, padding=(0, 2, 0, 0),
         )  # fmt: skip
         for head in HEADS:
@@ -103,4 +106,4 @@ def print_links(links: Sequence[LampLink], console: Console) -> None:
             printed.add_row(*format_link_row(at))
         console.print(printed)
     # The statement of the seed paper, for comparison
-    console.print('Paper: several tens of lux at 7 m, and an SNR that stays high.')
+    console.print('For comparison, the paper states several tens of lux at 7 m and a high SNR.')

@@ -37,19 +37,21 @@ import typer
 
 def plan(
     name: Annotated[
-        str, typer.Argument(metavar='PLAN', help='Floor plan, shipped name or file.')
+        str, typer.Argument(metavar='PLAN', help='Floor plan: a shipped name or a file.')
     ] = 'warehouse',
-    vehicle: Annotated[str, typer.Option(help='Vehicle with hull and diodes.')] = 'gtmab',
+    vehicle: Annotated[
+        str, typer.Option(help='Vehicle that carries the photodiodes, name or file.')
+    ] = 'gtmab',
     overlap: Annotated[
         int,
         typer.Option(
-            help='Number of lamps that must be detectable everywhere; 2 for hand-over.',
+            help='Number of lamps to detect at every point; 2 allows hand-over between lamps.',
             min=1,
             max=4,
         ),
     ] = 1,
     lamps: Annotated[
-        int | None, typer.Option(help='Largest number of lamps; unlimited by default.', min=1)
+        int | None, typer.Option(help='Maximum number of lamps; unlimited by default.', min=1)
     ] = None,
     margin: Annotated[
         float,
@@ -153,9 +155,9 @@ def print_plan(result: LampLayout, console: Console) -> None:
         lost = sum(gap.area for gap in gaps)
         first = gaps[0]
         console.print(
-            f'{len(gaps)} gap{"s" if len(gaps) > 1 else ""}, {lost:.1f} m² together; the largest '
-            f'at x {first.west:.1f} to {first.east:.1f} m, y {first.south:.1f} to '
-            f'{first.north:.1f} m: {first.why}.',
+            f'{len(gaps)} gap{"s" if len(gaps) > 1 else ""} in the coverage, {lost:.1f} m² in '
+            f'total; the largest at x {first.west:.1f} to {first.east:.1f} m, y '
+            f'{first.south:.1f} to {first.north:.1f} m: {first.why}.',
             highlight=False, soft_wrap=True,
         )  # fmt: skip
     count = len(result.lamps)

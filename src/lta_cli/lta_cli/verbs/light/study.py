@@ -26,9 +26,12 @@ import typer
 
 
 def light_study(
-    vehicle: Annotated[str, typer.Option(help='Vehicle with the diodes, name or file.')] = 'gtmab',
+    vehicle: Annotated[
+        str, typer.Option(help='Vehicle that carries the photodiodes, name or file.')
+    ] = 'gtmab',
     readings: Annotated[
-        int, typer.Option(help='Number of readings in each direction.', min=1, max=10_000)
+        int,
+        typer.Option(help='Number of photodiode readings in each direction.', min=1, max=10_000),
     ] = READINGS,
     seed: Annotated[int, typer.Option(help='Random seed.', min=0)] = 1,
     out: Annotated[
@@ -75,7 +78,9 @@ def light_study(
     if json:
         print_json(content, page)
     print_table(
-        'Median errors over 16 directions, the lamp 3 m away', build_ring_rows(found), console
+        'Bearing errors over 16 directions, with the lamp 3 m away',
+        build_ring_rows(found),
+        console,
     )
     print_table(
         "The paper's claims, checked",

@@ -33,7 +33,7 @@ def diff(
         typer.Option(
             '--swap',
             metavar='LAYER=VEHICLE',
-            help="Use another vehicle's layer in OTHER; repeatable.",
+            help='Replace a layer of OTHER by that of another vehicle; repeatable.',
         ),
     ] = None,
     json: Json = False,
@@ -47,9 +47,7 @@ def diff(
     Example: lta vehicle diff gtmab --set 'layers.propulsion_and_control.battery.mass=14 g'
     """
     if other is None and not (changes or swaps):
-        raise BadInput(
-            'There is nothing to compare with; name a second vehicle, or use --set or --swap.'
-        )
+        raise BadInput('There is nothing to compare with; give a second vehicle, --set or --swap.')
     # Without a second vehicle, compare the first with its changed self
     second = other or name
     found = compare_vehicles(

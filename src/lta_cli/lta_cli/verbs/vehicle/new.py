@@ -14,7 +14,9 @@ def new(
     model: Annotated[
         str, typer.Option('--from', metavar='VEHICLE', help='Vehicle to copy, name or file.')
     ] = 'gtmab',
-    out: Annotated[Path | None, typer.Option(help='File to write; NAME.yaml by default.')] = None,
+    out: Annotated[
+        Path | None, typer.Option(help='Vehicle file to write; NAME.yaml by default.')
+    ] = None,
 ) -> None:
     """
     Create a vehicle file: a copy of an existing one, with its comments, under a new name.

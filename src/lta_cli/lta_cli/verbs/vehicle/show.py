@@ -26,11 +26,12 @@ def show(
         bool,
         typer.Option(
             '--gains',
-            help="Simulate flights to find the loss of lift at which the vehicle's gains fail.",
+            help='Simulate flights to find the loss of lift at which the controller gains fail.',
         ),
     ] = False,
     sources: Annotated[
-        bool, typer.Option('--sources', help='List every number of the file with its source.')
+        bool,
+        typer.Option('--sources', help='List every number of the vehicle file with its source.'),
     ] = False,
     json: Json = False,
 ) -> None:
@@ -65,8 +66,10 @@ def _find_helium_limit(name: str, console: Console) -> float:
     """Return the loss of lift up to which the gains hold [kg]; print each step of the search."""
 
     def print_step(loss: float, holds: bool) -> None:
-        word = 'hold' if holds else 'fail'
-        console.print(f'{1e3 * loss:6.1f} g of lift lost: the gains {word}', highlight=False)
+        word = 'work' if holds else 'fail'
+        console.print(
+            f'{1e3 * loss:6.1f} g of lift lost: the controller gains {word}', highlight=False
+        )
 
     limit = find_tolerable_helium_loss(
         name, load_gains(select_start_gains(name, None)), tell=print_step

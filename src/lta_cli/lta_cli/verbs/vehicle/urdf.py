@@ -14,7 +14,9 @@ import typer
 
 def urdf(
     name: Named,
-    out: Annotated[Path | None, typer.Option(help='File to write; printed by default.')] = None,
+    out: Annotated[
+        Path | None, typer.Option(help='URDF file to write; printed by default.')
+    ] = None,
 ) -> None:
     """
     Print a vehicle as URDF, for RViz, Foxglove and robot_state_publisher.
