@@ -80,7 +80,7 @@ class Recovery:
             *self.remarks,
         ]
         if self.lost_bytes:
-            chunks = f', {format_count(self.lost_chunks, "chunk")}' if self.lost_chunks else ''
+            chunks = f' ({format_count(self.lost_chunks, "chunk")})' if self.lost_chunks else ''
             told.append(f'{self.lost_bytes} of {self.size} bytes{chunks} are lost.')
         told += [format_loss_span(start, end) for start, end in self.lost_spans[:MOST_NOTED]]
         for topic, lost in sorted(self.missing.items()):
@@ -171,7 +171,8 @@ def refuse_inside(source: Path, out: Path) -> None:
     folder = source.resolve()
     if folder.is_dir() and out.resolve().is_relative_to(folder):
         raise BadInput(
-            f"'{out}' is inside the original, which must not change; choose another folder."
+            f"The new folder '{out}' is inside the recording itself, which must not change; "
+            'choose another folder.'
         )
 
 

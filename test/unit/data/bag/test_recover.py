@@ -220,7 +220,7 @@ def test_what_is_whole_or_empty_is_refused(tmp_path, whole):
     with pytest.raises(BadInput, match='contains no intact message; there is nothing to recover'):
         recover_bag(source, tmp_path / 'new')
     damage(tmp_path, hit(whole, 1))
-    with pytest.raises(BadInput, match='is inside the original, which must not change'):
+    with pytest.raises(BadInput, match='is inside the recording itself, which must not'):
         recover_bag(source, source / 'new')
     (tmp_path / 'new').mkdir()
     (tmp_path / 'new' / 'file').touch()

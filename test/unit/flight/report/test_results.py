@@ -141,9 +141,9 @@ def test_without_scenario_nobody_knows_where_the_lamp_is(tmp_path):
 @pytest.mark.parametrize(
     ('text', 'fault'),
     [
-        ('schema: 1', 'cannot be read by this version: '),
+        ('schema: 1', 'cannot be read by this version of LTA: '),
         ('[', 'is not valid YAML: '),
-        ('- a', 'cannot be read by this version: '),
+        ('- a', 'cannot be read by this version of LTA: '),
     ],
 )
 def test_unreadable_file_in_the_bag_is_one_sentence(tmp_path, key, text, fault):
