@@ -93,8 +93,8 @@ def find_lag(
             yield QualityFinding(
                 KIND, pair.told, begin, end,
                 f"The time stamps drift by about {drift:.1f} s relative to '{pair.made}' from "
-                'start '
-                f'to end (correlation {steady:.2f} as recorded, {drifting:.2f} after correction).',
+                f'start to end (correlation {steady:.2f} as recorded, {drifting:.2f} after '
+                'correction).',
                 Severity.SUSPICIOUS, {'drift': drift},
             )  # fmt: skip
             return
