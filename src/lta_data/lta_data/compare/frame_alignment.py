@@ -149,7 +149,7 @@ def decide_alignment(
     if fit is None:
         return False, 'The flights have too few positions in common to compare the frames.'
     if frames != 'auto':
-        return frames == 'fit', 'As requested.'
+        return frames == 'fit', 'As requested with --frames.'
     spoken = [f"'{name}'" if name else 'an unnamed frame' for name in names]
     if names[0] != names[1]:
         return True, f'The frames differ: A uses {spoken[0]}, B uses {spoken[1]}.'

@@ -177,7 +177,7 @@ def describe_frames(placed: FrameAlignment) -> str:
     """Describe what was done about a pair of frames."""
     fit = placed.fit
     if fit is None or not placed.applied:
-        return f'Unchanged. {placed.reason}'
+        return f'B is not transformed. {placed.reason}'
     return f'B {describe_frame_transform(fit)}. {placed.reason}'
 
 

@@ -98,13 +98,13 @@ def align_times(
             bare, how='given', offset=manual_offset, reason='The offset was set by hand.'
         )
     if align == 'none':
-        return replace(bare, reason='As requested.')
+        return replace(bare, reason='As requested with --align.')
     # Counted rows and times from zero overlap without sharing a clock.
     if have_separate_clocks(a.provenance, b.provenance):
         bare = replace(bare, on_stamps=False, lead=0.0)
     shared = select_frame_invariants(pairs, bare)
     if align == 'motion':
-        return align_by_start(bare, shared, 'As requested.')
+        return align_by_start(bare, shared, 'As requested with --align.')
     found = estimate_clock_offset(shared)
     bare = replace(bare, found=found)
     if align == 'clock':
@@ -113,7 +113,7 @@ def align_times(
                 'No common channel correlates between the flights, so the offset of their clocks '
                 'cannot be estimated; give --offset, or use --align none.'
             )
-        return align_by_clock(bare, found, 'As requested.')
+        return align_by_clock(bare, found, 'As requested with --align.')
     return choose_alignment(a, b, pairs, bare, shared)
 
 
