@@ -15,7 +15,7 @@ setup(
     zip_safe=False,
     maintainer='LTA maintainers',
     maintainer_email='maintainers@users.noreply.github.com',
-    description='Recordings: read, import, export, check, compare and plot them.',
+    description='Read, import, export, check, compare and plot recordings.',
     license='Apache-2.0',
     entry_points={'console_scripts': []},
 )

@@ -15,7 +15,7 @@ setup(
     zip_safe=False,
     maintainer='LTA maintainers',
     maintainer_email='maintainers@users.noreply.github.com',
-    description='Flights: in one process, as a graph, in sweeps, and their pages.',
+    description='Fly in one process, as a ROS graph or in sweeps, and write report pages.',
     license='Apache-2.0',
     entry_points={'console_scripts': []},
 )

@@ -36,7 +36,7 @@ def test_a_node_that_hangs_and_then_dies_is_named_twice(lta, flying, hear, tmp_p
     os.kill(pid, signal.SIGSTOP)
     if name != 'recorder':  # for whom nobody waits
         hear(lambda facts: find_stalling_roles(facts.values()) == [name])
-    flight.said(f'Nothing comes from {name}.')
+    flight.said(f'No messages arrive from {name}.')
 
     os.kill(pid, signal.SIGKILL)
     flight.said(f'{name} was killed by SIGKILL.')
@@ -158,5 +158,5 @@ def test_a_node_that_never_comes_back_is_given_up_and_leaves(lta, flying, tmp_pa
     flying(1.0)
     os.kill(flight.node('estimator'), signal.SIGSTOP)
     assert flight.end() == 1
-    assert 'The graph has stood still for 10 s and is stopped.' in flight.text
+    assert 'The ROS graph made no progress for 10 s and is stopped.' in flight.text
     assert lta.left() == []

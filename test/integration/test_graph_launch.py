@@ -60,7 +60,7 @@ def test_a_node_that_hangs_is_named(lta, flying, tmp_path):
     estimator = command.node('estimator')
     os.kill(estimator, signal.SIGSTOP)
     try:
-        command.said('Nothing comes from estimator.')
+        command.said('No messages arrive from estimator.')
     finally:
         os.kill(estimator, signal.SIGCONT)
         command.interrupt()

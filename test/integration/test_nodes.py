@@ -245,7 +245,7 @@ def test_a_flight_in_real_time_is_open_to_people(lta, peer, flying, hear, tmp_pa
     # What comes after it is what a slow machine says.
     may = (
         'simulator: refused duties [1.0, 1.0]', 'Waiting for ', 'recorder: slow',
-        'Nothing comes from ',
+        'No messages arrive from ',
     )  # fmt: skip
     assert {line for line in told if not line.startswith(may)} == {
         'controller: published by others too: motors (/lta1/peer); stop all but one.',

@@ -116,9 +116,11 @@ def test_who_holds_both_up_is_named_with_its_robot_and_nobody_else(
     before = len(flight.lines)
     pid = flight.node('estimator', 'lta2')
     os.kill(pid, signal.SIGSTOP)
-    flight.said('Nothing comes from lta2/estimator.')
+    flight.said('No messages arrive from lta2/estimator.')
     time.sleep(2.0)  # in which both graphs stand, and the nodes say for whom they wait
-    assert [line for _, line in flight.lines[before:]] == ['Nothing comes from lta2/estimator.']
+    assert [line for _, line in flight.lines[before:]] == [
+        'No messages arrive from lta2/estimator.'
+    ]
     os.kill(pid, signal.SIGKILL)
     flight.said('lta2/estimator was killed by SIGKILL.')
     assert flight.end() == 1

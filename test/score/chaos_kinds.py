@@ -92,7 +92,7 @@ def stopped(trial: Any) -> str:
     os.kill(pid, signal.SIGSTOP)
     trial.cure = lambda: os.kill(pid, signal.SIGCONT)
     trial.may_end = trial.lasts > GIVEN_UP and trial.graph.way == 'lockstep'
-    return f'Nothing comes from .*{trial.target}'
+    return f'No messages arrive from .*{trial.target}'
 
 
 def starved(trial: Any) -> str:

@@ -51,5 +51,5 @@ def _parse_model(model: type[Model], text: str, key: str) -> Model:
         return model.model_validate(parse_yaml(text, f"The bag's {key}"))
     except ValidationError as error:
         raise BadInput(
-            f"The bag's {key} cannot be read by this version: {format_error(error)}"
+            f"The bag's {key} cannot be read by this version of LTA: {format_error(error)}"
         ) from error

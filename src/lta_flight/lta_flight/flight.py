@@ -154,7 +154,7 @@ def supervise_flight(
         for end in launcher.poll():
             if end.name in optional and not end.stopped:
                 why = f' ({end.lines[-1]})' if is_refusal(end) else ''
-                watcher.show_message(f'{end.sentence}{why}; the flight goes on.')
+                watcher.show_message(f'{end.sentence}{why}; the flight continues.')
         show_status(facts, watcher)
         # A viewer never delays or ends a flight
         running = [name for name in launcher.running if name not in optional]
@@ -162,7 +162,7 @@ def supervise_flight(
             facts, listener.find_silent_nodes(running), listener.find_pending_nodes(running)
         )
         if lookout.stall_duration > PATIENCE:
-            sentence = f'The graph has stood still for {PATIENCE:.0f} s and is stopped.'
+            sentence = f'The ROS graph made no progress for {PATIENCE:.0f} s and is stopped.'
             watcher.show_message(sentence)
             listener.publish_error(sentence)
             return
@@ -225,8 +225,14 @@ def collect_result(
         if item is not end:
             watcher.show_message(f'{item.sentence}.')
         if item.lines:
-            watcher.show_message('\n'.join((f'The last lines of {item.name}:', *item.lines)))
+            watcher.show_message('\n'.join((f'Last lines printed by {item.name}:', *item.lines)))
     flight = parse_final_status(launcher.ended)
     if broken or faulty or flight is None:
-        return FlightRun(folder, bag, 'failed', 'did not finish: the graph broke', 0.0)
+        return FlightRun(
+            folder,
+            bag,
+            'failed',
+            'did not finish, because a node of the ROS graph failed or stalled',
+            0.0,
+        )
     return FlightRun(folder, bag, flight['outcome'], flight['sentence'], float(flight['pace']))

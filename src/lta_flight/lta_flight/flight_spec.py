@@ -103,7 +103,9 @@ class FlightSpec:
         """Return the flight with other files or another strategy, without replaced parameters."""
         for path, name in names.items():
             if not isinstance(name, str):
-                raise BadInput(f'{path} is {format_value(name)}, but must be a name or a file.')
+                raise BadInput(
+                    f'{path} is {format_value(name)}, but must be a name or the path of a file.'
+                )
         # An empty name selects the gains of the new vehicle
         own = {} if 'vehicle' not in names else {'gains': ''}  # another vehicle, its own gains
         named = {'strategy': self.strategy, **self.names, **own, **names}

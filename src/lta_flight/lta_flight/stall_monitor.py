@@ -144,7 +144,7 @@ class StallMonitor:
         # After a flight its simulator has stopped, and its nodes wait for it in vain
         blamed = [name for name in blamed if is_flying(facts, name)]
         if blamed and blamed != self._named:
-            sentence = f'Nothing comes from {", ".join(blamed)}.'
+            sentence = f'No messages arrive from {", ".join(blamed)}.'
             self._say(sentence)
             self._tell(sentence)
         self._named = blamed
@@ -181,7 +181,7 @@ class StallMonitor:
         known = self._ailing.get(error)
         if known is not None and known.again:
             times = 'once' if known.again == 1 else f'{known.again} times'
-            self._say(f'{known.text} (again {times} in {time.monotonic() - known.said:.0f} s).')
+            self._say(f'{known.text} (repeated {times} in {time.monotonic() - known.said:.0f} s).')
 
     def _report_loading(self, loading: list[str]) -> None:
         """Report once which nodes the others wait for, if loading takes long."""

@@ -63,6 +63,8 @@ def report_live_views(plan: LaunchPlan, say: Callable[[str], None]) -> None:
         # The port was checked by `require_free_live_ports`
         url = build_app_url(int(str(port)))
         whose = f'{process.namespace.strip("/")}; ' if len(views) > 1 else ''
-        say(f'Live   {url}  ({whose}or, in the Foxglove app, Open connection)')
+        say(
+            f'Live view: {url}  ({whose}open it in a browser, or with Open connection in Foxglove)'
+        )
     if views:
-        say(f'Layout {relative_path(share_folder() / LAYOUT)}  (import it there once)')
+        say(f'Layout:    {relative_path(share_folder() / LAYOUT)}  (import it once into Foxglove)')

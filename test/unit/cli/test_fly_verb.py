@@ -51,9 +51,12 @@ def test_a_broken_flight_without_a_recording_is_no_bad_input(flown, monkeypatch,
     def refuse(bag, out):
         raise BadInput('There is no recording.')
 
-    flown('failed', 'did not finish: the graph broke')
+    flown('failed', 'did not finish, because a node of the ROS graph failed or stalled')
     monkeypatch.setattr(verb, 'write_page', refuse)
     with pytest.raises(verb.typer.Exit) as left:
         verb.fly()
     assert left.value.exit_code == 1
-    assert capsys.readouterr().out == 'The drone did not finish: the graph broke.\n'
+    assert (
+        capsys.readouterr().out
+        == 'The drone did not finish, because a node of the ROS graph failed or stalled.\n'
+    )

@@ -63,7 +63,7 @@ def test_whoever_falls_silent_is_named_once():
     lookout = StallMonitor(said.append)
     for silent in ([], ['estimator'], ['estimator'], [], ['navigator']):
         lookout.report_stalled_nodes({}, silent)
-    assert said == ['Nothing comes from estimator.', 'Nothing comes from navigator.']
+    assert said == ['No messages arrive from estimator.', 'No messages arrive from navigator.']
 
 
 def test_after_the_flight_nobody_is_named_though_the_graph_stands(clock):
@@ -88,7 +88,7 @@ def test_a_robot_that_is_there_is_not_blamed_for_standing_and_the_other_still_is
     lookout.report_stalled_nodes(facts, ['lta1/simulator'])
     lookout.report_stalled_nodes(facts, ['lta1/simulator', 'lta2/estimator'])
     lookout.report_stalled_nodes(facts, ['recorder'])
-    assert said == ['Nothing comes from lta2/estimator.', 'Nothing comes from recorder.']
+    assert said == ['No messages arrive from lta2/estimator.', 'No messages arrive from recorder.']
 
 
 def test_who_still_loads_is_excused_and_named_only_once_it_has_spoken(clock):
@@ -104,7 +104,7 @@ def test_who_still_loads_is_excused_and_named_only_once_it_has_spoken(clock):
     for _ in range(3):
         lookout.report_stalled_nodes({waits.task: waits}, [])
         clock[0] += 1.0
-    assert said[1:] == ['Nothing comes from vehicle.']
+    assert said[1:] == ['No messages arrive from vehicle.']
     assert lookout.stall_duration == 3.0
 
 
@@ -140,7 +140,7 @@ def test_what_nodes_call_an_error_is_said_once_until_it_is_another(clock):
     assert len(said) == 2
     clock[0] += REPEATED + 0.1
     lookout.report_stalled_nodes({fact.task: fact}, [])
-    assert said[2:] == ['bridge: unplugged (again once in 10 s).', 'bridge: unplugged.']
+    assert said[2:] == ['bridge: unplugged (repeated once in 10 s).', 'bridge: unplugged.']
     assert told == []  # the node says it itself
 
 
@@ -157,12 +157,12 @@ def test_an_error_that_keeps_coming_back_is_counted(clock):
     assert said == [
         'bridge: silent for 0 s.',
         'bridge: silent for 2 s.',
-        'bridge: silent for 12 s (again 5 times in 11 s).',
+        'bridge: silent for 12 s (repeated 5 times in 11 s).',
     ]
     for _ in range(30):
         lookout.report_stalled_nodes({}, [])
         clock[0] += 1.0
-    assert said[3:] == ['bridge: silent for 22 s (again 5 times in 11 s).']  # and nothing ails
+    assert said[3:] == ['bridge: silent for 22 s (repeated 5 times in 11 s).']  # and nothing ails
 
 
 def test_a_fault_is_said_at_once_although_it_showed_for_a_moment_before(clock):
@@ -183,10 +183,10 @@ def test_errors_that_have_sentences_of_their_own_are_not_said_twice(clock):
     lookout = StallMonitor(said.append, told.append)
     facts = [
         HealthFact('estimator: inputs', HealthLevel.ERROR, 'waiting for imu', {'suspects': ''}),
-        HealthFact('launcher: processes', HealthLevel.ERROR, 'Nothing comes from estimator.'),
+        HealthFact('launcher: processes', HealthLevel.ERROR, 'No messages arrive from estimator.'),
     ]
     lookout.report_stalled_nodes({fact.task: fact for fact in facts}, ['estimator'])
-    assert said == told == ['Nothing comes from estimator.']
+    assert said == told == ['No messages arrive from estimator.']
 
 
 def test_a_full_disk_is_said_before_the_recorder_has_left(clock):

@@ -149,7 +149,9 @@ def maximum_gap(rows: SortedRows, gap: float | None) -> float:
 def build_even_clock(tables: Sequence[RecordingTable], rate: float) -> Stamps:
     """Return an even clock over all rows of some tables; rate in Hz. [ns]"""
     if not 0.0 < rate <= 1e6:
-        raise BadInput(f'The rate {rate} Hz is out of range; give one above 0, up to 1e6 Hz.')
+        raise BadInput(
+            f'The rate {rate} Hz is out of range; give a rate above 0 and at most 1e6 Hz.'
+        )
     stamps = [table.stamp_ns for table in tables if len(table)]
     if not stamps:
         return np.empty(0, np.int64)

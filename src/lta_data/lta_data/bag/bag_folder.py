@@ -8,8 +8,8 @@ from lta_config.files import load_yaml
 
 ADVICE = 'give a rosbag2 folder or an .mcap file'
 MOST_ABSENT = 20  # missing files that are listed
-IN_SQLITE: Final = 'a bag in SQLite; convert it with `lta import`'
-PACKED: Final = 'compressed as a whole; decompress it with `zstd -d` first'
+IN_SQLITE: Final = 'a bag in SQLite format (.db3); convert it to MCAP with `lta import`'
+PACKED: Final = 'compressed with zstd; decompress it with `zstd -d` first'
 # First bytes of files in other formats
 OTHER_FORMATS: Final = {
     b'SQLite format 3\0': IN_SQLITE,
@@ -44,13 +44,13 @@ def find_bag_files(path: Path, described: dict[str, object] | None = None) -> li
         raise BadInput(f"'{path}' is {IN_SQLITE}.")
     if any(path.glob('*.mcap.zst*')):
         raise BadInput(f"'{path}' is {PACKED}.")
-    raise BadInput(f"'{path}' contains no recording; {ADVICE}.")
+    raise BadInput(f"'{path}' contains no .mcap file; {ADVICE}.")
 
 
 def wrong_format_error(file: Path, head: bytes) -> BadInput:
     """Return the error for a file that is not MCAP, with its actual format if known."""
     if not head:
-        return BadInput(f"'{file}' is empty; nothing was recorded.")
+        return BadInput(f"'{file}' is empty (0 bytes): nothing was recorded.")
     for magic, found in OTHER_FORMATS.items():
         if head.startswith(magic):
             return BadInput(f"'{file}' is {found}.")
@@ -104,7 +104,7 @@ def describe_absent_files(folder: Path, described: dict[str, object]) -> list[st
     names = described.get('relative_file_paths')
     inside = [Path(str(name)).name for name in names] if isinstance(names, list) else []
     return [
-        f"metadata.yaml lists '{name}', which is not in the folder."
+        f"metadata.yaml lists the file '{name}', which is missing from the bag's folder."
         for name in inside
         if 0 < len(name) < 256 and '\0' not in name and not (folder / name).is_file()
     ][:MOST_ABSENT]

@@ -131,10 +131,10 @@ def print_bag_info(info: BagInfo, console: Console) -> None:
     console.print(table)
     for key, value in info.provenance.items():
         lines = len(value.splitlines())
-        text = value if lines < 2 else f'{lines} lines, in full with --json'
+        text = value if lines < 2 else f'{lines} lines (print them with --json)'
         console.print(f'{key}: {text}', style='dim', highlight=False, markup=False)
     for sentence in (*info.losses, *info.remarks):
         console.print(sentence, style='yellow', highlight=False, markup=False)
     if info.losses:
-        advice = 'Write the intact part to a new bag with `lta bag recover`.'
+        advice = 'To copy the readable messages to a new bag, run `lta bag recover`.'
         console.print(advice, highlight=False, markup=False)

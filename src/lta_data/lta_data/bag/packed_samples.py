@@ -67,9 +67,8 @@ def decode_image(image: Image) -> NDArray[Any]:
     strides = (image.step, kind.itemsize)
     if len(image.data) < image.height * image.step or image.step < image.width * kind.itemsize:
         raise BadInput(
-            f'An image of {image.height} x {image.width} pixels has {len(image.data)} bytes in '
-            'rows '
-            f'of {image.step} bytes, which do not match; record it again.'
+            f'An image message is inconsistent: {image.height} x {image.width} pixels in rows of '
+            f'{image.step} bytes do not match {len(image.data)} bytes of data; record it again.'
         )
     # Rows may be padded: step is the length of a row in bytes
     samples: NDArray[Any] = np.ndarray(shape, kind, image.data.tobytes(), strides=strides)
@@ -120,9 +119,9 @@ def decode_point_cloud(cloud: PointCloud) -> dict[str, NDArray[np.float64]]:
             )
     if not has_valid_layout(cloud, single):
         raise BadInput(
-            f'A point cloud of {cloud.height} x {cloud.width} points of {cloud.point_step} bytes '
-            f'has {len(cloud.data)} bytes in rows of {cloud.row_step} bytes and '
-            f'{len(cloud.fields)} fields, which do not match; record it again.'
+            f'A point cloud message is inconsistent: {cloud.height} x {cloud.width} points of '
+            f'{cloud.point_step} bytes ({len(cloud.fields)} fields) in rows of {cloud.row_step} '
+            f'bytes do not match {len(cloud.data)} bytes of data; record it again.'
         )
     if not single:
         return {}

@@ -201,7 +201,9 @@ class Bag:
         try:
             # Do not allocate memory for a damaged length.
             if place.length > 2 * CHUNK_BYTES:
-                raise DamagedRecord(f'claim to be a chunk of {place.length} bytes')
+                raise DamagedRecord(
+                    f'are declared as a chunk of {place.length} bytes, more than the limit'
+                )
             data: bytes | memoryview = read_at(stream, place.offset, place.length)
             if place.packed:
                 data = unpack_chunk(memoryview(data)[RECORD.size :])
@@ -276,7 +278,9 @@ def read_file_contents(file: Path, metadata_topics: Sequence[TopicMetadata] = ()
                 contents.remarks.append(UNUSABLE)
         if not head.startswith(MAGIC):
             contents.indexed = False
-            contents.remarks.append('Its first bytes, which identify the format, are damaged.')
+            contents.remarks.append(
+                'The first bytes of the file, which identify it as MCAP, are damaged.'
+            )
         return contents
 
 

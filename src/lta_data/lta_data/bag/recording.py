@@ -148,12 +148,12 @@ class RobotRecording:
         """
         if rate is not None and on is not None:
             raise BadInput(
-                f"Both a rate ({rate} Hz) and a topic ('{on}') were given as clock; give only one."
+                f"Both rate={rate} Hz and on='{on}' were given to align the topics; give only one."
             )
         tables = [self[topic] for topic in topics]
         if not tables:
             raise BadInput(
-                f'No topics to align were given; known: {", ".join(sorted(self.topics))}.'
+                f'No topics to align were given; choose from: {", ".join(sorted(self.topics))}.'
             )
         if rate is not None:
             clock = build_even_clock(tables, rate)

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 import json
 from pathlib import Path
 import shutil
-from typing import Any, cast, final
+from typing import Any, cast, Final, final
 
 from lta_bridge.bag.qos import OfferedQos
 from lta_bridge.bag.schemas import MessageDefinition
@@ -26,6 +26,11 @@ from mcap.records import Channel, Schema
 ORIGIN = 'recovered_from'  # keys of the provenance
 LOSSES = 'recovered_without'
 MOST_NOTED = 20  # losses listed in the provenance
+COUNTED: Final = {
+    'index': 'counted in the index',
+    'metadata': 'counted in metadata.yaml',
+    'rhythm': 'estimated from gaps in time',
+}
 
 
 @final
@@ -80,11 +85,11 @@ class Recovery:
             *self.remarks,
         ]
         if self.lost_bytes:
-            chunks = f', {format_count(self.lost_chunks, "chunk")}' if self.lost_chunks else ''
+            chunks = f' ({format_count(self.lost_chunks, "chunk")})' if self.lost_chunks else ''
             told.append(f'{self.lost_bytes} of {self.size} bytes{chunks} are lost.')
         told += [format_loss_span(start, end) for start, end in self.lost_spans[:MOST_NOTED]]
         for topic, lost in sorted(self.missing.items()):
-            told.append(f'{topic} lacks {self._describe_missing(lost)} ({lost.source}).')
+            told.append(f'{topic} lacks {self._describe_missing(lost)} ({COUNTED[lost.source]}).')
         if not self.lost_bytes and not self.missing:
             told.append('No message is known to be lost.')
         return told
@@ -108,10 +113,15 @@ def format_loss_span(start: float | None, end: float | None) -> str:
     if start is None and end is None:
         return 'The time of the lost data is unknown.'
     if start is None:
-        return f'The lost data were recorded before {end:.3f} s.'
+        return f'The lost data were recorded up to {end:.3f} s after the first intact message.'
     if end is None:
-        return f'The lost data were recorded after {start:.3f} s.'
-    return f'The lost data were recorded between {start:.3f} s and {end:.3f} s.'
+        return (
+            f'The lost data were recorded later than {start:.3f} s after the first intact message.'
+        )
+    return (
+        f'The lost data were recorded between {start:.3f} s and {end:.3f} s after the first '
+        'intact message.'
+    )
 
 
 def recover_bag(
@@ -171,7 +181,8 @@ def refuse_inside(source: Path, out: Path) -> None:
     folder = source.resolve()
     if folder.is_dir() and out.resolve().is_relative_to(folder):
         raise BadInput(
-            f"'{out}' is inside the original, which must not change; choose another folder."
+            f"The new folder '{out}' is inside the recording itself, which must not change; "
+            'choose another folder.'
         )
 
 

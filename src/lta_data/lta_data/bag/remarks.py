@@ -11,7 +11,7 @@ def describe_irregularities(bag: Bag) -> list[str]:
     """Return one sentence for each irregularity in the contents and indexes of a bag."""
     return [
         *bag.remarks[:MOST],
-        *describe_omitted(len(bag.remarks), 'remarks on its files'),
+        *describe_omitted(len(bag.remarks), 'remarks on the files of the bag'),
         *describe_empty_bag(bag),
         *describe_undecodable_topics(bag),
         *describe_time_irregularities(bag.read_rhythm(), bag.start),
@@ -25,7 +25,11 @@ def describe_omitted(count: int, what: str) -> list[str]:
 
 def describe_empty_bag(bag: Bag) -> list[str]:
     """Return the remark on a bag without messages."""
-    return [] if any(topic.count for topic in bag.topics.values()) else ['It contains no message.']
+    return (
+        []
+        if any(topic.count for topic in bag.topics.values())
+        else ['The bag contains no message.']
+    )
 
 
 def describe_undecodable_topics(bag: Bag) -> list[str]:
@@ -44,13 +48,14 @@ def describe_time_irregularities(rhythm: MessageIntervals, start: int | None) ->
     if rhythm.backwards and rhythm.worst > WOVEN:
         whose = '' if rhythm.worst_topic is None else f" (on '{rhythm.worst_topic}')"
         told.append(
-            f'Time runs backwards at {rhythm.backwards} of {rhythm.count} messages, by up to '
+            f'The log time goes back at {rhythm.backwards} of {rhythm.count} messages, by up to '
             f'{rhythm.worst * 1e-9:.6g} s{whose}; they are kept in the order of recording.'
         )
     silences = rhythm.find_long_silences()
     for begin, end in silences[:MOST]:
         at = (begin - (start or 0)) * 1e-9
         told.append(
-            f'No message was recorded for {(end - begin) * 1e-9:.6g} s from {at:.6g} s on.'
+            f'No message was recorded for {(end - begin) * 1e-9:.6g} s, starting {at:.6g} s after '
+            'the first message.'
         )
-    return [*told, *describe_omitted(len(silences), 'long silences')]
+    return [*told, *describe_omitted(len(silences), 'long periods without a message')]

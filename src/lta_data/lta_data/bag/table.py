@@ -114,7 +114,7 @@ class RecordingTable:
     def samples(self) -> NDArray[Any]:
         """ADC blocks of a sensor_msgs/Image topic, shape (n, rows, columns)."""
         if self._samples is None:
-            raise BadInput(f"'{self.name}' has no samples; choose an image topic.")
+            raise BadInput(f"Topic '{self.name}' has no image samples; choose an image topic.")
         return self._samples(self._messages)
 
     @property
@@ -266,8 +266,8 @@ def resolve_rows(chosen: slice | NDArray[Any], count: int) -> NDArray[np.intp]:
         return np.atleast_1d(np.arange(count)[chosen])
     except (IndexError, TypeError, ValueError):
         raise BadInput(
-            f"Rows '{chosen}' do not fit the table of {count} rows; give a column name, a slice, "
-            'a mask, or row numbers.'
+            f"'{chosen}' does not select rows of this table, which has {count}; give a column "
+            'name, a slice, a mask, or row numbers.'
         ) from None
 
 

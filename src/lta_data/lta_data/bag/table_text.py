@@ -34,7 +34,7 @@ def format_column_lines(table: 'RecordingTable') -> Iterator[str]:
         unit, values = table.units.get(column, ''), format_range(table[column])
         yield f'  {column:{width}}  {unit:8} {values}'.rstrip()
     if hidden := len(table.columns) - len(seen[:SHOWN]):
-        yield f'  and {hidden} more, in .columns'
+        yield f'  and {hidden} more columns (see .columns)'
 
 
 def format_range(values: NDArray[Any]) -> str:

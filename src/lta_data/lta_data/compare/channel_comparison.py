@@ -177,8 +177,8 @@ def find_channel_tolerances(texts: Mapping[str, float], names: list[str]) -> dic
         fitting = [name for name in names if name == pattern or fnmatchcase(name, pattern)]
         if not fitting:
             raise BadInput(
-                f"No channel that both flights have matches '{pattern}'; run "
-                'without --tolerance to list the channels.'
+                f"--tolerance: no channel of both flights matches '{pattern}'; run without "
+                '--tolerance to list the channels.'
             )
         for name in fitting:
             found.setdefault(name, value)

@@ -59,12 +59,12 @@ def select_topic_pairs(
         if not found:
             raise BadInput(
                 f'The flights have no topic in common (A: {", ".join(of_a) or "none"}; B: '
-                f'{", ".join(of_b) or "none"}); say which topics belong together, as in {AS}.'
+                f'{", ".join(of_b) or "none"}); name the topics to compare, as in {AS}.'
             )
     for name in only:
         if name not in {each.topic_a for each in found}:
             common = ', '.join(sorted({each.topic_a for each in found}))
-            raise BadInput(f"Topic '{name}' is not compared; choose from: {common}.")
+            raise BadInput(f"Topic '{name}' is not one that is compared; choose from: {common}.")
     return [each for each in found if not only or each.topic_a in only]
 
 
@@ -129,13 +129,14 @@ def pair_channels(
             # An unknown unit counts as equal.
             if one.unit and other.unit and one.unit != other.unit:
                 found.remarks.append(
-                    f"'{name}' is in {one.unit} in A and in {other.unit} in B; not compared."
+                    f"Channel '{name}' is not compared: its unit is {one.unit} in A, but "
+                    f'{other.unit} in B.'
                 )
             else:
                 found.pairs.append(ChannelPair(name, mask_non_finite(one), mask_non_finite(other)))
     if not found.pairs:
         raise BadInput(
-            f'The flights have no channel in common; say which topics belong together, as in {AS}.'
+            f'The flights have no channel in common; name the topics to compare, as in {AS}.'
         )
     return found
 

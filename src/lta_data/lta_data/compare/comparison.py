@@ -231,9 +231,9 @@ def find_common_time_span(pairs: Sequence[ChannelPair]) -> tuple[float, float]:
     begin, end = max(first for first, _ in ends), min(last for _, last in ends)
     if begin >= end:
         raise BadInput(
-            f'The flights have no time in common: A covers {ends[0][0]:.2f} to {ends[0][1]:.2f} '
-            f's, B {ends[1][0]:.2f} to {ends[1][1]:.2f} s on the same clock; give another '
-            '--offset, or --align motion.'
+            f'The flights do not overlap in time: A covers {ends[0][0]:.2f} to {ends[0][1]:.2f} '
+            f"s, B {ends[1][0]:.2f} to {ends[1][1]:.2f} s on A's clock; give another --offset, or "
+            'use --align motion.'
         )
     return begin, end
 

@@ -149,22 +149,22 @@ def decide_alignment(
     if fit is None:
         return False, 'The flights have too few positions in common to compare the frames.'
     if frames != 'auto':
-        return frames == 'fit', 'As requested.'
+        return frames == 'fit', 'As requested with --frames.'
     spoken = [f"'{name}'" if name else 'an unnamed frame' for name in names]
     if names[0] != names[1]:
-        return True, f'A uses {spoken[0]} and B {spoken[1]}.'
+        return True, f'The frames differ: A uses {spoken[0]}, B uses {spoken[1]}.'
     # The same frame name is trusted unless a fit removes most of the distance.
     better = fit.after < BETTER * fit.before
     # Two different runs may differ in position; one run recorded twice may not.
     if better and timing.how == 'clock':
         return True, (
-            f'One run, but the paths are {fit.before:.2f} m apart without the transformation and '
-            f'{fit.after:.2f} m with it.'
+            f'A and B show the same run, but their paths are {fit.before:.2f} m apart without '
+            f'this transformation and {fit.after:.2f} m with it.'
         )
     if better:
         return False, (
-            f'Both use {spoken[0]}. Rotating and shifting B would reduce the distance of the '
-            f'paths from {fit.before:.2f} m to {fit.after:.2f} m: --frames fit.'
+            f'Both use {spoken[0]}. Rotating and shifting B would reduce the distance between the '
+            f'paths from {fit.before:.2f} m to {fit.after:.2f} m; to do so, use --frames fit.'
         )
     return False, f'Both use {spoken[0]}.'
 

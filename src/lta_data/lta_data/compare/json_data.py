@@ -36,7 +36,7 @@ def comparison_to_dict(comparison: ComparisonResult) -> dict[str, Any]:
         'identical_topics': comparison.identical_topics,
         'remarks': comparison.remarks,
         'channels': [channel_to_dict(each) for each in comparison.channels],
-        'normalised_by': 'standard deviation of A at the instants that are compared',
+        'normalised_by': 'standard deviation of A at the compared times',
         'units': UNITS,
     }
     plain: dict[str, Any] = to_json_value(content)

@@ -53,7 +53,7 @@ LEGEND: Final = (
     '<b class="key-d">grey: B - A</b>. Shaded: the noise band '
     'or the tolerance. Gaps are not bridged.'
 )
-ABOVE: Final = "Both paths in A's frame. Ring: start. Dot: end."
+ABOVE: Final = "Both paths from above, in A's frame. Open circle: start. Filled circle: end."
 
 
 def write_page(comparison: ComparisonResult, out: Path) -> Path:
@@ -111,7 +111,7 @@ def format_title(entry: RoleChannel) -> str:
     if entry.among == 1:
         return entry.role.title
     field = entry.channel.name.rpartition('/')[2]
-    return f'{entry.role.title}: {field}, with the largest divergence of {entry.among}'
+    return f'{entry.role.title}: {field}, which diverges most of {entry.among} channels'
 
 
 def summarize_channel(each: ChannelComparison) -> str:
@@ -121,11 +121,11 @@ def summarize_channel(each: ChannelComparison) -> str:
         return 'Identical.'
     if found is None:
         return 'No common data.'
-    rms = f'RMS {format_quantity(found.rms, each.unit)}'
+    rms = f'RMS difference {format_quantity(found.rms, each.unit)}'
     share = '' if found.nrmse is None else f", {found.nrmse:.2g} of A's standard deviation"
-    parts = 'No divergence' if when.at is None else f'They diverge at {when.at:.2f} s'
+    parts = 'No divergence' if when.at is None else f'A and B diverge at {when.at:.2f} s'
     if when.at is None and each.verdict == 'apart at times':
-        parts = f'They differ at times, {100.0 * when.outside:.0f} % of the samples'
+        parts = f'A and B differ at times ({100.0 * when.outside:.0f} % of the samples)'
     return f'{parts}; {rms}{share}.'
 
 
@@ -146,13 +146,14 @@ def build_tiles(comparison: ComparisonResult) -> list[Tile]:
     offset, doubt, unit = format_offset_and_interval(timing)
     doubt = f'± {doubt} {unit}; ' if doubt else ''
     how = {
-        'clock': 'from channels of both', 'motion': 'from the start of motion',
+        'clock': 'estimated from channels of both flights',
+        'motion': 'estimated from the start of the motion',
         'given': 'set by hand',
-        'none': 'stamps unchanged' if timing.on_stamps else 'each from its own start',
+        'none': 'time stamps unchanged' if timing.on_stamps else 'both flights start at 0 s',
     }[timing.how]  # fmt: skip
     made = [
         Tile('Offset of B\'s clock', offset, unit, f'{doubt}{how}'),
-        Tile('Common time', f'{end - begin:.1f}', 's', f'{begin:.1f} to {end:.1f} s of A'),
+        Tile('Common time', f'{end - begin:.1f}', 's', f"{begin:.1f} to {end:.1f} s on A's clock"),
         Tile(
             'Diverging channels', str(len(parted)), f'of {len(comparison.channels)}',
             f'{sum(each.verdict == "identical" for each in comparison.channels)} identical',
@@ -186,8 +187,8 @@ def render_overview(comparison: ComparisonResult) -> str:
         f'{drawn}<section class="panel ranking" aria-labelledby="title-ranking">'
         '<h2 id="title-ranking">Largest and earliest divergences</h2><table><thead><tr>'
         f'{heads}</tr></thead><tbody>{rows}</tbody></table>'
-        f'<p class="note">{LEGEND} Times are on A\'s clock. NRMSE is RMS over the standard '
-        'deviation of A at the same times.</p></section>'
+        f'<p class="note">{LEGEND} Times are on A\'s clock. NRMSE is the RMS difference '
+        'divided by the standard deviation of A at the same times.</p></section>'
     )
 
 
@@ -199,7 +200,7 @@ def render_channel_picker(comparison: ComparisonResult, first: ChannelComparison
     about = f'{first.name}. {summarize_channel(first)}'
     by_frequency = (
         "Power spectral density by Welch's method, in the channel's unit squared per hertz; "
-        "coherence is the share of B's power that is linear in A."
+        "coherence is the share of B's power that depends linearly on A."
     )
     return (
         '<p class="choice"><label for="channel">Any channel</label> '
@@ -246,11 +247,11 @@ def describe_alignment(comparison: ComparisonResult) -> Mapping[str, str]:
             for s in (-1, 1)
         )
         what = 'applied' if timing.drift else 'not applied'
-        terms["drift of B's clock"] = f'{low:+.0f} to {high:+.0f} ppm (95 %); {what}'
+        terms["drift of B's clock"] = f'{low:+.0f} to {high:+.0f} ppm (95 % confidence); {what}'
     terms['reference of offsets'] = (
-        'the clock of the stamps'
+        'the time stamps of both flights'
         if timing.on_stamps
-        else 'time since the start of each flight; the stamps do not overlap'
+        else 'time since the start of each flight, because the time stamps do not overlap'
     )
     for each in comparison.frames:
         terms[f'{each.topic}'] = describe_frames(each)
@@ -281,6 +282,8 @@ def suggest_commands(comparison: ComparisonResult) -> dict[str, str]:
     a, b = relative_path(Path(comparison.a.path)), relative_path(Path(comparison.b.path))
     return {
         'Compare again': format_lta_command('compare', a, b),
-        'In a script, status 1 where they differ': format_lta_command('compare', a, b, '--same'),
+        'Compare in a script: exit status 1 if they differ': format_lta_command(
+            'compare', a, b, '--same'
+        ),
         'Look at A': format_lta_command('report', a),
     }

@@ -41,7 +41,7 @@ def format_verdict(comparison: ComparisonResult) -> str:
     if comparison.is_within_bands:
         few = len(comparison.channels)
         what = 'tolerances' if comparison.asked.tolerances else 'noise'
-        return f'The same within their {what}: none of {few} channels diverges.'
+        return f'The flights agree within their {what}: none of {few} channels diverges.'
     parted = [
         each
         for each in select_headline_channels(comparison.channels)
@@ -58,7 +58,7 @@ def format_verdict(comparison: ComparisonResult) -> str:
     if worst is not first:
         text += f', and most in {format_channel_name(worst)}'
     elif len(parted) > 1:
-        text += ' and most there'
+        text += ', which also differs most'
     rms = 0.0 if worst.measures is None else worst.measures.rms
     return f'{text}: {format_quantity(rms, worst.unit)} RMS.'
 
@@ -98,7 +98,7 @@ def describe_equality(comparison: ComparisonResult) -> str:
     topics = len(comparison.identical_topics)
     if topics and topics == len(comparison.a.topics):
         if topics == 1:
-            return 'the one topic is identical byte for byte'
+            return 'the only topic is identical byte for byte'
         return f'all {topics} topics are identical byte for byte'
     return f'all {len(comparison.channels)} channels have the same times and values'
 
@@ -131,9 +131,9 @@ def describe_timing(timing: TimeAlignment) -> str:
     """Describe the alignment of the clocks."""
     if timing.how == 'none':
         base = (
-            'Stamps are unchanged'
+            'The time stamps are unchanged'
             if timing.on_stamps
-            else ('The time of each flight starts at zero')
+            else 'The time of each flight starts at zero'
         )
         return f'{base}. {timing.reason}'
     text = f"B's {describe_time_base(timing)} {format_offset(timing)}. {timing.reason}"
@@ -177,18 +177,21 @@ def describe_frames(placed: FrameAlignment) -> str:
     """Describe what was done about a pair of frames."""
     fit = placed.fit
     if fit is None or not placed.applied:
-        return f'Unchanged. {placed.reason}'
+        return f'B is not transformed. {placed.reason}'
     return f'B {describe_frame_transform(fit)}. {placed.reason}'
 
 
 def describe_frame_transform(fit: FrameTransform) -> str:
     """Describe a rotation and shift."""
-    how = ', with the rotation from the headings' if fit.by_heading else ''
+    how = ' (rotation estimated from the headings)' if fit.by_heading else ''
     shift = ', '.join(format_decimal(part, 3) for part in (fit.x, fit.y, fit.z))
     moved = (
         f'is rotated by {format_decimal(fit.yaw * DEGREES, 2)}° and shifted by ({shift}) m{how}'
     )
-    return f'{moved}; the paths are then {fit.after:.3f} m apart, {fit.before:.3f} m before'
+    return (
+        f'{moved}; this reduces the distance between the paths from {fit.before:.3f} m to '
+        f'{fit.after:.3f} m'
+    )
 
 
 def describe_faults(faults: TopicFaults) -> str:
@@ -198,27 +201,27 @@ def describe_faults(faults: TopicFaults) -> str:
         longest = max(faults.gaps, key=lambda gap: gap.end - gap.begin)
         parts.append(
             f'{format_count(faults.gap_count, "gap")}, {faults.missing:.2f} s in total, the '
-            f'longest {longest.begin:.2f} to {longest.end:.2f} s'
+            f'longest from {longest.begin:.2f} to {longest.end:.2f} s'
         )
     if faults.same_stamp:
         again = f', {faults.repeated} of them identical byte for byte' if faults.repeated else ''
         parts.append(
-            f'{format_count(faults.same_stamp, "message")} with the stamp of another{again}'
+            f'{format_count(faults.same_stamp, "message")} with the time stamp of another{again}'
         )
     if faults.backwards_count:
         first = faults.backwards[0]
         parts.append(
-            f'time runs backwards {format_count(faults.backwards_count, "time")}, first from '
+            f'time stamps go back {format_count(faults.backwards_count, "time")}, first from '
             f'{first.begin:.3f} to {first.end:.3f} s'
         )
     if faults.unknown:
         worst = max(faults.unknown.values())
         parts.append(
-            f'{format_count(len(faults.unknown), "channel")} without a number in up to '
+            f'{format_count(len(faults.unknown), "channel")} with NaN in up to '
             f'{100 * worst:.1f} % of the messages'
         )
     if not faults.rhythm:
-        parts.append('no regular period, so gaps are undefined')
+        parts.append('messages at irregular intervals, so gaps cannot be found')
     return '; '.join(parts)
 
 

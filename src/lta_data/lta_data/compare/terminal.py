@@ -26,9 +26,9 @@ def print_comparison(comparison: ComparisonResult, console: Console, rows: int =
     lines += [f'Frames of {each.topic}: {describe_frames(each)}' for each in comparison.frames]
     for label, only in (('A', comparison.only_a), ('B', comparison.only_b)):
         if only:
-            lines.append(f'Only in {label}: {", ".join(only)}.')
+            lines.append(f'Topics only in {label}: {", ".join(only)}.')
     if comparison.identical_topics and not comparison.is_identical:
-        lines.append(f'Identical byte for byte: {", ".join(comparison.identical_topics)}.')
+        lines.append(f'Topics identical byte for byte: {", ".join(comparison.identical_topics)}.')
     for label, faults in (('A', comparison.faults_a), ('B', comparison.faults_b)):
         for topic, each in faults.items():
             if not each.is_clean:
@@ -38,7 +38,7 @@ def print_comparison(comparison: ComparisonResult, console: Console, rows: int =
         for name, a, b in find_rate_differences(comparison)
     ]
     if rates:
-        lines.append(f'Different rates in A and B: {", ".join(rates)}.')
+        lines.append(f'Topics with different rates in A and B: {", ".join(rates)}.')
     lines += list(comparison.remarks)
     for line in lines:
         console.print(line, highlight=False, markup=False, soft_wrap=True)
@@ -49,9 +49,9 @@ def print_comparison(comparison: ComparisonResult, console: Console, rows: int =
 def build_ranking(comparison: ComparisonResult, rows: int) -> Table:
     """Return the table of channels, those that diverge most and earliest first."""
     count = len(comparison.channels)
-    more = f', the first {rows} of {count}' if count > rows else ''
+    more = f' (first {rows} of {count})' if count > rows else ''
     table = Table(
-        title=f'Channels by size and time of their divergence{more}', title_justify='left',
+        title=f'Channels, the largest and earliest divergence first{more}', title_justify='left',
         box=None, pad_edge=False,
     )  # fmt: skip
     table.add_column('channel', overflow='fold')

@@ -98,22 +98,22 @@ def align_times(
             bare, how='given', offset=manual_offset, reason='The offset was set by hand.'
         )
     if align == 'none':
-        return replace(bare, reason='As requested.')
+        return replace(bare, reason='As requested with --align.')
     # Counted rows and times from zero overlap without sharing a clock.
     if have_separate_clocks(a.provenance, b.provenance):
         bare = replace(bare, on_stamps=False, lead=0.0)
     shared = select_frame_invariants(pairs, bare)
     if align == 'motion':
-        return align_by_start(bare, shared, 'As requested.')
+        return align_by_start(bare, shared, 'As requested with --align.')
     found = estimate_clock_offset(shared)
     bare = replace(bare, found=found)
     if align == 'clock':
         if found is None:
             raise BadInput(
                 'No common channel correlates between the flights, so the offset of their clocks '
-                'cannot be estimated; give --offset, or --align none.'
+                'cannot be estimated; give --offset, or use --align none.'
             )
-        return align_by_clock(bare, found, 'As requested.')
+        return align_by_clock(bare, found, 'As requested with --align.')
     return choose_alignment(a, b, pairs, bare, shared)
 
 
@@ -127,26 +127,28 @@ def choose_alignment(
     """Choose the alignment from the data."""
     found = bare.found
     if bare.on_stamps and have_same_stamps(a, b, pairs):
-        reason = 'Both have the same stamps: one clock, or the same counting.'
+        reason = 'Both flights have the same time stamps, so no offset is applied.'
         return replace(bare, reason=reason, remarks=describe_suspected_offset(found))
     counted = have_separate_clocks(a.provenance, b.provenance)
     # Times counted from zero carry no evidence of one run, so require a higher correlation
     if found is not None and found.correlation >= (SAME_COUNT if counted else SAME_RUN):
         reason = (
-            f'Rates of change agree at this offset (correlation {found.correlation:.2f}), so this '
-            'is one run recorded twice.'
+            f'At this offset, A and B change at the same rates (correlation '
+            f'{found.correlation:.2f}), so both are recordings of the same run.'
         )
         return align_by_clock(bare, found, reason)
     if bare.on_stamps:
-        reason = 'The stamps overlap, and the data give no better offset.'
+        reason = 'The time stamps overlap, and the data give no better offset.'
         return replace(bare, reason=reason)
     try:
-        reason = 'The stamps do not overlap and the motions differ: separate runs.'
+        reason = (
+            'The time stamps do not overlap and the motions differ, so A and B are separate runs.'
+        )
         return align_by_start(bare, shared, reason)
     except BadInput:
         reason = (
-            'The stamps do not overlap, and the flights have no common start of motion or '
-            'commands.'
+            'The time stamps do not overlap, and no start of motion or commands was found that '
+            'both flights have.'
         )
         return replace(bare, reason=reason, remarks=describe_suspected_offset(found))
 
@@ -199,8 +201,8 @@ def align_by_start(
     start = estimate_start_offset(shared)
     if start is None:
         raise BadInput(
-            'The flights have no common start of motion or commands; give --offset, or '
-            '--align none.'
+            'No start of motion or commands was found that both flights have; give --offset, or '
+            'use --align none.'
         )
     what = 'commands' if start.by_command else 'motion'
     return replace(

@@ -125,7 +125,7 @@ def compare_fingerprints(
     topics = ', '.join(dict.fromkeys(c.rpartition('/')[0] for c in shared))
     return QualityFinding(
         KIND, topics, begin, begin + count * STEP,
-        f"The same run as '{name}' from {max(0.0, offset * STEP):.1f} s on, for "
+        f"This is the same run as '{name}' from {max(0.0, offset * STEP):.1f} s on, for "
         f'{count * STEP:.1f} s: the fast motion in {len(shared)} channels correlates by '
         f'{100 * score:.1f} %.',
         Severity.SUSPICIOUS,

@@ -15,32 +15,49 @@ class ValidRange(NamedTuple):
 
 INFINITE: Final = float('inf')
 RANGES: Final = (
-    ValidRange(re.compile(r'^motors/effort\.|^motors/effort\['), -1.0, 1.0, 'a duty is -1 to 1'),
-    ValidRange(re.compile(r'(^|/)range/range$'), 0.0, INFINITE, 'a distance is not negative'),
+    ValidRange(
+        re.compile(r'^motors/effort\.|^motors/effort\['), -1.0, 1.0, 'a duty is between -1 and 1'
+    ),
+    ValidRange(re.compile(r'(^|/)range/range$'), 0.0, INFINITE, 'a distance cannot be negative'),
     ValidRange(
         re.compile(r'(^|/)illuminance/illuminance$'),
         0.0,
         2e5,
-        'light is not negative, and the sun gives 1.3e5 lx',
+        'an illuminance cannot be negative, nor far above sunlight (1.3e5 lx)',
     ),
-    ValidRange(re.compile(r'/percentage$'), 0.0, 1.0, 'a charge is a share'),
-    ValidRange(re.compile(r'/fluid_pressure$'), 3e4, 1.1e5, 'air of the lowest 9 km'),
+    ValidRange(re.compile(r'/percentage$'), 0.0, 1.0, 'a state of charge is between 0 and 1'),
     ValidRange(
-        re.compile(r'linear_acceleration\.[xyz]$'), -320.0, 320.0, 'no such sensor goes past 32 g'
+        re.compile(r'/fluid_pressure$'), 3e4, 1.1e5, 'air below 9 km altitude has 3e4 to 1.1e5 Pa'
+    ),
+    ValidRange(
+        re.compile(r'linear_acceleration\.[xyz]$'),
+        -320.0,
+        320.0,
+        'no accelerometer measures more than 32 g',
     ),
     ValidRange(
         re.compile(r'angular(_velocity)?\.[xyz]$'), -70.0, 70.0, 'no gyroscope measures 4000 deg/s'
     ),
-    ValidRange(re.compile(r'linear\.[xyz]$'), -60.0, 60.0, 'no indoor vehicle is so fast'),
+    ValidRange(re.compile(r'linear\.[xyz]$'), -60.0, 60.0, 'no indoor vehicle flies at 60 m/s'),
     ValidRange(
         # 7 is just above 2 pi
         re.compile(r'\.(yaw|pitch|roll)$'),
         -7.0,
         7.0,
-        'an angle in radians within one turn',
+        'an angle in radians is between -2 pi and 2 pi',
     ),
-    ValidRange(re.compile(r'^light/peaks/snr\['), 0.0, INFINITE, 'a ratio of powers'),
-    ValidRange(re.compile(r'/temperature$'), -60.0, 150.0, 'nothing flies colder or hotter'),
+    ValidRange(
+        re.compile(r'^light/peaks/snr\['),
+        0.0,
+        INFINITE,
+        'a signal-to-noise ratio cannot be negative',
+    ),
+    ValidRange(
+        re.compile(r'/temperature$'),
+        -60.0,
+        150.0,
+        'flights take place between -60 and 150 degrees Celsius',
+    ),
 )
 COUNTS: Final = re.compile(r'^photodiodes/(min|max|mean)\[|^light/peaks/amplitude\[')
 SPREAD: Final = re.compile(r'^photodiodes/std\[')
@@ -56,10 +73,13 @@ def build_light_ranges(top: float | None) -> tuple[ValidRange, ...]:
     """
     if top is None:
         return tuple(
-            ValidRange(n, 0.0, INFINITE, 'a count is not negative') for n in (COUNTS, SPREAD)
+            ValidRange(n, 0.0, INFINITE, 'an ADC reading cannot be negative')
+            for n in (COUNTS, SPREAD)
         )
     return (
-        ValidRange(COUNTS, 0.0, top, f'the converter counts from 0 to {top:.0f}'),
+        ValidRange(COUNTS, 0.0, top, f'the ADC counts from 0 to {top:.0f}'),
         # The standard deviation of bounded values is at most half their range
-        ValidRange(SPREAD, 0.0, (top + 1.0) / 2.0, f'the converter spans {top + 1.0:.0f} counts'),
+        ValidRange(
+            SPREAD, 0.0, (top + 1.0) / 2.0, f'the ADC has a range of only {top + 1.0:.0f} counts'
+        ),
     )

@@ -117,8 +117,8 @@ def export_recording(
         done.remarks.extend(recording.losses)  # some damage is detected only while reading
     except OSError as error:
         raise BadInput(
-            f"The files cannot be written to '{folder}' ({error.strerror or error}); make room, "
-            'or choose another folder with --out.'
+            f"The files cannot be written to '{folder}' ({error.strerror or error}); check "
+            'that it is writable and has free space, or choose another folder with --out.'
         ) from error
     return done
 
@@ -143,7 +143,7 @@ def align_export_topics(
     for topic in topics:
         try:
             if recording.flight.message_type(topic) == IMAGE:
-                raise BadInput('image samples have a rate of their own; omit --rate.')
+                raise BadInput('images cannot be resampled; omit --rate to export this topic.')
             recording[topic]
         except BadInput as fault:
             if order.topics:

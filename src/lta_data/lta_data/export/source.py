@@ -68,7 +68,7 @@ def build_topic_source(flight: RecordedFlight, topic: str) -> ExportSource:
         return build_column_source(
             topic, kind, partial(iterate_sample_rows, flight), find_sample_unit
         )
-    remark = f"The pixels of '{topic}' are left out." if kind == IMAGE else ''
+    remark = f"Of the images on '{topic}', the pixels are not exported." if kind == IMAGE else ''
     return build_series_source(flight, topic, kind)._replace(remark=remark)
 
 

@@ -67,8 +67,8 @@ def attitude_matrix(world: Sequence[str] | None, body: Sequence[str] | None) -> 
     mirrors = [np.linalg.det(side) for side in sides]
     if mirrors[0] * mirrors[1] < 0.0:
         raise BadInput(
-            'The axes of world and body have different handedness, so no rotation relates them; '
-            'correct a sign in "world" or "body".'
+            'The axes "world" and "body" of the mapping have different handedness, so no rotation '
+            'relates them; correct a sign in one of them.'
         )
     to_world, to_body = (
         Rotation.from_matrix(side * mirror) for side, mirror in zip(sides, mirrors, strict=True)

@@ -94,7 +94,8 @@ def plan_entry(entry: TopicMapping, mapping: ImportMapping, robot: str) -> Entry
         _check_joints(found)
     elif entry.actuators is not None:
         raise BadInput(
-            f"Topic '{entry.topic}' cannot have the key actuators; only the topic motors can."
+            f"In the mapping, topic '{entry.topic}' cannot have the key 'actuators'; only the "
+            "topic 'motors' can."
         )
     _check_parts(found)
     return found
@@ -132,8 +133,8 @@ def _check_joints(candidate: EntryPlan) -> None:
     told = list(candidate.iterate_joints())
     if not told and candidate.entry.table is None:
         raise BadInput(
-            f"Topic '{candidate.entry.topic}' needs the key actuators, with the effort of each "
-            'by name.'
+            f"In the mapping, topic '{candidate.entry.topic}' needs the key 'actuators', with the "
+            'effort of each actuator by name.'
         )
     for name, field, given in told:
         _check_unit(f'{candidate.entry.topic}: {field} of {name}', given, JOINT_DIMENSIONS[field])

@@ -54,7 +54,7 @@ def _open_bag(path: Path, mapping: MappingFile | None) -> LogReader:
 
 
 FORMATS: dict[str, LogFormat] = {
-    'csv': LogFormat('text with columns, also compressed with gzip', None, _open_csv),
+    'csv': LogFormat('a text table such as CSV, also compressed with gzip', None, _open_csv),
     'usd': LogFormat(
         "a log from a Crazyflie's SD card", 'crazyflie_usd', crazyflie_usd.open_usd_log
     ),
@@ -74,14 +74,14 @@ def detect_format(path: Path) -> str:
 
     """
     if not path.exists():
-        raise BadInput(f"'{path}' does not exist; give a file or a bag's folder.")
+        raise BadInput(f"'{path}' does not exist; give a log file or the folder of a bag.")
     if path.is_dir():
         # Without metadata.yaml too, which a killed recorder does not write
         if any(path.glob('*.mcap')) or any(path.glob('*.db3')):
             return 'bag'
-        raise BadInput(f"Folder '{path}' contains no bag; give its files one by one.")
+        raise BadInput(f"Folder '{path}' contains no bag; give the log files in it one by one.")
     if not path.is_file():
-        raise BadInput(f"'{path}' is not a regular file; give a file or a bag's folder.")
+        raise BadInput(f"'{path}' is not a regular file; give a log file or the folder of a bag.")
     head = _read_head(path)
     if not head:
         raise BadInput(f"'{path}' is empty; give a log with data.")

@@ -129,13 +129,13 @@ def _convert_topic(
     except ValueOutOfBounds as wrong:
         if not entry.optional or entry.table is None:
             raise
-        notes.append(f'{entry.topic} is left out: {wrong}')
+        notes.append(f"Topic '{entry.topic}' is left out: {wrong}")
         return None
     if entry.join:
         others = ' and '.join(entry.join)
         notes.append(
-            f'{entry.topic} has the times of {entry.table} and the latest values of {others} as '
-            f'logged, at most {age * 1e-9:.3g} s old.'
+            f"Topic '{entry.topic}' has the times of {entry.table} and the latest logged "
+            f'values of {others}, which are at most {age * 1e-9:.3g} s old.'
         )
     return found
 
@@ -164,13 +164,16 @@ def _describe_unused(
     for converter in converters:
         topic = converter.plan.topic
         if converter.without:
-            yield f'{converter.without} rows have no values for {topic} and give no message.'
+            yield f'{converter.without} rows have no values for {topic} and are left out there.'
         if converter.excluded:
-            yield f'{converter.excluded} rows are excluded from {topic} by the mapping.'
+            yield f'The mapping excludes {converter.excluded} rows from {topic}.'
         if converter.silent:
-            yield f'{", ".join(converter.silent)} of {topic} have no values and are left out.'
+            yield (
+                f'These parts of {topic} have no values and are left out: '
+                f'{", ".join(converter.silent)}.'
+            )
     if chosen.absent:
-        yield f'The log has no data for {", ".join(chosen.absent)}.'
+        yield f'The log has no data for these topics of the mapping: {", ".join(chosen.absent)}.'
     used: dict[str, set[str]] = {}
     for converter in converters:
         entry = converter.plan.entry
@@ -185,6 +188,6 @@ def _describe_unused(
         unread = [c for c in columns_ if c not in used.get(name, set()) and c not in log.timed]
         where = f" of '{name}'" if name else ''
         if name and name not in used:
-            yield f"The mapping does not use '{name}'."
+            yield f"The mapping does not use '{name}' of the log."
         elif unread:
-            yield f'The mapping does not use these columns{where}: {", ".join(unread)}.'
+            yield f'The mapping does not use these columns of the log{where}: {", ".join(unread)}.'

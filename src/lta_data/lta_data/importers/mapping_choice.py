@@ -58,8 +58,8 @@ def select_mapping(
     mapping, text = load_mapping(name)
     if mapping.format != format_:
         raise BadInput(
-            f"Mapping '{name}' is for {mapping.format}, but '{path}' is {format_}; choose another "
-            'mapping.'
+            f"Mapping '{name}' is for the format {mapping.format}, but '{path}' has the format "
+            f'{format_}; choose another mapping.'
         )
     return mapping, text
 
@@ -78,12 +78,13 @@ def _detect_mapping(path: Path) -> str:
     # Two fitting mappings may disagree on units, so the user must choose.
     if len(fitting) == 1:
         return fitting[0]
-    told = (
-        f'several fit: {", ".join(fitting)}' if fitting else 'no shipped mapping fits its columns'
-    )
+    if fitting:
+        raise BadInput(
+            f"Several mappings fit '{path}': {', '.join(fitting)}; choose one with --mapping."
+        )
     raise BadInput(
-        f"'{path}' needs a mapping ({told}); write one as described in docs/import.md and give it "
-        'with --mapping.'
+        f"No shipped mapping fits the columns of '{path}'; write one as described in "
+        'docs/import.md and give it with --mapping.'
     )
 
 
@@ -141,7 +142,10 @@ def describe_unknown_actuators(vehicle: str, chosen: MappingChoice) -> list[str]
     strange = [name for name in told if name not in there]
     if not strange:
         return []
-    return [f"Vehicle '{vehicle}' has no {', '.join(strange)}; it has {', '.join(sorted(there))}."]
+    return [
+        f"Vehicle '{vehicle}' lacks these actuators of the log: {', '.join(strange)}; it has "
+        f'{", ".join(sorted(there))}.'
+    ]
 
 
 def _plan_entry(
@@ -158,7 +162,10 @@ def _plan_entry(
         if entry.optional:
             return None
         known_tables = ', '.join(sorted(log.raw or log.columns)) or 'none'
-        raise BadInput(f"'{path}' has no table '{absent[0]}'; it has {known_tables}.")
+        raise BadInput(
+            f"'{path}' lacks the table '{absent[0]}', which the mapping needs; it has "
+            f'{known_tables}.'
+        )
     # '#' selects a child frame of a transform topic
     if table in log.raw or '#' in table:
         raw = log.raw[table.split('#')[0]]

@@ -46,16 +46,19 @@ class LogRemarks:
         for name, count in sorted(self._back.items()):
             if count:
                 told.append(
-                    f'Time{_format_owner(name)} goes back {_format_times(count)}, first in row '
-                    f'{self._where[name]}; kept.'
+                    f'The time{_format_owner(name)} goes back {_format_times(count)}, first '
+                    f'in row {self._where[name]}; these rows are kept.'
                 )
         for name, count in sorted(self._same.items()):
             if count:
                 told.append(
-                    f'Time{_format_owner(name)} stands still {_format_times(count)}; kept.'
+                    f'The time{_format_owner(name)} repeats {_format_times(count)}; these '
+                    'rows are kept.'
                 )
         for column, count in sorted(self._nan.items()):
-            told.append(f"Column '{column}' has no number {_format_times(count)}; NaN in the bag.")
+            told.append(
+                f"Column '{column}' lacks a number {_format_times(count)}; the bag has NaN there."
+            )
         return told
 
 

@@ -45,7 +45,7 @@ def select_channels(flight: RecordedFlight, patterns: Sequence[str]) -> list[Sig
         found |= {channel.name: channel for channel in meant}
     if len(found) > MOST:
         raise BadInput(
-            f'{len(found)} channels are too many for one picture (at most {MOST}); name fewer, '
+            f'{len(found)} channels are too many for one plot (at most {MOST}); name fewer, '
             f"such as '{next(iter(found))}'."
         )
     return list(found.values())
@@ -69,8 +69,8 @@ def no_match_error(flight: RecordedFlight, pattern: str) -> BadInput:
     # 0.4: least similarity, low enough for abbreviations
     near = get_close_matches(pattern, known, NEAR, 0.4) or flight.topics[:NEAR]
     return BadInput(
-        f"No channel matches '{pattern}'; similar: {', '.join(near)}. Give no name to list all "
-        'channels.'
+        f"No channel matches '{pattern}'; similar: {', '.join(near)}. To list all channels, give "
+        'no channel.'
     )
 
 

@@ -66,7 +66,9 @@ def render_page(
         kicker=escape(
             f'{len(every)} channels, {format_number(span[0], 1)} to {format_number(span[1], 1)} s'
         ),
-        about='As recorded; angles in degrees, unwrapped.',
+        about=(
+            'The recorded values. Angles are in degrees and unwrapped (no jumps at 360 degrees).'
+        ),
         tiles='\n'.join(render_tile(*build_tile(channel)) for channel in every[:TILES]),
         pictures='\n'.join(pictures),
         facts=facts,

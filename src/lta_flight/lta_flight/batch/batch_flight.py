@@ -79,9 +79,9 @@ def build_schedule(table: TopicTable) -> BatchSchedule:
     # A light block needs an even number of control steps, since its middle must be one
     if control % step_ns or due['range'] % step_ns or due['photodiodes'] % (2 * control):
         raise BadInput(
-            f'Batch flight (--device) uses steps of {1e3 * STEP:g} ms, but the '
-            f'periods of control ({control} ns) and sensors ({due} ns) are not whole multiples of '
-            'it; change them in topics.yaml.'
+            f'--device uses steps of {1e3 * STEP:g} ms, but the periods of control ({control} ns) '
+            f'and sensors ({", ".join(f"{name} {period}" for name, period in due.items())} ns) '
+            'are not whole multiples of that; change them in topics.yaml.'
         )
     return BatchSchedule(
         control // step_ns,
@@ -103,23 +103,22 @@ def build_model(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> Ve
     """
     if policy.law is not LAWS[CASCADE]:
         raise BadInput(
-            f'Batch flight (--device) supports only the control law {CASCADE}, not '
-            f'{policy.law.name} of {vehicle.file.name}; leave --device out.'
+            f'--device supports only the control law {CASCADE}, but {vehicle.file.name} uses '
+            f'{policy.law.name}; leave --device out.'
         )
     if policy.course is not None or scenario.course is not None:
         raise BadInput(
-            'Batch flight (--device) supports flying to a lamp, not along a course; leave '
-            '--device out.'
+            '--device supports flying to a lamp, but not along a course; leave --device out.'
         )
     if len(scenario.lamps) > 1:
         raise BadInput(
-            f'Batch flight (--device) supports one lamp, but the scenario {scenario.name} has '
+            f'--device supports one lamp, but the scenario {scenario.name} has '
             f'{len(scenario.lamps)}; leave --device out.'
         )
     if scenario.wind_file is not None:
         raise BadInput(
-            f'Batch flight (--device) does not support the recorded wind of the scenario '
-            f'{scenario.name}; leave --device out.'
+            f'--device does not support recorded wind, which the scenario {scenario.name} has; '
+            'leave --device out.'
         )
     model = build_scene_model(vehicle, scenario)
     for name in model.given:
@@ -127,8 +126,8 @@ def build_model(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> Ve
         # Effects of sensors and commands act outside the model, where a batch has no code for them
         if isinstance(effect, MeasurementEffect) and effect.channel not in UNHEARD:
             raise BadInput(
-                f'Batch flight (--device) does not support the effect {name}, which acts on '
-                'measurements or commands; leave --device out.'
+                f'--device does not support the effect {name}, which acts on measurements or '
+                'commands; leave --device out.'
             )
     # The explicit integrator would diverge for a vehicle that is too stiff
     vehicle.check_step(STEP, model)

@@ -51,7 +51,7 @@ def parse_settings(assignments: Sequence[str], nodes: Sequence[str]) -> dict[str
         if not (equals and dot and name):
             raise BadInput(f"'{text}' is not an assignment; write NODE.PARAMETER=VALUE.")
         if node not in nodes:
-            raise unknown_name_error('node that is run again', node, list(nodes))
+            raise unknown_name_error('replayed node', node, list(nodes))
         found.setdefault(node, {})[name] = parse_typed_value(node, name, value)
     for node, values in found.items():
         try:

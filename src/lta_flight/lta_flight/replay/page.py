@@ -22,9 +22,9 @@ NAME: Final = 'report.html'
 LISTED: Final = 40  # channels in the table
 MOST: Final = 3000  # points of a line
 METHOD: Final = (
-    'Every message of the replayed nodes is compared with the recorded one of the same stamp, '
-    'field by field. "Differs" means in any bit. "Largest" is the largest difference of the '
-    'replay, in the unit of the field.'
+    'Every message of the replayed nodes is compared, field by field, with the recorded message '
+    'of the same time stamp. "Differs": messages in which the field differs in any bit. '
+    '"Largest": largest difference between replay and recording, in the unit of the field.'
 )
 NAMES: Final = {
     'identical': 'identical to the last bit', 'same': 'the same', 'different': 'different',
@@ -78,12 +78,13 @@ def render_page(
 
 def describe_replay(verdict: ReplayVerdict, order: ReplayRequest) -> str:
     """Return a description of the replay in two sentences."""
-    changed = ', '.join(order.changes) or 'nothing'
+    changed = ', '.join(order.changes) or 'none'
     pace = 'in lockstep' if order.rate is None else f'at {order.rate:g} times real time'
-    place = ', '.join(verdict.elsewhere) or 'nothing'
+    place = ', '.join(verdict.elsewhere) or 'none'
     return (
-        f'Nodes run again on the recorded sensors, {pace}: {", ".join(order.nodes)}. Requested '
-        f'changes: {changed}. Different from the recording: {place}.'
+        f'These nodes were run again on the recorded sensor data, {pace}: '
+        f'{", ".join(order.nodes)}. Requested changes: {changed}. Other differences from the '
+        f'environment of the recording: {place}.'
     )
 
 

@@ -95,7 +95,7 @@ def parse_nodes(text: str) -> tuple[str, ...]:
         if name not in known:
             raise unknown_name_error('node', name, known)
     if not names:
-        raise BadInput(f'No node is named; give one or more of {", ".join(known)}.')
+        raise BadInput(f'No node to replay was given; name one or more of {", ".join(known)}.')
     return names
 
 
@@ -127,13 +127,11 @@ def check_request(order: ReplayRequest, flight: RecordedFlight) -> None:
         if trigger not in answers and trigger not in flight.topics:
             source = table[trigger].source
             remedy = (
-                f'run {source} again as well, or '
-                if source in list_replayable_roles(table)
-                else ''
+                f'add {source} to --nodes, or ' if source in list_replayable_roles(table) else ''
             )
             raise BadInput(
-                f"'{order.bag}' has no '{trigger}', which {node} answers; {remedy}leave {node} "
-                'out of --nodes.'
+                f"'{order.bag}' has no topic '{trigger}', which the node {node} needs as input; "
+                f'{remedy}leave {node} out of --nodes.'
             )
 
 
@@ -239,5 +237,7 @@ def extract_file(provenance: Mapping[str, str], name: str, folder: Path) -> str 
     try:
         path.write_text(text, encoding='utf-8')
     except OSError as error:
-        raise BadInput(f"'{path}' cannot be written ({error.strerror}); make room.") from error
+        raise BadInput(
+            f"'{path}' cannot be written ({error.strerror}); free some disk space."
+        ) from error
     return str(path)

@@ -111,7 +111,9 @@ def supervise_replay(
         )
         # Leaving the context stops all processes
         if lookout.stall_duration > PATIENCE:
-            watcher.show_message(f'The graph has stood still for {PATIENCE:.0f} s and is stopped.')
+            watcher.show_message(
+                f'The ROS graph made no progress for {PATIENCE:.0f} s and is stopped.'
+            )
             return
 
 

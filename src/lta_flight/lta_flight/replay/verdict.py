@@ -66,11 +66,14 @@ class ReplayVerdict:
         if self.word == 'same':
             where = ' and '.join(self.elsewhere)
             return (
-                f'The same within {TOLERANCE:g}, all decisions too: {differing} of {total} '
-                f'messages differ in the last places, as they may with another {where}'
+                f'The same within {TOLERANCE:g}, with the same decisions: {differing} of {total} '
+                f'messages differ in their last digits, as is usual with another {where}'
             )
         changed = sum(decision.change_count for decision in self.decisions)
-        return f'Different: {differing} of {total} messages, {changed} decisions'
+        return (
+            f'Different: {differing} of {total} messages and {changed} decisions are not as '
+            'recorded'
+        )
 
     def relative_time(self, key_ns: int) -> float:
         """Return a message's time since the start of the recording. [s]"""

@@ -43,24 +43,23 @@ def build_tiles(results: FlightResults) -> list[Tile]:
     paper = format_amount(r.bearing_error, '°', 1, DEGREES)
     return [
         Tile('Time to the lamp', format_number(r.search_time, 1), 's',
-             f'{format_amount(r.flight_time, "s", 1)} from leaving the ground'),
+             f'{format_amount(r.flight_time, "s", 1)} from take-off'),
         Tile('Path', format_number(r.path_length), 'm',
              f'{"shortest way" if (r.lamps or 1) > 1 else "straight line"} to the goal '
              f'{format_amount(r.straight_length, "m")}'),
         Tile('Airspeed', format_number(r.airspeed), 'm/s',
-             f'true mean, \N{PLUS-MINUS SIGN} {format_number(r.airspeed_spread)} over the cruise'),
+             f'true mean \N{PLUS-MINUS SIGN} {format_number(r.airspeed_spread)} m/s in cruise'),
         Tile('Altitude', format_number(r.altitude), 'm',
-             f'{format_amount(r.altitude_error, "cm", 1, 100.0)} RMS off the set-point'),
-        Tile('Direction of the lamp', format_number(r.lamp_error, 1, DEGREES), '° RMS off',
-             f"as the drone steers by it; the paper's bearing {paper}"),
+             f'RMS error to the set-point {format_amount(r.altitude_error, "cm", 1, 100.0)}'),
+        Tile('Direction of the lamp', format_number(r.lamp_error, 1, DEGREES), '° RMS error',
+             f"as used for steering; error of the paper's bearing {paper}"),
         Tile('Signal to noise', f'{format_number(r.snr_start, 0)} → '
         f'{format_number(r.snr_end, 0)}', '',
-             'best diode, first and last half second'),
+             'of the best photodiode, first and last half second'),
         Tile('Power', format_number(r.cruise_power), 'W',
-             f'{format_amount(r.energy, "J", 1)} from the cell, from leaving the ground to the '
-             f'goal'),
+             f'{format_amount(r.energy, "J", 1)} from the cell between take-off and goal'),
         Tile('Heading drift', format_number(r.heading_drift, 1, DEGREES), '°',
-             'of the estimate, at the end'),
+             'error of the estimated heading at the end'),
     ]  # fmt: skip
 
 
@@ -73,24 +72,26 @@ def build_table(results: FlightResults) -> list[OutcomeRow]:
     r = results
     reached = {None: MISSING, True: 'yes', False: 'no'}[r.success]
     rows = [
-        OutcomeRow('came within the goal radius', reached, 'yes'),
+        OutcomeRow('reached the goal (came within its radius)', reached, 'yes'),
         OutcomeRow('path to the goal', format_amount(r.path_length, 'm'), '7.3 m'),
-        OutcomeRow('time from the first forward command',
+        OutcomeRow('time from the first forward command to the goal',
             format_amount(r.search_time, 's', 1), '8.4 s'),
-        OutcomeRow('time from leaving the ground', format_amount(r.flight_time, 's', 1)),
-        OutcomeRow('forward airspeed, true, cruise, mean and SD',
+        OutcomeRow('time from take-off to the goal', format_amount(r.flight_time, 's', 1)),
+        OutcomeRow('true forward airspeed in cruise, mean and standard deviation',
             format_spread(r.airspeed, r.airspeed_spread, 'm/s'), '0.5 m/s'),
-        OutcomeRow('altitude of the hull centre, cruise', format_amount(r.altitude, 'm'), '0.5 m'),
-        OutcomeRow('altitude off its set-point, RMS, cruise',
+        OutcomeRow('mean altitude of the hull centre in cruise',
+            format_amount(r.altitude, 'm'), '0.5 m'),
+        OutcomeRow('altitude error to the set-point in cruise, RMS',
             format_amount(r.altitude_error, 'cm', 1, 100.0)),
-        OutcomeRow('nose off the lamp, RMS, cruise',
+        OutcomeRow('angle from the nose to the lamp in cruise, RMS',
             format_amount(r.heading_error, '°', 1, DEGREES)),
         OutcomeRow('direction of the lamp used for steering, RMS error',
             format_amount(r.lamp_error, '°', 1, DEGREES)),
         OutcomeRow("the paper's bearing, RMS error",
             format_amount(r.bearing_error, '°', 1, DEGREES)),
-        OutcomeRow('power, cruise', format_amount(r.cruise_power, 'W'), '1.52 to 1.54 W'),
-        OutcomeRow('energy from leaving the ground to the goal', format_amount(r.energy, 'J', 1)),
+        OutcomeRow('mean power from the cell in cruise',
+            format_amount(r.cruise_power, 'W'), '1.52 to 1.54 W'),
+        OutcomeRow('energy from take-off to the goal', format_amount(r.energy, 'J', 1)),
         OutcomeRow('estimated altitude, RMS error',
             format_amount(r.altitude_estimate_error, 'cm', 1, 100.0)),
         OutcomeRow('estimated airspeed, RMS error',

@@ -34,54 +34,66 @@ class FlightResults:
     """The results of one flight; None if the data are missing. SI units, angles in rad."""
 
     success: bool | None = result_field(
-        '', 'came within the goal radius, of each lamp of the route'
+        '', 'whether the drone came within the goal radius of each lamp of the route'
     )
-    lamps: int | None = result_field('1', 'lamps that were to be reached')
-    lamps_reached: int | None = result_field('1', 'those that were, in their order')
-    lift_off: float | None = result_field('s', 'left the ground')
-    search_start: float | None = result_field('s', 'was first asked to fly forward')
-    end: float | None = result_field('s', 'reached the goal, or the end of the recording')
-    flight_time: float | None = result_field('s', 'from leaving the ground to the goal')
-    search_time: float | None = result_field('s', 'from the first forward set-point to the goal')
-    path_length: float | None = result_field('m', 'true horizontal path to the goal')
+    lamps: int | None = result_field('1', 'number of lamps that the drone had to reach')
+    lamps_reached: int | None = result_field('1', 'number of these lamps that it reached in order')
+    lift_off: float | None = result_field('s', 'time of take-off')
+    search_start: float | None = result_field('s', 'time of the first forward set-point')
+    end: float | None = result_field(
+        's', 'time when the goal was reached, or end of the recording'
+    )
+    flight_time: float | None = result_field('s', 'time from take-off to the goal')
+    search_time: float | None = result_field(
+        's', 'time from the first forward set-point to the goal'
+    )
+    path_length: float | None = result_field('m', 'length of the true horizontal path to the goal')
     straight_length: float | None = result_field(
-        'm', 'shortest way from the start to the goal circle, by those of the route'
+        'm', 'shortest horizontal path to the goal circle, via the lamps of the route'
     )
     closest: float | None = result_field(
-        'm', 'nearest to the lamp that was next at last, horizontally'
+        'm', 'smallest horizontal distance to the lamp that was targeted last'
     )
-    airspeed: float | None = result_field('m/s', 'true forward airspeed, mean over the cruise')
-    airspeed_spread: float | None = result_field('m/s', 'its standard deviation over the cruise')
-    altitude: float | None = result_field(
-        'm', 'true altitude of the hull centre, mean over the cruise'
+    airspeed: float | None = result_field('m/s', 'mean true forward airspeed in cruise')
+    airspeed_spread: float | None = result_field(
+        'm/s', 'standard deviation of the true forward airspeed in cruise'
     )
+    altitude: float | None = result_field('m', 'mean true altitude of the hull centre in cruise')
     altitude_error: float | None = result_field(
-        'm', 'true altitude against set-point, RMS, cruise'
+        'm', 'RMS error of the true altitude to the set-point in cruise'
     )
-    heading_error: float | None = result_field('rad', 'nose against the true lamp, RMS, cruise')
+    heading_error: float | None = result_field(
+        'rad', 'RMS angle from the nose to the lamp in cruise'
+    )
     lamp_error: float | None = result_field(
-        'rad', 'direction of the lamp that the drone steers by, against the true one, RMS'
+        'rad', 'RMS error of the direction to the lamp that is used for steering'
     )
     lamp_share: float | None = result_field(
-        '1', 'part of the light blocks that gave this direction'
+        '1', 'share of the light blocks that gave a direction for steering'
     )
     bearing_error: float | None = result_field(
-        'rad', "the paper's bearing, of light/bearing, against the true one, RMS"
+        'rad', "RMS error of the bearing by the paper's method (topic light/bearing)"
     )
     bearing_share: float | None = result_field(
-        '1', 'part of the light blocks that gave this bearing'
+        '1', "share of the light blocks that gave a bearing by the paper's method"
     )
-    snr_start: float | None = result_field('1', 'SNR of the best diode when the search starts')
-    snr_end: float | None = result_field('1', 'SNR of the best diode at the end')
-    altitude_estimate_error: float | None = result_field('m', 'estimated altitude, RMS, in flight')
+    snr_start: float | None = result_field(
+        '1', 'SNR of the best photodiode when the search starts'
+    )
+    snr_end: float | None = result_field('1', 'SNR of the best photodiode at the end')
+    altitude_estimate_error: float | None = result_field(
+        'm', 'RMS error of the estimated altitude in flight'
+    )
     airspeed_estimate_error: float | None = result_field(
-        'm/s', 'estimated airspeed, RMS, in flight'
+        'm/s', 'RMS error of the estimated airspeed in flight'
     )
-    heading_estimate_error: float | None = result_field('rad', 'estimated heading, RMS, in flight')
-    heading_drift: float | None = result_field('rad', 'estimated less true heading at the end')
-    energy: float | None = result_field('J', 'out of the cell from leaving the ground to the goal')
-    power: float | None = result_field('W', 'mean of the same')
-    cruise_power: float | None = result_field('W', 'out of the cell, mean over the cruise')
+    heading_estimate_error: float | None = result_field(
+        'rad', 'RMS error of the estimated heading in flight'
+    )
+    heading_drift: float | None = result_field('rad', 'estimated minus true heading at the end')
+    energy: float | None = result_field('J', 'energy from the cell between take-off and goal')
+    power: float | None = result_field('W', 'mean power from the cell between take-off and goal')
+    cruise_power: float | None = result_field('W', 'mean power from the cell in cruise')
 
     def to_dict(self) -> dict[str, float | bool | None]:
         """Return the results by name, ready for JSON."""

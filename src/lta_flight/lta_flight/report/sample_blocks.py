@@ -54,4 +54,4 @@ def format_lamp_distance(view: FlightView, time: float) -> str:
     if not view.goal.places or not view.has_topics('ground_truth/odom'):
         return f'at {time:.1f} s'
     away = view.goal.lamp_distance(view.truth)
-    return f'{float(interpolate(np.array([time]), view.truth.time, away)[0]):.1f} m away'
+    return f'{float(interpolate(np.array([time]), view.truth.time, away)[0]):.1f} m from the lamp'

@@ -91,5 +91,5 @@ class SweepCluster:
         self.deaths += 1
         reason = ' '.join(str(error).split())
         return build_failed_row(
-            job, f'The cluster gave this flight up: {type(error).__name__}: {reason}'
+            job, f'The Dask cluster could not finish this flight: {type(error).__name__}: {reason}'
         )

@@ -77,7 +77,7 @@ def run_job(job: SweepJob, begin: Callable[[], ClosedLoop]) -> SweepRow:
     except BadInput as error:
         return build_failed_row(job, str(error), time.monotonic() - begun)
     except Exception as error:  # one flight must not end the others
-        reason = f'The flight broke: {type(error).__name__}: {error}'
+        reason = f'The simulation failed: {type(error).__name__}: {error}'
         return build_failed_row(job, reason, time.monotonic() - begun)
     outcome = loop.world.outcome
     return SweepRow(

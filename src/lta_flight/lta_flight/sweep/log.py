@@ -40,7 +40,7 @@ class SweepLog(AbstractContextManager['SweepLog', None]):
     def __init__(self, folder: Path, identity: str, retry: bool = False) -> None:
         if _is_foreign(folder):
             raise BadInput(
-                f"'{folder}' contains files that are not of a sweep; choose another folder."
+                f"'{folder}' contains files that do not belong to a sweep; choose another folder."
             )
         self._lines = LineLog(folder, KIND, identity, _parse_row)
         self.rows = {row.index: row for row in self._lines.pieces}

@@ -78,8 +78,8 @@ def format_title(plan: SweepPlan, rows: Sequence[SweepRow]) -> str:
     ends = f'{100 * share.low:.1f} to {100 * share.high:.1f} %'
     lost = f', and {failed} could not be flown' if failed else ''
     return (
-        f'{reached} of {len(rows)} flights{begun} reached their goal{lost}; with 95 % confidence '
-        f'{ends} of all flights that can be flown do.'
+        f'{reached} of {len(rows)} flights{begun} reached their goal{lost}; the 95 % '
+        f'confidence interval of the share that reaches it is {ends}.'
     )
 
 
@@ -95,7 +95,8 @@ def build_tiles(rows: Sequence[SweepRow]) -> list[Tile]:
         *(build_summary_tile(rows, *words) for words in (
             ('search_time', 'Time to the lamp', 's', 1), ('path_length', 'Path', 'm', 2),
             ('airspeed', 'Airspeed', 'm/s', 2), ('energy', 'Energy', 'J', 1))),
-        Tile('Flights', str(len(rows)), '', f'{broken} could not be flown; {wall:.0f} s of work'),
+        Tile('Flights', str(len(rows)), '',
+             f'{broken} could not be flown; {wall:.0f} s of computing time'),
     ]  # fmt: skip
 
 
@@ -110,7 +111,10 @@ def build_summary_tile(
             words, format_number(values[0] if values else None, digits), unit, 'one flight or none'
         )
     low, _, high = quantiles(values, n=4)
-    note = f'median; half between {format_number(low, digits)} and {format_number(high, digits)}'
+    note = (
+        f'median; half of the flights between {format_number(low, digits)} and '
+        f'{format_number(high, digits)}'
+    )
     return Tile(words, format_number(median(values), digits), unit, note)
 
 
@@ -135,8 +139,8 @@ def render_parameter_figures(
 ) -> list[str]:
     """Return a figure for each parameter."""
     caption = (
-        'Share that reached the goal with its 95 % Wilson interval, and time and path of those '
-        'that did. Failed flights do not count.'
+        'Share of flights that reached the goal with its 95 % Wilson interval, and their time and '
+        'path. Flights that could not be flown do not count.'
     )
     found = []
     if rows and (both := find_map_parameters(plan)):
@@ -179,7 +183,7 @@ def render_lost_flights(plan: SweepPlan, rows: Sequence[SweepRow], *, batch: boo
         ]
         for row in lost[:LISTED]
     ]  # fmt: skip
-    like = 'one like the first, with other random numbers' if batch else 'the first one'
+    like = 'one like the first one, with other random numbers' if batch else 'the first one'
     more = f' The first {LISTED} of {len(lost)}.' if len(lost) > LISTED else ''
     head = ''.join(f'<th scope="col">{escape(cell)}</th>' for cell in heads)
     body = ''.join(

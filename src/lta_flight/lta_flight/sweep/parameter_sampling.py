@@ -49,10 +49,12 @@ def sample_parameter(how: Distribution, path: str, seed: int, sample: int) -> An
         low, high, unit = _parse_bounds(how.uniform, path)
         return _build_quantity(float(chance.uniform(low, high)), unit)
     if how.loguniform is None:
-        raise BadInput(f'{path} has no distribution; add one, as in a shipped sweep file.')
+        raise BadInput(f'{path} has no distribution; give uniform, loguniform, normal or choice.')
     low, high, unit = _parse_bounds(how.loguniform, path)
     if low <= 0.0:
-        raise BadInput(f'{path} has the low end {low:g} {unit}; a loguniform one must be above 0.')
+        raise BadInput(
+            f'{path} has a loguniform distribution from {low:g} {unit}; low must be above 0.'
+        )
     # Uniform in the logarithm
     return _build_quantity(float(np.exp(chance.uniform(np.log(low), np.log(high)))), unit)
 
@@ -62,14 +64,15 @@ def _draw_normal(how: NormalDistribution, path: str, chance: Generator) -> Any: 
     (mean, deviation, low, high), unit = _convert_to_common_unit(given, path)
     if mean is None or deviation is None or deviation < 0.0:
         raise BadInput(
-            f'{path} has the deviation {format_value(how.deviation)}; it must be at least 0.'
+            f'{path} has the standard deviation {format_value(how.deviation)}; it must be at '
+            'least 0.'
         )
     for _ in range(TRIES):
         found = float(chance.normal(mean, deviation))
         if (low is None or found >= low) and (high is None or found <= high):
             return _build_quantity(found, unit)
     raise BadInput(
-        f'The normal distribution of {path} is practically never between low and high; change '
+        f'The normal distribution of {path} gives almost no values between low and high; change '
         'mean, low or high.'
     )
 
@@ -78,8 +81,8 @@ def _parse_bounds(how: UniformDistribution, path: str) -> tuple[float, float, st
     (low, high), unit = _convert_to_common_unit([how.low, how.high], path)
     if low is None or high is None or not low < high:
         raise BadInput(
-            f'{path} is drawn from {format_value(how.low)} to {format_value(how.high)}; the low '
-            'end must be below the high one.'
+            f'{path} is drawn from {format_value(how.low)} to {format_value(how.high)}; low must '
+            'be below high.'
         )
     return low, high, unit
 

@@ -90,7 +90,9 @@ class SweepPlan:
         self.lists = ({CASE: list(self.cases)} if named else {}) | lists
         # Grids multiply, so a few long lists are enough to exceed the limit
         if self.count > MOST:
-            raise BadInput(f'The sweep has {self.count} flights; at most {MOST} can be flown.')
+            raise BadInput(
+                f'The sweep has {self.count} flights, but at most {MOST} are allowed; vary less.'
+            )
 
     @property
     def count(self) -> int:

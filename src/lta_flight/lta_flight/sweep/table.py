@@ -14,10 +14,10 @@ from pyarrow import parquet
 
 NAME = 'flights.parquet'
 FIXED: Final = (
-    ('index', arrow.int64(), '', 'place in the sweep, from 0'),
+    ('index', arrow.int64(), '', 'number of the flight in the sweep, from 0'),
     ('seed', arrow.int64(), '', 'random seed of the flight'),
-    ('outcome', arrow.string(), '', 'reached, timeout, escaped, or failed: could not be flown'),
-    ('sentence', arrow.string(), '', 'outcome in words, or reason of a failure'),
+    ('outcome', arrow.string(), '', 'reached, timeout, escaped, or failed (could not be flown)'),
+    ('sentence', arrow.string(), '', 'outcome as a sentence, or why the flight failed'),
     ('wall', arrow.float64(), 's', 'computing time of the flight'),
 )
 
@@ -67,7 +67,7 @@ def write_table(
         with replace_atomically(path) as part:
             parquet.write_table(table, part, compression='zstd')
     except OSError as error:
-        raise BadInput(f"'{path}' cannot be written ({error}); make room.") from None
+        raise BadInput(f"'{path}' cannot be written ({error}); free some disk space.") from None
 
 
 def _build_field(name: str, kind: Any, unit: str, meaning: str) -> Any:  # noqa: ANN401 - pyarrow's

@@ -185,8 +185,8 @@ class LocalWorkers:
         self._stillborn += not worker.flown
         if self._stillborn >= STILLBORN * self._size:
             raise BadInput(
-                f'{self._stillborn} workers in a row died before they flew anything, the last by '
-                f'{how}; check whether memory ran out, or use fewer --workers.'
+                f'{self._stillborn} worker processes in a row ended before flying anything, the '
+                f'last by {how}; check whether memory ran out, or use fewer --workers.'
             )
         if (job := worker.job) is None:
             return
@@ -195,4 +195,6 @@ class LocalWorkers:
         if losses < CHANCES:
             self._again.append(job)
             return
-        yield build_failed_row(job, f'{losses} workers died over this flight, the last by {how}.')
+        yield build_failed_row(
+            job, f'{losses} worker processes ended during this flight, the last by {how}.'
+        )

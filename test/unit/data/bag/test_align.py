@@ -115,7 +115,7 @@ def test_clocks(flight_bag):
     with pytest.raises(BadInput, match='span 1770000000 s, too long to resample at 50 Hz'):
         build_even_clock([numbers('a', [0, 1_770_000_000_000], x=[0, 0])], 50.0)
     for wrong, said in [
-        ({'rate': 5.0, 'on': 'odom'}, r"Both a rate \(5.0 Hz\) and a topic \('odom'\) were given"),
+        ({'rate': 5.0, 'on': 'odom'}, r"Both rate=5.0 Hz and on='odom' were given"),
         ({'rate': 0.0}, 'The rate 0.0 Hz is out of range'),
         ({'method': 'cubic'}, "Unknown method 'cubic'; known: linear, previous"),
         ({'gap': -1.0}, 'The maximum gap -1.0 s is not positive'),
@@ -124,6 +124,6 @@ def test_clocks(flight_bag):
         with pytest.raises(BadInput, match=said):
             flight.align_topics('odom', **wrong)
     with pytest.raises(
-        BadInput, match='No topics to align were given; known: energy/reserve, odom'
+        BadInput, match='No topics to align were given; choose from: energy/reserve, odom'
     ):
         flight.align_topics()

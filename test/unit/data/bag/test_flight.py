@@ -133,7 +133,7 @@ def test_padded_rows_and_wrong_blocks(record, types):
     flight = open_flight(record(rows))
     rows_of = [[0x0100, 0x0302], [0x0908, 0x0B0A], [0x1110, 0x1312]]
     np.testing.assert_array_equal(flight.read_blocks('good').samples, [rows_of])
-    with pytest.raises(BadInput, match='has 20 bytes in rows of 8 bytes'):
+    with pytest.raises(BadInput, match='in rows of 8 bytes do not match 20 bytes'):
         flight.read_blocks('short')
     with pytest.raises(BadInput, match="Unknown image encoding 'rgb8'"):
         flight.read_blocks('colour')

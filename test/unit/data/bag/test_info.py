@@ -56,7 +56,7 @@ def test_a_whole_file_is_only_counted():
     print_bag_info(info, Console(file=text, width=200))
     assert text.getvalue().splitlines()[-2:] == [
         'seed: 3',
-        'vehicle_file: 2 lines, in full with --json',
+        'vehicle_file: 2 lines (print them with --json)',
     ]
 
 

@@ -266,17 +266,19 @@ def test_split_bag_is_one(torn, tmp_path):
 def test_what_is_no_bag_is_told_so(tmp_path):
     with pytest.raises(BadInput, match=r"no_bag' does not exist; give a rosbag2 folder"):
         read_bag(tmp_path / 'no_bag')
-    with pytest.raises(BadInput, match='contains no recording'):
+    with pytest.raises(BadInput, match=r'contains no \.mcap file'):
         read_bag(tmp_path)
     (tmp_path / 'empty.mcap').touch()
-    with pytest.raises(BadInput, match='is empty; nothing was recorded'):
+    with pytest.raises(BadInput, match=r'is empty \(0 bytes\): nothing was recorded'):
         read_bag(tmp_path / 'empty.mcap')
     (tmp_path / 'log.txt').write_text('hello, this is not a bag')
     with pytest.raises(BadInput, match='is not an MCAP recording'):
         read_bag(tmp_path / 'log.txt')
     (tmp_path / 'old').mkdir()
     (tmp_path / 'old' / 'old_0.db3').touch()
-    with pytest.raises(BadInput, match=r'in SQLite; convert it with `lta import`\.$'):
+    with pytest.raises(
+        BadInput, match=r'in SQLite format \(\.db3\); convert it to MCAP with `lta import`\.$'
+    ):
         read_bag(tmp_path / 'old')
 
 

@@ -76,8 +76,9 @@ def test_damaged_chunk(tmp_path, whole):
     assert {topic: (m.count, m.source) for topic, m in found.missing.items()} == dict.fromkeys(
         ['/lta1/a', '/lta1/b', '/c'], (SEAL, 'index')
     )
-    assert 'The lost data were recorded between 0.360 s and 0.470 s.' in found.describe_losses()
-    assert '/lta1/a lacks 4 messages (index).' in found.describe_losses()
+    told = ' '.join(found.describe_losses())
+    assert 'The lost data were recorded between 0.360 s and 0.470 s after' in told
+    assert '/lta1/a lacks 4 messages (counted in the index).' in found.describe_losses()
 
 
 def test_cut_bag_with_the_metadata_of_the_whole(tmp_path, whole):
@@ -88,7 +89,8 @@ def test_cut_bag_with_the_metadata_of_the_whole(tmp_path, whole):
     assert found.lost_spans == [(0.59, None)]
     assert {m.count for m in found.missing.values()} == {3 * SEAL}
     assert {m.source for m in found.missing.values()} == {'metadata'}
-    assert 'The lost data were recorded after 0.590 s.' in found.describe_losses()
+    told = ' '.join(found.describe_losses())
+    assert 'The lost data were recorded later than 0.590 s after' in told
 
 
 def test_indexes_of_lost_chunks_tell_without_a_summary(tmp_path, whole):
@@ -208,7 +210,10 @@ def test_rhythm_tells_what_no_index_does(tmp_path):
     assert {t: (m.count, m.source) for t, m in found.missing.items()} == {
         '/lta1/imu': (20, 'rhythm')  # the contract gives the other none
     }
-    assert '/lta1/imu lacks about 20 messages (rhythm).' in found.describe_losses()
+    assert (
+        '/lta1/imu lacks about 20 messages (estimated from gaps in time).'
+        in found.describe_losses()
+    )
 
 
 def test_what_is_whole_or_empty_is_refused(tmp_path, whole):
@@ -220,7 +225,7 @@ def test_what_is_whole_or_empty_is_refused(tmp_path, whole):
     with pytest.raises(BadInput, match='contains no intact message; there is nothing to recover'):
         recover_bag(source, tmp_path / 'new')
     damage(tmp_path, hit(whole, 1))
-    with pytest.raises(BadInput, match='is inside the original, which must not change'):
+    with pytest.raises(BadInput, match='is inside the recording itself, which must not'):
         recover_bag(source, source / 'new')
     (tmp_path / 'new').mkdir()
     (tmp_path / 'new' / 'file').touch()
@@ -240,6 +245,6 @@ def test_verb(tmp_path, whole):
         build_app(), ['bag', 'recover', str(source), '--out', str(tmp_path / 'n')]
     )
     assert result.exit_code == 0
-    assert '/c lacks 4 messages (index).' in result.stdout
+    assert '/c lacks 4 messages (counted in the index).' in result.stdout
     again = CliRunner().invoke(build_app(), ['bag', 'recover', str(tmp_path / 'n')])
     assert isinstance(again.exception, BadInput)  # which `lta` turns into status 2

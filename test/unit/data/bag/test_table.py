@@ -75,7 +75,7 @@ def test_what_is_not_there_is_told_with_what_is(flight_bag):
         flight['odom']['yaw']
     with pytest.raises(BadInput, match=r"Unknown array 'pose'; known: none\."):
         flight['odom'].array('pose')
-    with pytest.raises(BadInput, match="'odom' has no samples; choose an image topic"):
+    with pytest.raises(BadInput, match="'odom' has no image samples; choose an image topic"):
         flight['odom'].samples  # noqa: B018
     with pytest.raises(BadInput, match="Unknown column 'speed\\*'"):
         flight['odom'].select_columns('speed*')
@@ -108,7 +108,7 @@ def test_the_look_of_a_recording_and_of_a_table(flight_bag):
     assert lines[0] == 'odom: 40 rows from 0.00 to 0.39 s, 100 Hz, nav_msgs/msg/Odometry'
     assert lines[1].split() == ['pose.pose.position.x', 'm', '0', 'to', '3.9']
     assert lines[-2].split() == ['child_frame_id', 'base_link']
-    assert lines[-1] == '  and 75 more, in .columns'
+    assert lines[-1] == '  and 75 more columns (see .columns)'
     assert repr(flight['energy/reserve']).splitlines()[1].split() == ['data', 'False,', 'True']
     assert repr(flight['odom'].between(5, 6)).startswith('odom: no rows')
 
@@ -214,5 +214,5 @@ def test_rows_are_chosen_as_of_an_array(flight_bag):
     assert odom[mixed].time.tolist() == odom.time[mixed].tolist()
     assert len(odom[5:2]) == 0
     for wrong in (np.array([10**6]), np.array([True]), np.array([0.5])):
-        with pytest.raises(BadInput, match='do not fit the table'):
+        with pytest.raises(BadInput, match='does not select rows of this table'):
             odom[wrong]

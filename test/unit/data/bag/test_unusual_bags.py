@@ -40,7 +40,7 @@ BOOL = ('std_msgs/msg/Bool', 'ros2msg', 'cdr', b'bool data')
 ODD = {
     '/proto': (('p.Thing', 'protobuf', 'protobuf', b'\xff'), "are encoded as 'protobuf', not as"),
     '/idl': (('p/msg/T', 'omgidl', 'cdr', b'x'), "are of type 'p/msg/T', defined in 'omgidl'"),
-    '/none': (('', '', 'cdr', b''), 'are of a type that the bag does not define'),
+    '/none': (('', '', 'cdr', b''), 'have a message type that the bag does not define'),
     '/blank': (('p/msg/T2', 'ros2msg', 'cdr', b''), "'p/msg/T2', which the bag does not define"),
 }
 
@@ -89,7 +89,7 @@ def test_unknown_compression_is_named(tmp_path):
     file = chunked(tmp_path / 'a.mcap', ('br', b'what is this', 50, 1), ('', good, len(good), 0))
     bag = read_bag(file)
     assert [time for _, time, _ in bag.iterate_messages()] == [7]
-    assert "are compressed as 'br', which is unknown here" in bag.losses[0]
+    assert "are compressed with 'br', which is not supported" in bag.losses[0]
 
 
 def test_chunks_that_claim_too_much_cost_no_memory(tmp_path, monkeypatch):
@@ -101,14 +101,14 @@ def test_chunks_that_claim_too_much_cost_no_memory(tmp_path, monkeypatch):
     liar = bytearray(zstandard.ZstdCompressor().compress(bytes(300_000)))
     liar[5:9] = b'\xff\xff\xff\x7f'  # the content size, in 4 bytes behind magic and descriptor
     for kind, packed in (('zstd', told), ('zstd', silent), ('lz4', packed_lz4), ('zstd', liar)):
-        with pytest.raises(compression.DamagedRecord, match=r'hold|^$'):
+        with pytest.raises(compression.DamagedRecord, match=r'decompress|^$'):
             compression.decompress(kind, bytes(packed))
     good = message(7)
     bombs = [('zstd', told, len(zeros), 1), ('lz4', packed_lz4, len(zeros), 1)]
     bag = read_bag(chunked(tmp_path / 'a.mcap', *bombs, ('', good, len(good), 0)))
     assert [time for _, time, _ in bag.iterate_messages()] == [7]
-    assert 'claim to hold 4194304 bytes' in bag.losses[0]
-    assert 'hold more than 1048576 bytes' in bag.losses[1]
+    assert 'decompress to 4194304 bytes' in bag.losses[0]
+    assert 'decompress to more than 1048576 bytes' in bag.losses[1]
 
 
 def test_time_that_runs_backwards_is_named(tmp_path):
@@ -117,8 +117,8 @@ def test_time_that_runs_backwards_is_named(tmp_path):
     for options in ({}, {'chunk_size': 60}, {'use_chunking': False}):
         file = write(tmp_path / 'a.mcap', {'/a': BOOL, '/b': BOOL}, messages, **options)
         info = summarize_bag(file)
-        [remark] = [remark for remark in info.remarks if 'backwards' in remark]
-        assert remark.startswith('Time runs backwards at 2 of 8 messages, by up to 15 s')
+        [remark] = [remark for remark in info.remarks if 'goes back' in remark]
+        assert remark.startswith('The log time goes back at 2 of 8 messages, by up to 15 s')
         assert remark.endswith('; they are kept in the order of recording.')
         if 'chunk_size' not in options:
             assert "(on '/b')" in remark
@@ -143,17 +143,24 @@ def test_bags_without_messages(tmp_path):
     with BagWriter(tmp_path / 'bag', {}) as writer:
         writer.add_topic('/x', 'std_msgs/msg/Bool', [])
     info = summarize_bag(tmp_path / 'bag')
-    assert (info.messages, info.complete, info.remarks) == (0, True, ['It contains no message.'])
+    assert (info.messages, info.complete, info.remarks) == (
+        0,
+        True,
+        ['The bag contains no message.'],
+    )
 
 
 @pytest.mark.parametrize(
     ('head', 'sentence'),
     [
-        (b'', 'is empty; nothing was recorded.'),
-        (b'SQLite format 3\0', 'is a bag in SQLite; convert it with `lta import`.'),
+        (b'', 'is empty (0 bytes): nothing was recorded.'),
+        (
+            b'SQLite format 3\0',
+            'is a bag in SQLite format (.db3); convert it to MCAP with `lta import`.',
+        ),
         (b'#ROSBAG V2.0\n', 'is a ROS 1 bag; convert it with `lta import`.'),
         (b'ULog\x01\x12\x35\x01', 'is a PX4 log; convert it with `lta import`.'),
-        (b'\x28\xb5\x2f\xfd', 'is compressed as a whole; decompress it with `zstd -d` first.'),
+        (b'\x28\xb5\x2f\xfd', 'is compressed with zstd; decompress it with `zstd -d` first.'),
         (b'hello, world', 'is not an MCAP recording; give a rosbag2 folder or an .mcap file.'),
     ],
 )
@@ -173,7 +180,7 @@ def test_compression_by_message_or_file(tmp_path, mode):
         link = writer.add_connection('/x', 'std_msgs/msg/Bool', typestore=types)
         writer.write(link, 5, TRUE)
     if mode is CompressionMode.FILE:
-        with pytest.raises(BadInput, match='compressed as a whole; decompress it'):
+        with pytest.raises(BadInput, match='compressed with zstd; decompress it'):
             read_bag(tmp_path / 'bag')
     else:
         assert list(read_bag(tmp_path / 'bag').iterate_messages()) == [('/x', 5, TRUE)]
@@ -189,7 +196,10 @@ def test_files_that_metadata_lists_outside_are_not_read(tmp_path):
     )
     bag = read_bag(tmp_path / 'bag')
     assert list(bag.topics) == ['/own']
-    assert "metadata.yaml lists 'secret.mcap', which is not in the folder." in bag.losses
+    assert (
+        "metadata.yaml lists the file 'secret.mcap', which is missing from the bag's folder."
+        in bag.losses
+    )
 
 
 def test_thousands_of_channels(tmp_path):
@@ -251,11 +261,13 @@ def test_lost_names_come_from_metadata(tmp_path):
     bag = read_bag(tmp_path / 'bag')
     assert list(bag.iterate_messages()) == [('/a', 1, TRUE), ('/b', 2, TRUE)]
     assert bag.decode('/b', TRUE).data is True
-    assert "The name of channel 2 is lost; metadata.yaml gives '/b'." in bag.remarks
+    assert (
+        "The topic name of channel 2 is lost; it is taken from metadata.yaml: '/b'." in bag.remarks
+    )
     (tmp_path / 'bag' / 'metadata.yaml').unlink()
     bag = read_bag(tmp_path / 'bag')
     assert [topic for topic, _, _ in bag.iterate_messages()] == ['/channel_1', '/channel_2']
-    with pytest.raises(BadInput, match='of a type that the bag does not define'):
+    with pytest.raises(BadInput, match='a message type that the bag does not define'):
         bag.decode('/channel_1', TRUE)
 
 

@@ -35,7 +35,7 @@ def test_a_tracker_and_a_recorder_aboard_are_laid_on_each_other(two):
             # The slower is B; A's noise between two instants is a little smoothed.
             assert 0.010 < each.measures.rms < 0.0145
     assert found.verdict == 'same'
-    assert format_verdict(found).startswith('The same within their noise')
+    assert format_verdict(found).startswith('The flights agree within their noise')
 
 
 def test_clocks_that_share_nothing_count_from_each_start(two):
@@ -70,7 +70,7 @@ def test_a_tolerance_takes_the_place_of_the_noise(two):
     wide = two(NOISY, step, tolerances={'odom/*position*': 0.5})
     assert channel(wide, Z).parting.band == 0.5
     assert wide.verdict == 'same'
-    with pytest.raises(BadInput, match=r"No channel that both flights have matches 'nose'"):
+    with pytest.raises(BadInput, match=r"no channel of both flights matches 'nose'"):
         two(NOISY, step, tolerances={'nose': 0.5})
 
 
@@ -84,7 +84,7 @@ def test_an_offset_by_hand_is_taken_as_it_is(two):
 def test_the_same_stamps_are_one_clock(two):
     found = two(NOISY, NOISY | {'seed': 3})
     assert (found.timing.how, found.timing.offset) == ('none', 0.0)
-    assert 'same stamps' in found.timing.reason
+    assert 'same time stamps' in found.timing.reason
 
 
 def test_a_bag_beside_itself_is_identical(two):
@@ -92,7 +92,7 @@ def test_a_bag_beside_itself_is_identical(two):
     assert found.is_identical
     assert found.verdict == 'identical'
     assert found.identical_topics == ('odom',)
-    assert format_verdict(found) == 'Identical: the one topic is identical byte for byte.'
+    assert format_verdict(found) == 'Identical: the only topic is identical byte for byte.'
     assert all(each.measures is None or each.measures.rms == 0.0 for each in found.channels)
 
 
@@ -126,8 +126,8 @@ def test_doubled_and_backward_messages_are_counted(record):
     assert not found.is_identical
     assert found.is_within_bands
     told = describe_faults(wrong)
-    assert '2 messages with the stamp of another, 1 of them identical byte for byte' in told
-    assert 'time runs backwards 1 time, first from 0.790 to 0.750 s' in told
+    assert '2 messages with the time stamp of another, 1 of them identical byte for byte' in told
+    assert 'time stamps go back 1 time, first from 0.790 to 0.750 s' in told
 
 
 def test_the_sentence_names_what_the_ranking_has_first(tmp_path):

@@ -60,13 +60,17 @@ def test_other_units_are_not_compared():
     wanted = select_topic_pairs((), (), list(a.topics), list(b.topics))
     found = compare_sides(a, b, wanted, ComparisonRequest())
     assert [each.name for each in found.channels] == ['range/x']
-    assert "'range/range' is in m in A and in mm in B; not compared." in found.remarks
+    assert (
+        "Channel 'range/range' is not compared: its unit is m in A, but mm in B." in found.remarks
+    )
 
 
 def test_flights_with_nothing_in_common_say_what_each_has(tmp_path):
     a = write_motion(tmp_path / 'a', until=5.0)
     b = write_motion(tmp_path / 'b', until=5.0, topic='tracker')
-    with pytest.raises(BadInput, match=r'no topic in common \(A: odom; B: tracker\); say which'):
+    with pytest.raises(
+        BadInput, match=r'no topic in common \(A: odom; B: tracker\); name the topics'
+    ):
         compare_flights(open_flight(a), open_flight(b), ComparisonRequest())
     found = compare_flights(
         open_flight(a), open_flight(b), ComparisonRequest(pairs=('odom=tracker',))

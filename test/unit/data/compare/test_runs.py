@@ -80,6 +80,6 @@ def test_rows_that_are_counted_alike_are_no_common_clock(tmp_path, time):
     assert found.verdict == 'same'
     # One text imported twice is one clock.
     assert compare_flights(a, a, ComparisonRequest()).timing.reason.startswith(
-        'Both have the same stamps'
+        'Both flights have the same time stamps'
     )
     assert compare_flights(a, b, ComparisonRequest(align='none')).timing.offset == 0.0

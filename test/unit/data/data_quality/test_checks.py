@@ -152,11 +152,11 @@ def test_hashes_are_those_of_equal_windows_only():
 @pytest.mark.parametrize(
     ('name', 'value', 'reason'),
     [
-        ('range/range', -0.5, 'not negative'),
-        ('illuminance/illuminance', -1.0, 'not negative'),
-        ('battery/voltage', 4.7, 'outside the range of cells'),
+        ('range/range', -0.5, 'cannot be negative'),
+        ('illuminance/illuminance', -1.0, 'cannot be negative'),
+        ('battery/voltage', 4.7, 'is neither a cell'),
         ('motors/effort.left', 1.2, 'a duty is'),
-        ('photodiodes/max[0]', -1.0, 'not negative'),
+        ('photodiodes/max[0]', -1.0, 'cannot be negative'),
         ('pressure/fluid_pressure', 2e5, 'air'),
     ],
 )
@@ -250,7 +250,7 @@ def test_degrees_and_a_turned_sign_of_a_gyroscope_are_told():
     assert 'deg/s' in unit.evidence
     (turned,) = [f for f in run_checks(swinging(sign=-1.0)).findings if f.kind == 'axes']
     assert turned.channel == f'{GYRO}.z'
-    assert '-z is z' in turned.evidence
+    assert 'z is recorded as -z' in turned.evidence
 
 
 def test_a_clock_that_was_set_by_decades_is_named_and_fills_no_memory():

@@ -163,7 +163,7 @@ def test_samples_and_points_are_rows_with_times_of_their_own(
     monkeypatch.setattr(source, 'BLOCKS', stretch)
     monkeypatch.setattr(source, 'CLOUDS', stretch)
     written, done = files(mixed_bag, 'parquet', tmp_path / 'out')
-    assert done.remarks == ["The pixels of 'camera' are left out."]
+    assert done.remarks == ["Of the images on 'camera', the pixels are not exported."]
     table = parquet.read_table(written['photodiodes'].file)
     blocks = [
         message.data.view('<u2').reshape(20, 2)
@@ -232,7 +232,7 @@ def test_what_cannot_be_exported_is_one_sentence(flight_bag, mixed_bag, tmp_path
             export_recording(lta_analysis.open(flight_bag), order, tmp_path / folder, Blind())
     assert not (tmp_path / 'a').exists()
     with pytest.raises(
-        BadInput, match="'photodiodes' cannot be aligned: image samples have a rate of their own"
+        BadInput, match="'photodiodes' cannot be aligned: images cannot be resampled"
     ):
         files(mixed_bag, 'csv', tmp_path / 'a', rate=1.0, topics=('photodiodes',))
 

@@ -211,8 +211,14 @@ def test_a_bag_that_was_cut_short_is_imported_as_far_as_it_goes(bring, tmp_path)
 
 
 WRONG = {
-    'no such topic': ('  - {topic: ground_truth/odom, table: /nothing}\n', "no table '/nothing'"),
-    'no such child': ('  - {topic: ground_truth/odom, table: "/tf#me"}\n', "no table '/tf#me'"),
+    'no such topic': (
+        '  - {topic: ground_truth/odom, table: /nothing}\n',
+        "lacks the table '/nothing'",
+    ),
+    'no such child': (
+        '  - {topic: ground_truth/odom, table: "/tf#me"}\n',
+        "lacks the table '/tf#me'",
+    ),
     'nothing known': ('  - {topic: battery, table: /vicon/drone}\n', 'has no standard conversion'),
     'no such field': (
         '  - {topic: range, table: /thrust, range: {column: "newtons[5]", unit: m}}\n',

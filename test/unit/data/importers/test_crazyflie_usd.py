@@ -99,7 +99,7 @@ def test_a_log_that_was_cut_short_is_read_as_far_as_it_goes(bring, tmp_path, cut
     found = bring(tmp_path / 'log00')
     whole = 2 if cut <= 4 else 1
     assert len(found.messages['/lta1/odom']) == whole
-    assert 'The CRC is wrong: the log was cut short or is damaged' in found.notes
+    assert 'The checksum (CRC) does not match: the log was cut short or is damaged' in found.notes
 
 
 def test_a_flipped_bit_is_said_and_what_can_be_read_is_kept(bring, tmp_path):
@@ -108,13 +108,13 @@ def test_a_flipped_bit_is_said_and_what_can_be_read_is_kept(bring, tmp_path):
     (tmp_path / 'log00').write_bytes(data)
     found = bring(tmp_path / 'log00')
     assert len(found.messages['/lta1/odom']) == 2
-    assert 'The CRC is wrong' in found.notes
+    assert 'The checksum (CRC) does not match' in found.notes
 
 
 def test_what_the_head_does_not_name_ends_the_log(bring, tmp_path):
     data = log(2) + struct.pack('<HQ', 9, 1_200_000) + b'????'
     (tmp_path / 'log00').write_bytes(sealed(data))
-    assert '14 bytes are left out' in bring(tmp_path / 'log00').notes
+    assert 'the 14 bytes from there on are left out' in bring(tmp_path / 'log00').notes
 
 
 @pytest.mark.parametrize(
@@ -144,7 +144,7 @@ def test_a_pulse_that_no_motor_has_is_left_out_and_said(bring, tmp_path):
     (tmp_path / 'log00').write_bytes(sealed(data))
     found = bring(tmp_path / 'log00')
     assert list(found.messages) == ['/lta1/battery']
-    assert "motors is left out: Column 'motor.m3' has 70000 in row 1" in found.notes
+    assert "'motors' is left out: Column 'motor.m3' has 70000 in row 1" in found.notes
 
 
 def test_two_kinds_of_event_with_one_name_are_both_there(bring, tmp_path):

@@ -109,11 +109,11 @@ def test_what_is_odd_is_kept_and_named(bring, tmp_path):
     xs = [message.pose.pose.position.x for message in found.messages[ODOM]]
     assert np.isnan(xs).tolist() == [True, False, False, True]
     for sentence in (
-        'Time goes back once, first in row 3; kept.',
-        'Time stands still once; kept.',
-        "Column 'x' has no number 3 times; NaN in the bag.",
-        f'1 rows have no values for {ODOM} and give no message.',
-        'The mapping does not use these columns: u.',
+        'The time goes back once, first in row 3; these rows are kept.',
+        'The time repeats once; these rows are kept.',
+        "Column 'x' lacks a number 3 times; the bag has NaN there.",
+        f'1 rows have no values for {ODOM} and are left out there.',
+        'The mapping does not use these columns of the log: u.',
     ):
         assert sentence in found.notes
 

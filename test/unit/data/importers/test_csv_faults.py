@@ -36,7 +36,7 @@ def test_a_cut_compressed_text_is_refused(bring, tmp_path):
     lines = '\n'.join(f'{k},1,2,3' for k in range(5, 50_000))
     source = tmp_path / 'a.csv.gz'
     source.write_bytes(gzip.compress(f't,x,y,z\n{lines}\n'.encode())[:-2000])
-    with pytest.raises(BadInput, match='compression is damaged or cut short'):
+    with pytest.raises(BadInput, match='compressed data are damaged or cut short'):
         bring(source, POSE)
 
 
@@ -57,7 +57,11 @@ MAPPINGS = {
     'two columns': ('[x, y, z]', '[x, y]', 'must have 3 or more'),
     'axes': ('topics:', 'world: [x, x, z]\ntopics:', 'each once'),
     'named axes': ('topics:', 'world: DOWN\ntopics:', 'known axes are ENU'),
-    'actuators': ('position:', 'actuators: {m1: {}}\n    position:', 'only the topic motors can'),
+    'actuators': (
+        'position:',
+        'actuators: {m1: {}}\n    position:',
+        "only the topic 'motors' can",
+    ),
     'world velocity': (
         'position:',
         'velocity: {columns: [x, y, z], unit: m/s, frame: world}\n    position:',

@@ -70,7 +70,7 @@ def test_what_is_printed_for_people_names_topics_bag_and_what_is_odd(lta, tmp_pa
     assert status == 0
     told = ' '.join(text.split())
     assert '/hawk/ground_truth/odom: 4 messages' in told
-    assert 'Time goes back once, first in row 3; kept.' in told
+    assert 'The time goes back once, first in row 3; these rows are kept.' in told
     assert 'bag info' in told
 
 
@@ -78,8 +78,8 @@ CASES = {
     'nothing there': ('nowhere.csv', None, (), 'does not exist'),
     'empty': ('a.csv', b'', (), 'is empty; give a log with data'),
     'unknown': ('a.bin', b'\x00\x01\x02', (), 'is not in a known format (csv: '),
-    'no mapping': ('a.csv', b't,x\n1,2\n', (), 'needs a mapping (no shipped mapping fits'),
-    'wrong mapping': ('a.csv', b't,x\n1,2\n', ('--mapping', 'px4'), 'is for ulog, but'),
+    'no mapping': ('a.csv', b't,x\n1,2\n', (), 'No shipped mapping fits the columns of'),
+    'wrong mapping': ('a.csv', b't,x\n1,2\n', ('--mapping', 'px4'), 'is for the format ulog, but'),
     'unknown mapping': ('a.csv', b't,x\n1,2\n', ('--mapping', 'mine'), 'known: crazyflie_usd'),
     'unknown format': ('a.csv', b't,x\n1,2\n', ('--format', 'xls'), "Unknown format 'xls'"),
     'other format': ('a.csv', b't,x\n1,2\n', ('--format', 'usd'), 'is not a Crazyflie log'),

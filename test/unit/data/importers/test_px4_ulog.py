@@ -87,7 +87,7 @@ def test_a_log_in_our_units_and_axes(bring, tmp_path):
     # The stamp is that of the sample, the log time that of the message.
     assert found.stamps('/lta1/odom') == [2_000_000_000]
     assert found.times['/lta1/odom'] == [2_003_000_000]
-    assert 'latest values of vehicle_attitude and vehicle_angular_velocity' in found.notes
+    assert 'latest logged values of vehicle_attitude and vehicle_angular_velocity' in found.notes
     assert 'at most 0.01 s old' in found.notes
     (imu,) = found.messages['/lta1/imu']
     assert imu.linear_acceleration.z == np.float32(9.80665)
@@ -102,7 +102,7 @@ def test_a_log_in_our_units_and_axes(bring, tmp_path):
     assert math.isnan(second.percentage)
     (distance,) = found.messages['/lta1/range']
     assert (distance.range, distance.min_range, distance.max_range) == (1.5, 0.25, 8.0)
-    assert '1 rows are excluded from /lta1/range by the mapping.' in found.notes
+    assert 'The mapping excludes 1 rows from /lta1/range.' in found.notes
     assert found.messages['/lta1/pressure'][0].fluid_pressure == 95_000.0
 
 
@@ -118,7 +118,7 @@ def test_digital_outputs_are_left_out_and_said(bring, tmp_path):
     (tmp_path / 'a.ulg').write_bytes(ulog([shots, ('vehicle_air_data', (3_000_000, 1e5))]))
     found = bring(tmp_path / 'a.ulg')
     assert list(found.messages) == ['/lta1/pressure']
-    assert "motors is left out: Column 'output[0]' has 0 in row 1" in found.notes
+    assert "'motors' is left out: Column 'output[0]' has 0 in row 1" in found.notes
 
 
 def test_attitude_alone_is_an_odometry_without_a_place(bring, tmp_path):

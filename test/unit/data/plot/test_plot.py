@@ -56,7 +56,7 @@ def test_a_word_that_means_nothing_or_too_much_is_one_sentence(bag):
     flight = open_flight(bag)
     with pytest.raises(BadInput, match=r"'odom/position\.z'; similar: .*odom/pose\.pose\.pos"):
         select_channels(flight, ['odom/position.z'])
-    with pytest.raises(BadInput, match=r'^\d+ channels are too many for one picture'):
+    with pytest.raises(BadInput, match=r'^\d+ channels are too many for one plot'):
         select_channels(flight, ['*'])
 
 

@@ -228,7 +228,7 @@ def test_one_run_in_two_roles_is_refused_however_it_was_trimmed(flights, gtmab):
         return replace(_only(channel, late), time=channel.time[late] - 3.0)
 
     copy = replace(_changed(flights[0], trimmed, ''), name='copy', role='confirm')
-    with pytest.raises(BadInput, match=r"copy: The same run as 'A'.*cannot confirm it"):
+    with pytest.raises(BadInput, match=r"copy: This is the same run as 'A'.*cannot confirm it"):
         select_usable_flights([flights[0], copy], gtmab)
 
 

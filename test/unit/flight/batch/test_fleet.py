@@ -191,14 +191,16 @@ def test_what_a_batch_does_not_know_it_refuses():
     with pytest.raises(BadInput, match=r'does not support the effect gyro_scale'):
         made('vehicle.effects.gyro_scale.z={value: 1.1, unit: "1", source: assumed}')
     sblimp = build_vehicle_scenario_stack(load_spec('sblimp', 'lamp_room', 'bag', ''))
-    with pytest.raises(BadInput, match=r'supports only the control law cascade, not velocity'):
+    with pytest.raises(
+        BadInput, match=r'supports only the control law cascade, but sblimp uses velocity'
+    ):
         build_flight(*sblimp, TABLE)
     vehicle, scenario, policy = build_vehicle_scenario_stack(ingredients())
     with pytest.raises(BadInput, match=r'not along a course; leave --device out'):
         build_flight(vehicle, scenario, replace(policy, course=lambda _: Setpoint(1, 0, 0)), TABLE)
     air = scenario.air.model_copy(update={'recorded': 'wind.csv'})
     windy = scenario.model_copy(update={'air': air})
-    with pytest.raises(BadInput, match=r'recorded wind of the scenario lamp_room; leave'):
+    with pytest.raises(BadInput, match=r'recorded wind, which the scenario lamp_room has; leave'):
         build_flight(vehicle, windy, policy, TABLE)
 
 

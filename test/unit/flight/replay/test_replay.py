@@ -180,7 +180,7 @@ def test_settings_are_of_the_type_that_the_node_declares():
     [
         ('demodulator.window', 'write NODE.PARAMETER=VALUE'),
         ('window=4', 'write NODE.PARAMETER=VALUE'),
-        ('estimator.x=4', "Unknown node that is run again 'estimator'; known: demodulator"),
+        ('estimator.x=4', "Unknown replayed node 'estimator'; known: demodulator"),
         ('demodulator.windo=4', "Unknown parameter of demodulator 'windo'"),
         ('demodulator.window=many', 'demodulator: parameter window'),
         ('demodulator.window=101', 'must be at most 100'),
@@ -196,7 +196,7 @@ def test_nodes_are_those_of_the_graph():
     assert parse_nodes('navigator, demodulator,navigator') == ('navigator', 'demodulator')
     with pytest.raises(BadInput, match="Unknown node 'recorder'; known: controller"):
         parse_nodes('recorder')
-    with pytest.raises(BadInput, match='No node is named'):
+    with pytest.raises(BadInput, match='No node to replay was given'):
         parse_nodes(',')
 
 
@@ -263,7 +263,7 @@ def test_a_node_without_what_it_answers_cannot_be_replayed(tmp_path):
     order = ReplayRequest(tmp_path / 'bag', ('energy_monitor',))
     with pytest.raises(BadInput, match=r"has no 'battery', which energy_monitor answers; leave"):
         check_request(order, flight())  # nobody can run a vehicle again
-    with pytest.raises(BadInput, match=r'run estimator again as well, or leave controller out'):
+    with pytest.raises(BadInput, match=r'add estimator to --nodes, or leave controller out'):
         check_request(ReplayRequest(tmp_path / 'bag', ('controller',)), SimpleNamespace(topics={}))
     both = ReplayRequest(tmp_path / 'bag', ('controller', 'estimator'))
     check_request(both, flight())  # odom comes from the estimator

@@ -119,8 +119,8 @@ def test_word_goes_where_the_paths_are_farthest_apart():
 
 def test_moments_are_the_ends_of_the_search(view):
     far, near = select_sample_blocks(view)
-    assert far.where == '7.0 m away'
-    assert near.where in {'1.0 m away', '1.1 m away'}  # 1.05 m
+    assert far.where == '7.0 m from the lamp'
+    assert near.where in {'1.0 m from the lamp', '1.1 m from the lamp'}  # 1.05 m
     for moment, distance in ((far, 7.0), (near, 1.05)):
         spectrum = amplitude_spectrum(moment.samples[:, None])[:, 0]
         assert spectrum[15] == pytest.approx(500.0 / distance**2, rel=0.05)  # 150 Hz, 10 Hz a bin

@@ -57,8 +57,8 @@ def test_light(found):
 
 def test_the_tile_is_of_what_the_drone_steers_by(found):
     (tile,) = [each for each in build_tiles(found) if each.name == 'Direction of the lamp']
-    assert (tile.value, tile.unit) == ('1.1', '° RMS off')
-    assert tile.note == "as the drone steers by it; the paper's bearing 2.9°"
+    assert (tile.value, tile.unit) == ('1.1', '° RMS error')
+    assert tile.note == "as used for steering; error of the paper's bearing 2.9°"
 
 
 def test_estimator_errors(found):
@@ -141,9 +141,9 @@ def test_without_scenario_nobody_knows_where_the_lamp_is(tmp_path):
 @pytest.mark.parametrize(
     ('text', 'fault'),
     [
-        ('schema: 1', 'cannot be read by this version: '),
+        ('schema: 1', 'cannot be read by this version of LTA: '),
         ('[', 'is not valid YAML: '),
-        ('- a', 'cannot be read by this version: '),
+        ('- a', 'cannot be read by this version of LTA: '),
     ],
 )
 def test_unreadable_file_in_the_bag_is_one_sentence(tmp_path, key, text, fault):

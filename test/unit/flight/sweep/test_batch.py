@@ -103,7 +103,9 @@ def test_what_cannot_be_built_is_kept_as_failed(sweep, tmp_path, monkeypatch):
         'It is too heavy; take less.'
     }
     title = format_title(done.plan, done.rows)
-    assert title.startswith('0 of 8 flights reached their goal, and 2 could not be flown; with')
+    assert title.startswith(
+        '0 of 8 flights reached their goal, and 2 could not be flown; the 95 %'
+    )
 
 
 def test_what_a_batch_does_not_support_is_refused_before_the_first_flight(sweep, tmp_path):

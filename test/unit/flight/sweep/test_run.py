@@ -120,7 +120,7 @@ def test_another_sweep_is_not_mixed_in(sweep, tmp_path, here):
         run(sweep(2), folder)
     (tmp_path / 'full').mkdir()
     (tmp_path / 'full' / 'thesis.tex').touch()
-    with pytest.raises(BadInput, match='contains files that are not of a sweep'):
+    with pytest.raises(BadInput, match='contains files that do not belong to a sweep'):
         run(sweep(1), tmp_path / 'full')
 
 
@@ -173,7 +173,7 @@ def test_a_worker_that_dies_costs_no_result(tmp_path, monkeypatch):
     assert sorted(rows) == list(range(6))
     assert [rows[k].outcome for k in (0, 1, 3, 4, 5)] == ['reached'] * 5
     assert rows[2].outcome == 'failed'
-    assert rows[2].sentence == '2 workers died over this flight, the last by SIGKILL.'
+    assert rows[2].sentence == '2 worker processes ended during this flight, the last by SIGKILL.'
 
 
 def stillborn(connection, base):

@@ -55,8 +55,8 @@ def complete_names(contents: McapContents, metadata_topics: Sequence[TopicMetada
         if known is None and channel.schema_id and type_name:
             contents.schemas[channel.schema_id] = build_ros_schema(channel.schema_id, type_name)
             contents.remarks.append(
-                f"The definition of '{type_name}' is lost in the recording; the ROS definition is "
-                'used instead.'
+                f"The recording lacks the message definition of '{type_name}'; the standard ROS "
+                'definition is used instead.'
             )
     names = {entry.topic for entry in metadata_topics}
     odd = {id for id, found in contents.channels.items() if names and found.topic not in names}
@@ -77,22 +77,22 @@ def repair_encodings(contents: McapContents) -> None:
     for id, schema in contents.schemas.items():
         if schema.encoding not in ENCODINGS and re.fullmatch(r'\w+/msg/\w+', schema.name):
             contents.remarks.append(
-                f"The definition of '{schema.name}' has the unknown encoding "
+                f"The message definition of '{schema.name}' has the unknown encoding "
                 f"'{schema.encoding}'; it is read as a ROS message definition."
             )
             contents.schemas[id] = replace(schema, encoding='ros2msg')
         if schema.encoding in READABLE and not is_utf8(schema.data):
             contents.remarks.append(
-                f"The definition of '{schema.name}' is damaged; the ROS definition is used "
-                'instead.'
+                f"The message definition of '{schema.name}' is damaged; the standard ROS "
+                'definition is used instead.'
             )
             contents.schemas[id] = build_ros_schema(id, schema.name)
     for id, channel in contents.channels.items():
         known = contents.schemas.get(channel.schema_id)
         if known and known.encoding in READABLE and channel.message_encoding != 'cdr':
             contents.remarks.append(
-                f"Topic '{channel.topic}' has the encoding '{channel.message_encoding}'; its type "
-                'is a ROS type, so it is read as CDR.'
+                f"Topic '{channel.topic}' declares the encoding '{channel.message_encoding}', "
+                'but has a ROS type, so its messages are read as CDR.'
             )
             contents.channels[id] = replace(channel, message_encoding='cdr')
 
@@ -126,7 +126,7 @@ def name_channel(
         if id not in contents.channels:
             contents.channels[id] = Channel(id, NAMELESS.format(id), 'cdr', {}, 0)
             contents.remarks.append(
-                f'The name of channel {id} is lost; its messages are kept as '
+                f'The topic name of channel {id} is lost; its messages are kept on the topic '
                 f"'{NAMELESS.format(id)}'."
             )
         return
@@ -137,7 +137,7 @@ def name_channel(
         contents.schemas[schema.id] = schema
     contents.channels[id] = Channel(id, found.topic, 'cdr', {}, schema.id)
     contents.remarks.append(
-        f"The name of channel {id} is lost; metadata.yaml gives '{found.topic}'."
+        f"The topic name of channel {id} is lost; it is taken from metadata.yaml: '{found.topic}'."
     )
 
 

@@ -18,7 +18,7 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Channel, Metadata, Schema
 
-TOO_MANY = f'It has more than {CHANNELS} topics; the others are left out.'
+TOO_MANY = f'The recording has more than {CHANNELS} topics; the others are left out.'
 
 
 @final

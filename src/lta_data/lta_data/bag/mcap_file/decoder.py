@@ -32,7 +32,7 @@ def explain_undecodable(schema: Schema | None, message_encoding: str) -> str | N
     if message_encoding != 'cdr':
         return f"are encoded as '{message_encoding}', not as CDR"
     if schema is None or not schema.encoding:
-        return 'are of a type that the bag does not define'
+        return 'have a message type that the bag does not define'
     if schema.encoding not in READABLE:
         return f"are of type '{schema.name}', defined in '{schema.encoding}', not as a ROS message"
     if not schema.data.strip() and not schema.name.endswith('/Empty'):

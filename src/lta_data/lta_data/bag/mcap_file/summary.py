@@ -20,7 +20,9 @@ FOOTER = struct.Struct('<BQQQI')  # opcode, length, summary, summary offsets, CR
 TAIL = FOOTER.size + len(MAGIC)
 CHUNK_INDEX = struct.Struct('<QQQQI')  # start, end, offset, length, bytes of the channels
 CHANNEL = struct.Struct('<HQ')  # channel, offset of its message index
-UNUSABLE = 'The summary at its end is damaged; the recording is scanned from the start instead.'
+UNUSABLE = (
+    'The summary at the end of the file is damaged; the file is scanned from its start instead.'
+)
 
 
 def read_summary(stream: BinaryIO, size: int) -> McapContents | None:
@@ -104,7 +106,7 @@ def add_metadata(stream: BinaryIO, contents: McapContents, note: MetadataIndex) 
             raise DamagedRecord
         contents.add_record(opcode, data[RECORD.size :])
     except (DamagedRecord, struct.error):
-        contents.remarks.append(f"Its metadata record '{note.name}' is damaged and left out.")
+        contents.remarks.append(f"The metadata record '{note.name}' is damaged and left out.")
 
 
 def parse_chunk_region(body: bytes) -> MessageRegion:

@@ -50,7 +50,7 @@ def parse_definition(text: str, type_name: str, encoding: str) -> Typesdict:
         for _, described in fields
     )
     if count > ARRAY_PARTS:
-        raise TypesysError(f'its arrays have {count} parts')
+        raise TypesysError(f'its arrays have {count} elements, more than {ARRAY_PARTS}')
     behind: set[str] = set()
     for name in found:
         check_nested_types(name, found, (), behind)

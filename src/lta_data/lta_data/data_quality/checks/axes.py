@@ -31,9 +31,11 @@ OTHER = 0.05  # advantage of blaming the sensor's side over the pose
 BETTER = 0.25  # least improvement of the match by an explanation
 # Misreadings of a quaternion, rows of x, y, z, w
 ORDERS: Final[dict[str, Callable[[Array], Array]]] = {
-    'the inverse attitude (map to body)': lambda turn: turn * np.array([-1.0, -1.0, -1.0, 1.0]),
-    'the order w x y z for x y z w': lambda turn: np.roll(turn, -1, axis=1),
-    'the order x y z w for w x y z': lambda turn: np.roll(turn, 1, axis=1),
+    'The attitude is inverted (map to body)': lambda turn: (
+        turn * np.array([-1.0, -1.0, -1.0, 1.0])
+    ),
+    'The quaternion fields x, y, z, w contain w, x, y, z': lambda turn: np.roll(turn, -1, axis=1),
+    'The quaternion fields w, x, y, z contain x, y, z, w': lambda turn: np.roll(turn, 1, axis=1),
 }
 # All 48 signed orders of three axes, mirrored ones included
 SIGNED: Final = tuple(product(permutations(range(3)), product((1.0, -1.0), repeat=3)))
@@ -78,8 +80,8 @@ def explain_mismatch(
         begin, end = pair.span
         yield QualityFinding(
             KIND, channel, begin, end,
-            f"{words}: it correlates with '{pair.made if channel != pair.made else pair.told}' "
-            f'by {before:.2f} as recorded and by {score:.2f} corrected.',
+            f"{words}: the correlation with '{pair.made if channel != pair.made else pair.told}' "
+            f'is {before:.2f} as recorded and {score:.2f} after correction.',
             Severity.SUSPICIOUS, {'as_told': before, 'explained': score},
         )  # fmt: skip
 
@@ -100,7 +102,7 @@ def score_axis_orders(pair: MotionPair, alike: PairSimilarity) -> Iterator[tuple
         if not wrong or len(idle) > sum(order[j] != j for j in moving):
             continue
         words = ', '.join(
-            f'{"-" if signs[j] < 0 else ""}{XYZ[order[j]]} is {XYZ[j]}' for j in wrong
+            f'{XYZ[j]} is recorded as {"-" if signs[j] < 0 else ""}{XYZ[order[j]]}' for j in wrong
         )
         name = f'{pair.told}.{XYZ[wrong[0]]}' if len(wrong) == 1 else pair.told
         # At the same correlation, prefer the explanation with fewer changes.
@@ -135,7 +137,9 @@ def score_pose_readings(
         attitude.name, attitude.time, attitude.values * 0.0 + [0.0, 0.0, 0.0, 1.0]
     )
     in_map = pair_velocity(pose.position, level, told, limits)
-    yield from score_reading(in_map, pair.told, 'The velocity is in the map frame', limits)
+    yield from score_reading(
+        in_map, pair.told, 'The velocity is in the map frame instead of the body frame', limits
+    )
     place = pose.position
     for order, signs in SIGNED:
         # The order as recorded
@@ -147,7 +151,7 @@ def score_pose_readings(
         changes = sum(order[j] != j or signs[j] < 0 for j in range(3))
         for score, name, told_as in score_reading(
             pair_velocity(moved, attitude, told, limits), place.name,
-            f'The position is x, y, z = {words}', limits,
+            f'The axes x, y, z of the position are recorded as {words}', limits,
         ):  # fmt: skip
             yield score - 0.01 * changes, name, told_as
 
@@ -158,13 +162,7 @@ def score_reading(
     """Yield the score of another reading, if it can be judged."""
     alike = None if pair is None else measure_similarity(pair, limits)
     if alike is not None:
-        yield (
-            mean_axis_match(alike) - OTHER,
-            name,
-            words
-            if words.startswith('The ') and ' is ' in words
-            else f'The attitude reads as {words}',
-        )
+        yield mean_axis_match(alike) - OTHER, name, words
 
 
 def find_lying_attitude(pose: PoseSeries, limits: QualityLimits) -> Iterator[QualityFinding]:
@@ -179,7 +177,8 @@ def find_lying_attitude(pose: PoseSeries, limits: QualityLimits) -> Iterator[Qua
         yield QualityFinding(
             KIND, pose.attitude.name, float(pose.attitude.time[0]), float(pose.attitude.time[-1]),
             f'The vehicle tilts by more than {limits.upright:.0f} degrees in {100 * share:.0f} % '
-            'of the time: wrong order of the quaternion (w first) or wrong frame (z down).',
+            'of the time: the quaternion has the wrong order (w first), or the z axis points '
+            'down.',
             Severity.SUSPICIOUS, {'share': share},
         )  # fmt: skip
 
@@ -202,7 +201,7 @@ def find_misaligned_gravity(
     yield QualityFinding(
         KIND, f'{force.name}.z' if axis == 2 else force.name, float(force.time[0]),
         float(force.time[-1]),
-        f'Gravity acts along {sign}{XYZ[axis]} ({mean[0]:.2f}, {mean[1]:.2f}, {mean[2]:.2f}), '
-        'not along z (REP-103: +9.81 m/s2 upwards at rest).',
+        f'Gravity acts along {sign}{XYZ[axis]} ({mean[0]:.2f}, {mean[1]:.2f}, {mean[2]:.2f}) '
+        'm/s2, not along z (REP-103: +9.81 m/s2 upwards at rest).',
         Severity.SUSPICIOUS, {'x': float(mean[0]), 'y': float(mean[1]), 'z': float(mean[2])},
     )  # fmt: skip

@@ -72,7 +72,8 @@ def find_pileups(
         yield QualityFinding(
             KIND, channel.name, float(time[at[0, 0]]), float(time[at[-1, 1] - 1]),
             f'{count} of {len(values)} readings have the {word} value, {levels[side]:.6g} '
-            f'{channel.unit}, but only {np.median(beside):.0f} each of the adjacent values.',
+            f'{channel.unit}, but the adjacent values occur only {np.median(beside):.0f} '
+            'times each: the channel is clipped.',
             Severity.SUSPICIOUS, {'limit': float(levels[side]), 'readings': float(count)},
         )  # fmt: skip
 
@@ -88,6 +89,6 @@ def find_railed_blocks(channel: SignalChannel, evidence: CheckContext) -> Iterat
         times = channel.time[at]
         yield QualityFinding(
             KIND, channel.name, float(times[0]), float(times[-1]),
-            f'{int(at.sum())} of {len(at)} blocks reach the limit of the ADC, {end:.0f} counts.',
+            f'{int(at.sum())} of {len(at)} sample blocks reach the ADC limit of {end:.0f} counts.',
             Severity.SUSPICIOUS, {'limit': end, 'blocks': float(at.sum())},
         )  # fmt: skip

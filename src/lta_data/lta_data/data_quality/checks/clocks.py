@@ -80,8 +80,9 @@ def find_lag(
     if wanders and drifting > limits.agree and is_clear_gain(steady, drifting, limits):
         yield QualityFinding(
             KIND, pair.told, begin, end,
-            f"Drifts by {found.drift:.3f} s +- {found.drift_error:.3f} s against '{pair.made}' "
-            f'from begin to end (correlation {drifting:.2f}, uncorrected {steady:.2f}).',
+            f'The time stamps drift by {found.drift:.3f} s +- {found.drift_error:.3f} s '
+            f"relative to '{pair.made}' from start to end (correlation {steady:.2f} as recorded, "
+            f'{drifting:.2f} after correction).',
             Severity.SUSPICIOUS, {'drift': found.drift, 'error': found.drift_error},
         )  # fmt: skip
         return
@@ -91,8 +92,9 @@ def find_lag(
         if drifting > limits.wander_agree and is_clear_gain(max(steady, 0.0), drifting, limits):
             yield QualityFinding(
                 KIND, pair.told, begin, end,
-                f"Drifts by about {drift:.1f} s against '{pair.made}' from begin to end "
-                f'(correlation {drifting:.2f}, uncorrected {steady:.2f}).',
+                f"The time stamps drift by about {drift:.1f} s relative to '{pair.made}' from "
+                f'start to end (correlation {steady:.2f} as recorded, {drifting:.2f} after '
+                'correction).',
                 Severity.SUSPICIOUS, {'drift': drift},
             )  # fmt: skip
             return
@@ -107,8 +109,9 @@ def find_lag(
         word = 'late' if found.lag > 0 else 'early'
         yield QualityFinding(
             KIND, pair.told, begin, end,
-            f"{abs(found.lag):.3f} s +- {found.error:.3f} s {word} against '{pair.made}' "
-            f'(correlation {peak:.2f}, uncorrected {zero[best].mean():.2f}).',
+            f'The data are {abs(found.lag):.3f} s +- {found.error:.3f} s {word} relative to '
+            f"'{pair.made}' (correlation {zero[best].mean():.2f} as recorded, {peak:.2f} after "
+            'correction).',
             Severity.SUSPICIOUS, {'lag': found.lag, 'error': found.error},
         )  # fmt: skip
 

@@ -61,8 +61,8 @@ def build_unfilled_finding(name: str, channel: SignalChannel) -> QualityFinding:
     """Return the finding of a vector that is always zero: its sender has no such quantity."""
     return QualityFinding(
         KIND, name, float(channel.time[0]), float(channel.time[-1]),
-        f'All parts are exactly 0 in all {len(channel.time)} messages: the sender does not fill '
-        'them in.',
+        f'All components are exactly 0 in all {len(channel.time)} messages: the sender does '
+        'not fill them in.',
         Severity.NOTE,
     )  # fmt: skip
 
@@ -72,7 +72,7 @@ def build_constant_finding(channel: SignalChannel) -> QualityFinding:
     held = first_finite_value(channel)
     return QualityFinding(
         KIND, channel.name, float(channel.time[0]), float(channel.time[-1]),
-        f'All {len(channel.time)} values are {held:.6g} {channel.unit}; the noise of such an '
-        'instrument never lets a value repeat for so long.',
+        f'All {len(channel.time)} values are {held:.6g} {channel.unit}; the noise of a real '
+        'sensor would change them.',
         Severity.SUSPICIOUS, {'value': held},
     )  # fmt: skip

@@ -84,6 +84,7 @@ def build_repeat_finding(
     begin, end = float(time[again]), float(time[min(again + count, len(time)) - 1])
     return QualityFinding(
         KIND, channel.name, begin, end,
-        f'{count} readings are bit for bit the same as those from {time[first]:.2f} s on.',
+        f'{count} readings in a row are identical bit for bit to those from {time[first]:.2f} s '
+        'on.',
         Severity.SUSPICIOUS, {'from_s': float(time[first]), 'readings': float(count)},
     )  # fmt: skip

@@ -106,7 +106,7 @@ def build_freeze_finding(channel: SignalChannel, begin: int, end: int) -> Qualit
     held = float(channel.values[begin])
     return QualityFinding(
         KIND, channel.name, first, last,
-        f'Stuck at {held:.6g} {channel.unit} for {end - begin + 1} readings ({last - first:.2f} '
-        's), but moving before and after.',
+        f'The value is stuck at {held:.6g} {channel.unit} for {end - begin + 1} readings '
+        f'({last - first:.2f} s), but changes before and after.',
         Severity.SUSPICIOUS, {'value': held, 'readings': end - begin + 1.0},
     )  # fmt: skip

@@ -65,13 +65,16 @@ def find_hand_motion(evidence: CheckContext) -> CheckVerdict:
         found += find_tremor(place, compute_acceleration(place), limits)
     idle = find_idle_times(evidence.recording, limits)
     if idle is None:
-        unjudged.append('Motion with idle rotors cannot be judged: no commands are recorded.')
+        unjudged.append(
+            'Motion with idle rotors cannot be judged: no actuator commands are recorded.'
+        )
     else:
         for place in places:
             found += find_idle_motion(place, *idle, limits)
     if not judged:
         unjudged.append(
-            'Tremor of a hand cannot be judged: no channel is sampled fast enough for 12 Hz.'
+            'Whether a hand held the vehicle cannot be judged: no channel is sampled fast enough '
+            'to show tremor at up to 12 Hz.'
         )
     return CheckVerdict(tuple(found), tuple(unjudged))
 
@@ -145,9 +148,10 @@ def find_tremor(
         strength = float(np.median(felt.tremor[begin:end]))
         yield QualityFinding(
             KIND, vector.name, float(felt.time[begin]) - half, float(felt.time[end - 1]) + half,
-            f'Trembles like a hand: {strength:.2f} m/s2 at {limits.tremor_low:.0f} to '
-            f'{limits.tremor_high:.0f} Hz, but {np.median(felt.above[begin:end]):.2f} above that '
-            f'band and usually {usual:.2f}.',
+            f'The vehicle trembles as if held by hand: {strength:.2f} m/s2 at '
+            f'{limits.tremor_low:.0f} to {limits.tremor_high:.0f} Hz, but only '
+            f'{np.median(felt.above[begin:end]):.2f} m/s2 above that band, and usually '
+            f'{usual:.2f} m/s2 in it.',
             Severity.SUSPICIOUS, {'tremor': strength, 'usual': usual},
         )  # fmt: skip
 
@@ -197,8 +201,8 @@ def find_idle_motion(
             at = grid[moved | pushed]
             yield QualityFinding(
                 KIND, place.name, float(at[0]), float(at[-1]),
-                f'Moves with idle rotors, at up to {fast[inside].max():.2f} m/s and with '
-                f'accelerations up to {pull[inside].max():.2f} m/s2: it is being carried.',
+                f'The vehicle moves with idle rotors, at up to {fast[inside].max():.2f} m/s and '
+                f'{pull[inside].max():.2f} m/s2: someone is carrying it.',
                 Severity.SUSPICIOUS,
                 {'speed': float(fast[inside].max()), 'acceleration': float(pull[inside].max())},
             )  # fmt: skip

@@ -47,7 +47,7 @@ def build_stretch_findings(
         count = int(bad[begin:end].sum())
         yield QualityFinding(
             KIND, channel, float(time[begin]), float(time[end - 1]),
-            f'{count} {"value" if count == 1 else "values"}: {sentence}.',
+            f'{count} impossible {"value" if count == 1 else "values"}: {sentence}.',
             Severity.ERROR, {'values': float(count)},
         )  # fmt: skip
 
@@ -63,7 +63,7 @@ def find_out_of_range(
             bad = finite & ((values < known.low) | (values > known.high))
             if bad.any():
                 worst = values[bad][np.argmax(np.abs(values[bad]))]  # with its sign
-                told = f'up to {worst:.6g} {channel.unit}, but {known.reason}'
+                told = f'the most extreme is {worst:.6g} {channel.unit}, but {known.reason}'
                 yield from build_stretch_findings(channel.name, channel.time, bad, told)
 
 
@@ -89,7 +89,7 @@ def find_impossible_voltages(channel: SignalChannel) -> Iterator[QualityFinding]
     bad = np.isfinite(values) & ~inside
     if bad.any():
         worst = float(values[bad][0])
-        told = f'{worst:.4g} V, outside the range of cells (2.5 to 4.4 V) and packs'
+        told = f'{worst:.4g} V is neither a cell (2.5 to 4.4 V) nor a battery pack (5 to 61 V)'
         yield from build_stretch_findings(channel.name, channel.time, bad, told)
 
 
@@ -113,7 +113,7 @@ def find_unnormalized_quaternions(channels: list[SignalChannel]) -> Iterator[Qua
                 'Every quaternion is zero: the sender does not fill it in.', Severity.NOTE,
             )  # fmt: skip
         elif bad.any():
-            told = f'a quaternion of length {length[bad][0]:.4g} is not an attitude'
+            told = f'a quaternion has length {length[bad][0]:.4g}, but an attitude needs length 1'
             yield from build_stretch_findings(f'{topic}/{path}', time, bad, told)
 
 
@@ -129,7 +129,10 @@ def find_position_jumps(pose: PoseSeries, limits: QualityLimits) -> Iterator[Qua
     # A small step within a very short period is noise, not a jump
     bad = (speed > limits.jump_speed) & (far > limits.jump_size) & (speed > 20.0 * usual)
     if bad.any():
-        told = f'a jump of {far[bad].max():.2f} m, at {speed[bad].max():.0f} m/s'
+        told = (
+            f'the position jumps by up to {far[bad].max():.2f} m, at up to '
+            f'{speed[bad].max():.0f} m/s'
+        )
         yield from build_stretch_findings(pose.position.name, time[1:], bad, told)
 
 
@@ -156,6 +159,6 @@ def find_missing_gravity(
         times = force.time[: count * QUIET].reshape(count, QUIET)[rest]
         yield QualityFinding(
             KIND, force.name, float(times[0, 0]), float(times[-1, -1]),
-            f'At rest the specific force is {felt:.2f} m/s2, not 9.81.',
+            f'At rest the accelerometer measures {felt:.2f} m/s2, not 9.81 m/s2.',
             Severity.SUSPICIOUS, {'force': felt},
         )  # fmt: skip

@@ -48,7 +48,9 @@ def find_missing_noise(evidence: CheckContext) -> CheckVerdict:
         # Zero noise is a constant channel, which another check reports.
         known = np.array([level for level in levels if level is not None and level > 0.0])
         if len(known) == 0:
-            unjudged.append(f"The noise of '{name}' cannot be judged: under {2 * WINDOW} values.")
+            unjudged.append(
+                f"The noise of '{name}' cannot be judged: it has fewer than {2 * WINDOW} values."
+            )
             continue
         least = getattr(evidence.limits, LEVELS[what])
         if np.mean(known < least) >= SHARE and (known < least).sum() >= min(2, len(group)):
@@ -95,7 +97,7 @@ def build_smoothness_finding(
     return QualityFinding(
         KIND, name, float(channel.time[0]), float(channel.time[-1]),
         f'The noise above a third of the sampling rate is {level:.1e} {unit}, but the quietest '
-        f'instruments have {least:.0e}: heavy filtering or undeclared simulation; do not rely on '
-        'its derivatives, lags and fast motion.',
+        f'sensors have {least:.0e} {unit}: the data are heavily filtered, or simulated without '
+        'saying so; do not rely on their derivatives, lags and fast motion.',
         Severity.WARNING, {'noise': level, 'least': least},
     )  # fmt: skip

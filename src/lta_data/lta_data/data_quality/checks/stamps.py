@@ -41,14 +41,15 @@ def find_backward_stamps(topic: str, time: Array) -> Iterator[QualityFinding]:
         begin, end = float(time[index + 1]), float(time[index])
         yield QualityFinding(
             KIND, topic, begin, end,
-            f'The stamps go back by {end - begin:.3f} s at {end:.3f} s ({len(back)} such steps).',
+            f'The time stamps go back by {end - begin:.3f} s at {end:.3f} s ({len(back)} such '
+            'steps).',
             Severity.ERROR, {'back': end - begin, 'steps': float(len(back))},
         )  # fmt: skip
     twice = np.flatnonzero(step == 0.0)
     if len(twice) > TWICE * len(time):
         yield QualityFinding(
             KIND, topic, float(time[twice[0]]), float(time[twice[-1]]),
-            f'{len(twice)} of {len(time)} messages repeat the previous stamp.',
+            f'{len(twice)} of {len(time)} messages repeat the previous time stamp.',
             Severity.SUSPICIOUS, {'messages': float(len(twice))},
         )  # fmt: skip
 
@@ -99,6 +100,6 @@ def find_stamp_jumps(
         low, high = sorted((float(time[begin]), float(time[begin + 1])))
         yield QualityFinding(
             KIND, topic, low, high,
-            f'The stamps jump by {size:.3f} s against the log time.',
+            f'The time stamps jump by {size:.3f} s relative to the log time.',
             Severity.SUSPICIOUS, {'jump': size},
         )  # fmt: skip

@@ -111,7 +111,8 @@ def describe_unpaired_rates(evidence: CheckContext) -> tuple[str, ...]:
     """Return a remark for rates that have no counterpart."""
     judged = {pair.told for pair, likeness in evidence.pair_similarities if likeness is not None}
     return tuple(
-        f"The unit and axes of '{sensor.rates.name}' cannot be judged: no changing attitude."
+        f"The unit and axes of '{sensor.rates.name}' cannot be judged: no changing attitude to "
+        'compare with.'
         for sensor in evidence.inertials
         if sensor.rates is not None and sensor.rates.name not in judged
     )
@@ -135,10 +136,10 @@ def find_unit_by_pair(
                 begin, end = pair.span
                 yield QualityFinding(
                     KIND, name, begin, end,
-                    f"Looks like {unit}: its motion is {ratio:.4g} times that expected from "
-                    f"'{other}'."
+                    f'The unit looks like {unit}: the motion is {ratio:.4g} times that '
+                    f"expected from '{other}'."
                     if name == pair.told
-                    else f"Looks like {unit}: '{other}' moves {ratio:.4g} times as much.",
+                    else f"The unit looks like {unit}: '{other}' moves {ratio:.4g} times as much.",
                     Severity.SUSPICIOUS, {'factor': ratio},
                 )  # fmt: skip
                 return
@@ -155,7 +156,7 @@ def find_unit_by_size(channel: SignalChannel) -> Iterator[QualityFinding]:
             if low <= typical <= high:
                 yield QualityFinding(
                     KIND, channel.name, float(channel.time[0]), float(channel.time[-1]),
-                    f'Looks like {unit}: typical value {typical:.4g}, but the unit should be '
+                    f'The unit looks like {unit} (typical value {typical:.4g}), but should be '
                     f'{channel.unit or "SI"}.',
                     Severity.SUSPICIOUS, {'size': typical},
                 )  # fmt: skip
@@ -172,8 +173,8 @@ def find_unit_by_gravity(
         if abs(felt / STANDARD_GRAVITY / factor - 1.0) <= 0.3:
             yield QualityFinding(
                 KIND, name, float(time[0]), float(time[-1]),
-                f'Looks like {unit}: the median specific force is {felt:.4g}, but gravity alone '
-                'is 9.81 m/s2.',
+                f'The unit looks like {unit}: the median specific force is {felt:.4g}, but '
+                'gravity alone is 9.81 m/s2.',
                 Severity.SUSPICIOUS, {'force': felt},
             )  # fmt: skip
             return
@@ -194,6 +195,6 @@ def find_unit_by_speed(
     if usual > FAST:
         yield QualityFinding(
             KIND, name, float(time[0]), float(time[-1]),
-            f'Looks like mm: it moves at {usual:.0f} m/s.',
+            f'The unit looks like mm: read in m, the position moves at {usual:.0f} m/s.',
             Severity.SUSPICIOUS, {'speed': usual},
         )  # fmt: skip

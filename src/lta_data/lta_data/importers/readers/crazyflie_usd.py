@@ -73,13 +73,13 @@ def open_usd_log(path: Path, mapping: MappingFile | None) -> InMemoryLog:
     if not whole:
         left = end - stopped
         notes.append(
-            f'The CRC is wrong: the log was cut short or is damaged; the last {left} bytes are '
-            'not a whole event and are left out.'
+            'The checksum (CRC) does not match: the log was cut short or is damaged; its last '
+            f'{left} bytes are not a complete event and are left out.'
         )
     elif stopped < end:
         notes.append(
-            f'From byte {stopped} on there is no known event type; {end - stopped} bytes are left '
-            'out.'
+            f'The log has an unknown event type at byte {stopped}; the {end - stopped} bytes from '
+            'there on are left out.'
         )
     tables: dict[str, LogTable] = {}
     for number, found in places.items():
@@ -190,6 +190,6 @@ def _note_shift(notes: list[str]) -> None:
     """Add the remark that times count from the start of the drone."""
     start = load_topic_table().start_ns / 1e9
     notes.append(
-        f'Time counts since the drone was switched on, and in ROS 0 means "no clock yet": '
-        f'{start:g} s were added to all times.'
+        'The times in the log count from switching on the drone. '
+        f'{start:g} s were added to all times, since ROS reads time 0 as "no clock yet".'
     )

@@ -31,7 +31,7 @@ import pyarrow.compute as pc
 import pyarrow.csv as pacsv
 
 PART = 4 << 20  # bytes of text per part
-ZONELESS = 'Dates have no time zone; UTC is assumed.'
+ZONELESS = 'The dates in the log have no time zone; UTC is assumed.'
 
 
 @final
@@ -133,8 +133,8 @@ class CsvLog:
         # A whole number of seconds keeps the digits readable.
         shift = start - min(0, first // SECOND) * SECOND
         self.notes.append(
-            f'Time starts at {first / SECOND:g} s, and in ROS 0 means "no clock yet": '
-            f'{shift / SECOND:g} s were added to all times.'
+            f'The times in the log start at {first / SECOND:g} s. {shift / SECOND:g} s were added '
+            'to all times, since ROS reads time 0 as "no clock yet".'
         )
         self.facts.setdefault(CLOCK, 'from its own start')
         self.facts['time_shift'] = f'{shift / SECOND:g} s'
@@ -154,7 +154,7 @@ class CsvLog:
         if 'Empty CSV' in error:
             return BadInput(f"'{self._path}' has column names but no rows; give a log with data.")
         reason = ' '.join(error.split())
-        return BadInput(f"'{self._path}' cannot be read as text with columns: {reason[:200]}.")
+        return BadInput(f"'{self._path}' cannot be read as a text table: {reason[:200]}.")
 
     def _find_non_numeric_cell(self, name: str) -> tuple[int, str] | None:
         """Return row and text of the first non-numeric cell of a column."""

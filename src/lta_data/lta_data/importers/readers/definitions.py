@@ -30,6 +30,7 @@ def find_store_definition(type_name: str, types: Typestore, notes: list[str]) ->
             text, _ = store.generate_msgdef(type_name, ros_version=2)
             return MessageDefinition(type_name, text, store.hash_rihs01(type_name))
     notes.append(
-        f"Neither the bag nor ROS 2 Jazzy defines '{type_name}'; its messages are kept as bytes."
+        f"Neither the bag nor ROS 2 Jazzy defines '{type_name}'; its messages are copied "
+        'undecoded.'
     )
     return MessageDefinition(type_name, '', '')

@@ -38,7 +38,7 @@ class BoundedGzipFile(gzip.GzipFile):
         allowed = INFLATED_FREELY + INFLATION * self._packed.tell()
         if self.tell() > allowed:
             raise OSError(
-                f'it is compressed to less than 1/{INFLATION}, of its content, which no text is'
+                f'it unpacks to more than {INFLATION} times its size, which no text log does'
             )
         return found
 
@@ -109,7 +109,7 @@ class CleanedLines(io.RawIOBase):
             while lines := self._read_lines():
                 yield b''.join(map(self._normalize_delimiters, filter(self._is_data_line, lines)))
         except (EOFError, zlib.error, gzip.BadGzipFile) as error:
-            raise OSError(f'its compression is damaged or cut short: {error}') from None
+            raise OSError(f'its compressed data are damaged or cut short: {error}') from None
 
     def _read_lines(self) -> list[bytes]:
         """Return the next lines, about one block."""

@@ -74,7 +74,8 @@ class McapLog(BagTableLog):
             return self._bag.decode(topic, data)
         except KeyError as part:
             raise BadInput(
-                f"The definition of '{topic}' lacks {part}; remove the topic from the mapping."
+                f"The message definition of topic '{topic}' lacks {part}; remove the topic "
+                'from the mapping.'
             ) from None
 
 

@@ -68,7 +68,9 @@ def open_ulog(path: Path, mapping: MappingFile | None) -> InMemoryLog:
         notes.append('The log is damaged; unreadable parts are left out.')
     if log.dropouts:
         lost = sum(dropout.duration for dropout in log.dropouts)
-        notes.append(f'The logger dropped out {len(log.dropouts)} times, {lost} ms in total.')
+        notes.append(
+            f'The PX4 logger lost data {len(log.dropouts)} times, for {lost} ms in total.'
+        )
     facts = {CLOCK: 'since the vehicle was switched on'} | {
         ours: str(log.msg_info_dict[key])
         for key, ours in FACTS.items()

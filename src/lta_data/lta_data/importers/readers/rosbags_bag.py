@@ -96,7 +96,8 @@ class RosbagsLog(BagTableLog):
         """Return the error for a damaged bag; rosbags and SQLite raise many different ones."""
         reason = ' '.join(str(error).split()).rstrip('.') or type(error).__name__
         return BadInput(
-            f"'{self._path}' cannot be read ({reason}); repair it with the ROS tools first."
+            f"'{self._path}' cannot be read ({reason}); repair it first with `ros2 bag reindex` "
+            '(a bag of ROS 1: `rosbag reindex`).'
         )
 
     def _register_topics(self, reader: AnyReader) -> None:

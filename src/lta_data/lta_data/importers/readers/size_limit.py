@@ -9,4 +9,6 @@ from lta_config.limits import LOG_BYTES
 def check_log_size(path: Path) -> None:
     """Raise BadInput for a log above the size limit."""
     if path.stat().st_size > LOG_BYTES:
-        raise BadInput(f"'{path}' is larger than {LOG_BYTES} bytes; split the log.")
+        raise BadInput(
+            f"'{path}' is larger than {LOG_BYTES} bytes, the limit of an import; split the log."
+        )

@@ -31,7 +31,9 @@ def plot_light(view: FlightView) -> Figure:
         figure.add_trace(
             build_line_trace('true', truth.time, angle, LAMP, unit='°', width=1.4), row=1, col=1
         )
-    figure.update_yaxes(title_text='left of the nose [°]', tickvals=[-90, 0, 90, 180], row=1)
+    figure.update_yaxes(
+        title_text='direction, left of the nose [°]', tickvals=[-90, 0, 90, 180], row=1
+    )
     best = parts['snr'].max(axis=1)
     # The axis is logarithmic, so its range is in decades
     snr = np.log10(np.maximum(best, 0.1))

@@ -52,10 +52,9 @@ PANELS: Final = (
     FlightPanel(
         'path',
         'From above',
-        'The true path, coloured and labelled by time. Short rays are the bearings to the lamp as '
-        'the drone measured them, darker with a better signal; the dotted line is the position by '
-        'dead reckoning. Shading is the direct light of all lamps at flight height, with a step '
-        'per factor of two.',
+        'The true path, coloured and labelled by time. Short rays are the measured bearings to '
+        'the lamp, darker with a better signal. The dotted line is the path by dead reckoning. '
+        'Shading is the direct light of all lamps at flight height; each step is a factor of two.',
         ('ground_truth/odom',),
         path.plot_path,
         timed=False,
@@ -63,8 +62,8 @@ PANELS: Final = (
     FlightPanel(
         'altitude',
         'Altitude',
-        'Height of the hull centre above the floor; grey dots are the raw range finder, raised to '
-        'the hull centre.',
+        'Height of the hull centre above the floor. Grey dots are raw readings of the range '
+        'finder, converted to the height of the hull centre.',
         ('ground_truth/odom',),
         altitude.plot_altitude,
     ),
@@ -79,16 +78,17 @@ PANELS: Final = (
     FlightPanel(
         'heading',
         'Heading',
-        'Where the nose points, in the frame of the room. The estimate starts from the true '
-        'heading here, for comparison; on board it starts from zero.',
+        'Direction of the nose in the frame of the room. For comparison, the estimate is shifted '
+        'here to start at the true heading; on board it starts at zero.',
         ('ground_truth/odom',),
         heading.plot_heading,
     ),
     FlightPanel(
         'light',
         'Light by direction',
-        'Amplitude at the frequency of the lamp for each diode of the ring, nose in the middle. '
-        'The line is the true direction to the lamp, the dots are the measured bearing.',
+        'Amplitude at the frequency of the lamp for each photodiode of the ring, with the nose in '
+        'the middle. The line is the true direction to the lamp, the dots are the measured '
+        'bearing.',
         ('light/peaks',),
         light.plot_light,
     ),
@@ -110,18 +110,18 @@ PANELS: Final = (
     FlightPanel(
         'samples',
         'Samples of a photodiode',
-        'A tenth of a second of raw samples of the brightest diode, at the start and at the end '
-        'of the search.',
+        'A tenth of a second of raw samples of the brightest photodiode, at the start and at the '
+        'end of the search.',
         ('photodiodes',),
         samples.plot_samples,
         timed=False,
     ),
     FlightPanel(
         'spectrum',
-        'The lamp in the spectrum',
-        'The same samples by frequency. The lamp is separate from the flicker of the mains. Its '
-        'odd harmonics are those of a square wave, and the small peaks between them are higher '
-        'harmonics aliased by the sampling.',
+        'Spectrum of a photodiode',
+        'Spectrum of the same samples. The peak of the lamp is separate from the flicker of mains '
+        'lighting. Its odd harmonics are those of a square wave, and the small peaks between them '
+        'are higher harmonics aliased by the sampling.',
         ('photodiodes',),
         spectrum.plot_spectrum,
         timed=False,

@@ -27,6 +27,6 @@ def plot_samples(view: FlightView) -> Figure:
         label = EndLabel(moment.where, float(moment.samples.mean()), moment.colour)
         label_ends(figure, [label], padded_range(moment.samples), row)
         figure.update_yaxes(title_text='light [counts]', row=row)
-    figure.update_xaxes(title_text='time in the block [ms]', row=2)
+    figure.update_xaxes(title_text='time since the start of the block [ms]', row=2)
     figure.update_xaxes(hoverformat='.1f', unifiedhovertitle_text='%{x} ms')
     return figure
