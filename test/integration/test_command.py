@@ -48,7 +48,10 @@ COMMANDS = {
         "Unknown package 'lta_nothing'; known: lta_analysis, ",
     ),
     'executable': (['run', 'lta_vlc', 'x'], "Unknown executable of lta_vlc 'x'"),
-    'node word': (['run', 'lta_vlc', 'demodulator', '--loud'], "does not know '--loud'"),
+    'node word': (
+        ['run', 'lta_vlc', 'demodulator', '--loud'],
+        "does not know the argument '--loud'",
+    ),
     'node parameter': (
         ['run', 'lta_vlc', 'demodulator', '--ros-args', '-p', 'freq:=175.0'],
         "demodulator has no parameter 'freq'; known: frequency, ",

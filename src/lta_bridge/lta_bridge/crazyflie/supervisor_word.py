@@ -22,8 +22,7 @@ class SupervisorBit(IntFlag):
 
 TROUBLE: dict[SupervisorBit, str] = {
     SupervisorBit.LOCKED: 'the firmware has locked the motors: switch the Crazyflie off and on',
-    SupervisorBit.CRASHED: 'the firmware has detected a crash: set the Crazyflie upright, and '
-    'switch it off and on',
+    SupervisorBit.CRASHED: 'the Crazyflie has crashed: set it upright, and switch it off and on',
     SupervisorBit.TUMBLED: 'the Crazyflie has tipped over: set it upright',
     SupervisorBit.DECK_FAULT: 'an expansion deck failed its self-test: check that it is plugged '
     'in correctly, and switch the Crazyflie off and on',
