@@ -213,7 +213,7 @@ def test_a_lonely_node_says_what_it_waits_for_and_writes_no_log_file(lta, tmp_pa
     monkeypatch.setenv('XDG_CACHE_HOME', str(cache_root().parents[1]))
     monkeypatch.setenv('HOME', str(tmp_path))
     command = lta.start('run', 'lta_vlc', 'demodulator')
-    command.said('waiting for light/beacon, photodiodes from navigator, vehicle')
+    command.said('waiting for messages on light/beacon, photodiodes from navigator, vehicle')
     command.interrupt()
     assert command.end() == 0
     assert list(tmp_path.iterdir()) == []

@@ -134,7 +134,7 @@ def lost(trial: Any) -> str:
     server = trial.graph.hardware.crazyflie
     trial.target, trial.stated = 'crazyflie_bridge', CUT_OFF[0]
     server.up.silent = server.down.silent = True
-    return 'crazyflie_bridge: .*(silent|heard|nothing)'
+    return 'crazyflie_bridge: .*(no packets|heard|nothing)'
 
 
 def jumped(trial: Any) -> str:

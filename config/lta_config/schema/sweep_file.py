@@ -95,7 +95,7 @@ class SweepFile(StrictModel):
         drawn = [path for path, how in self.vary.items() if isinstance(how, Distribution)]
         if drawn and self.samples is None:
             raise ValueError(
-                f'draws random values of {", ".join(drawn)}, but has no number of them; add '
+                f'has a distribution for {", ".join(drawn)}, but no number of samples; add '
                 '"samples"'
             )
         if self.samples is not None and self.seeds.count is not None:

@@ -210,7 +210,9 @@ def _assess_clock(measurement: BoardMeasurement) -> HardwareCheck:
 
 def _assess_diodes(diodes: Sequence[DiodeMeasurement], threshold: float) -> HardwareCheck:
     if not diodes:
-        return HardwareCheck('diodes', 'fail', 'no complete block received', 'Check for longer.')
+        return HardwareCheck(
+            'diodes', 'fail', 'no complete block received', 'Check for longer with --seconds.'
+        )
     spoilt = [str(k + 1) for k, each in enumerate(diodes) if each.spoilt]
     if spoilt:
         remedy = (

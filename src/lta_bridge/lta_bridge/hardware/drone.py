@@ -180,7 +180,10 @@ def _assess_streams(measurement: DroneMeasurement) -> HardwareCheck:
 def _assess_latency(latency: float) -> HardwareCheck:
     if math.isnan(latency):
         return HardwareCheck(
-            'latency', 'warn', 'the Crazyflie did not answer a ping', 'Check for longer.'
+            'latency',
+            'warn',
+            'the Crazyflie did not answer a ping',
+            'Check for longer with --seconds.',
         )
     finding = f'round trip {1e3 * latency:.1f} ms (95th percentile)'
     if latency > SLOW:
@@ -192,7 +195,9 @@ def _assess_latency(latency: float) -> HardwareCheck:
 
 def _assess_battery(voltage: float, least: float) -> HardwareCheck:
     if math.isnan(voltage):
-        return HardwareCheck('battery', 'warn', 'no voltage received', 'Check for longer.')
+        return HardwareCheck(
+            'battery', 'warn', 'no voltage received', 'Check for longer with --seconds.'
+        )
     if voltage < least:
         finding = f'{voltage:.2f} V, too low to arm (limit {least:.2f} V)'
         return HardwareCheck('battery', 'fail', finding, 'Charge the cell.')

@@ -134,7 +134,7 @@ class Player(GraphNode):
                 f'{n} from {self.find_publishing_role(n)}' for n in self._owed.list_oldest_topics()
             )
             sys.stderr.write(
-                f'Playback stopped: these messages were not answered within '
+                f'Playback stopped, because these answers did not arrive within '
                 f'{self._settings.patience:g} s: {late}.\n'
             )
             sys.exit(1)

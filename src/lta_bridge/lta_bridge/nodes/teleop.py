@@ -139,7 +139,7 @@ class Teleop(GraphNode):
         if order.stop:
             self._request_stop()
         if self._state.stage is not before:
-            self.get_logger().info(f'{self._state.stage.value} has the helm')
+            self.get_logger().info(f'control of the drone: {self._state.stage.value}')
         self._report_steering(sticks is not None, felt is not None)
 
     def _request_stop(self) -> None:

@@ -270,8 +270,8 @@ class GraphNode(Node):
         if absent:
             sources = sorted({self.table[name].source for name in absent})
             self.get_logger().warning(
-                f'no message yet on {", ".join(sorted(absent))} from {", ".join(sources)}; start '
-                'what is missing'
+                f'waiting for messages on {", ".join(sorted(absent))} from {", ".join(sources)}; '
+                'start the missing nodes'
             )
 
     def publish_health(self) -> None:

@@ -432,7 +432,7 @@ def test_every_shipped_file_is_wired_to_rotors_that_exist():
 def test_a_vehicle_of_ones_own_has_its_crazyflie_file_beside_it(tmp_path):
     mine = tmp_path / 'my_blimp.yaml'
     mine.write_text('name: my_blimp')
-    with pytest.raises(BadInput, match=r'my_blimp has no Crazyflie file.*write my_blimp\.crazyf'):
+    with pytest.raises(BadInput, match=r'my_blimp has no Crazyflie file.*create my_blimp\.crazyf'):
         find_crazyflie(str(mine), 'my_blimp')
     shipped = find_file('crazyflie', 'gtmab').read_text()
     (tmp_path / 'my_blimp.crazyflie.yaml').write_text(shipped)
