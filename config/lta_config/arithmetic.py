@@ -21,7 +21,7 @@ def evaluate_expression(text: str) -> float:
         # Only the node types below are evaluated, so a file cannot run code as with `eval`
         return _evaluate_node(ast.parse(text, mode='eval').body)
     except (SyntaxError, ZeroDivisionError, OverflowError):
-        raise ValueError(f'"{text}" is not an arithmetic expression') from None
+        raise ValueError(_describe_misfit(text)) from None
 
 
 def _evaluate_node(node: ast.expr) -> float:
@@ -34,4 +34,8 @@ def _evaluate_node(node: ast.expr) -> float:
             return -_evaluate_node(inner)
         case ast.BinOp(left=left, op=op, right=right) if type(op) in BINARY:
             return BINARY[type(op)](_evaluate_node(left), _evaluate_node(right))
-    raise ValueError(f'"{ast.unparse(node)}" is not an arithmetic expression')
+    raise ValueError(_describe_misfit(ast.unparse(node)))
+
+
+def _describe_misfit(text: str) -> str:
+    return f'cannot evaluate "{text}"; use only numbers, pi, + - * / ** and brackets'

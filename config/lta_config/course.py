@@ -109,7 +109,9 @@ class Course(StrictModel):
 def check_rising_times(times: Sequence[float]) -> None:
     """Raise `ValueError` unless the times [s] of the rows increase."""
     if any(later <= earlier for earlier, later in pairwise(times)):
-        raise ValueError(f'has rows at {list(times)} s; give them in rising order of time')
+        raise ValueError(
+            f'has rows at the times {list(times)} s; sort them by time, each only once'
+        )
 
 
 def interpolate_rows(

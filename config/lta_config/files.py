@@ -66,7 +66,10 @@ class _UniqueKeys(yaml.CSafeLoader):
             key = self.construct_object(key_node, deep=True)
             # YAML allows lists and mappings as keys, which Python does not
             if not isinstance(key, Hashable):
-                raise BadInput(f'{key_node.start_mark.name}: the key {key} must be a single word.')
+                raise BadInput(
+                    f'{key_node.start_mark.name}: the key {key} is a list or mapping; use a '
+                    'single word as the key.'
+                )
             line = key_node.start_mark.line + 1
             if key in seen:
                 raise BadInput(
@@ -91,7 +94,10 @@ def share_folder() -> Path:
         for folder in (parent, parent / 'share' / 'lta_config'):
             if (folder / 'topics.yaml').is_file():
                 return folder
-    raise BadInput(f'LTA cannot find its data near {here}; build the workspace again (make).')
+    raise BadInput(
+        f'LTA cannot find its data files (topics.yaml) in the folders above {here}; '
+        'build the workspace again with make.'
+    )
 
 
 def list_shipped_names(folder: str, suffix: str = '.yaml') -> list[str]:
@@ -171,7 +177,9 @@ def parse_yaml(text: str | bytes, where: str) -> Any:  # noqa: ANN401 - YAML hol
 
     """
     if len(text) > YAML_BYTES:
-        raise BadInput(f'{where} is larger than {YAML_BYTES} bytes, the limit for YAML files.')
+        raise BadInput(
+            f'{where} is larger than {YAML_BYTES} bytes, the limit for YAML files; shorten it.'
+        )
     if len(text) > YAML_KEPT:
         return _parse_strict(text, where)
     return copy.deepcopy(_parse_cached(text, where))  # callers may modify the result
@@ -217,7 +225,8 @@ def _check_shape(where: str, events: Iterable[yaml.Event]) -> None:
         alias = event.anchor if isinstance(event, yaml.AliasEvent) else None
         if alias is not None and any(anchor == alias for anchor, _ in open_):
             raise BadInput(
-                f"{where} uses the alias '*{alias}' inside its own anchor; write the value out."
+                f"{where} uses the alias '*{alias}' inside the value that it stands for "
+                f"('&{alias}'); write the value instead of the alias."
             )
         total += 1 if alias is None else sizes.get(alias, 1)
         if isinstance(event, yaml.CollectionStartEvent):
@@ -227,10 +236,11 @@ def _check_shape(where: str, events: Iterable[yaml.Event]) -> None:
             if event.anchor is not None:
                 sizes[event.anchor] = 1
         if len(open_) > YAML_DEPTH:
-            raise BadInput(f'{where} is nested more than {YAML_DEPTH} levels deep; flatten it.')
+            raise BadInput(f'{where} is nested more than {YAML_DEPTH} levels deep; use fewer.')
         if total > YAML_BYTES:
             raise BadInput(
-                f'{where} has more than {YAML_BYTES} values with its aliases; use fewer aliases.'
+                f'{where} has more than {YAML_BYTES} values after its aliases are expanded; use '
+                'fewer aliases.'
             )
 
 

@@ -70,7 +70,8 @@ def parse_value(value: Any, where: str) -> Any:  # noqa: ANN401 - what YAML hold
         return _parse_number(value) if found is None else found
     except (yaml.YAMLError, ValueError):
         raise BadInput(
-            f"{where} cannot be set to '{value}'; write the value as in a file."
+            f"{where} cannot be set to '{value}'; write a value such as 0.5, true, '4 g' or "
+            "'[1, 0, 0] m/s'."
         ) from None
 
 
@@ -136,7 +137,7 @@ def _get_child(content: Any, key: str, where: str) -> Any:  # noqa: ANN401 - wha
     if content is None and OPEN in where.split('.'):  # a parameter of an omitted effect
         return None
     if not isinstance(content, Mapping):
-        raise BadInput(f"{where} is a single value; leave '.{key}' out.")
+        raise BadInput(f"{where} is a single value without keys; remove '.{key}'.")
     if key not in content and OPEN not in where.split('.'):
         raise unknown_name_error(f'key of {where}', key, [str(name) for name in content])
     return content.get(key)
@@ -146,10 +147,10 @@ def _select_element(quantity: Mapping[str, Any], key: str, where: str) -> dict[s
     """Return one element of a vector quantity as a quantity."""
     numbers = quantity['value']
     if not isinstance(numbers, list | tuple):
-        raise BadInput(f"{where} is a single value; leave '.{key}' out.")
+        raise BadInput(f"{where} is a single value without keys; remove '.{key}'.")
     if not (key.isdecimal() and int(key) < len(numbers)):
         raise unknown_name_error(
-            f'number of {where}', key, [str(index) for index in range(len(numbers))]
+            f'index of {where}', key, [str(index) for index in range(len(numbers))]
         )
     return {'value': numbers[int(key)], 'unit': quantity['unit']}
 
@@ -187,10 +188,11 @@ def _validate_replacement(old: Any, value: Any, where: str) -> Any:  # noqa: ANN
         return value
     if isinstance(old, Mapping):
         names = ', '.join(map(str, old))
-        raise BadInput(f'{where} is a group; set one of its keys: {names}.')
+        raise BadInput(f'{where} is a group of parameters; set one of its keys: {names}.')
     if now is not None:
         raise BadInput(
-            f'{where} is {format_value(value)}, but has no unit; give a value like {old}.'
+            f'{where} cannot be {format_value(value)}, because it has no unit; give a value such '
+            f'as {old}.'
         )
     # bool is a subclass of int
     number = isinstance(old, int | float) and not isinstance(old, bool)
@@ -208,7 +210,8 @@ def _check_same_unit(
     unit = before['unit']
     if now is None:
         raise BadInput(
-            f'{where} is {format_value(value)}; give a number and a unit, as in "1 {unit}".'
+            f'{where} is {format_value(value)}, but must be a number with a unit, such as '
+            f'"1 {unit}".'
         )
     if now['unit'] not in UNITS:
         raise BadInput(f'{where} has the unknown unit "{now["unit"]}"; known: {", ".join(UNITS)}.')

@@ -97,7 +97,7 @@ UNITS: dict[str, tuple[str, float]] = {
     'ppm/s': ('1/s', 1e-6),
 }
 
-UNSOURCED = 'has no source; add "source: ..." (measured, datasheet, assumed...)'
+UNSOURCED = 'has no source; state where the value comes from, as in "source: measured"'
 # A decimal number, then optionally a unit; (?a) keeps \d to ASCII digits
 _TEXT = re.compile(r'(?a)^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*$')
 
@@ -113,14 +113,16 @@ def _parse_numbers(value: Any) -> float | tuple[float, ...]:  # noqa: ANN401 - a
     for number in numbers:
         if isinstance(number, bool) or not isinstance(number, int | float):
             # YAML 1.1, which ROS uses too, reads a number such as 1e-3 as text
-            hint = ' with a decimal point, as 1.0e-3' if _is_plain_number(number) else ''
+            hint = (
+                '; write it with a decimal point, as in 1.0e-3' if _is_plain_number(number) else ''
+            )
             raise ValueError(
-                f'has the value {value!r}, but needs a number or a list of numbers{hint}'
+                f'has the value {value!r}, but must be a number or a list of numbers{hint}'
             )
     try:
         floats = tuple(float(number) for number in numbers)
     except OverflowError:
-        raise ValueError('has a value too large for a number') from None
+        raise ValueError('has a number that is too large; give one below 1.8e308') from None
     return floats if isinstance(value, list | tuple) else floats[0]
 
 
@@ -138,15 +140,15 @@ class Quantity(BaseModel):
     @classmethod
     def _from_text(cls, value: Any) -> Any:  # noqa: ANN401 - whatever the file held
         if isinstance(value, bool | int | float):
-            raise ValueError(f'{value} has no unit; write it after the number, as in "7 m"')
+            raise ValueError(f'is {value} and has no unit; add one, as in "7 m"')
         if isinstance(value, str):
             match = _TEXT.match(value)
             if match is None or match.group(2) is None:
-                raise ValueError(f'"{value}" is not a number and a unit, such as "7 m"')
+                raise ValueError(f'is "{value}", but must be a number and a unit, such as "7 m"')
             return {'value': float(match.group(1)), 'unit': match.group(2)}
         if isinstance(value, dict):
             if 'unit' not in value:
-                raise ValueError('has no unit; add "unit: ..."')
+                raise ValueError('has no unit; add one, as in "unit: m"')
             if 'value' in value:
                 value = {**value, 'value': _parse_numbers(value['value'])}
         return value
@@ -209,7 +211,9 @@ def si_quantity(
 
     def check_quantity(value: Any, read: ValidatorFunctionWrapHandler) -> Quantity:  # noqa: ANN401
         if isinstance(value, int | float) and not isinstance(value, bool):
-            raise ValueError(f'{value} has no unit; write for example "{value} {dimension}"')
+            raise ValueError(
+                f'is {value} and has no unit; write for example "{value} {dimension}"'
+            )
         quantity: Quantity = read(value)
         if complaint := describe_misfit(quantity, dimension, low, high, above, length):
             raise ValueError(complaint)

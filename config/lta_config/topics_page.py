@@ -12,10 +12,10 @@ HEAD = """# Topics
 
 Generated from `config/topics.yaml` by `python -m lta_config.topics_page > docs/topics.md`.
 
-Names are relative to the robot's namespace (default `lta1`), but for those with a leading slash.
+Names are relative to the robot's namespace (default `lta1`), except those with a leading slash.
 Units and axes follow REP-103: ENU world, FLU body. "After" is the time from a message's stamp to
-its publication. A reader with *+1* uses a message one control period later. Light blocks hold
-{samples} samples of each diode at {rate:g} kS/s.
+its publication. A subscriber marked *+1* uses a message one control period after its publication.
+A light block has {samples} samples of each diode, taken at {rate:g} kS/s.
 
 | topic | type | from | to | period | after | quality of service | unit | what |
 |---|---|---|---|---|---|---|---|---|

@@ -25,9 +25,9 @@ PLAIN = {
     'string_pattern_mismatch': 'must match {pattern}',
     'too_short': 'must have {min_length} or more entries',
     'too_long': 'must have {max_length} or fewer entries',
-    'model_type': 'must be a mapping of keys',
-    'mapping_type': 'must be a mapping of keys',
-    'dict_type': 'must be a mapping of keys',
+    'model_type': 'must be a mapping (key: value)',
+    'mapping_type': 'must be a mapping (key: value)',
+    'dict_type': 'must be a mapping (key: value)',
     'list_type': 'must be a list',
     'tuple_type': 'must be a list',
 }

@@ -71,7 +71,8 @@ def _set_in_content(content: Any, way: list[str], value: Any) -> Any:  # noqa: A
         content = {}
     if not isinstance(content, Mapping):
         raise BadInput(
-            f"'{way[0]}' cannot be set in the vehicle file: its parent is a single value."
+            f"'{way[0]}' cannot be set in the vehicle file, because the key above it has a single "
+            'value; remove that value first.'
         )
     return {**content, way[0]: _set_in_content(content.get(way[0]), way[1:], value)}
 
@@ -87,7 +88,7 @@ def _set_in_text(text: str, node: Any, way: list[str], value: Any) -> str:  # no
         begin, end = node.start_mark.index, node.end_mark.index
         return text[:begin] + (said if end > begin else f' {said}') + text[end:]
     if not isinstance(node, yaml.MappingNode):
-        raise ValueError('no mapping')
+        raise ValueError('cannot add a key to a value that is not a mapping')
     for key, below in node.value:
         if key.value == way[0]:
             return _set_in_text(text, below, way[1:], value)
@@ -105,7 +106,7 @@ def _append_line(text: str, node: yaml.MappingNode, line: str) -> str:
         before = text[:end].rstrip()
         return before + (', ' if node.value else '') + line + text[end:]
     if not node.value:
-        raise ValueError('an empty mapping in blocks')
+        raise ValueError('cannot add a key to an empty block mapping')
     # Indent as the first key
     column = node.value[0][0].start_mark.column
     end = text.find('\n', _find_value_end(node))

@@ -42,7 +42,10 @@ class ViewPanel(StrictModel):
     def _check_one_kind(self) -> Self:
         given = [kind for kind in KINDS if getattr(self, kind) is not None]
         if len(given) != 1:
-            raise ValueError(f'must be one of {", ".join(KINDS)}; {self.title} is {given}')
+            raise ValueError(
+                f'has the panel "{self.title}" with {len(given)} kinds; give exactly one of '
+                f'{", ".join(KINDS)}'
+            )
         return self
 
     @property
@@ -67,7 +70,11 @@ class Views(StrictModel):
     @model_validator(mode='after')
     def _check_robot_name(self) -> Self:
         if not is_name(self.robot):
-            raise ValueError(f"has the robot '{self.robot}', which is not a valid name")
+            raise ValueError(
+                f"has the robot '{self.robot}', which is not a valid namespace; use letters, "
+                'digits '
+                'and _'
+            )
         return self
 
     @cached_property
@@ -121,7 +128,10 @@ def parse_series(views: Views, series: str) -> SeriesPath:
     """
     name, *steps = series.split('.')
     if not steps or not all(steps):
-        raise BadInput(f"The series '{series}' does not name a field; write TOPIC.FIELD.")
+        raise BadInput(
+            f"The series '{series}' names no message field; write TOPIC.FIELD, as in "
+            "'wind.vector.x'."
+        )
     return SeriesPath(name, load_topic_table()[name], views.absolute_topic(name), tuple(steps))
 
 

@@ -15,7 +15,7 @@ setup(
     zip_safe=False,
     maintainer='LTA maintainers',
     maintainer_email='maintainers@users.noreply.github.com',
-    description='What is real: recorder, player and the links to hardware.',
+    description='Recorder and player of bags, and links to real hardware.',
     license='Apache-2.0',
     entry_points={
         'console_scripts': [

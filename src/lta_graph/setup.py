@@ -15,7 +15,7 @@ setup(
     zip_safe=False,
     maintainer='LTA maintainers',
     maintainer_email='maintainers@users.noreply.github.com',
-    description='Wiring, lockstep synchronisation, monitoring and launching of the LTA nodes.',
+    description='Connection, lockstep synchronisation, monitoring and launching of the LTA nodes.',
     license='Apache-2.0',
     entry_points={'console_scripts': []},
 )

@@ -243,14 +243,14 @@ def test_motors_are_shown_by_the_names_of_the_vehicle():
 
 def test_bad_views_are_refused():
     views = load_views()
-    for series, words in (('odom', 'does not name a field'), ('nope.x', "Unknown topic 'nope'")):
+    for series, words in (('odom', 'names no message field'), ('nope.x', "Unknown topic 'nope'")):
         with pytest.raises(BadInput, match=words):
             parse_series(views, series)
     with pytest.raises(BadInput, match='foxglove, plotjuggler'):
         main(['rviz'])
     given = {'schema': 1, 'robot': 'lta1', 'vehicle': 'gtmab'}
     for panel in ({'title': 'a'}, {'title': 'a', 'plot': {}, 'scene': 'map'}):
-        with pytest.raises(ValidationError, match='must be one of plot'):
+        with pytest.raises(ValidationError, match='give exactly one of plot'):
             Views.model_validate({**given, 'tabs': {'A': [[panel]]}})
-    with pytest.raises(ValidationError, match='not a valid name'):
+    with pytest.raises(ValidationError, match='not a valid namespace'):
         Views.model_validate({**given, 'robot': '1', 'tabs': {}})

@@ -48,7 +48,10 @@ COMMANDS = {
         "Unknown package 'lta_nothing'; known: lta_analysis, ",
     ),
     'executable': (['run', 'lta_vlc', 'x'], "Unknown executable of lta_vlc 'x'"),
-    'node word': (['run', 'lta_vlc', 'demodulator', '--loud'], "does not know '--loud'"),
+    'node word': (
+        ['run', 'lta_vlc', 'demodulator', '--loud'],
+        "does not know the argument '--loud'",
+    ),
     'node parameter': (
         ['run', 'lta_vlc', 'demodulator', '--ros-args', '-p', 'freq:=175.0'],
         "demodulator has no parameter 'freq'; known: frequency, ",
@@ -210,7 +213,7 @@ def test_a_lonely_node_says_what_it_waits_for_and_writes_no_log_file(lta, tmp_pa
     monkeypatch.setenv('XDG_CACHE_HOME', str(cache_root().parents[1]))
     monkeypatch.setenv('HOME', str(tmp_path))
     command = lta.start('run', 'lta_vlc', 'demodulator')
-    command.said('waiting for light/beacon, photodiodes from navigator, vehicle')
+    command.said('waiting for messages on light/beacon, photodiodes from navigator, vehicle')
     command.interrupt()
     assert command.end() == 0
     assert list(tmp_path.iterdir()) == []

@@ -219,7 +219,7 @@ def test_in_lockstep_an_answer_waits_for_every_meter(domain_id: int) -> None:
         vehicle.send('panel', 1, voltage=4.4, current=0.1)
         vehicle.move(1)
         vehicle.until(lambda: vehicle.facts.get('energy_monitor: inputs', (0,))[0] == 2)
-        assert 'waiting for illuminance' in vehicle.facts['energy_monitor: inputs'][1]
+        assert 'waiting for messages on illuminance' in vehicle.facts['energy_monitor: inputs'][1]
         assert len(vehicle.answers['energy/reserve']) == 1
         vehicle.send('illuminance', 1, illuminance=1.0)
         vehicle.until(lambda: len(vehicle.answers['energy/status']) == 2)

@@ -193,7 +193,7 @@ def test_everything_is_found_as_its_publishers_offer_it(recording):
     assert offered['/lta1/odom'] == ('best_effort', 'volatile')
     late_profiles = told['/lta1/late']['offered_qos_profiles']
     assert {each['durability'] for each in late_profiles} == {'volatile', 'transient_local'}
-    assert 'are missing on /lta1/late' in facts(recording.bag, 'latched')[-1][0]
+    assert 'messages of /lta1/late from before the start' in facts(recording.bag, 'latched')[-1][0]
     assert offered['/lta1/motors'] == ('reliable', 'volatile')  # nobody is there: the table's
     bag = read_bag(recording.bag)
     (latched,) = [
@@ -260,7 +260,7 @@ def test_snapshots_are_written_when_asked_for_and_at_a_fault(recording, chosen):
     folder = folder_in(answer)
     bag = read_bag(folder)
     total = sum(topic.count for topic in bag.topics.values())
-    assert answer.message == f"{total} messages are in '{folder}'."
+    assert answer.message == f"The snapshot '{folder}' has {total} messages."
     times = heard(folder, '/lta1/odom')
     newest = times[-1]
     assert times == list(range(times[0], newest + 1, 100_000_000))

@@ -20,19 +20,19 @@ REFUSED = [
     (
         CRAZYFLIE,
         f'uri:={TAKEN}',
-        r'commanded by another program \(process \d+\); stop that program',
+        r'Another program \(process \d+\) already commands the Crazyflie udp.*; stop it',
     ),
     (CRAZYFLIE, 'command:=override', r'tether the drone to a bench and add tethered:=true'),
     (
         CRAZYFLIE,
         'crazyflie:=multirotor',
-        r"multirotor\.yaml' is for multirotor, but the vehicle is",
+        r"multirotor\.yaml' is for the vehicle multirotor, but gtmab is",
     ),
     (TEENSY, 'port:=/dev/ttyNOPE', r'There is no serial port /dev/ttyNOPE'),
     (
         TEENSY,
         'port:=udp://0.0.0.0:99999',
-        r'is not a UDP address to receive on; write udp://0.0.0.0:14550',
+        r'is not a UDP address to listen on; write udp://0.0.0.0:14550',
     ),
 ]
 
@@ -63,16 +63,16 @@ DENIED = (  # as cflib passes on what libusb says
         pytest.param(
             'usb://7',
             '',
-            'no such Crazyflie is connected by USB: plug it in and switch it on',
+            'the Crazyflie of the URI is not connected by USB: plug it in and switch it on',
             marks=pytest.mark.long,
         ),
         pytest.param(
             'usb://0',
             DENIED,
-            'you may not open the USB device: add the udev rule of',
+            'no permission to open the USB device: add the udev rule of',
             marks=pytest.mark.long,
         ),
-        ('old', '', 'the firmware speaks protocol 7, older than 9: update it'),
+        ('old', '', 'the firmware has protocol version 7, but must have 9 or newer: update'),
     ],
 )
 def test_what_may_yet_come_is_told_and_waited_for_and_never_armed(

@@ -64,15 +64,15 @@ def test_through_both_bridges_it_finds_the_lamp_and_comes_down(
     hear(lambda facts: all(n in facts and facts[n].message == word for n, word in ready.items()))
     assert 'took off' not in graph.text
     with Peer(domain_id) as pilot:
-        pilot.arm_until(lambda: 'It reached the lamp' in graph.text)
-        assert 'It took off, 2.2 m from the lamp' in graph.text
+        pilot.arm_until(lambda: 'The drone reached the lamp' in graph.text)
+        assert 'The drone took off, 2.2 m from the lamp' in graph.text
         if finds_peaks:  # the board's cable is pulled, and nobody asks
             os.kill(graph.node('emulated_hardware', robot=''), signal.SIGUSR1)
             why = 'disarmed: the newest command is'
         else:
             pilot.ask(SetBool, ARM, data=False)
             why = 'disarmed: on request'
-        graph.said('It stands')
+        graph.said('The drone landed')
     hear(lambda facts: facts['crazyflie_bridge: safety'].message.startswith(why))
     graph.interrupt()
     assert graph.end() == 130, graph.text  # as after any Ctrl-C

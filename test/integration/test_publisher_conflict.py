@@ -47,7 +47,7 @@ def test_a_stranger_is_named_until_it_is_gone(node):
     conflict.report(health)
     assert OTHERS not in health
     rival = stranger.create_publisher(Header, 'imu', 10)
-    expected = f'published by others too: imu (/{ROBOT}/stranger); stop all but one'
+    expected = f'other nodes also publish imu (/{ROBOT}/stranger); stop all but one'
     assert told(HealthLevel.ERROR) == expected
     conflict.report(health)
     assert health.facts[0].message == expected

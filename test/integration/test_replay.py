@@ -212,7 +212,7 @@ def test_a_player_is_paused_stepped_looped_and_goes_on(meters, peer, player, lta
     assert answer.message == 'paused at 0.250 s'
     assert peer.ask(SetBool, 'player/pause', data=False).success
     refused = peer.ask(Trigger, 'player/step')
-    assert (refused.success, refused.message) == (False, 'not paused')
+    assert (refused.success, refused.message) == (False, 'playback is not paused')
     peer.until(lambda: peer.stamps[-1][1] > first + 1_600_000_000)  # the fourth round
     batteries = [stamp for name, stamp in peer.stamps if name == 'battery']
     assert all(b > a and (b - a) % 100_000_000 == 0 for a, b in pairwise(batteries))
@@ -246,7 +246,7 @@ def test_a_node_that_does_not_answer_ends_the_replay_and_is_named(recorded, peer
     peer.until(lambda: process.poll() is not None)
     out, errors = process.communicate(timeout=PATIENCE)
     assert process.returncode == 1, errors
-    assert 'No answer within 4 s: motors from controller.' in errors
+    assert 'these answers did not arrive within 4 s: motors from controller.' in errors
     said = json.loads(out.splitlines()[-1])
     assert (said['outcome'], said['answers'], said['owed']) == ('unanswered', '0', '402')
 

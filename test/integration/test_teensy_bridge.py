@@ -197,7 +197,7 @@ def test_another_dialect_is_told_and_its_light_is_not_published(domain_id, tmp_p
         bench.until(lambda: bench.node.count_publishers('/lta1/photodiodes'))
         bench.told('receiving light')  # its heartbeat is that of any board
         bench.send(bench.board.encode_status())
-        bench.told('uses version 2 of the messages and this bridge version 1; build both')
+        bench.told('uses version 2 of the messages, but this bridge uses version 1; build both')
         assert bench.facts[TASK][0] == HealthLevel.ERROR
         light = simulated_light()[0]
         for _ in range(2):
@@ -221,7 +221,7 @@ def test_a_port_that_one_may_not_open_is_refused_told_and_ends_with_one_sentence
     process = start(BRIDGE, *words, '-p', 'autostart:=false', before=denied)
     bench.until(lambda: 'not configured' in bench.facts.get(TASK, (0, '', {}))[1])
     assert not bench.change(Transition.TRANSITION_CONFIGURE)
-    sentence = f'You may not open {tmp_path}/ttyACM0; join its group'
+    sentence = f'You have no permission to open {tmp_path}/ttyACM0; run'
     bench.told(sentence)
     assert bench.facts[TASK][0] == HealthLevel.ERROR
     ended(process)
@@ -237,7 +237,7 @@ def test_a_second_source_of_light_is_told(bench, tmp_path):
     bench.told('receiving light')
     assert 'teensy_bridge: others' not in bench.facts
     bench.publisher('photodiodes')
-    told = 'published by others too: photodiodes (/lta1/peer); stop all but one'
+    told = 'other nodes also publish photodiodes (/lta1/peer); stop all but one'
     bench.until(
         lambda: bench.facts.get('teensy_bridge: others', ())[:2] == (HealthLevel.ERROR, told)
     )

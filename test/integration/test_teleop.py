@@ -80,7 +80,7 @@ def test_a_stick_wins_until_handed_back_a_dead_teleop_lands_and_the_button_stops
         cockpit.axes[LAYOUT.forward] = 1.0
         cockpit.until_motors('flying by a person')
         peer.until(lambda: cockpit.duties[-1] > still + 0.02)
-        # At rest the person still has the helm.
+        # At rest the person still has control.
         cockpit.axes[LAYOUT.forward] = 0.0
         cockpit.press(LAYOUT.give_back)
         cockpit.until_motors('flying by the setpoint')

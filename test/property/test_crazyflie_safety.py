@@ -181,7 +181,10 @@ def test_every_limit_lands():
         assert state.stage is SafetyStage.LANDING, change
         assert order.stream
     state, _ = step_state(flying(), 601.0, FIT, SafetyRequest(), LIMITS)
-    assert (state.stage, state.why) == (SafetyStage.LANDING, 'the flight has lasted 600 s')
+    assert (state.stage, state.why) == (
+        SafetyStage.LANDING,
+        'the flight has reached its time limit of 600 s',
+    )
 
 
 @given(seen=seen, drive=st.booleans())
@@ -246,7 +249,7 @@ def landed_after(voltages):
         seen = FIT._replace(voltage=voltages[turn // each])
         state, _ = step_state(state, now, seen, SafetyRequest(), LIMITS)
         if state.stage is SafetyStage.LANDING:
-            assert state.why.startswith('the cell has')
+            assert state.why.startswith('the battery has')
             return now
     return None
 

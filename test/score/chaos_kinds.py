@@ -134,7 +134,7 @@ def lost(trial: Any) -> str:
     server = trial.graph.hardware.crazyflie
     trial.target, trial.stated = 'crazyflie_bridge', CUT_OFF[0]
     server.up.silent = server.down.silent = True
-    return 'crazyflie_bridge: .*(silent|heard|nothing)'
+    return 'crazyflie_bridge: .*(no packets|heard|nothing)'
 
 
 def jumped(trial: Any) -> str:
@@ -143,7 +143,7 @@ def jumped(trial: Any) -> str:
     message = find_message_type(TABLE['/clock'])()
     message.clock.sec = 3600 if trial.random.random() < 0.5 else 0
     trial.publish('/clock', message, SPOILS)
-    return 'published by others too: .*/clock'
+    return 'other nodes also publish .*/clock'
 
 
 def doubled(trial: Any) -> str:
@@ -156,14 +156,14 @@ def doubled(trial: Any) -> str:
     known = trial.peer.node.count_publishers
     trial.peer.until(lambda: not trial.graph.alive or any(known(name) > 1 for name in names))
     trial.struck, trial.may_end = time.monotonic(), True
-    return 'published by others too'
+    return 'other nodes also publish'
 
 
 def flooded(trial: Any) -> str:
     """Publish on any input as fast as it goes."""
     name = trial.pick_topic()
     trial.publish(name, trial.graph.pattern(name), FLOODS, 0.0)
-    return f'published by others too: .*{name}'
+    return f'other nodes also publish .*{name}'
 
 
 def nonsense(trial: Any) -> str:
@@ -191,7 +191,7 @@ def malformed(kind: str) -> Callable[[Any], str]:
         name = trial.pick_topic()
         pattern = trial.graph.pattern(name)
         trial.publish(name, spoil(kind, pattern), SPOILS, EVERY)
-        return f'published by others too: .*{name}'
+        return f'other nodes also publish .*{name}'
 
     return strike
 

@@ -196,9 +196,9 @@ KINDS: Final = {
         'crashed',
         'stops immediately',
     ),
-    'low cell': Kind('cell voltage of 3.0 V', LOW, empty, 'the cell has'),
+    'low cell': Kind('cell voltage of 3.0 V', LOW, empty, 'the battery has'),
     'too far': Kind(
-        'position estimate 60 m away', LANDS, lambda trial: trial.stray(60.0), 'farther than'
+        'position estimate 60 m away', LANDS, lambda trial: trial.stray(60.0), 'farther away than'
     ),
     'no command': Kind(
         'commands stop', STALE, lambda trial: trial.fall_silent(), 'the newest command is'
@@ -223,9 +223,13 @@ KINDS: Final = {
     'protocol 7': Kind(
         'CRTP protocol 7 (too old, refused)',
         NEVER,
-        word='older than 9',
+        word='must have 9 or newer',
         firmware=lambda body, random: made(body, protocol=7),
     ),
-    'E2BIG': Kind('log blocks refused: E2BIG', NEVER, word='was refused', firmware=refusing(7)),
-    'ENOMEM': Kind('log blocks refused: ENOMEM', NEVER, word='was refused', firmware=refusing(12)),
+    'E2BIG': Kind(
+        'log blocks refused: E2BIG', NEVER, word='refused the log block', firmware=refusing(7)
+    ),
+    'ENOMEM': Kind(
+        'log blocks refused: ENOMEM', NEVER, word='refused the log block', firmware=refusing(12)
+    ),
 }

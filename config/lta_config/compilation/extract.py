@@ -154,7 +154,7 @@ class GeneratedFunction:
 
     def __call__(self, *arguments: object) -> Any:  # noqa: ANN401 - any result
         """Raise `TypeError`: there is no such function in Python."""
-        raise TypeError(f'{self.name} is generated and runs only in compiled code.')
+        raise TypeError(f'{self.name} exists only in compiled code; Python cannot call it.')
 
 
 class _FunctionSource(NamedTuple):
@@ -178,7 +178,10 @@ def _locate_source(function: FunctionType) -> _FunctionSource:
     source = _FunctionSource(path, file.st_mtime_ns, file.st_size, function.__qualname__)
     if source.name in _parse_definitions(path, file.st_mtime_ns, file.st_size):
         return source
-    raise BadInput(f'{function.__name__} is not at the top level of {path}; define it there.')
+    raise BadInput(
+        f'{function.__name__} cannot be compiled, because it is not defined at the top level of '
+        f'{path}; move it there.'
+    )
 
 
 @cache
@@ -217,6 +220,10 @@ def _render_function(
     return ast.unparse(node)
 
 
+def _describe_clash(own: str) -> str:
+    return f'Two functions or constants of the compiled code have the name {own}; rename one.'
+
+
 class SourceExtract:
     """
     A growing text of functions without imports other than `math`.
@@ -248,7 +255,10 @@ class SourceExtract:
 
         """
         if not isinstance(function, FunctionType):
-            raise BadInput(f'{function!r} of {prefix} is not a plain function; write it with def.')
+            raise BadInput(
+                f'{function!r} of {prefix} cannot be compiled, because it is not a plain '
+                'function; define it with def.'
+            )
         source = _locate_source(function)
         own = self._claim_name(prefix, function.__name__, function.__module__, source)
         if own in self._pieces:
@@ -342,12 +352,12 @@ class SourceExtract:
         for own in (f'{prefix}_{name}', f'{prefix}_{module.rpartition(".")[2]}_{name}'):
             if self._owners.setdefault(own, meaning) == meaning:
                 return own
-        raise BadInput(f'Two different things are called {own} in the kernel; rename one.')
+        raise BadInput(_describe_clash(own))
 
     def _add_piece(self, own: str, piece: str) -> str:
         """Store a piece under its name; two different pieces cannot share a name."""
         if self._pieces.setdefault(own, piece) != piece:
-            raise BadInput(f'Two different things are called {own} in the kernel; rename one.')
+            raise BadInput(_describe_clash(own))
         return own
 
     def has_text_in_pieces(self, prefix: str, text: str) -> bool:

@@ -40,9 +40,15 @@ class CellRatings(StrictModel):
     def _check_power_point(self) -> 'CellRatings':
         # The maximum power point lies below both ends of the current-voltage curve
         if not self.voltage.si < self.open_circuit.si:
-            raise ValueError('has its maximum power at or above the open-circuit voltage')
+            raise ValueError(
+                f'has the voltage {self.voltage.si:g} V at maximum power, but it must be below '
+                f'open_circuit, {self.open_circuit.si:g} V'
+            )
         if not self.current.si < self.short_circuit.si:
-            raise ValueError('has its maximum power at or above the short-circuit current')
+            raise ValueError(
+                f'has the current {self.current.si:g} A at maximum power, but it must be below '
+                f'short_circuit, {self.short_circuit.si:g} A'
+            )
         return self
 
 

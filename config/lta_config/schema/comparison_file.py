@@ -77,8 +77,8 @@ class ComparisonFile(StrictModel):
                 if entry.of not in self.contestants:
                     known = ', '.join(self.contestants)
                     raise ValueError(
-                        f'has the {kind} {name} of {entry.of}, which is not a contestant; known: '
-                        f'{known}'
+                        f'has the {kind} {name} with "of: {entry.of}", which is not the name of a '
+                        f'contestant; known: {known}'
                     )
         for name, limit in self.limits.items():
             speeds = limit.speeds
@@ -86,8 +86,8 @@ class ComparisonFile(StrictModel):
             rising = list(speeds.vector) == sorted(set(speeds.vector))
             if speeds.dimension != 'm/s' or not rising or len(speeds.vector) > SPEEDS:
                 raise ValueError(
-                    f'has speeds of the limit {name} that are not at most {SPEEDS} rising numbers '
-                    'in m/s'
+                    f'has invalid speeds of the limit {name}; give at most {SPEEDS} speeds in '
+                    'm/s, each above the one before'
                 )
         return self
 

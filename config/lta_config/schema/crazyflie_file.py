@@ -32,18 +32,18 @@ REQUIRED: Final[Mapping[str, ExpectedParameter]] = {
     'motorPowerSet.enable': ExpectedParameter(
         value=0,
         write=True,
-        why='the override turns motors whatever watchdog, lock and disarming say (motors.c)',
+        why='otherwise watchdog, lock and disarming cannot stop the motors, see motors.c',
     ),
     'powerDist.idleThrust': ExpectedParameter(
         value=0,
         write=True,
-        why='motors would turn as soon as the drone is armed, 7000 of 65535 by default '
-        '(power_distribution_quadrotor.c)',
+        why='otherwise the motors turn as soon as the drone is armed; the default is 7000 of '
+        '65535, see power_distribution_quadrotor.c',
     ),
     'supervisor.landedTimeout': ExpectedParameter(
         value=3000,  # ms
         write=True,
-        why='with a longer one a landed drone stays armed unattended',
+        why='with a longer timeout, a landed drone stays armed unattended',
     ),
     'supervisor.tmblChckEn': ExpectedParameter(
         value=1, write=True, why='a drone that has tipped over must stop its motors'
@@ -80,7 +80,8 @@ class CrazyflieFile(StrictModel):
     def _check_motors(self) -> 'CrazyflieFile':
         if tuple(self.motors) != MOTORS or len(set(self.motors.values())) != len(MOTORS):
             raise ValueError(
-                f'has the motors {dict(self.motors)}; name one rotor each for m1, m2, m3, m4'
+                f'has the motors {dict(self.motors)}; assign a different rotor to each of m1, m2, '
+                'm3 and m4, in this order'
             )
         return self
 
@@ -90,7 +91,7 @@ class CrazyflieFile(StrictModel):
             required = REQUIRED.get(name)
             if required is not None and want.value != required.value:
                 raise ValueError(
-                    f'sets the parameter {name} to {want.value:g}, which must be '
+                    f'sets the firmware parameter {name} to {want.value:g}, but it must be '
                     f'{required.value:g} on every drone ({required.why}); remove that line'
                 )
         return self
@@ -125,8 +126,9 @@ def load_crazyflie(name: str, vehicle: str = '') -> CrazyflieFile:
     vehicle = vehicle or name
     if file.vehicle != vehicle:
         raise BadInput(
-            f"'{path}' is for {file.vehicle}, but the vehicle is {vehicle}; give the Crazyflie "
-            f'file of {vehicle}, or a copy with its wiring and limits and "vehicle: {vehicle}".'
+            f"'{path}' is for the vehicle {file.vehicle}, but {vehicle} is to fly; give the "
+            f'Crazyflie file of {vehicle}, or copy this one, adapt its motors and limits, and set '
+            f'"vehicle: {vehicle}".'
         )
     return file
 
@@ -159,7 +161,8 @@ def find_crazyflie(vehicle: str, name: str, other: str = '') -> CrazyflieFile:
         return load_crazyflie(str(beside), name)
     if name not in (names := list_shipped_names(FOLDERS['crazyflie'])):
         raise BadInput(
-            f'{name} has no Crazyflie file (wiring of the motors and limits of a flight); '
-            f'write {beside.name} next to the vehicle file, modelled on one of {", ".join(names)}.'
+            f'The vehicle {name} has no Crazyflie file (motor wiring and flight limits); create '
+            f'{beside.name} next to the vehicle file, starting from a copy in config/crazyflies '
+            f'({", ".join(names)}).'
         )
     return load_crazyflie(name)

@@ -33,13 +33,19 @@ def _parse_axes(value: object) -> tuple[str, ...]:
     """Return axes as our x, y, z in terms of the log's."""
     if isinstance(value, str):
         if value not in AXES:
-            raise ValueError(f'is "{value}", but known axes are {", ".join(AXES)}, or a list')
+            raise ValueError(
+                f'is "{value}", but must be one of {", ".join(AXES)}, or a list such as [x, -y, '
+                '-z]'
+            )
         return AXES[value]
     listed = tuple(value) if isinstance(value, list | tuple) else ()
     fits = len(listed) == 3 and all(axis in SIGNED for axis in listed)
     # The last character is the axis without its sign
     if not fits or len({str(axis)[-1] for axis in listed}) != 3:
-        raise ValueError('must be three of x, y, z with signs, each once, such as [x, -y, -z]')
+        raise ValueError(
+            'must be a list of x, y and z, each once and with an optional sign, such as [x, -y, '
+            '-z]'
+        )
     return tuple(str(axis) for axis in listed)
 
 
@@ -69,7 +75,7 @@ class _InUnit(StrictModel):
     @classmethod
     def _check_unit(cls, unit: str) -> str:
         if unit not in UNITS:
-            raise ValueError(f'is "{unit}", which is not a known unit; known:  {", ".join(UNITS)}')
+            raise ValueError(f'is "{unit}", which is not a known unit; known: {", ".join(UNITS)}')
         return unit
 
     @field_validator('within', mode='before')
@@ -87,7 +93,7 @@ class ScalarField(_InUnit):
     @model_validator(mode='after')
     def _check_source(self) -> Self:
         if (self.column is None) == (self.value is None):
-            raise ValueError('needs either "column" or "value"')
+            raise ValueError('needs exactly one of "column" and "value"')
         return self
 
 
@@ -101,9 +107,11 @@ class VectorField(_InUnit):
     @model_validator(mode='after')
     def _check_source(self) -> Self:
         if (self.columns is None) == (self.value is None):
-            raise ValueError('needs either "columns" or "value"')
+            raise ValueError('needs exactly one of "columns" and "value"')
         if self.value is not None and len(self.value.vector) != 3:
-            raise ValueError('has a value that is not three numbers')
+            raise ValueError(
+                f'has a value of length {len(self.value.vector)}, but needs 3 numbers'
+            )
         return self
 
 
@@ -128,16 +136,27 @@ class OrientationField(StrictModel):
     @model_validator(mode='after')
     def _check_form(self) -> Self:
         if len([form for form in self.forms if form is not None]) != 1:
-            raise ValueError('needs one of "quaternion", "euler", "rotation_vector", "matrix"')
+            raise ValueError(
+                'needs exactly one of "quaternion", "euler", "rotation_vector" and "matrix"'
+            )
         if self.euler is None:
             return self
         if len(self.euler) != len(self.sequence):
-            raise ValueError(f'has {len(self.euler)} angles for the sequence {self.sequence}')
+            raise ValueError(
+                f'has {len(self.euler)} columns in "euler" for the sequence {self.sequence}; give '
+                'one column for each letter'
+            )
         # Two rotations in a row about one axis are a single rotation
         if any(a == b for a, b in zip(self.sequence, self.sequence[1:], strict=False)):
-            raise ValueError(f'has the sequence {self.sequence}, which turns twice about one axis')
+            raise ValueError(
+                f'has the sequence {self.sequence}, which turns twice in a row about the same '
+                'axis; use for example ZYX'
+            )
         if self.signs is not None and len(self.signs) != len(self.euler):
-            raise ValueError('needs one sign for each angle')
+            raise ValueError(
+                f'has {len(self.signs)} signs for {len(self.euler)} angles; give one for each '
+                'angle'
+            )
         return self
 
     @property
@@ -225,14 +244,16 @@ class TimeColumn(StrictModel):
     @model_validator(mode='after')
     def _check_source(self) -> Self:
         if [self.column, self.rate, self.step].count(None) != 2:
-            raise ValueError('needs one of "column", "rate" and "step"')
+            raise ValueError('needs exactly one of "column", "rate" and "step"')
         if UNITS.get(self.unit, ('', 0.0))[0] != 's':
             raise ValueError(f'has the unit "{self.unit}", but must be in s, ms, us or ns')
         for name, given, unit in (('rate', self.rate, 'Hz'), ('step', self.step, 's')):
             if given is not None and (given.dimension != unit or given.si <= 0.0):
-                raise ValueError(f'has a {name} that is not a positive number in {unit}')
+                raise ValueError(f'has an invalid {name}; give a positive number in {unit}')
         if self.start is not None and self.start.dimension != 's':
-            raise ValueError('has a start that is not in s')
+            raise ValueError(
+                f'has a start in {self.start.unit}, but it must be a time, as in "1 s"'
+            )
         return self
 
 
@@ -248,7 +269,9 @@ class TextFormat(StrictModel):
     @classmethod
     def _check_delimiter(cls, value: str) -> str:
         if len(value) > 1 and value not in ('tab', 'whitespace'):
-            raise ValueError(f'is "{value}", but must be one character, tab or whitespace')
+            raise ValueError(
+                f'is "{value}", but must be a single character, "tab" or "whitespace"'
+            )
         return value
 
 
@@ -270,9 +293,9 @@ class ImportMapping(_WithAxes):
             word = 'needs' if self.time is None else 'must not have'
             raise ValueError(f'of format {self.format} {word} the key "time"')
         if self.format == 'csv' and any(entry.drop_empty for entry in self.topics):
-            raise ValueError('of format csv must not have the key "drop_empty"; leave it out')
+            raise ValueError('of format csv must not have the key "drop_empty"; remove it')
         if self.format == 'csv' and any(entry.table or entry.join for entry in self.topics):
-            raise ValueError('of format csv has one table; leave "table" and "join" out')
+            raise ValueError('of format csv has only one table; remove "table" and "join"')
         return self
 
 

@@ -39,7 +39,7 @@ class CloudSequence(StrictModel):
         for name in ('cover', 'through'):
             low, high = getattr(self, name).vector
             if low > high:
-                raise ValueError(f'has the bounds of {name} in the wrong order; swap them')
+                raise ValueError(f'has a lower bound of {name} above the upper one; swap them')
         return self
 
 
@@ -76,11 +76,14 @@ class LightDay(StrictModel):
     @model_validator(mode='after')
     def _check_light(self) -> Self:
         if self.sun is None and not self.lamps:
-            raise ValueError('has neither sun nor lamps; nothing would ever charge')
+            raise ValueError(
+                'has neither "sun" nor "lamps", so the battery would never charge; add one of them'
+            )
         flickering = [name for name, lamp in self.lamps.items() if lamp.duty.si < 1.0]
         if len(flickering) > 1:
             raise ValueError(
-                f'has several lamps that flicker ({", ".join(flickering)}); keep one beacon'
+                f'has several flickering lamps, with a duty below 1 ({", ".join(flickering)}); '
+                'keep only one'
             )
         return self
 

@@ -52,13 +52,13 @@ class ManeuverFile(StrictModel):
         check_rising_times([row.at.si for row in self.course])
         if self.until.si <= self.judged_from.si:
             raise ValueError(
-                f'is judged from {self.judged_from.si:g} s until {self.until.si:g} s; let until '
-                'be later'
+                f'has "from" at {self.judged_from.si:g} s and "until" at {self.until.si:g} s; '
+                '"until" must be later'
             )
         unit = BAND[self.judge]
         if self.band.si <= 0.0 or self.band.dimension != unit:
             raise ValueError(
-                f'has a band of {format_quantity(self.band)}; give one above 0 in {unit}'
+                f'has a tolerance band of {format_quantity(self.band)}; give one above 0 in {unit}'
             )
         return self
 

@@ -54,7 +54,10 @@ class MissionFile(StrictModel):
     def _check_round(self) -> Self:
         # The drone returns to the perch after every round anyway
         if self.perch in self.round:
-            raise ValueError(f'visits its own perch {self.perch}; leave it out of the round')
+            raise ValueError(
+                f'has the perch {self.perch} in its "round"; remove it, because every round ends '
+                'at the perch anyway'
+            )
         return self
 
 

@@ -28,7 +28,10 @@ class PanelFacing(StrictModel):
         length = math.hypot(*self.normal.vector)
         # Tolerates components rounded to two digits
         if not 0.99 <= length <= 1.01:
-            raise ValueError(f'has a normal of length {length:.3g}; divide it by that')
+            raise ValueError(
+                f'has a normal of length {length:.3g}, but needs a unit vector; divide it by its '
+                'length'
+            )
         return self
 
 
@@ -47,11 +50,13 @@ class MountFile(StrictModel):
         for name in self.panels:
             if name not in self.parts:
                 raise ValueError(
-                    f'has no part {name}, which is one of its panels; parts: '
+                    f'has the panel {name}, but no part of that name; parts: '
                     f'{", ".join(self.parts)}'
                 )
             if self.parts[name].shape != 'box':
-                raise ValueError(f'has the panel {name}, which is not a box; make it one')
+                raise ValueError(
+                    f'has the panel {name} with the shape {self.parts[name].shape}; use a box'
+                )
         return self
 
 
@@ -115,5 +120,5 @@ def _replace_array(energy: Any, mount: MountFile) -> Any:  # noqa: ANN401 - what
 def _move_part(held: Mapping[str, Any], part: PartBlock, ahead: float) -> dict[str, Any]:
     """Return a part as YAML holds it, shifted forward. [m]"""
     x, y, z = part.position.vector
-    place = {'value': [x + ahead, y, z], 'unit': 'm', 'source': 'out of place on purpose'}
+    place = {'value': [x + ahead, y, z], 'unit': 'm', 'source': 'deliberate mounting error'}
     return {**held, 'position': place}

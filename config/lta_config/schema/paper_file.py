@@ -56,7 +56,7 @@ class AgreementRule(StrictModel):
     def _check_one_kind(self) -> Self:
         bounds = self.least is not None or self.most is not None
         if sum([self.within is not None, bounds, self.word is not None]) != 1:
-            raise ValueError('must be one of: within; least, most or both; is')
+            raise ValueError('needs "within", "is", or one or both of "least" and "most"')
         return self
 
 
@@ -96,14 +96,14 @@ class PaperClaim(StrictModel):
         # The paper claims nothing yet, so there is nothing to agree with
         if self.source == 'future':
             if self.measure is None or self.rule is not None:
-                raise ValueError('is of the future: it needs a measure, and no rule')
+                raise ValueError('has "source: future"; give it a measure, but no rule')
             return self
         if (self.measure is None) != (self.rule is None):
-            raise ValueError('has a measure without a rule, or a rule without a measure')
+            raise ValueError('has only one of "measure" and "rule"; give both or neither')
         if (self.measure is None) != bool(self.untested):
-            raise ValueError('needs either measure and rule, or why it is untested')
+            raise ValueError('needs either "measure" and "rule", or a reason in "untested"')
         if self.rule is not None and self.rule.within is not None and self.value is None:
-            raise ValueError('has a rule within a share of a value, but no value')
+            raise ValueError('has a rule with "within", but no "value" to compare with; add it')
         return self
 
 
@@ -178,14 +178,14 @@ class PaperRow(StrictModel):
             try:
                 _ = defect.arithmetic
             except (LookupError, ValueError) as error:
-                raise ValueError(f'has the defect {name}: {error}') from None
+                raise ValueError(f'has an invalid defect {name}: {error}') from None
         return self
 
     def _check_names(self, claim: str, text: str) -> None:
         for name in sorted(find_measure_names(text)):
             if name not in self.measures:
                 raise ValueError(
-                    f'names "{name}" in {claim}, which it does not measure; known: '
+                    f'uses the measure "{name}" in {claim}, but does not define it; known: '
                     f'{", ".join(self.measures)}'
                 )
 
@@ -193,12 +193,16 @@ class PaperRow(StrictModel):
         rule = statement.rule
         assert rule is not None
         if (rule.word is not None) != (measure.unit is None):
-            raise ValueError(f'compares a word with a number in the claim {claim}')
+            raise ValueError(
+                f'compares text with a number in the claim {claim}; use "is" only for a measure '
+                'without a unit'
+            )
         dimension = None if measure.unit is None else UNITS[measure.unit][0]
         for bound in (rule.least, rule.most, statement.value):
             if bound is not None and dimension is not None and bound.dimension != dimension:
                 raise ValueError(
-                    f'has {bound.unit} in the claim {claim}, which is measured in {measure.unit}'
+                    f'has the unit {bound.unit} in the claim {claim}, but its measure is in '
+                    f'{measure.unit}; use a compatible unit'
                 )
 
 

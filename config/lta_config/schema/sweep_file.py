@@ -49,7 +49,7 @@ class Distribution(StrictModel):
         given = [name for name in type(self).model_fields if getattr(self, name) is not None]
         if len(given) != 1:
             known = ', '.join(type(self).model_fields)
-            raise ValueError(f'names {len(given)} distributions, but needs one of {known}')
+            raise ValueError(f'has {len(given)} distributions; give exactly one of {known}')
         return self
 
 
@@ -94,19 +94,22 @@ class SweepFile(StrictModel):
     def _check_samples(self) -> Self:
         drawn = [path for path, how in self.vary.items() if isinstance(how, Distribution)]
         if drawn and self.samples is None:
-            raise ValueError(f'draws {", ".join(drawn)} but does not say how often; add "samples"')
+            raise ValueError(
+                f'has a distribution for {", ".join(drawn)}, but no number of samples; add '
+                '"samples"'
+            )
         if self.samples is not None and self.seeds.count is not None:
             raise ValueError(
-                'has both samples and seeds.count; each sample has its own seed, so leave count '
-                'out'
+                'has both samples and seeds.count; remove seeds.count, because each sample has '
+                'its own seed'
             )
         # A parameter with two values would be ambiguous
         both = sorted(self.vary.keys() & self.settings.keys())
         if both:
-            raise ValueError(f'both sets and varies {", ".join(both)}; keep one')
+            raise ValueError(f'has {", ".join(both)} in both "set" and "vary"; keep one')
         cases = {path for case in self.cases.values() for path in case}
         if both := sorted(self.vary.keys() & cases):
-            raise ValueError(f'varies {", ".join(both)}, which its cases set; keep one')
+            raise ValueError(f'has {", ".join(both)} in both "vary" and "cases"; keep one')
         return self
 
     @property

@@ -33,7 +33,7 @@ class TunnelBody(StrictModel):
         given = self.stl is not None and self.unit is not None
         # Both or neither
         if box == given:
-            raise ValueError('needs either position and size of a box, or stl and its unit')
+            raise ValueError('needs either "position" and "size" of a box, or "stl" and "unit"')
         return self
 
 
@@ -59,7 +59,9 @@ class TunnelFile(StrictModel):
     @model_validator(mode='after')
     def _check_patterns(self) -> 'TunnelFile':
         if self.patterns and self.disk is None:
-            raise ValueError('has patterns of rotors but no disk; give its diameter and thickness')
+            raise ValueError(
+                'has "patterns" but no "disk"; add the diameter and thickness of the rotor disks'
+            )
         return self
 
 

@@ -62,12 +62,13 @@ class HullBlock(StrictModel):
         ]
         if missing := [key for key in needed if key not in given]:
             raise ValueError(
-                f'has the shape {self.shape}, which needs {", ".join(missing)}; add it'
+                f'has the shape {self.shape}, but not its keys {", ".join(missing)}; add them'
             )
         # A key that has no effect is probably a mistake
         if idle := [key for key in given if key not in needed]:
             raise ValueError(
-                f'has the shape {self.shape}, which has no {" and no ".join(idle)}; remove it'
+                f'has keys that the shape {self.shape} does not use: {", ".join(idle)}; remove '
+                'them'
             )
         return self
 
@@ -140,5 +141,5 @@ class MovingMassBlock(StrictModel):
     def _check_travel(self) -> 'MovingMassBlock':
         ends = zip(self.low.vector, self.position.vector, self.high.vector, strict=True)
         if not all(low <= at <= high for low, at, high in ends):
-            raise ValueError('starts outside its travel; put position between low and high')
+            raise ValueError('has a position outside its range; choose one between low and high')
         return self

@@ -29,7 +29,9 @@ def _check_resistors(quantity: Quantity) -> Quantity:
     if not quantity.source:
         raise ValueError(UNSOURCED)
     if list(quantity.vector) != sorted(quantity.vector, reverse=True):
-        raise ValueError('lists its resistors in another order; begin with the largest')
+        raise ValueError(
+            'does not have its resistors in order; list them from largest to smallest'
+        )
     return quantity
 
 
@@ -45,7 +47,8 @@ class DiodeAxes(StrictModel):
             length = math.hypot(*axis)
             if not abs(length - 1.0) <= UNIT:  # also true for NaN
                 raise ValueError(
-                    f'has an axis of length {length:.3g} for the diode {index}; divide it by that'
+                    f'has an axis of length {length:.3g} for the diode {index}, but needs a unit '
+                    'vector; divide it by its length'
                 )
         return self
 
@@ -73,7 +76,7 @@ class PhotodiodesBlock(StrictModel):
     )
     field_of_view: Annotated[
         Quantity, si_quantity('rad', above=0.0, high=math.pi, sourced=True)
-    ] = _default_quantity(180.0, 'deg', 'nothing in front of the package')
+    ] = _default_quantity(180.0, 'deg', 'no cover in front of the photodiode')
     gain_spread: Annotated[Quantity, si_quantity('1', low=0.0, high=0.5, sourced=True)] = (
         _default_quantity(0.0, '1', 'equal diodes')
     )
@@ -84,20 +87,22 @@ class PhotodiodesBlock(StrictModel):
         14.0, 'kHz', DATA_SHEET
     )
     noise: Annotated[Quantity, si_quantity('V', low=0.0, high=1.0, sourced=True)] = (
-        _default_quantity(300.0, 'uV', DATA_SHEET + ', rms at 1 Mohm')
+        _default_quantity(300.0, 'uV', DATA_SHEET + ', rms noise with 1 Mohm')
     )
     bits: Annotated[int, Field(ge=1, le=16)] = 12
     full_scale: Annotated[Quantity, si_quantity('V', above=0.0, high=100.0, sourced=True)] = (
         _default_quantity(3.3, 'V', 'Teensy 4.1')
     )
     converter_noise: Annotated[Quantity, si_quantity('1', low=0.0, high=100.0, sourced=True)] = (
-        _default_quantity(1.0, '1', 'assumed: rms, in steps; some 10 effective bits of 12')
+        _default_quantity(
+            1.0, '1', 'assumed: rms noise in ADC steps; about 10 effective bits of 12'
+        )
     )
     clock_error: Annotated[Quantity, si_quantity('1', low=-0.01, high=0.01, sourced=True)] = (
-        _default_quantity(0.0, '1', 'a right clock')
+        _default_quantity(0.0, '1', 'no clock error')
     )
     jitter: Annotated[Quantity, si_quantity('s', low=0.0, high=1e-3, sourced=True)] = (
-        _default_quantity(0.0, 's', 'even sampling')
+        _default_quantity(0.0, 's', 'no jitter')
     )
 
     @property
@@ -109,11 +114,11 @@ class PhotodiodesBlock(StrictModel):
     def _check_counts(self) -> Self:
         if self.axes is not None and len(self.axes.value) != self.count:
             raise ValueError(
-                f'has {len(self.axes.value)} axes for {self.count} diodes; give each diode one'
+                f'has {len(self.axes.value)} axes for {self.count} diodes; give one for each diode'
             )
         if strangers := [index for index in self.dead if index >= self.count]:
             raise ValueError(
-                f'names the dead diode {strangers[0]}, but has {self.count}, counted from 0; '
-                'correct the number'
+                f'has the dead diode {strangers[0]}, but the diodes are numbered from 0 to '
+                f'{self.count - 1}; correct the number'
             )
         return self

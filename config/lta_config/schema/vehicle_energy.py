@@ -44,7 +44,7 @@ class BatteryBlock(StrictModel):
         if low >= high:
             raise ValueError(
                 f'has a discharge_cutoff of {low:g} V and a charge_cutoff of {high:g} V; '
-                'the first must be the lower one'
+                'discharge_cutoff must be the lower one'
             )
         return self
 
@@ -62,7 +62,10 @@ class SolarArrayBlock(StrictModel):
     def _check_normal(self) -> 'SolarArrayBlock':
         length = math.hypot(*self.normal.vector)
         if not 0.99 <= length <= 1.01:
-            raise ValueError(f'has a normal of length {length:.3g}; divide it by that')
+            raise ValueError(
+                f'has a normal of length {length:.3g}, but needs a unit vector; divide it by its '
+                'length'
+            )
         # Read now, so that an invalid cell is an error of the vehicle file
         try:
             load_cell_file(self.cell)
@@ -106,6 +109,6 @@ class EnergyBlock(StrictModel):
     @model_validator(mode='after')
     def _check_charger(self) -> 'EnergyBlock':
         if (self.array is None) != (self.charger is None):
-            have, lack = ('an array', 'charger') if self.array else ('a charger', 'array')
-            raise ValueError(f'has {have} and no {lack}; add it, or remove {have}')
+            have, lack = ('array', 'charger') if self.array else ('charger', 'array')
+            raise ValueError(f'has "{have}" but no "{lack}"; add it, or remove "{have}"')
         return self

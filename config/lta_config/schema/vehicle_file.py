@@ -70,9 +70,15 @@ class RotorBlock(StrictModel):
         length = math.hypot(*self.axis.vector)
         # Tolerates components rounded to two digits
         if not 0.99 <= length <= 1.01:
-            raise ValueError(f'has an axis of length {length:.3g}; divide it by that')
+            raise ValueError(
+                f'has an axis of length {length:.3g}, but needs a unit vector; divide it by its '
+                'length'
+            )
         if self.thrust_curve and self.thrust_curve.reverse and not self.reversible:
-            raise ValueError('has a thrust in reverse but is not reversible; remove one')
+            raise ValueError(
+                'has thrust_curve.reverse, but is not reversible; remove it, or set '
+                '"reversible: true"'
+            )
         return self
 
 
@@ -152,8 +158,7 @@ class VehicleFile(StrictModel):
             for name in parts:
                 if name in seen:
                     raise ValueError(
-                        f'names the part {name} in the layers {seen[name]} and {layer}; '
-                        'give one another name'
+                        f'has a part {name} in both layers {seen[name]} and {layer}; rename one'
                     )
                 seen[name] = layer
         return self
@@ -168,36 +173,42 @@ class VehicleFile(StrictModel):
         ):
             if strangers := [name for name in names if name not in self.rotors]:
                 raise ValueError(
-                    f'has no rotor {", ".join(strangers)}, which aero.{place} names; '
+                    f'uses {", ".join(strangers)} in aero.{place}, but has no such rotor; '
                     f'rotors: {", ".join(self.rotors)}'
                 )
         if bare := [
             n for n, r in self.rotors.items() if not (r.thrust_curve or self.thrust_curve)
         ]:
-            raise ValueError(f'has no thrust_curve for {", ".join(bare)}; add one for all or each')
+            raise ValueError(
+                f'has no thrust_curve for {", ".join(bare)}; add one for all rotors, or for each'
+            )
         return self
 
     @model_validator(mode='after')
     def _check_trim(self) -> 'VehicleFile':
         trim = self.trim
         if trim.ballast == 'none' and trim.ballast_position:
-            raise ValueError('has trim.ballast none and a trim.ballast_position; remove one')
+            raise ValueError('has both "ballast: none" and ballast_position in "trim"; remove one')
         if not self.measured and not self.parts:
-            raise ValueError('has no parts in layers and was not measured as a whole; add either')
+            raise ValueError(
+                'has neither parts in "layers" nor a mass of the whole vehicle in "measured"; add '
+                'one of them'
+            )
         if self.measured:
             if trim.ballast_position:
                 raise ValueError(
-                    'is weighed as a whole (measured) and has a trim.ballast_position; '
-                    'ballast is in what was weighed, so remove the position'
+                    'has a mass of the whole vehicle in "measured", which includes the ballast; '
+                    'remove trim.ballast_position'
                 )
         elif trim.ballast != 'none' and not (trim.heaviness and trim.ballast_position):
             raise ValueError(
-                'has a trim without heaviness and ballast_position; add both, or '
-                '"ballast: none" to use the weight of its parts'
+                'needs heaviness and ballast_position in "trim"; add both, or "ballast: none" to '
+                'use the weight of the parts'
             )
         elif trim.ballast == 'none' and trim.heaviness:
             raise ValueError(
-                'has trim.ballast none and a trim.heaviness, which needs ballast; remove one'
+                'has both "ballast: none" and heaviness in "trim", but heaviness needs ballast; '
+                'remove one'
             )
         return self
 
@@ -206,12 +217,12 @@ class VehicleFile(StrictModel):
         part = self.energy.array.part if self.energy.array else None
         if part is not None and part not in self.parts:
             raise ValueError(
-                f'has no part {part}, which energy.array.part names; '
+                f'uses {part} in energy.array.part, but has no such part; '
                 f'parts: {", ".join(self.parts)}'
             )
         if (part is None) == (self.sensors.panel_position is None):
             raise ValueError(
-                'needs exactly one position of its panel: energy.array.part or '
+                'needs one position of its solar panel: give either energy.array.part or '
                 'sensors.panel_position'
             )
         return self

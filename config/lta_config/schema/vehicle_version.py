@@ -52,7 +52,7 @@ def _find_columns(content: dict[str, Any]) -> dict[str, Any] | None:
 def _add_axis(name: str, rotor: Any, columns: dict[str, Any] | None) -> Any:  # noqa: ANN401
     """Return a rotor with an axis along the largest force in its column."""
     if columns is not None and name not in columns:
-        raise ValueError(f'has no column of aero.thrust_allocation for {name}; add one')
+        raise ValueError(f'has no entry of aero.thrust_allocation for {name}; add one')
     force: Any = (columns or {}).get(name)
     for key in ('force', 'value'):
         force = force.get(key) if isinstance(force, dict) else None
@@ -64,5 +64,5 @@ def _add_axis(name: str, rotor: Any, columns: dict[str, Any] | None) -> Any:  # 
     most = max(range(3), key=lambda i: abs(force[i]))
     unit = [0.0, 0.0, 0.0]
     unit[most] = 1.0 if force[most] >= 0.0 else -1.0
-    source = 'where its column of thrust_allocation is largest (version 1 of the file)'
+    source = 'largest entry of its column of thrust_allocation in version 1 of the file'
     return {**rotor, 'axis': {'value': unit, 'unit': '1', 'source': source}}

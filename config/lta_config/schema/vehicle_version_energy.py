@@ -14,7 +14,7 @@ GENERIC = 'monocrystalline'  # in config/cells: 20 % of 1 cm2
 GENERIC_POWER = 0.020  # W at standard conditions
 STANDARD = 1000.0  # W/m2, irradiance of standard conditions
 SECONDS_PER_HOUR = 3600.0
-SOURCE = 'assumed: version 2 of the file had none'
+SOURCE = 'assumed: not given in version 2 of the file'
 
 
 def nest_energy(energy: Any) -> Any:  # noqa: ANN401 - whatever the file held

@@ -1,1 +1,1 @@
-"""What is real: recorder, player and the links to hardware."""
+"""Recorder and player of bags, and links to real hardware."""

@@ -78,7 +78,7 @@ def list_serial_ports() -> list[SerialPortInfo]:
 
 def format_udev_rules() -> str:
     """Return a udev rules file that lets the logged-in user open the known devices."""
-    head = '# Let the user logged in at this machine open the radios, drones and boards of LTA.'
+    head = '# Allow the logged-in user to open the radios, drones and boards that LTA uses.'
     lines = [
         f'# {kind.name}\nSUBSYSTEMS=="usb", ATTRS{{idVendor}}=="{kind.vendor}", '
         f'ATTRS{{idProduct}}=="{kind.product}", MODE="0660", GROUP="plugdev", TAG+="uaccess", '

@@ -14,7 +14,7 @@ class RobotOrigin(Settings):
     seed: int = setting(1, 'Random seed.', low=0, high=2**31 - 1, fixed=True)
     offset_x: float = setting(
         0.0,
-        'Start position, east of that of the scenario.',
+        'Distance of the start position to the east of that in the scenario.',
         unit='m',
         low=-1e3,
         high=1e3,
@@ -22,7 +22,7 @@ class RobotOrigin(Settings):
     )
     offset_y: float = setting(
         0.0,
-        'Start position, north of that of the scenario.',
+        'Distance of the start position to the north of that in the scenario.',
         unit='m',
         low=-1e3,
         high=1e3,
@@ -50,13 +50,13 @@ class RecorderSettings(RobotOrigin):
     robots: str = setting(
         '',
         'Namespaces of the robots to record, separated by spaces; empty for that of the recorder. '
-        'For several robots, lta2.seed and so on give the origin of each.',
+        'With several robots, parameters such as lta2.seed give the origin of each.',
         fixed=True,
     )
     replay: str = setting(
         '',
-        'Bag that is replayed; the new bag repeats whether it was simulated or measured (only '
-        'with source:=replay).',
+        'Path of the bag that is replayed; the new bag copies from it whether the data was '
+        'simulated or measured (only with source:=replay).',
         fixed=True,
     )
     topics: str = setting(
@@ -66,17 +66,18 @@ class RecorderSettings(RobotOrigin):
         fixed=True,
     )
     split_size: float = setting(
-        0.0, 'File size at which the next file starts; 0 for a single file.', unit='MB',
+        0.0, 'File size at which the recorder starts a new file; 0 for a single file.', unit='MB',
         low=0.0, high=1e6, fixed=True,
     )  # fmt: skip
     split_duration: float = setting(
-        0.0, 'Duration after which the next file starts; 0 for a single file.', unit='s',
+        0.0, 'Duration after which the recorder starts a new file; 0 for a single file.', unit='s',
         low=0.0, high=1e6, fixed=True,
     )  # fmt: skip
     snapshot: float = setting(
         0.0,
-        'Length of the snapshots: the last messages stay in memory and are written to the disk '
-        'only on a call of recorder/snapshot or a fault; 0 writes everything to the disk.',
+        'Duration of a snapshot: the recorder keeps the last messages in memory, and writes them '
+        'to the disk only on a call of recorder/snapshot or at a fault; 0 writes all messages to '
+        'the disk.',
         unit='s',
         low=0.0,
         high=1e5,
@@ -84,13 +85,13 @@ class RecorderSettings(RobotOrigin):
     )
     snapshot_size: float = setting(
         200.0,
-        'Largest memory for the compressed messages of a snapshot; older ones are dropped.',
+        'Memory limit for the compressed messages of a snapshot; the oldest are dropped.',
         unit='MB',
         low=1.0,
         high=1e5,
         fixed=True,
     )
     queue_size: float = setting(
-        64.0, 'Largest memory for messages that wait for the disk.', unit='MB', low=1.0, high=1e5,
-        fixed=True,
+        64.0, 'Memory limit for messages that wait to be written to the disk.', unit='MB',
+        low=1.0, high=1e5, fixed=True,
     )  # fmt: skip

@@ -11,8 +11,8 @@ from lta_bridge.bag.storage import StorageFault
 from lta_bridge.fault_watch import DiagnosticsEntry, FaultWatch
 from lta_graph.health import HealthLevel
 
-ASKED = 'asked for'
-STOPPED = 'stopped before the flight was over'
+ASKED = 'requested'
+STOPPED = 'the recorder stopped before the flight was over'
 
 
 @final
@@ -40,7 +40,7 @@ class SnapshotJob:
     def status_text(self) -> str:
         """The state of the snapshot as a sentence."""
         if self.made is not None:
-            return f"{self.made.messages} messages are in '{self.made.path}'."
+            return f"The snapshot '{self.made.path}' has {self.made.messages} messages."
         return self.fault or 'The snapshot is still being written.'
 
 
@@ -115,4 +115,4 @@ class SnapshotScheduler:
         }
         last = self._savings[-1] if self._savings else None
         level = HealthLevel.WARN if last is not None and last.fault else HealthLevel.OK
-        return level, 'none yet' if last is None else last.status_text, figures
+        return level, 'no snapshots yet' if last is None else last.status_text, figures

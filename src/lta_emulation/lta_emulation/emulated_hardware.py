@@ -105,8 +105,8 @@ def serve_hardware(
         crazyflie = CrazyflieServer(Firmware(body, build=body.build), port)
     except OSError as error:
         raise BadInput(
-            f'UDP port {port} cannot be opened ({error.strerror}); stop the other emulation, or '
-            'give another --port.'
+            f'The UDP port {port} cannot be opened ({error.strerror}); stop the program that uses '
+            'it, or give another port with --port.'
         ) from None
     with light, crazyflie:
         yield EmulatedHardware(crazyflie, light, body)
@@ -135,12 +135,12 @@ def report_flight(
         up = world.state[2] > floor + UP
         if up and not began:
             began, reached = world.elapsed, False
-            report(f'It took off, {world.goal_distance:.1f} m from the lamp.')
+            report(f'The drone took off, {world.goal_distance:.1f} m from the lamp.')
         if up and not reached and world.goal_distance <= radius:
             reached = True
-            report(f'It reached the lamp, {world.elapsed - began:.1f} s after it took off.')
+            report(f'The drone reached the lamp {world.elapsed - began:.1f} s after take-off.')
         if began and not up and not any(body.duties):
-            report(f'It stands, {world.goal_distance:.1f} m from the lamp.')
+            report(f'The drone landed, {world.goal_distance:.1f} m from the lamp.')
             began = 0.0
 
 
@@ -168,7 +168,7 @@ def main(words: list[str] | None = None) -> None:
         ) as hardware:
             _print_line(
                 f'An emulated Crazyflie answers at {hardware.crazyflie.uri}, its light board at '
-                f'{hardware.board.port}; Ctrl-C ends both.'
+                f'{hardware.board.port}; press Ctrl-C to stop both.'
             )
             signal.signal(signal.SIGUSR1, lambda *_: hardware.board.toggle_cable())
             # `lta run` blocks SIGINT while Python starts; a pending one is delivered here.

@@ -37,7 +37,7 @@ def find_package_prefix(package: str) -> Path:
     if ours:
         raise unknown_name_error('package', package, ours)
     raise BadInput(
-        f"Package '{package}' is not in AMENT_PREFIX_PATH, and no other LTA package is; "
+        f"The package '{package}' is not in AMENT_PREFIX_PATH, and no other LTA package is; "
         'build the workspace (make build) and source its setup file.'
     )
 
@@ -72,5 +72,8 @@ def find_executable(package: str, executable: str) -> Path:
     files = sorted(folder.glob('*')) if folder.is_dir() else []
     names = [item.name for item in files if item.is_file() and os.access(item, os.X_OK)]
     if not names:
-        raise BadInput(f"Package '{package}' has no executables in {folder}; build it again.")
+        raise BadInput(
+            f"The package '{package}' has no executables in {folder}; build the workspace again "
+            'with make.'
+        )
     raise unknown_name_error(f'executable of {package}', executable, names)

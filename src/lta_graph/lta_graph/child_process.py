@@ -168,7 +168,8 @@ def spawn_process(
         )
     except OSError as error:
         raise BadInput(
-            f'{name} cannot be started: {words[0]}: {error.strerror}; build it again.'
+            f'The program {name} cannot be started ({words[0]}: {error.strerror}); build the '
+            'workspace again with make.'
         ) from None
     return ChildProcess(process, name, popen)
 

@@ -14,7 +14,7 @@ from pydantic import BeforeValidator, Field, model_validator
 def _check_quoted(value: Any) -> Any:  # noqa: ANN401 - whatever the file held
     # YAML turns an unquoted 0.5 into a number, which ROS rejects
     if isinstance(value, bool | int | float):
-        raise ValueError(f"is {value} without quotes, but ROS wants text here; write '{value}'")
+        raise ValueError(f"is {value} without quotes, but ROS needs text here; write '{value}'")
     return value
 
 
@@ -32,7 +32,7 @@ class ConditionalAction(StrictModel):
     @model_validator(mode='after')
     def _check_one_condition(self) -> 'ConditionalAction':
         if self.if_ is not None and self.unless is not None:
-            raise ValueError('has both "if" and "unless"; keep one')
+            raise ValueError('has both "if" and "unless"; remove one')
         return self
 
 
@@ -101,13 +101,15 @@ class Param(StrictModel):
         if sum(given) != 1 or (self.name is None) != (self.from_ is not None):
             raise ValueError('needs either "from", or "name" and one of "value" and "param"')
         if self.type is not None and self.value is None:
-            raise ValueError('has a "type", which belongs to a "value"; remove it')
+            raise ValueError('has a "type" but no "value"; remove the type')
         if any(nested.from_ is not None for nested in self.param or []):
-            raise ValueError('has a "from" inside of a parameter; move it to the node')
+            raise ValueError('has "from" in a nested parameter; move it to "param" of the node')
         items = self.value if isinstance(self.value, list) else [self.value]
         for item in [] if self.value is None else items:
             if not isinstance(item, bool | int | float | str):
-                raise ValueError(f'has the value {item!r}, but ROS wants numbers, bools or text')
+                raise ValueError(
+                    f'has the value {item!r}, but must be a number, true, false or text'
+                )
         return self
 
 

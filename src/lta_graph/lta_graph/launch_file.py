@@ -103,7 +103,10 @@ def _read_actions(path: Path) -> list[Action]:
     if not path.is_file():
         raise BadInput(f'There is no launch file {path}; check the path.')
     if not path.name.endswith(('.launch.yaml', '.launch.yml')):
-        raise BadInput(f'{path} is not a *.launch.yaml; only YAML launch files run without ROS.')
+        raise BadInput(
+            f'{path} is not a .launch.yaml file; lta runs only YAML launch files, so use "ros2 '
+            'launch" for it.'
+        )
     content = load_yaml(path)
     if not isinstance(content, dict) or list(content) != ['launch']:
         raise BadInput(f"{path} is not a launch file; its only key must be 'launch:'.")
@@ -112,13 +115,15 @@ def _read_actions(path: Path) -> list[Action]:
 
 def _parse_actions(entries: Any, path: Path) -> list[Action]:  # noqa: ANN401 - what the file held
     if not isinstance(entries, list):
-        raise BadInput(f"{path}: actions must be a list; begin each with '- '.")
+        raise BadInput(f"{path}: the actions must be a list; begin each with '- '.")
     return [_parse_action(entry, path) for entry in entries]
 
 
 def _parse_action(entry: Any, path: Path) -> Action:  # noqa: ANN401 - what the file held
     if not isinstance(entry, dict) or len(entry) != 1:
-        raise BadInput(f'{path}: an action must have one name, as "- node: ...", not {entry!r}.')
+        raise BadInput(
+            f'{path}: the action {entry!r} must have exactly one name, as in "- node: ...".'
+        )
     ((name, content),) = entry.items()
     if name not in ACTIONS:
         raise BadInput(f'{path}: {unknown_name_error("action", str(name), list(ACTIONS))}')
@@ -233,5 +238,6 @@ class _PlanBuilder:
         # Also for a default, which a substitution may have set
         if choices and value not in choices:
             raise BadInput(
-                f"The launch argument '{arg.name}' is '{value}'; choose {', '.join(choices)}."
+                f"The launch argument '{arg.name}' is '{value}', but must be one of "
+                f'{", ".join(choices)}.'
             )

@@ -60,7 +60,7 @@ def build_node_process(node: NodeAction, context: LaunchContext, pushed: str) ->
     name = None if node.name is None else expand_substitutions(node.name, context)
     if name is not None:
         if not is_name(name):
-            raise BadInput(f"'{name}' cannot be a node name; use letters, digits and _.")
+            raise BadInput(f"'{name}' is not a valid node name; use letters, digits and _.")
         # `__node` and `__ns` are the special remapping rules of rcl
         ros += ['-r', f'__node:={name}']
     own = '' if node.namespace is None else expand_substitutions(node.namespace, context)
@@ -95,7 +95,7 @@ def join_namespaces(base: str, name: str) -> str:
     # The root namespace is written as an empty string here
     joined = '/' + joined.strip('/') if joined.strip('/') else ''
     if not all(is_name(token) for token in joined.split('/')[1:]):
-        raise BadInput(f"'{joined}' cannot be a namespace; use letters, digits, _ and /.")
+        raise BadInput(f"'{joined}' is not a valid namespace; use letters, digits, _ and /.")
     return joined
 
 
@@ -129,8 +129,8 @@ def iterate_parameters(
     # An empty list fails as well: rcl cannot infer its element type
     if len({type(item) for item in items}) != 1:
         raise BadInput(
-            f'Parameter {name} is the list {items}, but a ROS list has one or more values of one '
-            'type; write for example 1.0 instead of 1.'
+            f'The parameter {name} is the list {items}, but a ROS list must have at least one '
+            'value, and all of one type; write for example 1.0 instead of 1.'
         )
     yield name, items
 
@@ -153,8 +153,8 @@ def convert_to_ros_type(
     expected = (bool, int, float, str) if kind is None else (PARAMETER_TYPES[kind],)
     # An exact type, because isinstance would accept a bool as an int
     if type(value) not in expected:
-        wanted = kind or 'a number, true, false or text'
-        raise BadInput(f'Parameter {name} is {value!r}, but must be {wanted}; check its value.')
+        wanted = 'a number, true, false or text' if kind is None else f'of type {kind}'
+        raise BadInput(f'The parameter {name} is {value!r}, but must be {wanted}.')
     return value  # type: ignore[return-value]
 
 

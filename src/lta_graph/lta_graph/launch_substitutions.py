@@ -34,7 +34,7 @@ def _substitute_variable(context: LaunchContext, name: str) -> str:
 def _substitute_environment(_: LaunchContext, name: str, default: str | None = None) -> str:
     value = os.environ.get(name, default)
     if value is None:
-        raise BadInput(f'The environment variable {name} is not set; set it or give a default.')
+        raise BadInput(f'The environment variable {name} is not set; set it, or give a default.')
     return value
 
 
@@ -107,7 +107,7 @@ def _read_words(text: str, at: int, context: LaunchContext, stop: str) -> tuple[
         if text[at] in '\'"':
             piece, end = _read_text(text, at + 1, context, stop=text[at])
             if end == len(text):
-                raise BadInput(f"'{text}' has an unclosed quote; close it.")
+                raise BadInput(f"'{text}' has a quote without its closing quote; add it.")
             at = end + 1
         else:
             piece, at = _read_text(text, at, context, stop=' \t\n\'"' + stop)
@@ -122,7 +122,7 @@ def _read_substitution(text: str, start: int, context: LaunchContext) -> tuple[s
     # Skip the two characters '$('; words inside may contain substitutions themselves
     words, at = _read_words(text, start + 2, context, stop=')')
     if at == len(text):
-        raise BadInput(f"'{text}' has an unclosed substitution; close it with ')'.")
+        raise BadInput(f"'{text}' has a substitution without a closing ')'; add it.")
     return _evaluate_substitution(words, text[start : at + 1], context), at + 1
 
 

@@ -33,5 +33,5 @@ class RejectionCount:
     def build_fact(self, task: str, fine: str = 'all valid') -> HealthFact:
         """Return the count as the fact of a task, with the message `fine` if it is 0."""
         level = HealthLevel.WARN if self.count else HealthLevel.OK
-        words = f'{self.count} invalid; the last: {self.why}' if self.count else fine
+        words = f'{self.count} invalid inputs; the last one: {self.why}' if self.count else fine
         return HealthFact(task, level, words, {'count': str(self.count)})

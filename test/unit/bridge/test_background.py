@@ -148,7 +148,9 @@ def test_a_disk_that_is_nearly_full_gets_a_whole_bag(tmp_path, monkeypatch):
 
     monkeypatch.setattr(storage, 'free_space', little)
     assert looked.wait(PATIENCE)
-    with pytest.raises(StorageFault, match=r'nearly full.*complete up to here; free disk space'):
+    with pytest.raises(
+        StorageFault, match=r'nearly full.*complete up to this time; free disk space'
+    ):
         writer.close()
     assert read_bag(tmp_path / 'bag').is_complete
     assert stored(tmp_path / 'bag') == list(range(50))

@@ -54,7 +54,7 @@ def test_busy_place_is_refused_and_untouched(tmp_path, kind):
     before = sorted(tmp_path.rglob('*'))
     with pytest.raises(
         BadInput,
-        match=r'(not empty; choose another folder|created \(File exists\); choose another path)',
+        match=r'(not empty; choose another folder|read \(File exists\); choose another folder)',
     ):
         BagWriter(place, {})
     assert sorted(tmp_path.rglob('*')) == before
@@ -68,7 +68,7 @@ def test_empty_folder_is_taken(tmp_path):
 
 def test_place_that_cannot_be_made_is_named(tmp_path):
     (tmp_path / 'file').write_text('')
-    with pytest.raises(BadInput, match='choose another path'):
+    with pytest.raises(BadInput, match='cannot be created or read'):
         BagWriter(tmp_path / 'file' / 'bag', {})
 
 
@@ -262,7 +262,7 @@ def test_free_space_is_what_the_system_says(tmp_path):
 
 
 def test_a_folder_that_is_gone_is_a_fault_of_the_disk_and_said(tmp_path):
-    with pytest.raises(StorageFault, match='cannot be reached any more'):
+    with pytest.raises(StorageFault, match='is no longer available'):
         free_space(tmp_path / 'gone')
 
 

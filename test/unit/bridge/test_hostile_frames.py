@@ -282,7 +282,10 @@ def test_a_link_is_silent_after_half_a_second_and_its_own_trouble_comes_first():
     assert describe_health(None, 0, True) == HealthFact(TASK, HealthLevel.WARN, 'not configured')
     assert told(10**9) == (HealthLevel.WARN, 'nothing received yet')
     link.heard_ns = 10**9
-    assert told(10**9) == (HealthLevel.WARN, 'its clock is not synchronized yet')
+    assert told(10**9) == (
+        HealthLevel.WARN,
+        'the clock of the light board is not synchronized yet',
+    )
     for turn in range(4):
         link.clock.add_exchange(ClockExchange(turn, turn, turn + 2_000))
     assert told(1_500_000_000) == (HealthLevel.OK, 'receiving light')

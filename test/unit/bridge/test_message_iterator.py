@@ -160,8 +160,8 @@ def test_a_topic_of_another_type_is_left_out_and_said(tmp_path):
     recording = open_recording(path, '', TABLE)
     assert recording.topics == {'pressure', 'illuminance'}
     assert recording.strange == (
-        "'/lta1/range' is of type 'sensor_msgs/msg/FluidPressure', not sensor_msgs/msg/Range, and "
-        'is left out',
+        "the topic '/lta1/range' is not played, because its type is "
+        "'sensor_msgs/msg/FluidPressure' instead of 'sensor_msgs/msg/Range'",
     )
 
 
@@ -183,7 +183,7 @@ def test_what_cannot_be_played_is_one_sentence(tmp_path):
         with pytest.raises(BadInput, match=words):
             open_recording(path, '', TABLE)
     lone = bag(tmp_path / 'lone', [('/lta1/pressure', 'pressure', 10**9, 10**9)])
-    with pytest.raises(BadInput, match='has no message on imu'):
+    with pytest.raises(BadInput, match='has no message on the topics imu'):
         MessageIterator(open_recording(lone, '', TABLE), ['imu'], TABLE)
 
 
@@ -242,6 +242,6 @@ def test_a_chunk_that_unpacks_to_more_than_there_is_is_one_sentence(
         found = open_recording(path, '', TABLE)
         list(found.iterate_messages(found.topics))
 
-    said = 'a chunk needs more than' if finished else 'damaged or needs more memory'
+    said = 'a chunk needs more than' if finished else 'damaged or needs more than'
     with pytest.raises(BadInput, match=said), limit_memory():
         play()

@@ -243,5 +243,5 @@ def test_a_cast_is_every_topic_of_its_roles_and_refuses_what_cannot_be():
     ]  # fmt: skip
     with pytest.raises(BadInput, match=r"^Unknown node 'simulator'"):
         select_nodes(TABLE, ['simulator'], [])
-    with pytest.raises(BadInput, match=r"'navigator' cannot be both run again and played"):
+    with pytest.raises(BadInput, match=r"'navigator' cannot both run again and be played"):
         select_nodes(TABLE, ['navigator'], ['navigator'])

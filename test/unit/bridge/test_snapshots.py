@@ -100,7 +100,7 @@ def test_a_full_disk_costs_a_snapshot_and_not_the_memory(tmp_path, monkeypatch):
     memory.write('/a', FALSE, 1)
     writer = BackgroundWriter(memory, 1000)
     snapshots = SnapshotScheduler(memory, writer)
-    assert snapshots.summarize()[:2] == (HealthLevel.OK, 'none yet')
+    assert snapshots.summarize()[:2] == (HealthLevel.OK, 'no snapshots yet')
 
     def full(*_):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -109,14 +109,14 @@ def test_a_full_disk_costs_a_snapshot_and_not_the_memory(tmp_path, monkeypatch):
     saving = snapshots.request_snapshot()
     assert saving.done.wait(PATIENCE)
     assert saving.made is None
-    assert 'The recording ends here and stays readable' in saving.status_text
+    assert 'The recording ends here; what was recorded so far stays readable' in saving.status_text
     assert snapshots.summarize()[0] == HealthLevel.WARN
     monkeypatch.undo()
     writer.write('/a', FALSE, 2)
     again = snapshots.request_snapshot()
     assert again.done.wait(PATIENCE)
     assert again.made.messages == 2
-    assert again.status_text == f"2 messages are in '{again.made.path}'."
+    assert again.status_text == f"The snapshot '{again.made.path}' has 2 messages."
     level, _, figures = snapshots.summarize()
     assert (level, figures['written'], figures['failed']) == (HealthLevel.OK, 1, 1)
     writer.close()
@@ -127,7 +127,7 @@ def test_a_nearly_full_disk_gets_a_whole_snapshot_of_what_still_fits(tmp_path, m
     for k in range(100):
         memory.write('/a', FALSE, k * S // 10)
     monkeypatch.setattr(storage, 'free_space', lambda _: next(left, 0))
-    with pytest.raises(StorageFault, match='was closed, complete up to here'):
+    with pytest.raises(StorageFault, match='complete up to this time'):
         memory.write_snapshot('')
     bag = read_bag(tmp_path / 'bag' / 'snapshot_0')
     assert bag.is_complete
@@ -199,10 +199,10 @@ def test_a_fault_in_the_diagnostics_is_saved_with_its_name(tmp_path):
     ('heard', 'why'),
     [
         ([DiagnosticsEntry('lta1', 'simulator: flight', False, over=True)], None),
-        ([], 'stopped before the flight was over'),
+        ([], 'the recorder stopped before the flight was over'),
         (
             [DiagnosticsEntry('lta2', 'simulator: flight', False, over=True)],
-            'stopped before the flight was over',
+            'the recorder stopped before the flight was over',
         ),
     ],
 )
@@ -227,7 +227,7 @@ def test_a_fault_that_waits_is_saved_at_the_end(tmp_path):
     snapshots.add_statuses([DiagnosticsEntry('lta1', 'b: state', True)], 2.0)
     saving = snapshots.save_remaining(['lta1'])
     writer.close()
-    assert saving.status_text == f"1 messages are in '{tmp_path}/bag/snapshot_1'."
+    assert saving.status_text == f"The snapshot '{tmp_path}/bag/snapshot_1' has 1 messages."
     assert read_bag(tmp_path / 'bag/snapshot_1').provenance['snapshot'] == 'lta1/b: state'
 
 

@@ -138,9 +138,9 @@ def test_without_the_board_s_time_there_is_no_block():
     ('board', 'diodes', 'sentence'),
     [
         (EmulatedBoard(BOOT, dialect=9), 8, 'uses version 9 of the messages'),
-        (EmulatedBoard(BOOT, sample_rate=8e3), 8, 'samples at 8000 Hz and topics.yaml says 10000'),
-        (EmulatedBoard(BOOT), 16, 'has 8 diodes and the vehicle file 16'),
-        (EmulatedBoard(BOOT, bits=16), 8, 'converts to 16 bits and the vehicle file says 12'),
+        (EmulatedBoard(BOOT, sample_rate=8e3), 8, 'samples at 8000 Hz, but topics.yaml says 1'),
+        (EmulatedBoard(BOOT), 16, 'has 8 photodiodes, but the vehicle file has 16'),
+        (EmulatedBoard(BOOT, bits=16), 8, 'has 16 bits, but the vehicle file says 12'),
     ],
 )
 def test_what_cannot_be_used_is_one_sentence_and_no_block(board, diodes, sentence):

@@ -90,7 +90,7 @@ def test_peaks_that_nobody_asked_for_and_other_windows_are_one_sentence():
     assert 'start with light_peaks:=true' in link.fault
     link = LightBoard(LIGHT, 8, finds_peaks=True)
     assert through(lamp(0.0)[:500], link) == []
-    assert 'over 500 rows; the vehicle has 8 and a block 1000' in link.fault
+    assert 'over 500 rows, but the vehicle has 8 diodes and a block has 1000' in link.fault
 
 
 def test_samples_where_peaks_were_asked_for_and_peaks_of_no_number_are_one_sentence():
@@ -100,7 +100,7 @@ def test_samples_where_peaks_were_asked_for_and_peaks_of_no_number_are_one_sente
         list(link.receive_bytes(board.encode_light(lamp(0.0)) + board.encode_status(), BOOT + 1))
         == []
     )
-    assert 'sends samples and no peaks; start without light_peaks:=true' in link.fault
+    assert 'sends samples instead of peaks; start without light_peaks:=true' in link.fault
     assert list(through(lamp(0.0), link)) != []
     assert link.fault == ''
     record = {'diodes': 8, 'window': 1000, 'frequency': np.nan}

@@ -43,10 +43,10 @@ def test_between_rows_it_goes_straight_or_jumps():
 @pytest.mark.parametrize(
     ('changes', 'sentence'),
     [
-        ({}, 'has a band of 5 cm; give one above 0 in m/s'),
-        ({'band': '0 m/s'}, 'has a band of 0 m/s'),
-        ({'band': '0.1 m/s', 'until': '3 s'}, 'is judged from 4 s until 3 s'),
-        ({'band': '0.1 m/s', 'course': MANOEUVRE['course'][::-1]}, 'give them in rising order'),
+        ({}, 'has a tolerance band of 5 cm; give one above 0 in m/s'),
+        ({'band': '0 m/s'}, 'has a tolerance band of 0 m/s'),
+        ({'band': '0.1 m/s', 'until': '3 s'}, 'has "from" at 4 s and "until" at 3 s'),
+        ({'band': '0.1 m/s', 'course': MANOEUVRE['course'][::-1]}, 'sort them by time'),
         ({'band': '0.1 m/s', 'wind': '1 m/s'}, 'wind'),
     ],
 )
@@ -83,7 +83,7 @@ def test_the_shipped_comparison_names_what_there_is():
 def test_an_ablation_of_nobody_is_refused():
     content = load_yaml(find_file('comparison', 'platforms'))
     content['ablations']['beavis_neutral']['of'] = 'beaver'
-    with pytest.raises(ValidationError, match='beaver, which is not a contestant'):
+    with pytest.raises(ValidationError, match='beaver", which is not the name of a contestant'):
         ComparisonFile.model_validate(content)
 
 

@@ -35,7 +35,7 @@ def changed(kind, name, tmp_path, change):
 @pytest.mark.parametrize(
     ('change', 'words'),
     [
-        (lambda c: c['round'].append('home'), 'visits its own perch home'),
+        (lambda c: c['round'].append('home'), 'has the perch home in its "round"'),
         (lambda c: c.update(round=[]), 'round'),
         (lambda c: c['work'].update(value=[7, 30]), 'work'),
         (lambda c: c['asleep'].pop('source'), 'source'),
@@ -56,16 +56,16 @@ def test_a_mission_that_cannot_be_is_one_sentence(tmp_path, change, words):
 @pytest.mark.parametrize(
     ('name', 'change', 'words'),
     [
-        ('warehouse_dock', lambda c: c.pop('lamps'), 'neither sun nor lamps'),
+        ('warehouse_dock', lambda c: c.pop('lamps'), 'neither "sun" nor "lamps"'),
         (
             'warehouse_dock',
             lambda c: c['lamps']['hall'].update(duty=c['lamps']['beacon']['duty']),
-            'several lamps that flicker',
+            'several flickering lamps',
         ),
         (
             'greenhouse_spring',
             lambda c: c['sun']['clouds']['cover'].update(value=[90, 10]),
-            'wrong order',
+            'above the upper one',
         ),
     ],
 )

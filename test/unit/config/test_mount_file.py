@@ -57,7 +57,9 @@ def written(tmp_path, change):
 
 def test_a_panel_that_is_no_part_is_refused_with_the_parts(tmp_path):
     name = written(tmp_path, lambda content: content['parts'].pop('panel_rear'))
-    with pytest.raises(BadInput, match=r'has no part panel_rear.*parts: panel_front'):
+    with pytest.raises(
+        BadInput, match=r'panel panel_rear, but no part of that name; parts: panel_front'
+    ):
         load_mount(name)
 
 
@@ -65,7 +67,7 @@ def test_a_normal_that_is_no_direction_is_refused(tmp_path):
     def lengthen(content):
         content['panels']['panel_rear']['normal']['value'] = [0, 0.6, 0.2]
 
-    with pytest.raises(BadInput, match=r'normal of length 0\.632; divide it by that'):
+    with pytest.raises(BadInput, match=r'normal of length 0\.632, but needs a unit vector'):
         load_mount(written(tmp_path, lengthen))
 
 

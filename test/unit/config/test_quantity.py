@@ -82,27 +82,30 @@ class Part(StrictModel):
 @pytest.mark.parametrize(
     ('given', 'message'),
     [
-        ({'mass': 1}, 'mass 1 has no unit; write for example "1 kg".'),
-        ({'mass': True}, 'mass True has no unit; write it after the number, as in "7 m".'),
-        ({'mass': 'kg'}, 'mass "kg" is not a number and a unit, such as "7 m".'),
-        ({'mass': '7'}, 'mass "7" is not a number and a unit, such as "7 m".'),
-        ({'mass': 'nan kg'}, 'mass "nan kg" is not a number and a unit, such as "7 m".'),
-        ({'mass': '\u0661 kg'}, 'mass "\u0661 kg" is not a number and a unit, such as "7 m".'),
+        ({'mass': 1}, 'mass is 1 and has no unit; write for example "1 kg".'),
+        ({'mass': True}, 'mass is True and has no unit; add one, as in "7 m".'),
+        ({'mass': 'kg'}, 'mass is "kg", but must be a number and a unit, such as "7 m".'),
+        ({'mass': '7'}, 'mass is "7", but must be a number and a unit, such as "7 m".'),
+        ({'mass': 'nan kg'}, 'mass is "nan kg", but must be a number and a unit, such as'),
+        ({'mass': '\u0661 kg'}, 'mass is "\u0661 kg", but must be a number and a unit,'),
         ({'mass': '1e999 kg'}, 'mass is inf, which is not a finite number.'),
         ({'mass': {'value': math.nan, 'unit': 'kg'}}, 'mass is nan, which is not a finite number'),
-        ({'mass': {'value': 10**400, 'unit': 'kg'}}, 'mass has a value too large for a number.'),
-        ({'mass': {'value': 1}}, 'mass has no unit; add "unit: ...".'),
+        ({'mass': {'value': 10**400, 'unit': 'kg'}}, 'mass has a number that is too large;'),
+        ({'mass': {'value': 1}}, 'mass has no unit; add one, as in "unit: m".'),
         ({'mass': {'unit': 'kg'}}, "the key 'mass.value' is missing; add it."),
-        ({'mass': {'value': 'x', 'unit': 'kg'}}, "mass has the value 'x', but needs a number or"),
-        ({'mass': {'value': True, 'unit': 'kg'}}, 'mass has the value True, but needs a number'),
-        ({'mass': {'value': [[1]], 'unit': 'kg'}}, 'mass has the value [[1]], but needs a number'),
+        ({'mass': {'value': 'x', 'unit': 'kg'}}, "mass has the value 'x', but must be a number"),
+        ({'mass': {'value': True, 'unit': 'kg'}}, 'mass has the value True, but must be a number'),
+        (
+            {'mass': {'value': [[1]], 'unit': 'kg'}},
+            'mass has the value [[1]], but must be a number',
+        ),
         ({'mass': {'value': 1, 'unit': 'kg', 'sorce': 'x'}}, "the key 'mass.sorce' is not known;"),
         ({'mass': '1 lb'}, 'mass has the unknown unit "lb"; known: 1, %, m, cm'),
         ({'mass': '1 m'}, 'mass is in m, but must be in kg or a compatible unit.'),
         ({'mass': '0 g'}, 'mass is 0 g, but must be above 0 and at most 5000 g.'),
         ({'mass': '-3 g'}, 'mass is -3 g, but must be above 0 and at most 5000 g.'),
         ({'mass': '5001 g'}, 'mass is 5001 g, but must be above 0 and at most 5000 g.'),
-        ({'mass': '1 g'}, 'mass has no source; add "source: ..." (measured, datasheet, assumed'),
+        ({'mass': '1 g'}, 'mass has no source; state where the value comes from, as in'),
         ({'place': '1 m'}, 'place has 1 numbers, but needs 3.'),
         ({'place': {'value': [], 'unit': 'm'}}, 'place has 0 numbers, but needs 3.'),
         (
@@ -127,7 +130,7 @@ def test_bounds_are_closed():
 
 
 def test_a_number_that_yaml_takes_for_text():
-    for text, told in (('1e-9', 'numbers with a decimal point, as 1.0e-3'), ('many', 'numbers')):
-        with pytest.raises(ValueError, match=r'needs a number') as caught:
+    for text, told in (('1e-9', 'with a decimal point, as in 1.0e-3'), ('many', 'numbers')):
+        with pytest.raises(ValueError, match=r'must be a number') as caught:
             quantity_module._parse_numbers(text)
         assert str(caught.value).endswith(told)

@@ -71,29 +71,30 @@ def grams(value, **more):
         (
             'layers',
             {},
-            'the file has no parts in layers and was not measured as a whole; add either.',
+            'the file has neither parts in "layers" nor a mass of the whole vehicle in '
+            '"measured"; ',
         ),
         ('schema', 4, 'schema is 4, but must be 3.'),
         ('name', 'GT MAB', "name is 'GT MAB', but must match ^[a-z][a-z0-9_]*$."),
         (
             f'{BATTERY}.mass',
             {'value': 7, 'source': 'x'},
-            f'{BATTERY}.mass has no unit; add "unit: ...".',
+            f'{BATTERY}.mass has no unit; add one, as in "unit: m".',
         ),
         (
             f'{BATTERY}.mass',
             7,
-            f'{BATTERY}.mass 7 has no unit; write for example "7 kg".',
+            f'{BATTERY}.mass is 7 and has no unit; write for example "7 kg".',
         ),
         (
             f'{BATTERY}.mass',
             '7 g',
-            f'{BATTERY}.mass has no source; add "source: ..." (measured, datasheet, assumed...).',
+            f'{BATTERY}.mass has no source; state where the value comes from, as in "source: ',
         ),
         (
             f'{BATTERY}.mass',
             grams(7, source=''),
-            f'{BATTERY}.mass has no source; add',
+            f'{BATTERY}.mass has no source; state',
         ),
         (
             f'{BATTERY}.mass',
@@ -171,7 +172,7 @@ def grams(value, **more):
         (
             'effects.motor_lag.up',
             72,
-            'effects.motor_lag.up 72 has no unit; write it after the number, as in "7 m".',
+            'effects.motor_lag.up is 72 and has no unit; add one, as in "7 m".',
         ),
         (
             'effects.motor_lag.up',
@@ -193,7 +194,7 @@ def test_a_column_must_be_of_a_rotor(tmp_path):
         for name, column in GTMAB['aero']['thrust_allocation'].items()
     }
     assert refused(tmp_path, ('aero.thrust_allocation', columns)) == (
-        'the file has no rotor tail, which aero.thrust_allocation names; rotors: up_left, '
+        'the file uses tail in aero.thrust_allocation, but has no such rotor; rotors: up_left, '
         'up_right, forward_left, forward_right.'
     )
 
@@ -205,7 +206,7 @@ def test_jets_that_meet_must_be_of_rotors(tmp_path):
         'moment': given([0, 0, 0], 'm'),
     }
     assert refused(tmp_path, ('aero.coupling', jets)).startswith(
-        'the file has no rotor up_middle, which aero.coupling names; rotors: up_left, '
+        'the file uses up_middle in aero.coupling, but has no such rotor; rotors: up_left, '
     )
 
 

@@ -17,25 +17,25 @@ TRIM = GTMAB['trim']
     [
         (
             {'hull': {'shape': 'sphere', 'diameter': given(1, 'm')}},
-            'hull has the shape sphere, which needs purity; add it.',
+            'hull has the shape sphere, but not its keys purity; add them.',
         ),
         (
             {'hull.length': given(1, 'm')},
-            'hull has the shape balloon, which has no length; remove it.',
+            'hull has keys that the shape balloon does not use: length; remove them.',
         ),
         ({'hull.shape': 'cube'}, "hull.shape is 'cube', but must be 'balloon', 'spheroid', "),
         (
             {'layers.ballast': {'battery': GTMAB['layers']['hull']['envelope']}},
-            'the file names the part battery in the layers propulsion_and_control and ballast; '
-            'give one another name.',
+            'the file has a part battery in both layers propulsion_and_control and ballast; '
+            'rename',
         ),
         (
             {'rotors.up_left.axis': given([0, 0, 0.5], '1')},
-            'rotors.up_left has an axis of length 0.5; divide it by that.',
+            'rotors.up_left has an axis of length 0.5, but needs a unit vector; divide it by its',
         ),
         (
             {'rotors.up_left.thrust_curve': GTMAB['thrust_curve'] | {'reverse': given(1, 'N')}},
-            'rotors.up_left has a thrust in reverse but is not reversible; remove one.',
+            'rotors.up_left has thrust_curve.reverse, but is not reversible; remove it, or',
         ),
         ({'thrust_curve': None}, 'the file has no thrust_curve for up_left, up_right, forward_l'),
         (
@@ -44,15 +44,15 @@ TRIM = GTMAB['trim']
         ),
         (
             {'trim': without(TRIM, 'ballast_position')},
-            'the file has a trim without heaviness and ballast_position; add both, or',
+            'the file needs heaviness and ballast_position in "trim"; add both, or',
         ),
         (
             {'trim': {'ballast': 'none', 'heaviness': TRIM['heaviness']}},
-            'the file has trim.ballast none and a trim.heaviness, which needs ballast',
+            'the file has both "ballast: none" and heaviness in "trim", but heaviness needs',
         ),
         (
             {'trim.ballast': 'none'},
-            'the file has trim.ballast none and a trim.ballast_position; remove one.',
+            'the file has both "ballast: none" and ballast_position in "trim"; remove one.',
         ),
         (
             {
@@ -62,7 +62,7 @@ TRIM = GTMAB['trim']
                     'inertia': given([1, 1, 1], 'kg m2'),
                 }
             },
-            'the file is weighed as a whole (measured) and has a trim.ballast_position; ballast',
+            'the file has a mass of the whole vehicle in "measured", which includes the ballast',
         ),
         (
             {
@@ -74,7 +74,7 @@ TRIM = GTMAB['trim']
                     'time_constant': given(1, 's'),
                 }
             },
-            'moving_mass starts outside its travel; put position between low and high.',
+            'moving_mass has a position outside its range; choose one between low and high.',
         ),
     ],
 )
@@ -105,20 +105,22 @@ def test_diodes_may_look_anywhere(tmp_path):
     [
         (
             [(f'{RING}.axes', {'value': SQUARE, 'source': 'test'})],
-            'sensors.diodes has 4 axes for 8 diodes; give each diode one.',
+            'sensors.diodes has 4 axes for 8 diodes; give one for each diode.',
         ),
         (
             [(f'{RING}.axes', {'value': [[1.0, 1.0, 0.0]] * 8, 'source': 'test'})],
-            'sensors.diodes.axes has an axis of length 1.41 for the diode 0; divide it by that.',
+            'sensors.diodes.axes has an axis of length 1.41 for the diode 0, but needs a unit '
+            'vector; divide it by its length.',
         ),
         (
             [(f'{RING}.axes', {'value': [[math.nan, 1.0, 0.0]] * 8, 'source': 'test'})],
-            'sensors.diodes.axes has an axis of length nan for the diode 0; divide it by that.',
+            'sensors.diodes.axes has an axis of length nan for the diode 0, but needs a unit '
+            'vector; divide it by its length.',
         ),
         (
             [(f'{RING}.dead', [8])],
-            'sensors.diodes names the dead diode 8, but has 8, counted from 0; correct the '
-            'number.',
+            'sensors.diodes has the dead diode 8, but the diodes are numbered from 0 to 7; '
+            'correct the number.',
         ),
         (
             [(f'{RING}.field_of_view', {'value': 181, 'unit': 'deg', 'source': 'test'})],
@@ -136,13 +138,13 @@ def test_what_are_no_diodes_is_one_sentence(tmp_path, changes, sentence):
     [
         (
             [('energy.array.part', 'sail')],
-            'has no part sail, which energy.array.part names; parts: envelope, ',
+            'uses sail in energy.array.part, but has no such part; parts: envelope, ',
         ),
-        ([('energy.array.part', None)], 'needs exactly one position of its panel: '),
-        ([('energy.charger', None)], 'energy has an array and no charger; add it, or remove'),
+        ([('energy.array.part', None)], 'needs one position of its solar panel: '),
+        ([('energy.charger', None)], 'energy has "array" but no "charger"; add it, or remove'),
         ([('energy.array.cell', 'duracell')], "Unknown cell 'duracell'; known: adafruit, "),
         ([('energy.array.normal.value', [0, 0, 2])], 'energy.array.normal is [0, 0, 2]'),
-        ([('energy.array.normal.value', [0, 0, 0.5])], 'has a normal of length 0.5; divide'),
+        ([('energy.array.normal.value', [0, 0, 0.5])], 'has a normal of length 0.5, but needs'),
         ([('energy.array.series', 0)], 'energy.array.series is 0, but must be at least 1'),
         (
             [('energy.battery.discharge_cutoff.value', 4.3)],

@@ -133,8 +133,8 @@ def test_darkness_gives_nothing():
     [
         ('ideality', 2.5, 'has a curve too square for its ideality of 2.5'),
         ('ideality', 3.5, 'has a curve too square for its ideality of 3.5'),
-        ('current', 297.0, 'has its maximum power at or above the short-circuit current'),
-        ('voltage', 5.6, 'has its maximum power at or above the open-circuit voltage'),
+        ('current', 297.0, 'at maximum power, but it must be below short_circuit'),
+        ('voltage', 5.6, 'at maximum power, but it must be below open_circuit'),
         ('voltage', 2.2, 'No diode with an ideality of 1.1 has the curve of the cell'),
     ],
 )

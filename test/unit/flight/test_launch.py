@@ -170,12 +170,15 @@ def test_a_fault_is_said_at_once_although_it_showed_for_a_moment_before(clock):
     said = []
     lookout = StallMonitor(said.append)
     for seconds in (0.1, 3.0, 0.1):
-        fact = HealthFact('recorder: disk', HealthLevel.ERROR, f'slow: busy for {seconds} s')
+        fact = HealthFact('recorder: disk', HealthLevel.ERROR, f'the disk is slow for {seconds} s')
         lookout.report_stalled_nodes({fact.task: fact}, [])
         clock[0] += 0.1
         lookout.report_stalled_nodes({}, [])
         clock[0] += 3.0
-    assert said == ['recorder: slow: busy for 0.1 s.', 'recorder: slow: busy for 3.0 s.']
+    assert said == [
+        'recorder: the disk is slow for 0.1 s.',
+        'recorder: the disk is slow for 3.0 s.',
+    ]
 
 
 def test_errors_that_have_sentences_of_their_own_are_not_said_twice(clock):

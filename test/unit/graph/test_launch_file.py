@@ -297,26 +297,32 @@ def test_errors_in_includes_name_both_ends(write, tmp_path):
         ('launch: [', 'is not valid YAML'),
         ('nodes: []', "its only key must be 'launch:'"),
         ('launch: {node: {pkg: p, exec: e}}', 'actions must be a list'),
-        ('launch: [node]', 'an action must have one name'),
-        ('launch: [{node: {pkg: p, exec: e}, let: {name: a, value: b}}]', 'must have one name'),
+        ('launch: [node]', "the action 'node' must have exactly one name"),
+        (
+            'launch: [{node: {pkg: p, exec: e}, let: {name: a, value: b}}]',
+            'must have exactly one name',
+        ),
         ('launch: [executable: {cmd: ls}]', "Unknown action 'executable'; known: arg, group, inc"),
         ('launch: [node: {pkg: p}]', "node: the key 'exec' is missing; add it"),
         ('launch: [node: {pkg: p, exec: e, cwd: /}]', "node: the key 'cwd' is not known"),
         ('launch: [node: {pkg: p, exec: e, respawn: true}]', 'respawn is True'),
         ('launch: [node: {pkg: p, exec: e, on_exit: restart}]', "on_exit is 'restart'"),
-        ('launch: [node: {pkg: p, exec: e, name: a-b}]', "'a-b' cannot be a node name"),
-        ('launch: [node: {pkg: p, exec: e, namespace: 1a}]', "'/1a' cannot be a namespace"),
+        ('launch: [node: {pkg: p, exec: e, name: a-b}]', "'a-b' is not a valid node name"),
+        ('launch: [node: {pkg: p, exec: e, namespace: 1a}]', "'/1a' is not a valid namespace"),
         ('launch: [node: {pkg: p, exec: e, param: []}]', 'param must have 1 or more entries'),
         ('launch: [node: {pkg: p, exec: e, param: [{name: x}]}]', 'needs either "from", or "nam'),
         ('launch: [node: {pkg: p, exec: e, param: [{value: 1}]}]', 'needs either "from"'),
         ('launch: [node: {pkg: p, exec: e, param: [{name: x, value: {}}]}]', 'the value {}, but'),
         ('launch: [node: {pkg: p, exec: e, param: [{name: x, value: [1, 2.5]}]}]', 'of one type'),
-        ('launch: [node: {pkg: p, exec: e, param: [{name: x, value: []}]}]', 'one or more values'),
+        ('launch: [node: {pkg: p, exec: e, param: [{name: x, value: []}]}]', 'at least one value'),
         ('launch: [node: {pkg: p, exec: e, param: [{from: /no/x}]}]', 'no parameter file /no/x'),
-        ('launch: [node: {pkg: p, exec: e, args: "a \'b"}]', 'has an unclosed quote'),
+        ('launch: [node: {pkg: p, exec: e, args: "a \'b"}]', 'without its closing quote'),
         ('launch: [arg: {name: x, default: 5}]', "default is 5 without quotes.*write '5'"),
         ('launch: [let: {name: x, value: true}]', 'value is True without quotes'),
-        ('launch: [arg: {name: x, default: a, choice: [{value: b}]}]', "'x' is 'a'; choose b"),
+        (
+            'launch: [arg: {name: x, default: a, choice: [{value: b}]}]',
+            "'x' is 'a', but must be one of b",
+        ),
         ('launch: [group: [arg: {name: x}]]', "an 'arg' is in a group"),
         ('launch: [group: {if: "0", children: [nod: {}]}]', "Unknown action 'nod'"),
         (
@@ -324,7 +330,7 @@ def test_errors_in_includes_name_both_ends(write, tmp_path):
             r"Unknown launch variable 'y'; known: none\.",
         ),
         ('launch: [let: {name: x, value: $(eval 1)}]', r"Unknown substitution '\$\(eval 1\)'; kn"),
-        ('launch: [let: {name: x, value: "$(var y"}]', 'unclosed substitution'),
+        ('launch: [let: {name: x, value: "$(var y"}]', 'a substitution without a closing'),
         ('launch: [let: {name: x, value: "$(var a b)"}]', r'has 2 arguments, but \$\(var\) takes'),
         ('launch: [let: {name: x, value: "$(env LTA_NO_SUCH)"}]', 'LTA_NO_SUCH is not set'),
         ('launch: [let: {name: x, value: "$(find-pkg-share nope)"}]', "ackage 'nope'"),
@@ -344,7 +350,7 @@ def test_bad_files_get_one_sentence(write, text, message):
 def test_files_that_are_no_launch_files(write, tmp_path):
     with pytest.raises(BadInput, match=r'^There is no launch file .*none\.launch\.yaml; check'):
         load_plan(tmp_path / 'none.launch.yaml', {})
-    with pytest.raises(BadInput, match='only YAML launch files run'):
+    with pytest.raises(BadInput, match='lta runs only YAML launch files'):
         load_plan(write('', 'fly.launch.py'), {})
 
 

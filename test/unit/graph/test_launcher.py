@@ -134,7 +134,9 @@ def test_what_cannot_be_executed_starts_nothing(fleet):
     fleet.add('good', FOREVER)
     fleet.add('bad', '')
     (fleet.folder / 'bad').write_text('#!/no/such/interpreter\n')
-    with pytest.raises(BadInput, match=r'^bad cannot be started: .*/bad: No such file'):
+    with pytest.raises(
+        BadInput, match=r'^The program bad cannot be started \(.*/bad: No such file'
+    ):
         fleet.launcher().start()
     assert fleet.pids() == []
     (fleet.folder / 'bad').chmod(0o644)
@@ -143,6 +145,6 @@ def test_what_cannot_be_executed_starts_nothing(fleet):
     fleet.processes = [LaunchProcess('nowhere', 'x', 'x', '/', (), False)]
     with pytest.raises(
         BadInput,
-        match=r"^(Unknown package 'nowhere'; known: lta_|Package 'nowhere' is not in .*build)",
+        match=r"^(Unknown package 'nowhere'; known: lta_|The package 'nowhere' is not in .*build)",
     ):
         fleet.launcher().start()

@@ -58,13 +58,16 @@ def test_one_number_of_six_is_enough(value, field, axis):
     [
         (Range(range=math.nan), 'not a number'),
         (Range(range=-math.inf), ''),
-        (Range(range=3e38), 'too large to be measured'),
+        (Range(range=3e38), 'implausibly large'),
         (Image(height=2, step=2, data=[0] * 4), ''),
         (Image(height=2**32 - 1, step=2**32 - 1), 'it has 0 bytes'),
-        (JointState(name=['a'], effort=[0.1, 0.2]), '1 names and 2 efforts'),
+        (JointState(name=['a'], effort=[0.1, 0.2]), '1 names, but 2 efforts'),
         (JointState(name=['a'], effort=[math.nan]), 'effort'),
         (PointCloud2(height=1, width=2, point_step=4, row_step=8, data=[0] * 8), ''),
-        (PointCloud2(height=1, width=3, point_step=4, row_step=8, data=[0] * 8), 'do not fit'),
+        (
+            PointCloud2(height=1, width=3, point_step=4, row_step=8, data=[0] * 8),
+            'row_step is not',
+        ),
         (PointCloud2(fields=[PointField(name='x'), PointField(name='x')]), 'same name'),
     ],
 )

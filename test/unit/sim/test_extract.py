@@ -79,7 +79,7 @@ def test_a_function_within_a_function_is_refused():
     def square(x: float) -> float:
         return x
 
-    with pytest.raises(BadInput, match='square is not at the top level'):
+    with pytest.raises(BadInput, match='square cannot be compiled, because it is not defined at'):
         text_of(square)
 
 

@@ -223,7 +223,8 @@ def test_parameter_in_the_wrong_unit():
 
 def test_parameter_without_a_source():
     assert refused(('effects.motor_lag.up', '72 ms')) == (
-        'effects.motor_lag.up has no source; add "source: ..." (measured, datasheet, assumed...).'
+        'effects.motor_lag.up has no source; state where the value comes from, as in "source: '
+        'measured".'
     )
 
 

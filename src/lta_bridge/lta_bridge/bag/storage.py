@@ -16,8 +16,9 @@ class StorageFault(OSError):
     def __str__(self) -> str:
         """Return the message for the user."""
         return (
-            f"Writing '{self.filename}' failed ({self.strerror}). The recording ends here and "
-            'stays readable. Free disk space, or record to another folder.'
+            f"Cannot write to '{self.filename}' ({self.strerror}). The recording ends here; what "
+            'was '
+            'recorded so far stays readable. Free disk space, or record to another folder.'
         )
 
 
@@ -49,7 +50,7 @@ class FolderGone(StorageFault):
     def __str__(self) -> str:
         """Return the message for the user."""
         return (
-            f"The folder '{self.filename}' and its recording cannot be reached any more "
+            f"The folder '{self.filename}' of the recording is no longer available "
             f'({self.strerror}); do not remove the folder or its disk during a flight.'
         )
 
@@ -61,8 +62,9 @@ class DiskNearlyFull(StorageFault):
     def __str__(self) -> str:
         """Return the message for the user."""
         return (
-            f"The disk is nearly full, so the bag '{self.filename}' was closed, complete up to "
-            'here; free disk space before the next flight.'
+            f"The recording has ended, because the disk is nearly full. The bag '{self.filename}' "
+            'is '
+            'complete up to this time; free disk space before the next flight.'
         )
 
 

@@ -47,10 +47,12 @@ def prepare_empty_folder(path: Path) -> Path:
         busy = any(path.iterdir())
     except OSError as error:
         raise BadInput(
-            f"Folder '{path}' cannot be created ({error.strerror}); choose another path for it."
+            f"The folder '{path}' for the bag cannot be created or read ({error.strerror}); "
+            'choose '
+            'another folder.'
         ) from error
     if busy:
-        raise BadInput(f"Folder '{path}' is not empty; choose another folder.")
+        raise BadInput(f"The folder '{path}' for the bag is not empty; choose another folder.")
     return path
 
 
@@ -124,9 +126,7 @@ class BagWriter:
 
         """
         if name in self._topics:
-            raise BadInput(
-                f"Topic '{name}' was added to the bag already; add each topic only once."
-            )
+            raise BadInput(f"The topic '{name}' is in the bag already; add each topic only once.")
         definition = generate_definition(type_name) if isinstance(type_name, str) else type_name
         self._check_fault()
         try:

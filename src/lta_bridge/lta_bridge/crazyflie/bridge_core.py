@@ -190,9 +190,9 @@ class BridgeCore:
         """Store a command of the graph; reject non-finite values and a wrong rotor count."""
         numbers = (*command.duties, command.speed, command.turn, command.height)
         if self.sends_duties and len(command.duties) != self._rotors:
-            self.unasked.add(f'duties that are not those of the {self._rotors} rotors')
+            self.unasked.add(f'{len(command.duties)} motor duties for {self._rotors} rotors')
         elif not all(map(math.isfinite, numbers)):
-            self.unasked.add('a command that is not a number')
+            self.unasked.add('a command with a value that is not a finite number')
         else:
             self._asked = command
 

@@ -114,8 +114,9 @@ class CflibLink:
     def __init__(self, uri: str, blocks: Sequence[LogBlock], clock: Callable[[], int]) -> None:
         if not CFLIB:
             raise BadInput(
-                'A Crazyflie needs cflib, which is not installed: .venv/bin/pip install -c '
-                'constraints.txt -r requirements-hardware.txt.'
+                'The connection to a Crazyflie needs the Python package cflib, which is not '
+                'installed; run ".venv/bin/pip install -c constraints.txt -r '
+                'requirements-hardware.txt".'
             )
         _register_drivers()
         self._uri, self._blocks, self._clock = uri, blocks, clock
@@ -146,7 +147,10 @@ class CflibLink:
             why = f'no Crazyflie answered at {self._uri} within {deadline:.0f} s'
         self.protocol = drone.platform.get_protocol_version()
         if not why and self.protocol < OLDEST:
-            why = f'the firmware speaks protocol {self.protocol}, older than {OLDEST}: update it'
+            why = (
+                f'the firmware has protocol version {self.protocol}, but must have {OLDEST} or '
+                'newer: update the firmware'
+            )
         try:
             if why:
                 raise LinkFailed(why)
@@ -197,16 +201,19 @@ class CflibLink:
                 self._sizes[config.id] = block_size(block)
                 config.start()
             except (KeyError, AttributeError) as error:
-                raise LinkFailed(f'log block {block.name} is not available: {error}') from None
+                raise LinkFailed(
+                    f'the firmware cannot log the block {block.name} ({error}): update the '
+                    'firmware'
+                ) from None
         waiting = {block.name for block in self._blocks}
         while waiting:
             try:
                 name, why = outcomes.get(timeout=max(0.0, until - time.monotonic()))
             except Empty:
                 late = ', '.join(sorted(waiting))
-                raise LinkFailed(f'log blocks did not start: {late}') from None
+                raise LinkFailed(f'the Crazyflie did not start these log blocks: {late}') from None
             if why:
-                raise LinkFailed(f'log block {name} was refused: {why}')
+                raise LinkFailed(f'the Crazyflie refused the log block {name}: {why}')
             waiting.discard(name)
 
     def _on_log_packet(
@@ -250,12 +257,12 @@ class CflibLink:
             # cflib packs integer parameters with struct, which rejects floats
             param.set_value(name, value if value % 1.0 else int(value))
             if echoes.get(timeout=deadline) != value:
-                raise LinkFailed(f'parameter {name} did not become {value:g}')
+                raise LinkFailed(f'the Crazyflie did not set its parameter {name} to {value:g}')
         except AttributeError:  # cflib raises it for a read-only parameter
-            raise LinkFailed(f'parameter {name} cannot be written') from None
+            raise LinkFailed(f'the parameter {name} of the firmware is read-only') from None
         except Empty:
             raise LinkFailed(
-                f'parameter {name} was not confirmed within {deadline:.0f} s'
+                f'the Crazyflie did not confirm its parameter {name} within {deadline:.0f} s'
             ) from None
         finally:
             param.remove_update_callback(group, word, callback)

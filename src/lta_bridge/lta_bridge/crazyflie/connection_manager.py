@@ -57,7 +57,10 @@ def enforce_parameters(
             raise LinkFailed(f'the firmware has no parameter {name} ({want.why})')
         # Check all before writing any, so that a refused drone stays as it was
         if value != want.value and not want.write:
-            raise LinkFailed(f'{name} is {value:g}, not {want.value:g} ({want.why})')
+            raise LinkFailed(
+                f'the firmware parameter {name} is {value:g}, but must be {want.value:g} '
+                f'({want.why})'
+            )
     if compensated is not None and (
         why := explain_mismatch(has_voltage_compensation(link), compensated)
     ):
@@ -77,15 +80,15 @@ def explain_mismatch(firmware: bool, vehicle: bool) -> str:
     """Return why firmware and vehicle disagree on voltage compensation; empty if they agree."""
     if firmware and not vehicle:
         return (
-            "the firmware corrects duties for the battery's voltage, and the vehicle file lacks "
-            'the effect battery_compensation: flash the build of firmware/crazyflie, or add the '
-            'effect to the vehicle file'
+            'the firmware corrects motor duties for the battery voltage, but the vehicle file '
+            'does not have the effect battery_compensation: flash the firmware of '
+            'firmware/crazyflie, or add the effect to the vehicle file'
         )
     if vehicle and not firmware:
         return (
-            "the firmware does not correct duties for the battery's voltage, and the vehicle file "
-            'has the effect battery_compensation: flash stock firmware, or remove the effect from '
-            'the vehicle file'
+            'the firmware does not correct motor duties for the battery voltage, but the vehicle '
+            'file has the effect battery_compensation: flash stock firmware, or remove the effect '
+            'from the vehicle file'
         )
     return ''
 

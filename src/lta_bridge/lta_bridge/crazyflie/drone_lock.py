@@ -63,8 +63,8 @@ class DroneLock:
             holder = self._file.read().strip() or 'unknown'
             self._file.close()
             raise BadInput(
-                f'{uri} is commanded by another program (process {holder}); stop that program '
-                'first, because a drone obeys every sender.'
+                f'Another program (process {holder}) already commands the Crazyflie {uri}; stop '
+                'it first, because a drone obeys every sender.'
             ) from None
         self._file.truncate(0)
         self._file.write(str(os.getpid()))

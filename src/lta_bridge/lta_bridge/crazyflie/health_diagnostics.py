@@ -39,7 +39,7 @@ def _describe_link(
         'attempts': attempts,
     }
     alive = inputs.linked and inputs.silence < SILENT
-    silent = f'silent for {inputs.silence:.1f} s' if inputs.linked else why
+    silent = f'no packets for {inputs.silence:.1f} s' if inputs.linked else why
     level, message = (HealthLevel.OK, 'connected') if alive else (HealthLevel.ERROR, silent)
     return HealthFact('link', level, message, {key: str(value) for key, value in figures.items()})
 

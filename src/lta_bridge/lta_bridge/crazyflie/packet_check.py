@@ -39,18 +39,18 @@ def find_packet_fault(port: int, channel: int, data: bytes, sizes: Mapping[int, 
     `sizes` holds the bytes of values by number of each requested log block. If it is empty, log
     packets are not checked: those of an earlier connection may still arrive.
     """
-    where, size = f'{port}:{channel}', len(data)
+    where, size = f'{port}, channel {channel}', len(data)
     if size > MOST:
-        return f'{size} bytes on {where}, above the limit of {MOST}'
+        return f'packet of {size} bytes on CRTP port {where}, above the limit of {MOST}'
     fewest = CHANNELS.get(port, {}).get(channel)
     if fewest is None:
-        return f'{where} is not a port and channel of a Crazyflie'
+        return f'packet on CRTP port {where}, which a Crazyflie does not use'
     if size < fewest:
-        return f'{size} bytes on {where}, fewer than {fewest}'
+        return f'packet of {size} bytes on CRTP port {where}, below the minimum of {fewest}'
     if (port, channel) == (LOG, DATA) and sizes:
         wanted = sizes.get(data[0])
         if wanted is None:
-            return f'log block {data[0]} was not requested'
+            return f'packet of log block {data[0]}, which was not requested'
         if size != STAMPED + wanted:
             return f'log block {data[0]} has {size - STAMPED} bytes of values instead of {wanted}'
     return ''

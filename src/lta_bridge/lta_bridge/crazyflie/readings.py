@@ -67,7 +67,7 @@ def find_value_fault(block: str, values: Values) -> str:
     for name, value in values.items():
         least, most = REACH.get(name.partition('.')[0], (-math.inf, math.inf))
         if not (math.isfinite(value) and least <= value <= most):
-            return f'{name} is {value:g}, outside of what a Crazyflie can measure'
+            return f'{name} is {value:g}, outside the range that a Crazyflie can measure'
     return ''
 
 

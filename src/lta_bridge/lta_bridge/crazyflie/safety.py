@@ -154,19 +154,25 @@ QUIET: Final = SafetyOutputs()
 def find_arming_refusal(state: SafetyState, inputs: SafetyInputs, limits: SafetyLimits) -> str:
     """Return why a request to arm is refused; empty if it is accepted."""
     if state.stage is SafetyStage.STOPPED:
-        return 'stopped by an emergency stop: switch the Crazyflie off and on, restart the bridge'
+        return (
+            'an emergency stop has locked the motors: switch the Crazyflie off and on, and '
+            'restart the bridge'
+        )
     if not inputs.linked:
         return 'no Crazyflie is connected'
     if not inputs.active:
-        return 'the bridge is not active: activate it first'
+        return 'the bridge node is not active: activate it first'
     if math.isinf(inputs.silence):
         return 'the Crazyflie has not reported its state yet: try again'
     if inputs.silence > SILENT:
-        return f'the Crazyflie has sent nothing for {inputs.silence:.1f} s'
+        return f'the Crazyflie has sent nothing for {inputs.silence:.1f} s: bring it closer'
     if math.isnan(inputs.voltage):
-        return 'the Crazyflie has not reported its cell voltage yet: try again'
+        return 'the Crazyflie has not reported its battery voltage yet: try again'
     if inputs.voltage < limits.voltage:
-        return f'the cell has {inputs.voltage:.2f} V, less than {limits.voltage:.2f} V: charge it'
+        return (
+            f'the battery has {inputs.voltage:.2f} V, less than the limit of '
+            f'{limits.voltage:.2f} V: charge it'
+        )
     return explain_fault(inputs.word)
 
 
@@ -182,16 +188,16 @@ def find_landing_reason(
     if now - state.low_since >= LOW:
         known = not math.isnan(inputs.voltage)
         return (
-            f'the cell has {inputs.voltage:.2f} V'
+            f'the battery has only {inputs.voltage:.2f} V'
             if known
-            else 'the cell voltage is not reported any more'
+            else 'the battery voltage is no longer reported'
         )
     if now - state.began > limits.time:
-        return f'the flight has lasted {limits.time:.0f} s'
+        return f'the flight has reached its time limit of {limits.time:.0f} s'
     if inputs.height > limits.height:
-        return f'higher than {limits.height:.1f} m'
+        return f'the drone is higher than its limit of {limits.height:.1f} m'
     if inputs.distance > limits.distance:
-        return f'farther than {limits.distance:.1f} m'
+        return f'the drone is farther away than its limit of {limits.distance:.1f} m'
     return ''
 
 
@@ -276,7 +282,7 @@ def _step_arming(
 ) -> tuple[SafetyState, SafetyOutputs]:
     why = 'on request' if request.arm is False else find_arming_refusal(state, inputs, limits)
     if why or now - state.since > ASKING:
-        why = why or f'the supervisor did not confirm within {ASKING:.0f} s'
+        why = why or f'the Crazyflie did not confirm the arming within {ASKING:.0f} s'
         return _enter_disarmed(state, now, why), SafetyOutputs(arm=False)
     # Only a word that was sent after the request counts.
     if inputs.word & SupervisorBit.ARMED and now - state.since > inputs.silence:
@@ -296,7 +302,7 @@ def _step_ready(
 ) -> tuple[SafetyState, SafetyOutputs]:
     if not inputs.word & SupervisorBit.ARMED:
         return _enter_disarmed(
-            state, now, 'the Crazyflie disarmed itself, as it does when it stands still'
+            state, now, 'the Crazyflie disarmed itself, because it stood still for too long'
         ), QUIET
     why = (
         'on request'
@@ -323,7 +329,7 @@ def _step_flying(
 ) -> tuple[SafetyState, SafetyOutputs]:
     if not inputs.word & SupervisorBit.ARMED:
         return _enter_disarmed(
-            state, now, 'the Crazyflie disarmed itself, as it does with idle motors'
+            state, now, 'the Crazyflie disarmed itself, because its motors were idle'
         ), QUIET
     why = 'on request' if request.arm is False else find_landing_reason(state, now, inputs, limits)
     stale = find_stale_input(inputs)

@@ -12,14 +12,16 @@ class CrazyflieBridgeSettings(Settings):
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
     crazyflie: str = setting(
         '',
-        'Name or file of the Crazyflie configuration; empty for that of the vehicle.',
+        'Crazyflie file with motor wiring, parameters and flight limits, by name or path; empty '
+        'for the one of the vehicle.',
         fixed=True,
     )
     command: Literal['', 'setpoint', 'motors', 'override'] = setting(
         '',
-        'Command mode: setpoint (for the controller of the firmware), or motors (duties for our '
-        'app on the drone); empty for the mode in the Crazyflie file. On a tether also override: '
-        "duties that bypass the firmware's watchdog, lock and disarming.",
+        'Command mode: setpoint (the controller of the firmware flies), motors (motor duties for '
+        "LTA's app in the firmware), or override (motor duties that bypass the firmware's "
+        'watchdog, '
+        'lock and disarming; needs tethered:=true). Empty for the mode in the Crazyflie file.',
         fixed=True,
     )
     tethered: bool = setting(
@@ -29,8 +31,8 @@ class CrazyflieBridgeSettings(Settings):
     )
     watchdog: bool = setting(
         False,
-        'Whether the firmware, once armed, stops the motors and locks 1 s after the last message '
-        'of the bridge.',
+        'Whether the armed drone stops and locks its motors if it receives no message from the '
+        'bridge for 1 s.',
         fixed=True,
     )
     autostart: bool = setting(

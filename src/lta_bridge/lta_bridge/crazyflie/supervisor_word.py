@@ -21,12 +21,11 @@ class SupervisorBit(IntFlag):
 
 
 TROUBLE: dict[SupervisorBit, str] = {
-    SupervisorBit.LOCKED: 'locked: switch the Crazyflie off and on again',
-    SupervisorBit.CRASHED: 'crashed: set it upright and ask it to recover, or switch it off and '
-    'on',
-    SupervisorBit.TUMBLED: 'tumbled: set it upright',
-    SupervisorBit.DECK_FAULT: 'a deck failed its test: check its seat, and switch the Crazyflie '
-    'off and on',
+    SupervisorBit.LOCKED: 'the firmware has locked the motors: switch the Crazyflie off and on',
+    SupervisorBit.CRASHED: 'the Crazyflie has crashed: set it upright, and switch it off and on',
+    SupervisorBit.TUMBLED: 'the Crazyflie has tipped over: set it upright',
+    SupervisorBit.DECK_FAULT: 'an expansion deck failed its self-test: check that it is plugged '
+    'in correctly, and switch the Crazyflie off and on',
 }
 
 

@@ -18,7 +18,7 @@ def find_rotor_indices(motors: Mapping[str, str], names: Sequence[str]) -> tuple
     for motor, rotor in motors.items():
         if rotor not in names:
             raise BadInput(
-                f'Motor {motor} is wired to {rotor}, which the vehicle does not have; choose one '
-                f'of {", ".join(names)}.'
+                f'The Crazyflie file assigns motor {motor} to the rotor {rotor}, which the '
+                f'vehicle does not have; choose one of {", ".join(names)}.'
             )
     return tuple(names.index(rotor) for rotor in motors.values())

@@ -169,7 +169,7 @@ def assess_board(
     """Yield the checks of a light board, the most fundamental first."""
     if not measurement.frames:
         why = measurement.trouble or 'no data received'
-        remedy = 'Flash firmware/light_board, and check that the port is that of the board.'
+        remedy = 'Flash firmware/light_board, and check that this is the port of the light board.'
         yield HardwareCheck('light board', 'fail', f'{measurement.port}: {why}', remedy)
         return
     if measurement.wrong:
@@ -181,9 +181,9 @@ def assess_board(
 
 def _assess_rows(measurement: BoardMeasurement, nominal_rate: float) -> HardwareCheck:
     finding = (
-        f'{measurement.rate:.0f} of {nominal_rate:.0f} rows a second, {measurement.lost} lost on '
-        f'the link, '
-        f'{measurement.overruns} on the board, {measurement.crc_errors} damaged frames'
+        f'{measurement.rate:.0f} of {nominal_rate:.0f} sample rows per second; {measurement.lost} '
+        f'lost on the link, {measurement.overruns} lost on the board; {measurement.crc_errors} '
+        'damaged frames'
     )
     if measurement.lost or measurement.overruns or measurement.crc_errors:
         return HardwareCheck('light', 'warn', finding, 'Try a shorter cable, or another USB port.')
@@ -197,11 +197,12 @@ def _assess_clock(measurement: BoardMeasurement) -> HardwareCheck:
         or measurement.uncertainty is None
     ):
         return HardwareCheck(
-            "board's clock", 'fail', 'no answer to time requests', 'Flash the board again.'
-        )
+            "board's clock", 'fail', 'the light board does not answer time requests',
+            'Flash the firmware of the light board again.',
+        )  # fmt: skip
     return HardwareCheck(
         "board's clock", 'ok',
-        f'{1e6 * measurement.drift:.0f} ppm slow, uncertainty '
+        f'runs {1e6 * measurement.drift:.0f} ppm slow, known to within '
         f'{1e6 * measurement.uncertainty:.0f} us; '
         f'round trip {1e3 * measurement.round_trip:.2f} ms',
     )  # fmt: skip
@@ -209,18 +210,26 @@ def _assess_clock(measurement: BoardMeasurement) -> HardwareCheck:
 
 def _assess_diodes(diodes: Sequence[DiodeMeasurement], threshold: float) -> HardwareCheck:
     if not diodes:
-        return HardwareCheck('diodes', 'fail', 'no complete block received', 'Check for longer.')
+        return HardwareCheck(
+            'diodes', 'fail', 'no complete block received', 'Check for longer with --seconds.'
+        )
     spoilt = [str(k + 1) for k, each in enumerate(diodes) if each.spoilt]
     if spoilt:
-        remedy = 'Flat: check its wires. Saturated: shade it, or choose a smaller resistor.'
-        return HardwareCheck(
-            'diodes', 'fail', f'{", ".join(spoilt)} of {len(diodes)} cannot be used', remedy
+        remedy = (
+            'If its reading is constant, check the wires. If it is saturated, shade the '
+            'photodiode, or choose a smaller resistor.'
         )
+        return HardwareCheck(
+            'diodes', 'fail',
+            f'number {", ".join(spoilt)} of {len(diodes)} photodiodes cannot be used', remedy,
+        )  # fmt: skip
     best = max(each.snr for each in diodes)
     # One diode suffices: the others may face away from the beacon
     if best < threshold:
         return HardwareCheck(
-            'diodes', 'warn', f'all {len(diodes)} read light, none detects the beacon',
-            'Switch the lamp on, and give its --frequency.',
+            'diodes', 'warn', f'all {len(diodes)} photodiodes work, but none detects the lamp',
+            'Switch the lamp on, and give its modulation frequency with --frequency.',
         )  # fmt: skip
-    return HardwareCheck('diodes', 'ok', f'all {len(diodes)} read light, best SNR {best:.0f}')
+    return HardwareCheck(
+        'diodes', 'ok', f'all {len(diodes)} photodiodes work; best SNR {best:.0f}'
+    )

@@ -33,7 +33,7 @@ from lta_model.vehicle import load_vehicle
 from lta_vlc.demodulation import plan_bins
 from lta_vlc.settings import DemodulationSettings
 
-INSTALL = '.venv/bin/pip install -c constraints.txt -r requirements-hardware.txt'
+INSTALL = 'Run ".venv/bin/pip install -c constraints.txt -r requirements-hardware.txt".'
 
 
 def assess_device_access(
@@ -41,7 +41,7 @@ def assess_device_access(
 ) -> Iterator[HardwareCheck]:
     """Yield a check of the access rights of each device."""
     command = format_lta_command('hardware', 'check', '--udev')
-    remedy = f'{command} prints the udev rules that allow it.'
+    remedy = f'Install the udev rules that "{command}" prints.'
     for device in usb_devices:
         if device.kind is BOARD:
             continue  # listed as a serial port
@@ -49,17 +49,20 @@ def assess_device_access(
         if device.usable:
             yield HardwareCheck(name, 'ok', f'{device.path}')
         else:
-            yield HardwareCheck(name, 'fail', f'{device.path}: you may not open it', remedy)
+            yield HardwareCheck(name, 'fail', f'{device.path}: no permission to open it', remedy)
     for port in serial:
         name = 'Teensy' if port.teensy else 'serial port'
         if port.usable:
             yield HardwareCheck(name, 'ok', f'{port.path} ({port.about})')
         else:
             state: State = 'fail' if port.teensy else 'warn'
-            yield HardwareCheck(name, state, f'{port.path}: you may not open it', remedy)
+            yield HardwareCheck(name, state, f'{port.path}: no permission to open it', remedy)
     if any(device.kind is not BOARD for device in usb_devices) and not CFLIB:
         yield HardwareCheck(
-            'cflib', 'fail', 'not installed, so no Crazyflie can be checked', INSTALL
+            'cflib',
+            'fail',
+            'the Python package cflib is missing, so no Crazyflie can be checked',
+            INSTALL,
         )
 
 
@@ -179,7 +182,10 @@ def _check_drone(
         try:
             link.open(drone.DEADLINE)
         except LinkFailed as error:
-            remedy = 'Switch it on, bring it near, and check that no other program uses the link.'
+            remedy = (
+                'Switch the Crazyflie on, bring it closer, and check that no other program uses '
+                'it.'
+            )
             return None, [HardwareCheck('link', 'fail', f'{uri}: {error}', remedy)]
         result = drone.measure_drone(
             link, uri, file, request.seconds,

@@ -134,7 +134,10 @@ def assess_drone(
     """
     if measurement.lost:
         yield HardwareCheck(
-            'link', 'fail', f'lost: {measurement.lost}', 'Bring it nearer, and switch it on.'
+            'link',
+            'fail',
+            f'connection lost: {measurement.lost}',
+            'Bring the Crazyflie closer, and check that it is switched on.',
         )
     yield HardwareCheck(
         'firmware',
@@ -155,35 +158,46 @@ def assess_drone(
 def _assess_streams(measurement: DroneMeasurement) -> HardwareCheck:
     silent = [each.name for each in measurement.streams if not each.packets]
     if silent:
-        remedy = 'Switch the Crazyflie off and on; update its firmware if that does not help.'
+        remedy = 'Switch the Crazyflie off and on; if that does not help, update its firmware.'
         return HardwareCheck(
-            'telemetry', 'fail', f'no packets of log block {", ".join(silent)}', remedy
+            'telemetry',
+            'fail',
+            f'no packets received of the log block {", ".join(silent)}',
+            remedy,
         )
     worst = max(measurement.streams, key=lambda each: each.loss)
     finding = (
-        f'{len(measurement.streams)} log blocks, at most {worst.loss:.1%} lost ({worst.name})'
+        f'{len(measurement.streams)} log blocks received, at most {worst.loss:.1%} of the packets '
+        f'lost ({worst.name})'
     )
     if worst.loss > LOSSY:
         return HardwareCheck(
-            'telemetry', 'warn', finding, 'Bring it nearer, or choose a free channel.'
+            'telemetry', 'warn', finding, 'Bring the Crazyflie closer, or choose a free channel.'
         )
     return HardwareCheck('telemetry', 'ok', finding)
 
 
 def _assess_latency(latency: float) -> HardwareCheck:
     if math.isnan(latency):
-        return HardwareCheck('latency', 'warn', 'no answer to a ping', 'Check for longer.')
+        return HardwareCheck(
+            'latency',
+            'warn',
+            'the Crazyflie did not answer a ping',
+            'Check for longer with --seconds.',
+        )
     finding = f'round trip {1e3 * latency:.1f} ms (95th percentile)'
     if latency > SLOW:
         return HardwareCheck(
-            'latency', 'warn', finding, 'Bring it nearer, or choose a free channel.'
+            'latency', 'warn', finding, 'Bring the Crazyflie closer, or choose a free channel.'
         )
     return HardwareCheck('latency', 'ok', finding)
 
 
 def _assess_battery(voltage: float, least: float) -> HardwareCheck:
     if math.isnan(voltage):
-        return HardwareCheck('battery', 'warn', 'no voltage received', 'Check for longer.')
+        return HardwareCheck(
+            'battery', 'warn', 'no voltage received', 'Check for longer with --seconds.'
+        )
     if voltage < least:
         finding = f'{voltage:.2f} V, too low to arm (limit {least:.2f} V)'
         return HardwareCheck('battery', 'fail', finding, 'Charge the cell.')
@@ -192,15 +206,24 @@ def _assess_battery(voltage: float, least: float) -> HardwareCheck:
 
 def _assess_supervisor(word: int | None) -> HardwareCheck:
     if word is None:
-        return HardwareCheck('supervisor', 'fail', 'no status received', 'Update the firmware.')
+        return HardwareCheck(
+            'supervisor', 'fail', 'no status received', 'Update the firmware of the Crazyflie.'
+        )
     if why := explain_fault(word):
-        return HardwareCheck('supervisor', 'fail', why, 'It cannot fly before that.')
+        return HardwareCheck(
+            'supervisor', 'fail', why, 'The Crazyflie cannot fly until this is solved.'
+        )
     if word & SupervisorBit.ARMED:
         return HardwareCheck(
-            'supervisor', 'warn', 'armed by another program', 'Disarm it before you touch it.'
+            'supervisor',
+            'warn',
+            'armed by another program',
+            'Disarm the Crazyflie before you touch it.',
         )
     ready = bool(word & SupervisorBit.CAN_BE_ARMED)
-    return HardwareCheck('supervisor', 'ok', 'disarmed, and can be armed' if ready else 'disarmed')
+    return HardwareCheck(
+        'supervisor', 'ok', 'disarmed, ready to be armed' if ready else 'disarmed'
+    )
 
 
 def _assess_duties(measurement: DroneMeasurement, compensated: bool) -> HardwareCheck:
@@ -211,10 +234,11 @@ def _assess_duties(measurement: DroneMeasurement, compensated: bool) -> Hardware
         return HardwareCheck('duties', 'fail', finding, f'{remedy[0].upper()}{remedy[1:]}.')
     idle = measurement.parameters['powerDist.idleThrust']
     thrust = 'unknown' if idle is None else f'{idle:g} of 65535'
-    corrected = '' if measurement.compensates else 'not '
+    corrects = 'corrects' if measurement.compensates else 'does not correct'
     return HardwareCheck(
-        'duties', 'ok', f"idle thrust {thrust}, {corrected}corrected for the battery's voltage"
-    )
+        'duties', 'ok',
+        f'idle thrust {thrust}; the firmware {corrects} motor duties for the battery voltage',
+    )  # fmt: skip
 
 
 def _assess_parameter(
@@ -223,14 +247,20 @@ def _assess_parameter(
     """Check a parameter; return None if it is as expected."""
     if value is None:
         return HardwareCheck(
-            name, 'fail', f'the firmware lacks it ({want.why})', 'Flash the firmware.'
+            name,
+            'fail',
+            f'the firmware does not have this parameter ({want.why})',
+            'Flash the firmware that the vehicle needs.',
         )
     if value == want.value:
         return None
-    finding = f'{value:g}, not {want.value:g} ({want.why})'
+    finding = f'{value:g}, but must be {want.value:g} ({want.why})'
     if name == 'motorPowerSet.enable':
         return HardwareCheck(
-            name, 'fail', finding, 'Switch the drone off and on: its motors may turn.'
+            name,
+            'fail',
+            finding,
+            'Switch the drone off and on, and keep clear: its motors may turn.',
         )
     if want.write:
         return HardwareCheck(name, 'ok', f'{finding}; the bridge sets it before a flight')

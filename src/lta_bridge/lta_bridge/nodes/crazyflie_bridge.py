@@ -198,7 +198,10 @@ class CrazyflieBridge(DeviceNode):
             short := self._links.find_unmatched_topics(self.count_readers())
         ) and time.monotonic() < until:
             self._tick_and_wait()
-        words = f'armed before all readers of {", ".join(short)} were found'
+        words = (
+            f'armed before all subscribers of {", ".join(short)} were found; the first messages '
+            'may be lost'
+        )
         if short:
             self.get_logger().warning(words)
             self.health.report('start', HealthLevel.WARN, words)
@@ -262,7 +265,7 @@ class CrazyflieBridge(DeviceNode):
         if up and time.monotonic() - self._connected > DEAD:
             silence = self._bridge.collect_safety_inputs(now_ns, up, self.active).silence
             if silence > DEAD and self._keeper is not None:
-                self._keeper.reconnect(f'no packets for {silence:.1f} s')
+                self._keeper.reconnect(f'no packets from the Crazyflie for {silence:.1f} s')
 
     def _arm_controller(self) -> None:
         """Arm the controller with the drone, so that its integrators do not wind up before."""

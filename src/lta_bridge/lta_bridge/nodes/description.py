@@ -35,7 +35,7 @@ class DescriptionSettings(Settings):
 
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
     pose: Literal['odom', 'ground_truth/odom'] = setting(
-        'odom', 'Topic from which the pose of base_link on /tf is taken.', fixed=True
+        'odom', 'Topic with the pose of base_link to publish on /tf.', fixed=True
     )
 
 
@@ -49,7 +49,7 @@ class DescriptionNode(GraphNode):
         self._text = self.create_publisher(String, 'robot_description', LATCHED)
         self._text.publish(String(data=build_urdf(vehicle)))
         if TFMessage is None:
-            text = 'URDF only: /tf needs tf2_msgs, which is part of a full ROS 2'
+            text = 'the URDF is published, but not /tf: install the package tf2_msgs for that'
             self.health.report('frames', HealthLevel.OK, text)
             return
         self._tf = self.create_publisher(TFMessage, '/tf', DEPTH)
@@ -57,7 +57,9 @@ class DescriptionNode(GraphNode):
         still = [to_fixed_transform(frame) for frame in list_fixed_frames(vehicle)]
         self._static.publish(TFMessage(transforms=still))
         self.subscribe_topic(settings.pose, self._on_pose)
-        self.health.report('frames', HealthLevel.OK, f'pose of base_link from {settings.pose}')
+        self.health.report(
+            'frames', HealthLevel.OK, f'/tf has the pose of base_link from {settings.pose}'
+        )
 
     def _on_pose(self, odom: Any) -> None:  # noqa: ANN401 - a generated class
         self._tf.publish(TFMessage(transforms=[to_transform(odom)]))

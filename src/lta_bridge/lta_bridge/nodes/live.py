@@ -48,9 +48,9 @@ class LiveSettings(Settings):
     vehicle: str = setting('gtmab', 'Vehicle to draw: name or file.', fixed=True)
     scenario: str = setting('lamp_room', 'Scenario to draw: name or file.', fixed=True)
     host: str = setting(
-        LOCAL, 'Address to listen on; 0.0.0.0 accepts other machines too.', fixed=True
+        LOCAL, 'Address to listen on; 0.0.0.0 also accepts other computers.', fixed=True
     )
-    port: int = setting(PORT, 'Port of the live page.', low=1, high=65535, fixed=True)
+    port: int = setting(PORT, 'TCP port of the live view.', low=1, high=65535, fixed=True)
 
 
 class LiveViewNode(GraphNode):

@@ -133,7 +133,10 @@ class Player(GraphNode):
             late = ', '.join(
                 f'{n} from {self.find_publishing_role(n)}' for n in self._owed.list_oldest_topics()
             )
-            sys.stderr.write(f'No answer within {self._settings.patience:g} s: {late}.\n')
+            sys.stderr.write(
+                f'Playback stopped, because these answers did not arrive within '
+                f'{self._settings.patience:g} s: {late}.\n'
+            )
             sys.exit(1)
 
     def _report_missing_topics(self) -> None:
@@ -141,9 +144,9 @@ class Player(GraphNode):
         absent = self._cast.find_missing_topics(self.table, self._recording.topics)
         words = [*self._recording.strange]
         if absent:
-            words.append(f'the recording has no {", ".join(absent)}, which the nodes read')
+            words.append(f'the recording lacks topics that the nodes need: {", ".join(absent)}')
         level = HealthLevel.WARN if words else HealthLevel.OK
-        self.health.report('recording', level, '; '.join(words) or 'whole')
+        self.health.report('recording', level, '; '.join(words) or 'all topics found')
 
     def _list_missing_nodes(self) -> list[str]:
         """Return the nodes that are not connected yet."""
@@ -255,7 +258,9 @@ class Player(GraphNode):
         if response.success and due is not None:
             self._pace.step(due)
             self._publish_due()
-        response.message = self._format_position() if response.success else 'not paused'
+        response.message = (
+            self._format_position() if response.success else 'playback is not paused'
+        )
         return response
 
     def _format_position(self) -> str:

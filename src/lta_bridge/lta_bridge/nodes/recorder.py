@@ -71,11 +71,16 @@ def declare_origins(node: GraphNode, robots: list[str]) -> dict[str, RobotOrigin
     for name in robots:
         if not is_name(name) or robots.count(name) > 1:
             raise BadInput(
-                f"The recorder's robots are '{' '.join(robots)}', but '{name}' is not a valid "
-                'name or is given twice; give different namespaces.'
+                f"The recorder's parameter robots is '{' '.join(robots)}', but '{name}' is not a "
+                'valid namespace or is given twice; give different namespaces.'
             )
     fields: Any = {
-        name: (RobotOrigin, setting(RobotOrigin(), f'Origin of the data of robot {name}.'))
+        name: (
+            RobotOrigin,
+            setting(
+                RobotOrigin(), f'Vehicle, scenario and other origin of the data of robot {name}.'
+            ),
+        )
         for name in robots
     }
     told = NodeParameters(node, create_model('Origins', __base__=Settings, **fields)).value
@@ -241,14 +246,15 @@ class Recorder(GraphNode):
             self.health.report(
                 'latched',
                 HealthLevel.WARN,
-                f'latched messages from before the recorder started are missing on '
-                f'{", ".join(mixed)}: not all publishers are transient local',
+                f'messages of {", ".join(mixed)} from before the start of the recorder are '
+                'missing, because some publishers do not have transient-local durability',
             )
         if self._left_out:
             self.health.report(
                 'left out',
                 HealthLevel.WARN,
-                "topics not recorded: their types are not part of ROS 2 Jazzy's common interfaces",
+                'some topics are not recorded, because their message types are not part of ROS 2 '
+                "Jazzy's common interfaces",
                 **self._left_out,
             )
         if not self._fault:
@@ -259,7 +265,9 @@ class Recorder(GraphNode):
         """Report a slow or failed disk, soon enough to name a fault within a second."""
         busy = self._writer.busy_time
         if busy > SLOW:
-            words = f'slow: busy for {busy:.1f} s; messages are queued'
+            words = (
+                f'the disk is slow: it has been writing for {busy:.1f} s, and messages are queued'
+            )
             self.health.report(DISK, HealthLevel.ERROR, words)
         elif DISK in self.health:
             self.health.report(DISK, HealthLevel.OK, 'the disk keeps up with the messages')
@@ -272,8 +280,8 @@ class Recorder(GraphNode):
         """Write a snapshot, and keep receiving messages until it is on the disk."""
         if self._snapshots is None:
             response.message = (
-                'The recorder writes everything to its bag; start it with snapshot:=SECONDS to '
-                'keep the last seconds in memory instead.'
+                'The recorder writes all messages to its bag, so there are no snapshots; start it '
+                'with snapshot:=SECONDS to keep only the last seconds in memory.'
             )
             return response
         saving = self._snapshots.request_snapshot()

@@ -38,18 +38,19 @@ class TeensyBridgeSettings(Settings):
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
     port: str = setting(
         '/dev/ttyACM0',
-        'Serial port of the board, or udp://HOST:PORT to receive on (with ?from=ADDRESS only from '
-        'that address).',
+        'Serial port of the light board, or udp://HOST:PORT to listen on; append ?from=ADDRESS to '
+        'accept only that sender.',
         fixed=True,
     )
     peaks: bool = setting(
         False,
-        'Whether the board detects the frequency peaks itself; no demodulator is then needed.',
+        'Whether the light board itself detects the frequency peaks; then no demodulator is '
+        'needed.',
         fixed=True,
     )
     threshold: float = setting(
         DemodulationSettings().threshold,
-        'Smallest SNR at which a photodiode is used (only with peaks:=true).',
+        'Smallest signal-to-noise ratio at which a photodiode is used (only with peaks:=true).',
         unit='1',
         low=1.0,
         high=1000.0,
@@ -59,7 +60,7 @@ class TeensyBridgeSettings(Settings):
     )
     patience: float = setting(
         0.0,
-        'How long the node waits for the port to appear before it fails.',
+        'How long the node waits for the serial port to appear before it fails.',
         unit='s',
         low=0.0,
         high=600.0,

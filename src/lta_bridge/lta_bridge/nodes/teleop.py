@@ -40,7 +40,7 @@ STOPPING = ('emergency_stop', 'crazyflie_bridge/emergency_stop')  # services tha
 STEERS = {
     TeleopStage.UNKNOWN: (
         HealthLevel.WARN,
-        'no controller has reported which setpoints it follows',
+        'no controller has reported whether it follows the operator or the navigator',
     ),
     TeleopStage.NAVIGATOR: (HealthLevel.OK, 'the navigator steers'),
     TeleopStage.PERSON: (HealthLevel.OK, 'the operator steers'),
@@ -70,7 +70,7 @@ class Teleop(GraphNode):
     def __init__(self) -> None:
         super().__init__('teleop')
         if self.lockstep:
-            raise BadInput('Teleoperation works only in real time; leave time:=lockstep out.')
+            raise BadInput('Teleoperation works only in real time; remove time:=lockstep.')
         self._held = self.create_output('teleop/held')
         self._pose, self._velocity = (
             self.create_output('teleop/pose'),
@@ -139,7 +139,7 @@ class Teleop(GraphNode):
         if order.stop:
             self._request_stop()
         if self._state.stage is not before:
-            self.get_logger().info(f'{self._state.stage.value} has the helm')
+            self.get_logger().info(f'control of the drone: {self._state.stage.value}')
         self._report_steering(sticks is not None, felt is not None)
 
     def _request_stop(self) -> None:
@@ -152,13 +152,17 @@ class Teleop(GraphNode):
     def _report_steering(self, alive: bool, placed: bool) -> None:
         stage = self._state.stage
         if stage is TeleopStage.STOPPED:
-            receivers = ', '.join(sorted(self._answered)) or 'nobody yet'
-            text = f'emergency stop; confirmed by {receivers}'
+            receivers = ', '.join(sorted(self._answered)) or 'no node yet'
+            text = f'emergency stop requested; confirmed by {receivers}'
             self.health.report('helm', HealthLevel.ERROR, text)
         elif not alive or not placed:
-            silent = 'no input from the device' if not alive else 'there is no estimate'
+            silent = (
+                'no input from the gamepad or keyboard'
+                if not alive
+                else 'no state estimate received'
+            )
             steers = stage is TeleopStage.PERSON
-            text = f'{silent}: the drone holds, then lands' if steers else silent
+            text = f'{silent}: the drone hovers, then lands' if steers else silent
             self.health.report('helm', HealthLevel.ERROR if steers else HealthLevel.WARN, text)
         else:
             level, text = STEERS[stage]

@@ -33,12 +33,14 @@ class TrackerSettings(Settings):
     """Parameters of the tracker node: the tracked topic or frame, and the frames' poses."""
 
     pose: str = setting(
-        'tracker/pose', 'Topic with the PoseStamped messages of the tracker.', fixed=True
+        'tracker/pose',
+        'Topic with the PoseStamped messages of the motion-capture tracker.',
+        fixed=True,
     )
     frame: str = setting(
         '',
-        'Frame on /tf whose pose in its parent frame is used instead of the topic; empty for the '
-        'topic.',
+        'Frame on /tf to take the pose from, relative to its parent frame; empty to use the topic '
+        'of the parameter pose.',
         fixed=True,
     )
     origin: Planted = setting(
@@ -53,7 +55,7 @@ class TrackerSettings(Settings):
     )
     delay: float = setting(
         0.0,
-        'Shortest delay from the measurement of a pose to the arrival of its message.',
+        'Smallest delay between the measurement of a pose and the arrival of its message.',
         unit='s',
         low=0.0,
         high=1.0,
@@ -67,7 +69,7 @@ class TrackerNode(GraphNode):
     def __init__(self) -> None:
         super().__init__('tracker', role='vehicle')
         if self.lockstep:
-            raise BadInput('A real tracker works only in real time; leave time:=lockstep out.')
+            raise BadInput('A real tracker works only in real time; remove time:=lockstep.')
         self._truth = self.create_output('ground_truth/odom')
         settings = NodeParameters(self, TrackerSettings).value
         self._tracked = TrackedDrone(

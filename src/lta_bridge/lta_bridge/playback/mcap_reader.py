@@ -33,9 +33,9 @@ BROKEN = (McapError, struct.error, EOFError, LookupError, ValueError, ZstdError)
 def build_size_error(file: Path) -> BadInput:
     """Return the error for a file without an index that does not fit into memory."""
     return BadInput(
-        f"'{file}' has no index, and is damaged or needs more memory than the limit of a replay "
-        f'({READER_MEMORY >> 20} MB); `lta bag recover` copies its undamaged part to a file with '
-        'an index.'
+        f"'{file}' has no index, and is damaged or needs more than {READER_MEMORY >> 20} MB of "
+        'memory, the limit of a replay; run `lta bag recover` to copy its undamaged part to a '
+        'file with an index.'
     )
 
 
@@ -170,7 +170,7 @@ def iterate_by_time(
             for _, channel, message in found[0].iter_messages(topics, starting_at=since_ns):
                 yield LoggedMessage(channel.topic, message.log_time, message.data)
         except (*BROKEN, MemoryError) as error:
-            why = str(error) or f'a chunk needs more than {READER_MEMORY >> 20} MB'
+            why = str(error) or f'a chunk needs more than {READER_MEMORY >> 20} MB of memory'
             raise BadInput(
                 f"'{file}' is damaged ({why}); repair it with `lta bag recover`."
             ) from error

@@ -65,14 +65,15 @@ class MessageIterator:
     ) -> None:
         if end < start:
             raise BadInput(
-                f'The section to play ends {end:g} s after the first message, before its start at '
+                f'Playback would end {end:g} s after the first message, before its start at '
                 f'{start:g} s; choose a later end.'
             )
         self._recording, self._topics, self._table = recording, topics, table
         first = next(recording.iterate_messages(topics), None)
         if first is None:
             raise BadInput(
-                f"'{recording.path}' has no message on {', '.join(sorted(topics))}; choose "
+                f"'{recording.path}' has no message on the topics {', '.join(sorted(topics))}; "
+                'choose '
                 'another bag.'
             )
         self._from = first.time_ns + round(start * 1e9)
@@ -83,8 +84,8 @@ class MessageIterator:
         self._next = next(self._messages, None)
         if self._next is None:
             raise BadInput(
-                f"'{recording.path}' has no message after the start of the section at "
-                f'{start:g} s; choose an earlier start.'
+                f"'{recording.path}' has no message later than {start:g} s, the start of the "
+                'playback; choose an earlier start.'
             )
         self.begin_ns = self._newest = self._next.time_ns
         self.rounds = 0
@@ -105,7 +106,7 @@ class MessageIterator:
         """Return the next message and advance."""
         item = self._next
         if item is None:
-            raise IndexError('the reel has run out')
+            raise IndexError('there are no more messages to play')
         self._newest = item.time_ns
         # Before rewinding, which changes the shift for the next message
         by_ns, stamped = self._shift, self._table[item.topic].stamped

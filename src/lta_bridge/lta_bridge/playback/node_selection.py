@@ -70,8 +70,9 @@ def select_nodes(table: TopicTable, nodes: Sequence[str], also: Sequence[str]) -
     for name in also:
         if name in again:
             raise BadInput(
-                f"The node '{name}' cannot be both run again and played; leave it out of one of "
-                'the lists.'
+                f"The node '{name}' cannot both run again and be played from the bag; remove it "
+                'from '
+                'one of the two lists.'
             )
     played = [name for role in (VEHICLE, *also) for name in table.published_by(role)]
     return NodeSelection(

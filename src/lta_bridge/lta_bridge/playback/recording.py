@@ -60,7 +60,8 @@ class RobotBagRecording:
             if owner == self.robot
         }
         self.strange = tuple(
-            f"'{full}' is of type '{channels[full]}', not {table[name].type}, and is left out"
+            f"the topic '{full}' is not played, because its type is '{channels[full]}' instead of "
+            f"'{table[name].type}'"
             for name, full in mine.items()
             if channels[full] != table[name].type
         )

@@ -11,8 +11,8 @@ class PlayerSettings(Settings):
     bag: str = setting('', 'The bag: a rosbag2 folder or an .mcap file.', fixed=True)
     robot: str = setting(
         '',
-        'Robot of the bag to play; empty for the one with the namespace of the player, or the '
-        'only one.',
+        "Namespace of the robot in the bag to play; empty for the player's own namespace, or for "
+        'the only robot of the bag.',
         fixed=True,
     )
     nodes: str = setting(
@@ -23,8 +23,8 @@ class PlayerSettings(Settings):
     )
     roles: str = setting(
         '',
-        'Nodes whose recorded messages are played besides those of the vehicle, separated by '
-        'spaces.',
+        'Nodes whose recorded messages are played in addition to those of the vehicle, separated '
+        'by spaces.',
         fixed=True,
     )
     rate: float = setting(
@@ -52,7 +52,7 @@ class PlayerSettings(Settings):
     paused: bool = setting(False, 'Whether playback starts paused.', fixed=True)
     answers: str = setting(
         '',
-        'Folder of a new bag for the messages of the nodes that run again; empty for no bag.',
+        'Folder of a new bag with the messages of the nodes that run again; empty for no bag.',
         fixed=True,
     )
     patience: float = setting(

@@ -23,11 +23,13 @@ def _assess_health(reader: BoardReader, now_ns: int, active: bool) -> tuple[Heal
     if not board.heard_ns:
         return HealthLevel.WARN, 'nothing received yet'
     if now_ns - board.heard_ns > SILENT_NS:
-        return HealthLevel.ERROR, f'silent for {1e-9 * (now_ns - board.heard_ns):.1f} s'
+        return HealthLevel.ERROR, (
+            f'no data from the light board for {1e-9 * (now_ns - board.heard_ns):.1f} s'
+        )
     if board.fault:
         return HealthLevel.ERROR, board.fault
     if not board.clock.is_synchronized:
-        return HealthLevel.WARN, 'its clock is not synchronized yet'
+        return HealthLevel.WARN, 'the clock of the light board is not synchronized yet'
     return HealthLevel.OK, 'receiving light' if active else 'receiving light, not publishing'
 
 

@@ -191,15 +191,18 @@ class LightBoard:
     def _describe_rows_fault(self, diodes: int, rows: int) -> str:
         if self._finds_peaks:
             return (
-                'The light board sends samples and no peaks; start without light_peaks:=true, or '
-                'build its firmware for peaks.'
+                'The light board sends samples instead of peaks; start without light_peaks:=true, '
+                'or build its firmware for peaks.'
             )
         if not 0 < diodes * rows <= ROOM:
-            return f'The light board sends {rows} rows of {diodes} diodes in one message.'
+            return (
+                f'The light board sends {rows} rows of {diodes} diodes in one message, but a '
+                f'message has 1 to {ROOM} values; check its firmware.'
+            )
         if diodes != self._diodes:
             return (
-                f'The light board has {diodes} diodes and the vehicle file {self._diodes}; '
-                'fly the vehicle that it is on.'
+                f'The light board has {diodes} photodiodes, but the vehicle file has '
+                f'{self._diodes}; give the vehicle file that matches the board.'
             )
         return ''
 
@@ -223,11 +226,12 @@ class LightBoard:
     def _describe_peaks_fault(self, record: np.void) -> str:
         diodes, window = int(record['diodes']), int(record['window'])
         if not self._finds_peaks:
-            return 'The light board sends peaks and no samples; start with light_peaks:=true.'
+            return 'The light board sends peaks instead of samples; start with light_peaks:=true.'
         if diodes != self._diodes or window != self._light.samples:
             return (
-                f'The light board finds peaks of {diodes} diodes over {window} rows; the vehicle '
-                f'has {self._diodes} and a block {self._light.samples}: build it for these.'
+                f'The light board finds the peaks of {diodes} diodes over {window} rows, but the '
+                f'vehicle has {self._diodes} diodes and a block has {self._light.samples} rows; '
+                'build the firmware of the board for these numbers.'
             )
         rate = self._light.sample_rate.si
         most = {'amplitude': COUNTS, 'noise': COUNTS, 'frequency': 0.5 * rate}
@@ -235,9 +239,7 @@ class LightBoard:
         if not all(
             ((record[name] >= 0.0) & (record[name] <= top)).all() for name, top in most.items()
         ):
-            return (
-                'The light board sends peaks outside of the range of an ADC; check its firmware.'
-            )
+            return 'The light board sends peaks outside the range of its ADC; check its firmware.'
         return ''
 
     def _detect_restart(self, board_ns: int) -> None:
@@ -282,19 +284,19 @@ class LightBoard:
         self._unlike = ''
         if dialect != DIALECT:
             self._unlike = (
-                f'The light board uses version {dialect} of the messages and this bridge version '
-                f'{DIALECT}; build both from the same commit.'
+                f'The light board uses version {dialect} of the messages, but this bridge uses '
+                f'version {DIALECT}; build both from the same commit.'
             )
         # Written with `not`, so that a rate of NaN is refused too
         elif not abs(rate - wanted) <= 1e-3 * wanted:
             self._unlike = (
-                f'The light board samples at {rate:g} Hz and topics.yaml says {wanted:g} Hz; '
-                'give both the same.'
+                f'The light board samples at {rate:g} Hz, but topics.yaml says {wanted:g} Hz; set '
+                'both to the same rate.'
             )
         elif self._bits not in (None, bits):
             self._unlike = (
-                f'The light board converts to {bits} bits and the vehicle file says {self._bits}; '
-                'set both to the same value, or clipped readings are not detected.'
+                f'The ADC of the light board has {bits} bits, but the vehicle file says '
+                f'{self._bits}; set both to the same value, or clipped readings are not detected.'
             )
 
 

@@ -138,7 +138,7 @@ class UdpPort:
         told = LISTEN.fullmatch(address)
         if told is None or not 0 < int(told['port']) < 65536:
             raise BadInput(
-                f"'{address}' is not a UDP address to receive on; write udp://0.0.0.0:14550, or "
+                f"'{address}' is not a UDP address to listen on; write udp://0.0.0.0:14550, or "
                 'on a shared network udp://0.0.0.0:14550?from=192.168.4.2 for one sender only.'
             )
         self._clock, self._sender = clock, SenderFilter()
@@ -203,7 +203,7 @@ def _resolve_host(host: str, address: str) -> str:
         return socket.gethostbyname(host)
     except (OSError, UnicodeError):
         raise BadInput(
-            f"The host {host} in '{address}' is unknown; give its numeric address."
+            f"The host {host} in '{address}' is unknown; give its IP address instead."
         ) from None
 
 
@@ -212,12 +212,14 @@ def _explain_open_error(path: str, error: Exception) -> str:
     number = getattr(error, 'errno', None)
     if number == errno.ENOENT:
         found = ', '.join(sorted(port.device for port in list_ports.comports())) or 'none'
-        return f'There is no serial port {path}; plug the light board in (available: {found}).'
+        return f'There is no serial port {path}; plug the light board in (found: {found}).'
     if number == errno.EACCES:
         return (
-            f'You may not open {path}; join its group (sudo usermod -aG dialout $USER), '
-            'log in again, and try again.'
+            f'You have no permission to open {path}; run "sudo usermod -aG dialout $USER" and log '
+            'in again.'
         )
     if number in (errno.EAGAIN, errno.EBUSY) or 'exclusively lock' in str(error):
-        return f'{path} is in use by another program; stop it, since two would split the stream.'
-    return f'{path} cannot be opened as a serial port ({error}); give another.'
+        return (
+            f'Another program uses {path}; stop it, because each would get only part of the data.'
+        )
+    return f'{path} cannot be opened as a serial port ({error}); give another port.'

@@ -39,7 +39,7 @@ class JoyDevice:
         self._newest, self._heard = message, now
         if to_sticks(self._layout, message.axes, message.buttons) is None:
             have = f'{len(message.axes)} axes and {len(message.buttons)} buttons'
-            self.unsound.add(f'joy: {have} are not those of the layout')
+            self.unsound.add(f'joy: {have}, fewer than the parameter layout uses')
             return
         self._tapped |= {number for number, level in enumerate(message.buttons) if level == 1}
         if why := find_fault(

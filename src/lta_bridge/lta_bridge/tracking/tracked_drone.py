@@ -104,9 +104,9 @@ class TrackedDrone:
         if not self._poses:
             return HealthLevel.WARN, 'no pose received yet'
         if now_ns - self._heard > SILENT_NS:
-            return HealthLevel.ERROR, f'silent for {1e-9 * (now_ns - self._heard):.1f} s'
+            return HealthLevel.ERROR, f'no pose for {1e-9 * (now_ns - self._heard):.1f} s'
         if self.sieve.newest is not None:
             return HealthLevel.ERROR, f'pose rejected: {self.sieve.newest}'
         if self._refused and now_ns - self._refused < RECENT_NS:
             return HealthLevel.WARN, 'some poses were rejected'
-        return HealthLevel.OK, 'poses come'
+        return HealthLevel.OK, 'poses arrive'

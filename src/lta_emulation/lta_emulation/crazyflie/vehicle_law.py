@@ -32,8 +32,8 @@ class VehicleLaw:
         control = vehicle.file.control
         if control is None or control.gains is None:
             raise BadInput(
-                f'{vehicle.file.name} has no control law with gains; add a control '
-                'block, or command its motors.'
+                f'The vehicle {vehicle.file.name} has no control law with gains; add a "control" '
+                'block to its file, or use command:=motors.'
             )
         self._law = find_control_law(control.law)
         self._known = self._law.known(load_law_gains(self._law.gains, control.gains), vehicle)

@@ -53,7 +53,9 @@ def initialize_ros(arguments: Sequence[str], context: Context | None = None) -> 
         raise BadInput(f'ROS cannot start: {" ".join(why.split())}.') from None
     if strays:
         raise BadInput(
-            f"The node does not know '{strays[0]}'; set parameters with --ros-args -p NAME:=VALUE."
+            f"The node does not know the argument '{strays[0]}'; set parameters with --ros-args "
+            '-p '
+            'NAME:=VALUE.'
         )
 
 
@@ -73,7 +75,7 @@ def reject_unknown_parameters(node: Node, arguments: Sequence[str]) -> None:
     for name in list_parameter_names(arguments, node.get_name()):
         if name not in known and not name.startswith(ROS_PREFIX):
             own = ', '.join(sorted(item for item in known if item not in ROS_OWN))
-            raise BadInput(f"{node.get_name()} has no parameter '{name}'; known: {own}.")
+            raise BadInput(f"The node {node.get_name()} has no parameter '{name}'; known: {own}.")
 
 
 def list_parameter_names(arguments: Sequence[str], node: str) -> list[str]:

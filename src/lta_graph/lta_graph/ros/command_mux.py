@@ -64,9 +64,12 @@ class CommandMux:
             self._node.publish_health()  # immediately: a starting teleop node reads it
 
     def _report_source(self) -> None:
-        whose = 'of a person' if self.held else 'of the navigator'
+        whose = 'operator' if self.held else 'navigator'
         self._node.health.report(
-            HELM, HealthLevel.OK, f'the drone follows setpoints {whose}', **{HELD: self.held}
+            HELM,
+            HealthLevel.OK,
+            f'the drone follows the setpoints of the {whose}',
+            **{HELD: self.held},
         )
 
     def _on_pose(self, pose: Any) -> None:  # noqa: ANN401 - a message

@@ -39,7 +39,7 @@ class DeviceNode(LifecycleNodeMixin, GraphNode):
         GraphNode.__init__(self, name, role='vehicle')
         LifecycleNodeMixin.__init__(self)
         if self.lockstep:
-            raise BadInput(f'A real {device} runs in real time; leave out time:=lockstep.')
+            raise BadInput(f'A real {device} works only in real time; remove time:=lockstep.')
         self.active, self.autostart, self.refusal = False, False, ''
 
     def run(self) -> None:

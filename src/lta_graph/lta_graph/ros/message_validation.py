@@ -73,7 +73,7 @@ def _is_plausible(numbers: Sequence[float]) -> bool:
 def _find_range_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
     # REP-117: infinite stands for an object out of range
     meant = math.isinf(message.range) or abs(message.range) <= LARGEST
-    return '' if meant else 'its range is not a number, or too large to be measured'
+    return '' if meant else 'its range is not a number, or implausibly large'
 
 
 def _find_image_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
@@ -83,7 +83,7 @@ def _find_image_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
 def _find_cloud_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
     wrong = _find_size_fault(len(message.data), message.height * message.row_step)
     if not wrong and message.row_step != message.width * message.point_step:
-        wrong = 'its points do not fit its rows'
+        wrong = 'its row_step is not its width times its point_step'
     if not wrong and len({field.name for field in message.fields}) < len(message.fields):
         wrong = 'two of its fields have the same name'
     return wrong
@@ -91,11 +91,11 @@ def _find_cloud_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
 
 def _find_joint_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
     have, want = len(message.effort), len(message.name)
-    return '' if have == want else f'it has {want} names and {have} efforts'
+    return '' if have == want else f'it has {want} names, but {have} efforts'
 
 
 def _find_size_fault(have: int, want: int) -> str:
-    return '' if have == want else f'it has {have} bytes and declares {want}'
+    return '' if have == want else f'it has {have} bytes of data, but its size fields say {want}'
 
 
 LENGTHS: Final[Mapping[str, Callable[[Any], str]]] = {
@@ -110,7 +110,7 @@ def find_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
     """Return why a message is invalid, or an empty string."""
     for path, numbers in _list_numeric_parts(type(message)):
         if not _is_plausible(numbers(message)):
-            return f'its {path} holds a value that is not a number, or too large to be measured'
+            return f'its {path} has a value that is not a number, or implausibly large'
     kind = type(message).__name__
     return LENGTHS[kind](message) if kind in LENGTHS else ''
 
@@ -154,4 +154,4 @@ class MessageValidator:
         by = now - self._newest.get(name, now)
         # Also after a jump, so that a changed clock is reported once
         self._newest[name] = now
-        return f'its stamp jumps by {1e-9 * by:.1f} s' if abs(by) > JUMP_NS else ''
+        return f'its time stamp jumps by {1e-9 * by:.1f} s' if abs(by) > JUMP_NS else ''

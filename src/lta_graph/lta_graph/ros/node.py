@@ -43,11 +43,15 @@ class GraphSettings(Settings):
     """Settings that all nodes of a graph must share."""
 
     time: Literal['realtime', 'lockstep'] = setting(
-        'realtime', 'Pace: the wall clock, or as fast as the graph answers.', fixed=True
+        'realtime',
+        'Time mode: realtime runs at the pace of the wall clock, lockstep as fast as the nodes '
+        'answer.',
+        fixed=True,
     )
     source: Literal['sim', 'replay', 'crazyflie'] = setting(
         'sim',
-        'What plays the vehicle: a simulator, the player of a recording, or a real one.',
+        'Where the data of the vehicle comes from: sim (the simulator), replay (a recording) or '
+        'crazyflie (a real drone).',
         fixed=True,
     )
 
@@ -233,7 +237,7 @@ class GraphNode(Node):
             self.health.report(
                 'inputs',
                 HealthLevel.ERROR,
-                f'waiting for {", ".join(missing)} from {", ".join(suspects)}',
+                f'waiting for messages on {", ".join(missing)} from {", ".join(suspects)}',
                 suspects=','.join(suspects),
             )
         elif self._heard:
@@ -242,7 +246,10 @@ class GraphNode(Node):
         lost = {name: gap for name, gap in gaps.items() if gap}
         if lost:
             self.health.report(
-                'losses', HealthLevel.ERROR, 'messages were lost on the way', **lost
+                'losses',
+                HealthLevel.ERROR,
+                'messages of these topics were lost between the nodes',
+                **lost,
             )
         if (unsound := self.soundness.unsound).count:
             self.health.set_fact(unsound.build_fact(MESSAGES))
@@ -263,7 +270,8 @@ class GraphNode(Node):
         if absent:
             sources = sorted({self.table[name].source for name in absent})
             self.get_logger().warning(
-                f'waiting for {", ".join(sorted(absent))} from {", ".join(sources)}'
+                f'waiting for messages on {", ".join(sorted(absent))} from {", ".join(sources)}; '
+                'start the missing nodes'
             )
 
     def publish_health(self) -> None:

@@ -44,8 +44,9 @@ class PeerListener:
         for name in names:
             if not is_name(name) or name == own:
                 raise BadInput(
-                    f"The peer '{name}' of '{own}' is not the namespace of another robot; "
-                    'give those of the other robots, separated by spaces.'
+                    f"'{name}' cannot be a peer of '{own}'; give the namespaces of the other "
+                    'robots, '
+                    'separated by spaces.'
                 )
         table = node.table
         self.names = list(names)

@@ -39,7 +39,7 @@ class PublisherConflict:
         ]
         if shared:
             words = f'{", ".join(shared)} ({self._format_other_nodes(shared)}); stop all but one'
-            health.report(OTHERS, HealthLevel.ERROR, f'published by others too: {words}')
+            health.report(OTHERS, HealthLevel.ERROR, f'other nodes also publish {words}')
         elif OTHERS in health:
             health.report(
                 OTHERS, HealthLevel.OK, 'no other node publishes the topics of this node'

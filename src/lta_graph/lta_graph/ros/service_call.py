@@ -43,7 +43,7 @@ def call_service(name: str, data: bool | None) -> ServiceResponse:
         # A SetBool without a value, or a Trigger with one
         if (kind is SetBool) is (data is None):
             wanted = 'true or false' if kind is SetBool else 'no value'
-            raise BadInput(f"Service '{name}' takes {wanted} after its name.")
+            raise BadInput(f"The service '{name}' takes {wanted} after its name.")
         client = node.create_client(kind, name)
         # The name was seen already, but the endpoints still have to match
         client.wait_for_service(PATIENCE)
@@ -51,7 +51,9 @@ def call_service(name: str, data: bool | None) -> ServiceResponse:
         future = client.call_async(request)
         executor.spin_until_future_complete(future, ANSWER)
         if not future.done():
-            raise BadInput(f"Service '{name}' did not answer in {ANSWER:.0f} s; see /diagnostics.")
+            raise BadInput(
+                f"The service '{name}' did not answer within {ANSWER:.0f} s; see /diagnostics."
+            )
         answer = future.result()
         return ServiceResponse(bool(answer.success), str(answer.message))
 
@@ -67,7 +69,9 @@ def find_service_class(node: Node, name: str) -> Any:  # noqa: ANN401 - a genera
         if time.monotonic() > deadline:
             known = sorted(one for one, types in there.items() if set(types) & KINDS.keys())
             words = (
-                f'available: {", ".join(known)}' if known else 'none is available; start a graph'
+                f'available: {", ".join(known)}'
+                if known
+                else 'none is available, so start the nodes first'
             )
             raise BadInput(f"No node offers the service '{name}'; {words}.")
         time.sleep(LOOK)

@@ -37,7 +37,7 @@ def wait_until_complete(
     while node.running and (missing := list_missing()):
         if time.monotonic() > deadline:
             raise BadInput(
-                f'After {patience:g} s the {node.get_name()} still waits for '
+                f'The node {node.get_name()} has waited {patience:g} s for these nodes: '
                 f'{", ".join(missing)}; start them, or check discovery with "lta doctor".'
             )
         time.sleep(LOOK)
@@ -67,7 +67,10 @@ def wait_until_settled(node: GraphNode, patience: float) -> None:
             time.sleep(LOOK)
             loose, now = links.find_unready_topics(node.count_readers()), count_endpoints(node)
             if time.monotonic() > deadline:
-                words = f'begun before all readers of {", ".join(loose)} were found'
+                words = (
+                    f'begun before all subscribers of {", ".join(loose)} were found; the first '
+                    'messages may be lost'
+                )
                 node.health.report('start', HealthLevel.WARN, words)
                 return
             # Any change starts the quiet time again

@@ -22,7 +22,7 @@ def own_folder(tmp_path: Path, monkeypatch):
 def test_a_second_bridge_to_a_drone_is_refused_by_name_and_another_drone_is_not():
     first = DroneLock(URI)
     with pytest.raises(
-        BadInput, match=rf'by another program \(process {os.getpid()}\); stop that'
+        BadInput, match=rf'Another program \(process {os.getpid()}\) already commands'
     ):
         DroneLock(URI)
     DroneLock('udp://127.0.0.1:2').close()
@@ -82,7 +82,10 @@ def test_a_claim_ends_with_its_process(tmp_path):
         ('[Errno 13] Access denied (insufficient permissions)', 'udev rule'),
         ("[Errno 13] could not open port /dev/ttyACM0: Permission denied: 'x'", 'dialout'),
         ("Couldn't load link driver: Could not open usb://0", 'plug it in and switch it on'),
-        ("Couldn't load link driver: Could not identify device", 'no such serial port'),
+        (
+            "Couldn't load link driver: Could not identify device",
+            'serial port of the URI does not exist',
+        ),
         (
             "Couldn't load link driver: [Errno 111] Connection refused",
             'start the drone or its',
@@ -90,11 +93,11 @@ def test_a_claim_ends_with_its_process(tmp_path):
         ("Couldn't load link driver: [Errno -2] Name or service not known", 'correct the URI'),
         (
             'Error communicating with the Crazyflie',
-            'not answer any more: switch it on',
+            'no longer answers: switch it on',
         ),
         ('No backend available', 'apt install libusb-1.0-0'),
         ('\n  odd \n more', 'odd'),
-        ('', 'the link failed'),
+        ('', 'the connection to the Crazyflie failed'),
     ],
 )
 def test_what_a_library_says_becomes_one_sentence_with_the_remedy(said, told):

@@ -198,7 +198,9 @@ def test_a_keeper_that_leaves_while_it_connects_writes_nothing_and_says_when_it_
 def test_an_old_firmware_is_refused_by_name():
     with CrazyflieServer(Firmware(BenchBody(), protocol=7)) as server:
         link = CflibLink(server.uri, BLOCKS, time.time_ns)
-        with pytest.raises(LinkFailed, match='protocol 7, older than 9: update it'):
+        with pytest.raises(
+            LinkFailed, match='protocol version 7, but must have 9 or newer: update'
+        ):
             link.open(PATIENCE)
 
 
@@ -215,7 +217,7 @@ def test_a_block_that_is_refused_is_named(code):
     with CrazyflieServer(Firmware(BenchBody())) as server:
         server.firmware.log.refuse = code
         link = CflibLink(server.uri, BLOCKS, time.time_ns)
-        with pytest.raises(LinkFailed, match='log block imu was refused'):
+        with pytest.raises(LinkFailed, match='refused the log block imu'):
             link.open(PATIENCE)
 
 
@@ -256,11 +258,11 @@ def test_parameters_are_brought_to_what_the_vehicle_needs_or_refused(linked):
             enforce_parameters(
                 link, {'lta.new': ExpectedParameter(value=1, write=True, why='why')}
             )
-        with pytest.raises(LinkFailed, match=r'lta.app is 2, not 3 \(why\)'):
+        with pytest.raises(LinkFailed, match=r'lta.app is 2, but must be 3 \(why\)'):
             enforce_parameters(
                 link, {'lta.app': ExpectedParameter(value=3, write=False, why='why')}
             )
-        with pytest.raises(LinkFailed, match=r'firmware\.revision0 cannot be written'):
+        with pytest.raises(LinkFailed, match=r'firmware\.revision0 of the firmware is read-only'):
             enforce_parameters(
                 link, {'firmware.revision0': ExpectedParameter(value=2, write=True, why='why')}
             )
@@ -310,7 +312,7 @@ def test_what_every_drone_must_meet_is_written_to_it(linked):
             None,
             r'has no parameter lta\.app \(.*flash the current firmware/crazyflie',
         ),
-        (APP, 1, r'lta\.app is 1, not 2 \(.*flash the current firmware/crazyflie'),
+        (APP, 1, r'lta\.app is 1, but must be 2 \(.*flash the current firmware/crazyflie'),
     ],
 )
 def test_without_the_present_app_a_blimp_is_refused_with_what_turns_motors_switched_off(
@@ -338,8 +340,12 @@ def test_without_the_present_app_a_blimp_is_refused_with_what_turns_motors_switc
         (APP._replace(compensated=True), True, ''),
         (AS_SOLD, True, ''),
         (AS_SOLD, None, ''),
-        (AS_SOLD, False, 'lacks the effect battery_compensation: flash the build of firmware/cr'),
-        (APP._replace(compensated=True), False, "corrects duties for the battery's voltage, and"),
+        (AS_SOLD, False, 'not have the effect battery_compensation: flash the firmware of'),
+        (
+            APP._replace(compensated=True),
+            False,
+            'corrects motor duties for the battery voltage, but',
+        ),
         (APP, True, 'has the effect battery_compensation: flash stock firmware, or remove'),
     ],
 )
@@ -371,8 +377,9 @@ def test_a_file_that_sets_a_required_parameter_otherwise_is_one_sentence(tmp_pat
     with pytest.raises(BadInput) as refused:
         load_crazyflie(mine, 'gtmab')
     assert (
-        'sets the parameter supervisor.landedTimeout to 60000, which must be 3000 on every drone '
-        '(with a longer one a landed drone stays armed unattended); remove that line'
+        'sets the firmware parameter supervisor.landedTimeout to 60000, but it must be 3000 on '
+        'every drone (with a longer timeout, a landed drone stays armed unattended); remove that '
+        'line'
     ) in str(refused.value)
 
 
@@ -413,17 +420,19 @@ def test_every_shipped_file_is_wired_to_rotors_that_exist():
             == 4
         )
     with pytest.raises(
-        BadInput, match='is for multirotor, but the vehicle is gtmab; give the Crazyflie file'
+        BadInput, match='is for the vehicle multirotor, but gtmab is to fly; give the'
     ):
         load_crazyflie('multirotor', 'gtmab')
-    with pytest.raises(BadInput, match='m1 is wired to up, which the vehicle does not have'):
+    with pytest.raises(
+        BadInput, match='assigns motor m1 to the rotor up, which the vehicle does not have'
+    ):
         find_rotor_indices({'m1': 'up'}, ['left'])
 
 
 def test_a_vehicle_of_ones_own_has_its_crazyflie_file_beside_it(tmp_path):
     mine = tmp_path / 'my_blimp.yaml'
     mine.write_text('name: my_blimp')
-    with pytest.raises(BadInput, match=r'my_blimp has no Crazyflie file.*write my_blimp\.crazyf'):
+    with pytest.raises(BadInput, match=r'my_blimp has no Crazyflie file.*create my_blimp\.crazyf'):
         find_crazyflie(str(mine), 'my_blimp')
     shipped = find_file('crazyflie', 'gtmab').read_text()
     (tmp_path / 'my_blimp.crazyflie.yaml').write_text(shipped)

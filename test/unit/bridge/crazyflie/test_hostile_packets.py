@@ -159,7 +159,7 @@ def test_a_voltage_that_is_no_number_is_not_flown_with_for_long():
     while flight.bridge.state.stage is SafetyStage.FLYING:
         flight.tick(good=bad)
     assert 1e-9 * (flight.now - began) < UNTOLD + LOW + 0.1
-    assert 'the cell voltage is not reported' in flight.bridge.state.why
+    assert 'the battery voltage is no longer reported' in flight.bridge.state.why
     assert flight.bridge.malformed.count > 100
 
 
@@ -193,7 +193,8 @@ def test_a_log_packet_has_the_size_of_its_block_and_no_other(number, size):
     data = bytes([number]) + bytes(STAMPED - 1 + size)
     assert (find_packet_fault(5, 2, data, SIZES) == '') == (size == SIZES[number])
     assert (
-        find_packet_fault(5, 2, bytes([99]) + data[1:], SIZES) == 'log block 99 was not requested'
+        find_packet_fault(5, 2, bytes([99]) + data[1:], SIZES)
+        == 'packet of log block 99, which was not requested'
     )
     assert find_packet_fault(5, 2, data, {}) == ''  # of an earlier connection
 

@@ -221,13 +221,16 @@ def test_one_that_is_gone_locked_or_disarmed_gets_no_order(stage, changed):
         ({}, ''),
         ({'voltage': 3.2}, ''),
         ({'silence': 0.5}, ''),
-        ({'voltage': 3.19}, 'the cell has 3.19 V, less than 3.20 V: charge it'),
-        ({'voltage': math.nan}, 'the Crazyflie has not reported its cell voltage yet: try again'),
+        ({'voltage': 3.19}, 'the battery has 3.19 V, less than the limit of 3.20 V: charge it'),
+        (
+            {'voltage': math.nan},
+            'the Crazyflie has not reported its battery voltage yet: try again',
+        ),
         ({'silence': 0.501}, 'the Crazyflie has sent nothing for 0.5 s'),
         ({'silence': math.inf}, 'the Crazyflie has not reported its state yet: try again'),
-        ({'active': False}, 'the bridge is not active: activate it first'),
+        ({'active': False}, 'the bridge node is not active: activate it first'),
         ({'linked': False}, 'no link'),
-        ({'word': 1 | 128}, 'crashed'),
+        ({'word': 1 | 128}, 'the Crazyflie has crashed'),
     ],
 )
 def test_who_may_arm(changed, why):

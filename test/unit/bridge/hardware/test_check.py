@@ -170,7 +170,10 @@ def test_a_drone_and_a_board_are_heard_and_their_figures_told(call, talking):
     assert {name for name, state in states.items() if state == 'fail'} == {'diodes'}
     assert states['battery'] == states['supervisor'] == states["board's clock"] == 'ok'
     (duties,) = (check['found'] for check in told['checks'] if check['name'] == 'duties')
-    assert duties == "idle thrust 0 of 65535, not corrected for the battery's voltage"
+    assert duties == (
+        'idle thrust 0 of 65535; the firmware does not correct motor duties for the battery '
+        'voltage'
+    )
     drone = told['drone']
     assert (drone['protocol'], drone['voltage']) == (12, 4.0)
     assert drone['revision'] == '20260800'
@@ -200,7 +203,7 @@ def test_a_locked_drone_with_an_empty_cell_and_without_the_app_is_not_in_order(c
     }
     assert status == 1
     assert set(failed) == {'battery', 'supervisor', 'lta.app'}
-    assert 'locked: switch the Crazyflie off and on' in failed['supervisor']
+    assert 'locked the motors: switch the Crazyflie off and on' in failed['supervisor']
     assert failed['battery'].startswith('3.10 V')
 
 
@@ -214,9 +217,11 @@ def test_stock_firmware_under_a_blimp_is_told_what_it_lacks(call):
         'lta.app',
         'lta.compensated',
     }
-    assert 'lacks the effect battery_compensation' in checks['duties']['found']
-    assert checks['duties']['remedy'].startswith('Flash the build of firmware/crazyflie, or add')
-    assert checks['powerDist.idleThrust']['found'].startswith('7000, not 0 (motors would turn')
+    assert 'not have the effect battery_compensation' in checks['duties']['found']
+    assert checks['duties']['remedy'].startswith('Flash the firmware of firmware/crazyflie, or')
+    assert checks['powerDist.idleThrust']['found'].startswith(
+        '7000, but must be 0 (otherwise the motors turn'
+    )
 
 
 def test_torn_frames_and_another_dialect_are_told(call, talking):
@@ -235,7 +240,7 @@ def test_nobody_at_an_address_is_told_with_a_remedy(call):
     server.close()
     status, said = call('hardware', 'check', '--uri', server.uri, '--seconds', '0.5')
     assert status == 1
-    assert 'Switch it on' in said.out
+    assert 'Switch the Crazyflie on' in said.out
 
 
 def test_a_missing_port_is_one_sentence(call, tmp_path):

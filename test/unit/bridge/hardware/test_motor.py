@@ -87,7 +87,7 @@ def test_a_drone_that_a_bridge_flies_is_left_alone(drone, call, typed):
     with closing(DroneLock(drone.uri)):
         status, said = call('hardware', 'bench', 'm2', '--uri', drone.uri)
     assert status == 2
-    assert 'is commanded by another program' in said.err
+    assert 'already commands the Crazyflie' in said.err
     assert drone.firmware.log.blocks == {}
 
 

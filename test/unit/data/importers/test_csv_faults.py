@@ -51,12 +51,12 @@ MAPPINGS = {
         'known: orientation, position',
     ),
     'unknown key': ('position:', 'place:', 'not known'),
-    'two times': ('unit: s}', 'unit: s, rate: 50 Hz}', 'needs one of "column", "rate" and "step"'),
+    'two times': ('unit: s}', 'unit: s, rate: 50 Hz}', 'exactly one of "column", "rate" and'),
     'no time': ('time: {column: t, unit: s}\n', '', 'needs the key "time"'),
     'time unit': ('unit: s}', 'unit: m}', 'must be in s, ms, us or ns'),
     'two columns': ('[x, y, z]', '[x, y]', 'must have 3 or more'),
     'axes': ('topics:', 'world: [x, x, z]\ntopics:', 'each once'),
-    'named axes': ('topics:', 'world: DOWN\ntopics:', 'known axes are ENU'),
+    'named axes': ('topics:', 'world: DOWN\ntopics:', 'must be one of ENU'),
     'actuators': (
         'position:',
         'actuators: {m1: {}}\n    position:',
@@ -75,13 +75,13 @@ MAPPINGS = {
     'two attitudes': (
         'position:',
         'orientation: {euler: [x], sequence: Z, matrix: [x,x,x,x,x,x,x,x,x]}\n    position:',
-        'needs one of "quaternion"',
+        'needs exactly one of "quaternion"',
     ),
-    'sequence': ('position:', 'orientation: {euler: [x, y]}\n    position:', '2 angles for'),
+    'sequence': ('position:', 'orientation: {euler: [x, y]}\n    position:', 'has 2 columns'),
     'turns twice': (
         'position:',
         'orientation: {euler: [x, y], sequence: ZZ}\n    position:',
-        'turns twice about one axis',
+        'turns twice in a row about the same axis',
     ),
     'bounds': ('unit: m}', 'unit: m, within: [5, 9]}', "'x' has 1 in row 1"),
 }

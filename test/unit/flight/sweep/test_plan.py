@@ -196,8 +196,8 @@ def test_what_cannot_be_flown_is_said_before_the_first_flight(vary, words):
     [
         ({'vary': {HEAVY: {'uniform': {'low': 1, 'high': 2}}}}, 'add "samples"'),
         ({'samples': 3, 'seeds': {'count': 3}}, 'leave count out'),
-        ({'vary': {HEAVY: ['1 g']}, 'set': {HEAVY: '2 g'}}, 'both sets and varies'),
-        ({'vary': {HEAVY: ['1 g']}, 'cases': {'a': {HEAVY: '2 g'}}}, 'which its cases set'),
+        ({'vary': {HEAVY: ['1 g']}, 'set': {HEAVY: '2 g'}}, 'in both "set" and "vary"'),
+        ({'vary': {HEAVY: ['1 g']}, 'cases': {'a': {HEAVY: '2 g'}}}, 'in both "vary" and "cases"'),
         ({'vary': {HEAVY: {'choice': [1], 'normal': {'mean': 1, 'deviation': 1}}}}, 'needs one'),
     ],
 )

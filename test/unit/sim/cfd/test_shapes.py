@@ -159,7 +159,7 @@ def test_a_pattern_of_strangers_is_refused(tmp_path):
 
 
 def test_a_body_is_a_box_or_a_file(tmp_path):
-    with pytest.raises(BadInput, match='either position and size of a box, or stl'):
+    with pytest.raises(BadInput, match='either "position" and "size" of a box, or "stl"'):
         load_tunnel_model(tunnel(tmp_path, 'bodies: {block: {stl: a.stl}}'))
 
 

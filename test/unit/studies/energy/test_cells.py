@@ -160,7 +160,7 @@ def test_the_verb_writes_a_page_and_numbers(tmp_path, monkeypatch, capsys):
     ('words', 'sentence'),
     [
         (('--budget', '50 cm'), 'The budget is in cm, but must be in kg or a compatible unit.'),
-        (('--budget', 'heavy'), 'The budget "heavy" is not a number and a unit'),
+        (('--budget', 'heavy'), 'The budget is "heavy", but must be a number and a unit'),
         (('--vehicle', 'sblimp'), "Vehicle 'sblimp' has no charger for solar panels"),
         (('other',), "Unknown cell table 'other'; known: seed_paper."),
     ],

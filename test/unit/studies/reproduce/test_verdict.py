@@ -183,7 +183,7 @@ def test_a_cause_is_told_with_what_sized_it_and_not_where_that_was_left_out():
         == '\N{EN DASH}'
     )
     wrong = {**CONTENT, 'series': {'one': {**series['one'], 'said': 'It takes {pth}.'}}}
-    with pytest.raises(BadInput, match='which it does not measure'):
+    with pytest.raises(BadInput, match='but does not define it'):
         validate_content(PaperRow, wrong, 'row')
 
 
