@@ -47,7 +47,7 @@ METHOD: Final = (
     'the power of the rotors drains the cell every 10 ms. The light link is computed from '
     'geometry and noise, without ADC samples.',
     'With a fixed duty cycle, the drone rests for a fixed multiple of its last flight, '
-    'either awake in its active hours or asleep. The schedule by light uses the '
+    'either awake in its active hours or asleep. The light-aware schedule (by light) uses the '
     'clear-sky light, the mean cloud cover, the timers and its own charge estimate. It '
     'flies when that is safe and enough charge is left for the night, or when the cell '
     'would be full; in between it sleeps. Neither schedule starts a flight that might use '

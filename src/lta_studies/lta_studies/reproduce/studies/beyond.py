@@ -46,7 +46,8 @@ TRACKS: Final = (
     'Ground tracks from above in a uniform headwind of 0.86 m/s, both with the same seed.'
 )
 DAY: Final = (
-    'Charge over a midsummer day in a greenhouse under the same clouds: the light-aware schedule, '
+    'Charge over a midsummer day in a greenhouse under the same clouds: the light-aware '
+    'schedule (by light), '
     "which uses a forecast, and the paper's fixed duty cycle. Top: the light."
 )
 

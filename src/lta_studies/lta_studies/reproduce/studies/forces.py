@@ -25,7 +25,7 @@ from plotly.graph_objects import Figure, Scatter
 
 NOT_IN_TABLE: Final = 'solar_panels'  # missing in the paper's table of masses
 CURVE: Final = (
-    "Thrust of one rotor: the paper's polynomial, and Bitcraze's bench data, whose voltage "
+    "Thrust against duty: the paper's polynomial, and Bitcraze's bench data, whose voltage "
     'drops with load. Both were measured with four motors and divided by four.'
 )
 
