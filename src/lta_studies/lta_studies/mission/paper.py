@@ -55,7 +55,7 @@ def compute_charging_ratios(
     """
     lights = {
         'here: steady white LED': DARK._replace(lamps=LUX / LED),
-        'here: white LED, flickering 50 %': DARK._replace(beacon=LUX / LED, duty=0.5),
+        'here: white LED, on half of the time': DARK._replace(beacon=LUX / LED, duty=0.5),
         'here: sun': DARK._replace(sun=LUX / SUN),
     }
     found = [

@@ -24,7 +24,7 @@ OF_STEP: Final = (
 OF_WHOLE: Final = (
     ('altitude', 'altitude error during the other steps [cm rms]', 100.0, 1),
     ('swing', 'swing at the end [deg]', 180.0 / math.pi, 2),
-    ('search', 'duration of the mission [% of the limit]', 100.0, 0),
+    ('search', 'duration of the mission [% of the time limit]', 100.0, 0),
     ('growth', 'growth rate of a swing in cruise [%/s]', 100.0, 1),
     ('effort', 'change of duty [1/s]', 1.0, 2),
     ('cost', 'cost', 1.0, 3),

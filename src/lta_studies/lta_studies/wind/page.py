@@ -172,7 +172,7 @@ def build_provenance_table(request: WindStudyRequest) -> dict[str, str]:
     """Return the provenance table of the page."""
     return {
         'scenario': f'{request.scenario}, its wind replaced',
-        'hull centre': f'{request.height:g} m up, or just above the floor for a large vehicle',
+        'hull centre': f'{request.height:g} m above the floor; higher if the vehicle is too large',
         'reference height': f'{request.reference:g} m',
         'seeds': ('1' if request.seeds == 1 else f'1 to {request.seeds}')
         if request.fly

@@ -28,7 +28,7 @@ from lta_studies.energy.tables import render_text_table
 from plotly.graph_objects import Figure as Picture
 from plotly.graph_objects import Scatter
 
-TITLE: Final = 'Which solar cells are best by mass and charging time depends on the criterion.'
+TITLE: Final = 'Which solar cell is best in mass and charging time depends on the criterion.'
 PAPER: Final = (
     'Charging time per area against mass per area, the criterion of the paper (Huang et al. '
     '2025). Dots: cells. Lines: the Pareto front. The row PowerFilm can mean a small panel '

@@ -56,7 +56,7 @@ def render_page(links: Sequence[LampLink], again: str, vehicle: str) -> str:
         facts={'vehicle': vehicle, 'commit': read_commit()},
         commands={
             'Repeat the study': again,
-            'Fly in the first scene': format_lta_command('simulate', '--scenario', first),
+            'Fly in the first scenario': format_lta_command('simulate', '--scenario', first),
         },
     )  # fmt: skip
 

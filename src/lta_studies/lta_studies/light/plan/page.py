@@ -108,7 +108,7 @@ def build_tiles(layout: LampLayout, handover: LampHandover) -> list[Tile]:
     return [
         Tile('covered', format_percent(layout.coverage), '%', f'of {wanted:.0f} m² where the hull '
         f'fits'),
-        Tile('lamps', str(count), '', f'lower bound for full coverage: {layout.bound}'),
+        Tile('lamps', str(count), '', f'at least {layout.bound} for full coverage'),
         Tile(
             'lamps by area', f'{100.0 * count / floor.area:.2f}', 'per 100 m²',
             f'one for {floor.area / max(count, 1):.0f} m²; paper: one for {PAPER:g} m²',

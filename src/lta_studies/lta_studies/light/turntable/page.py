@@ -116,7 +116,7 @@ def build_tiles(study: RingStudy, response: TurntableResponse) -> list[Tile]:
         f'{format_degrees(max(study.paper))}°'),
         Tile('SNR', f'{study.snr:.0f}', '', 'of the best diode, median'),
         Tile('exponent', f'{response.exponent:.2f}', '',
-             f'of the cosine, \N{PLUS-MINUS SIGN} {response.exponent_deviation:.1g}'),
+             f'of the cosine response, \N{PLUS-MINUS SIGN} {response.exponent_deviation:.1g}'),
         Tile('gains', f'{1e2 * response.gain_spread:.1f}', '%', 'spread among the diodes'),
         Tile('pedestal', f'{1e2 * response.pedestal:.1f}', '%',
              'of the largest signal, from reflections'),
