@@ -159,7 +159,7 @@ def explain_shortage(band: FrequencyBand, existing: Sequence[float], count: int,
     """Return the error message for too few frequencies."""
     width = band.bin_width
     half = band.window * width
-    addition = f' in addition to the {len(existing)} in use' if existing else ''
+    addition = f' besides those of the existing lamps ({len(existing)})' if existing else ''
     return (
         f'{count} lamps need a frequency, but only {fit} are free{addition}. A frequency '
         f'must be the centre of a bin of {width:g} Hz between {LOWEST:g} Hz and '
