@@ -33,7 +33,7 @@ from lta_sim.cfd.openfoam.engine import (
 from lta_sim.cfd.solve import check_memory
 from lta_sim.cfd.tunnel_model import TunnelModel
 
-REMEDY: Final = 'give its workers fewer threads or more memory, or take a coarser fidelity'
+REMEDY: Final = 'start its workers with fewer threads or more memory, or use a coarser --fidelity'
 
 
 @final
@@ -121,8 +121,8 @@ class DaskFlowSolver:
                 yield (
                     flow,
                     CaseFailed(
-                        f'The cluster failed ({type(error).__name__}: {reason}); '
-                        'run the command again to resume.'
+                        f'The Dask cluster failed ({type(error).__name__}: {reason}); run '
+                        'the same command again to resume.'
                     ),
                 )
 

@@ -26,23 +26,28 @@ from lta_studies.cfd.tables import build_drag_table, build_rotor_table
 from lta_studies.energy.tables import render_text_table
 
 INTRODUCTION: Final = (
-    'Drag along and about six axes, and the net force of each rotor with the hull in its jet, '
-    'computed from the shape without flights.'
+    'Drag of the vehicle along and about its three axes, and the net force of each rotor '
+    'including its jet on the hull. A flow solver computes both from the shape, without '
+    'flights.'
 )
 DRAWN: Final = (
-    'Points: results of the flow solver, with the spread of the averaging window. Lines: '
-    'the fit used in flight. Dotted: estimate by hand, which should agree within a factor of two.'
+    'Points: drag from the flow solver, with its variation over the averaging window. '
+    'Lines: the fit that flight simulations use. Dotted: analytical estimate, which should '
+    'agree within a factor of two.'
 )
 METHOD: Final = (
-    'One mesh per direction; air at 1 m/s, with the viscosity divided by the intended speed. '
-    'preview: steady k-omega SST with transition, half or a quarter of the domain where the '
-    f'vehicle is symmetric. reference: transient at {MIDDLE:g} m/s, whole tunnel, implicit LES, '
-    f'DES beyond a Reynolds number of {MODELLED:,.0f}; steady at {SLOW:g} m/s.',
-    'Rotors are momentum sources in their disks, without swirl. Turning is steady in a rotating '
-    'frame: the damping of small fast swings is under-predicted.',
-    'A number is rejected if a disk has under 30 cells, the force still varies by over '
-    '15 %, or over 10 % of it is missing in the momentum of the air. Nothing here is '
-    'grid-converged.',
+    'Each direction has one mesh. The air always moves at 1 m/s; to get the Reynolds number '
+    'of another speed, the viscosity is divided by that speed. Fidelity preview: steady '
+    'k-omega SST with transition, on a half or a quarter of the domain where the vehicle is '
+    f'symmetric. Fidelity reference: transient at {MIDDLE:g} m/s in the whole tunnel, with '
+    f'implicit LES, or DES above a Reynolds number of {MODELLED:,.0f}; steady at {SLOW:g} '
+    'm/s.',
+    'Each rotor is a momentum source in its disk, without swirl. Rotation of the vehicle is '
+    'computed as steady, in a rotating frame: the damping of small fast oscillations is '
+    'underestimated.',
+    'A result is rejected if a rotor disk has fewer than 30 cells, if the force still '
+    'varies by more than 15 %, or if the momentum of the air differs from the force by more '
+    'than 10 %. The results are not grid-converged.',
 )
 
 
@@ -81,27 +86,28 @@ def render_page(
         method=notes,
         facts={
             'engine': sweep.engine, 'fidelity': sweep.fidelity, 'geometry': sweep.geometry,
-            'processor time': f'{sum_processor_time(sweep) / 60.0:.1f} min, without meshes',
+            'processor time': f'{sum_processor_time(sweep) / 60.0:.1f} min, without meshing',
             'commit': read_commit(),
         },
         commands=commands,
     )  # fmt: skip
 
 
-CAPTION: Final = 'Airspeed in the middle plane; grey is solid.'
+CAPTION: Final = 'Airspeed in the middle plane. Grey: solid parts.'
 
 
 def format_slice_heading(plane: FlowSlice) -> str:
     """Return the heading of a slice."""
-    return f'{plane.about.replace("_", " ").capitalize()}: the air in the middle plane'
+    return f'{plane.about.replace("_", " ").capitalize()}: airspeed in the middle plane'
 
 
 def format_headline(sweep: TunnelSweep) -> str:
     """Return the headline."""
     fits = fit_drag_by_axis(sweep)
     return (
-        f'{sweep.name} has a drag of {fits["surge"].drag_at(1.0):.3f} N edge-on and '
-        f'{fits["heave"].drag_at(1.0):.3f} N broadside at 1 m/s ({sweep.fidelity}).'
+        f'{sweep.name} has a drag of {fits["surge"].drag_at(1.0):.3f} N in forward flight '
+        f'and {fits["heave"].drag_at(1.0):.3f} N in vertical flight at 1 m/s '
+        f'({sweep.fidelity}).'
     )
 
 
@@ -109,13 +115,13 @@ def build_tiles(sweep: TunnelSweep) -> list[Tile]:
     """Return tiles with the drag of each axis at 1 m/s or 1 rad/s, and the lift of all rotors."""
     fits = fit_drag_by_axis(sweep)
     made = [
-        Tile(axis, f'{1e3 * fits[axis].drag_at(1.0):.0f}', 'mN', f'at 1 m/s, '
-        f'{_describe_source(sweep, axis)}')
+        Tile(axis, f'{1e3 * fits[axis].drag_at(1.0):.0f}', 'mN',
+             f'drag at 1 m/s, {_describe_source(sweep, axis)}')
         for axis in ALONG
     ]  # fmt: skip
     made += [
-        Tile(axis, f'{1e3 * fits[axis].drag_at(1.0):.2f}', 'mN m', f'at 1 rad/s, '
-        f'{_describe_source(sweep, axis)}')
+        Tile(axis, f'{1e3 * fits[axis].drag_at(1.0):.2f}', 'mN m',
+             f'drag at 1 rad/s, {_describe_source(sweep, axis)}')
         for axis in ABOUT
     ]  # fmt: skip
     # A vehicle without rotors has no such flow.
@@ -125,4 +131,4 @@ def build_tiles(sweep: TunnelSweep) -> list[Tile]:
 
 
 def _describe_source(sweep: TunnelSweep, axis: Axis) -> str:
-    return 'solved' if select_solved_points(sweep, axis) else 'by hand'
+    return 'from the flow solver' if select_solved_points(sweep, axis) else 'analytical estimate'

@@ -18,18 +18,27 @@ import typer
 
 Jobs = Annotated[
     int | None,
-    typer.Option(help='Flows solved at a time; one per core by default.', min=1, max=256),
+    typer.Option(
+        help='Number of flows solved at the same time; one per core by default.', min=1, max=256
+    ),
 ]
 Cache = Annotated[
     Path | None,
     typer.Option(
-        help='Folder that keeps solved flows for reuse; with --scheduler, on each machine.'
+        help=(
+            'Folder where solved flows are kept and reused; with --scheduler, on each '
+            'worker machine.'
+        )
     ),
 ]
 Scheduler = Annotated[
     str | None,
     typer.Option(
-        metavar='ADDRESS', help='Address of a Dask scheduler; its cluster then solves the flows.'
+        metavar='ADDRESS',
+        help=(
+            'Address of a Dask scheduler, such as tcp://10.0.0.1:8786; its workers then '
+            'solve the flows.'
+        ),
     ),
 ]
 
@@ -40,7 +49,9 @@ def check_solver_options(jobs: int | None, scheduler: str | None) -> None:
         require_openfoam()
     elif jobs is not None:
         # An ignored option would be misleading.
-        raise BadInput('With --scheduler each worker thread solves one flow; leave --jobs out.')
+        raise BadInput(
+            'With --scheduler, each worker thread solves one flow at a time; leave --jobs out.'
+        )
 
 
 @contextmanager

@@ -17,16 +17,16 @@ from lta_studies.cfd.tables import build_sphere_table
 from lta_studies.energy.tables import render_text_table
 
 CAPTION: Final = (
-    'Line: Morrison 2013. Band: 0.45 to 0.50, measured by Achenbach 1972 between 5e4 and 1.2e5. '
-    'Points: this tunnel.'
+    'Line: correlation of Morrison (2013). Band: 0.45 to 0.50, measured by Achenbach (1972) '
+    'at Reynolds numbers from 5e4 to 1.2e5. Points: simulated in this wind tunnel.'
 )
 METHOD: Final = (
-    'The steady model makes the boundary layer turbulent too early and has no vortex shedding: it '
-    'is correct at 0.2 m/s and too low at 2 m/s, more so on finer meshes. Use it to compare '
-    'designs.',
-    'The transient setting was chosen because it agreed with a sphere: up to a Reynolds number of '
-    f'{MODELLED:,.0f} without an eddy model, beyond with one. This is therefore not an '
-    'independent test.',
+    'The steady model makes the boundary layer turbulent too early and sheds no vortices. '
+    'Its drag is correct at 0.2 m/s and too low at 2 m/s, even more so on finer meshes. Use '
+    'it to compare designs.',
+    'The settings of the transient model were chosen because they match this sphere: no '
+    f'turbulence model up to a Reynolds number of {MODELLED:,.0f}, one above it. So the '
+    'sphere is not an independent test of them.',
 )
 
 
@@ -43,7 +43,9 @@ def render_page(results: Sequence[SphereComparison], commands: Mapping[str, str]
         'energy.html',
         title=escape(format_headline(results)),
         kicker='cfd validate · sphere',
-        about='A sphere of 1 m in the wind tunnel, compared with measurements of real ones.',
+        about=(
+            'Drag of a sphere of 1 m in the simulated wind tunnel, compared with measurements.'
+        ),
         tiles='\n'.join(render_tile(*each) for each in build_tiles(results)),
         first=render_section('sphere', 'Drag coefficient', CAPTION, draw_sphere_drag(results)),
         pictures='',
@@ -61,8 +63,10 @@ def format_headline(results: Sequence[SphereComparison]) -> str:
         worst = max(
             (each for each in results if each.setting == setting), key=lambda e: abs(e.off)
         )
-        parts.append(f'{setting}: at worst {100 * worst.off:+.0f} % at Re {worst.reynolds:.2g}')
-    return f'Sphere against the measured scatter: {"; ".join(parts)}.'
+        parts.append(f'{setting} {100 * worst.off:+.0f} % at Re {worst.reynolds:.2g}')
+    return (
+        f'Largest deviation of the drag of a sphere from the measured range: {"; ".join(parts)}.'
+    )
 
 
 def build_tiles(results: Sequence[SphereComparison]) -> list[Tile]:

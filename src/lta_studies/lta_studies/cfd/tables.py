@@ -27,19 +27,20 @@ def build_drag_table(sweep: TunnelSweep) -> TextTable:
             axis, f'{fit.linear:.2g}', f'{fit.quadratic:.3g}', f'{100 * fit.error:.1f}',
             '' if math.isnan(fit.exponent) else f'{fit.exponent:.2f}',
             f'{100 * max(p.evidence.spread for p in points):.1f}',
-            f'{middle.evidence.cells}' if select_solved_points(sweep, axis) else 'by hand',
+            f'{middle.evidence.cells}' if select_solved_points(sweep, axis) else 'estimate',
             _format_percent(mesh_share(sweep, axis), '+.0f'),
             _format_percent(hull_share(sweep, axis), '.0f'),
             f'{ratio_to_estimate(sweep, axis):.2f}',
         ])  # fmt: skip
     heads = [
         'axis', 'D1', 'D2', 'fit error [%]', 'exponent', 'spread [%]', 'cells', 'mesh [%]',
-        'hull [%]', 'ratio to hand',
+        'hull [%]', 'ratio to estimate',
     ]  # fmt: skip
     note = (
-        'D1 in N s/m and N m s, D2 in N s2/m2 and N m s2, about the hull centre. Fit error: at '
-        'the worst point. At the middle point: mesh, additional drag on a coarser mesh; hull, its '
-        'share of the drag; ratio to hand, the drag divided by the estimate by hand.'
+        'D1 (linear drag) in N s/m and N m s, D2 (quadratic drag) in N s2/m2 and N m s2, '
+        'about the hull centre. Fit error: at the worst point. At the middle speed: mesh, '
+        'additional drag on a coarser mesh; hull, share of the hull in the drag; ratio to '
+        'estimate, drag divided by the analytical estimate.'
     )
     return TextTable('Drag', heads, rows, note)
 
@@ -70,9 +71,10 @@ def build_rotor_table(sweep: TunnelSweep) -> TextTable:
         'balance [%]',
     ]  # fmt: skip
     note = (
-        'Net wrench about the hull centre, including the thrust. Fz of sum: sum of single rotors. '
-        'Quarter: wrench at a quarter of the thrust divided by a quarter of the full one, 1 if '
-        'linear. Balance: force that is missing in the momentum of the air.'
+        'Net force and moment about the hull centre, including the thrust. Fz of sum: the '
+        'sum of the rotors running one at a time. Quarter: force at a quarter of the thrust '
+        'divided by a quarter of the force at full thrust; 1 if linear. Balance: difference '
+        'between the force and the momentum of the air, relative to the force.'
     )
     return TextTable('Rotors on', heads, rows, note)
 
@@ -93,7 +95,8 @@ def build_sphere_table(results: list[SphereComparison]) -> TextTable:
         'CPU s',
     ]  # fmt: skip
     note = (
-        'Error: standard error of a transient, standard deviation of the window of a steady '
-        'flow. Scatter: from Morrison to the 0.50 that Achenbach measured.'
+        'Error: standard error of the mean of a transient flow, or standard deviation of a '
+        'steady flow over its averaging window. From scatter: deviation from the measured '
+        "range, which reaches from Morrison's value to the 0.50 of Achenbach."
     )
     return TextTable('Sphere', heads, rows, note)

@@ -33,21 +33,25 @@ DAY: Final = (
     'charge of the cell.'
 )
 WHEN: Final = 'State of the drone over time.'
-HOURS: Final = "Minutes in the air in each hour. Dotted: the paper's figure for an hour at 80 klx."
+HOURS: Final = (
+    'Minutes in the air in each hour. Dotted: 18 minutes in an hour at 80 klx, stated in '
+    'the paper (Huang et al. 2025).'
+)
 BOOKS: Final = (
-    'Where the energy went. The harvested energy is drawn in flight and on the perch, lost as '
-    'heat in the cell, or stored. The last part could not be harvested.'
+    'Where the energy of the light went: used in flight, used on the perch, lost as heat in '
+    'the cell, or stored. The last part could not be harvested because the cell was full.'
 )
 METHOD: Final = (
-    'On the perch: panel, charger, cell and loads in steps of half a minute. In flight: the '
-    'compiled 6-DoF model with estimator, cascade and homing, the cell drained every hundredth of '
-    'a second by the power of the rotors; the light link is geometry and noise, without ADC '
-    'blocks.',
-    'A duty cycle rests for a fixed multiple of the last flight, awake in its hours or asleep. '
-    'The schedule by light uses the clear sky, the mean cloud cover, the timers and its own '
-    'charge estimate. It flies when that is safe and enough charge is left for the night, or when '
-    'the cell would be full, and sleeps in between. Both refuse a flight that might not leave the '
-    'reserve.',
+    'On the perch, panel, charger, cell and loads are simulated in steps of half a minute. '
+    'In flight, the compiled 6-DoF model is used with estimator, controller and homing, and '
+    'the power of the rotors drains the cell every 10 ms. The light link is computed from '
+    'geometry and noise, without ADC samples.',
+    'With a fixed duty cycle, the drone rests for a fixed multiple of its last flight, '
+    'either awake in its active hours or asleep. The light-aware schedule (by light) uses the '
+    'clear-sky light, the mean cloud cover, the timers and its own charge estimate. It '
+    'flies when that is safe and enough charge is left for the night, or when the cell '
+    'would be full; in between it sleeps. Neither schedule starts a flight that might use '
+    'up the reserve.',
     'A drone that does not return is fetched and counts as a failure.',
 )
 
@@ -80,7 +84,7 @@ def render_page(
         tiles='\n'.join(render_tile(*each) for each in build_tiles(request, results)),
         first=render_section(
             'day',
-            f'Charge with the light, seed {seed}',
+            f'Light and state of charge, seed {seed}',
             DAY,
             draw_charge(shown, light, request.mission.reserve.si),
         ),
@@ -103,7 +107,9 @@ def format_headline(request: MissionRequest, results: Sequence[MissionResult]) -
     first = select_main_result(results)
     own = mean_daily_minutes(filter_by_schedule(results, first.schedule), request.days)
     more = flight_time_ratio(results)
-    sentence = f'{request.mission.name} flies {own.value:.0f} minutes a day'
+    sentence = (
+        f'In the mission {request.mission.name} the drone flies {own.value:.0f} minutes a day'
+    )
     if more is None:
         return f'{sentence}.'
     return f'{sentence}, {more.value:.2f} times as many as with a fixed duty cycle.'
@@ -122,7 +128,8 @@ def build_tiles(request: MissionRequest, results: Sequence[MissionResult]) -> li
             'flights',
             f'{sum(each.figures.flights for each in alike) / count / days:.0f}',
             'a day',
-            f'{sum(each.figures.visits for each in alike) / count / days:.0f} beacons visited',
+            f'{sum(each.figures.visits for each in alike) / count / days:.0f} beacons '
+            'visited a day',
         ),
         Tile(
             'failures',
@@ -141,7 +148,10 @@ def build_tiles(request: MissionRequest, results: Sequence[MissionResult]) -> li
     more = flight_time_ratio(results)
     if more is not None:
         # Directly after the flown minutes, to which it refers
-        made.insert(1, Tile('gain', format_mean(more, 2), 'times', 'flown time of duty cycle'))
+        made.insert(
+            1,
+            Tile('gain', format_mean(more, 2), 'times', 'the flight time of the fixed duty cycle'),
+        )
     return made
 
 
@@ -198,5 +208,8 @@ def build_schedule_table(request: MissionRequest, results: Sequence[MissionResul
         'a day', 'flown [min]', 'flights', 'whole rounds', 'harvested [kJ]', 'wasted [kJ]',
         'asleep [%]', 'energy imbalance', 'total failures',
     ]  # fmt: skip
-    note = f'Over {len(request.seeds)} seeds of {request.days} d; 95 % intervals in brackets.'
+    note = (
+        f'Means per day over {len(request.seeds)} seeds of {request.days} d; 95 % intervals '
+        'in brackets.'
+    )
     return TextTable('Results of the schedules', heads, rows, note)

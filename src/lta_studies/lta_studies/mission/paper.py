@@ -18,12 +18,13 @@ LED, SUN = 300.0, 110.0  # lm/W
 HOVER, NAVIGATE, IDLE = 1.333, 1.533, 0.097  # W, the paper's; 1.533 is the middle of 1523 to 1544
 HOUR: Final = 60.0  # min
 WORDS: Final = (
-    'The ratios are consistent only if flying takes 4/3 of the hover power, 1777 mW: '
-    "4 : 1 against the paper's navigation power implies 383 mW of net charging, 3 : 1 against "
-    'its hover power 444 mW. 18 minutes an hour is neither 15 (all flying) nor 20 (all hovering), '
-    'but one third of flying and two thirds of hovering. At 80 klx a white LED that flickers like '
-    'the beacon gives less than half the power of a steady one, and the sun 2.7 times as much, so '
-    'that all the ratios are possible at the same illuminance.'
+    'The ratios of the paper are consistent only if flying takes 4/3 of the hover power, '
+    'which is 1777 mW. A ratio of 4 : 1 to its navigation power means 383 mW of net '
+    'charging, 3 : 1 to its hover power 444 mW. Its 18 minutes an hour are neither 15 (only '
+    'flying) nor 20 (only hovering), but one third flying and two thirds hovering. At 80 '
+    'klx a white LED that flickers like the beacon gives less than half the power of a '
+    'steady one, and the sun gives 2.7 times as much. So all the ratios are possible at the '
+    'same illuminance.'
 )
 
 
@@ -54,7 +55,7 @@ def compute_charging_ratios(
     """
     lights = {
         'here: steady white LED': DARK._replace(lamps=LUX / LED),
-        'here: white LED, flickering 50 %': DARK._replace(beacon=LUX / LED, duty=0.5),
+        'here: white LED, on half of the time': DARK._replace(beacon=LUX / LED, duty=0.5),
         'here: sun': DARK._replace(sun=LUX / SUN),
     }
     found = [
@@ -80,4 +81,4 @@ def build_ratio_table(ratios: list[ChargingRatio]) -> TextTable:
         for each in ratios
     ]
     heads = ['at 80 klx', 'net [mW]', 'charge to flight', 'flight per hour of charging [min]']
-    return TextTable('Charging and flying at 80 klx', heads, rows, WORDS)
+    return TextTable('Charging time and flight time at 80 klx', heads, rows, WORDS)

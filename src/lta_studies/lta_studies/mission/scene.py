@@ -54,7 +54,10 @@ def add_payload(spec: FlightSpec, payload: InspectionPayload) -> FlightSpec:
     vehicle = dict(spec.contents['vehicle'])
     own = vehicle.get('layers')
     if not isinstance(own, dict):
-        raise BadInput('A payload needs a vehicle file with layers; leave the payload out.')
+        raise BadInput(
+            'The mission has a payload, but its vehicle file has no layers to add it to; '
+            'remove the payload from the mission file, or choose another vehicle.'
+        )
     source = payload.mass.source or ''
     part = {
         'shape': 'box',
@@ -90,7 +93,9 @@ class MissionScene:
                 )
         if not isinstance(self.policy.gains, CascadeGains):
             raise BadInput(
-                f'Missions need the control law cascade; {mission.vehicle} has another.'
+                'Missions need a vehicle with the control law cascade, but '
+                f'{mission.vehicle} has another; choose another vehicle in the mission '
+                'file.'
             )
         self._table = load_topic_table()
         # The model needs only one lamp; the links of the others are built per leg.

@@ -42,7 +42,7 @@ def build_entrant(
     content = load_yaml(find_file('vehicle', contestant.vehicle))
     for step in steps:
         content = _apply_changes(_borrow_blocks(content, step), step.changes, 'vehicle')
-    where = f'{find_file("vehicle", contestant.vehicle)}, as the comparison changes it'
+    where = f'{find_file("vehicle", contestant.vehicle)} with the changes of the comparison'
     file = validate_content(VehicleFile, content, where)
     named = _select_law(file, steps)
     gains = load_law_gains(find_control_law(named[0]).gains, named[1])
@@ -50,7 +50,7 @@ def build_entrant(
     for step in steps:
         values = _apply_changes(values, step.changes, 'gains')
     gains = validate_content(
-        type(gains), values, f'{find_file("gains", named[1])}, as the comparison changes it'
+        type(gains), values, f'{find_file("gains", named[1])} with the changes of the comparison'
     )
     vehicle = Vehicle(file, air_density)
     made = find_control_law(named[0])

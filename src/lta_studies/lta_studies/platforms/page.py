@@ -39,14 +39,15 @@ HEADS = ('platform', 'manoeuvre', 'held', 'overshoot', 'settles', 'steady error'
          'height error', 'tilt')  # fmt: skip
 DASHED = 'Dashed: setpoint. Flights with seed 1.'
 LIMITED = (
-    'One flight for each commanded speed. Dashed: speed reached equals speed commanded. The '
-    'changes are listed below, under "What causes the differences".'
+    'One flight for each commanded speed. Dashed: the speed reached equals the speed '
+    'commanded. The changes are listed below, under "What causes the differences".'
 )
 METHOD = (
-    'Held: settles before the last quarter, height within 0.2 m, not turned over. Steady error '
-    '(setpoint minus flown) and ripple over the last quarter; rms over the whole rated interval. '
-    'Means over the seeds with their 95 % interval (Student); none for one seed, or if all digits '
-    'shown agree. Settling time: mean of the flights that settle.'
+    'Held: the platform settles before the last quarter, keeps its height within 0.2 m and '
+    'does not turn over. Steady error (setpoint minus flown) and ripple: over the last '
+    'quarter. Rms: over the whole rated interval. Values are means over the seeds with '
+    'their 95 % interval (Student), which is missing for one seed or if it rounds to zero. '
+    'Settling time: mean of the flights that settle.'
 )
 
 
@@ -214,7 +215,7 @@ def describe_inputs_and_limits(report: ComparisonReport) -> list[str]:
         title = comparison.contestants[limit.of].title
         why = f' ({limit.why})' if limit.why else ''
         found.append(
-            f'{title}{why}: holds commanded speeds up to {held:.2f} m/s at its height, and '
+            f'{title}{why}: keeps its height at commanded speeds up to {held:.2f} m/s, and '
             f'reaches {reached:.2f} m/s at most.'
         )
     return found
@@ -236,8 +237,8 @@ def format_open_loop_inputs(
                 ]
                 order = ', '.join(flying.vehicle.rotor_names)
                 sentences.append(
-                    f'{contestant.title}: its input in climb, the duties of {order}, is '
-                    f'{"; ".join(steps)}.'
+                    f'{contestant.title} flies the climb in open loop, with these duties of '
+                    f'{order}: {"; ".join(steps)}.'
                 )
     return sentences
 

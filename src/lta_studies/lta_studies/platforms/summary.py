@@ -88,13 +88,13 @@ def describe_reversals(comparison: ComparisonFile, rows: Sequence[PlatformResult
                 continue
             # Reversed: the majority of flights changes between held and not held.
             a, b = (sum(row.held for row in part.rows) for part in (base, changed))
-            text = f'{manoeuvre} ({a} of {len(base.rows)} held, then {b})'
+            text = f'{manoeuvre} ({a} of {len(base.rows)} flights held, {b} with the change)'
             (turned if (2 * a > len(base.rows)) != (2 * b > len(changed.rows)) else same).append(
                 text
             )
         parts = [
-            *([f'reverses {", ".join(turned)}'] if turned else []),
-            *([f'does not reverse {", ".join(same)}'] if same else []),
+            *([f'changes the result of {", ".join(turned)}'] if turned else []),
+            *([f'does not change the result of {", ".join(same)}'] if same else []),
         ]
         sentences.append(f'{title}; {ablation.why}: {" and ".join(parts)}.')
     return sentences

@@ -37,17 +37,19 @@ SOURCES: Final = {
     'future': '',
 }
 METHOD: Final = (
-    'A claim agrees if the measured value satisfies the rule next to it, which its file fixed '
-    'before any run. Means over seeds have 95 % intervals in brackets (Student for means, '
-    'Wilson for shares). "Cannot be tested here" comes with the reason. All rows use the same '
-    'GT-MAB file, gains, lamp and room; deviations are listed.'
+    'A claim agrees if the measured value satisfies the rule in its row; the rules were '
+    'fixed in files before any run. Means over seeds have 95 % intervals in brackets '
+    '(Student for means, Wilson for shares). For each claim that "cannot be tested here", '
+    'the reason is given. All rows use the same GT-MAB file, gains, lamp and room; '
+    'deviations are listed.'
 )
 
 DISCOVERY: Final = (
-    'Discovery (`lta discover`) names a missing effect from flights: commands and motion by time. '
-    "The paper's curves are pictures, and their data is not published. Only printed numbers "
-    'remain: a cause is fitted to some of them and tested on the others, which is how '
-    'discovery confirms, too. A cause that explains only one number is marked as a guess.'
+    'Discovery (`lta discover`) finds a missing effect from the commands and the motion of '
+    'recorded flights. The paper shows its curves only as pictures and does not publish '
+    'their data, so only the printed numbers remain. A cause is fitted to some of these '
+    'numbers and tested on the others, as discovery does with flights. A cause that '
+    'explains only one number is marked as a guess.'
 )
 
 Kepts = Mapping[str, StoredRow]

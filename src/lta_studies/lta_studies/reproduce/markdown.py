@@ -43,7 +43,7 @@ def format_markdown_page(rows: Sequence[PaperRow], stored_rows: Kepts) -> str:
         format_markdown_table(
             lines.SERIES_HEADS, lines.build_paper_figure_rows(rows, stored_rows)
         ),
-        '## Where the paper does not add up\n',
+        '## Inconsistencies in the paper\n',
         format_markdown_table(lines.DEFECT_HEADS, lines.build_defect_rows(rows)),
         '## Deviations from the shared vehicle, gains, lamp and room\n',
         format_markdown_table(('row', 'deviation'), lines.build_deviation_rows(rows)),

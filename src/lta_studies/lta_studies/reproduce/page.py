@@ -19,8 +19,8 @@ from lta_studies.reproduce.verdict import ClaimVerdict
 from plotly.io import from_json
 
 ABOUT: Final = (
-    'Every experiment of the seed paper, repeated in this system: what the paper says, what we '
-    'get, and why they differ.'
+    'Every experiment of the paper (Huang et al. 2025), repeated in this system: what the '
+    'paper says, what we get, and why they differ.'
 )
 MARKS: Final = {
     ClaimVerdict.AGREES: 'agrees', ClaimVerdict.DIFFERS: 'differs',

@@ -81,7 +81,10 @@ def study_row(name: str, quick: bool, folder: Path) -> StoredRow:
     # --quick may leave out measures, but no study may add undeclared ones.
     if undeclared or (lacking and not quick):
         names = ', '.join(sorted(undeclared or lacking))
-        raise BadInput(f'The study of {name} and its file disagree on these measures: {names}.')
+        raise BadInput(
+            f'The measures computed for {name} and those listed in its file '
+            f'config/paper/{name}.yaml differ: {names}. Correct the file or the study.'
+        )
     return build_stored_row(found, seeds, time.monotonic() - begun)
 
 

@@ -58,7 +58,10 @@ def rotor_lift_loss_limit(vehicle: Vehicle) -> float:
     """Return the loss of lift that full thrust compensates. [kg]"""
     own, per_newton = select_lifting_rotors(vehicle.rotors, vehicle.file.aero.coupling)
     if not own or per_newton <= 0.0:
-        raise BadInput(f'{vehicle.file.name} has no rotor that lifts, so it cannot hover.')
+        raise BadInput(
+            f'{vehicle.file.name} has no rotor that lifts, so it cannot hover; choose '
+            'another vehicle.'
+        )
     # The weakest rotor limits the rest: more of one alone would tilt the vehicle.
     full = min(rotor.full_thrust for rotor in own) * per_newton
     return full / STANDARD_GRAVITY - vehicle.heaviness

@@ -17,12 +17,23 @@ from lta_studies.tune.step_response import Channel, StepResponse
 
 NAME = 'report.html'
 CHANNELS: Final[tuple[tuple[Channel, str, str], ...]] = (
-    ('altitude', 'Climb and descent', 'Where no rotor reverses, only weight pulls it down.'),
+    (
+        'altitude',
+        'Climb and descent',
+        'If no rotor reverses, only the weight pulls the drone down.',
+    ),
     ('heading', 'Turn', 'Without airspeed.'),
     ('speed', 'Forward speed', 'Some speed remains from the turn before.'),
-    ('course', 'Turn at speed', 'Course through the air; the nose points against the drift.'),
+    (
+        'course',
+        'Turn at speed',
+        'Course: direction of motion through the air; the nose points against the drift.',
+    ),
 )
-SEARCH: Final = 'Average of the mean and the worst cost. Dotted: the old gains.'
+SEARCH: Final = (
+    'Lowest cost so far: average of the mean and the worst cost of the test flights. '
+    'Dotted: the old gains.'
+)
 Traces = Sequence[tuple[float, StepResponse]]
 
 
@@ -64,15 +75,15 @@ def describe_tuning(tuned: TuningResult) -> str:
     """Describe the flights of the tuning and the cost."""
     order = tuned.order
     return (
-        f'{len(tuned.found.history)} candidates flew {len(tuned.losses)} test flights each. They '
-        f'had lost {1e3 * order.least:g} to {1e3 * order.most:g} g of lift, unknown to the drone. '
-        'The comparison below uses new random draws. '
-        'The cost combines settling, overshoot, steady error, swing, rotor activity and mission '
+        f'{len(tuned.found.history)} candidate gain sets flew {len(tuned.losses)} test '
+        f'flights each, with {1e3 * order.least:g} to {1e3 * order.most:g} g of lift lost, '
+        'unknown to the drone. The comparison below uses new random flights. The cost '
+        'combines settling, overshoot, steady error, swing, rotor activity and mission '
         'time; lower is better.'
     )
 
 
-ROBUST_HEADS = ('median (middle half), or share with 95 % interval', 'old', 'new')
+ROBUST_HEADS = ('median (quartiles), or share (95 % interval)', 'old', 'new')
 MARGINS_NOTE = (
     '<p class="note">Each loop is opened at its demand with the others closed, using one control '
     'period linearised about the steady flight. Gain: by how much it may fall or rise before the '
@@ -116,21 +127,24 @@ def build_tiles(tuned: TuningResult) -> list[Tile]:
             'Holds up to',
             format_number(held, 1),
             'g lost',
-            f'{new.limit.days[0]:.0f} to {new.limit.days[1]:.0f} days of leaking',
+            f'after {new.limit.days[0]:.0f} to {new.limit.days[1]:.0f} days of leaking',
         ),
         Tile(
             'Flights',
             str(len(tuned.found.history) * len(tuned.losses)),
             '',
             # Each draw is flown with both sets of gains.
-            f'and {2 * len(old.flights.reports)} for the comparison',
+            f'in the search, and {2 * len(old.flights.reports)} in the comparison',
         ),
     ]
 
 
 def render_plot_sections(tuned: TuningResult, old: Traces, new: Traces) -> list[str]:
     """Return the sections with the plots."""
-    lines = 'True values, one line per loss; paler lines have lost more. Dashed: setpoint.'
+    lines = (
+        'True values, one line for each loss of lift; the paler, the larger the loss. '
+        'Dotted: setpoint.'
+    )
     out = [
         render_section(
             channel, heading, f'{caption} {lines}', pictures.plot_responses(channel, old, new)
@@ -139,7 +153,7 @@ def render_plot_sections(tuned: TuningResult, old: Traces, new: Traces) -> list[
     ]
     flights = tuned.old.flights, tuned.new.flights
     history = pictures.plot_search(tuned.found.history, len(tuned.losses))
-    every = 'Each draw is flown with both sets of gains.'
+    every = 'Each random flight is flown with both sets of gains.'
     return [
         *out,
         render_section(
@@ -162,7 +176,8 @@ def build_provenance_table(tuned: TuningResult) -> dict[str, str]:
         'gains before': tuned.gains_name,
         'losses in the search': ', '.join(f'{1e3 * loss:.2g} g' for loss in tuned.losses),
         # 1000 is `compare.FRESH`.
-        'seeds': f'{order.seed} to {order.seed + len(tuned.losses) - 1}; fresh draws from 1000',
+        'seeds': f'{order.seed} to {order.seed + len(tuned.losses) - 1} in the search, '
+        'from 1000 in the comparison',
         'commit': read_commit(),
     }
 

@@ -102,8 +102,8 @@ def select_parameters(settings: BaseModel, names: Sequence[str] = ()) -> list[Tu
             raise unknown_name_error('number', name, list(found))
         if not found[name].value > 0.0:
             raise BadInput(
-                f'{name} starts at {found[name].value:g}. The search multiplies it by factors; '
-                'start from a value above 0.'
+                f'{name} starts at {found[name].value:g}, but the search multiplies it by '
+                'factors and needs a value above 0; set one in the start gains.'
             )
     # Duplicates removed, order kept: the order defines the axes of the search.
     return [found[name] for name in dict.fromkeys(names)]

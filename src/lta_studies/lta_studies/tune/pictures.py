@@ -85,7 +85,7 @@ def plot_costs(old: GainEvaluation, new: GainEvaluation) -> Figure:
                 x=[1e3 * loss for loss in flights.losses],
                 y=[report.cost for report in flights.reports],
                 mode='markers', name=name, marker={'color': colour, 'size': 7, 'opacity': 0.8},
-                hovertemplate=f'{name}: %{{y:.3f}} at %{{x:.2f}} g<extra></extra>',
+                hovertemplate=f'{name} gains: cost %{{y:.3f}} at %{{x:.2f}} g lost<extra></extra>',
             )
         )  # fmt: skip
     figure.update_layout(hovermode='closest', margin={'r': 24})

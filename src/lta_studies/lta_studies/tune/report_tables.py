@@ -22,10 +22,10 @@ OF_STEP: Final = (
     ('steady', 'steady error [%]', 100.0, 0),
 )
 OF_WHOLE: Final = (
-    ('altitude', 'altitude error in the other steps [cm rms]', 100.0, 1),
+    ('altitude', 'altitude error during the other steps [cm rms]', 100.0, 1),
     ('swing', 'swing at the end [deg]', 180.0 / math.pi, 2),
-    ('search', 'duration of the mission [% of the limit]', 100.0, 0),
-    ('growth', 'growth of a swing in cruise [%/s]', 100.0, 1),
+    ('search', 'duration of the mission [% of the time limit]', 100.0, 0),
+    ('growth', 'growth rate of a swing in cruise [%/s]', 100.0, 1),
     ('effort', 'change of duty [1/s]', 1.0, 2),
     ('cost', 'cost', 1.0, 3),
 )
@@ -36,15 +36,21 @@ def format_headline(tuned: TuningResult) -> str:
     old, new = tuned.old.flights, tuned.new.flights
     gap = compare_costs(old, new)
     before = sum(report.cost for report in old.reports) / len(old.reports)
-    interval = f'difference {gap.low:+.3f} to {gap.high:+.3f}'
+    interval = f'95 % interval of the difference: {gap.low:+.3f} to {gap.high:+.3f}'
     # Differences are new - old, so a negative interval means that the new gains are better.
     if gap.high < 0.0:
-        less = f'{-100.0 * gap.mean / before:.0f} % less'
-        return f'The new gains cost {less} over {len(old.reports)} fresh draws ({interval}).'
+        less = f'{-100.0 * gap.mean / before:.0f} % lower'
+        return (
+            f'The cost of the new gains is {less} over {len(old.reports)} new random flights '
+            f'({interval}).'
+        )
     if gap.low > 0.0:
-        words = f'over {len(old.reports)} fresh draws ({interval})'
-        return f'The new gains are worse {words}: keep the old gains.'
-    return f'No significant difference over {len(old.reports)} fresh draws ({interval}).'
+        words = f'over {len(old.reports)} new random flights ({interval})'
+        return f'The cost of the new gains is higher {words}: keep the old gains.'
+    return (
+        f'No significant difference of the cost over {len(old.reports)} new random flights '
+        f'({interval}).'
+    )
 
 
 def format_share(value: ShareInterval) -> str:
@@ -136,7 +142,8 @@ def explain_missing_margin(old: LoopMargins, new: LoopMargins) -> str:
             words.append(f'{name}: {side.why}')
         elif not side.stable:
             words.append(
-                f'{name}: a swing of {side.swing:.2f} rad/s grows by {100 * side.growth:.1f} %/s'
+                f'{name}: an oscillation of {side.swing:.2f} rad/s grows by '
+                f'{100 * side.growth:.1f} %/s'
             )
     return '; '.join(words)
 
@@ -148,19 +155,31 @@ def build_helium_limit_rows(old: HeliumLimit, new: HeliumLimit) -> list[Row]:
         return format_number(None if value is None or math.isinf(value) else value, 1)
 
     return [
-        ['largest loss held in flight [g]', format_limit(old.grams), format_limit(new.grams)],
         [
-            'smallest loss that failed in flight [g]',
+            'largest loss of lift held in flight [g]',
+            format_limit(old.grams),
+            format_limit(new.grams),
+        ],
+        [
+            'smallest loss of lift that failed in flight [g]',
             format_limit(old.fails),
             format_limit(new.fails),
         ],
         [
-            'loss that the largest demand carries [g]',
+            'loss of lift that the largest vertical command carries [g]',
             format_limit(old.demand),
             format_limit(new.demand),
         ],
-        ['loss that full thrust carries [g]', format_limit(old.rotors), format_limit(new.rotors)],
-        ['days, at 0.2 to 0.9 L/(m² day)', format_leak_days(old), format_leak_days(new)],
+        [
+            'loss of lift that full thrust carries [g]',
+            format_limit(old.rotors),
+            format_limit(new.rotors),
+        ],
+        [
+            'days to lose what was held, at a leak of 0.2 to 0.9 L/(m² day)',
+            format_leak_days(old),
+            format_leak_days(new),
+        ],
     ]
 
 

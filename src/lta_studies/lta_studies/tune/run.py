@@ -108,7 +108,10 @@ def select_start_gains(vehicle: str, named: str | None) -> str:
             f'vehicle whose control block names {LAW}.'
         )
     if named is None and (control is None or control.gains is None):
-        raise BadInput(f'{vehicle} names no gains in its control block; start from --gains NAME.')
+        raise BadInput(
+            f'{vehicle} names no gains in its control block; give the start gains with '
+            '--gains NAME.'
+        )
     return named or (control.gains if control and control.gains else '')
 
 
@@ -171,7 +174,7 @@ def tune_once(order: TuningRequest, console: Console) -> TuningResult:
         new = replace_parameters(old, best)
         file = order.out or folder / GAINS_NAME
         write_gains(new, format_gains_comment(order, name, found, len(cases)), file)
-        progress.show_stage(f'flying {order.draws} fresh draws with old and new gains')
+        progress.show_stage(f'flying {order.draws} new random flights with old and new gains')
         fresh = draw_cases(order.least, order.most, order.draws, order.seed)
         flights = fly_comparison(scene, (old, new), fresh, workers)
         progress.show_stage('margins and limits')
@@ -238,10 +241,10 @@ def format_gains_comment(
     ended = ', stopped early' if result.stopped else ''
     return [
         f'Gains for {vehicle_name(order)}, found by: {order.command}',
-        f'{count} candidates with {cases} test flights each{ended}, from the gains {start}; '
-        f'search seed {order.seed}.',
-        f'Lift lost: {1e3 * order.least:g} to {1e3 * order.most:g} g against the trim of its '
-        f'file; seeds {order.seed} to {order.seed + cases - 1}.',
+        f'{count} candidates with {cases} test flights each{ended}, starting from the gains '
+        f'{start}; search seed {order.seed}.',
+        f'Lift lost: {1e3 * order.least:g} to {1e3 * order.most:g} g relative to the trim of '
+        f'the vehicle file; seeds {order.seed} to {order.seed + cases - 1}.',
         f'Cost {result.first:.3f} before, {result.cost:.3f} after (average of mean and worst; '
         'see lta tune --help).',
     ]

@@ -27,17 +27,19 @@ ROUGHNESS: Final = np.geomspace(1e-3, 0.45, 60)  # m
 TICKS: Final = (1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)  # m
 MISSING: Final = '\N{EN DASH}'
 CAPTION: Final = (
-    'Lines: static limit as reference wind, by the log law averaged over the hull. Dots: flown in '
-    'the closed loop. Towards the right the hull flies between the roughness elements, where the '
-    'log law is only a surrogate: compare several values.'
+    'Lines: static limit, as wind at the reference height; the log law, averaged over the '
+    'hull, gives the wind at the hull. Dots: flown in the closed loop. Towards the right, '
+    'the hull flies between the obstacles that make the ground rough, where the log law is '
+    'only an approximation: compare several values.'
 )
 METHOD: Final = (
-    'Static: the lowest of three airspeeds: the one that the rotors hold at constant height and '
-    'heading, the one above which the hull tumbles, and the one above which it rises because '
-    'rotors below the hull lift its nose and then push it up. Flown: the largest wind, from the '
-    'lamp to the start, in which the drone still makes headway to the lamp with its own gains and '
-    'the best of several airspeeds; in brackets, the additional wind at which it failed. None: no '
-    'headway in the smallest wind tried. A dash: no such limit, or not flown.'
+    'Static limit: the lowest of three airspeeds: the highest that the rotors can hold at '
+    'constant height and heading, the one above which the hull tumbles, and the one above '
+    'which it rises because rotors below the hull lift its nose and then push it up. Flown '
+    'limit: the largest wind, blowing from the lamp to the start, in which the drone still '
+    'approaches the lamp with its own gains and the best of several airspeeds. In brackets: '
+    'the additional wind at which it failed. "none": no approach even in the smallest wind '
+    'tried. Dash: no such limit, or not flown.'
 )
 
 
@@ -87,8 +89,9 @@ def format_introduction(request: WindStudyRequest) -> str:
     seeds = f'{request.seeds} seed{"s" if request.seeds > 1 else ""}'
     flown = f'Flown with {seeds}{", in coarse steps" if request.quick else ""}.'
     return (
-        f'Uniform wind, and wind over rough ground as a weather service would measure it at '
-        f'{request.reference:g} m, reduced to the height of the hull by the log law. '
+        'Limits in uniform wind, and in wind over rough ground. The wind over ground is '
+        f'given at {request.reference:g} m, as a weather service measures it; the log law '
+        'yields the wind at the height of the hull. '
         f'{flown if request.fly else "Static limits only; nothing was flown."}'
     )
 
@@ -139,7 +142,7 @@ def format_flyable_wind(limit: FlyableWind | None, bracket: bool = True) -> str:
 
 def render_limit_table(results: Sequence[PlatformWindLimits], request: WindStudyRequest) -> str:
     """Return the HTML table of limits, with two columns for each ground."""
-    grounds = ['uniform wind', *(f'over {z:g} m of roughness' for z in request.roughness)]
+    grounds = ['uniform wind', *(f'ground roughness {z:g} m' for z in request.roughness)]
     top = ''.join(f'<th scope="colgroup" colspan="2">{name}</th>' for name in grounds)
     heads = [
         'platform',
@@ -169,7 +172,7 @@ def build_provenance_table(request: WindStudyRequest) -> dict[str, str]:
     """Return the provenance table of the page."""
     return {
         'scenario': f'{request.scenario}, its wind replaced',
-        'hull centre': f'{request.height:g} m up, or just above the floor for a large vehicle',
+        'hull centre': f'{request.height:g} m above the floor; higher if the vehicle is too large',
         'reference height': f'{request.reference:g} m',
         'seeds': ('1' if request.seeds == 1 else f'1 to {request.seeds}')
         if request.fly

@@ -137,4 +137,4 @@ def test_the_table_stands_beside_the_paper():
     assert rows['hovering'][-2:] == ['1333', '0.54']
     assert rows['navigating, DGA'][-2:] == ['1523\N{EN DASH}1544', '1.00']
     assert rows['multirotor, hovering'][-2] == '3999'
-    assert '10 % of a multirotor' in render_page(made_up, {})
+    assert '10 % of the power of a multirotor' in render_page(made_up, {})

@@ -121,8 +121,8 @@ def test_the_factor_that_makes_the_order_is_named():
     changed = case('start_heading', bag=6, dga=8, des=12)
     titles = {'start_heading': 'the start heading'}
     said = path_order.describe_order([], path_order.find_path_orders([*here, *changed]), titles)
-    assert 'is not significant as flown here (in 0 % of resampled flights)' in said
-    assert said.endswith('Single factors that cause it: the start heading (in 100 % of '
+    assert 'is not significant in our flights (in 0 % of resampled flights)' in said
+    assert said.endswith('one of these factors is changed: the start heading (in 100 % of '
                          'resampled flights).')  # fmt: skip
     said = path_order.describe_order([], path_order.find_path_orders(here), titles)
     assert said.endswith(', and no single factor causes it.')

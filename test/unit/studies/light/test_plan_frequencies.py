@@ -61,8 +61,8 @@ def test_there_are_as_many_as_the_sentence_says():
         except BadInput as error:
             sentence = str(error)
             break
-    assert f'{fit} lamps need a frequency, but only {fit - 1} fit' in sentence
-    assert 'in bins of 10 Hz' in sentence
+    assert f'{fit} lamps need a frequency, but only {fit - 1} are free' in sentence
+    assert 'a bin of 10 Hz' in sentence
     assert '100 Hz (mains)' in sentence
     assert 30 <= fit <= 50
 

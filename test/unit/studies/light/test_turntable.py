@@ -108,7 +108,7 @@ def test_a_simulated_turntable_is_studied_and_its_zero_found(call, bag, tmp_path
     assert math.degrees(told['zero']) == pytest.approx(1.5, abs=1.0)
     assert told['response']['exponent'] == pytest.approx(1.2, abs=0.15)
     page = (tmp_path / 'out' / 'report.html').read_text()
-    assert 'On the turntable the fit finds the lamp' in page
+    assert 'On the turntable, the median bearing error is' in page
     assert 'scatterpolar' in page
     status, said = call(
         'hardware', 'light', bag, *words[:4], '--align', '--out', tmp_path / 'b', '--json'

@@ -281,11 +281,11 @@ def test_the_page_says_what_each_change_turns(tmp_path):
         for job in list_jobs('platforms', few, 1)
     ]
     told = describe_reversals(few, rows)
-    assert 'reverses climb (1 of 1 held, then 0)' in told[0]
+    assert 'changes the result of climb (1 of 1 flights held, 0 with the change)' in told[0]
     page = write_page(ComparisonReport(few, rows, tmp_path, {'seeds': '1'})).read_text()
     assert 'controller: our cascade, which knows the linear B alone</td>' in page
     assert '<b>1/1 \N{RIGHTWARDS ARROW} 0/1</b>' in page
-    assert 'the duties of front, yaw, vertical' in page  # the open loop's input is stated
+    assert 'duties of front, yaw, vertical' in page  # the open loop's input is stated
     assert '3.1 g' in page  # static margin of BEAVIS
     content = [result_to_json(row) for row in rows]
     assert json.loads(json.dumps(content, allow_nan=False)) == content

@@ -18,17 +18,24 @@ from lta_studies.energy.tables import render_text_table
 from plotly.graph_objects import Figure, Scatter
 
 COLOURS: Final = (TRUTH, ESTIMATE, LAMP, GOOD)
-ABOUT: Final = 'Output of array and charger from 300 lx in a warehouse to the sun, and its uses.'
+ABOUT: Final = (
+    'Power of the solar array and its charger, from 300 lx in a warehouse to full sun, '
+    'compared with the power that each task needs.'
+)
 OWN: Final = (
-    "Charger output with the vehicle's own array, by kind of light. Dotted: power of the tasks. "
-    'In weak light the charger would use more than it delivers, and is off.'
+    "Charger output with the vehicle's own array, for each kind of light. Dotted: power "
+    'that each task needs. In weak light the charger is off, because it would use more '
+    'power than it delivers.'
 )
 METHOD: Final = (
-    'Single-diode model of each panel, one string per panel, cells warmed by the light; charger '
-    'as in the vehicle file. An array has as many panels as the mass budget allows, at least one.',
-    'Lumens per radiant watt: white LED 300, sun 110. The spectral response of a cell is assumed '
-    'to be that to sunlight; under a white LED a silicon cell would perform slightly better.',
-    'Hover and flight powers are those of the paper; see lta energy budget for our flights.',
+    'Each panel is a single-diode model, with one string per panel and cells warmed by the '
+    'light. The charger is that of the vehicle file. An array has as many panels as the '
+    'mass budget allows, at least one.',
+    'Luminous efficacy: 300 lm/W for white LED light, 110 lm/W for sunlight. Each cell is '
+    'assumed to respond to all light as it does to sunlight; under a white LED a silicon '
+    'cell would give slightly more.',
+    'The powers for hovering and flying are those of the paper (Huang et al. 2025); '
+    '"lta energy budget" computes them from simulated flights.',
 )
 
 
@@ -58,8 +65,9 @@ def format_headline(result: BreakEvenMap) -> str:
     """Return the headline."""
     lux = [result.break_even_lux(result.arrays[0], lamp, result.loads['idle']) for lamp in LAMPS]
     return (
-        f'{result.vehicle} idles indefinitely at {format_klux(lux[0])} klx of white LED, '
-        f'{format_klux(lux[1])} klx of a flickering one, {format_klux(lux[2])} klx of sun.'
+        f'{result.vehicle} can idle indefinitely at {format_klux(lux[0])} klx of steady '
+        f'white LED light, {format_klux(lux[1])} klx of flickering white LED light, or '
+        f'{format_klux(lux[2])} klx of sunlight.'
     )
 
 
@@ -68,7 +76,14 @@ def build_tiles(result: BreakEvenMap) -> list[Tile]:
     made = []
     for task, load in result.loads.items():
         lux = result.break_even_lux(result.arrays[0], 'sun', load)
-        made.append(Tile(task, format_klux(lux), 'klx', f'of sun for {1e3 * load:.0f} mW'))
+        made.append(
+            Tile(
+                task,
+                format_klux(lux),
+                'klx',
+                f'of sunlight give the {1e3 * load:.0f} mW that it needs',
+            )
+        )
     return made
 
 
@@ -98,7 +113,7 @@ def plot_charger_output(result: BreakEvenMap) -> Figure:
         )  # fmt: skip
     ticks = [300, 1000, 3000, 10_000, 30_000, 100_000]
     figure.update_xaxes(
-        type='log', title_text='illuminance of the level panel', tickvals=ticks,
+        type='log', title_text='illuminance on the level panel', tickvals=ticks,
         ticktext=['300 lx', '1 klx', '3 klx', '10 klx', '30 klx', '100 klx'],
     )  # fmt: skip
     figure.update_yaxes(type='log', title_text='charger output [mW]', dtick=1)

@@ -120,7 +120,9 @@ def compute_break_even_map(vehicle: Vehicle, cells: Sequence[str], budget: float
     """
     own = vehicle.file.energy.array
     if own is None:
-        raise BadInput(f'{vehicle.file.name} has no solar array; choose a vehicle with one.')
+        raise BadInput(
+            f'{vehicle.file.name} has no solar array; choose a vehicle with a solar array.'
+        )
     count = own.series * own.parallel
     mass = count * load_cell_file(own.cell).mass.si
     arrays = [CandidateArray(f'{own.cell} ({OWN})', count, mass, HarvestCurve(vehicle.panel))]
@@ -131,7 +133,7 @@ def compute_break_even_map(vehicle: Vehicle, cells: Sequence[str], budget: float
         if number == 0:
             raise BadInput(
                 f'One panel {name} weighs {1e3 * each:.1f} g, more than the --budget of '
-                f'{1e3 * budget:g} g; leave it out or raise the budget.'
+                f'{1e3 * budget:g} g; leave this cell out or raise --budget.'
             )
         # Strings of one panel, all in parallel
         panel = SolarArrayModel.from_cells(name, 1, number)
@@ -159,8 +161,8 @@ def build_illuminance_table(result: BreakEvenMap) -> TextTable:
         *(f'{task}, {1e3 * load:.0f} mW' for task, load in result.loads.items()),
     ]  # fmt: skip
     note = (
-        'Illuminance of the level panel at which the charger output equals the power of the task, '
-        'in kilolux; for a beacon while it is on.'
+        'Illuminance on the level panel at which the charger output equals the power of the '
+        'task, in kilolux. For a beacon: illuminance while it is on.'
     )
     return TextTable('Break-even [klx]', heads, rows, note)
 

@@ -21,14 +21,16 @@ from plotly.graph_objects import Bar, Figure, Scatter
 TO: Final = '\N{EN DASH}'
 VOLTAGES: Final = ((4.2, TRUTH), (3.7, GOOD), (3.3, ESTIMATE))  # V, full to nearly empty
 TASKS: Final = (
-    'Bars: electronics pale, rotors full; means over the seeds. Diamonds: values of the seed '
-    'paper; 1523 to 1544 mW for navigation by any strategy, and 3 x 1333 mW for a standard drone, '
-    'from "almost one third".'
+    'Bars: mean power over the seeds, for electronics and rotors. Diamonds: values of the '
+    'paper (Huang et al. 2025): 1523 to 1544 mW for navigating by any strategy, and 3 x '
+    '1333 mW for a standard drone, because the paper says that its drone needs "almost one '
+    'third" of that.'
 )
 MOTORS: Final = (
-    'Lines: one rotor at three voltages of the cell, by thrust at the mean voltage and power '
-    "affine in thrust. Dots: Bitcraze's bench data (16 rows) without the electronics; the supply "
-    'voltage dropped from 4.0 to 3.3 V with load, so that the dots move from line to line.'
+    'Lines: power of one rotor at three cell voltages. The thrust depends on the mean '
+    "voltage at the motor, and the power is affine in thrust. Dots: Bitcraze's bench data "
+    '(16 rows) without the electronics. Their supply voltage dropped from 4.0 to 3.3 V with '
+    'load, so the dots move from line to line.'
 )
 
 
@@ -43,11 +45,13 @@ def render_page(result: PowerBudget, commands: Mapping[str, str]) -> str:
         'energy.html',
         title=escape(format_headline(result)),
         kicker=escape(f'energy budget · {result.vehicle}'),
-        about='Power of each task in simulated flights, compared with the seed paper.',
+        about=(
+            'Power of each task in simulated flights, compared with the paper (Huang et al. 2025).'
+        ),
         tiles='\n'.join(render_tile(*each) for each in build_tiles(result)),
         first=render_section('tasks', 'Power by task', TASKS, draw_task_power(result)),
         pictures=render_section(
-            'motors', 'One rotor by duty and voltage', MOTORS, draw_rotor_power(result)
+            'motors', 'Power of one rotor by duty and voltage', MOTORS, draw_rotor_power(result)
         ),
         tables=''.join(
             render_text_table(each)
@@ -69,8 +73,9 @@ def format_headline(result: PowerBudget) -> str:
     """Return the headline."""
     hover = result.tasks['hovering'].power
     return (
-        f'Hovering takes {1e3 * hover:.0f} mW, {100.0 * result.hover_power_ratio:.0f} % of a '
-        f'{result.standard}; the paper states {1e3 * paper.HOVER:.0f} mW, "almost one third".'
+        f'Hovering takes {1e3 * hover:.0f} mW, {100.0 * result.hover_power_ratio:.0f} % of '
+        f'the power of a {result.standard}; the paper states {1e3 * paper.HOVER:.0f} mW, '
+        '"almost one third".'
     )
 
 
@@ -111,7 +116,7 @@ def build_task_table(result: PowerBudget) -> TextTable:
             TO.join(words) or MISSING,
             format_number(1e3 * each.power / mean) if mean else MISSING,
         ])  # fmt: skip
-    return TextTable('By task, compared with the paper', heads, rows)
+    return TextTable('Power by task, compared with the paper', heads, rows)
 
 
 def build_cause_table(result: PowerBudget) -> TextTable:
@@ -119,25 +124,25 @@ def build_cause_table(result: PowerBudget) -> TextTable:
     cause = result.causes
     rows = [
         [
-            'ideal hover at its weight',
+            'hovering with ideal rotors',
             f'{format_number(cause.least, 0, 1e3)} mW',
             'in still air',
         ],
         [
             'or heavier',
             f'{format_number(cause.heaviness, 1, 1e3)} g',
-            'heavier than air, instead of 2 g',
+            'net weight in air, instead of 2 g',
         ],
         ['or against a draught', f'{format_number(cause.wind)} m/s', 'holding its position'],
         [
             'or worse rotors',
             f'{format_number(cause.factor, 1)} times',
-            'their power at the same thrust',
+            'the power at the same thrust',
         ],
     ]
     note = (
-        'Each cause alone would raise our hover to 1333 mW; the paper does not state weight, '
-        'draught or rotors of that measurement.'
+        'Each cause alone would raise our hover power to 1333 mW. The paper does not state '
+        'the weight, the draught or the rotors of its measurement.'
     )
     return TextTable('Possible causes of 1333 mW', ('cause', 'amount', ''), rows, note)
 
@@ -146,17 +151,20 @@ def describe_differences(result: PowerBudget) -> list[str]:
     """Return notes on the differences to the paper."""
     flown, share = result.tasks['flying at 0.5 m/s'], result.hover_power_ratio
     return [
-        f'A third: 3 x 1333 mW would be a standard drone of {paper.STANDARD:.1f} W. By '
-        f"Bitcraze's bench data a Crazyflie of 27 g takes {result.hover.power:.1f} W, so that "
-        f'1333 mW are {100.0 * paper.HOVER / result.hover.power:.0f} % of that, and our '
-        f'{1e3 * result.tasks["hovering"].power:.0f} mW are {100.0 * share:.0f} %: buoyancy saves '
-        'more than the paper states, if its standard drone is a Crazyflie.',
-        "Navigation: the paper's strategies take 190 to 211 mW more than hovering, assigned here "
-        'to the light board and computing. Flying at 0.5 m/s against drag costs another '
-        f'{1e3 * (flown.power - result.tasks["hovering"].power):.0f} mW with these rotors, which '
-        "the paper's value does not include; ours includes both, and turns.",
-        'Idle and transmitting powers are taken from the paper. Rotors: power affine in thrust, '
-        "fitted to Bitcraze's bench data; the paper's rotors may be better or worse.",
+        f'"Almost one third": 3 x 1333 mW would be a standard drone of {paper.STANDARD:.1f} '
+        "W. According to Bitcraze's bench data a Crazyflie of 27 g takes "
+        f'{result.hover.power:.1f} W. The 1333 mW are '
+        f'{100.0 * paper.HOVER / result.hover.power:.0f} % of that, and our '
+        f'{1e3 * result.tasks["hovering"].power:.0f} mW are {100.0 * share:.0f} %. If the '
+        'standard drone is a Crazyflie, buoyancy saves more than the paper states.',
+        "Navigation: the paper's strategies take 190 to 211 mW more than hovering, which is "
+        'assigned here to the light board and the computing. Flying at 0.5 m/s against drag '
+        f'takes another {1e3 * (flown.power - result.tasks["hovering"].power):.0f} mW with '
+        'these rotors. The value of the paper does not include this; ours includes both, '
+        'and the turns.',
+        'The powers for idling and transmitting are taken from the paper. Rotor power is '
+        "affine in thrust, fitted to Bitcraze's bench data; the rotors of the paper may be "
+        'better or worse.',
     ]
 
 
@@ -220,7 +228,7 @@ def draw_rotor_power(result: PowerBudget) -> Figure:
             y=[(row.power - idle) / 4.0 for row in rotor.BENCH], mode='markers', name='bench',
             marker={'color': LAMP, 'size': 6},
             text=[f'{row.voltage} V' for row in rotor.BENCH],
-            hovertemplate='bench %{y:.2f} W at %{text}',
+            hovertemplate='bench data: %{y:.2f} W at %{text}',
         )
     )  # fmt: skip
     label_ends(figure, labels, (0.0, 5.6))

@@ -28,16 +28,18 @@ from lta_studies.energy.tables import render_text_table
 from plotly.graph_objects import Figure as Picture
 from plotly.graph_objects import Scatter
 
-TITLE: Final = 'Which solar cells are best by mass and charging time depends on the criterion.'
+TITLE: Final = 'Which solar cell is best in mass and charging time depends on the criterion.'
 PAPER: Final = (
-    'Charging time per area against mass per area, as in the seed paper. Dots: cells. Lines: the '
-    'Pareto front, with PowerFilm read as the small panel (full) or the large one '
-    '(dashed). The criterion rewards a large cell twice, for its time and its area.'
+    'Charging time per area against mass per area, the criterion of the paper (Huang et al. '
+    '2025). Dots: cells. Lines: the Pareto front. The row PowerFilm can mean a small panel '
+    '(full line) or a large one (dashed). The criterion favours large cells twice: they '
+    'charge faster, and the time is divided by a larger area.'
 )
 FAIR: Final = (
-    'Charging time times area, which does not depend on the size of a panel, against mass per '
-    'area. Full line: PowerFilm read as the named 53.9 cm²; dashed: as the printed size of '
-    '266.3 cm². The reading decides whether Dracula is on the front.'
+    'Charging time times area, which does not depend on the size of a panel, against mass '
+    'per area. Full line: PowerFilm read as the panel of 53.9 cm² that is named; dashed: as '
+    'the size of 266.3 cm² that is printed. This choice decides whether the cell Dracula is '
+    'on the Pareto front.'
 )
 # Label positions that keep the names of neighbours apart.
 SIDES: Final = {
@@ -45,11 +47,12 @@ SIDES: Final = {
     'ANYSOLAR': 'bottom center', 'PowerFilm': 'top right',
 }  # fmt: skip
 METHOD: Final = (
-    'Areas are computed from the printed dimensions, read in cm where mm is impossible; masses '
-    'are printed. The charging test states neither light nor capacitance: only ratios count.',
-    'Harvest follows from a single-diode model of each data sheet at the temperature of the lit '
-    'cells; the charger is that of the vehicle file. Most data-sheet numbers are assumed; each '
-    'cell file states which.',
+    'Areas are computed from the printed dimensions, read in cm where mm is impossible; '
+    'masses are as printed. The paper states neither the light nor the capacitance of its '
+    'charging test, so only the ratios of the times count.',
+    'The harvest comes from a single-diode model of each data sheet at the temperature of '
+    'the lit cells. The charger is that of the vehicle file. Most data-sheet numbers are '
+    'assumed; each cell file states which.',
 )
 
 

@@ -27,13 +27,16 @@ GRAMS: Final = 1e3
 SQUARE: Final = 1e4  # cm2 per m2
 FRONTS: Final = ('paper', 'fair')
 SHEET: Final = (
-    's/cm² is the criterion of the paper, s cm² the fair one. A capacitor far below the '
-    'open-circuit voltage takes the short-circuit current: "sheet" is the time from the '
-    'data sheets, relative to the fastest cell. Front: the front of that cell, in either reading.'
+    's/cm²: charging time per area, the criterion of the paper. s cm²: charging time times '
+    'area, the fair criterion. sheet: charging time from the short-circuit currents of the '
+    'data sheets, relative to the fastest cell, because a capacitor far below the '
+    'open-circuit voltage draws that current. front: the criteria by which the cell is on '
+    'the Pareto front, for any reading of its row.'
 )
 CHARGED: Final = (
-    'Harvest is the maximum power of the array, charged the output of the charger; idle '
-    '(stand-by) and sending are that minus the loads. "Not" marks differences from the paper.'
+    'harvest: maximum power of the array. charged: output of the charger. idle and sending: '
+    'output of the charger minus the loads in stand-by and while transmitting. printed: '
+    'sign of the net power in the paper; "not" marks a different sign here.'
 )
 WORDS: Final = {'white_led': 'LED', 'sunlight': 'sun'}
 
@@ -115,7 +118,7 @@ def build_array_table(table: CellTable, energy: EnergyBlock) -> TextTable:
                         f'{prefix}{built.standby}',
                     ]
                 )
-    heading = f'Arrays of the paper at {klux:g} klux, power in mW'
+    heading = f'Arrays of the paper at {klux:g} klx, power in mW'
     return TextTable(heading, heads, rows, CHARGED)
 
 
@@ -149,7 +152,7 @@ def build_mass_budget_table(table: CellTable, energy: EnergyBlock, budget: float
             *(format_number(net.standby, 1, 1e3) for net in found),
         ])  # fmt: skip
     klux = table.arrays.illuminance.si / 1e3
-    heading = f'Arrays within {GRAMS * budget:g} g: net power in stand-by at {klux:g} klux, mW'
+    heading = f'Arrays within {GRAMS * budget:g} g: net power in stand-by at {klux:g} klx, in mW'
     return TextTable(heading, heads, rows)
 
 

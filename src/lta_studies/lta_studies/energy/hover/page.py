@@ -18,9 +18,10 @@ from lta_studies.energy.tables import render_text_table, TextTable
 from plotly.graph_objects import Figure
 
 CAPTION: Final = (
-    'Voltage of the cell under load. Full: flown in the closed loop. Dashed: the same cell under '
-    "constant power: the seed paper's value for its drone, and three times that for a standard "
-    'drone ("almost one third"). A line ends where the supply fails.'
+    'Cell voltage under load. Full: flown in the closed loop. Dashed: the same cell at '
+    'constant power: the value that the paper (Huang et al. 2025) states for its drone, and '
+    'three times that for a standard drone ("almost one third"). A line ends where the '
+    'supply fails.'
 )
 CHARGE: Final = 'True state of charge of the same cells.'
 
@@ -36,7 +37,10 @@ def render_page(result: HoverComparison, commands: Mapping[str, str]) -> str:
         'energy.html',
         title=escape(format_headline(result)),
         kicker=escape(f'energy hover · {result.first.name} and {result.second.name}'),
-        about=f'Both hover in still air on the same full cell for {result.seconds:.0f} s.',
+        about=(
+            f'Both drones hover in still air for {result.seconds:.0f} s, each with the same '
+            'cell, full at the start.'
+        ),
         tiles='\n'.join(render_tile(*each) for each in build_tiles(result)),
         first=render_section(
             'voltage', 'Battery voltage', CAPTION, draw_traces(result, 'voltage')
@@ -60,12 +64,11 @@ def format_headline(result: HoverComparison) -> str:
     lost = (
         f'loses power after {end:.0f} s'
         if end is not None
-        else f'drops {second.trace.voltage_drop:.2f} V'
+        else f'loses {second.trace.voltage_drop:.2f} V'
     )
     return (
-        f'{first.name} drops {first.trace.voltage_drop:.2f} V in {result.seconds:.0f} s of '
-        f'hovering; '
-        f'{second.name} {lost} on the same cell.'
+        f'{first.name} loses {first.trace.voltage_drop:.2f} V of cell voltage in '
+        f'{result.seconds:.0f} s of hovering; {second.name} {lost} on the same cell.'
     )
 
 
@@ -77,8 +80,8 @@ def build_tiles(result: HoverComparison) -> list[Tile]:
         # A drone that failed early has its charge at that time.
         when = '' if each.trace.failed is None else f' after {each.trace.failed:.0f} s'
         made.append(Tile(each.name, f'{each.power:.2f}', 'W', left + when))
-    note = 'of its power; paper: almost a third'
-    return [*made, Tile('share', f'{100 * result.power_ratio:.0f}', '%', note)]
+    note = f'of the power of {result.second.name}; paper: almost a third'
+    return [*made, Tile('power when hovering', f'{100 * result.power_ratio:.0f}', '%', note)]
 
 
 def build_discharge_table(result: HoverComparison) -> TextTable:
@@ -113,11 +116,13 @@ def describe_differences(result: HoverComparison) -> list[str]:
     """Return notes on the differences to the paper."""
     second = result.second
     notes = [
-        f"A third: the paper's 1333 mW are {100 * paper.HOVER / second.power:.0f} % of the power "
-        f"of {second.name} by Bitcraze's bench data, and ours {100.0 * result.power_ratio:.0f} %; "
-        f'one third corresponds to a standard drone of {paper.STANDARD:.1f} W.',
-        "As in the paper's figure, the voltage of the drone hardly drops and that of the "
-        'multirotor drops steadily. The paper does not print the values of that figure.',
+        '"Almost one third": the 1333 mW of the paper are '
+        f'{100 * paper.HOVER / second.power:.0f} % of the power of {second.name} by the '
+        f'bench data of Bitcraze, and our value is {100.0 * result.power_ratio:.0f} %. One '
+        f'third corresponds to a standard drone of {paper.STANDARD:.1f} W.',
+        'As in the figure of the paper, the cell voltage of the drone hardly drops and that '
+        'of the multirotor drops steadily. The paper does not print the values of that '
+        'figure.',
     ]
     if second.trace.failed is not None:
         notes.append(

@@ -111,10 +111,11 @@ def _enlarge_hull(content: dict[str, Any], fuller: float) -> dict[str, Any]:
     hull = validate_content(VehicleFile, content, content['name']).hull
     if hull.volume_factor is None:
         raise BadInput(
-            f'The hull of {content["name"]} is not a balloon with a variable volume; choose '
-            'another vehicle, such as gtmab.'
+            f'The hull of {content["name"]} has no volume_factor, so it cannot be enlarged '
+            'to carry the mount; choose another vehicle, such as gtmab.'
         )
     factor = {
-        'value': hull.volume_factor.si * fuller, 'unit': '1', 'source': 'a hull that carries it',
+        'value': hull.volume_factor.si * fuller, 'unit': '1',
+        'source': 'enlarged to carry the mounts',
     }  # fmt: skip
     return {**content, 'hull': {**content['hull'], 'volume_factor': factor}}

@@ -25,30 +25,35 @@ from plotly.graph_objects import Bar, Figure
 
 COLOURS: Final = (ESTIMATE, TRUTH, GOOD, LAMP, SETPOINT)
 ABOUT: Final = (
-    'The same panels at the side, at the bottom and on top: effect of the position on weight, '
-    'balance, swing, drag and shade.'
+    'The same solar panels at the side, at the bottom and on top: how their position '
+    'affects weight, balance, oscillation, drag and shade.'
 )
 STRAIGHT: Final = (
-    'Pitch, nose up positive, in the closed loop, seed 1, all in a hull that carries every mount. '
-    'Top: panels in place. Bottom: panels misplaced forward. Dotted: release by hand, lift-off, '
-    'and start of the flight at 0.1 m/s.'
+    'Pitch (nose up positive) in closed-loop flights with seed 1, all in a hull that '
+    'carries every mount. Top: panels in place. Bottom: panels misplaced forward. Dotted: '
+    'release by hand, lift-off, and start of the flight at 0.1 m/s.'
 )
-SWUNG: Final = 'Released at 5° in still air, motors off. Dashed: linearised analytical envelope.'
+SWUNG: Final = (
+    'Pitch after a release at 5° in still air with motors off. Dashed: envelope of the '
+    'linearised analytical model.'
+)
 OVER: Final = (
-    'The top mount released at 5°, with its centre of gravity below, at and above the centre of '
-    'buoyancy, all else equal. With coinciding centres there is no righting moment.'
+    'Tilt of the top mount after a release at 5°, with its centre of gravity below, at and '
+    'above the centre of buoyancy and all else equal. If both centres coincide, there is no '
+    'righting moment.'
 )
 SHINE: Final = (
-    'Relative to an unshaded plate that faces the light; for the overcast sky, to a level plate. '
-    'Full: both panels in series, limited by the darker one. Pale: each panel separately.'
+    'Light on the panels, relative to an unshaded plate that faces the light; for the '
+    'overcast sky, to a level plate. Full: both panels in series, limited by the darker '
+    'one. Pale: each panel separately.'
 )
 METHOD: Final = (
-    'Each mount is a file in config/mounts; its parts replace a layer of the vehicle. '
-    'By hand: righting moment, inertia with added mass, rotational drag linearised at 5°. '
-    'Simulated: the 6-DoF kernel. The cascade has no rotor for pitch: it can only avoid exciting '
-    'it, and its forward rotors add damping.',
-    'Neglected: jets of the upward rotors on the arms of the bottom mount, the flow around '
-    'panels on the hull, and the tilt of the drone in the shares of light.',
+    'Each mount is a file in config/mounts; its parts replace a layer of the vehicle. "By '
+    'hand" is the analytical model: righting moment, inertia with added mass, rotational '
+    'drag linearised at 5°. "Simulated" is the 6-DoF model. The controller has no rotor for '
+    'pitch: it can only avoid exciting pitch, and its forward rotors add damping.',
+    'Neglected: the jets of the upward rotors on the arms of the bottom mount, the flow '
+    "around panels on the hull, and the effect of the drone's tilt on the light.",
 )
 
 

@@ -15,10 +15,10 @@ CENTIMETRES: Final = 1e2
 
 def build_comparison_tables(study: MountingStudy) -> list[TextTable]:
     """Return every table of the comparison."""
-    more = f'{100.0 * (study.fuller - 1.0):.1f} % fuller'
+    more = f'hull {100.0 * (study.fuller - 1.0):.1f} % larger'
     own = {f'{name}, own hull': each for name, each in study.own.items()}
     shared = {f'{name}, {more}': each for name, each in study.shared.items()}
-    out = f'{CENTIMETRES * study.ahead:g} cm misplaced'
+    out = f'panels {CENTIMETRES * study.ahead:g} cm too far forward'
     misplaced = {f'{name}, {out}': each for name, each in study.misplaced.items()}
     return [
         build_balance_table(own | shared),

@@ -65,7 +65,10 @@ def format_headline(study: MountingStudy) -> str:
     if len(light) > 1 and steady != won:
         heavy = study.lacking[steady]
         why = f', {1e3 * heavy:.1f}\N{NO-BREAK SPACE}g too heavy to fly,' if heavy > 0.0 else ''
-        text += f'; {steady}{why} swings {100.0 * (1.0 - swing[steady] / swing[won]):.0f} % less'
+        text += (
+            f'; {steady}{why} oscillates {100.0 * (1.0 - swing[steady] / swing[won]):.0f} % '
+            'less in pitch'
+        )
     return f'{text}.'
 
 
@@ -75,20 +78,24 @@ def format_findings(study: MountingStudy) -> list[str]:
     for name, short in study.lacking.items():
         if short > 0.0:
             sentences.append(
-                f"{name}: {1e3 * short:.1f} g too heavy for the hull at the file's heaviness; a "
-                f'hull of the same outline would need '
+                f'The mount {name} is {1e3 * short:.1f} g too heavy for the hull at the '
+                'heaviness of the vehicle file; a hull of the same outline would need '
                 f'{100.0 * (study.fuller - 1.0):.1f} % more volume.'
             )
     sentences.append(
-        'In that hull, at equal lift: '
-        + format_ranking('pitch rms', pitch_rms(study), DEGREES, '°', 3)
+        'In a hull that carries every mount, at equal lift: '
+        + format_ranking('rms pitch', pitch_rms(study), DEGREES, '°', 3)
         + '; '
         + format_ranking('power in flight', mean_flight_power(study), 1e3, 'mW', 0)
         + '.'
     )
     sentences.extend(
         format_ranking(
-            f'Harvest at 80 klux of white LED, {light}', charger_power(study, light), 1e3, 'mW', 0
+            f'Charger output at 80 klx of white LED light ({light}):',
+            charger_power(study, light),
+            1e3,
+            'mW',
+            0,
         )
         + ', after the charger.'
         for light in ('overhead', 'overcast sky')
@@ -98,9 +105,9 @@ def format_findings(study: MountingStudy) -> list[str]:
         for name, each in study.misplaced.items()
     }
     sentences.append(
-        f'With the panels misplaced by {100.0 * study.ahead:g} cm: '
-        + format_ranking('swing after lift-off', swings, DEGREES, '°', 2)
-        + '; the seed paper reports ±2.5° for the side mount.'
+        f'With the panels {100.0 * study.ahead:g} cm too far forward: '
+        + format_ranking('pitch oscillation after lift-off', swings, DEGREES, '°', 2)
+        + '; the paper (Huang et al. 2025) reports ±2.5° for the side mount.'
     )
     return sentences
 

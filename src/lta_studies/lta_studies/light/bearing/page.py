@@ -22,20 +22,21 @@ from scipy.special import ndtri
 
 MISSING: Final = '\N{EN DASH}'
 CAPTION: Final = (
-    'Dots: median error of the bearing. Lines above them: up to the 95 % quantile. Orange: the '
-    "paper's weighted mean. Blue: the fit."
+    'Dots: median error of the bearing. Lines above them: up to the 95 % quantile. Orange: '
+    'the weighted mean of the paper (Huang et al. 2025). Blue: our fit.'
 )
 HONEST: Final = (
-    "Share of the true bearings within the fit's interval against the nominal share: on the "
-    'dashed line the fit is calibrated, above it too cautious, below it overconfident.'
+    "How often the fit's interval contains the true bearing, against the nominal "
+    'probability of the interval. On the dashed line the fit is calibrated; above it the '
+    'intervals are too wide, below it too narrow.'
 )
 METHOD: Final = (
-    'Each reading is one light block of 100 ms through the simulated diodes, amplifiers and '
-    "ADC, at a random pose within 60 degrees of the lamp's axis: random heading, the hull at 0.5 "
-    'to 1.5 m, pitch and roll 2 degrees rms, and new random diode gains for every pose. '
-    'The truth is the direction from the centre of the diodes to the '
-    'lamp. "Holds" is the share of the true bearings within the fit\'s 95 % interval. A level '
-    'ring cannot measure the elevation: its estimate is the prior.'
+    'Each reading is one block of ADC samples (100 ms) from the simulated diodes and '
+    "amplifiers, at a random pose within 60 degrees of the lamp's axis: random heading, "
+    'hull at 0.5 to 1.5 m, pitch and roll of 2 degrees rms, and new random diode gains for '
+    'every pose. The true bearing is the direction from the centre of the diodes to the '
+    'lamp. "holds" is the share of true values within the fit\'s 95 % interval. A level ring '
+    'of diodes cannot measure the elevation, so its estimate is the prior.'
 )
 TICKS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)  # degrees
 HEAD: Final = (
@@ -59,7 +60,9 @@ def render_page(results: Sequence[BearingTrialResult], request: BearingTrialRequ
         'bearing.html',
         title=escape(format_headline(results)),
         kicker='light · bearing',
-        about=escape(f'{places}. {request.poses} random poses of each kind.'),
+        about=escape(
+            f'{places}. {request.poses} random poses for each place, number of diodes and range.'
+        ),
         tiles='\n'.join(render_tile(*each) for each in build_tiles(results)),
         table=render_table(build_bearing_rows(results)),
         notes=f'<p class="note">{escape(METHOD)}</p>',
@@ -129,9 +132,9 @@ def format_headline(results: Sequence[BearingTrialResult]) -> str:
     best = min(results, key=lambda each: (each.count != 8, each.range != 3.0))
     where = 'anywhere' if best.range is None else f'at {best.range:g} m'
     return (
-        f'{best.place.capitalize()}, {best.count} diodes, {where}: the fit errs by '
-        f"{format_degrees(best.score.ours)}°, the paper's weighted mean by "
-        f'{format_degrees(best.score.paper)}° (medians).'
+        f'{best.place.capitalize()}, {best.count} diodes, {where}: the median bearing error '
+        f'is {format_degrees(best.score.ours)}° for our fit and '
+        f'{format_degrees(best.score.paper)}° for the weighted mean of the paper.'
     )
 
 
@@ -144,8 +147,8 @@ def build_tiles(results: Sequence[BearingTrialResult]) -> list[Tile]:
             ),
             format_degrees(each.score.ours),
             '°',
-            f'paper {format_degrees(each.score.paper)}°; interval holds '
-            f'{format_percent(each.score.holds)} %',
+            f'median error; paper: {format_degrees(each.score.paper)}°; truth within the 95 '
+            f'% interval: {format_percent(each.score.holds)} %',
         )
         for each in results[:8]
     ]
@@ -193,7 +196,7 @@ def plot_errors(results: Sequence[BearingTrialResult]) -> Figure:
         )  # fmt: skip
     figure.update_xaxes(tickvals=list(range(len(results))), ticktext=names, tickfont={'size': 10})
     figure.update_yaxes(
-        title_text='error of the bearing [°]', type='log', tickvals=TICKS,
+        title_text='bearing error [°]', type='log', tickvals=TICKS,
         ticktext=[f'{each:g}' for each in TICKS],
     )  # fmt: skip
     return figure.update_layout(margin={'b': 70})

@@ -19,9 +19,9 @@ class BearingScenario:
 
 
 PLACES: Final[dict[str, BearingScenario]] = {
-    'indoor': BearingScenario('indoor', 'lamp_room', 'the shared room with reflecting surfaces'),
+    'indoor': BearingScenario('indoor', 'lamp_room', 'a room with reflecting surfaces'),
     'outdoor': BearingScenario(
-        'outdoor', 'sunny_field', 'a field in full daylight, 80 klux on the ground'
+        'outdoor', 'sunny_field', 'a field in full daylight, 80 klx on the ground'
     ),
 }
 

@@ -49,8 +49,8 @@ def draw_pose(scenario: Scenario, distance: float | None, chance: Generator) -> 
             turn = Rotation.from_euler('ZYX', [chance.uniform(-math.pi, math.pi), pitch, roll])
             return (x, y, height, *turn.as_quat().tolist())
     raise BadInput(
-        f'No place at {distance:g} m from its lamp is inside the scenario {scenario.name}; '
-        'choose a shorter --range.'
+        f'The scenario {scenario.name} has no usable place at {distance:g} m from its lamp, '
+        "inside the room and within the lamp's beam; choose a shorter --range."
     )
 
 

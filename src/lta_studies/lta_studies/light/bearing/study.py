@@ -48,9 +48,9 @@ class RingClaim:
 
 
 CLAIMS: Final = (
-    RingClaim('indoor', 16, '16 diodes below 2 degrees', math.radians(2.0), 16),
-    RingClaim('indoor', 8, '8 diodes below 4 degrees', math.radians(4.0), 12),
-    RingClaim('indoor', 8, '8 diodes below 8 degrees', math.radians(8.0), 16),
+    RingClaim('indoor', 16, '16 diodes, error below 2 degrees', math.radians(2.0), 16),
+    RingClaim('indoor', 8, '8 diodes, error below 4 degrees', math.radians(4.0), 12),
+    RingClaim('indoor', 8, '8 diodes, error below 8 degrees', math.radians(8.0), 16),
 )
 
 
@@ -159,4 +159,4 @@ def judge_claim(claim: RingClaim, ring: RingStudy) -> tuple[str, str, str]:
         f'{count_accurate_directions(errors, claim.limit)} of {DIRECTIONS}'
         for errors in (ring.paper, ring.ours)
     )
-    return f'{claim.sentence}: {claim.at_least} of {DIRECTIONS}', paper, ours
+    return f'{claim.sentence}: at least {claim.at_least} of {DIRECTIONS} directions', paper, ours

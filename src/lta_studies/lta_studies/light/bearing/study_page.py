@@ -32,19 +32,23 @@ HEAD: Final = (
     'place', 'diodes', 'SNR', 'paper: median [°]', 'worst [°]', 'below 2°', 'fit: median [°]',
     'worst [°]', 'below 2°',
 )  # fmt: skip
-CAPTION: Final = 'Median error in each of 16 directions. Full lines: the fit. Dotted: the paper.'
+CAPTION: Final = (
+    'Median bearing error in each of 16 directions. Full lines: our fit. Dotted: the '
+    'weighted mean of the paper.'
+)
 DEFECT: Final = (
-    'Limits of the explanation in the paper: with ideal cosine diodes its weighted mean is '
-    'exact for 4, 8 and 16 diodes at every angle, and with equal diodes of any response a ring of '
-    'eight is exact at all 16 test angles. The printed errors therefore need a response other '
-    'than a cosine, unequal gains and reflections, which are simulated here. Steady sunlight adds '
-    "only noise at the lamp's frequency; outdoors can be better than indoors because only the "
-    'ground reflects.'
+    "What the paper's explanation leaves open: with ideal cosine diodes, its weighted mean "
+    'is exact for 4, 8 and 16 diodes at every angle. With equal diodes of any response, a '
+    'ring of eight is exact at all 16 test angles. So the printed errors need a response '
+    'other than a cosine, unequal gains and reflections, which are all simulated here. '
+    "Steady sunlight adds only noise at the lamp's frequency. Outdoors can be better than "
+    'indoors because only the ground reflects.'
 )
 METHOD: Final = (
-    f'The lamp is {DISTANCE:g} m away and the drone 45 degrees off its axis; the hull is level at '
-    '0.5 m and turns through 16 directions. One vehicle with its gains drawn once. Medians over '
-    'the readings, each one light block with independent noise.'
+    f"The lamp is {DISTANCE:g} m away and the drone is 45 degrees off the lamp's axis. The "
+    'hull is level at 0.5 m and turns through 16 directions. The diode gains of the vehicle '
+    'are drawn once. Errors are medians over the readings; each reading is one block of ADC '
+    'samples with its own noise.'
 )
 
 
@@ -67,13 +71,13 @@ def write_page(
         assemble_page(
             'study.html',
             title=escape(
-                f'Indoors the fit finds the lamp to {format_degrees(median_error(eight.ours))}° '
-                f'with eight '
-                f"diodes, the paper's weighted mean to "
-                f"{format_degrees(median_error(eight.paper))}°."
+                'Indoors with eight diodes, the median bearing error is '
+                f'{format_degrees(median_error(eight.ours))}° for our fit and '
+                f'{format_degrees(median_error(eight.paper))}° for the weighted mean of the '
+                'paper.'
             ),
             kicker='light · study of the number of photodiodes',
-            about=escape(f'{DIRECTIONS} directions, {readings} readings each.'),
+            about=escape(f'{DIRECTIONS} directions to the lamp, {readings} readings in each.'),
             tiles='\n'.join(render_tile(*each) for each in build_tiles(studies)),
             table=render_table(build_ring_rows(studies)),
             claims=render_table(build_claim_rows(studies)),
@@ -140,6 +144,6 @@ def plot_errors(studies: Sequence[RingStudy], place: str) -> Figure:
                     hovertemplate='%{y:.2f}°',
                 )
             )  # fmt: skip
-    figure.update_xaxes(title_text='direction of the lamp from the ring [°]', dtick=45)
+    figure.update_xaxes(title_text='direction of the lamp, seen from the ring [°]', dtick=45)
     figure.update_yaxes(title_text='median error [°]', rangemode='tozero')
     return figure.update_layout(showlegend=True, legend={'orientation': 'h', 'y': 1.12})

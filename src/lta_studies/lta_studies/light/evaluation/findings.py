@@ -77,7 +77,9 @@ class EvaluationFindings:
         """Number of flights in words."""
         # An evaluation that was stopped has fewer flights than requested.
         of = '' if self.flight_count == self.done.total else f' of {self.done.total}'
-        lost = f', {self.failed_count} of them failed' if self.failed_count else ''
+        lost = (
+            f', {self.failed_count} of which could not be simulated' if self.failed_count else ''
+        )
         return f'{self.flight_count}{of} flights{lost}'
 
     @cached_property
@@ -114,15 +116,16 @@ class EvaluationFindings:
         )
         # The headline is about the indoor set if it was flown, else the first set.
         where = 'Indoors from 7 m' if name == INDOORS else SETS[name].title
-        return f'{where}, the lamp is reached by {shares}.'
+        return f'{where}, the lamp is reached by {shares} (share of the flights).'
 
     @property
     def about(self) -> str:
         """Description of the evaluation."""
         return (
-            f'Navigation strategies over {len(self.cells)} '
-            f'set{"s" if len(self.cells) > 1 else ""} of scenes, {self.seeds} '
-            f'seed{"s" if self.seeds > 1 else ""} each, the same for all. {self.statement}'
+            f'Navigation strategies, flown in {len(self.cells)} '
+            f'set{"s" if len(self.cells) > 1 else ""} of scenes with {self.seeds} '
+            f'seed{"s" if self.seeds > 1 else ""} each, the same seeds for all strategies. '
+            f'{self.statement}'
         )
 
     def to_dict(self) -> dict[str, Any]:

@@ -49,7 +49,8 @@ def build_sweep_plan(name: str) -> SweepPlan:
     strategies = file.vary.get(STRATEGY)
     if not isinstance(strategies, list) or file.samples is not None:
         raise BadInput(
-            f'The sweep {part.file} of the set {name} must list strategies and not use samples.'
+            f'The sweep file {part.file} of the set {name} must list strategies under '
+            'vary and must not use samples; correct the file.'
         )
     # Check before the pilot is added, which is not a strategy that a file may name.
     SweepPlan(file).check()

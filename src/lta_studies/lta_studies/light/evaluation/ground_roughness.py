@@ -20,6 +20,6 @@ def describe_grounds(cells: Sequence[EvaluationCell]) -> str:
     if not parts:
         return ''
     return (
-        'Against 8 m/s at 10 m most flights reach the lamp, by roughness of the ground: '
-        f'{", ".join(parts)}.'
+        'Against a wind of 8 m/s at 10 m height, most flights reach the lamp if the '
+        'roughness of the ground is large enough: '
     )

@@ -22,15 +22,15 @@ FACTORS: Final[Mapping[str, str]] = {
     'light_wind': '0.22 m/s outside',
     'more_wind': '0.36 m/s outside',
     'start_heading': 'start heading within 30\N{DEGREE SIGN} of the lamp',
-    'open_walls': 'no walls: leaving the room fails',
+    'open_walls': 'no walls; flights that leave the room fail',
     'not_stopping': 'DGA does not stop to turn',
-    'no_computing': 'DGA computes in no time',
-    'plane_through_origin': "DGA's plane through the origin, as printed",
-    'ideal_cosine': 'diodes with an ideal cosine',
-    'narrow_diodes': 'narrow diodes (cosine to the 4th)',
-    'small_swing': 'DES swings by 0.5 rad',
-    'gradient_alone': 'DES by the gradient alone',
-    'scan_and_gradient': 'DES by scan and gradient',
+    'no_computing': 'DGA needs no computing time',
+    'plane_through_origin': 'plane of DGA through the origin, as printed',
+    'ideal_cosine': 'diodes with an ideal cosine response',
+    'narrow_diodes': 'narrow diodes (cosine to the power of 4)',
+    'small_swing': 'DES swings its nose by 0.5 rad',
+    'gradient_alone': 'DES uses only the gradient',
+    'scan_and_gradient': 'DES uses scan and gradient',
 }
 
 

@@ -18,11 +18,12 @@ from plotly.graph_objects import Figure
 
 NAME: Final = 'report.html'
 METHOD: Final = (
-    'Reached: with 95 % Wilson interval. Path, time and ratios: means over the flights '
-    'that reached the lamp, with 95 % bootstrap intervals. Path: over ground, from '
-    'take-off to the goal circle. Time: from the first forward command. The pilot knows lamp and '
-    'wind and flies as straight as the same vehicle, controller and mission allow; ratios are '
-    'over the seeds in which both arrived.'
+    'Reached: share of the flights, with 95 % Wilson interval. Path, time and ratios: means '
+    'over the flights that reached the lamp, with 95 % bootstrap intervals. Path: length '
+    'over ground from take-off to the goal circle. Time: from the first forward command. '
+    'The pilot is a reference that knows the lamp and the wind and flies as straight as '
+    'vehicle, controller and mission allow. Ratios to it are over the seeds in which both '
+    'arrived.'
 )
 DRAWN: Final = 'All strategies with the same seed, seen from above.'
 
@@ -137,7 +138,7 @@ def build_provenance_table(findings: EvaluationFindings) -> dict[str, str]:
         'sweeps': ', '.join(find_flight_set(name).file for name in findings.cells),
         'seeds': f'1 to {findings.seeds}',
         'flights': findings.flight_count_text,
-        'work': f'{findings.computing_time:.0f} s of one processor',
+        'work': f'{findings.computing_time:.0f} s of processor time',
         'commit': read_commit(),
     }
 

@@ -19,8 +19,8 @@ ORDER: Final = ('bag', 'dga', 'des')  # from the shortest path to the longest
 # Strategies that reached the lamp, by reference wind [m/s].
 OUTDOORS: Final[dict[float, tuple[str, ...]]] = {8.0: ('bag',), 14.0: ()}
 CAUTIONS: Final = (
-    'The paper prints one flight per strategy without a spread: 7.3 m in 8.4 s is 0.87 m/s, '
-    'although it flies at 0.5 m/s; the time of DES is not printed.',
-    'It does not state the initial heading of its flights, nor where and over what ground its '
-    'wind was measured. Every figure here states both.',
+    'The paper prints one flight per strategy, without a spread. Its 7.3 m in 8.4 s are '
+    '0.87 m/s, although it states a speed of 0.5 m/s. It does not print the time of DES.',
+    'The paper does not state the initial heading of its flights, nor where and over which '
+    'ground it measured the wind. Every result here states both.',
 )

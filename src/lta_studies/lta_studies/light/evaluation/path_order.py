@@ -83,28 +83,30 @@ def describe_order(
     indoors: Sequence[PathOrder], ablations: Sequence[PathOrder], titles: Mapping[str, str]
 ) -> str:
     """Describe whether the paper's order holds, and which factor causes it."""
-    words = f"The paper's order of paths, {' < '.join(name.upper() for name in ORDER)},"
+    words = (
+        f'The order of path lengths in the paper, {" < ".join(name.upper() for name in ORDER)},'
+    )
     unchanged = [each for each in ablations if each.case == AS_FLOWN]
     here = next(iter([*indoors, *unchanged]), None)
     if here is None:
         return f'{words} was not flown.'
     if here.is_significant:
-        return f'{words} holds as flown here (in {format_ordered_share(here)}).'
-    first = f'{words} is not significant as flown here (in {format_ordered_share(here)})'
+        return f'{words} holds in our flights ({format_ordered_share(here)}).'
+    first = f'{words} is not significant in our flights ({format_ordered_share(here)})'
     if not ablations:
-        return f'{first}; the ablations were not flown.'
+        return f'{first}; the flights with one factor changed were not flown.'
     # A factor causes the order if changing it alone makes the order significant.
     bring = [each for each in ablations if each.case != AS_FLOWN and each.is_significant]
     if not bring:
         return f'{first}, and no single factor causes it.'
     names = '; '.join(
-        f'{titles.get(each.case, each.case)} (in {format_ordered_share(each)})' for each in bring
+        f'{titles.get(each.case, each.case)} ({format_ordered_share(each)})' for each in bring
     )
-    return f'{first}. Single factors that cause it: {names}.'
+    return f'{first}. It becomes significant if one of these factors is changed: {names}.'
 
 
 def format_ordered_share(order: PathOrder) -> str:
     """Format the share of bootstrap draws with the order."""
     if math.isnan(order.share):
-        return 'none: too few arrived'
-    return f'{100 * order.share:.0f} % of resampled flights'
+        return 'too few flights arrived'
+    return f'in {100 * order.share:.0f} % of resampled flights'

@@ -29,7 +29,7 @@ def format_scores_page(findings: EvaluationFindings) -> str:
             if name == WINDS
         ),
         *findings.cautions,
-        '## Causes of the order of paths',
+        '## What causes the order of path lengths',
         findings.statement,
     ]
     if findings.ablations:

@@ -100,37 +100,42 @@ ABLATIONS: Final = 'ablations'
 SETS: Final[dict[str, FlightSet]] = {
     INDOORS: FlightSet(
         'light_indoors', 'Indoors, from 7 m',
-        'The paper\'s indoor flight: 7 m, 0.5 m/s, 0.5 m up, reached within 1 m; any heading.',
+        "The paper's indoor flight: 7 m to the lamp at 0.5 m/s and 0.5 m altitude, from "
+        'any heading. The lamp counts as reached within 1 m.',
     ),
     WINDS: FlightSet(
         'light_reference_winds', 'Against reference winds',
-        'Wind at 10 m over a roughness of 0.3 m, from the lamp to the start; airspeed 1 m/s.',
+        'The wind is given at 10 m height over ground with a roughness of 0.3 m; it '
+        'blows from the lamp to the start. The airspeed command is 1 m/s.',
         EvaluationAxis('wind at 10 m', 'm/s', reference_wind),
     ),
     ROUGHNESS: FlightSet(
-        'light_roughness', 'The same 8 m/s over other ground',
-        'The paper states no roughness; near the ground it determines the wind at the hull.',
+        'light_roughness', 'In a wind of 8 m/s over other ground',
+        'The paper does not state the roughness of the ground, which determines the '
+        'wind at the height of the hull.',
         EvaluationAxis('roughness', 'm', ground_roughness),
     ),
     UNIFORM: FlightSet(
         'light_uniform_winds', 'In uniform wind',
-        'Mean plus one standard deviation up to 0.9 of the airspeed that the vehicle can fly.',
+        'The mean wind plus one standard deviation is up to 0.9 of the airspeed that '
+        'the vehicle can fly.',
         EvaluationAxis('mean wind', 'm/s', uniform_wind),
     ),
     'range': FlightSet(
-        'light_range', 'From 2 to 15 m', 'On an open field in still air.',
+        'light_range', 'From a distance of 2 to 15 m', 'To a lamp on an open field in still air.',
         EvaluationAxis('distance', 'm', lamp_distance), piloted=False,
     ),
     'ambient': FlightSet(
-        'light_ambient', 'From dark to full sun', 'From 7 m, on an open field in still air.',
+        'light_ambient', 'From dark to full sun',
+        'From a distance of 7 m, on an open field in still air.',
         EvaluationAxis('ambient light', 'lx', ambient_light, decades=True), piloted=False,
     ),
     'door': FlightSet(
         'light_door', 'Out of a building',
-        'Wind and sunlight change at the door; the lamp is 3 m outside.',
+        'From inside a building to a lamp 3 m outside; wind and sunlight change at the door.',
     ),
     ABLATIONS: FlightSet(
-        'light_ablations', 'Causes of the order of paths',
+        'light_ablations', 'What causes the order of path lengths',
         'Indoors, one factor changed at a time, with the same seeds.', piloted=False,
     ),
 }  # fmt: skip

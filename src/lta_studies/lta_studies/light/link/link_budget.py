@@ -106,7 +106,8 @@ def compute_lamp_link(
     if level < 1e-6:
         raise BadInput(
             f'The first lamp of {scenario.name} shines straight up or down, but the link is '
-            'computed along a horizontal axis; choose another scenario.'
+            'computed along a horizontal axis; choose a scenario whose first lamp shines '
+            'sideways.'
         )
     diodes, around = select_diode_gain(field, vehicle), build_field_geometry(field)
     x, y, _ = field.first_lamp.position
@@ -122,8 +123,8 @@ def compute_lamp_link(
             )
     if not found:
         raise BadInput(
-            f'None of the distances is inside {scenario.name}; choose shorter ones or a lower '
-            'altitude.'
+            f'None of the distances is inside {scenario.name}; choose a shorter --distance '
+            'or a lower --altitude.'
         )
     return LampLink(scenario.name, scenario.about, diodes.feedback_resistance, tuple(found))
 

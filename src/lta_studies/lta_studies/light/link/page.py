@@ -20,17 +20,18 @@ PAPER_DISTANCE: Final = 7.0  # m
 PAPER_LUX: Final = (20.0, 90.0)  # range read from "several tens of lux"
 NEEDED: Final = 10.0  # required SNR at that distance
 LUX: Final = (
-    'Solid: reading of the brightest diode while the lamp is on, including its response and '
-    'reflections. Dotted: direct light on a plane that faces the lamp. Band: the '
-    'several tens of lux at 7 m in the paper.'
+    'Solid: light measured by the brightest diode while the lamp is on, including its '
+    'angular response and reflections. Dotted: direct light on a plane that faces the lamp. '
+    'Grey bar: the "several tens of lux" at 7 m of the paper (Huang et al. 2025).'
 )
 SNR: Final = (
-    'SNR of the best diode, from the demodulator: median of several '
-    'blocks with different gains, noise and heading.'
+    'SNR of the best diode after demodulation: median of several blocks of samples with '
+    'different gains, noise and heading. Dotted: an SNR of 10.'
 )
 METHOD: Final = (
-    'The drone is level and faces the lamp within 22.5 degrees. Light follows the inverse-square '
-    'law; surfaces reflect it depending on the place; the hull shades the diodes below it.'
+    'The drone is level and faces the lamp within 22.5 degrees. The light falls with the '
+    'square of the distance, the surfaces of the scene reflect it, and the hull shades the '
+    'diodes below it.'
 )
 
 
@@ -46,7 +47,7 @@ def render_page(links: Sequence[LampLink], again: str, vehicle: str) -> str:
         'light_link.html',
         title=escape(format_headline(links)),
         kicker=escape(f'light link · {vehicle}'),
-        about='Light and signal-to-noise ratio of a lamp against the distance from it.',
+        about='Illuminance and signal-to-noise ratio of a lamp against the distance from it.',
         tiles='\n'.join(render_tile(*each) for each in build_tiles(links)),
         lux=render_section('lux', 'Light on the diodes', LUX, plot_lux(links)),
         snr=render_section('snr', 'Signal-to-noise ratio', SNR, plot_snr(links)),
@@ -55,7 +56,7 @@ def render_page(links: Sequence[LampLink], again: str, vehicle: str) -> str:
         facts={'vehicle': vehicle, 'commit': read_commit()},
         commands={
             'Repeat the study': again,
-            'Fly in the first scene': format_lta_command('simulate', '--scenario', first),
+            'Fly in the first scenario': format_lta_command('simulate', '--scenario', first),
         },
     )  # fmt: skip
 
@@ -77,7 +78,7 @@ def build_tiles(links: Sequence[LampLink]) -> list[Tile]:
     made = []
     for each in links:
         at = find_reference_point(each)
-        note = f'direct, at {at.distance:g} m; paper: several tens'
+        note = f'direct light at {at.distance:g} m; paper: several tens of lx'
         made.append(Tile(each.scenario, f'{at.lux:.0f}', 'lx', note))
         made.append(Tile(each.scenario, f'{at.snr:.0f}', '', f'SNR at {at.distance:g} m'))
     return made

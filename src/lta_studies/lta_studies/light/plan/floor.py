@@ -121,9 +121,9 @@ def build_floor(plan: FloorPlan, vehicle: Vehicle, cell: float) -> FloorGrid:
         )
     if not wanted.any():
         raise BadInput(
-            f'{vehicle.file.name}, {2 * radius:g} m wide, fits nowhere in the required area of '
-            f'{plan.name} at {plan.altitude.si:g} m; fly above the obstacles, choose smaller '
-            'cells with --cell, or a smaller vehicle.'
+            f'{vehicle.file.name}, {2 * radius:g} m wide, fits nowhere in the required area '
+            f'of {plan.name} at {plan.altitude.si:g} m; raise the altitude above the '
+            'obstacles, choose smaller cells with --cell, or choose a smaller vehicle.'
         )
     return FloorGrid(x, y, cell, free, wanted, np.vstack(walls), abs(signed_area(corners)))
 
@@ -140,12 +140,14 @@ def _check_height(plan: FloorPlan, vehicle: Vehicle) -> None:
     if altitude < standing:
         raise BadInput(
             f'{plan.name} is flown at {altitude:g} m, but the hull centre of {name} is at '
-            f'{standing:.2f} m when it stands on the floor; fly higher.'
+            f'{standing:.2f} m when it stands on the floor; increase the altitude in the '
+            'floor plan.'
         )
     if altitude + above > plan.height.si:
         raise BadInput(
-            f'{plan.name} is flown at {altitude:g} m, but {name} reaches {above:.2f} m above its '
-            f'hull centre and the ceiling is at {plan.height.si:g} m; fly lower.'
+            f'{plan.name} is flown at {altitude:g} m, but {name} reaches {above:.2f} m above '
+            f'its hull centre and the ceiling is at {plan.height.si:g} m; reduce the '
+            'altitude in the floor plan.'
         )
 
 

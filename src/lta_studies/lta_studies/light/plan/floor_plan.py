@@ -41,11 +41,11 @@ class FloorArea(StrictModel):
     def _check_polygon(self) -> Self:
         across, up = len(self.x.vector), len(self.y.vector)
         if self.x.dimension != 'm' or self.y.dimension != 'm':
-            raise ValueError('has corners that are not in m or its like')
+            raise ValueError('has corners without a unit of length; give x and y in m')
         if across != up or not 3 <= across <= MOST_CORNERS:
             raise ValueError(
-                f'has {across} numbers in x and {up} in y; give the same number in both, from 3 '
-                f'to {MOST_CORNERS}'
+                f'has {across} numbers in x and {up} in y; give x and y the same number of '
+                f'values, from 3 to {MOST_CORNERS}'
             )
         if wrong := find_polygon_flaw(self.corners):
             raise ValueError(wrong)
@@ -68,7 +68,10 @@ class FloorObstacle(FloorArea):
     @model_validator(mode='after')
     def _check_step(self) -> Self:
         if self.count > 1 and not any(self.step.vector):
-            raise ValueError(f'has {self.count} copies in one place; give the step between them')
+            raise ValueError(
+                f'has {self.count} copies in one place; set step to the offset from one copy '
+                'to the next'
+            )
         return self
 
     @property
@@ -112,7 +115,7 @@ class ExistingLamp(StrictModel):
     @model_validator(mode='after')
     def _check_facing(self) -> Self:
         if not any(self.facing.vector):
-            raise ValueError('faces [0, 0, 0]; give the direction of its beam axis')
+            raise ValueError('has the facing [0, 0, 0]; set facing to the direction of the beam')
         return self
 
 
@@ -138,19 +141,19 @@ class FloorPlan(StrictModel):
         ceiling, lamp = self.height.si, self.lamp.height.si
         if lamp > ceiling:
             raise ValueError(
-                f'hangs its lamps at {lamp:g} m, above the ceiling at {ceiling:g} m; lower '
+                f'has lamp.height at {lamp:g} m, above the ceiling at {ceiling:g} m; lower '
                 'lamp.height'
             )
         if self.altitude.si >= ceiling:
             raise ValueError(
-                f'is flown at {self.altitude.si:g} m, but the ceiling is at {ceiling:g} m; lower '
-                'the altitude'
+                f'has an altitude of {self.altitude.si:g} m, but the ceiling is at '
+                f'{ceiling:g} m; lower the altitude'
             )
         for name, obstacle in self.obstacles.items():
             if obstacle.height.si > ceiling:
                 raise ValueError(
-                    f'has the obstacle {name} of {obstacle.height.si:g} m under a ceiling of '
-                    f'{ceiling:g} m; make it lower'
+                    f'has the obstacle {name} of {obstacle.height.si:g} m height, but the '
+                    f'ceiling is at {ceiling:g} m; lower the obstacle'
                 )
         for name, standing in self.lamps.items():
             x, y, z = standing.position.vector

@@ -159,13 +159,14 @@ def explain_shortage(band: FrequencyBand, existing: Sequence[float], count: int,
     """Return the error message for too few frequencies."""
     width = band.bin_width
     half = band.window * width
-    addition = f' in addition to the {len(existing)} existing ones' if existing else ''
+    addition = f' besides those of the existing lamps ({len(existing)})' if existing else ''
     return (
-        f'{count} lamps need a frequency, but only {fit} fit{addition}: in bins of {width:g} Hz, '
-        f'from {LOWEST:g} Hz to {band.rate / 2 - half:g} Hz, more than {2 * half:g} Hz apart, '
-        f'more than {half:g} Hz off every multiple of {band.mains:g} Hz (mains) and off each '
-        f"other's harmonics up to the {ORDERS[-1]}th; choose fewer lamps with --lamps, or a "
-        'narrower window with --set demodulator.window=1.'
+        f'{count} lamps need a frequency, but only {fit} are free{addition}. A frequency '
+        f'must be the centre of a bin of {width:g} Hz between {LOWEST:g} Hz and '
+        f'{band.rate / 2 - half:g} Hz, more than {2 * half:g} Hz from the others, and more '
+        f'than {half:g} Hz from every multiple of {band.mains:g} Hz (mains) and from '
+        f'harmonics of the others up to the {ORDERS[-1]}th. Use fewer lamps with --lamps, or '
+        'a narrower window with --set demodulator.window=1.'
     )
 
 
@@ -174,16 +175,17 @@ def _check_existing_frequencies(band: FrequencyBand, existing: Sequence[float]) 
     for frequency in existing:
         if not band.is_usable_frequency(np.array(frequency)):
             raise BadInput(
-                f'An existing lamp flickers at {frequency:g} Hz, below {LOWEST:g} Hz, '
-                f'too near to Nyquist ({band.rate / 2:g} Hz) or within '
-                f'{band.window * band.bin_width:g} Hz of a multiple of {band.mains:g} Hz (mains); '
-                'give it another frequency.'
+                f'An existing lamp flickers at {frequency:g} Hz, which cannot be received: '
+                f'it is below {LOWEST:g} Hz, too close to the Nyquist frequency of '
+                f'{band.rate / 2:g} Hz, or within {band.window * band.bin_width:g} Hz of a '
+                f'multiple of {band.mains:g} Hz (mains). Change the frequency of this lamp.'
             )
     if found := _find_conflict(band, existing, ORDERS[-1]):
         raise BadInput(
-            f'Two existing lamps flicker at {found[0]:g} and {found[1]:g} Hz, too '
-            f"close to each other or to each other's harmonics for a demodulator with bins of "
-            f'{band.bin_width:g} Hz and a window of {band.window} bins; change one of them.'
+            f'Two existing lamps flicker at {found[0]:g} and {found[1]:g} Hz. For a '
+            f'demodulator with bins of {band.bin_width:g} Hz and a window of {band.window} '
+            "bins, these are too close to each other or to each other's harmonics; change "
+            'one of the frequencies.'
         )
 
 

@@ -65,13 +65,13 @@ def list_mounts(plan: FloorPlan) -> list[LampMount]:
     if not found:
         raise BadInput(
             f'{plan.name} has no position for a lamp facing {plan.lamp.facing} at '
-            f'{plan.lamp.height.si:g} m; reduce the forbidden areas, change the height, or lower '
-            'lamp.spacing.'
+            f'{plan.lamp.height.si:g} m; make the forbidden areas smaller, change '
+            'lamp.height, or reduce lamp.spacing.'
         )
     if len(found) > MOST:
         raise BadInput(
-            f'{plan.name} has {len(found)} positions for lamps, more than {MOST}; increase '
-            'lamp.spacing.'
+            f'{plan.name} has {len(found)} possible positions for lamps, more than {MOST}; '
+            'increase lamp.spacing.'
         )
     return found
 

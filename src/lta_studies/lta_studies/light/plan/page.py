@@ -21,22 +21,23 @@ MOST_GAPS: Final = 12
 HEIGHTS: Final = (360.0, 900.0)  # px of a picture
 WIDTH: Final = 1100.0  # px, typical width of a plot on a desktop
 COVERED: Final = (
-    'Colour: SNR of the best received lamp in each cell, at its worst '
-    'heading. Grey: obstacles. White: where the hull does not fit. Hatched: '
-    'too few lamps are received.'
+    'Colour: SNR of the best received lamp in each cell, at the worst heading of the drone. '
+    'Grey: obstacles. White: the hull does not fit. Hatched: fewer lamps are received than '
+    'required.'
 )
 HANDED: Final = (
-    'Rings: end of a flight to a lamp, the nearest cell that receives it. Thin lines: '
-    'hand-overs, where another lamp is received at that point and the straight path to the end '
-    'of its flight is free. Thick: the longest of the shortest routes along them.'
+    'Rings: where a flight to a lamp ends, the nearest cell that receives it. Thin lines: '
+    'hand-overs, where the next lamp is received at that point and the straight path to the '
+    'end of its flight is free. Thick: the longest of the shortest routes between two lamps.'
 )
 METHOD: Final = (
-    'A lamp is received in a cell if, at every heading and with all other lamps on, its SNR on '
-    'its best diode is at least {needed:g} ({margin:g} times the threshold of the demodulator), '
-    'and it is {pure:g} times as strong in its search window as the crosstalk of the others. '
-    'Light, diodes, noise and demodulation are those of the simulator. Walls, obstacles and '
-    "the drone's own hull block the light. Reflections are neglected, which is conservative. "
-    'Tilt and details smaller than a cell of {cell:g} m are also neglected.'
+    'A lamp is received in a cell if two conditions hold at every heading with all other '
+    'lamps on: its SNR on its best diode is at least {needed:g} ({margin:g} times the '
+    'threshold of the demodulator), and in its search window it is {pure:g} times as strong '
+    'as the crosstalk of the others. Light, diodes, noise and demodulation are those of the '
+    "simulator. Walls, obstacles and the drone's own hull block the light. Neglected are "
+    'reflections, which is conservative, tilt, and details smaller than a cell of '
+    '{cell:g} m.'
 )
 
 
@@ -83,10 +84,10 @@ def render_page(
 def format_headline(layout: LampLayout) -> str:
     """Return the headline."""
     count, where = len(layout.lamps), layout.plan.name.replace('_', ' ')
-    number = 'one' if layout.overlap == 1 else f'{layout.overlap} of them'
+    number = 'at least one' if layout.overlap == 1 else f'at least {layout.overlap}'
     return (
-        f'{count} lamp{"s" if count > 1 else ""}: a drone receives {number} over '
-        f'{format_percent(layout.coverage)} % of the {where}, at any heading.'
+        f'{count} lamp{"s" if count > 1 else ""}: at any heading, a drone receives {number} '
+        f'over {format_percent(layout.coverage)} % of the floor of {where}.'
     )
 
 
@@ -107,10 +108,10 @@ def build_tiles(layout: LampLayout, handover: LampHandover) -> list[Tile]:
     return [
         Tile('covered', format_percent(layout.coverage), '%', f'of {wanted:.0f} m² where the hull '
         f'fits'),
-        Tile('lamps', str(count), '', f'lower bound for full coverage: {layout.bound}'),
+        Tile('lamps', str(count), '', f'at least {layout.bound} for full coverage'),
         Tile(
             'lamps by area', f'{100.0 * count / floor.area:.2f}', 'per 100 m²',
-            f'one for {floor.area / max(count, 1):.0f} m²; paper: {PAPER:g}',
+            f'one for {floor.area / max(count, 1):.0f} m²; paper: one for {PAPER:g} m²',
         ),
         Tile('two lamps received', two, '%', 'of the same area, which allows a hand-over'),
         Tile(
@@ -169,11 +170,11 @@ def describe_separation(layout: LampLayout) -> str:
     width = ear.light.sample_rate.si / ear.light.samples
     half = ear.demodulation.window * width
     return (
-        f'Directions anticlockwise from x. All frequencies are at the centre of a bin of '
-        f'{width:g} Hz, more than {2 * half:g} Hz apart and more than {half:g} Hz off every '
-        f'multiple of {layout.plan.ambient.mains_frequency.si:g} Hz (mains); no harmonic of a '
-        f'lamp up to its {layout.order}th, folded at {ear.light.sample_rate.si:g} samples/s, '
-        'is in the search window of another.'
+        'Directions are anticlockwise from x. Every frequency is at the centre of a bin of '
+        f'{width:g} Hz, more than {2 * half:g} Hz from every other and more than {half:g} Hz '
+        f'from every multiple of {layout.plan.ambient.mains_frequency.si:g} Hz (mains). No '
+        f'harmonic of a lamp up to the {layout.order}th, aliased by the '
+        f'{ear.light.sample_rate.si:g} samples/s, is in the search window of another lamp.'
     )
 
 
@@ -203,11 +204,11 @@ def build_provenance_table(layout: LampLayout) -> dict[str, str]:
     angle = math.degrees(lamp.half_power.si)
     return {
         'vehicle': f'{layout.ear.vehicle.file.name}, hull centre at {plan.altitude.si:g} m',
-        'lamps': f'{lamp.flux.si:g} lm, half power at {angle:g}°, at {lamp.height.si:g} m, '
+        'lamps': f'{lamp.flux.si:g} lm, half-power angle {angle:g}°, at {lamp.height.si:g} m, '
         f'facing {lamp.facing}; {layout.places} candidate positions',
-        'ambient light': f'{plan.ambient.steady.si:g} lx, mains '
+        'ambient light': f'{plan.ambient.steady.si:g} lx steady, mains flicker of '
         f'{plan.ambient.mains_amplitude.si:g} lx at {plan.ambient.mains_frequency.si:g} Hz',
-        'light needed': f'{layout.least:.2g} lx on the diode for a single lamp',
+        'light needed': f'{layout.least:.2g} lx on the diode, from a single lamp',
         'cells': f'{layout.floor.cell:g} m',
         'commit': read_commit(),
     }

@@ -132,7 +132,7 @@ def _explain_no_reception(plan: FloorPlan, ear: LightReceiver, least: float) -> 
             'less ambient light, or give the diodes a smaller feedback resistor.'
         )
     return (
-        f'{vehicle} receives no lamp of {plan.name} at every heading anywhere: it needs '
-        f"{least:.2g} lx on an unshaded diode. Mount the lamps nearer to the drone's altitude, or "
-        'use brighter ones.'
+        f'{vehicle} receives no lamp of {plan.name} at all headings, wherever it flies: its '
+        f'diodes need {least:.2g} lx without shade. Mount the lamps nearer to the altitude '
+        'of the drone, or use brighter lamps.'
     )

@@ -62,7 +62,7 @@ def find_polygon_flaw(corners: Array) -> str | None:
                     'its corners'
                 )
     if abs(signed_area(corners)) <= 1e-9 * float(sides.max()) ** 2:
-        return 'encloses no area; its corners must not be collinear'
+        return 'encloses no area; its corners must not lie on one line'
     return None
 
 

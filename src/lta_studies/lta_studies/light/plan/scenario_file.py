@@ -30,7 +30,7 @@ def format_scenario(layout: LampLayout, handover: LampHandover) -> str:
         '# The room is the bounding box of the floor plan. Obstacles are left out: the simulator',
         '# does not model them. Map frame: origin at the centre of the floor, axes of the plan.',
         '#',
-        f'# Laid out for {plan.altitude.si:g} m of altitude: fly it with',
+        f'# The lamps are placed for an altitude of {plan.altitude.si:g} m: fly it with',
         f'# --strategy homing --set mission.altitude={plan.altitude.si:g}',
         'schema: 1',
         f'name: {plan.name}_lamps',

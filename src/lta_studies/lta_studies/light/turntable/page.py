@@ -28,17 +28,20 @@ from plotly.graph_objects import Figure, Scatter, Scatterpolar
 
 POLAR: Final = (
     'Direction: true direction of the lamp, counter-clockwise from the nose. Radius: median '
-    "error there. Blue: the fit. Orange: the paper's weighted mean."
+    'bearing error there. Blue: our fit. Orange: the weighted mean of the paper (Huang et '
+    'al. 2025).'
 )
 CURVE: Final = (
-    'Each dot is one diode in one direction: its reading divided by its gain and the strength of '
-    'the lamp. The line is the fitted response; its exponent goes into the vehicle file.'
+    'Each dot is the reading of one diode in one direction, divided by its gain and the '
+    'strength of the lamp. The line is the fitted response; its exponent goes into the '
+    'vehicle file.'
 )
 METHOD: Final = (
-    'A real board on a turntable. The truth is the angle of the table, with its zero where '
-    'the nose points at the lamp. An error of that zero is the same in all directions and is '
-    'reported separately. Each reading is one light block of 100 ms. Response and gains are '
-    'fitted over all directions, with jackknife deviations over the directions.'
+    'A real light board on a turntable. The true direction is the angle of the table, which '
+    'is zero where the nose points at the lamp. An error of this zero is the same in all '
+    'directions and is reported separately. Each reading is one block of ADC samples (100 '
+    'ms). Response and gains are fitted over all directions; their deviations are jackknife '
+    'estimates.'
 )
 POINTS: Final = 91  # of the fitted curve, every 2 degrees
 
@@ -57,14 +60,15 @@ def write_page(
         assemble_page(
             'study.html',
             title=escape(
-                f'On the turntable the fit finds the lamp to '
-                f'{format_degrees(median_error(study.ours))}°, '
-                f"the paper's weighted mean to {format_degrees(median_error(study.paper))}°."
+                'On the turntable, the median bearing error is '
+                f'{format_degrees(median_error(study.ours))}° for our fit and '
+                f'{format_degrees(median_error(study.paper))}° for the weighted mean of the '
+                'paper.'
             ),
             kicker='hardware · light board on a turntable',
             about=escape(
-                f'{study.count} diodes, {DIRECTIONS} directions, {len(readings.direction)} light '
-                'blocks.'
+                f'{study.count} diodes, {DIRECTIONS} directions, {len(readings.direction)} '
+                'blocks of ADC samples.'
             ),
             tiles='\n'.join(render_tile(*each) for each in build_tiles(study, response)),
             table=render_table(build_ring_rows([study]))
@@ -112,10 +116,10 @@ def build_tiles(study: RingStudy, response: TurntableResponse) -> list[Tile]:
         f'{format_degrees(max(study.paper))}°'),
         Tile('SNR', f'{study.snr:.0f}', '', 'of the best diode, median'),
         Tile('exponent', f'{response.exponent:.2f}', '',
-             f'of the cosine, \N{PLUS-MINUS SIGN} {response.exponent_deviation:.1g}'),
+             f'of the cosine response, \N{PLUS-MINUS SIGN} {response.exponent_deviation:.1g}'),
         Tile('gains', f'{1e2 * response.gain_spread:.1f}', '%', 'spread among the diodes'),
         Tile('pedestal', f'{1e2 * response.pedestal:.1f}', '%',
-             'of the largest signal: reflections'),
+             'of the largest signal, from reflections'),
     ]  # fmt: skip
 
 
@@ -171,6 +175,8 @@ def plot_response(
             line={'color': SETPOINT, 'width': 1.4}, hovertemplate='%{y:.3f}',
         )
     )  # fmt: skip
-    figure.update_xaxes(title_text="from the diode's axis to the lamp [°]", dtick=30)
-    figure.update_yaxes(title_text='reading, facing the lamp 1', rangemode='tozero')
+    figure.update_xaxes(title_text="angle between the diode's axis and the lamp [°]", dtick=30)
+    figure.update_yaxes(
+        title_text='reading, relative to a diode that faces the lamp', rangemode='tozero'
+    )
     return figure.update_layout(hovermode='closest')

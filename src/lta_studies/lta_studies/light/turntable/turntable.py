@@ -144,8 +144,9 @@ def evaluate_turn(
         tick(len(part.time))
     if len(found) < FEWEST:
         raise BadInput(
-            f'The turn has {len(found)} usable light blocks, too few for {DIRECTIONS} directions; '
-            'record for longer, or correct --rate, --step and --hold.'
+            f'The recorded turn has {len(found)} usable light blocks, too few for '
+            f'{DIRECTIONS} directions; record for longer, or correct --rate, --step and '
+            '--hold.'
         )
     direction, by_paper, by_fit, snr = np.array(found).T
     return TurntableReadings(direction, by_paper, by_fit, snr, np.array(amplitudes))
@@ -170,8 +171,8 @@ def _build_true_direction(
         return lambda time: wrap_angle(table.start - table.rate * (time - first))
     if TRUTH not in flight.topics:
         raise BadInput(
-            f'The recording has no {TRUTH}, so the motion of the table is unknown; give its '
-            '--rate in degrees a second, or --step in degrees and --hold in seconds.'
+            f'The recording has no topic {TRUTH}, so the motion of the table is unknown; '
+            'give --rate in degrees per second, or --step in degrees and --hold in seconds.'
         )
     series = flight.read_series(TRUTH)
     names = [f'pose.pose.orientation.{axis}' for axis in 'xyzw']

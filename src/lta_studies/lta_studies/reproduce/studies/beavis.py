@@ -23,9 +23,9 @@ CHANGED: Final = {
     'beavis_too_heavy': ('climb',),
 }
 CAPTIONS: Final = {
-    'climb': 'Rise by 1.5 m and hold. Dashed: setpoint; seed 1.',
-    'turn': 'Rise, then turn left by 90° and hold. Dashed: setpoint; seed 1.',
-    'follow': 'Rise, then follow a heading that swings between 0 and 90° at 6°/s; seed 1.',
+    'climb': 'The drone rises by 1.5 m and holds its altitude. Dashed: setpoint; seed 1.',
+    'turn': 'The drone rises, turns left by 90° and holds its heading. Dashed: setpoint; seed 1.',
+    'follow': 'The drone rises and tracks a heading that moves between 0 and 90° at 6°/s; seed 1.',
 }
 HEADINGS: Final = {
     'climb': 'Altitude', 'turn': 'Yaw angle', 'follow': 'Continuously changing yaw',

@@ -19,8 +19,9 @@ FLOWN: Final = {
 }
 QUICK: Final = ('gtmab', 'blimp2b')
 CAPTIONS: Final = {
-    'climb': 'Rise by 1.5 m and hold. Dashed: setpoint; seed 1.',
-    'cruise': 'Rise, then fly at 0.5 m/s: speed along the course. Dashed: setpoint; seed 1.',
+    'climb': 'The drone rises by 1.5 m and holds its altitude. Dashed: setpoint; seed 1.',
+    'cruise': 'Speed along the course: the drone rises, then flies at 0.5 m/s. '
+    'Dashed: setpoint; seed 1.',
 }
 HEADINGS: Final = {'climb': 'Altitude task', 'cruise': 'Velocity task'}
 

@@ -25,8 +25,8 @@ from plotly.graph_objects import Figure, Scatter
 
 NOT_IN_TABLE: Final = 'solar_panels'  # missing in the paper's table of masses
 CURVE: Final = (
-    "One rotor: the paper's polynomial, and Bitcraze's bench data, whose voltage drops with load. "
-    'Both were measured with four motors and divided by four.'
+    "Thrust against duty: the paper's polynomial, and Bitcraze's bench data, whose voltage "
+    'drops with load. Both were measured with four motors and divided by four.'
 )
 
 

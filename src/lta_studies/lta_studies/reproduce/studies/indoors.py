@@ -30,9 +30,9 @@ SAFE: Final = {'scenario.goal.radius': '2 m'}  # the paper's simulation
 FAST: Final = {'mission.speed': 0.87}  # m/s, the paper's path divided by its time
 TOWARDS: Final = 'start_heading'
 HEADINGS: Final = {  # name and heading of the top views, by prefix of the measures
-    '': ('indoors', 'Indoors, to within 1 m, any heading'),
-    'sim_': ('simulation', 'To within 2 m, as in simulation'),
-    f'{TOWARDS}_': ('towards', 'Indoors, from a heading within 30° of the lamp'),
+    '': ('indoors', 'Indoors: reach the lamp within 1 m, any start heading'),
+    'sim_': ('simulation', "Reach the lamp within 2 m, as in the paper's simulation"),
+    f'{TOWARDS}_': ('towards', 'Indoors: start heading within 30° of the lamp'),
 }
 FACTORS: Final = {
     'not_stopping': ('dga',),

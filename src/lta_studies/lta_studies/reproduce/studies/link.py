@@ -41,8 +41,9 @@ ALTITUDE: Final = 1.3  # m, of the hull centre; puts the diodes at the height of
 TRACE: Final = 3.0  # m
 SHOWN: Final = 300  # samples, 30 ms
 TRACED: Final = (
-    'ADC counts at 10 kS/s, 3 m from the lamp in the shared room, of the diode that faces the '
-    'lamp most and of the one that faces away most. 30 ms, four and a half periods of 150 Hz.'
+    'ADC counts at 10 kS/s, 3 m from the lamp in a room, of the diode that faces the lamp '
+    'most and of the one that faces away most. The 30 ms are four and a half periods of 150 '
+    'Hz.'
 )
 
 

@@ -49,10 +49,10 @@ ALGORITHMS: Final = {  # seed paper, table of algorithms: diodes, position, load
 }  # fmt: skip
 HEIGHT, REFERENCE, SHOWN = 0.5, 10.0, 0.4  # m: hull, reference wind, a flyable roughness
 TRACKS: Final = (
-    'Ground tracks from above, seed 1, wind from the lamp to the start. Airspeed command 1 m/s. '
-    'Dashed circle: 1 m from the lamp, which counts as reached.'
+    'Ground tracks from above, seed 1. The wind blows from the lamp to the start; the '
+    'airspeed command is 1 m/s. Dashed circle: 1 m from the lamp, which counts as reached.'
 )
-DISTANCES: Final = 'Distance to the lamp by time, seed 1. Dotted: 1 m, which counts as reached.'
+DISTANCES: Final = 'Distance to the lamp over time, seed 1. Dotted: 1 m, which counts as reached.'
 
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
@@ -158,14 +158,21 @@ def plot_outdoor_flights(
     """Plot tracks and distances in the paper's winds, and over a flyable ground."""
     made = []
     drawn: list[tuple[str, str, FlightGroup, Sequence[EvaluationCell]]] = [
-        (f'wind_{wind:g}', f'{wind:g} m/s at 10 m over 0.3 m of roughness', winds,
+        (f'wind_{wind:g}', f'Wind of {wind:g} m/s at 10 m height, ground roughness 0.3 m', winds,
          [find_cell(winds, name, wind) for name in (PAPERS[:1] if request.quick else PAPERS)])
         for wind in (WINDS[:1] if request.quick else WINDS)
     ]  # fmt: skip
     if rough is not None:
         # Our strategy is drawn for comparison where the ground makes the wind flyable.
         over = [find_cell(rough, name, SHOWN) for name in (*PAPERS, 'homing')]
-        drawn.append(('wind_rough', f'8 m/s at 10 m over {SHOWN:g} m of roughness', rough, over))
+        drawn.append(
+            (
+                'wind_rough',
+                f'Wind of 8 m/s at 10 m height, ground roughness {SHOWN:g} m',
+                rough,
+                over,
+            )
+        )
     for name, heading, group, cells in drawn:
         tracks, scenario = fly_again(group.plan, cells, 1)
         bag = '' if request.quick else record_group(group, cells, 1, request.folder / name)
@@ -182,7 +189,7 @@ def plot_outdoor_flights(
                 each.strategy: (each.time, np.hypot(each.x - x, each.y - y)) for each in tracks
             }
             made.append(
-                StudyPicture('distance', 'Distance to the lamp in 8 m/s', DISTANCES,
+                StudyPicture('distance', 'Distance to the lamp in a wind of 8 m/s', DISTANCES,
                              plot_distances(lines),
                              format_lta_command('light', 'evaluate', '--sets', 'winds'), bag)
             )  # fmt: skip

@@ -65,7 +65,8 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     command = format_lta_command('light', 'study')
     pictures = [
         StudyPicture(place, f'{place.capitalize()}: {PLACES[place].about}',
-                f'Median error by direction; the radius is in degrees. Seed 1. {METHOD}',
+                'Median bearing error as the radius [°], by direction of the lamp. Seed '
+                f'1. {METHOD}',
                 plot_polar_errors({count: each[0] for count, each in by_count.items()}), command)
         for place, by_count in found.items()
     ]  # fmt: skip

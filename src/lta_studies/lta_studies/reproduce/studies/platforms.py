@@ -43,13 +43,14 @@ FLOWN: Final = {'planar': 'cruise', 'vertical': 'climb', 'attitude': 'turn'}
 SAME: Final = math.cos(math.radians(5.0))  # rotors within 5 deg share a thrust line
 LIMIT_SEEDS: Final = 3
 CAPTION: Final = (
-    'Rms error in a cruise at 0.5 m/s, a climb of 1.5 m and a turn by 90°; share of the weight '
-    'that rotors carry while hovering; largest extent; number of thrust directions. In '
-    "brackets: the paper's table. Darker ranks higher within a column."
+    'Columns: rms error in a cruise at 0.5 m/s, a climb of 1.5 m and a turn by 90°; share '
+    'of the weight that rotors carry while hovering; largest dimension; number of thrust '
+    "directions. In brackets: value in the paper's table. Darker cells rank higher within a "
+    'column.'
 )
 FOLLOWED: Final = {
     'cruise': ('Planar: fly at 0.5 m/s', 'Speed along the course. Dashed: setpoint; seed 1.'),
-    'climb': ('Vertical: rise by 1.5 m', 'Rise. Dashed: setpoint; seed 1.'),
+    'climb': ('Vertical: rise by 1.5 m', 'Height above the start. Dashed: setpoint; seed 1.'),
     'turn': ('Attitude: turn by 90°', 'Heading. Dashed: setpoint; seed 1.'),
 }
 

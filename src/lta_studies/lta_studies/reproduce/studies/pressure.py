@@ -27,12 +27,13 @@ SHOWN: Final = {  # shipped flows: file, pattern, heading
     'beavis': ('beavis', 'all', 'BEAVIS, all four rotors at full thrust'),
 }
 BESIDE: Final = (
-    'Logarithmic scale. Orange: printed in the paper. Blue: computed here; the hull in flight by '
-    'potential flow, a jet onto a wall by momentum theory, the rest by our wind tunnel.'
+    'Logarithmic scale. Orange: printed in the paper. Other bars: computed here; the hull '
+    'in flight by potential flow, a jet onto a wall by momentum theory, the rest by our '
+    'simulated wind tunnel.'
 )
 MAP: Final = (
-    'The hull from below, nose right: pressure relative to the far field, steady flow of our wind '
-    'tunnel (preview).'
+    'The hull from below, nose to the right: pressure relative to the undisturbed air, in a '
+    'steady flow of our simulated wind tunnel (fidelity preview).'
 )
 
 
@@ -99,7 +100,7 @@ def plot_pressures(values: Mapping[str, MeasuredValue]) -> Figure:
 
     rows = [
         ('GT-MAB: suction on its hull, both rotors up', size('gtmab_hull_least'), TRUTH),
-        ('GT-MAB: nose at its level limit, 1.09 m/s', size('flight_nose'), TRUTH),
+        ('GT-MAB: nose at its top level speed, 1.09 m/s', size('flight_nose'), TRUTH),
         ('GT-MAB: suction at the bar next to its rotors', size('gtmab_least'), TRUTH),
         ('GT-MAB: jet of a reversed rotor on its hull', size('reversed_most'), TRUTH),
         ('BEAVIS: jets on its hull, all rotors on', size('beavis_hull_most'), TRUTH),

@@ -18,12 +18,12 @@ from plotly.graph_objects import Figure, Heatmap
 BOTH_UP: Final = 'both_up'  # pattern of the tunnel file: the upward rotors at full thrust
 WRENCH: Final = ('Fx', 'Fy', 'Fz', 'Mx [m]', 'My [m]', 'Mz [m]')
 POINTS: Final = (
-    'Points: solved flows, with the variation in their averaging window. Lines: fitted linear and '
-    'quadratic terms. Dotted: estimated by hand.'
+    'Points: drag from solved flows, with its variation in the averaging window. Lines: '
+    'fitted linear and quadratic terms. Dotted: analytical estimate.'
 )
 MATRIX: Final = (
-    'B of the vehicle files, one column per rotor: force and moment about the hull centre per '
-    'newton of thrust, including jets on the hull.'
+    'Matrix B of the vehicle files, one column per rotor: force and moment about the hull '
+    'centre per newton of thrust, including jets on the hull.'
 )
 
 
