@@ -172,7 +172,7 @@ def test_a_mixer_that_ignores_the_collision_loses_lift_by_its_share_of_the_offse
     ('name', 'law_name', 'sentence'),
     [
         ('gtmab', 'lateral', 'needs four rotors whose jets collide, which gtmab does not have'),
-        ('gtmab', 'glide', 'needs a moving mass with two limits'),
+        ('gtmab', 'glide', 'needs two propellers and a moving mass'),
     ],
 )
 def test_a_vehicle_of_another_kind_is_refused(name, law_name, sentence):
@@ -197,7 +197,7 @@ def test_rotors_that_push_straight_outwards_cannot_turn_beavis(tmp_path):
         update={'aero': aero.model_copy(update={'thrust_allocation': straight})}
     )
     made = find_control_law('lateral')
-    with pytest.raises(BadInput, match='cannot push along x and y and turn independently'):
+    with pytest.raises(BadInput, match='cannot produce forward force, sideways force and yaw'):
         made.known(load_law_gains(made.gains, 'beavis'), type(vehicle)(file))
 
 
