@@ -151,7 +151,7 @@ def test_a_reading_of_the_past_changes_nothing():
 @pytest.mark.parametrize(
     ('series', 'level', 'words'),
     [
-        ([], HealthLevel.ERROR, 'no usable reading'),
+        ([], HealthLevel.ERROR, 'no usable battery reading'),
         ([resting(0.92, -0.1)] * 30, HealthLevel.OK, 'min at this power'),
         ([resting(0.6, 0.1)] * 30, HealthLevel.OK, 'full in'),
         ([resting(0.16, -0.1)] * 30, HealthLevel.WARN, 'reserve 25%'),
@@ -173,7 +173,7 @@ def test_what_is_said_of_the_meters():
     )
     level, sentence = alarms.assess_meters(follow(readings(*[(3.9, 0.4)] * 5)))
     assert level is HealthLevel.ERROR
-    assert 'takes up 1.56 W but the panel gives 0.00 W: check the sign' in sentence
+    assert 'takes up 1.56 W, but the solar panel gives only 0.00 W: check the sign' in sentence
 
 
 def two(dt, second=-0.9, **before):
