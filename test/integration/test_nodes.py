@@ -165,10 +165,10 @@ def test_not_a_number_stops_the_motors_for_good(controller, hear):
     step = flying_controller(controller)
     assert estimate(controller, step + 1, z=math.nan) == [0.0] * 4
     assert estimate(controller, step + 2) == [0.0] * 4
-    hear(lambda facts: 'not a number' in motors(facts))
+    hear(lambda facts: 'NaN or infinity' in motors(facts))
     refused = controller.ask(SetBool, 'arm', data=True)
     assert not refused.success
-    assert 'not a number' in refused.message
+    assert 'NaN or infinity' in refused.message
 
 
 def test_turned_over_the_motors_stop_for_good(controller, hear):

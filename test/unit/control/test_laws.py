@@ -204,7 +204,7 @@ def test_rotors_that_push_straight_outwards_cannot_turn_beavis(tmp_path):
 def test_a_law_that_needs_a_tracker_is_refused_aboard():
     vehicle = load_vehicle('skye')
     assert vehicle_law_name(vehicle) == 'omnidirectional'
-    with pytest.raises(BadInput, match='needs a tracker'):
+    with pytest.raises(BadInput, match='needs a position tracker'):
         OnboardLaw('omnidirectional', vehicle)
 
 
@@ -212,7 +212,7 @@ def test_a_law_that_needs_a_tracker_is_refused_aboard():
 def test_a_vehicle_flies_by_its_own_sensors_unless_its_law_needs_a_tracker(name):
     vehicle = load_vehicle(name)
     if find_control_law(vehicle_law_name(vehicle)).feedback is Feedback.TRACKER:
-        with pytest.raises(BadInput, match='needs a tracker'):
+        with pytest.raises(BadInput, match='needs a position tracker'):
             check_onboard_law(vehicle)
     else:
         check_onboard_law(vehicle)

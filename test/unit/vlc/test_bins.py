@@ -20,7 +20,7 @@ def test_the_window_may_begin_at_the_first_bin_and_end_at_the_last():
     bins = planned(100, frequency=48.0, window=2)
     assert (bins.first, bins.last) == (46, 50)
     for frequency in (2.0, 49.0):
-        with pytest.raises(BadInput, match='too near'):
+        with pytest.raises(BadInput, match='too close'):
             planned(100, frequency=frequency, window=2)
 
 

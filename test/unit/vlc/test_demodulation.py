@@ -102,7 +102,7 @@ def test_flat_and_saturated_blocks_have_no_snr():
         ({'frequency': 10.0}, 10_000.0, 1000, 'in FFT bin 1 .* too close to zero'),
         ({'frequency': 4990.0}, 10_000.0, 1000, 'too close to the Nyquist frequency'),
         ({'window': 7}, 10_000.0, 1000, 'leave only 7 FFT bins of a block of 1000 samples'),
-        ({'window': 14}, 10_000.0, 1000, 'leave 0 bins'),
+        ({'window': 14}, 10_000.0, 1000, 'leave only 0 FFT bins'),
     ],
 )
 def test_what_cannot_be_seen_is_refused(settings, sample_rate, samples, sentence):

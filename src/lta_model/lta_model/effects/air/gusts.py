@@ -57,7 +57,7 @@ def compute_memory_rate(p: Values, memory: Values, place: AirEffectInput) -> Val
 def find_conflict(values: Mapping[str, float]) -> str:
     """Return an objection to a gust without length: its pressure gradient would be unbounded."""
     if values['length'] <= 0.0 and any(values[axis] != 0.0 for axis in ('x', 'y', 'z')):
-        return 'a gust needs the time in which it builds up; give length in seconds'
+        return 'a gust needs its rise time; set length, in seconds'
     return ''
 
 

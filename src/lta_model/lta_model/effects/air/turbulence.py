@@ -112,7 +112,10 @@ def find_conflict(values: Mapping[str, float]) -> str:
     """Return an objection to turbulence without a length."""
     for name in ('along', 'across', 'up'):
         if values[name] > 0.0 and values[f'{name}_length'] <= 0.0:
-            return f'turbulence {name} needs its length; give {name}_length in metres'
+            return (
+                f'turbulence of the component {name} needs a length scale; set {name}_length, '
+                'in metres'
+            )
     return ''
 
 

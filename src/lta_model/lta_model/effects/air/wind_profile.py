@@ -68,9 +68,9 @@ def find_conflict(values: Mapping[str, float]) -> str:
     if values['x'] == 0.0 and values['y'] == 0.0:
         return ''
     if values['roughness'] <= 0.0:
-        return 'a wind profile needs the roughness length of the ground; give roughness in metres'
+        return 'a wind profile needs the roughness length of the ground; set roughness, in metres'
     if values['height'] <= values['roughness']:
-        return 'the reference height must be above the roughness length'
+        return 'height (the reference height) must be larger than roughness (the roughness length)'
     return ''
 
 

@@ -116,13 +116,16 @@ def find_conflict(values: Mapping[str, float]) -> str:
     if values['stiffness'] <= 0.0:
         return ''
     if values['radius'] <= 0.0 or values['half_height'] <= 0.0:
-        return 'walls need the size of the hull; give radius and half_height in metres'
+        return 'walls need the size of the hull; set radius and half_height, in metres'
     widest = 2.0 * max(values['radius'], values['half_height'])
     for axis in ('x', 'y'):
         if values[f'{axis}_high'] - values[f'{axis}_low'] <= widest:
-            return f'the room is not wider than the hull from {axis}_low to {axis}_high'
+            return (
+                f'the hull does not fit into the room: {axis}_high minus {axis}_low must be '
+                'larger than the hull'
+            )
     if values['ceiling'] <= widest:
-        return 'the ceiling is not higher than the hull'
+        return 'the hull does not fit into the room: ceiling must be higher than the hull'
     return ''
 
 

@@ -81,13 +81,20 @@ def find_conflict(values: Mapping[str, float]) -> str:
     """Return an objection to a cubic that cannot be inverted, or ''."""
     others = [values[name] for name in ('full', 'least', 'c_0', 'c_1', 'c_2', 'c_3')]
     if values['voltage'] == 0.0:
-        return 'voltage must be the nominal voltage, or all others zero' if any(others) else ''
+        return (
+            'set voltage to the nominal battery voltage, or all other parameters to zero'
+            if any(others)
+            else ''
+        )
     full, least, _, c_1, c_2, c_3 = others
     if full <= least:
-        return 'full must be more than least'
+        return 'full (the largest thrust) must be larger than least (the smallest thrust)'
     # The derivative c_1 + 2 c_2 v + 3 c_3 v^2 must have no real root
     if max(c_1, c_3) == 0.0 or (c_2 < 0.0 and c_2 * c_2 >= 3.0 * c_1 * c_3):
-        return 'the cubic must rise with the voltage everywhere, or it has no inverse'
+        return (
+            'the thrust by c_0 to c_3 must increase with the voltage everywhere, so that it '
+            'can be inverted; correct c_1 to c_3'
+        )
     return ''
 
 

@@ -68,9 +68,9 @@ def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Val
 def find_conflict(values: Mapping[str, float]) -> str:
     """Return an objection to a ceiling effect without rotor size or ceiling."""
     if values['gain'] > 0.0 and values['radius'] <= 0.0:
-        return 'the ceiling effect needs the size of the rotors; give radius in metres'
+        return 'the ceiling effect needs the size of the rotors; set radius, in metres'
     if values['gain'] > 0.0 and values['height'] <= 0.0:
-        return 'the ceiling effect needs a ceiling; give height in metres'
+        return 'the ceiling effect needs the height of the ceiling; set height, in metres'
     return ''
 
 

@@ -65,7 +65,7 @@ def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Val
 def find_conflict(values: Mapping[str, float]) -> str:
     """Return an objection to a ground effect without rotor size."""
     if values['gain'] > 0.0 and values['radius'] <= 0.0:
-        return 'the ground effect needs the size of the rotors; give radius in metres'
+        return 'the ground effect needs the size of the rotors; set radius, in metres'
     return ''
 
 

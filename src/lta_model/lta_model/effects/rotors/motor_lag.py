@@ -38,7 +38,7 @@ def compute_memory_rate(p: Values, memory: Values, duty: float, surroundings: Va
 def find_conflict(values: Mapping[str, float]) -> str:
     """Return an objection to a lag in one direction only: its memory would jump."""
     if (values['up'] == 0.0) != (values['down'] == 0.0):
-        return 'up and down must both be zero (no lag) or both be positive'
+        return 'the time constants up and down must both be zero (no lag) or both be positive'
     return ''
 
 

@@ -107,10 +107,16 @@ def find_conflict(values: Mapping[str, float]) -> str:
     taking = sum(values[f'share_{i}'] != 0.0 for i in _ROTORS)
     gains = any(values[name] != 0.0 for name in _TOGETHER)
     if gains and taking < 2:
-        return 'at least two rotors need a share for jets to work together'
+        return (
+            'a parameter together_... is set, but fewer than two rotors take part in the jet '
+            'interaction; set share_... of at least two rotors'
+        )
     # Shares without a gain change nothing and are likely a mistake
     if taking > 0 and not gains:
-        return 'rotors have a share but no together_ gain says what they do'
+        return (
+            'a parameter share_... is set, but the force and moment of the jet interaction '
+            'are zero; set a parameter together_...'
+        )
     return ''
 
 

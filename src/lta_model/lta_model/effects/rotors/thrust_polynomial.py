@@ -68,9 +68,15 @@ def find_conflict(values: Mapping[str, float]) -> str:
     """Return an objection to a cubic that cannot describe a motor, or ''."""
     given = any(values[name] != 0.0 for name in ('linear_to', 'c_0', 'c_1', 'c_2', 'c_3'))
     if given and values['voltage'] == 0.0:
-        return 'voltage must be the nominal voltage at which the duty is 1, or all others zero'
+        return (
+            'set voltage to the nominal battery voltage, at which the duty is 1, or all other '
+            'parameters to zero'
+        )
     if values['voltage'] > 0.0 and values['c_0'] > 0.0 and values['linear_to'] == 0.0:
-        return 'c_0 is positive, a thrust without voltage, so linear_to must be positive'
+        return (
+            'c_0 is positive, which would mean thrust without voltage; set linear_to to a '
+            'positive voltage'
+        )
     return ''
 
 

@@ -83,7 +83,7 @@ def compute_memory_rate(p: Values, memory: Values, motion: VehicleMotion) -> Val
 def find_conflict(values: Mapping[str, float]) -> str:
     """Return an objection to a speed limit without lag: the mass would chatter about its goal."""
     if values['speed'] > 0.0 and values['lag'] == 0.0:
-        return 'a speed limit needs a lag: give lag, or leave speed at zero'
+        return 'a speed limit needs a time constant; set lag, or leave speed at zero'
     return ''
 
 
