@@ -234,7 +234,7 @@ def test_the_reserve_can_be_moved_in_flight_but_not_out_of_range(vehicle: Vehicl
     vehicle.until(lambda: vehicle.facts.get('energy_monitor: battery', (0,))[0] == 1)
     said = vehicle.facts['energy_monitor: battery'][1]
     assert said.startswith('energy reserve reached: ')
-    assert 'reserve 60%, way home' in said
+    assert 'reserve 60%, flight home' in said
 
     for name, value, word in (
         ('reserve', 1.5, 'reserve'),

@@ -39,7 +39,7 @@ def test_damping_that_the_step_cannot_follow():
 
 
 def test_a_floor_that_the_step_cannot_follow():
-    with pytest.raises(BadInput, match='The floor_contact of gtmab damps motion'):
+    with pytest.raises(BadInput, match='The effect floor_contact of gtmab damps motion'):
         world_of(
             vehicle={
                 'effects/floor_contact/stiffness/value': 1e4,
