@@ -77,9 +77,7 @@ def test_a_slow_steady_flow_that_does_not_join_the_transient_is_left_out():
     low = reference(0.3, 0.24)
     fit = fit_drag_by_axis(low)['surge']
     assert (fit.linear, fit.quadratic) == pytest.approx((0.0, 0.3))
-    said = (
-        'surge: the drag of the steady flow at 0.2 m/s differs by -20 % from the fit'
-    )
+    said = 'surge: the drag of the steady flow at 0.2 m/s differs by -20 % from the fit'
     assert said in collect_warnings(low)[-1]
     read = validate_content(AeroFile, yaml.safe_load(format_aero_file(low)), 'the text')
     assert read.evidence.axes['surge'].points == 1
