@@ -17,8 +17,8 @@ import math
 
 from lta_model.effects.protocol import AirEffect, AirEffectInput, EffectParameter, Values, Wrench
 
-_WIND = 'prior: a door opened in a room, assumed; bound: beyond any storm'
-_TIME = 'prior: 0.5 s, about a metre at the speed of a small blimp, assumed'
+_WIND = 'spread: a door opened in a room (assumed); limits: stronger than any storm'
+_TIME = 'spread: 0.5 s, about a metre at the speed of a small blimp (assumed)'
 
 PARAMETERS = (
     *(EffectParameter(axis, 'm/s', 0.0, -60.0, 60.0, 0.3, _WIND) for axis in ('x', 'y', 'z')),

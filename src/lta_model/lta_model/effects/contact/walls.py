@@ -28,9 +28,14 @@ from lta_model.effects.protocol import (
     WrenchEffect,
 )
 
-_ROOM = 'of the room, which holds the origin of the map; prior: 5 cm; bound: a large hall'
-_HULL = 'of the hull, from its shape; prior: 1 cm; bound: twice the 2.7 m of Skye (Burri 2013)'
-_SOURCE = 'prior: a foil envelope that gives centimetres under newtons; not measured'
+_ROOM = (
+    'from the size of the room, which contains the origin of the map; spread: 5 cm; limit: a '
+    'large hall'
+)
+_HULL = 'from the shape of the hull; spread: 1 cm; limit: twice the 2.7 m of Skye (Burri 2013)'
+_SOURCE = (
+    'spread: a foil envelope that yields by centimetres under a load of newtons; not measured'
+)
 
 PARAMETERS = (
     EffectParameter('x_low', 'm', 0.0, -1e3, 0.0, 0.05, _ROOM),

@@ -33,11 +33,11 @@ from lta_model.effects.protocol import ActuatorEffect, EffectParameter, Values
 from lta_model.state import VOLTAGE
 
 _NOMINAL = (
-    'a lithium cell has 3.0 to 4.2 V (Crazyflie firmware: critical at 3.0 V); bound: 14 cells'
+    'a lithium cell has 3.0 to 4.2 V (Crazyflie firmware: critical at 3.0 V); limit: 14 cells'
 )
-_THRUST = 'crazyflie-firmware 54f31e24: 0.12 N, upgrade kit 0.18 N; bound as thrust_curve'
-_LEAST = 'crazyflie-firmware 54f31e24: 0.0128 N, upgrade kit 0.0192 N; bound as thrust_curve'
-_CUBIC = 'crazyflie-firmware 54f31e24; prior: its three sets of propellers differ by 10 to 20 mN'
+_THRUST = 'crazyflie-firmware 54f31e24: 0.12 N, upgrade kit 0.18 N; limit as for thrust_curve'
+_LEAST = 'crazyflie-firmware 54f31e24: 0.0128 N, upgrade kit 0.0192 N; limit as for thrust_curve'
+_CUBIC = 'crazyflie-firmware 54f31e24; spread: its three sets of propellers differ by 10 to 20 mN'
 BROKEN = 2.0  # V: below it the firmware stops the motors
 NEWTON = 24  # steps; from 60 V down to 1 V takes 17
 FLAT = 1e-9  # N/V: less slope than any motor has, against a division by zero

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 
 from lta_model.effects.protocol import ActuatorEffect, EffectParameter, Values
 
-_SOURCE = 'Eschmann 2024: 72 ms for a 7 mm motor; prior: the scatter of published motors'
+_SOURCE = 'Eschmann 2024: 72 ms for a 7 mm motor; spread: scatter of published motors'
 
 SHARED = (
     EffectParameter('up', 's', 0.0, 1e-3, 10.0, 0.03, _SOURCE),

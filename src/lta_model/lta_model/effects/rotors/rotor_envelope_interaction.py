@@ -32,9 +32,9 @@ from lta_model.effects.protocol import (
 )
 from lta_model.state import ACTUATORS
 
-_FORCE = 'prior: 3 % of the thrust, the suction of a jet in CFD; bound: the sum of a few rotors'
-_LEVER = 'prior: 1 cm on the place where the jet meets the hull; bound: two levers of 5 m'
-_SHARE = 'a choice and no measurement: 1 takes part, 0 does not, -1 does in reverse'
+_FORCE = 'spread: 3 % of the thrust, the suction of a jet in CFD; limit: the sum of a few rotors'
+_LEVER = 'spread: 1 cm for the point where the jet meets the hull; limit: two levers of 5 m'
+_SHARE = 'chosen, not measured: 1 takes part, 0 does not, -1 takes part with reversed thrust'
 _NONE = 1e9  # more than any rotor pushes [N]
 
 _ROTORS = range(1, ACTUATORS + 1)

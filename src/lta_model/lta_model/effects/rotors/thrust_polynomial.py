@@ -32,10 +32,13 @@ from collections.abc import Mapping
 from lta_model.effects.protocol import ActuatorEffect, EffectParameter, Values
 
 _NOMINAL = (
-    'a lithium cell has 3.0 to 4.2 V (Crazyflie firmware: critical at 3.0 V); bound: 14 cells'
+    'a lithium cell has 3.0 to 4.2 V (Crazyflie firmware: critical at 3.0 V); limit: 14 cells'
 )
-_CUBIC = 'crazyflie-firmware 2a18fc29; prior: its three sets of propellers differ by 10 to 20 mN'
-_START = 'where the cubic reaches the least thrust of the firmware, 0.7 to 0.8 V; prior assumed'
+_CUBIC = 'crazyflie-firmware 2a18fc29; spread: its three sets of propellers differ by 10 to 20 mN'
+_START = (
+    'voltage at which the cubic reaches the smallest thrust of the firmware: 0.7 to 0.8 V; '
+    'spread assumed'
+)
 
 SHARED = (
     EffectParameter('voltage', 'V', 0.0, 0.0, 60.0, 0.1, _NOMINAL),
