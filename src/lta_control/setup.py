@@ -15,7 +15,7 @@ setup(
     zip_safe=False,
     maintainer='LTA maintainers',
     maintainer_email='maintainers@users.noreply.github.com',
-    description='What the drone decides: estimation, cascaded control, allocation and navigation.',
+    description='State estimation, cascaded control, rotor allocation and navigation.',
     license='Apache-2.0',
     entry_points={
         'console_scripts': [

@@ -15,7 +15,7 @@ setup(
     zip_safe=False,
     maintainer='LTA maintainers',
     maintainer_email='maintainers@users.noreply.github.com',
-    description='What it costs: battery, panel, loads and the energy books.',
+    description='Battery, solar panel, electrical loads and energy accounting.',
     license='Apache-2.0',
     entry_points={'console_scripts': ['energy_monitor = lta_energy.nodes.energy_monitor:main']},
 )

@@ -15,7 +15,7 @@ setup(
     zip_safe=False,
     maintainer='LTA maintainers',
     maintainer_email='maintainers@users.noreply.github.com',
-    description='The model that simulator, controller and discovery share.',
+    description='Vehicle model shared by simulator, controller and discovery of missing effects.',
     license='Apache-2.0',
     entry_points={'console_scripts': []},
 )

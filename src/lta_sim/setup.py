@@ -15,7 +15,7 @@ setup(
     zip_safe=False,
     maintainer='LTA maintainers',
     maintainer_email='maintainers@users.noreply.github.com',
-    description='What the world does: vehicle, physical effects, light field and sensors.',
+    description='Simulation of vehicle, physical effects, light field and sensors.',
     license='Apache-2.0',
     entry_points={'console_scripts': ['simulator = lta_sim.nodes.simulator:main']},
 )

@@ -15,7 +15,7 @@ setup(
     zip_safe=False,
     maintainer='LTA maintainers',
     maintainer_email='maintainers@users.noreply.github.com',
-    description='What the light says: demodulation of a flickering lamp and its bearing.',
+    description='Demodulation of flickering lamps, and bearing and position of a lamp.',
     license='Apache-2.0',
     entry_points={'console_scripts': ['demodulator = lta_vlc.nodes.demodulator:main']},
 )

@@ -141,10 +141,10 @@ def test_the_light_is_told_with_its_faults(vehicle):
     torn.data = torn.data[:-2]
     few = build_light_block_message(to_stamp(0), np.ascontiguousarray(vehicle.block[:, :7]))
     for k, message, sentence in (
-        (8, short, '1000 samples by diodes are expected'),
-        (9, torn, 'has 15998 bytes'),
+        (8, short, 'the demodulator expects 1000 samples of each diode'),
+        (9, torn, 'does not match its 15998 bytes'),
         (10, few, '8'),
-        (10, None, f'comes after one stamped {vehicle.stamp(10) * 1e-9:.3f} s'),
+        (10, None, f'follows one with {vehicle.stamp(10) * 1e-9:.3f} s'),
     ):
         vehicle.send(k, message)
         vehicle.until(lambda sentence=sentence: sentence in vehicle.light()[0])

@@ -233,8 +233,8 @@ def test_the_reserve_can_be_moved_in_flight_but_not_out_of_range(vehicle: Vehicl
     assert [item.data for item in vehicle.answers['energy/reserve']] == [False, True]
     vehicle.until(lambda: vehicle.facts.get('energy_monitor: battery', (0,))[0] == 1)
     said = vehicle.facts['energy_monitor: battery'][1]
-    assert said.startswith('reserve reached: ')
-    assert 'reserve 60%, way home' in said
+    assert said.startswith('energy reserve reached: ')
+    assert 'reserve 60%, flight home' in said
 
     for name, value, word in (
         ('reserve', 1.5, 'reserve'),
@@ -253,7 +253,7 @@ def test_a_meter_mounted_the_wrong_way_round_is_named(vehicle: Vehicle) -> None:
     for turn in range(4):  # 0.3 s
         vehicle.turn(turn, 0.45)
     vehicle.until(lambda: vehicle.facts.get('energy_monitor: meters', (0,))[0] == 2)
-    assert 'check the sign of the current' in vehicle.facts['energy_monitor: meters'][1]
+    assert 'check the sign of the measured current' in vehicle.facts['energy_monitor: meters'][1]
 
 
 def test_it_knows_the_cell_of_its_vehicle(domain_id: int, tmp_path: Path) -> None:

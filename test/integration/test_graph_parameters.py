@@ -9,7 +9,7 @@ from waiting import PATIENCE
 from .peer import complaints, Peer, start
 
 NODE = 'lta_vlc.nodes.demodulator'
-TOO_FAST = 'The beacon at 6000 Hz cannot be seen at 10000 samples/s; sample at more than twice'
+TOO_FAST = 'The beacon at 6000 Hz cannot be detected at 10000 samples/s; sample at more than'
 
 
 @pytest.fixture

@@ -156,7 +156,7 @@ def test_a_setpoint_of_the_future_is_as_old_as_none(flown, hear):
     step = flying_controller(flown)
     setpoint(flown, 1.0, step + 3600 * 10**9 // STEP)
     flown.until(lambda: estimate(flown, step + 1)[:2] == [0.0, 0.0])
-    hear(lambda facts: motors(facts) == 'a setpoint with a future stamp: landing')
+    hear(lambda facts: motors(facts) == 'the time stamp of the setpoint is in the future: landing')
     setpoint(flown, 1.0, step + 2)
     hear(lambda facts: max(estimate(flown, step + 3)) > 0.0)
 
@@ -165,10 +165,10 @@ def test_not_a_number_stops_the_motors_for_good(controller, hear):
     step = flying_controller(controller)
     assert estimate(controller, step + 1, z=math.nan) == [0.0] * 4
     assert estimate(controller, step + 2) == [0.0] * 4
-    hear(lambda facts: 'not a number' in motors(facts))
+    hear(lambda facts: 'NaN or infinity' in motors(facts))
     refused = controller.ask(SetBool, 'arm', data=True)
     assert not refused.success
-    assert 'not a number' in refused.message
+    assert 'NaN or infinity' in refused.message
 
 
 def test_turned_over_the_motors_stop_for_good(controller, hear):
@@ -249,5 +249,5 @@ def test_a_flight_in_real_time_is_open_to_people(lta, peer, flying, hear, tmp_pa
     )  # fmt: skip
     assert {line for line in told if not line.startswith(may)} == {
         'controller: other nodes also publish motors (/lta1/peer); stop all but one.',
-        'controller: emergency stop: restart the controller to fly again.',
+        'controller: emergency stop: the motors are off; restart the controller to fly again.',
     }

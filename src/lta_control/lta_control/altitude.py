@@ -23,7 +23,7 @@ class AltitudeSettings(Settings):
     )
     offset_walk: float = setting(
         0.02,
-        'Random drift of the height from air pressure in one second.',
+        'Random drift, in one second, of the height computed from air pressure.',
         unit='m/s^0.5',
         low=0.0,
         high=1.0,
@@ -36,7 +36,11 @@ class AltitudeSettings(Settings):
         high=1.0,
     )
     pressure_noise: float = setting(
-        0.15, 'Standard deviation of the height from air pressure.', unit='m', low=1e-3, high=10.0
+        0.15,
+        'Standard deviation of the height computed from air pressure.',
+        unit='m',
+        low=1e-3,
+        high=10.0,
     )
 
 

@@ -27,15 +27,15 @@ class CascadeGains(Settings):
     climb_limit: float = setting(
         ..., 'Largest commanded climb rate.', unit='m/s', low=0.01, high=2.0
     )
-    climb: PidGains = setting(..., 'Loop from climb rate error to vertical force, N per m/s.')
+    climb: PidGains = setting(..., 'PID gains: vertical force (N) per climb rate error (m/s).')
     heading_kp: float = setting(
         ..., 'Commanded yaw rate per radian of heading error.', unit='1/s', low=0.0, high=10.0
     )
     yaw_rate_limit: float = setting(
         ..., 'Largest commanded yaw rate.', unit='rad/s', low=0.01, high=6.0
     )
-    yaw_rate: PidGains = setting(..., 'Loop from yaw rate error to yaw moment, N m per rad/s.')
-    speed: PidGains = setting(..., 'Loop from airspeed error to surge force, N per m/s.')
+    yaw_rate: PidGains = setting(..., 'PID gains: yaw moment (N m) per yaw rate error (rad/s).')
+    speed: PidGains = setting(..., 'PID gains: forward force (N) per airspeed error (m/s).')
     turn_first: float = setting(
         ...,
         'Heading error at which the commanded forward speed falls to zero.',
@@ -45,14 +45,14 @@ class CascadeGains(Settings):
     )
     drift_gain: float = setting(
         ...,
-        'Angle by which the nose turns against a sideways drift, per drift speed.',
+        'Heading correction against sideways drift, per drift speed.',
         unit='rad s/m',
         low=0.0,
         high=20.0,
     )
     drift_limit: float = setting(
         ...,
-        'Largest angle by which the nose turns against a sideways drift.',
+        'Largest heading correction against sideways drift.',
         unit='rad',
         low=0.0,
         high=1.5,
@@ -73,7 +73,7 @@ class CascadeGains(Settings):
     )
     swing_gain: float = setting(
         ...,
-        'Surge force per pitch rate, which damps the pitch swing of the hull.',
+        'Forward force per pitch rate, to damp the pitch oscillation of the hull.',
         unit='N s/rad',
         low=-1.0,
         high=1.0,

@@ -42,7 +42,7 @@ class EstimatorSettings(Settings):
 
     rest_time: float = setting(
         2.0,
-        'Time at rest in which the sensor biases are calibrated.',
+        'Time that the drone must stand still at the start to calibrate the sensor biases.',
         unit='s',
         low=0.1,
         high=60.0,
@@ -50,14 +50,14 @@ class EstimatorSettings(Settings):
     )
     gravity_gain: float = setting(
         0.1,
-        'Rate at which measured gravity corrects roll and pitch.',
+        'Gain with which the measured direction of gravity corrects roll and pitch.',
         unit='1/s',
         low=0.0,
         high=5.0,
     )
     accelerometer_trust: float = setting(
         1.0,
-        'Time constant with which the estimated airspeed returns to that of the drag model.',
+        'Time constant with which the airspeed estimate converges to that of the drag model.',
         unit='s',
         low=0.05,
         high=60.0,

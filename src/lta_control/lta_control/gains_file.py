@@ -43,6 +43,6 @@ def load_law_gains(kind: type[Gains], name: str) -> Gains:
         raise BadInput(f'{path}: {format_error(error)}') from None
     except (KeyError, TypeError):
         raise BadInput(
-            f'{path} has no gains under /**/controller, ros__parameters; compare it with a '
-            'shipped file.'
+            f'{path} has no gains under /**/controller, ros__parameters, gains; compare it '
+            'with a file in config/control.'
         ) from None

@@ -34,7 +34,7 @@ class MissionSettings(StrategySettings):
     )
     reached: float = setting(
         0.04,
-        'Altitude error at which the climb counts as finished.',
+        'The climb ends when the drone is less than this below the mission altitude.',
         unit='m',
         low=0.001,
         high=1.0,
@@ -55,14 +55,15 @@ class MissionSettings(StrategySettings):
     )
     patience: float = setting(
         3.0,
-        'Time to wait for the next lamp of a route; after it, the switch has failed.',
+        'Longest wait for light from the next lamp of a route; after that, the drone '
+        'stays at its current lamp and tries again later.',
         unit='s',
         low=0.5,
         high=600.0,
     )
     again: float = setting(
         10.0,
-        'Time from a failed switch to the next lamp until the next attempt.',
+        'Wait before the drone tries again to receive the next lamp of a route.',
         unit='s',
         low=0.5,
         high=3600.0,

@@ -44,14 +44,14 @@ class ReserveResponseSettings(Settings):
 
     action: Action = setting(
         'land',
-        'Action at the energy reserve: land immediately, return to the start and land there, '
-        'or perch: fly on to the lamp (needs a strategy that arrives, such as homing) and land '
-        'there.',
+        'What to do at the energy reserve: "land" at once, "return" to the start and land '
+        'there, or "perch": fly on to the lamp and land there (needs a strategy that '
+        'reports its arrival, such as homing).',
         fixed=True,
     )
     stale: float = setting(
         1.0,
-        'Age of the latest report of the energy monitor; if it is older, the drone lands.',
+        'If the latest report of the energy monitor is older than this, the drone lands.',
         unit='s',
         low=0.2,
         high=600.0,
@@ -65,13 +65,13 @@ class ReserveResponseSettings(Settings):
     )
     patience: float = setting(
         2.0,
-        'Longest duration of the flight back, as a multiple of distance divided by speed.',
+        'Time limit of the flight back to the start, as a multiple of distance / airspeed.',
         low=1.0,
         high=20.0,
     )
     turning: float = setting(
         20.0,
-        'Additional time that the flight back may take, to coast and turn.',
+        'Time added to the limit of the flight back, for slowing down and turning.',
         unit='s',
         low=0.0,
         high=600.0,

@@ -201,8 +201,8 @@ def read_gains(content: Any, name: str) -> Any:  # noqa: ANN401 - what YAML hold
         return content['/**/controller']['ros__parameters']['gains']
     except (KeyError, TypeError):
         raise BadInput(
-            f'{find_file("gains", name)} has no gains under /**/controller, ros__parameters; '
-            'compare it with a shipped file.'
+            f'{find_file("gains", name)} has no gains under /**/controller, ros__parameters, '
+            'gains; compare it with a file in config/control.'
         ) from None
 
 

@@ -52,8 +52,9 @@ def collect_effects(
         # A second value for a derived parameter would contradict the blocks that it follows from
         if name in derived and set(given) - set(SHARES.get(name, ())):
             raise BadInput(
-                f'The effect {name} of {file.name} is computed from hull, parts, rotors or '
-                'aero; change those blocks instead.'
+                f'The parameters of the effect {name} in {file.name} are computed from the '
+                'blocks hull, parts, rotors or aero; remove them under effects and change '
+                'those blocks instead.'
             )
     own = {name: _check_parameters(name, given) for name, given in file.effects.items()}
     # Own values win only where `SHARES` allows them
@@ -66,8 +67,9 @@ def check_step(name: str, parameters: Effects, step: float) -> None:
         lag = parameters.get(effect, {}).get(key, 0.0)
         if lag > 0.0 and step > RK4_LIMIT * lag:
             raise BadInput(
-                f'{name} has {what} with a lag of {1e3 * lag:g} ms, and a time step of '
-                f'{1e3 * step:g} ms cannot follow it; use {1e3 * RK4_LIMIT * lag:.3g} ms or less.'
+                f'{name} has {what} with a time constant of {1e3 * lag:g} ms, too short '
+                f'for a simulation time step of {1e3 * step:g} ms; use a time step of '
+                f'{1e3 * RK4_LIMIT * lag:.3g} ms or less.'
             )
 
 

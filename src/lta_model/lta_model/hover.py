@@ -57,12 +57,16 @@ def hover_duty(
         return 0.0
     own, per_newton = select_lifting_rotors(rotors, coupling)
     if not own or per_newton <= 0.0:
-        raise BadInput(f'{name} has no rotor that lifts; it cannot hover.')
+        raise BadInput(
+            f'{name} has no rotor that pushes upwards, so it cannot hover; change the axis of '
+            'a rotor.'
+        )
     # The weakest rotor limits, since all run alike
     thrust, full = weight / per_newton, min(rotor.full_thrust for rotor in own)
     if thrust > full:
         raise BadInput(
-            f'{name} needs {thrust:.3f} N of each lifting rotor to hover, but they give '
-            f'{full:.3f} N; take off {1e3 * (thrust - full) * per_newton / gravity:.1f} g.'
+            f'{name} needs {thrust:.3f} N from each lifting rotor to hover, but a rotor '
+            f'has at most {full:.3f} N; make the vehicle at least '
+            f'{1e3 * (thrust - full) * per_newton / gravity:.1f} g lighter.'
         )
     return max(rotor.duty_for_thrust(thrust) for rotor in own)

@@ -54,7 +54,7 @@ def added_mass(hull: HullBlock, air_density: float) -> Six:
     # Beyond these ratios a size is certainly wrong, for example in its unit
     if not 0.01 < along / across < 100.0:
         raise BadInput(
-            f'The hull is {2 * along:g} m long and {2 * across:g} m across, which is '
-            'implausible; correct its sizes.'
+            f'The hull is {2 * along:g} m long and {2 * across:g} m wide, which is '
+            'implausible; correct diameter, height or length under hull.'
         )
     return spheroid_added_mass(across, along, air_density, axis)

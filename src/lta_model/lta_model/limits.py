@@ -67,9 +67,9 @@ def level_force(vehicle: Vehicle, heading: float = 0.0) -> float:
     )
     if found.status != 0 or found.fun is None:
         raise BadInput(
-            f'The rotors of {vehicle.file.name} cannot carry its {1e3 * vehicle.heaviness:.1f} '
-            'g beyond buoyancy and hold its heading; trim it closer to neutral, or use '
-            'stronger rotors.'
+            f'The rotors of {vehicle.file.name} cannot lift the '
+            f'{1e3 * vehicle.heaviness:.1f} g by which it is heavier than air and hold its '
+            'heading; reduce trim.heaviness, or use stronger rotors.'
         )
     return float(-found.fun)
 
@@ -108,8 +108,8 @@ def level_speed(vehicle: Vehicle) -> float:
     force = level_force(vehicle)
     if linear + quadratic == 0.0:
         raise BadInput(
-            f'{vehicle.file.name} has no drag along x, so its top speed is unlimited; add the '
-            'drag to its aero block.'
+            f'{vehicle.file.name} has no drag along x, so its top speed is unlimited; add '
+            'linear_drag or quadratic_drag to the aero block of the vehicle file.'
         )
     return steady_speed(force, linear, quadratic) if force > 0.0 else 0.0
 

@@ -38,8 +38,8 @@ def fill_parameters(effect: Effect, parameters: Mapping[str, float]) -> dict[str
         # The null value is always allowed, even outside of the bounds
         if value != known.null and not known.low <= value <= known.high:
             raise BadInput(
-                f'{effect.name}.{known.name} is {value:g} {known.unit}; '
-                f'give a value from {known.low:g} to {known.high:g}.'
+                f'{effect.name}.{known.name} is {value:g} {known.unit}; it must be from '
+                f'{known.low:g} to {known.high:g}.'
             )
     if objection := effect.check(values):
         raise BadInput(f'{effect.name}: {objection}.')
@@ -55,8 +55,8 @@ def _parse_inertia(inertia: ArrayLike) -> Vector:
         tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     if tensor.shape != (3, 3) or not np.array_equal(tensor, tensor.T):
         raise BadInput(
-            f'The inertia has shape {tensor.shape}; give a symmetric 3 x 3 tensor or its six '
-            'elements ixx ixy ixz iyy iyz izz.'
+            f'The inertia has the shape {tensor.shape}; give a symmetric 3 x 3 tensor or '
+            'its six elements ixx ixy ixz iyy iyz izz.'
         )
     # A physical inertia has positive eigenvalues
     if not (np.isfinite(tensor).all() and np.linalg.eigvalsh(tensor)[0] > 0.0):
@@ -71,7 +71,7 @@ def _build_rigid_body(
 ) -> RigidBody:
     """Return mass, balance and inertia about the hull centre."""
     if not (math.isfinite(mass) and mass > 0.0):
-        raise BadInput(f'The mass is {mass:g} kg; give a positive number.')
+        raise BadInput(f'The mass is {mass:g} kg; it must be a positive number.')
     r = np.asarray(cg, dtype=np.float64)
     if r.shape != (3,) or not np.isfinite(r).all():
         raise BadInput(f'The centre of gravity is {r.tolist()}; give three finite numbers.')
@@ -94,8 +94,9 @@ def _build_mass_matrix(rigid: RigidBody) -> Vector:
     # Body effects, such as negative ballast, may make it impossible
     if not (rigid.mass > 0.0 and np.linalg.eigvalsh(matrix)[0] > 0.0):
         raise BadInput(
-            f'The effects lead to a mass of {rigid.mass:g} kg and an impossible inertia; '
-            'make their values smaller.'
+            f'With its effects, the vehicle has a mass of {rigid.mass:g} kg and an '
+            'impossible inertia; reduce the effects that change mass or inertia, such as '
+            'ballast.'
         )
     return matrix
 

@@ -128,7 +128,10 @@ def interaction_parameters(
 def _select_thrust_curve(file: VehicleFile, rotor: RotorBlock) -> ThrustCurve:
     curve = rotor.thrust_curve or file.thrust_curve
     if curve is None:
-        raise BadInput(f'{file.name} has a rotor without a thrust_curve; add one.')
+        raise BadInput(
+            f'{file.name} has a rotor without a thrust curve; add thrust_curve to the rotor or '
+            'to the vehicle file.'
+        )
     return curve
 
 

@@ -78,7 +78,7 @@ class Scenario(StrictModel):
     def _check_lamps(self) -> Self:
         if (self.alone is None) == (not self.several):
             raise ValueError(
-                'needs one lamp under lamp, or several by name under lamps, and not both'
+                'needs either one lamp under "lamp", or several named lamps under "lamps"'
             )
         return self
 
@@ -90,25 +90,30 @@ class Scenario(StrictModel):
             # The origin of the map is the middle of the floor
             indoors = abs(x) <= length / 2 and abs(y) <= width / 2 and 0 <= z <= height
             if not (indoors or self._is_beyond_door(x, y, z)):
-                raise ValueError(f'has its {name} at {x, y, z} m, outside the room')
+                raise ValueError(
+                    f'has its {name} at {x, y, z} m, outside the room; move it into the room'
+                )
         unknown_names = [name for name in self.route if name not in self.lamps]
         if unknown_names:
             raise ValueError(
-                f'has {", ".join(unknown_names)} on its route, which is not one of its lamps; '
-                f'known: {", ".join(self.lamps)}'
+                f'has {", ".join(unknown_names)} on its route, but no such lamp; its lamps '
+                f'are {", ".join(self.lamps)}'
             )
         x, y, _ = self.target_lamps[0].position.vector
         start_x, start_y = self.start.position.vector
         if abs(start_x) > length / 2 or abs(start_y) > width / 2:
             raise ValueError(f'has its start at {start_x, start_y} m, outside the room')
         if math.hypot(x - start_x, y - start_y) <= self.goal.radius.si:
-            raise ValueError('starts within its goal; move the start or make the radius smaller')
+            raise ValueError(
+                'starts within its goal; move the start away from the lamp, or make '
+                'goal.radius smaller'
+            )
         if self.route and self.course is not None:
-            raise ValueError('has a route and a course; leave one of them out')
+            raise ValueError('has both a route and a course; remove one of them')
         if self.course is not None and self.course.rows[-1].at.si >= self.goal.time_limit.si:
             raise ValueError(
-                f'ends after {self.goal.time_limit.si:g} s, before the last row of its course; '
-                'give it more time'
+                f'ends after {self.goal.time_limit.si:g} s, before the last row of its '
+                'course; increase goal.time_limit'
             )
         return self
 
@@ -116,8 +121,9 @@ class Scenario(StrictModel):
     def _check_door(self) -> Self:
         if self.outside is not None and self.room.walls == 'solid':
             raise ValueError(
-                'has a door in solid walls, which hold every hull; make the walls open: a drone '
-                'that leaves the room other than through the door has escaped'
+                'has a door ("outside"), but its walls are solid, so no drone can leave; '
+                'set room.walls to open: then a drone that leaves other than through the '
+                'door has escaped'
             )
         return self
 

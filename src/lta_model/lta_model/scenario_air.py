@@ -56,8 +56,9 @@ class WindProfile(StrictModel):
     def _check_heights(self) -> Self:
         if self.height.si <= self.roughness.si:
             raise ValueError(
-                f'has its height of {self.height.si:g} m within the roughness of '
-                f'{self.roughness.si:g} m; give the wind higher up'
+                f'has its wind at a height of {self.height.si:g} m, which is not above the '
+                f'roughness length of {self.roughness.si:g} m; give the wind speed at a '
+                'greater height'
             )
         return self
 
@@ -96,8 +97,8 @@ class Turbulence(StrictModel):
             self.effect_parameters()
             return self
         raise ValueError(
-            'needs either intensity and length, or "by: MIL-F-8785C" with wind (at 20 ft) and '
-            'height'
+            'needs either intensity and length, or "by: MIL-F-8785C" with wind (at 20 ft) '
+            'and height'
         )
 
     def effect_parameters(self) -> Parameters:

@@ -35,6 +35,6 @@ def offset_start(scenario: Scenario, x: float, y: float) -> Scenario:
         # The scene without the offset was valid, so the only error is that of the start.
         said = error.errors()[0]['msg'].removeprefix('Value error, ')
         raise BadInput(
-            f"With offset {x:g}, {y:g} m the scenario '{scenario.name}' {said}; give another "
-            'offset_x or offset_y.'
+            f"With a start offset of {x:g}, {y:g} m the scenario '{scenario.name}' {said}; "
+            'give another offset_x or offset_y.'
         ) from None

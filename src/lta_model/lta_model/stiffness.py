@@ -58,9 +58,9 @@ def check_time_step(name: str, model: VehicleModel, step: float) -> None:
     effect, rate = find_fastest_damping(model)
     if rate * step > RK4_LIMIT:
         raise BadInput(
-            f'The {effect} of {name} damps motion within {1e3 / rate:.3g} ms, too fast for a '
-            f'time step of {1e3 * step:g} ms; make it {rate * step / RK4_LIMIT:.2g} times '
-            'weaker.'
+            f'The effect {effect} of {name} damps motion within {1e3 / rate:.3g} ms, too '
+            f'fast for the simulation time step of {1e3 * step:g} ms; make its damping '
+            f'{rate * step / RK4_LIMIT:.2g} times weaker.'
         )
 
 
@@ -73,6 +73,6 @@ def check_divergence(name: str, speeds: Sequence[float], elapsed: float) -> None
 def divergence_error(name: str, elapsed: float) -> BadInput:
     """Return the error for a diverged flight. [s after the start]"""
     return BadInput(
-        f'The simulation of {name} diverged {elapsed:.2f} s after the start: one of its effects '
-        'is too strong for its mass or inertia; make that effect weaker.'
+        f'The simulation of {name} diverged {elapsed:.2f} s after the start: one of '
+        'its effects is too strong for its mass or inertia; make that effect weaker.'
     )

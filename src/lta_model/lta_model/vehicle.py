@@ -60,14 +60,14 @@ class Vehicle:
             )
         if self.displaced_mass < 0.0:
             raise BadInput(
-                f'{file.name} was weighed at {1e3 * self.mass:.1f} g and cannot be heavier than '
-                'that; lower trim.heaviness.'
+                f'{file.name} has a measured mass of {1e3 * self.mass:.1f} g, so it cannot '
+                'be more than that heavier than air; lower trim.heaviness.'
             )
         if self.cg[2] >= 0.0 and file.hull.shape != 'none' and file.trim.unstable == 'refused':
             raise BadInput(
-                f'{file.name} has its centre of gravity {100 * self.cg[2]:.1f} cm above the hull '
-                'centre and would flip; move mass down, or allow it with "unstable: allowed" in '
-                'trim.'
+                f'{file.name} has its centre of gravity {100 * self.cg[2]:.1f} cm above '
+                'the hull centre and would flip over; move mass down, or allow it with '
+                '"unstable: allowed" under trim.'
             )
         self.build_model()  # refuses effects and parameters that do not exist or are out of bounds
 

@@ -68,7 +68,10 @@ class CommandLink:
         """
         numbers = list(map(float, duties))
         if len(numbers) != len(self._lowest) or not all(map(math.isfinite, numbers)):
-            raise ValueError(f'The duties are {numbers}; give {len(self._lowest)} finite numbers.')
+            raise ValueError(
+                f'The motor duties are {numbers}; there must be {len(self._lowest)} finite '
+                'numbers.'
+            )
         # A command without a mass position keeps the last one
         command = self._latest.copy()
         command[: len(numbers)] = [
@@ -78,7 +81,8 @@ class CommandLink:
         if mass_place is not None:
             if len(mass_place) != 3 or not all(map(math.isfinite, mass_place)):
                 raise ValueError(
-                    f'The moving mass is sent to {mass_place}; give 3 finite numbers.'
+                    f'The commanded position of the moving mass is {mass_place}; it must '
+                    'be 3 finite numbers.'
                 )
             command[MASS_PLACE:] = mass_place
         self._latest = command

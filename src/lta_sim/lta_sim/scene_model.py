@@ -66,8 +66,9 @@ def collect_scene_effects(vehicle: Vehicle, scenario: Scenario) -> Effects:
         if name in vehicle.file.effects:
             kind = 'wind' if isinstance(EFFECTS[name], AirEffect) else 'room'
             raise BadInput(
-                f'The effect {name} is set by the {kind} of the scenario {scenario.name} and by '
-                f'the vehicle {vehicle.file.name}; remove it from the vehicle.'
+                f'The effect {name} is set both by the {kind} of the scenario '
+                f'{scenario.name} and by the vehicle file of {vehicle.file.name}; remove '
+                'it from the vehicle file.'
             )
     return given
 
@@ -127,7 +128,7 @@ def check_scene(vehicle: Vehicle, scenario: Scenario) -> None:
     above = body[MASS_MOMENT + 2] / body[MASS]
     if above >= 0.0 and file.hull.shape != 'none' and file.trim.unstable == 'refused':
         raise BadInput(
-            f'The effects of {file.name} put its centre of gravity {100 * above:.1f} cm above the '
-            'hull centre, and it would flip; move mass down, or allow it with "unstable: allowed" '
-            'in trim.'
+            f'With its effects, {file.name} has its centre of gravity {100 * above:.1f} cm '
+            'above the hull centre and would flip over; move mass down, or allow it with '
+            '"unstable: allowed" under trim.'
         )

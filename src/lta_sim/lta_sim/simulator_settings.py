@@ -11,11 +11,14 @@ class SimulatorSettings(Settings):
     scenario: str = setting('lamp_room', 'Scenario name or file.', fixed=True)
     seed: int = setting(1, 'Random seed.', low=0, high=2**31 - 1, fixed=True)
     strategy: str = setting(
-        '', 'Navigation strategy whose power consumption is simulated; empty: none.', fixed=True
+        '',
+        'Navigation strategy. The power of its sensors and its computation is simulated. '
+        'Empty: none.',
+        fixed=True,
     )
     offset_x: float = setting(
         0.0,
-        "Eastward distance of the start from the scenario's start.",
+        'Offset of the start position along x (east) from that of the scenario.',
         unit='m',
         low=-FAR,
         high=FAR,
@@ -23,17 +26,25 @@ class SimulatorSettings(Settings):
     )
     offset_y: float = setting(
         0.0,
-        "Northward distance of the start from the scenario's start.",
+        'Offset of the start position along y (north) from that of the scenario.',
         unit='m',
         low=-FAR,
         high=FAR,
         fixed=True,
     )
-    record: bool = setting(False, 'Whether the simulator waits until a recorder runs.', fixed=True)
-    topics: str = setting('', 'Topics that are recorded, as set for the recorder.', fixed=True)
+    record: bool = setting(
+        False,
+        'Whether the simulator waits for a recorder before it starts the flight.',
+        fixed=True,
+    )
+    topics: str = setting(
+        '', 'Topics that the recorder records; must equal the setting of the recorder.', fixed=True
+    )
     clock: bool = setting(
-        True, 'Whether to publish /clock; exactly one simulator must.', fixed=True
+        True,
+        'Whether to publish /clock. With several drones, exactly one simulator must.',
+        fixed=True,
     )
     peers: str = setting(
-        '', 'Namespaces of the drones to synchronise with, separated by spaces.', fixed=True
+        '', 'Namespaces of the other drones to synchronise with, separated by spaces.', fixed=True
     )

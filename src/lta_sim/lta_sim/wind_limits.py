@@ -107,8 +107,8 @@ def _pitched_speed_limit(vehicle: Vehicle, model: VehicleModel) -> float:
     held = next((k for k in reversed(range(len(grid))) if holds(grid[k])), None)
     if held is None:
         raise BadInput(
-            f'{vehicle.file.name} cannot fly level at any speed or pitch; trim it closer to '
-            'neutral, or give it rotors that can carry it.'
+            f'{vehicle.file.name} cannot fly level at any speed or pitch; bring '
+            'trim.heaviness closer to 0, or use stronger rotors.'
         )
     if held == len(grid) - 1:
         return math.inf

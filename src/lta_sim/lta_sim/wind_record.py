@@ -64,7 +64,8 @@ class WindRecord:
             raise BadInput(f'The wind file {path} cannot be read: {error}.') from None
         if len(rows) < 2:
             raise BadInput(
-                f'The wind file {path} has {len(rows)} rows below its header; give two or more.'
+                f'The wind file {path} has {len(rows)} rows below its header; at least two '
+                'are needed.'
             )
         _check_order(path, rows[:, 0])
         # The flight may take up to its time limit
@@ -120,13 +121,13 @@ def _parse_numbers(path: Path, count: int, cells: list[str]) -> list[float]:
     # 'nan' and 'inf' are valid for float()
     if len(row) != len(HEADER) or not np.isfinite(row).all():
         raise BadInput(
-            f'The wind file {path} has "{",".join(cells)[:60]}" in line {count}; write four '
-            'finite numbers (t,u,v,w) there.'
+            f'The wind file {path} has "{",".join(cells)[:60]}" in line {count}; the line '
+            'must have four finite numbers (t,u,v,w).'
         )
     if max(map(abs, row[1:])) > STRONGEST:
         raise BadInput(
-            f'The wind file {path} has a wind of {max(row[1:], key=abs):g} m/s in line {count}; '
-            f'give {STRONGEST:g} m/s at most.'
+            f'The wind file {path} has a wind of {max(row[1:], key=abs):g} m/s in line '
+            f'{count}; at most {STRONGEST:g} m/s are allowed.'
         )
     return row
 

@@ -129,7 +129,9 @@ def load_vehicle_variant(
 def require_mapping(content: Any, where: str) -> dict[str, Any]:  # noqa: ANN401 - as YAML has it
     """Return a file's content; raise `BadInput` if it is not a mapping."""
     if not isinstance(content, dict):
-        raise BadInput(f'{where} holds no mapping of keys; compare it with a shipped file.')
+        raise BadInput(
+            f'{where} is not a YAML mapping (key: value); compare it with a shipped file.'
+        )
     return content
 
 

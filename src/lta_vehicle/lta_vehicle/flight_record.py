@@ -48,12 +48,14 @@ def read_flight_record(
     topic = next((name for name in POSES if name in flight.topics), None)
     if topic is None or 'motors' not in flight.topics:
         raise BadInput(
-            f"'{flight.bag.path}' has no topic {'motors' if topic else 'odom'}; record it."
+            f"The recording '{flight.bag.path}' has no topic "
+            f'{"motors" if topic else "odom"}; record that topic too.'
         )
     poses, motors = flight.read_series(topic), flight.read_series('motors')
     if not len(poses) or not len(motors):
         raise BadInput(
-            f"'{flight.bag.path}' has no messages on motors or {topic}; record both topics."
+            f"The recording '{flight.bag.path}' has no messages on the topics motors or "
+            f'{topic}; record both topics.'
         )
     # The last message has the names; they do not change within a recording
     names = [
@@ -63,8 +65,9 @@ def read_flight_record(
     ]
     if missing := [name for name in vehicle.rotor_names if name not in names]:
         raise BadInput(
-            f"'{flight.bag.path}' has no duty of {', '.join(missing)} of {vehicle.file.name}; "
-            'name the vehicle that flew with --vehicle.'
+            f"The recording '{flight.bag.path}' has no motor duties for "
+            f'{", ".join(missing)}, rotors of {vehicle.file.name}; give the vehicle that '
+            'flew with --vehicle.'
         )
     # A bag may list the rotors in another order than the vehicle file.
     order = [names.index(name) for name in vehicle.rotor_names]

@@ -43,8 +43,8 @@ def format_new_vehicle(name: str, model: str) -> str:
     """
     if not NAME.fullmatch(name):
         raise BadInput(
-            f"'{name}' cannot name a vehicle; use lower-case letters, digits and underscores, and "
-            'begin with a letter.'
+            f"Invalid vehicle name '{name}'; use lower-case letters, digits and "
+            'underscores, and begin with a letter.'
         )
     copied = load_vehicle(model).file.name  # raises BadInput if the model itself is invalid
     text = find_file('vehicle', model).read_text(encoding='utf-8')

@@ -21,8 +21,8 @@ from lta_model.propulsion import Six
 ASIDE: Final = 10.0  # largest angle between rotor axis and force [deg]
 FAR: Final = 0.05  # largest difference of the moments, relative to the rotor's distance
 REMEDY: Final = (
-    'delete aero.thrust_allocation to compute columns from position and axis, or compute new '
-    'ones with lta cfd run.'
+    'delete aero.thrust_allocation, so that the columns follow from position and axis, or '
+    'compute new ones with lta cfd run.'
 )
 OUTLINE: Final = frozenset(f'hull.{key}' for key in ('shape', 'diameter', 'height', 'length'))
 COLUMNS: Final = 'aero.thrust_allocation'
@@ -70,8 +70,9 @@ def _describe_moment_mismatch(
         for each in (of_place, own)
     )
     return (
-        f'By its position and axis, the rotor {name} has a moment of {there} N cm per newton, '
-        f'but its column of {COLUMNS} gives {here}. The simulation uses the column; {REMEDY}'
+        f'From its position and axis, the rotor {name} has a moment of {there} N cm per '
+        f'newton of thrust, but its column of {COLUMNS} gives {here}. The simulation uses '
+        f'the column; {REMEDY}'
     )
 
 
@@ -95,14 +96,15 @@ def find_stale_aero(changed: Collection[str], columns: Collection[str]) -> Itera
     held = [name for name in columns if _has_stale_column(name, changed)]
     if held:
         yield (
-            f'{", ".join(held)}: moved or turned, but {COLUMNS} still has the same columns. They '
-            f'override positions and axes, so the thrust does not change; {REMEDY}'
+            f'These rotors were moved or turned, but their columns in {COLUMNS} are '
+            f'unchanged: {", ".join(held)}. The columns override positions and axes, so the '
+            f'thrust does not change; {REMEDY}'
         )
     # Drag belongs to the outline of the hull; a change of its material keeps the drag
     if OUTLINE.intersection(changed) and not any(place.startswith(DRAGS) for place in changed):
         yield (
-            'The hull has another shape or size, but aero has the same drag as before; '
-            'compute it again with lta cfd run.'
+            'The shape or size of the hull has changed, but the drag in the aero block '
+            'has not; compute it again with lta cfd run.'
         )
 
 

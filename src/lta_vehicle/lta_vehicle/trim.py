@@ -112,9 +112,9 @@ def estimate_heaviness(
         stretches.append(part)
     if len(samples) < FEWEST:
         raise BadInput(
-            f'The flight has only {STRETCH * len(samples):.0f} s of hover (climb rate below '
-            f'{CALM_CLIMB:g} m/s, ground speed below {CALM_SPEED:g} m/s); let it hover in still '
-            'air for 20 s.'
+            f'The flight has only {STRETCH * len(samples):.0f} s of hover (climb rate '
+            f'below {CALM_CLIMB:g} m/s, ground speed below {CALM_SPEED:g} m/s); let the '
+            'vehicle hover in still air for at least 20 s.'
         )
     return _estimate_from_samples(vehicle, samples, commands, grid, stretches)
 
@@ -171,8 +171,9 @@ def _estimate_velocity(path: VehiclePath, grid: Array) -> Array:
     uniform = build_uniform_time_grid(path.time[0], path.time[-1], step, len(path.time))
     if not len(uniform):
         raise BadInput(
-            f'The {len(path.time)} poses span {path.time[-1] - path.time[0]:.0f} s, which is too '
-            'long; the clock was set during the recording: see `lta bag check`.'
+            f'The {len(path.time)} poses of the recording span '
+            f'{path.time[-1] - path.time[0]:.0f} s, which is too long for their number: '
+            'the clock was set during the recording; see `lta bag check`.'
         )
     # Least-squares slope over an odd window, as a convolution.
     weights = np.arange(-half, half + 1) / (step * sum(k * k for k in range(-half, half + 1)))
@@ -246,8 +247,9 @@ def _refuse_other_curves(vehicle: Vehicle, effects: Effects) -> None:
     """Raise `BadInput` if the thrust depends on more than the duty."""
     if other := [name for name in OTHER_CURVES if name in effects]:
         raise BadInput(
-            f'The thrust of {vehicle.file.name} is computed by {other[0]}, which needs data that '
-            'a bag does not contain; give it a thrust_curve.'
+            f'The thrust of {vehicle.file.name} is computed by the effect {other[0]}, '
+            'which needs data that a recording does not contain; use a thrust_curve in '
+            'the vehicle file instead.'
         )
 
 

@@ -28,20 +28,22 @@ def describe_heaviness(estimate: HeavinessEstimate, name: str, simulated: bool) 
     ]
     if not simulated:
         lines.append(
-            f'The thrust curve adds an error of about {GRAMS * estimate.curve_error:.1f} g, if it '
-            'is as good as that of a Crazyflie motor against its bench table (2.9 mN rms per '
-            'rotor).'
+            f'The thrust curve adds an error of about {GRAMS * estimate.curve_error:.1f} '
+            'g, if it is as accurate as that of a Crazyflie motor (2.9 mN rms per rotor).'
         )
     return '\n'.join(lines)
 
 
 def _suggest_ballast(add: float, declared: float, error: float) -> str:
     """Return advice on the ballast; masses in g."""
-    target = f'to reach the {declared:.2f} g of its file'
+    target = f'to reach trim.heaviness of the vehicle file ({declared:.2f} g)'
     if abs(add) < SMALLEST:
-        return f'This matches its file ({declared:.2f} g): leave the ballast as it is.'
+        return (
+            f'This matches trim.heaviness of the vehicle file ({declared:.2f} g): leave the '
+            'ballast as it is.'
+        )
     action = f'Add {add:.2f} g' if add > 0.0 else f'Remove {-add:.2f} g'
-    doubt = ' This is less than the error: let it hover longer.'
+    doubt = ' This is less than the error of the estimate: let the vehicle hover longer.'
     return f'{action} of ballast {target}.{doubt if abs(add) < error else ""}'
 
 

@@ -54,7 +54,7 @@ def validate_vehicle_file(path: Path) -> VehicleValidation:
     content = load_yaml(path)
     if not isinstance(content, dict):
         return VehicleValidation(
-            ['It is not a mapping of keys; compare it with a shipped file.'], [], None
+            ['It is not a YAML mapping (key: value); compare it with a shipped file.'], [], None
         )
     try:
         file = VehicleFile.model_validate(content)
@@ -92,7 +92,7 @@ def _find_faults(file: VehicleFile) -> Iterator[str]:
     gains = file.control.gains if file.control else None
     if gains and gains not in list_shipped_names(FOLDERS['gains']):
         names = ', '.join(list_shipped_names(FOLDERS['gains']))
-        yield f"control.gains is '{gains}', which is not shipped; known: {names}."
+        yield f"control.gains is '{gains}', which is not a shipped gains file; known: {names}."
     # Check numerical stability last: it needs a complete, valid model
     if not plain and not own:
         try:
@@ -132,8 +132,8 @@ def _find_balance_warnings(sheet: VehicleSheet) -> Iterator[str]:
         return
     if depth <= 0.0:
         yield (
-            f'The centre of gravity is {-depth:.1f} cm above the centre of buoyancy; it will '
-            'flip over.'
+            f'The centre of gravity is {-depth:.1f} cm above the centre of buoyancy, so '
+            'the vehicle will flip over; move mass down.'
         )
     elif depth < SHALLOW:
         yield (
@@ -142,15 +142,15 @@ def _find_balance_warnings(sheet: VehicleSheet) -> Iterator[str]:
         )
     if 'lean' in f and (f['lean'].value or 0.0) > LEANING:
         hanging = f['lean'].value_with_unit
-        yield f'It hangs {hanging} off the vertical; move mass to the other side.'
+        yield f'At rest it tilts by {hanging}; move mass to the other side.'
     lean = f.get('push_lean')
     # No lean exists if the thrust moment exceeds the largest righting moment
     if lean is not None and lean.value is None:
         yield f'Full forward thrust turns it over: {lean.note}.'
     elif lean is not None and (lean.value or 0.0) > STEEP:
         yield (
-            f'It leans {lean.value_with_unit} at full forward thrust; move the rotors closer to '
-            'the CB.'
+            f'It tilts by {lean.value_with_unit} at full forward thrust; move the rotors '
+            'closer to the centre of buoyancy.'
         )
 
 
@@ -161,14 +161,14 @@ def _find_lift_warnings(sheet: VehicleSheet) -> Iterator[str]:
         yield duty.note or 'Its rotors cannot lift it.'
     elif duty.value > BUSY:
         yield (
-            f'It needs {duty.value_with_unit} duty to hover, which leaves little for control and '
-            'climb.'
+            f'Its rotors need {duty.value_with_unit} duty to hover, which leaves little '
+            'for control and climbing; make it lighter.'
         )
     ballast = f.get('ballast')
     if ballast is not None and (ballast.value or 0.0) < LIGHT:
         yield (
-            f'It carries only {ballast.value_with_unit} of ballast; if a part is heavier than '
-            'its number, it cannot be made light enough.'
+            f'It carries only {ballast.value_with_unit} of ballast; if its parts are '
+            'heavier than the file says by more than that, it is too heavy.'
         )
     loss, leak = f.get('hover_loss'), f.get('leak_high')
     if loss is not None and leak is not None and loss.value and leak.value:
@@ -176,8 +176,8 @@ def _find_lift_warnings(sheet: VehicleSheet) -> Iterator[str]:
         soon = loss.value / leak.value
         if soon < SOON:
             yield (
-                f'It cannot hover after losing {loss.value_with_unit} of lift, which may happen '
-                f'within {soon:.0f} days.'
+                f'It cannot hover after losing {loss.value_with_unit} of lift by helium '
+                f'leakage, which may happen within {soon:.0f} days.'
             )
     if up.value is None:
         yield 'Its rotors cannot lift it while they hold heading and position.'
@@ -193,11 +193,12 @@ def _find_hull_warnings(sheet: VehicleSheet) -> Iterator[str]:
         off = vehicle.displaced_mass / geometric - 1.0
         if abs(off) > DISAGREE:
             yield (
-                f'By its weight it displaces {1e3 * vehicle.displaced_mass:.1f} g of air, but the '
-                f'volume of its hull gives {1e3 * geometric:.1f} g: {100 * off:+.0f} %.'
+                'From its mass and trim.heaviness, it displaces '
+                f'{1e3 * vehicle.displaced_mass:.1f} g of air, but from the volume of its '
+                f'hull {1e3 * geometric:.1f} g ({100 * off:+.0f} %); check these values.'
             )
     if file.hull.purity and file.hull.purity.si < IMPURE:
-        yield f'A purity of {100 * file.hull.purity.si:.0f} % is low; refill it.'
+        yield f'The helium purity of {100 * file.hull.purity.si:.0f} % is low; refill the hull.'
     # A shell part is the film of the hull, so both must have the same size
     sizes = [2.0 * half for half in hull.half_axes(file.hull)]
     for name, part in file.parts.items():
@@ -208,7 +209,10 @@ def _find_hull_warnings(sheet: VehicleSheet) -> Iterator[str]:
             # m to cm, as most vehicle files give sizes
             own = ' x '.join(f'{100 * number:.1f}' for number in part.size.vector)
             of_hull = ' x '.join(f'{100 * number:.1f}' for number in sizes)
-            yield f'The shell {name} measures {own} cm, but the hull measures {of_hull} cm.'
+            yield (
+                f'The part {name} (shape: shell) measures {own} cm, but the hull measures '
+                f'{of_hull} cm; make them equal.'
+            )
 
 
 def _find_push_warnings(sheet: VehicleSheet) -> Iterator[str]:
@@ -223,12 +227,13 @@ def _find_push_warnings(sheet: VehicleSheet) -> Iterator[str]:
     yield from find_stale_columns(sheet.vehicle.file)
     turns = [f[f'push_turn_{side}'].value for side in ('left', 'right')]
     if not all(turns):
-        yield 'Its rotors cannot yaw it in both directions.'
+        yield 'Its rotors cannot yaw it in both directions; check their positions and axes.'
 
 
 def _find_source_warnings(sheet: VehicleSheet) -> Iterator[str]:
     if sheet.assumed_count:
         yield (
-            f'{sheet.assumed_count} of {len(sheet.numbers)} numbers are assumed; measure those '
-            'that matter; lta vehicle show --sources lists them.'
+            f'{sheet.assumed_count} of the {len(sheet.numbers)} numbers in the vehicle '
+            'file are assumed; measure the important ones (lta vehicle show --sources '
+            'lists them).'
         )

@@ -113,8 +113,9 @@ def demodulate_block(
     bins, samples = beacons[0], np.asarray(block)
     if samples.ndim != 2 or samples.shape[0] != bins.samples or samples.shape[1] == 0:
         raise BadInput(
-            f'A light block has the shape {samples.shape}, but {bins.samples} samples by diodes '
-            'are expected; set the same block length in light board and demodulator.'
+            f'A block of photodiode samples has the shape {samples.shape}, but the '
+            f'demodulator expects {bins.samples} samples of each diode; set the same block '
+            'length in the light board and the demodulator.'
         )
     # A contiguous row for each diode, as the transform reads it
     waves = np.array(samples.T, dtype=np.float64, order='C')

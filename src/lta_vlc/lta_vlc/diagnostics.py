@@ -47,7 +47,7 @@ def describe_beacons(
             WANTED if one == 0 else f'beacon at {beacon:g} Hz',
             # Only the wanted beacon is needed for the flight
             HealthLevel.OK if found or one > 0 else HealthLevel.WARN,
-            'beacon found' if found else 'no diode hears the beacon',
+            'beacon found' if found else 'no photodiode receives the beacon',
             values,
         )
 

@@ -47,28 +47,34 @@ class DiodeArray:
         count = len(self.axes)
         if not count or not count == len(self.places) == len(self.gains):
             raise BadInput(
-                f'The drone has {count} diode axes, {len(self.places)} places and '
-                f'{len(self.gains)} gains; give each diode one of each.'
+                f'The drone has {count} photodiode axes, {len(self.places)} positions and '
+                f'{len(self.gains)} gains; give one of each for every diode.'
             )
         for axis in self.axes:
             # Written so that NaN fails too
             if not abs(math.hypot(*axis) - 1.0) < 1e-6:
                 raise BadInput(
-                    f'The diode axis {axis} does not have length 1; divide it by its length.'
+                    f'The photodiode axis {axis} must have length 1; divide it by its length.'
                 )
         if not (math.isfinite(self.response) and self.response > 0.0):
-            raise BadInput(f'The response exponent {self.response} of the diodes must be above 0.')
+            raise BadInput(
+                f'The response exponent of the photodiodes is {self.response}; it must be above 0.'
+            )
         if not all(math.isfinite(gain) and gain >= 0.0 for gain in self.gains):
-            raise BadInput(f'The diodes have the gains {self.gains}; each must be 0 or more.')
+            raise BadInput(f'The photodiode gains are {self.gains}; each must be 0 or more.')
         if not (math.isfinite(self.spread) and self.spread >= 0.0):
-            raise BadInput(f'The spread {self.spread} of the diode gains must be 0 or more.')
+            raise BadInput(
+                f'The relative spread of the photodiode gains is {self.spread}; it must be 0 '
+                'or more.'
+            )
 
     def check_diode_count(self, count: int) -> None:
         """Refuse readings of another number of diodes."""
         if count != len(self.axes):
             raise BadInput(
-                f'A light block has {count} diodes, but the vehicle file has {len(self.axes)}; '
-                'set vehicle of the demodulator to the vehicle that flies.'
+                f'The light message has samples of {count} photodiodes, but the vehicle '
+                f'file has {len(self.axes)}; set the parameter vehicle of the demodulator '
+                'to the vehicle that flies.'
             )
 
     @property

@@ -21,10 +21,14 @@ def to_block(message: Image) -> NDArray[np.uint16]:
     """Return the ADC block of an image, shape (samples, diodes); `ValueError` if inconsistent."""
     # np.frombuffer below assumes this layout
     if message.encoding != '16UC1' or message.is_bigendian:
-        raise ValueError(f'a light block is 16UC1, little endian, not {message.encoding}')
+        raise ValueError(
+            'the light message must have the encoding 16UC1 (little endian), not '
+            f'{message.encoding}'
+        )
     if len(message.data) != 2 * message.height * message.width:
         raise ValueError(
-            f'a light block of {message.height} x {message.width} has {len(message.data)} bytes'
+            f'the light message has a size of {message.height} x {message.width}, which '
+            f'does not match its {len(message.data)} bytes of data'
         )
     return np.frombuffer(message.data, dtype='<u2').reshape(message.height, message.width)
 

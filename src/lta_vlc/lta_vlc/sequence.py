@@ -44,9 +44,9 @@ class BlockSequence:
         gap = stamp_ns - before
         if 2 * gap < period:
             raise BadInput(
-                f'A light block stamped {stamp_ns * 1e-9:.3f} s comes after one stamped '
-                f'{before * 1e-9:.3f} s, though a block lasts {period * 1e-9:g} s; '
-                'send each block once, in time order.'
+                f'A block of photodiode samples with the time stamp {stamp_ns * 1e-9:.3f} '
+                f's follows one with {before * 1e-9:.3f} s, but each block lasts '
+                f'{period * 1e-9:g} s; send each block once, in time order.'
             )
         self._newest = stamp_ns
         # Rounded to whole periods

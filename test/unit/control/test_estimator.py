@@ -102,7 +102,7 @@ def test_who_is_carried_learns_once_it_stands():
     """Turned and tilted in the hand first; that became its biases for good."""
     state = run(MotionEstimate(), CARRIED, 300)
     assert describe_calibration(state, BODY)[1].startswith(
-        'calibrating the biases: keep the drone still'
+        'calibrating the IMU biases: keep the drone still'
     )
     still = STILL._replace(range=0.05, pressure=101_000.0)
     assert not run(state, still, 199).ready
@@ -151,7 +151,9 @@ def test_an_even_turn_is_never_a_bias():
     assert not state.ready
     level, sentence = describe_calibration(state, BODY)
     assert level is HealthLevel.ERROR
-    assert 'the drone turns at 5.7 deg/s, above the largest gyroscope bias of 3;' in sentence
+    assert (
+        'the drone turns at 5.7 deg/s, more than the largest possible bias of 3 deg/s;' in sentence
+    )
     assert not run(state, TURNED, 5000).ready
     still = STILL._replace(range=0.05, pressure=101_000.0)
     state = run(state, still, 200)

@@ -80,7 +80,8 @@ def test_a_file_of_something_else_is_refused(tmp_path, text):
     path = tmp_path / 'g.yaml'
     path.write_text(text)
     assert refused(str(path)) == (
-        f'{path} has no gains under {HEAD}, ros__parameters; compare it with a shipped file.'
+        f'{path} has no gains under {HEAD}, ros__parameters, gains; compare it with a file in '
+        'config/control.'
     )
 
 

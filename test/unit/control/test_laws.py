@@ -172,7 +172,7 @@ def test_a_mixer_that_ignores_the_collision_loses_lift_by_its_share_of_the_offse
     ('name', 'law_name', 'sentence'),
     [
         ('gtmab', 'lateral', 'needs four rotors whose jets collide, which gtmab does not have'),
-        ('gtmab', 'glide', 'needs a moving mass with two limits'),
+        ('gtmab', 'glide', 'needs two propellers and a moving mass'),
     ],
 )
 def test_a_vehicle_of_another_kind_is_refused(name, law_name, sentence):
@@ -197,14 +197,14 @@ def test_rotors_that_push_straight_outwards_cannot_turn_beavis(tmp_path):
         update={'aero': aero.model_copy(update={'thrust_allocation': straight})}
     )
     made = find_control_law('lateral')
-    with pytest.raises(BadInput, match='cannot push along x and y and turn independently'):
+    with pytest.raises(BadInput, match='cannot produce forward force, sideways force and yaw'):
         made.known(load_law_gains(made.gains, 'beavis'), type(vehicle)(file))
 
 
 def test_a_law_that_needs_a_tracker_is_refused_aboard():
     vehicle = load_vehicle('skye')
     assert vehicle_law_name(vehicle) == 'omnidirectional'
-    with pytest.raises(BadInput, match='needs a tracker'):
+    with pytest.raises(BadInput, match='needs a position tracker'):
         OnboardLaw('omnidirectional', vehicle)
 
 
@@ -212,7 +212,7 @@ def test_a_law_that_needs_a_tracker_is_refused_aboard():
 def test_a_vehicle_flies_by_its_own_sensors_unless_its_law_needs_a_tracker(name):
     vehicle = load_vehicle(name)
     if find_control_law(vehicle_law_name(vehicle)).feedback is Feedback.TRACKER:
-        with pytest.raises(BadInput, match='needs a tracker'):
+        with pytest.raises(BadInput, match='needs a position tracker'):
             check_onboard_law(vehicle)
     else:
         check_onboard_law(vehicle)

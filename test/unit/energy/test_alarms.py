@@ -57,24 +57,27 @@ def test_how_long_it_lasts_and_how_sure_that_is():
 def test_what_is_worst_is_said_first():
     low = {'low': True, 'reserve': True}
     assert said(**low) == (
-        HealthLevel.WARN, 'reserve reached: 50% +- 2% left, reserve 25%, way home 1.2%',
+        HealthLevel.WARN,
+        'energy reserve reached: 50% +- 2% of the charge left; reserve 25%, flight home 1.2%',
     )  # fmt: skip
     assert said(reserve=True) == (
-        HealthLevel.WARN, 'the charge is doubtful: 50% +- 2%; the reserve counts as reached',
+        HealthLevel.WARN,
+        'the estimated charge of 50% +- 2% is too uncertain, so the energy reserve counts as '
+        'reached',
     )  # fmt: skip
     critical = {'critical': Latch(True, 0.0), **low}
-    assert said(**critical) == (HealthLevel.ERROR, 'the battery gives only 3.80 V: land now')
+    assert said(**critical) == (HealthLevel.ERROR, 'the battery voltage is only 3.80 V: land now')
     dead = update_detectors(
         WELL.watch, MeterObservation(replace(READ, voltage=0.0), READ, 0.1, CELL)
     )
-    assert said(watch=dead, **critical)[1].startswith('the cell reads 0.00 V: a brown-out')
+    assert said(watch=dead, **critical)[1].startswith('the power meter reads 0.00 V')
     gap = update_detectors(WELL.watch, MeterObservation(READ, READ, 2.0, CELL))
     assert (
         said(watch=gap)[0] is HealthLevel.OK
     )  # a warning about meters is not one about the battery
     assert alarms.assess_meters(WELL._replace(watch=gap)) == (
-        HealthLevel.WARN, 'gap: more than 1 s passed without a reading: the charge is less '
-        'certain',
+        HealthLevel.WARN,
+        'gap: no battery reading for more than 1 s: the estimate of the charge is less certain',
     )  # fmt: skip
     for missing in ('belief', 'last', 'stock'):
         assert said(**{missing: None})[0] is HealthLevel.ERROR
@@ -82,18 +85,21 @@ def test_what_is_worst_is_said_first():
 
 def test_the_way_home_is_told_with_what_is_to_spare():
     told = alarms.compute_return_margin(WELL)
-    assert told == (HealthLevel.OK, 'home is 12.3 m away, 700 J to spare')
+    assert told == (
+        HealthLevel.OK,
+        'the start is 12.3 m away; energy beyond the flight home and the reserve: 700 J',
+    )
     even = WELL._replace(stock=ReserveMargin(0.48, 0.012, 0.0))
     assert alarms.compute_return_margin(even) == (
         HealthLevel.WARN,
-        'home is 12.3 m away, 0 J to spare',
+        'the start is 12.3 m away; energy beyond the flight home and the reserve: 0 J',
     )
     for unknown in (
         {'stock': None}, {'last': None}, {'last': replace(READ, where=None)},
     ):  # fmt: skip
         assert alarms.compute_return_margin(WELL._replace(**unknown)) == (
             HealthLevel.OK,
-            'the position of the drone is unknown; no energy is reserved for the way home',
+            'the position of the drone is unknown, so no energy is reserved for the flight home',
         )
 
 

@@ -112,7 +112,10 @@ def test_a_reversed_current_is_seen_in_bright_light_by_the_resistance():
 
     estimate = follow(clean(200, change))
     assert 'reversed current' in names(estimate)
-    assert 'the voltage falls when the cell is charged' in alarms.assess_meters(estimate)[1]
+    assert (
+        'the battery voltage falls while the current charges it'
+        in alarms.assess_meters(estimate)[1]
+    )
 
 
 def test_another_cell_is_noticed_and_its_charge_estimated_anew():
@@ -170,7 +173,9 @@ def test_a_clock_that_is_set_back_is_told_and_the_energy_stays_known(back):
     assert named == {'set back'}
     # The first reading after the clock change came 0.1 s after the last one.
     (sentence,) = told
-    assert sentence.startswith(f'the clock was set back by {back - 0.1:.1f} s: ')
+    assert sentence.startswith(
+        f'the clock of the battery readings was set back by {back - 0.1:.1f} s: '
+    )
     assert names(estimate) == set()
     assert estimate.charge == pytest.approx(cell.charge, abs=2.0 * estimate.deviation)
     assert estimate.books.stored < stored
@@ -251,7 +256,7 @@ def test_what_no_meter_reads_is_named_and_leaves_nothing_behind(impossible):
     before = follow(clean(BEFORE))
     struck = follow([replace(one, **impossible) for one in clean(10)], estimate=before)
     assert 'not a number' in names(struck)
-    assert 'the cell cannot have ' in alarms.assess_battery(SETTINGS, CELL, struck)[1]
+    assert 'the battery readings of ' in alarms.assess_battery(SETTINGS, CELL, struck)[1]
     after = follow(clean(AFTER), estimate=struck)
     assert after.charge == pytest.approx(before.charge, abs=0.02)
     assert after.belief.deviation < 1.1 * before.belief.deviation

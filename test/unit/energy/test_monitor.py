@@ -109,7 +109,7 @@ def test_a_doubtful_charge_counts_as_reserve_reached():
     estimate = follow(readings(*[resting(0.9)] * 50), strict)
     assert estimate.reserve
     assert not estimate.is_landing_urgent
-    assert 'doubtful' in alarms.assess_battery(strict, CELL, estimate)[1]
+    assert 'too uncertain' in alarms.assess_battery(strict, CELL, estimate)[1]
     edge = MonitorSettings(doubt=estimate.deviation)
     assert not follow(readings(*[resting(0.9)] * 50), edge).reserve
 
@@ -124,7 +124,7 @@ def test_the_way_home_brings_the_reserve_nearer():
     # 100 m at 0.4 m/s over the ground and 1.4 W are 350 J of some 3400 J.
     assert far.stock.home == pytest.approx(350.0 / (900.0 * 3.88), rel=0.02)
     assert alarms.compute_return_margin(far)[0] is HealthLevel.WARN
-    assert 'home is 100.0 m away' in alarms.compute_return_margin(far)[1]
+    assert 'the start is 100.0 m away' in alarms.compute_return_margin(far)[1]
     assert alarms.compute_return_margin(near)[0] is HealthLevel.OK
 
 
@@ -151,7 +151,7 @@ def test_a_reading_of_the_past_changes_nothing():
 @pytest.mark.parametrize(
     ('series', 'level', 'words'),
     [
-        ([], HealthLevel.ERROR, 'no usable reading'),
+        ([], HealthLevel.ERROR, 'no usable battery reading'),
         ([resting(0.92, -0.1)] * 30, HealthLevel.OK, 'min at this power'),
         ([resting(0.6, 0.1)] * 30, HealthLevel.OK, 'full in'),
         ([resting(0.16, -0.1)] * 30, HealthLevel.WARN, 'reserve 25%'),
@@ -173,7 +173,7 @@ def test_what_is_said_of_the_meters():
     )
     level, sentence = alarms.assess_meters(follow(readings(*[(3.9, 0.4)] * 5)))
     assert level is HealthLevel.ERROR
-    assert 'takes up 1.56 W but the panel gives 0.00 W: check the sign' in sentence
+    assert 'takes up 1.56 W, but the solar panel gives only 0.00 W: check the sign' in sentence
 
 
 def two(dt, second=-0.9, **before):

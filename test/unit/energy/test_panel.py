@@ -131,11 +131,11 @@ def test_darkness_gives_nothing():
 @pytest.mark.parametrize(
     ('key', 'value', 'sentence'),
     [
-        ('ideality', 2.5, 'has a curve too square for its ideality of 2.5'),
-        ('ideality', 3.5, 'has a curve too square for its ideality of 3.5'),
+        ('ideality', 2.5, 'ideality factor of 2.5 fits .* too square'),
+        ('ideality', 3.5, 'ideality factor of 3.5 fits .* too square'),
         ('current', 297.0, 'at maximum power, but it must be below short_circuit'),
         ('voltage', 5.6, 'at maximum power, but it must be below open_circuit'),
-        ('voltage', 2.2, 'No diode with an ideality of 1.1 has the curve of the cell'),
+        ('voltage', 2.2, 'No diode model with an ideality factor of 1.1 fits the solar cell'),
     ],
 )
 def test_what_is_no_cell_is_one_sentence(tmp_path, key, value, sentence):

@@ -92,10 +92,10 @@ def test_nothing_is_written_into_what_was_given(steps):
 @pytest.mark.parametrize(
     ('part', 'shape', 'words'),
     [
-        (0, (3, 13), rf'states have shape \(3, 13\); it must be \(3, {SIZE}\)'),
-        (0, (2, SIZE), rf'states have shape \(2, {SIZE}\)'),
-        (1, (3, 12), r'commands have shape \(3, 12\)'),
-        (2, (1, 3), r'surroundings have shape \(1, 3\)'),
+        (0, (3, 13), rf'states have the shape \(3, 13\); it must be \(3, {SIZE}\)'),
+        (0, (2, SIZE), rf'states have the shape \(2, {SIZE}\)'),
+        (1, (3, 12), r'commands have the shape \(3, 12\)'),
+        (2, (1, 3), r'surroundings have the shape \(1, 3\)'),
     ],
 )
 def test_wrong_shapes_are_refused(part, shape, words):
@@ -107,5 +107,5 @@ def test_wrong_shapes_are_refused(part, shape, words):
 
 
 def test_no_fleet_of_nobody():
-    with pytest.raises(BadInput, match='at least one vehicle, but 0'):
+    with pytest.raises(BadInput, match='at least one vehicle, but none'):
         VehicleBatch.from_models([])

@@ -107,12 +107,12 @@ def test_the_thrust_stays_while_the_battery_sags():
     ('changes', 'words'),
     [
         ({}, ''),
-        ({'full': 0.12}, 'voltage must be'),
-        ({'voltage': 3.7}, 'full must be more'),
-        ({'voltage': 3.7, 'full': 0.12, 'least': 0.12, 'c_1': 0.03}, 'full must be more'),
-        ({'voltage': 3.7, 'full': 0.12}, 'must rise'),
+        ({'full': 0.12}, 'set voltage to the nominal'),
+        ({'voltage': 3.7}, 'must be larger than least'),
+        ({'voltage': 3.7, 'full': 0.12, 'least': 0.12, 'c_1': 0.03}, 'must be larger than least'),
+        ({'voltage': 3.7, 'full': 0.12}, 'must increase'),
         ({'voltage': 3.7, 'full': 0.12, 'c_1': 0.03}, ''),
-        ({'voltage': 3.7, 'full': 0.12, 'c_1': 0.03, 'c_2': -0.02, 'c_3': 0.004}, 'must rise'),
+        ({'voltage': 3.7, 'full': 0.12, 'c_1': 0.03, 'c_2': -0.02, 'c_3': 0.004}, 'must increase'),
         ({'voltage': 3.7} | dict(zip(NAMES, FIRMWARE['2.1+'], strict=True)), ''),
         ({'voltage': 3.7} | dict(zip(NAMES, FIRMWARE['upgrade kit'], strict=True)), ''),
     ],
@@ -162,5 +162,5 @@ class TestOfAVehicle:
 
     def test_a_cubic_without_an_inverse_is_refused(self):
         wrong = declared() | {'c_1': {**declared()['c_1'], 'value': 0}}
-        with pytest.raises(BadInput, match='must rise with the voltage'):
+        with pytest.raises(BadInput, match='must increase with the voltage'):
             build(('effects.battery_compensation', wrong))

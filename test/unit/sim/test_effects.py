@@ -114,12 +114,12 @@ class Point:
 @pytest.mark.parametrize(
     ('effect', 'words'),
     [
-        (effects.EFFECTS['linear_drag'], 'linear_drag of somewhere:EFFECT exists already'),
+        (effects.EFFECTS['linear_drag'], 'linear_drag of somewhere:EFFECT is already used'),
         ('wind', 'not an effect'),
         (WrenchEffect('side-wind', (), weight_and_buoyancy.compute_wrench), 'underscores'),
         (
             WrenchEffect('tow', (POUNDS,), weight_and_buoyancy.compute_wrench),
-            "tow.pull .* is in 'lbf'",
+            "tow.pull .* has the unit 'lbf'",
         ),
     ],
 )

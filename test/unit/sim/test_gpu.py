@@ -90,13 +90,13 @@ def test_without_a_gpu_it_says_what_to_do():
     """
     done = in_process(script, NUMBA_ENABLE_CUDASIM='0', CUDA_VISIBLE_DEVICES='-1')
     assert done.stdout == (
-        'numba-cuda finds no GPU here; install what requirements-gpu.txt lists on a machine with '
-        'an NVIDIA GPU and its driver, or simulate on the CPU.'
+        'numba-cuda finds no GPU; use a machine with an NVIDIA GPU, its driver and the packages '
+        'in requirements-gpu.txt, or simulate on the CPU.'
     ), done.stderr
 
 
 def test_without_numba_cuda_it_says_what_to_do(flights, monkeypatch):
     models, states, duties, winds = flights
     monkeypatch.setitem(sys.modules, 'numba.cuda', None)
-    with pytest.raises(BadInput, match=r'cannot be imported .*; install what requirements-gpu'):
+    with pytest.raises(BadInput, match=r'Cannot import numba-cuda .*; install the packages'):
         gpu.advance_many(states, VehicleBatch.from_models(models), duties, winds, 2e-3, 1)

@@ -185,9 +185,9 @@ def test_it_stands_on_the_floor_and_takes_off():
 @pytest.mark.parametrize(
     ('state', 'duty', 'wind', 'words'),
     [
-        (np.zeros(13), OFF, CALM, rf'state has shape \(13,\); it must be \({LAYOUT.size},\)'),
-        (np.zeros(LAYOUT.size), np.zeros(12), CALM, r'command has shape \(12,\)'),
-        (np.zeros(LAYOUT.size), OFF, np.zeros((3, 1)), r'surroundings has shape \(3, 1\)'),
+        (np.zeros(13), OFF, CALM, rf'state has the shape \(13,\); it must be \({LAYOUT.size},\)'),
+        (np.zeros(LAYOUT.size), np.zeros(12), CALM, r'command has the shape \(12,\)'),
+        (np.zeros(LAYOUT.size), OFF, np.zeros((3, 1)), r'surroundings has the shape \(3, 1\)'),
     ],
 )
 @pytest.mark.parametrize('function', [state_derivative, effect_wrenches])

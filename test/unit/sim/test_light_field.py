@@ -118,10 +118,13 @@ NAN = math.nan
 @pytest.mark.parametrize(
     ('make', 'sentence'),
     [
-        (lambda: BeaconLamp((NAN, 0.0, 1.0), (1.0, 0.0, 0.0), 1e4, WAVE, LED), 'is not finite'),
+        (
+            lambda: BeaconLamp((NAN, 0.0, 1.0), (1.0, 0.0, 0.0), 1e4, WAVE, LED),
+            'is infinite or NaN',
+        ),
         (
             lambda: BeaconLamp((0.0, 0.0, 1.0), (math.inf, 0.0, 0.0), 1e4, WAVE, LED),
-            'is not finite',
+            'is infinite or NaN',
         ),
         (
             lambda: BeaconLamp((0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 1e4, WAVE, LED),

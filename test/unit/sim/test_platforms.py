@@ -367,7 +367,9 @@ class TestRgblimp:
         vehicle = vehicles['rgblimp']
         assert vehicle.heaviness == pytest.approx(0.00685)
         assert vehicle.displaced_mass == pytest.approx(0.15204, rel=1e-12)
-        with pytest.raises(BadInput, match=r'^rgblimp has no rotor that lifts; it cannot hover'):
+        with pytest.raises(
+            BadInput, match=r'^rgblimp has no rotor that pushes upwards, so it cannot hover'
+        ):
             _ = vehicle.hover_duty
 
     def test_it_spirals_as_the_real_one_did(self, vehicles):

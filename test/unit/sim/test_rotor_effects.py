@@ -147,8 +147,8 @@ def test_sag_before_the_cubic_is_the_cubic_at_the_present_voltage():
         ({}, ''),
         ({'voltage': 4.2, 'c_0': -0.02, 'c_1': 0.06}, ''),
         ({'voltage': 4.2, 'c_0': 0.0067, 'linear_to': 0.68}, ''),
-        ({'c_1': 0.06}, 'voltage must be'),
-        ({'voltage': 4.2, 'c_0': 0.0067}, 'linear_to must be positive'),
+        ({'c_1': 0.06}, 'set voltage to the nominal'),
+        ({'voltage': 4.2, 'c_0': 0.0067}, 'set linear_to to a positive voltage'),
     ],
 )
 def test_a_cubic_must_be_that_of_a_motor(changes, words):

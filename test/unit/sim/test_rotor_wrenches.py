@@ -131,8 +131,8 @@ def test_the_weakest_of_those_that_take_part_decides():
         (BEAVIS, ''),
         ({'heave_3': 0.2}, ''),
         ({**BEAVIS, 'share_1': 0.5}, ''),
-        ({'together_heave': 1.0, 'share_1': 1.0}, 'at least two'),
-        ({'share_1': 1.0, 'share_2': 1.0}, 'no together_'),
+        ({'together_heave': 1.0, 'share_1': 1.0}, 'fewer than two rotors'),
+        ({'share_1': 1.0, 'share_2': 1.0}, 'set a parameter together_'),
     ],
 )
 def test_shares_must_mean_something(given, words):

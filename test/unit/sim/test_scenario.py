@@ -165,9 +165,12 @@ def test_several_lamps_have_names_and_the_first_is_the_goal(tmp_path):
 @pytest.mark.parametrize(
     ('change', 'sentence'),
     [
-        (lambda c: c.update(lamp=c['lamps']['gate']), 'one lamp under lamp, or several by name'),
-        (lambda c: c.pop('lamps'), 'one lamp under lamp, or several by name'),
-        (lambda c: c.update(lamps={}), 'one lamp under lamp, or several by name'),
+        (
+            lambda c: c.update(lamp=c['lamps']['gate']),
+            'either one lamp under "lamp", or several named lamps',
+        ),
+        (lambda c: c.pop('lamps'), 'either one lamp under "lamp", or several named lamps'),
+        (lambda c: c.update(lamps={}), 'either one lamp under "lamp", or several named lamps'),
         (
             lambda c: c['lamps']['shelf'].update(position=metres(0, 0, 9)),
             'has its shelf at (0.0, 0.0, 9.0) m, outside the room',

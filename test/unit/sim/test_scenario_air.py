@@ -120,7 +120,8 @@ def test_how_far_vehicles_reach():
         (
             'air.profile',
             {**FIELD, 'height': '0.2 m'},
-            'air.profile has its height of 0.2 m within the roughness of 0.3 m;',
+            'air.profile has its wind at a height of 0.2 m, which is not above the roughness '
+            'length of 0.3 m;',
         ),
         (
             'air.turbulence',
@@ -130,7 +131,7 @@ def test_how_far_vehicles_reach():
         (
             'air.turbulence',
             {'by': 'MIL-F-8785C', 'wind': '8 m/s', 'height': '0.5 m'},
-            'MIL-F-8785C has no low-altitude turbulence at 0.5 m, only from 3.05',
+            'MIL-F-8785C defines no low-altitude turbulence at a height of 0.5 m, only from 3.05',
         ),
         (
             'air.turbulence',
@@ -166,7 +167,9 @@ def test_what_vehicle_and_scene_both_say_is_refused():
     }
     effect = {'wind_profile': quantities}
     both = type(vehicle)(vehicle.file.model_copy(update={'effects': effect}))
-    with pytest.raises(BadInput, match='set by the wind of the scenario lamp_room and by the veh'):
+    with pytest.raises(
+        BadInput, match='set both by the wind of the scenario lamp_room and by the veh'
+    ):
         collect_scene_effects(both, scene(**{'air/profile': FIELD}))
 
 
@@ -176,7 +179,7 @@ def test_a_start_in_a_wall_is_refused():
         effects(**near)
     low = {'room/size': {'value': [10, 8, 0.5], 'unit': 'm'}, 'room/walls': 'solid'}
     low |= {'lamp/position': {'value': [3.5, 0, 0.4], 'unit': 'm'}}
-    with pytest.raises(BadInput, match='the ceiling is not higher than the hull'):
+    with pytest.raises(BadInput, match='ceiling must be higher than the hull'):
         load_vehicle('gtmab').build_model(effects(**low))
 
 

@@ -83,7 +83,7 @@ def test_the_wind_steps_at_the_door_over_the_width_of_the_hull():
 @pytest.mark.parametrize(
     ('changes', 'sentence'),
     [
-        ({'room/walls': 'solid'}, 'has a door in solid walls'),
+        ({'room/walls': 'solid'}, 'its walls are solid'),
         ({'lamp/position': {'value': [26, 0, 1], 'unit': 'm'}}, 'outside the room'),
         ({'outside/door/width': '0 m'}, 'must be above 0 and'),
     ],

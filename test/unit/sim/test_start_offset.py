@@ -45,6 +45,6 @@ def test_an_offset_out_of_the_room_or_into_the_goal_is_one_sentence(x, y, why):
     with pytest.raises(BadInput) as caught:
         offset_start(SCENE, x, y)
     sentence = str(caught.value)
-    assert f"With offset {x:g}, {y:g} m the scenario 'lamp_room'" in sentence
+    assert f"With a start offset of {x:g}, {y:g} m the scenario 'lamp_room'" in sentence
     assert why in sentence
     assert sentence.endswith('give another offset_x or offset_y.')

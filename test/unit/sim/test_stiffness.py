@@ -28,16 +28,18 @@ def test_damping_that_the_step_cannot_follow():
     moment = 100.0
     place = 'aero.linear_drag.moment'
     stiff = build((place, given([0, 0, moment], 'N m s')))
-    with pytest.raises(BadInput, match='The rotational_drag of gtmab damps motion') as caught:
+    with pytest.raises(
+        BadInput, match='The effect rotational_drag of gtmab damps motion'
+    ) as caught:
         stiff.check_step(STEP)
-    times = float(re.search(r'make it ([0-9.]+) times weaker', str(caught.value))[1])
+    times = float(re.search(r'make its damping ([0-9.]+) times weaker', str(caught.value))[1])
     build((place, given([0, 0, 0.99 * moment / times], 'N m s'))).check_step(STEP)
     with pytest.raises(BadInput, match='times weaker'):
         build((place, given([0, 0, 1.02 * moment / times], 'N m s'))).check_step(STEP)
 
 
 def test_a_floor_that_the_step_cannot_follow():
-    with pytest.raises(BadInput, match='The floor_contact of gtmab damps motion'):
+    with pytest.raises(BadInput, match='The effect floor_contact of gtmab damps motion'):
         world_of(
             vehicle={
                 'effects/floor_contact/stiffness/value': 1e4,
@@ -62,11 +64,11 @@ def test_numbers_that_run_away_are_one_sentence():
 
 def test_effects_that_ground_or_flip_it_are_refused():
     scene = world_of().scenario
-    with pytest.raises(BadInput, match=r'needs 1\.\d+ N of each lifting rotor to hover'):
+    with pytest.raises(BadInput, match=r'needs 1\.\d+ N from each lifting rotor to hover'):
         check_scene(build(('effects.payload', {'mass': given(0.2, 'kg')})), scene)
     check_scene(build(('effects.payload', {'mass': given(2, 'g')})), scene)
     raised = ('effects.cg_height', {'z': given(0.3, 'm')})
-    with pytest.raises(BadInput, match=r'put its centre of gravity \d+\.\d cm above the hull'):
+    with pytest.raises(BadInput, match=r'has its centre of gravity \d+\.\d cm above the hull'):
         check_scene(build(raised), scene)
     check_scene(build(raised, ('trim.unstable', 'allowed')), scene)
 

@@ -196,8 +196,8 @@ def test_centre_of_gravity_above_the_hull_centre():
     text = refused(*high)
     assert text.startswith('gtmab has its centre of gravity 1')
     assert text.endswith(
-        ' cm above the hull centre and would flip; move mass down, or allow it with '
-        '"unstable: allowed" in trim.'
+        ' cm above the hull centre and would flip over; move mass down, or allow it with '
+        '"unstable: allowed" under trim.'
     )
     flown = build(*high, ('trim.unstable', 'allowed'))
     assert flown.cg[2] > 0.0
@@ -267,8 +267,8 @@ def test_too_weak_to_hover():
         _ = weak.hover_duty
     # 20 g: 0.19613 N / 1.922 = 0.10205 N each; 0.05205 N too much, 10.2 g of it.
     assert str(caught.value) == (
-        'gtmab needs 0.102 N of each lifting rotor to hover, but they give 0.050 N; '
-        'take off 10.2 g.'
+        'gtmab needs 0.102 N from each lifting rotor to hover, but a rotor has at most 0.050 N; '
+        'make the vehicle at least 10.2 g lighter.'
     )
 
 
@@ -276,7 +276,9 @@ def test_without_a_lifting_rotor_it_cannot_hover():
     columns = [
         (f'aero.thrust_allocation.{name}.force', given([1, 0, 0], '1')) for name in GTMAB['rotors']
     ]
-    with pytest.raises(BadInput, match=r'^gtmab has no rotor that lifts; it cannot hover\.$'):
+    with pytest.raises(
+        BadInput, match=r'^gtmab has no rotor that pushes upwards, so it cannot hover;'
+    ):
         _ = build(*columns).hover_duty
 
 
@@ -298,5 +300,7 @@ def test_a_derived_effect_cannot_be_overridden_in_silence():
     file = load_vehicle_file('gtmab')
     drag = {'surge': Quantity(value=1.0, unit='N s2/m2', source='none')}
     twice = file.model_copy(update={'effects': {**file.effects, 'quadratic_drag': drag}})
-    with pytest.raises(BadInput, match='quadratic_drag of gtmab is computed from hull, parts'):
+    with pytest.raises(
+        BadInput, match='quadratic_drag in gtmab are computed from the blocks hull'
+    ):
         Vehicle(twice)

@@ -123,8 +123,8 @@ def test_a_step_too_long_for_the_motors(gtmab):
     with pytest.raises(BadInput) as caught:
         gtmab.check_step(0.25)
     assert str(caught.value) == (
-        'gtmab has motors with a lag of 72 ms, and a time step of 250 ms cannot follow it; use '
-        '194 ms or less.'
+        'gtmab has motors with a time constant of 72 ms, too short for a simulation time step of '
+        '250 ms; use a time step of 194 ms or less.'
     )
     build(('effects.motor_lag', None), ('effects.floor_contact', None)).check_step(10.0)
 
@@ -169,7 +169,8 @@ def test_a_weighed_vehicle_is_what_the_scale_says():
     assert free.displaced_mass == pytest.approx(VOLUME * RHO)
     assert free.heaviness == pytest.approx(0.4 - VOLUME * RHO)
     assert refused(*weighed(heaviness=given(500, 'g'))) == (
-        'gtmab was weighed at 400.0 g and cannot be heavier than that; lower trim.heaviness.'
+        'gtmab has a measured mass of 400.0 g, so it cannot be more than that heavier than air; '
+        'lower trim.heaviness.'
     )
 
 
@@ -222,8 +223,8 @@ def test_what_the_rotors_cannot_carry_cannot_fly_level():
     with pytest.raises(BadInput) as caught:
         level_force(build(('trim.heaviness', given(40, 'g'))))
     assert str(caught.value) == (
-        'The rotors of gtmab cannot carry its 40.0 g beyond buoyancy and hold its heading; trim '
-        'it closer to neutral, or use stronger rotors.'
+        'The rotors of gtmab cannot lift the 40.0 g by which it is heavier than air and hold its '
+        'heading; reduce trim.heaviness, or use stronger rotors.'
     )
     # With 30 g, 0.294 N, it can; the forward rotors pull down as well, and get what is left.
     assert 0.0 < level_force(build(('trim.heaviness', given(30, 'g')))) < 0.3

@@ -205,7 +205,7 @@ def test_military_turbulence_by_hand():
 
 @pytest.mark.parametrize('height', [0.5, 3.0, 310.0, math.nan])
 def test_military_turbulence_does_not_reach_down_to_a_blimp(height):
-    with pytest.raises(BadInput, match='give intensity and length yourself'):
+    with pytest.raises(BadInput, match='give intensity and length instead'):
         low_altitude_turbulence(height, 8.0)
 
 

@@ -48,11 +48,17 @@ def test_comments_and_empty_lines_are_passed_over(tmp_path):
     ('text', 'sentence'),
     [
         ('time,u,v\n0,1,0\n', 'begins with "time,u,v" instead of the header "t,u,v,w".'),
-        ('t,u,v,w\n0,1,0,0\n', 'has 1 rows below its header; give two or more.'),
-        ('t,u,v,w\n0,1,0,0\n1,nan,0,0\n', 'has "1,nan,0,0" in line 3; write four finite numbers'),
-        ('t,u,v,w\n0,1,0,0\n1,,0,0\n', 'has "1,,0,0" in line 3; write four finite numbers'),
-        ('t,u,v,w\n0,1,0\n', 'has "0,1,0" in line 2; write four finite numbers'),
-        ('t,u,v,w\n0,1,0,0\n1,-99,0,0\n', 'has a wind of -99 m/s in line 3; give 60 m/s at most.'),
+        ('t,u,v,w\n0,1,0,0\n', 'has 1 rows below its header; at least two are needed.'),
+        (
+            't,u,v,w\n0,1,0,0\n1,nan,0,0\n',
+            'has "1,nan,0,0" in line 3; the line must have four finite',
+        ),
+        ('t,u,v,w\n0,1,0,0\n1,,0,0\n', 'has "1,,0,0" in line 3; the line must have four finite'),
+        ('t,u,v,w\n0,1,0\n', 'has "0,1,0" in line 2; the line must have four finite'),
+        (
+            't,u,v,w\n0,1,0,0\n1,-99,0,0\n',
+            'has a wind of -99 m/s in line 3; at most 60 m/s are allowed.',
+        ),
         ('t,u,v,w\n0,1,0,0\n2,1,0,0\n1,1,0,0\n', 'has t = 1 s after t = 2 s; sort its rows'),
         ('t,u,v,w\n0,1,0,0\n0,1,0,0\n', 'has t = 0 s after t = 0 s; sort its rows'),
         (

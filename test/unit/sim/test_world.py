@@ -91,7 +91,9 @@ def test_duties_beyond_full_are_full():
 def test_duties_that_mean_nothing_are_refused(duties):
     world = build()
     before = world.state.copy()
-    with pytest.raises(ValueError, match=r'^The duties are .*; give 4 finite numbers\.$'):
+    with pytest.raises(
+        ValueError, match=r'^The motor duties are .*; there must be 4 finite numbers\.$'
+    ):
         world.advance(duties)
     np.testing.assert_array_equal(world.state, before)
     assert world.steps == 0

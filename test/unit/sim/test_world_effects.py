@@ -196,7 +196,7 @@ def test_a_moving_mass_rests_where_it_was_weighed_until_told():
     assert link.pack_command((-0.5, -2.0)).tolist() == [0.0, -1.0, *[0.0] * 6, 0.07, 0.0, 0.2]
     assert link.pack_command((0.5, 0.5), (0.1, 0.0, 0.2))[8:].tolist() == [0.1, 0.0, 0.2]
     assert link.pack_command((0.5, 0.5))[8:].tolist() == [0.1, 0.0, 0.2]
-    with pytest.raises(ValueError, match='give 3 finite numbers'):
+    with pytest.raises(ValueError, match='must be 3 finite numbers'):
         link.pack_command((0.0, 0.0), (math.nan, 0.0, 0.0))
 
 

@@ -114,8 +114,8 @@ def test_diff_says_which_columns_held_moved_rotors(gtmab):
     found = compare_vehicles(gtmab, load_vehicle_variant('gtmab', WIDE))
     (told,) = found.stale_aero_notes
     assert told.startswith(
-        'forward_left, forward_right: moved or turned, but aero.thrust_allocation still has the '
-        'same columns'
+        'These rotors were moved or turned, but their columns in aero.thrust_allocation are '
+        'unchanged: forward_left, forward_right.'
     )
     assert found.consequences == []
     words = said(found)
@@ -135,8 +135,8 @@ def test_diff_says_that_the_drag_is_of_another_hull(gtmab):
     larger = ['hull.diameter=110 cm', 'hull.height=65.9 cm']
     (told,) = compare_vehicles(gtmab, load_vehicle_variant('gtmab', larger)).stale_aero_notes
     assert told == (
-        'The hull has another shape or size, but aero has the same drag as before; compute it '
-        'again with lta cfd run.'
+        'The shape or size of the hull has changed, but the drag in the aero block has not; '
+        'compute it again with lta cfd run.'
     )
     drag = 'aero.quadratic_drag.force=[0.114, 0.111, 0.445] N s2/m2'
     assert (

@@ -114,7 +114,7 @@ def test_a_real_flight_is_told_of_the_thrust_curve(gtmab):
     """2.9 mN a rotor, two of them at 0.961: 0.40 g."""
     found = estimate_heaviness(gtmab, *hanging())
     assert 'thrust curve' not in describe_heaviness(found, 'gtmab', simulated=True)
-    assert '0.4 g, if it is as good' in describe_heaviness(found, 'gtmab', simulated=False)
+    assert '0.4 g, if it is as accurate' in describe_heaviness(found, 'gtmab', simulated=False)
     expected = 0.0029 * 0.961 * math.sqrt(2.0) / G
     assert encode_heaviness(found)['thrust_curve_error'] == pytest.approx(expected)
 

@@ -64,7 +64,10 @@ def test_pushes_of_gtmab_by_hand(gtmab):
     assert value(gtmab, 'push_backward') == pytest.approx(0.0, abs=1e-9)
     # One forward rotor alone: a moment of 0.1 m, and a push forward that nothing balances.
     assert value(gtmab, 'push_turn_left') == pytest.approx(1e3 * 0.1 * FULL)
-    assert 'not on the spot: a horizontal force of 156 mN' in gtmab.by_key['push_turn_left'].note
+    assert (
+        'cannot turn on the spot: a horizontal force of 156 mN'
+        in gtmab.by_key['push_turn_left'].note
+    )
 
 
 def test_hover_of_gtmab_by_hand(gtmab):
@@ -107,7 +110,7 @@ def test_a_glider_cannot_hold_altitude_and_says_so():
     sheet = build_sheet(load_vehicle('rgblimp'))
     assert solve_wrench_limit(sheet.vehicle, 'forward') is None
     assert value(sheet, 'push_forward') == pytest.approx(120.0)
-    assert 'without holding altitude' in sheet.by_key['push_forward'].note
+    assert 'the rotors cannot hold altitude' in sheet.by_key['push_forward'].note
     assert value(sheet, 'hover_duty') is None
     # Moment over force by angle of attack, as published: 0.0933 m over 2.9375.
     assert value(sheet, 'cp_x') == pytest.approx(100 * 0.0933 / 2.9375)
@@ -213,9 +216,9 @@ def test_the_headline_says_what_matters(gtmab):
         'duty'
     )
     assert format_headline(build_sheet(load_vehicle('blimp2b'))).endswith(
-        'gas included, and floats'
+        'gas included, and is neutrally buoyant'
     )
-    assert 'cannot carry it' in format_headline(build_sheet(load_vehicle('rgblimp')))
+    assert 'cannot lift it' in format_headline(build_sheet(load_vehicle('rgblimp')))
     assert any(
         'It can hover until 29.2 g of lift are lost' in line for line in describe_vehicle(gtmab)
     )
@@ -238,4 +241,4 @@ def test_a_vehicle_that_leans_over_at_full_push_says_so():
                     ('layers.sensors.light_board.position', given([0, 0, 20], 'cm')))  # fmt: skip
     sheet = build_sheet(vehicle)
     assert value(sheet, 'push_lean') is None
-    assert 'it would go over' in sheet.by_key['push_lean'].note
+    assert 'the moment of the rotors is' in sheet.by_key['push_lean'].note

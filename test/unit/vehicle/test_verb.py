@@ -52,7 +52,7 @@ def test_nothing_is_overwritten(call, tmp_path):
 @pytest.mark.parametrize(
     ('words', 'sentence'),
     [
-        (('new', 'My-Blimp'), "'My-Blimp' cannot name a vehicle"),
+        (('new', 'My-Blimp'), "Invalid vehicle name 'My-Blimp'"),
         (('new', 'a', '--from', 'nope'), "Unknown vehicle 'nope'; known: "),
         (('new', 'a', '--out', 'no/such/a.yaml'), 'cannot be written'),
         (('show', 'nope'), "Unknown vehicle 'nope'"),
@@ -94,7 +94,7 @@ def test_what_a_good_file_cannot_be_flown_for_is_said_at_once(call, tmp_path):
     assert 'gtmab is 56.6 g too heavy for its lift of 331.2 g' in said.err
     assert 'effects.motor_lag.up is in g' in said.err
     assert "Unknown effect 'flor_contact'" in said.err
-    assert "control.gains is 'gtmap', which is not shipped; known: beavis" in said.err
+    assert "control.gains is 'gtmap', which is not a shipped gains file; known: beavis" in said.err
 
 
 def test_warnings_leave_the_status_at_zero(call):
@@ -103,16 +103,23 @@ def test_warnings_leave_the_status_at_zero(call):
     found = json.loads(said.out)
     assert found['faults'] == []
     assert any('may tumble above 1.67 m/s' in line for line in found['warnings'])
-    assert any('37 of 110 numbers are assumed' in line for line in found['warnings'])
+    assert any(
+        '37 of the 110 numbers in the vehicle file are assumed' in line
+        for line in found['warnings']
+    )
 
 
 @pytest.mark.parametrize(
     ('old', 'new', 'warning'),
     [
         ('{value: 2, unit: g', '{value: 20, unit: g', 'which may happen within 5 days'),
-        ('size: {value: [100, 100, 59.9]', 'size: {value: [90, 90, 53.9]', 'The shell envelope'),
+        (
+            'size: {value: [100, 100, 59.9]',
+            'size: {value: [90, 90, 53.9]',
+            'The part envelope (shape: shell)',
+        ),
         ('purity: {value: 93', 'purity: {value: 89.5', 'carries only .* g of ballast'),
-        ('[0, 0, -33], unit: cm', '[9, 0, -33], unit: cm', 'hangs .* off the vertical'),
+        ('[0, 0, -33], unit: cm', '[9, 0, -33], unit: cm', 'At rest it tilts by'),
         (
             'value: [0, 0, 1], unit: "1"',
             'value: [0, 1, 0], unit: "1"',

@@ -20,12 +20,12 @@ def test_the_window_may_begin_at_the_first_bin_and_end_at_the_last():
     bins = planned(100, frequency=48.0, window=2)
     assert (bins.first, bins.last) == (46, 50)
     for frequency in (2.0, 49.0):
-        with pytest.raises(BadInput, match='too near'):
+        with pytest.raises(BadInput, match='too close'):
             planned(100, frequency=frequency, window=2)
 
 
 def test_a_beacon_at_half_of_the_sample_rate_is_refused():
-    with pytest.raises(BadInput, match='at 50 Hz cannot be seen at 100 samples/s'):
+    with pytest.raises(BadInput, match='at 50 Hz cannot be detected at 100 samples/s'):
         planned(100, frequency=50.0, window=0)
     assert planned(100, frequency=49.9, window=0).first == 50
 
@@ -33,7 +33,9 @@ def test_a_beacon_at_half_of_the_sample_rate_is_refused():
 def test_sixteen_quiet_bins_are_enough():
     """The beacon takes three: 16 of bins 1 to 19 are left, and 15 of bins 1 to 18."""
     assert planned(38, frequency=10.0, window=1).quiet.size == 16
-    sentence = r'^The beacon at 10 Hz and its harmonics leave 15 bins of a block of 36 .* 16 are'
+    sentence = (
+        r'^The beacon at 10 Hz and its harmonics leave only 15 FFT bins of a block of 36 .* 16 are'
+    )
     with pytest.raises(BadInput, match=sentence):
         planned(36, frequency=10.0, window=1)
 
@@ -59,7 +61,7 @@ def test_flicker_between_two_bins_excludes_two_bins_on_either_side():
 
 def test_the_refusal_names_all_beacons():
     with pytest.raises(
-        BadInput, match=r'^The beacons at 5, 10 Hz and their harmonics leave 9 bins'
+        BadInput, match=r'^The beacons at 5, 10 Hz and their harmonics leave only 9 FFT bins'
     ):
         plan_beacon_bins(
             (5.0, 10.0), DemodulationSettings(window=1, harmonics=1, mains=0.0), 30.0, 30

@@ -28,8 +28,8 @@ def test_the_wanted_beacon_warns_where_no_diode_hears_it_and_another_never():
         ('beacon at 250 Hz', HealthLevel.OK, 'beacon found'),
     ]
     assert [(fact.level, fact.message) for fact in told(LOST, LOST)] == [
-        (HealthLevel.WARN, 'no diode hears the beacon'),
-        (HealthLevel.OK, 'no diode hears the beacon'),
+        (HealthLevel.WARN, 'no photodiode receives the beacon'),
+        (HealthLevel.OK, 'no photodiode receives the beacon'),
     ]
 
 

@@ -96,13 +96,13 @@ def test_flat_and_saturated_blocks_have_no_snr():
 @pytest.mark.parametrize(
     ('settings', 'sample_rate', 'samples', 'sentence'),
     [
-        ({}, 300.0, 1000, 'at 150 Hz cannot be seen at 300 samples/s'),
+        ({}, 300.0, 1000, 'at 150 Hz cannot be detected at 300 samples/s'),
         ({}, 250.0, 1000, 'more than twice'),
-        ({}, 10_000.0, 100, 'in bin 2 of a block of 100 .* too near to zero'),
-        ({'frequency': 10.0}, 10_000.0, 1000, 'in bin 1 .* too near to zero'),
-        ({'frequency': 4990.0}, 10_000.0, 1000, 'too near to the Nyquist frequency'),
-        ({'window': 7}, 10_000.0, 1000, 'leave 7 bins of a block of 1000 samples'),
-        ({'window': 14}, 10_000.0, 1000, 'leave 0 bins'),
+        ({}, 10_000.0, 100, 'in FFT bin 2 of a block of 100 .* too close to zero'),
+        ({'frequency': 10.0}, 10_000.0, 1000, 'in FFT bin 1 .* too close to zero'),
+        ({'frequency': 4990.0}, 10_000.0, 1000, 'too close to the Nyquist frequency'),
+        ({'window': 7}, 10_000.0, 1000, 'leave only 7 FFT bins of a block of 1000 samples'),
+        ({'window': 14}, 10_000.0, 1000, 'leave only 0 FFT bins'),
     ],
 )
 def test_what_cannot_be_seen_is_refused(settings, sample_rate, samples, sentence):
@@ -113,7 +113,7 @@ def test_what_cannot_be_seen_is_refused(settings, sample_rate, samples, sentence
 
 @pytest.mark.parametrize('shape', [(999, 8), (1000,), (8, 1000), (1000, 8, 1)])
 def test_block_of_another_shape_is_refused(shape):
-    with pytest.raises(BadInput, match='1000 samples by diodes are expected'):
+    with pytest.raises(BadInput, match='the demodulator expects 1000 samples of each diode'):
         demodulate_beacon(np.zeros(shape), plan_bins(DemodulationSettings(), RATE, 1000))
 
 

@@ -292,10 +292,10 @@ def test_a_vehicles_diodes_are_those_of_its_file():
 @pytest.mark.parametrize(
     ('wrong', 'sentence'),
     [
-        ({'axes': ()}, '0 diode axes'),
+        ({'axes': ()}, '0 photodiode axes'),
         ({'gains': (1.0,)}, '1 gains'),
-        ({'axes': ((0.0, 0.0, 2.0),) * 8}, 'does not have length 1'),
-        ({'response': 0.0}, r'exponent 0.0'),
+        ({'axes': ((0.0, 0.0, 2.0),) * 8}, 'must have length 1'),
+        ({'response': 0.0}, r'photodiodes is 0.0'),
         ({'gains': (math.nan,) * 8}, 'nan'),
         ({'spread': -0.1}, '-0.1'),
     ],
@@ -306,7 +306,7 @@ def test_diodes_that_cannot_be_are_refused(wrong, sentence):
 
 
 def test_another_number_of_diodes_is_refused():
-    with pytest.raises(BadInput, match='4 diodes, but the vehicle file has 8'):
+    with pytest.raises(BadInput, match='4 photodiodes, but the vehicle file has 8'):
         build_even_ring(8).check_diode_count(4)
 
 

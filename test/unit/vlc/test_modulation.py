@@ -74,9 +74,9 @@ def test_fast_lag_follows_and_slow_lag_averages():
         ({'frequency': 0.0}, 'flickers at 0.0 Hz'),
         ({'frequency': math.nan}, 'flickers at nan Hz'),
         ({'frequency': math.inf}, 'flickers at inf Hz'),
-        ({'frequency': 150.0, 'duty': 0.0}, 'duty of 0.0'),
-        ({'frequency': 150.0, 'duty': 1.0}, 'duty of 1.0'),
-        ({'frequency': 150.0, 'duty': math.nan}, 'duty of nan'),
+        ({'frequency': 150.0, 'duty': 0.0}, 'duty cycle of 0.0'),
+        ({'frequency': 150.0, 'duty': 1.0}, 'duty cycle of 1.0'),
+        ({'frequency': 150.0, 'duty': math.nan}, 'duty cycle of nan'),
         ({'frequency': 150.0, 'phase': math.inf}, 'phase of inf'),
     ],
 )

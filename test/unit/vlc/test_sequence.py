@@ -38,9 +38,7 @@ def test_missing_blocks_are_counted():
 def test_a_block_out_of_order_is_refused_and_the_newest_kept(late):
     sequence = BlockSequence(PERIOD)
     sequence.count_missing_blocks(START + PERIOD)
-    with pytest.raises(
-        BadInput, match=r'comes after one stamped 1.100 s, though a block lasts 0.1 s'
-    ):
+    with pytest.raises(BadInput, match=r'follows one with 1.100 s, but each block lasts 0.1 s'):
         sequence.count_missing_blocks(START + round(late * PERIOD))
     assert sequence.count_missing_blocks(START + 2 * PERIOD) == 0
 

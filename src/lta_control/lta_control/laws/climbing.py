@@ -15,7 +15,7 @@ class ClimbGains(Settings):
     climb_limit: float = setting(
         ..., 'Largest commanded climb rate.', unit='m/s', low=0.01, high=2.0
     )
-    climb: PidGains = setting(..., 'Loop from climb rate error to vertical force, N per m/s.')
+    climb: PidGains = setting(..., 'PID gains: vertical force (N) per climb rate error (m/s).')
 
 
 def lift_step(

@@ -38,20 +38,20 @@ class GlideGains(Settings):
         ..., 'Largest commanded climb rate.', unit='m/s', low=0.01, high=2.0
     )
     climb: PidGains = setting(
-        ..., 'Gains from the climb rate error to the nose-up pitch, in rad per m/s.'
+        ..., 'PID gains: nose-up pitch angle (rad) per climb rate error (m/s).'
     )
     pitch: PidGains = setting(
         ...,
-        'Gains from the pitch error to the position of the moving mass, in m backwards per rad.',
+        'PID gains: backward position of the moving mass (m) per pitch error (rad).',
     )
-    speed: PidGains = setting(..., 'Loop from speed error to thrust, N per m/s.')
+    speed: PidGains = setting(..., 'PID gains: thrust (N) per speed error (m/s).')
     heading_kp: float = setting(
         ..., 'Commanded yaw rate per radian of heading error.', unit='1/s', low=0.0, high=10.0
     )
     yaw_rate_limit: float = setting(
         ..., 'Largest commanded yaw rate.', unit='rad/s', low=0.01, high=6.0
     )
-    yaw_rate: PidGains = setting(..., 'Loop from yaw rate error to yaw moment, N m per rad/s.')
+    yaw_rate: PidGains = setting(..., 'PID gains: yaw moment (N m) per yaw rate error (rad/s).')
 
 
 class GlideLawConstants(NamedTuple):
@@ -81,8 +81,9 @@ def build_constants(gains: GlideGains, vehicle: Vehicle) -> GlideLawConstants:
     mass, columns = vehicle.file.moving_mass, vehicle.allocation
     if mass is None or mass.low is None or mass.high is None or len(columns) != TWO:
         raise BadInput(
-            'The law glide needs a moving mass with two limits and two propellers, which '
-            f'{vehicle.file.name} does not have; choose another law.'
+            'The control law glide needs two propellers and a moving mass with the limits '
+            f'low and high, which {vehicle.file.name} does not have; choose another '
+            'control law.'
         )
     x, y, z = mass.position.vector
     # Yaw moment per newton of differential thrust: half the difference of the columns' mz

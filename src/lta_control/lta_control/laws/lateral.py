@@ -52,13 +52,14 @@ class LateralGains(ClimbGains):
     yaw_rate_limit: float = setting(
         ..., 'Largest commanded yaw rate.', unit='rad/s', low=0.01, high=6.0
     )
-    yaw_rate: PidGains = setting(..., 'Loop from yaw rate error to yaw moment, N m per rad/s.')
+    yaw_rate: PidGains = setting(..., 'PID gains: yaw moment (N m) per yaw rate error (rad/s).')
     velocity: PidGains = setting(
-        ..., 'Loop from velocity error to force along x and y, N per m/s.'
+        ..., 'PID gains: force along x and y (N) per velocity error (m/s).'
     )
     compensation: float = setting(
         ...,
-        'Share of the lift lost by duty differences that is restored by a higher common duty.',
+        'Fraction of the lift lost to unequal rotor thrusts that a higher mean thrust '
+        'makes up for.',
         low=0.0,
         high=1.0,
     )
@@ -93,9 +94,9 @@ def build_constants(gains: LateralGains, vehicle: Vehicle) -> LateralLawConstant
     coupling, columns = vehicle.file.aero.coupling, vehicle.allocation
     if coupling is None or len(columns) != FOUR or len(coupling.rotors) != FOUR:
         raise BadInput(
-            f'The law lateral needs four rotors whose jets collide, which {vehicle.file.name} '
-            'does not have; choose another law, or add a coupling of four rotors to its aero '
-            'block.'
+            'The control law lateral needs four rotors whose jets collide, which '
+            f'{vehicle.file.name} does not have; choose another control law, or describe '
+            'the four rotors under aero.coupling of the vehicle file.'
         )
     planar = [[column[axis] for column in columns] for axis in PLANAR]
     # Rows: fx, fy, mz, and the sum of the offsets, which must be zero
@@ -103,8 +104,9 @@ def build_constants(gains: LateralGains, vehicle: Vehicle) -> LateralLawConstant
     # A singular matrix: the rotor axes do not span surge, sway and yaw.
     if np.linalg.cond(matrix) > 1e6:
         raise BadInput(
-            f'{vehicle.file.name} cannot push along x and y and turn independently with its '
-            'four rotors; turn their axes, or choose another law.'
+            f'The four rotors of {vehicle.file.name} cannot produce forward force, '
+            'sideways force and yaw moment independently; change the rotor axes, or '
+            'choose another control law.'
         )
     # Columns of the inverse: offsets per newton of surge and sway, and per N m of yaw
     surge, sway, yaw = (cast('Four', tuple(part.tolist())) for part in np.linalg.inv(matrix).T[:3])

@@ -48,7 +48,7 @@ class OmnidirectionalGains(Settings):
     position_kd: float = setting(..., 'Force per velocity error.', unit='N s/m', low=0.0, high=1e3)
     reach: float = setting(
         ...,
-        'Largest position error; larger errors are limited to this value.',
+        'Position errors are limited to this value.',
         unit='m',
         low=0.01,
         high=100.0,

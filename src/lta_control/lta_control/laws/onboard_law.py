@@ -42,15 +42,15 @@ class OnboardLaw:
         self._law = find_control_law(name)
         if self._law.feedback is Feedback.TRACKER:
             raise BadInput(
-                f'{vehicle.file.name} uses the law {name}, which needs a tracker, but the '
-                'controller has only the onboard sensors; fly it with "lta platforms" '
-                'or choose another law.'
+                f'{vehicle.file.name} uses the control law {name}, which needs a position '
+                'tracker, but the controller has only onboard sensors; fly the vehicle '
+                'with "lta platforms", or choose another control law.'
             )
         control = vehicle.file.control
         if control is None or control.gains is None:
             raise BadInput(
-                f'{vehicle.file.name} names no gains for the law {name}; add "gains: ..." to its '
-                'control block.'
+                f'{vehicle.file.name} names no gains for the control law {name}; add '
+                '"gains: NAME" to the control block of the vehicle file.'
             )
         gains = load_law_gains(self._law.gains, control.gains)
         self._known = self._law.known(gains, vehicle)

@@ -39,7 +39,7 @@ class QuadrotorGains(ClimbGains):
     """Gains of all loops."""
 
     velocity: PidGains = setting(
-        ..., 'Loop from velocity error to horizontal acceleration, m/s2 per m/s.'
+        ..., 'PID gains: horizontal acceleration (m/s2) per velocity error (m/s).'
     )
     attitude_kp: float = setting(
         ...,
@@ -69,7 +69,7 @@ class QuadrotorGains(ClimbGains):
     )
     slope_time: float = setting(
         ...,
-        'Time constant of the filter of the angular rate derivative.',
+        'Time constant of the low-pass filter for the derivative of the angular rates.',
         unit='s',
         low=0.0,
         high=1.0,

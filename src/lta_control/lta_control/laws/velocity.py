@@ -33,10 +33,10 @@ class VelocityGains(ClimbGains):
     """Gains of altitude and velocity."""
 
     velocity: PidGains = setting(
-        ..., 'Loop from velocity error to force along world x and y, N per m/s.'
+        ..., 'PID gains: force along world x and y (N) per velocity error (m/s).'
     )
     yaw_damping: float = setting(
-        ..., 'Yaw moment against a yaw rate, per yaw rate.', unit='N m s', low=0.0, high=1.0
+        ..., 'Damping yaw moment per yaw rate.', unit='N m s', low=0.0, high=1.0
     )
     height_weight: float = setting(
         ...,

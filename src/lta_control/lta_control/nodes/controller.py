@@ -43,27 +43,36 @@ class ControllerSettings(Settings):
     """The vehicle, the gains and the time limits of stale setpoints."""
 
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
-    law: str = setting('', "Control law; if empty, the vehicle's own law is used.", fixed=True)
-    scenario: str = setting(
-        '', 'Scenario whose course may add test signals to the motor commands.', fixed=True
+    law: str = setting(
+        '', 'Name of the control law. Empty: the law named in the vehicle file.', fixed=True
     )
-    armed: bool = setting(False, 'Whether the motors may run from the start.', fixed=True)
+    scenario: str = setting(
+        '',
+        'Scenario name or file. Test signals in its course are added to the motor commands.',
+        fixed=True,
+    )
+    armed: bool = setting(False, 'Whether the motors are armed when the node starts.', fixed=True)
     hold_after: float = setting(
         0.5,
-        'Age of a setpoint, by its stamp, at which the drone starts to hold.',
+        'If the latest setpoint is older than this, the drone holds altitude and heading '
+        'at zero speed.',
         unit='s',
         low=0.05,
         high=60.0,
     )
     land_after: float = setting(
         3.0,
-        'Age of a setpoint, by its stamp, at which the drone starts to descend.',
+        'If the latest setpoint is older than this, the drone descends and lands.',
         unit='s',
         low=0.05,
         high=600.0,
     )
     tilt_limit: float = setting(
-        TILT_LIMIT, 'Tilt beyond which the motors stop.', unit='rad', low=0.1, high=3.2
+        TILT_LIMIT,
+        'If the drone tilts more than this, the motors stop.',
+        unit='rad',
+        low=0.1,
+        high=3.2,
     )
     gains: CascadeGains = setting(
         load_gains('gtmab'), 'Gains of the cascade law; other laws load their own gains.'
@@ -112,7 +121,9 @@ class Controller(GraphNode):
     def _on_emergency_stop(
         self, _: Trigger.Request, response: Trigger.Response
     ) -> Trigger.Response:
-        self._stop_motors('emergency stop: restart the controller to fly again')
+        self._stop_motors(
+            'emergency stop: the motors are off; restart the controller to fly again'
+        )
         response.success, response.message = True, self._stopped
         return response
 
@@ -127,7 +138,9 @@ class Controller(GraphNode):
         measured = to_cascade_measurement(odom)
         known = measured is not None and all(map(math.isfinite, measured))
         if self._armed and known and not is_level(odom, self._settings.value.tilt_limit):
-            self._stop_motors('turned over: the motors are off until the controller restarts')
+            self._stop_motors(
+                'the drone turned over: the motors are off; restart the controller to fly again'
+            )
         duties = self._excite_duties(
             step.stamp_ns, self._compute_duties(step.stamp_ns, odom, measured)
         )
@@ -142,7 +155,10 @@ class Controller(GraphNode):
             return self._reset_to_zero('' if self._stopped else 'off')
         setpoint = self._current_setpoint(now_ns, measured, pose, velocity)
         if not all(map(math.isfinite, (*measured, *setpoint))):
-            self._stop_motors(f'not a number in {measured} or {setpoint}: the motors are off')
+            self._stop_motors(
+                f'the estimate {measured} or the setpoint {setpoint} contains NaN or infinity: '
+                'the motors are off; restart the controller to fly again'
+            )
             return self._reset_to_zero()
         if has_landed(measured, setpoint, self._standing):
             return self._reset_to_zero('on the ground')
@@ -193,7 +209,11 @@ class Controller(GraphNode):
         landing = oldest > settings.land_after
         limit = settings.land_after if landing else settings.hold_after
         future = math.isinf(oldest)
-        text = 'a setpoint with a future stamp: ' if future else f'no setpoint for {limit} s: '
+        text = (
+            'the time stamp of the setpoint is in the future: '
+            if future
+            else f'no setpoint for {limit} s: '
+        )
         self.health.report(
             'motors', HealthLevel.WARN, text + ('landing' if landing else 'holding')
         )

@@ -51,7 +51,9 @@ class Estimator(GraphNode):
         motors = step.last_message('motors')
         self._commanded = to_duties(motors, self._names, self._commanded)
         if motors is not None and not is_valid_command(motors, self._names):
-            self.soundness.unsound.add('motors: duties that do not match this vehicle')
+            self.soundness.unsound.add(
+                'motors: rotor names or duties do not match the vehicle file'
+            )
         inputs = to_inputs(step, self._commanded)
         if is_plausible_imu_sample(inputs):
             dt = step_duration(self._last_ns, step.stamp_ns, self.table.control_ns)
@@ -61,7 +63,7 @@ class Estimator(GraphNode):
         else:
             # The estimate is published unchanged, so that the graph does not stop
             self._refused += 1
-            text = 'an implausible IMU sample was ignored'
+            text = 'ignored an IMU sample with impossible values; check the IMU'
             self.health.report('imu', HealthLevel.ERROR, text, refused=self._refused)
         self._odom.publish(from_estimate(step.last_message('imu').header.stamp, self._estimate))
         if learning:
@@ -75,17 +77,18 @@ def describe_calibration(
     if not estimate.ready and is_turning(estimate.biases, body.rate_bias):
         off = math.degrees(largest_deviation(estimate.biases.rates, body.rate_bias))
         return HealthLevel.ERROR, (
-            f'biases not calibrated: the drone turns at {off:.1f} deg/s, above the largest '
-            f'gyroscope bias of {math.degrees(MOST_RATE):.0f}; keep it still, or if it is still, '
-            'enter its bias in the vehicle file (effects.gyro_bias)'
+            f'cannot calibrate the gyroscope bias: the drone turns at {off:.1f} deg/s, '
+            f'more than the largest possible bias of {math.degrees(MOST_RATE):.0f} deg/s; '
+            'keep the drone still, or if it is still, enter its bias in the vehicle file '
+            '(effects.gyro_bias)'
         )
     if not estimate.ready:
-        return HealthLevel.WARN, 'calibrating the biases: keep the drone still and level'
+        return HealthLevel.WARN, 'calibrating the IMU biases: keep the drone still and level'
     if not is_tilted(estimate.biases, body.force_bias):
         return HealthLevel.OK, 'biases are known'
     return HealthLevel.WARN, (
-        'the biases are uncertain: the drone was tilted during the calibration; restart the '
-        'estimator with the drone still and level'
+        'the IMU biases are uncertain, because the drone was tilted during the '
+        'calibration; restart the estimator with the drone still and level'
     )
 
 

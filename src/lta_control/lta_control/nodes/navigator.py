@@ -46,10 +46,10 @@ class NavigatorParameters(MissionSettings):
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
     strategy: str = setting('bag', 'Navigation strategy.', fixed=True)
     scenario: str = setting(
-        '', 'Scenario whose course or route is flown, if it has one.', fixed=True
+        '', 'Scenario name or file. If it has a course or a route, the drone flies it.', fixed=True
     )
     reserve: ReserveResponseSettings = setting(
-        ReserveResponseSettings(), 'Action when the charge falls to the energy reserve.'
+        ReserveResponseSettings(), 'What to do when the charge falls to the energy reserve.'
     )
 
 
@@ -139,7 +139,7 @@ class Navigator(GraphNode):
         if mission.refused:
             following, beat = self._route[mission.leg + 1]
             level = HealthLevel.WARN
-            text = f'{following} at {beat:g} Hz is not received; staying at {here}'
+            text = f'cannot receive {following} at {beat:g} Hz; staying at {here}'
         self.health.report(
             'mission', level, text, lamp=here, listening_for=f'{wanted} at {frequency:g} Hz'
         )

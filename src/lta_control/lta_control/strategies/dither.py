@@ -35,27 +35,31 @@ class DitherSettings(Settings):
     """Swing of the heading, and gains from the light to the turn rate."""
 
     amplitude: float = setting(
-        0.5 * math.pi, 'Amplitude of the heading swing.', unit='rad', low=0.0, high=math.pi
+        0.5 * math.pi, 'Amplitude of the heading oscillation.', unit='rad', low=0.0, high=math.pi
     )
     rate: float = setting(
-        0.3, 'Angular frequency of the heading swing.', unit='rad/s', low=0.01, high=10.0
+        0.3, 'Angular frequency of the heading oscillation.', unit='rad/s', low=0.01, high=10.0
     )
     scan: float = setting(
         0.3,
-        'Gain from light in phase with the swing to the turn rate.',
+        'Turn rate per unit of log brightness that varies in phase with the heading oscillation.',
         unit='rad/s',
         low=0.0,
         high=20.0,
     )
     gradient: float = setting(
         0.0,
-        'Gain from change of light in phase with the swing to the turn angle.',
+        'Turn angle per change of log brightness that is in phase with the heading oscillation.',
         unit='rad',
         low=0.0,
         high=50.0,
     )
     washout: float = setting(
-        15.0, 'Time constant of the mean light.', unit='s', low=0.1, high=600.0
+        15.0,
+        'Time constant of the running mean of the log brightness.',
+        unit='s',
+        low=0.1,
+        high=600.0,
     )
     floor: float = setting(
         5.0,

@@ -43,19 +43,22 @@ class GradientSettings(Settings):
     )
     least: float = setting(
         30.0,
-        'Number of pairs of position and light before the first plane is fitted.',
+        'Number of brightness samples taken before the first plane is fitted to them.',
         unit='1',
         low=3.0,
         high=float(PAIRS),
     )
     arc: float = setting(
         0.5,
-        'Turn rate while the first pairs of position and light are collected.',
+        'Turn rate while the first brightness samples are taken.',
         unit='rad/s',
         low=-2.0,
         high=2.0,
     )
-    centred: bool = setting(True, 'Whether the fitted plane passes through the mean of the pairs.')
+    centred: bool = setting(
+        True,
+        'Whether the fitted plane passes through the mean of the samples instead of the origin.',
+    )
     ridge: float = setting(
         1e-3,
         'Regularisation of the plane fit, added to the mean square of positions.',
@@ -65,7 +68,7 @@ class GradientSettings(Settings):
     )
     computing: float = setting(
         1.0,
-        'Delay between taking the data and using the heading computed from them.',
+        'Delay from measuring the light to using the heading computed from it.',
         unit='s',
         low=0.0,
         high=60.0,

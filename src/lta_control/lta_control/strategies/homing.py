@@ -50,64 +50,74 @@ class HomingSettings(Settings):
     )
     brightness: float = setting(
         2100.0,
-        'Expected strength of the lamp at one metre, measured with the largest resistor.',
+        'Expected brightness of the lamp at 1 m, with the largest resistor of the '
+        'photodiode amplifier.',
         unit='counts',
         low=1.0,
         high=1e9,
     )
     unsure: float = setting(
         0.5,
-        "Standard deviation of the logarithm of the lamp's expected strength.",
+        'Uncertainty of the expected lamp brightness: standard deviation of its logarithm.',
         unit='1',
         low=0.01,
         high=5.0,
     )
     bearing_noise: float = setting(
         0.03,
-        'Standard deviation added to the reported one of each bearing.',
+        'Standard deviation added to the one reported with each bearing.',
         unit='rad',
         low=1e-4,
         high=1.0,
     )
     strength_noise: float = setting(
         0.15,
-        'Standard deviation of the logarithm of a measured strength.',
+        'Noise of a measured lamp brightness: standard deviation of its logarithm.',
         unit='1',
         low=0.01,
         high=5.0,
     )
     wind: float = setting(
-        0.4, 'Standard deviation of the expected drift by wind.', unit='m/s', low=0.0, high=10.0
+        0.4,
+        'Standard deviation of the wind drift assumed at the start.',
+        unit='m/s',
+        low=0.0,
+        high=10.0,
     )
     gusts: float = setting(
-        0.03, 'Expected random change of the drift in one second.', unit='m/s', low=0.0, high=5.0
+        0.03,
+        'Expected random change of the wind drift in one second.',
+        unit='m/s',
+        low=0.0,
+        high=5.0,
     )
     settling: float = setting(
         6.0,
-        'Time in which the airspeed estimate settles after take-off; larger changes of the '
-        'drift are expected until then.',
+        'Time for the airspeed estimate to settle after take-off; until then, larger '
+        'changes of the drift are expected (see unsettled).',
         unit='s',
         low=0.1,
         high=60.0,
     )
     unsettled: float = setting(
         0.6,
-        'Expected random change of the drift in one second, just after take-off.',
+        'Expected random change of the wind drift in one second, just after take-off.',
         unit='m/s',
         low=0.0,
         high=5.0,
     )
     gate: float = setting(
         4.0,
-        'Number of standard deviations beyond which a lamp sighting is an outlier.',
+        'Number of standard deviations beyond which a light measurement is rejected as an '
+        'outlier.',
         unit='1',
         low=1.0,
         high=20.0,
     )
     echo: float = setting(
         0.25,
-        'Smallest plausible share of the expected strength: weaker light is taken for a '
-        'reflection, light above 1/share is too strong.',
+        'Smallest plausible ratio of measured to expected brightness: weaker light counts '
+        'as a reflection, and light above the inverse ratio as too bright for the lamp.',
         unit='1',
         low=0.0,
         high=1.0,
@@ -117,7 +127,7 @@ class HomingSettings(Settings):
     )
     doubt: float = setting(
         1.5,
-        'Time for which a light must be seen elsewhere before it is accepted as the lamp.',
+        'Time for which a light in another place must be seen before it is accepted as the lamp.',
         unit='s',
         low=0.1,
         high=60.0,

@@ -12,10 +12,9 @@ def _detect_brown_out(memory: Memory, observation: MeterObservation) -> tuple[bo
 
 def _describe_brown_out(observation: MeterObservation) -> str:
     return (
-        f'brown-out: the cell gives {observation.reading.voltage:.2f} V under '
-        # The current is negative while discharging; the message shows the load
-        f'{-observation.reading.current:.2f} A, and its cut-off is '
-        f'{observation.cell.discharge_cutoff:.2f} V'
+        f'brown-out: the battery cell has {observation.reading.voltage:.2f} V under a load '
+        f'of {-observation.reading.current:.2f} A, at or below its cut-off voltage of '
+        f'{observation.cell.discharge_cutoff:.2f} V; land and charge it'
     )
 
 

@@ -15,8 +15,8 @@ def _detect_cell_swap(memory: Memory, observation: MeterObservation) -> tuple[bo
 
 def _describe_cell_swap(observation: MeterObservation) -> str:
     return (
-        'the voltage jumped by more than charge and load explain: was the cell replaced? '
-        'The charge is estimated anew'
+        'the battery voltage jumped by more than charge and load can explain: was the '
+        'cell replaced? The estimate of the charge starts again'
     )
 
 

@@ -10,8 +10,8 @@ def _detect_clock_reset(memory: Memory, observation: MeterObservation) -> tuple[
 
 def _describe_clock_reset(observation: MeterObservation) -> str:
     return (
-        f'the clock was set back by {observation.back:.1f} s: the charge in that time is not '
-        'counted'
+        f'the clock of the battery readings was set back by {observation.back:.1f} s: '
+        'energy used in that time is not counted'
     )
 
 

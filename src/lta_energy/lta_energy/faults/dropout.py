@@ -12,8 +12,8 @@ def _detect_dropout(memory: Memory, observation: MeterObservation) -> tuple[bool
 
 def _describe_dropout(observation: MeterObservation) -> str:
     return (
-        f'the cell reads {observation.reading.voltage:.2f} V: a brown-out that cut the supply, '
-        'or a broken wire of the power meter'
+        f'the power meter reads {observation.reading.voltage:.2f} V for the battery cell: '
+        'the supply has failed, or a wire of the meter is broken; check the wiring'
     )
 
 

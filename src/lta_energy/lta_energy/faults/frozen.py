@@ -38,11 +38,17 @@ def _detect_frozen_panel(memory: Memory, observation: MeterObservation) -> tuple
 
 
 def _describe_frozen_cell(observation: MeterObservation) -> str:
-    return f'voltage or current of the cell has not changed for {LONGEST:g} s: the meter hangs'
+    return (
+        f'the measured voltage or current of the battery cell has not changed for {LONGEST:g} '
+        's: the power meter hangs; check it'
+    )
 
 
 def _describe_frozen_panel(observation: MeterObservation) -> str:
-    return f'the current of the panel has not changed for {LONGEST:g} s: its meter hangs'
+    return (
+        f'the measured current of the solar panel has not changed for {LONGEST:g} s: its power '
+        'meter hangs; check it'
+    )
 
 
 DETECTOR = FaultDetector(

@@ -11,7 +11,10 @@ def _detect_gap(memory: Memory, observation: MeterObservation) -> tuple[bool, Me
 
 
 def _describe_gap(observation: MeterObservation) -> str:
-    return f'more than {LONGEST:g} s passed without a reading: the charge is less certain'
+    return (
+        f'no battery reading for more than {LONGEST:g} s: the estimate of the charge is less '
+        'certain'
+    )
 
 
 DETECTOR = FaultDetector(

@@ -17,8 +17,9 @@ def _detect_implausible_voltage(
 
 def _describe_implausible_voltage(observation: MeterObservation) -> str:
     return (
-        f'{observation.reading.voltage:.2f} V is outside the range of a LiPo cell '
-        f'({LOWEST:g} to {HIGHEST:g} V): check the power meter and its unit'
+        f'the measured battery voltage of {observation.reading.voltage:.2f} V is outside '
+        f'the range of a LiPo cell ({LOWEST:g} to {HIGHEST:g} V): check the power meter '
+        'and its unit'
     )
 
 

@@ -18,8 +18,9 @@ def _detect_short(memory: Memory, observation: MeterObservation) -> tuple[bool, 
 def _describe_short(observation: MeterObservation) -> str:
     reading = observation.reading
     return (
-        f'the panel has {reading.panel_voltage:.2f} V in {reading.illuminance:.0f} lx: '
-        'the panel or its charger is shorted'
+        f'the solar panel has only {reading.panel_voltage:.2f} V at '
+        f'{reading.illuminance:.0f} lx: the panel or its charger is short-circuited; check '
+        'the wiring'
     )
 
 
@@ -28,7 +29,7 @@ def _detect_missing_panel(memory: Memory, observation: MeterObservation) -> tupl
 
 
 def _describe_missing_panel(observation: MeterObservation) -> str:
-    return 'the power of the panel is not measured and counts as 0 W'
+    return 'the power of the solar panel is not measured and counts as 0 W'
 
 
 DETECTOR = FaultDetector(

@@ -56,10 +56,14 @@ def _describe_reversed_sign(observation: MeterObservation) -> str:
     reading = observation.reading
     if reading.cell_power > reading.plausible_panel_power + DOUBTFUL_POWER:
         return (
-            f'the cell takes up {reading.cell_power:.2f} W but the panel gives '
-            f'{reading.plausible_panel_power:.2f} W: check the sign of the current'
+            f'the battery cell takes up {reading.cell_power:.2f} W, but the solar panel '
+            f'gives only {reading.plausible_panel_power:.2f} W: check the sign of the '
+            'measured current'
         )
-    return 'the voltage falls when the cell is charged: check the sign of the current'
+    return (
+        'the battery voltage falls while the current charges it: check the sign of the '
+        'measured current'
+    )
 
 
 DETECTOR = FaultDetector(

@@ -14,7 +14,10 @@ def _detect_stale_stamp(memory: Memory, observation: MeterObservation) -> tuple[
 
 
 def _describe_stale_stamp(observation: MeterObservation) -> str:
-    return 'the stamps of the battery do not advance: the publisher repeats an old message'
+    return (
+        'the time stamps of the battery messages do not advance: the publisher repeats an old '
+        'message'
+    )
 
 
 DETECTOR = FaultDetector(

@@ -26,21 +26,25 @@ def assess_battery(
     if estimate.belief is None or estimate.last is None or estimate.stock is None:
         return (
             HealthLevel.ERROR,
-            'no usable reading of the battery yet; the reserve counts as reached',
+            'no usable battery reading yet; until then, the energy reserve counts as reached',
         )
     percent = f'{estimate.charge:.0%} +- {estimate.deviation:.0%}'
     if estimate.critical.on:
-        return HealthLevel.ERROR, f'the battery gives only {estimate.last.voltage:.2f} V: land now'
+        return (
+            HealthLevel.ERROR,
+            f'the battery voltage is only {estimate.last.voltage:.2f} V: land now',
+        )
     # Reached by the charge itself; otherwise `reserve` is set by the uncertainty
     if estimate.low:
         return HealthLevel.WARN, (
-            f'reserve reached: {percent} left, reserve {settings.reserve:.0%}, '
-            f'way home {estimate.stock.home:.1%}'
+            f'energy reserve reached: {percent} of the charge left; reserve '
+            f'{settings.reserve:.0%}, flight home {estimate.stock.home:.1%}'
         )
     if estimate.reserve:
         return (
             HealthLevel.WARN,
-            f'the charge is doubtful: {percent}; the reserve counts as reached',
+            f'the estimated charge of {percent} is too uncertain, so the energy reserve '
+            'counts as reached',
         )
     return HealthLevel.OK, f'{percent} left{_format_endurance(settings, cell, estimate)}'
 
@@ -74,7 +78,10 @@ def compute_return_margin(estimate: EnergyEstimate) -> Verdict:
     if stock is None or estimate.last is None or estimate.last.where is None:
         return (
             HealthLevel.OK,
-            'the position of the drone is unknown; no energy is reserved for the way home',
+            'the position of the drone is unknown, so no energy is reserved for the flight home',
         )
-    text = f'home is {estimate.last.where.distance:.1f} m away, {stock.spare:.0f} J to spare'
+    text = (
+        f'the start is {estimate.last.where.distance:.1f} m away; energy beyond the flight '
+        f'home and the reserve: {stock.spare:.0f} J'
+    )
     return (HealthLevel.WARN if stock.spare <= 0.0 else HealthLevel.OK), text

@@ -58,7 +58,8 @@ class MonitorSettings(EnergyReserveSettings):
         high=3600.0,
     )
     belief: SocFilterSettings = setting(
-        SocFilterSettings(), 'Assumed differences of the real cell from the vehicle file.'
+        SocFilterSettings(),
+        'Assumed differences between the real battery cell and the vehicle file.',
     )
     way: WayHomeSettings = setting(WayHomeSettings(), 'Assumptions about the flight home.')
 

@@ -12,14 +12,18 @@ class EnergyReserveSettings(Settings):
     """Energy reserve that the drone must keep."""
 
     reserve: float = setting(
-        0.25, 'State of charge at which the reserve is reached.', low=0.0, high=0.9
+        0.25, 'State of charge (0 to 1) at which the energy reserve is reached.', low=0.0, high=0.9
     )
     hysteresis: float = setting(
-        0.05, 'State of charge above the reserve at which the alarm clears.', low=0.0, high=0.1
+        0.05,
+        'Rise of the state of charge above the reserve at which the alarm clears.',
+        low=0.0,
+        high=0.1,
     )
     caution: float = setting(
         1.0,
-        'Safety margin of the state of charge, in standard deviations of the estimate.',
+        'Safety margin subtracted from the state of charge, in standard deviations of its '
+        'estimate.',
         low=0.0,
         high=5.0,
     )

@@ -40,31 +40,33 @@ class SocFilterSettings(Settings):
     """Spread of cells about their vehicle file, as standard deviations."""
 
     capacity_spread: float = setting(
-        0.05, 'Assumed relative standard deviation of the capacity.', low=0.0, high=0.5
+        0.05, 'Assumed relative standard deviation of the battery capacity.', low=0.0, high=0.5
     )
     resistance_spread: float = setting(
         0.3,
-        'Assumed relative standard deviation of the resistances, from temperature and age.',
+        'Assumed relative standard deviation of the battery resistances, from temperature '
+        'and age.',
         low=0.0,
         high=1.0,
     )
     chart_error: float = setting(
         0.010,
-        'Assumed standard deviation of the open-circuit voltage, from chart and meter.',
+        'Assumed standard deviation of the open-circuit voltage, from the discharge curve '
+        'and the meter.',
         unit='V',
         low=1e-4,
         high=0.2,
     )
     voltage_noise: float = setting(
         0.010,
-        'Standard deviation of one voltage reading, from meter and circuit.',
+        'Standard deviation of one reading of the battery voltage.',
         unit='V',
         low=1e-4,
         high=0.2,
     )
     recent_current: float = setting(
         0.2,
-        'Assumed current of the cell before the monitor started.',
+        'Battery current assumed before the monitor started.',
         unit='A',
         low=0.0,
         high=50.0,

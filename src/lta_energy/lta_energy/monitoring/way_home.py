@@ -30,7 +30,11 @@ class WayHomeSettings(Settings):
         high=30.0,
     )
     moving: float = setting(
-        0.1, 'Airspeed above which the drone counts as moving.', unit='m/s', low=0.01, high=10.0
+        0.1,
+        'Airspeed above which power and speed count towards their means in flight.',
+        unit='m/s',
+        low=0.01,
+        high=10.0,
     )
     head_wind: float = setting(
         0.1,

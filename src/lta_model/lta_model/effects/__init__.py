@@ -87,8 +87,9 @@ def merge_installed_effects(library: dict[str, Effect]) -> dict[str, Effect]:
         effect = point.load()
         if not isinstance(effect, Effect):
             raise BadInput(
-                f'The entry point {point.name} of {GROUP} is {point.value}, which is not an '
-                'effect; let it name a WrenchEffect or another kind of lta_model.effects.protocol.'
+                f'The entry point {point.name} of {GROUP} refers to {point.value}, which '
+                'is not an effect; let it refer to a WrenchEffect or another effect class '
+                'of lta_model.effects.protocol.'
             )
         if not effect.name.isidentifier():
             raise BadInput(
@@ -97,16 +98,17 @@ def merge_installed_effects(library: dict[str, Effect]) -> dict[str, Effect]:
             )
         if effect.name in effects:
             raise BadInput(
-                f'The effect {effect.name} of {point.value} exists already; '
-                'rename or uninstall it.'
+                f'The name of the effect {effect.name} of {point.value} is already used by '
+                'another effect; rename or uninstall it.'
             )
         for parameter in effect.parameters:
             # Factor 1: the kernel computes in SI units, so 'g' or 'deg' are refused
             if UNITS.get(parameter.unit) != (parameter.unit, 1.0):
                 raise BadInput(
-                    f'The parameter {effect.name}.{parameter.name} of {point.value} is in '
-                    f'{parameter.unit!r}, which vehicle files do not accept; use one of the SI '
-                    f'units {", ".join(sorted({unit for unit, _ in UNITS.values()}))}.'
+                    f'The parameter {effect.name}.{parameter.name} of {point.value} has '
+                    f'the unit {parameter.unit!r}, which vehicle files do not accept; use '
+                    'one of the SI units '
+                    f'{", ".join(sorted({unit for unit, _ in UNITS.values()}))}.'
                 )
         effects[effect.name] = effect
     return effects

@@ -57,8 +57,9 @@ def fit_diode(cell: CellFile) -> SingleDiodeModel:
     low, high = 0.0, (1.0 - MARGIN) * (data.open_circuit.si - data.voltage.si) / data.current.si
     if _slope_at_maximum(data, low) < 0.0:
         raise BadInput(
-            f'The cell {cell.name} has a curve too square for its ideality of '
-            f'{data.ideality.si:g}; lower the ideality, or check voltage and current.'
+            f'No diode model with an ideality factor of {data.ideality.si:g} fits the '
+            f'solar cell {cell.name}: its curve is too square. Lower the ideality, or '
+            'check voltage and current at maximum power.'
         )
     for _ in range(STEPS):
         middle = 0.5 * (low + high)
@@ -69,8 +70,9 @@ def fit_diode(cell: CellFile) -> SingleDiodeModel:
     found = _solve_three_points(data, low)
     if found.shunt < 0.0 or found.saturation <= 0.0:
         raise BadInput(
-            f'No diode with an ideality of {data.ideality.si:g} has the curve of the cell '
-            f'{cell.name}; raise the ideality, or check voltage and current.'
+            f'No diode model with an ideality factor of {data.ideality.si:g} fits the '
+            f'solar cell {cell.name}: its curve is too round. Raise the ideality, or check '
+            'voltage and current at maximum power.'
         )
     return found
 

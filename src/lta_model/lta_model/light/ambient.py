@@ -46,14 +46,15 @@ class Ambient:
         require_lux('The ambient light', self.steady)
         require(
             all(0.0 <= part <= 1.0 for part in self.mains_harmonics),
-            f'The mains flicker has harmonics of {self.mains_harmonics}; each must be from 0 to '
-            '1 (relative to the fundamental).',
+            f'The harmonics of the mains flicker are {self.mains_harmonics}; each must be '
+            'from 0 to 1, relative to the fundamental.',
         )
         require(
             # The sum must not become negative at any time of the flicker
             0.0 <= self.mains <= self.steady / (1.0 + sum(self.mains_harmonics)),
             f'The mains flicker has an amplitude of {self.mains} lx around a mean of '
-            f'{self.steady} lx; with harmonics, the amplitude must be from 0 to the mean.',
+            f'{self.steady} lx; the amplitude, including harmonics, must be from 0 to the '
+            'mean.',
         )
         require(
             math.isfinite(self.mains_frequency) and self.mains_frequency > 0.0,

@@ -28,12 +28,12 @@ class DriftingClock:
         """Refuse an impossible clock error."""
         require(
             abs(self.offset) <= MOST_OFFSET,
-            f'The clock is off by {1e6 * self.offset:g} ppm; the offset must be at most '
-            f'{1e6 * MOST_OFFSET:g} ppm.',
+            f'The clock of the lamp is off by {1e6 * self.offset:g} ppm; the offset must '
+            f'be at most {1e6 * MOST_OFFSET:g} ppm.',
         )
         require(
             math.isfinite(self.drift),
-            f'The clock drifts by {self.drift}/s; the drift must be finite.',
+            f"The drift of the lamp's clock is {self.drift}/s; it must be a finite number.",
         )
 
     def distort_wave(self, wave: SquareWave, time: int) -> SquareWave:

@@ -43,8 +43,8 @@ class Daylight:
 
     def __post_init__(self) -> None:
         """Refuse impossible daylight."""
-        require_lux('The light of the sun', self.sun)
-        require_lux('The light of the sky', self.sky)
+        require_lux('The illuminance by the sun', self.sun)
+        require_lux('The illuminance by the sky', self.sky)
         require_efficacy(self.efficacy)
         require(
             math.isfinite(self.azimuth) and 0.0 < self.elevation <= math.pi / 2.0,

@@ -62,7 +62,7 @@ class LightField:
         require(self.room is not None, 'The scene has a door but no room; add a room.')
         require(
             self.daylight is None,
-            'The scene has daylight both in the room and beyond its door; leave out the '
+            'The scene has daylight both in the room and beyond its door; remove the '
             'daylight in the room.',
         )
         _, width, height = self.room.size if self.room is not None else (0.0, 0.0, 0.0)

@@ -69,14 +69,15 @@ class BeaconLamp:
         numbers = (*self.position, *self.axis, self.flux, self.order, self.radius, self.rise)
         require(
             all(map(math.isfinite, numbers)),
-            f'The lamp has a number that is not finite in {numbers}; correct that number.',
+            f'A number of the lamp is infinite or NaN: {numbers}; correct it.',
         )
         require(
             math.hypot(*self.axis) > 0.0,
             'The axis of the lamp is zero; give the direction in which the lamp faces.',
         )
         require(
-            self.flux >= 0.0, f'The lamp has a flux of {self.flux} lm; the flux must be 0 or more.'
+            self.flux >= 0.0,
+            f'The lamp has a luminous flux of {self.flux} lm; the flux must be 0 or more.',
         )
         require(
             self.order > 0.0,

@@ -17,7 +17,7 @@ def require_efficacy(efficacy: float) -> None:
     """Raise `BadInput` for an impossible luminous efficacy. [lm/W]"""
     require(
         0.0 < efficacy <= MOST_EFFICACY,
-        f'The light has an efficacy of {efficacy} lm/W; the efficacy must be above 0 and at '
+        f'The light has a luminous efficacy of {efficacy} lm/W; it must be above 0 and at '
         f'most {MOST_EFFICACY:g} lm/W.',
     )
 

@@ -65,7 +65,8 @@ class SquareWave:
             )
         if not 0.0 < self.duty < 1.0:
             raise BadInput(
-                f'The lamp has a duty of {self.duty}; the duty must be between 0 and 1.'
+                f'The lamp has a duty cycle of {self.duty}; the duty cycle must be between '
+                '0 and 1.'
             )
         if not math.isfinite(self.phase):
             raise BadInput(

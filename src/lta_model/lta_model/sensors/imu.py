@@ -35,34 +35,43 @@ class ImuSettings(Settings):
     )
     acceleration_bandwidth: float = setting(
         40.0,
-        'Bandwidth of the accelerometer at 100 Hz, normal mode.',
+        'Bandwidth of the accelerometer at a sample rate of 100 Hz, normal mode.',
         unit='Hz',
         low=0.0,
         high=280.0,
     )
     acceleration_offset: float = setting(
-        0.020, 'Largest offset of an axis.', unit='g', low=0.0, high=1.0
+        0.020, 'Largest zero offset of an accelerometer axis.', unit='g', low=0.0, high=1.0
     )
     acceleration_scale: float = setting(
         0.01,
-        'Largest scale error of an accelerometer axis; assumed equal to that of the gyroscope.',
+        'Largest relative scale error of an accelerometer axis; assumed equal to that of '
+        'the gyroscope.',
         low=0.0,
         high=0.5,
     )
-    acceleration_range: float = setting(6.0, 'Full scale.', unit='g', low=3.0, high=24.0)
+    acceleration_range: float = setting(
+        6.0, 'Full scale of the accelerometer.', unit='g', low=3.0, high=24.0
+    )
     rate_noise: float = setting(
         0.014, 'Noise density of the gyroscope.', unit='deg/s/sqrt(Hz)', low=0.0, high=1.0
     )
     rate_bandwidth: float = setting(
-        32.0, 'Bandwidth of the gyroscope at 100 Hz.', unit='Hz', low=0.0, high=532.0
+        32.0,
+        'Bandwidth of the gyroscope at a sample rate of 100 Hz.',
+        unit='Hz',
+        low=0.0,
+        high=532.0,
     )
     rate_offset: float = setting(
-        1.0, 'Largest offset of an axis.', unit='deg/s', low=0.0, high=20.0
+        1.0, 'Largest zero offset of a gyroscope axis.', unit='deg/s', low=0.0, high=20.0
     )
     rate_scale: float = setting(
-        0.01, 'Largest scale error of a gyroscope axis.', low=0.0, high=0.5
+        0.01, 'Largest relative scale error of a gyroscope axis.', low=0.0, high=0.5
     )
-    rate_range: float = setting(500.0, 'Full scale.', unit='deg/s', low=125.0, high=2000.0)
+    rate_range: float = setting(
+        500.0, 'Full scale of the gyroscope.', unit='deg/s', low=125.0, high=2000.0
+    )
 
 
 @final

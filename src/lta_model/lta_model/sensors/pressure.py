@@ -29,24 +29,28 @@ class PressureSettings(Settings):
         101325.0, 'Air pressure at the floor.', unit='Pa', low=30000.0, high=110000.0
     )
     noise: float = setting(
-        1.2, 'Standard deviation of a pressure sample.', unit='Pa', low=0.0, high=100.0
+        1.2,
+        'Standard deviation of the noise of a pressure sample.',
+        unit='Pa',
+        low=0.0,
+        high=100.0,
     )
     offset: float = setting(
         8.0,
-        'Largest pressure offset; each flight draws one uniformly.',
+        'Largest offset of the pressure; a random one is drawn for each flight (uniform).',
         unit='Pa',
         low=0.0,
         high=500.0,
     )
     drift: float = setting(
         0.006,
-        'Largest pressure drift; each flight draws one uniformly.',
+        'Largest drift of the pressure; a random one is drawn for each flight (uniform).',
         unit='Pa/s',
         low=0.0,
         high=10.0,
     )
     resolution: float = setting(
-        0.33, 'Pressure per count of the sensor.', unit='Pa', low=0.001, high=10.0
+        0.33, 'Resolution of the sensor: pressure per count.', unit='Pa', low=0.001, high=10.0
     )
 
 

@@ -31,7 +31,8 @@ class RangeSettings(Settings):
     )
     maximum: float = setting(
         4.0,
-        'Farthest distance with a return: 4 m in the dark, 0.7 m in strong light (long mode).',
+        'Largest distance that the sensor can measure: 4 m in the dark, 0.7 m in strong '
+        'light (long mode).',
         unit='m',
         low=0.1,
         high=5.0,
@@ -45,7 +46,7 @@ class RangeSettings(Settings):
     )
     offset: float = setting(
         0.020,
-        'Largest distance offset; each flight draws one uniformly.',
+        'Largest offset of the distance; a random one is drawn for each flight (uniform).',
         unit='m',
         low=0.0,
         high=0.5,

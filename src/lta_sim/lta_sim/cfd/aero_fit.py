@@ -19,7 +19,10 @@ NOTICED: Final = 0.05  # of the drag: smallest side force that is reported
 MESHED: Final = 0.1  # of the drag: largest change on a coarser mesh without a warning
 JOINED: Final = 0.05  # largest error of a fit through steady and transient points
 # Spins are solved as steady rotation, but a flying hull oscillates about its attitude
-UNSTEADY: Final = 'the damping of small fast swings is under-predicted: the air turns along'
+UNSTEADY: Final = (
+    'the damping of small fast oscillations is underestimated, because the flow was solved '
+    'for a steady rotation'
+)
 
 
 def opposing_drag(axis: Axis, points: Sequence[SweepPoint]) -> list[float]:
@@ -76,7 +79,8 @@ def select_axis_points(sweep: TunnelSweep, axis: Axis) -> Sequence[SweepPoint]:
     points = select_solved_points(sweep, axis) or sweep.by_hand.get(axis)
     if not points:
         raise BadInput(
-            f'The sweep of {sweep.name} has no results for {axis}; run the sweep again.'
+            f'The wind tunnel results of {sweep.name} have no values for {axis}; run lta '
+            'cfd again.'
         )
     return points
 
@@ -88,19 +92,24 @@ def collect_warnings(sweep: TunnelSweep) -> list[str]:
         points = select_solved_points(sweep, axis)
         if not points:
             if sweep.fidelity != 'analytic':
-                warnings.append(f'{axis}: by hand, no flow was solved')
+                warnings.append(f'{axis}: analytic estimate, no flow was solved')
             continue
         ratio = ratio_to_estimate(sweep, axis)
         if not flow_checks.is_near_estimate(ratio, 1.0):
-            warnings.append(f'{axis}: {ratio:.2f} times what is known by hand; look at the flow')
+            warnings.append(
+                f'{axis}: the drag is {ratio:.2f} times the analytic estimate; check the flow'
+            )
         coarser = mesh_share(sweep, axis)
         if coarser is not None and abs(coarser) > MESHED:
-            warnings.append(f'{axis}: {100 * coarser:+.0f} % of drag on a coarser mesh')
+            warnings.append(
+                f'{axis}: on a coarser mesh, the drag changes by {100 * coarser:+.0f} %'
+            )
     if any(axis in sweep.axes for axis in ABOUT):
         warnings.append(f'roll, pitch, yaw: {UNSTEADY}')
     if sweep.fidelity == 'preview':
         warnings.append(
-            'steady model: on a sphere its drag is right at 0.2 m/s and up to 30 % low at 2 m/s'
+            'steady flow model: for a sphere, its drag is correct at 0.2 m/s and up to 30 '
+            '% low at 2 m/s'
         )
     tops = [
         select_solved_points(sweep, axis)[-1].speed
@@ -117,8 +126,8 @@ def collect_warnings(sweep: TunnelSweep) -> list[str]:
         share = linearity_ratio(sweep, pattern)
         if share is not None and abs(share - 1.0) > 0.05:
             warnings.append(
-                f'{pattern}: at part thrust {share:.2f} times its share; the wrench is not '
-                'linear in thrust'
+                f'{pattern}: force and moment are not proportional to the thrust: at '
+                f'partial thrust, they are {share:.2f} times the expected values'
             )
     warnings += [f'{name}: refused: {reason}' for name, reason in sweep.refused.items()]
     return warnings
@@ -135,8 +144,9 @@ def _format_omission_warning(sweep: TunnelSweep, axis: Axis) -> str:
         axis, select_fit_points(sweep, axis)
     ).drag_at(slow.speed)
     return (
-        f'{axis}: the steady flow at {slow.speed:g} m/s has {100 * (share - 1):+.0f} % of drag '
-        'beside the transient one, and is left out of the fit'
+        f'{axis}: the drag of the steady flow at {slow.speed:g} m/s differs by '
+        f'{100 * (share - 1):+.0f} % from the fit to the transient flow, so it is left out '
+        'of the fit'
     )
 
 

@@ -93,7 +93,10 @@ def build_aero_content(sweep: TunnelSweep) -> dict[str, Any]:
         aero['coupling'] = {
             'rotors': list(coupled.rotors),
             **_format_wrench(
-                AllocationColumn(coupled.wrench, 'all on, less the columns'), sweep.engine
+                AllocationColumn(
+                    coupled.wrench, 'all rotors on, minus the columns of the single rotors'
+                ),
+                sweep.engine,
             ),
         }
     return {
@@ -138,8 +141,8 @@ def _round_to_three_digits(number: float | None) -> float | None:
 def format_aero_file(sweep: TunnelSweep) -> str:
     """Return the aero file of a sweep."""
     head = (
-        f'# What the wind tunnel gave of {sweep.name}. Not written by hand: lta cfd refit makes '
-        f'it from {sweep.name}.sweep.json.\n'
+        f'# Aerodynamic data of {sweep.name} from the simulated wind tunnel. Do not edit: '
+        f'lta cfd refit generates this file from {sweep.name}.sweep.json.\n'
     )
     return head + yaml.dump(
         build_aero_content(sweep),

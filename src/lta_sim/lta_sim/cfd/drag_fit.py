@@ -56,9 +56,9 @@ def fit_drag(speeds: Sequence[float], drags: Sequence[float]) -> DragFit:
     v, f = np.array(speeds, dtype=float), np.array(drags, dtype=float)
     if len(v) == 0 or len(v) != len(f) or not (np.all(v > 0.0) and np.all(f > 0.0)):
         raise BadInput(
-            f'Drag cannot be fitted to the drags {f.tolist()} at the speeds {v.tolist()}: all '
-            'must be '
-            'positive; inspect the flow at the others.'
+            f'Cannot fit a drag curve to the drags {f.tolist()} at the speeds '
+            f'{v.tolist()}: all must be positive. Inspect the flow at the speeds with zero '
+            'or negative drag.'
         )
     # Divided by the drag, each row's target is 1: the errors are relative.
     matrix = np.column_stack((v / f, v**2 / f))

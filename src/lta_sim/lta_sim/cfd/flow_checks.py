@@ -25,11 +25,13 @@ def check_mesh(name: str, facts: Mapping[str, float | Mapping[str, int]]) -> Non
     assert isinstance(negative, float)
     # "not >" also rejects NaN, which stands for a missing number in the log
     if not cells > 1000:
-        raise CaseFailed(f'The {name} has no cells; check that its shape is closed.')
+        raise CaseFailed(
+            f'The {name} has no cells; check that the surface of the shape is closed.'
+        )
     if not angle <= ANGLE:
         raise CaseFailed(
-            f'The {name} has faces with a non-orthogonality of {angle:.0f} degrees, over '
-            f'{ANGLE:.0f}; simplify sharp corners of the shape.'
+            f'The {name} has faces with a non-orthogonality of {angle:.0f} degrees '
+            f'(allowed: {ANGLE:.0f}); smooth sharp corners of the shape.'
         )
     if negative:
         raise CaseFailed(
@@ -42,8 +44,9 @@ def check_bodies(name: str, faces: Mapping[str, int], bodies: Iterable[str]) -> 
     for body in bodies:
         if faces.get(body, 0) < FACES:
             raise CaseFailed(
-                f'The {name} has {faces.get(body, 0)} faces on {body}, fewer than {FACES}: it is '
-                'too thin for the mesh; draw it thicker, or use --fidelity analytic.'
+                f'The {name} has only {faces.get(body, 0)} faces on the body {body}, fewer '
+                f'than {FACES}, because the body is too thin for the mesh; draw it '
+                'thicker, or use --fidelity analytic.'
             )
 
 
@@ -52,8 +55,9 @@ def check_zones(zones: Mapping[str, int], shares: Mapping[str, float]) -> None:
     for name in shares:
         if zones.get(name, 0) < ZONE:
             raise CaseFailed(
-                f'The disk of {name} has {zones.get(name, 0)} cells, fewer than {ZONE}; '
-                'make disk.diameter or disk.thickness of the tunnel file larger.'
+                f'The rotor disk of {name} has only {zones.get(name, 0)} mesh cells, fewer '
+                f'than {ZONE}; increase disk.diameter or disk.thickness in the tunnel '
+                'file.'
             )
 
 
@@ -61,31 +65,37 @@ def check_spread(spread: float, rounds: int) -> None:
     """Raise `CaseFailed` if a steady force has not settled or has too few iterations."""
     if rounds < WINDOW:
         raise CaseFailed(
-            f'Only {rounds} iterations were solved, fewer than the {WINDOW} averaged.'
+            f'Only {rounds} iterations were solved, but the mean is taken over {WINDOW}; '
+            'check the log of the solver.'
         )
     if not spread <= SPREAD:
         raise CaseFailed(
-            f'The force still swings by {100 * spread:.0f} % (over {100 * SPREAD:.0f} %); '
-            'the steady flow does not settle: use --fidelity reference.'
+            f'The force still varies by {100 * spread:.0f} % (allowed: {100 * SPREAD:.0f} '
+            '%), because the steady flow does not converge; use --fidelity reference.'
         )
 
 
 def check_brakes(drag: float) -> None:
     """Raise `CaseFailed` for a drag in the direction of motion."""
     if not drag > 0.0:
-        raise CaseFailed('The drag points in the direction of motion; the flow is wrong.')
+        raise CaseFailed(
+            'The computed drag points in the direction of motion, so the flow is wrong; check '
+            'the shape and its mesh.'
+        )
 
 
 def check_mean(error: float, lengths: float) -> None:
     """Raise `CaseFailed` if the mean of a transient is too short or too uncertain."""
     if lengths < LENGTHS:
         raise CaseFailed(
-            f'Only {lengths:.1f} hull lengths of flow are averaged, under {LENGTHS:.0f}.'
+            f'The mean force covers only {lengths:.1f} hull lengths of flow; at least '
+            f'{LENGTHS:.0f} are needed.'
         )
     if not error <= ERROR:
         raise CaseFailed(
-            f'The mean force is uncertain by {100 * error:.0f} % (over {100 * ERROR:.0f} %); '
-            'its wake swings too slowly for the simulated time.'
+            f'The mean force is uncertain by {100 * error:.0f} % (allowed: '
+            f'{100 * ERROR:.0f} %), because the wake fluctuates too slowly for the '
+            'simulated time.'
         )
 
 
@@ -93,8 +103,9 @@ def check_balance(balance: float) -> None:
     """Raise `CaseFailed` if the momentum of a flow does not balance."""
     if not balance <= BALANCE:
         raise CaseFailed(
-            f'{100 * balance:.0f} % of the force is missing in the momentum of the air (over '
-            f'{100 * BALANCE:.0f} %); the flow has not settled.'
+            f'{100 * balance:.0f} % of the force is missing in the momentum balance of the '
+            f'air (allowed: {100 * BALANCE:.0f} %), so the flow has not settled; use '
+            '--fidelity reference.'
         )
 
 

@@ -84,7 +84,7 @@ def build_hull_surface(hull: HullBlock) -> trimesh.Trimesh:
     """
     if hull.shape == 'none':
         raise BadInput(
-            'This vehicle has no hull for the wind tunnel; choose a vehicle with a hull.'
+            'This vehicle has no hull, which the wind tunnel needs; choose a vehicle with a hull.'
         )
     half = half_axes(hull)
     axis = 'xyz'.index(hull.axis or 'z')

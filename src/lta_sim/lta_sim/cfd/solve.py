@@ -37,8 +37,9 @@ def check_memory(
     need = largest * BYTES_A_CELL * jobs
     if need > limit:
         raise BadInput(
-            f'A mesh of {largest} cells, {jobs} at a time, needs about {need / 1e9:.1f} GB, but '
-            f'only {limit / 1e9:.1f} GB are available; {remedy}.'
+            f'Meshes of up to {largest} cells, {jobs} at a time, need about '
+            f'{need / 1e9:.1f} GB of memory, but only {limit / 1e9:.1f} GB are available; '
+            f'{remedy}.'
         )
 
 

@@ -42,7 +42,7 @@ def read_stl(path: Path, unit: str) -> trimesh.Trimesh:
         raise BadInput(f'{path} cannot be read as STL ({error}); export it again.') from None
     if not isinstance(mesh, trimesh.Trimesh) or not 4 <= len(mesh.faces) <= STL_TRIANGLES:
         raise BadInput(
-            f'{path} has no surface of 4 to {STL_TRIANGLES} triangles; export it again.'
+            f'{path} must have a surface of 4 to {STL_TRIANGLES} triangles; export it again.'
         )
     if not np.isfinite(mesh.vertices).all():
         raise BadInput(f'{path} has infinite or NaN coordinates; export it again.')
@@ -64,19 +64,21 @@ def validate_closed(mesh: trimesh.Trimesh, name: str, unit: str) -> trimesh.Trim
     if not mesh.is_watertight:
         edges = np.unique(mesh.edges_sorted, axis=0, return_counts=True)[1]
         raise BadInput(
-            f'{name} is open: {int(np.sum(edges != 2))} edges do not join exactly two triangles; '
-            'close the holes in the CAD program, and export it again.'
+            f'The surface of {name} is not closed: {int(np.sum(edges != 2))} edges do not '
+            'join exactly two triangles. Close the holes in the CAD program, and export '
+            'it again.'
         )
     if not mesh.is_winding_consistent:
         raise BadInput(
-            f'{name} has triangles with inward and others with outward normals; '
-            'unify the normals and export it again.'
+            f'In {name}, some triangle normals point inwards and others outwards; unify '
+            'the normals in the CAD program, and export it again.'
         )
     if (pair := find_crossing_triangles(mesh.triangles)) is not None:
         place = mesh.triangles[pair[0]].mean(axis=0)
         raise BadInput(
-            f'{name} intersects itself near ({place[0]:.3g}, {place[1]:.3g}, {place[2]:.3g}) m; '
-            'unite its solids in the CAD program, or give each as a separate body.'
+            f'The surface of {name} intersects itself near ({place[0]:.3g}, '
+            f'{place[1]:.3g}, {place[2]:.3g}) m; unite its solids in the CAD program, or '
+            'give each as a separate body.'
         )
     # Consistently inward normals are harmless: flip them
     if mesh.volume < 0.0:

@@ -187,9 +187,9 @@ def _check_patterns(
     for pattern, shares in file.patterns.items():
         if strangers := [name for name in shares if name not in rotors]:
             raise BadInput(
-                f'The pattern {pattern} of {file.name} names unknown rotors '
-                f'({", ".join(strangers)}); '
-                f'rotors of {file.vehicle}: {", ".join(rotors)}.'
+                f'The rotor pattern {pattern} in the tunnel file {file.name} names unknown '
+                f'rotors ({", ".join(strangers)}); the rotors of {file.vehicle} are '
+                f'{", ".join(rotors)}.'
             )
     for name, rotor in rotors.items():
         for other, mesh in bodies.items():
@@ -200,8 +200,8 @@ def _check_patterns(
             if np.any(winding_number(mesh.triangles, near) > 0.5):
                 x, y, z = rotor.place
                 raise BadInput(
-                    f'The rotor {name} at ({x:g}, {y:g}, {z:g}) m is inside {other}; '
-                    'move one of them.'
+                    f'The rotor {name} at ({x:g}, {y:g}, {z:g}) m is inside the body '
+                    f'{other}; move one of them.'
                 )
 
 

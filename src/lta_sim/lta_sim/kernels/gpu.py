@@ -94,13 +94,13 @@ def require_cuda() -> ModuleType:
         cuda = import_module('numba.cuda')
     except ImportError as error:
         raise BadInput(
-            f'numba-cuda cannot be imported ({error}); install what requirements-gpu.txt lists '
-            'or simulate on the CPU.'
+            f'Cannot import numba-cuda ({error}); install the packages in '
+            'requirements-gpu.txt, or simulate on the CPU.'
         ) from None
     if not cuda.is_available():
         raise BadInput(
-            'numba-cuda finds no GPU here; install what requirements-gpu.txt lists on a machine '
-            'with an NVIDIA GPU and its driver, or simulate on the CPU.'
+            'numba-cuda finds no GPU; use a machine with an NVIDIA GPU, its driver and '
+            'the packages in requirements-gpu.txt, or simulate on the CPU.'
         )
     return cuda
 

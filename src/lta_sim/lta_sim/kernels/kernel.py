@@ -45,7 +45,9 @@ def _copy_to_front(what: str, values: ArrayLike, room: State) -> None:
     """
     array = np.asarray(values, dtype=np.float64)
     if array.ndim != 1 or len(array) > len(room):
-        raise ValueError(f'The {what} has shape {array.shape}; it must be at most {room.shape}.')
+        raise ValueError(
+            f'The {what} has the shape {array.shape}; it must be at most {room.shape}.'
+        )
     room[: len(array)] = array
 
 
@@ -55,7 +57,7 @@ def _build_vehicle(
     """Return a simulated vehicle with state, command and surroundings set."""
     start = np.asarray(state, dtype=np.float64)
     if start.shape != (LAYOUT.size,):
-        raise ValueError(f'The state has shape {start.shape}; it must be ({LAYOUT.size},).')
+        raise ValueError(f'The state has the shape {start.shape}; it must be ({LAYOUT.size},).')
     flown = SimulatedVehicle(model)
     flown.state[:] = start
     _copy_to_front('command', command, flown.command)

@@ -51,7 +51,7 @@ class VehicleBatch:
 
         """
         if not models:
-            raise BadInput('A fleet needs at least one vehicle, but 0 were requested.')
+            raise BadInput('A batch needs at least one vehicle, but none was given.')
         return cls(
             np.stack([model.parameters for model in models]),
             np.stack([model.on for model in models]),
@@ -78,7 +78,9 @@ def _to_padded_array(
     fits = array.ndim == 2 and array.shape[0] == vehicles
     if not (fits and (array.shape[1] == count or (fill and array.shape[1] < count))):
         # Compiled code has no bounds check: a short array would be read beyond its end.
-        raise ValueError(f'The {what} have shape {array.shape}; it must be ({vehicles}, {count}).')
+        raise ValueError(
+            f'The {what} have the shape {array.shape}; it must be ({vehicles}, {count}).'
+        )
     # Missing columns are zero: no moving mass, no noise, no light
     return np.pad(array, ((0, 0), (0, count - array.shape[1])))
 

@@ -165,9 +165,8 @@ class Simulator(GraphNode):
         self.health.report(
             'command',
             HealthLevel.ERROR,
-            f'refused duties {repr(duties)[:MOST]} of {repr(names)[:MOST]}: '
-            f'expected {expected} from {self._lowest} to 1; '
-            'the motors are off',
+            f'refused duties {repr(duties)[:MOST]} of {repr(names)[:MOST]}: the rotors '
+            f'must be {expected}, with duties from {self._lowest} to 1; the motors are off',
         )
 
     def _tick(self) -> None:
@@ -198,7 +197,7 @@ class Simulator(GraphNode):
             self.health.report(
                 'pace',
                 HealthLevel.WARN,
-                'cannot keep pace with the wall clock',
+                'the simulation runs slower than real time',
                 lost_s=f'{self._lost:.2f}',
             )
 
@@ -224,13 +223,17 @@ class Simulator(GraphNode):
             return
         self._fed = not self._fed
         if self._fed:
-            self.health.report('supply', HealthLevel.OK, 'light has brought the supply back')
+            self.health.report(
+                'supply',
+                HealthLevel.OK,
+                'the solar panel has charged the battery: the power supply is on again',
+            )
         else:
             self.health.report(
                 'supply',
                 HealthLevel.ERROR,
-                'browned out: the cell is empty or sagged below its cut-off; the motors are off '
-                'until light has charged it',
+                'brown-out: the battery is empty or its voltage fell below the cut-off; '
+                'the motors are off until light has charged it',
             )
 
     def _is_flight_over(self) -> bool:

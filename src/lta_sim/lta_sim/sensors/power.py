@@ -19,25 +19,36 @@ class PowerMeterSettings(Settings):
     """Steps, limits and errors of the meter; errors are bounds of uniform distributions."""
 
     voltage_step: float = setting(
-        4e-3, 'Resolution of the voltage (one count).', unit='V', low=1e-6, high=1.0
+        4e-3, 'Resolution of the voltage measurement (one count).', unit='V', low=1e-6, high=1.0
     )
     voltage_noise: float = setting(
-        2e-3, 'Standard deviation of the voltage before rounding.', unit='V', low=0.0, high=1.0
+        2e-3,
+        'Standard deviation of the voltage noise before rounding.',
+        unit='V',
+        low=0.0,
+        high=1.0,
     )
     current_step: float = setting(
-        1e-4, 'Resolution of the current (one count).', unit='A', low=1e-7, high=1.0
+        1e-4, 'Resolution of the current measurement (one count).', unit='A', low=1e-7, high=1.0
     )
     current_noise: float = setting(
-        5e-5, 'Standard deviation of the current before rounding.', unit='A', low=0.0, high=1.0
+        5e-5,
+        'Standard deviation of the current noise before rounding.',
+        unit='A',
+        low=0.0,
+        high=1.0,
     )
     current_range: float = setting(
-        3.2, 'Largest measurable current of either sign.', unit='A', low=0.01, high=100.0
+        3.2, 'Largest measurable current in either direction.', unit='A', low=0.01, high=100.0
     )
     scale: float = setting(
-        0.002, 'Largest relative scale error of voltage and of current.', low=0.0, high=0.1
+        0.002,
+        'Largest relative scale error of the measured voltage and current.',
+        low=0.0,
+        high=0.1,
     )
     current_offset: float = setting(
-        4e-4, 'Largest offset of the current.', unit='A', low=0.0, high=0.1
+        4e-4, 'Largest zero offset of the measured current.', unit='A', low=0.0, high=0.1
     )
 
 

@@ -16,7 +16,10 @@ from lta_model import hull as hulls
 from lta_model.gas import HELIUM_TO_AIR
 
 BAND = (0.2e-3, 0.9e-3)  # m3/(m2 day)
-SOURCE = 'assumed for this film: laminates, 0.2 to 0.9 L/(m² day) (Frontiers Mater. 2022, 992984)'
+SOURCE = (
+    'assumed: permeability of airship laminates, 0.2 to 0.9 L/(m² day) (Frontiers Mater. '
+    '2022, 992984)'
+)
 
 
 def film_area(hull: HullBlock) -> float:

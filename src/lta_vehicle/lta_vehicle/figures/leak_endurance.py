@@ -38,8 +38,8 @@ def derive_helium_figures(vehicle: Vehicle, held: float | None = None) -> Iterat
     if high <= 0.0:
         return
     for key, words, rate in (
-        ('leak_low', 'loses at least', low),
-        ('leak_high', 'loses at most', high),
+        ('leak_low', 'lift lost by helium leakage, at least', low),
+        ('leak_high', 'lift lost by helium leakage, at most', high),
     ):
         yield DerivedFigure(key, HELIUM, words, GRAMS * rate, 'g/day', SOURCE, HULL, 2)
     spare = tolerable_lift_loss(vehicle)
@@ -47,7 +47,7 @@ def derive_helium_figures(vehicle: Vehicle, held: float | None = None) -> Iterat
     yield DerivedFigure(
         'hover_loss',
         HELIUM,
-        'cannot hover after a loss of',
+        'can hover up to a lift loss of',
         None if spare is None else GRAMS * spare,
         'g',
         'upward thrust minus the carried weight',
@@ -59,10 +59,10 @@ def derive_helium_figures(vehicle: Vehicle, held: float | None = None) -> Iterat
         yield DerivedFigure(
             'gains_loss',
             HELIUM,
-            'gains hold up to a loss of',
+            'controller stable up to a lift loss of',
             GRAMS * held,
             'g',
-            'closed-loop flights with increasing weight',
+            'simulated closed-loop flights with increasing weight',
             (),
             1,
             format_leak_days(held, low, high),
@@ -71,4 +71,6 @@ def derive_helium_figures(vehicle: Vehicle, held: float | None = None) -> Iterat
 
 def format_leak_days(loss: float, low: float, high: float) -> str:
     """Return the days until a loss of lift, at the highest and the lowest leak rate."""
-    return f'{loss / high:.0f} to {loss / low:.0f} days' if loss > 0.0 else 'at once'
+    return (
+        f'after {loss / high:.0f} to {loss / low:.0f} days of leakage' if loss > 0.0 else 'at once'
+    )

@@ -74,7 +74,7 @@ def derive_weight_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
     """Yield the figures of the group 'Weight and lift'."""
     file, weighed = vehicle.file, vehicle.file.measured is not None
     hull = file.hull.shape != 'none'
-    rule = 'weighed' if weighed else 'parts, ballast and gas, summed'
+    rule = 'weighed' if weighed else 'sum of parts, ballast and gas'
     words = 'mass, gas included' if hull else 'mass'
     yield DerivedFigure('mass', WEIGHT, words, GRAMS * vehicle.mass, 'g', rule, ALL)
     if hull:
@@ -93,8 +93,11 @@ def derive_weight_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
         'heaviness', WEIGHT, 'heavier than air by', heavy, 'g', rule, ('trim',), 2, note
     )
     if file.trim.ballast_position:
-        rule, ballast = 'lift and heaviness minus parts', GRAMS * vehicle.ballast_mass
-        note = 'weigh the finished vehicle: see lta vehicle trim'
+        rule, ballast = (
+            'gross lift plus heaviness minus mass of the parts',
+            GRAMS * vehicle.ballast_mass,
+        )
+        note = 'weigh the finished vehicle in flight with lta vehicle trim'
         yield DerivedFigure(
             'ballast', WEIGHT, 'ballast to add', ballast, 'g', rule, ALL, note=note
         )
@@ -104,41 +107,39 @@ def _derive_displaced_air(vehicle: Vehicle) -> DerivedFigure:
     """Return the mass of the displaced air."""
     weighed = vehicle.file.measured is not None
     rests = ALL if weighed else HULL
-    rule = f'volume times {vehicle.air_density:.4g} kg/m³ of air'
+    rule = f'volume times air density ({vehicle.air_density:.4g} kg/m³)'
     if weighed:
         rule = 'mass minus heaviness'
-    note, mass = f'hull of {1e3 * vehicle.volume:.0f} l', GRAMS * vehicle.displaced_mass
+    note, mass = f'hull volume: {1e3 * vehicle.volume:.0f} l', GRAMS * vehicle.displaced_mass
     return DerivedFigure('displaced', WEIGHT, 'air displaced', mass, 'g', rule, rests, note=note)
 
 
 def derive_balance_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
     """Yield the figures of the group 'Balance': centres, inertia and added mass."""
     x, y, z = (CENTIMETRES * float(number) for number in vehicle.cg)
-    rule = 'measured as a whole' if vehicle.file.measured else 'parts, ballast and gas, summed'
-    words, note = 'CG below CB', 'CB is the hull centre'
+    rule = 'measured as a whole' if vehicle.file.measured else 'sum of parts, ballast and gas'
+    words, note = 'CG below CB', 'CG: centre of gravity, CB: centre of buoyancy (hull centre)'
     if vehicle.file.hull.shape == 'none':
         words, note = 'CG below the origin', 'no hull, so no righting moment'
     yield DerivedFigure('cg_depth', BALANCE, words, -z, 'cm', rule, ALL, 2, note)
-    yield DerivedFigure('cg_x', BALANCE, 'CG ahead of the centre', x, 'cm', rule, ALL, 2)
-    yield DerivedFigure('cg_y', BALANCE, 'CG left of the centre', y, 'cm', rule, ALL, 2)
+    yield DerivedFigure('cg_x', BALANCE, 'CG ahead of the hull centre', x, 'cm', rule, ALL, 2)
+    yield DerivedFigure('cg_y', BALANCE, 'CG left of the hull centre', y, 'cm', rule, ALL, 2)
     if vehicle.file.hull.shape != 'none':
         # With the CG above the CB there is no stable attitude, hence no lean
         if z < 0.0:
             # At rest, the line from CB to CG is vertical
             lean = math.atan2(math.hypot(x, y), -z) * DEGREES
             rule_of = 'CG vertically below CB at rest'
-            yield DerivedFigure(
-                'lean', BALANCE, 'hangs off the vertical by', lean, '°', rule_of, ALL
-            )
+            yield DerivedFigure('lean', BALANCE, 'tilt at rest', lean, '°', rule_of, ALL)
         yield derive_pressure_center(vehicle)
     for i, axis in enumerate(('roll', 'pitch', 'yaw')):
         own = 1e3 * float(vehicle.inertia[i, i])
-        words = f'inertia in {axis}, about the CG'
+        words = f'moment of inertia in {axis}, about the CG'
         yield DerivedFigure(f'inertia_{axis}', BALANCE, words, own, 'g m²', rule, ALL, 3)
     if any(vehicle.added_mass):
         rule = 'as published' if vehicle.file.hull.added_mass else 'Lamb 1932, spheroid'
         for i, axis in enumerate('xyz'):
-            air, words = GRAMS * vehicle.added_mass[i], f'air that moves with it along {axis}'
+            air, words = GRAMS * vehicle.added_mass[i], f'added mass of air along {axis}'
             yield DerivedFigure(f'added_mass_{axis}', BALANCE, words, air, 'g', rule, HULL)
 
 
@@ -153,14 +154,17 @@ def derive_pressure_center(vehicle: Vehicle) -> DerivedFigure:
     # Without lift slope the quotient below is undefined
     if wing and wing['lift_alpha']:
         ahead = wing['pitch_alpha'] / wing['lift_alpha']
-        rule, place = 'pitch moment by angle of attack over lift', 'effects.hull_lift'
+        rule, place = (
+            'slope of the pitch moment by that of the lift, over angle of attack',
+            'effects.hull_lift',
+        )
     else:
-        ahead, rule, place = 0.0, 'the aero block is about the hull centre', 'aero'
+        ahead, rule, place = 0.0, 'the aero block acts at the hull centre', 'aero'
     note = 'at the hull centre' if ahead == 0.0 else ''
     return DerivedFigure(
         'cp_x',
         BALANCE,
-        'centre of pressure ahead of the centre',
+        'centre of pressure ahead of hull centre',
         CENTIMETRES * ahead,
         'cm',
         rule,

@@ -27,7 +27,7 @@ def derive_stability_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
         'righting moment per degree',
         per_degree,
         'mN m',
-        'weight times CG below CB',
+        'weight times distance of the CG below the CB',
         ALL,
         2,
         '' if rights else 'no righting moment; a controller must stabilise it',
@@ -45,16 +45,17 @@ def _derive_swing_figures(
     vehicle: Vehicle, about: Literal['pitch', 'roll']
 ) -> Iterator[DerivedFigure]:
     mode = compute_pendulum_mode(vehicle, about)
-    rule = 'righting moment, inertia and added mass, free in the air'
-    words = f'swings in {about} with a period of'
+    rule = 'righting moment, inertia and added mass of the free vehicle'
+    words = f'period of the {about} oscillation'
     yield DerivedFigure(f'swing_{about}', STABILITY, words, mode.period, 's', rule, ALL, 2)
-    damping, note = mode.damping_ratio, 'no drag is given'
+    damping, note = mode.damping_ratio, 'no drag is given in the vehicle file'
     if mode.half_amplitude_time is not None:
         note = (
-            f'by steady drag alone, a swing of 5° halves in about {mode.half_amplitude_time:.0f} s'
+            'by steady drag alone, an oscillation of 5° halves in about '
+            f'{mode.half_amplitude_time:.0f} s'
         )
     share = None if damping is None else 100.0 * damping
-    rule, words = 'rotational drag, linearised at 5°', f'damping in {about}, of critical'
+    rule, words = 'rotational drag, linearised at 5°', f'damping ratio in {about}'
     yield DerivedFigure(
         f'damping_{about}', STABILITY, words, share, '%', rule, (*ALL, 'aero'), 1, note
     )
@@ -70,14 +71,14 @@ def _derive_lean_figure(vehicle: Vehicle, stiffness: float) -> Iterator[DerivedF
     yield DerivedFigure(
         'push_lean',
         STABILITY,
-        'leans at full push forward',
+        'tilt at full forward thrust',
         lean,
         '°',
-        'pitching moment of the rotors against righting',
+        'pitching moment of the rotors against the righting moment',
         (*ALL, *CARRIED),
         note=''
         if lean is not None
-        else f'it would go over: the moment is {share:.1f} times what can be righted',
+        else f'the moment of the rotors is {share:.1f} times the largest righting moment',
     )
 
 
@@ -86,20 +87,23 @@ def _derive_tumble_figure(vehicle: Vehicle) -> Iterator[DerivedFigure]:
     level, _ = compute_or_explain(lambda: limits.level_speed(vehicle))
     # The Munk moment destabilises only hulls whose added mass is larger across than along
     if math.isinf(tumble):
-        note = 'never: the added mass across is not larger than along'
+        note = 'the added mass across the hull is not larger than along it'
     elif level is None:
-        note = 'the hull turns across its way above this (Munk)'
+        note = 'above this speed, the Munk moment turns the hull sideways'
     elif level < tumble:
-        note = f'the hull turns across its way above this (Munk); it flies {level:.2f} m/s at most'
+        note = (
+            'above this speed, the Munk moment turns the hull sideways; its top speed is '
+            f'{level:.2f} m/s'
+        )
     else:
-        note = f'below its top speed of {level:.2f} m/s: hold it back'
+        note = f'this is below its top speed of {level:.2f} m/s; limit its speed'
     yield DerivedFigure(
         'tumble_speed',
         STABILITY,
         'tumbles above',
         tumble,
         'm/s',
-        'Munk moment against righting, drag left out',
+        'Munk moment against the righting moment, without drag',
         ALL,
         2,
         note,

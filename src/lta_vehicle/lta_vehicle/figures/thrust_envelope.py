@@ -17,7 +17,7 @@ ROTORS, SPEED = 'Rotors', 'Speed'
 THRUST = ('rotors', 'thrust_curve', 'aero.thrust_allocation', 'aero.coupling')
 CARRIED = (*THRUST, 'trim')
 DRAG = ('aero.linear_drag', 'aero.quadratic_drag')
-RULE = 'largest push, the other axes held (linear programme)'
+RULE = 'largest force or moment while the other axes are held (linear programme)'
 AXES = {
     'up': 'up, beyond hover',
     'down': 'down',
@@ -55,7 +55,7 @@ def derive_rotor_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
         'hover duty',
         None if duty is None else 100.0 * duty,
         '%',
-        'thrust curve and columns of the rotors that lift',
+        'thrust curve and thrust allocation of the lifting rotors',
         CARRIED,
         note=why,
     )
@@ -66,7 +66,7 @@ def derive_rotor_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
         yield DerivedFigure(
             f'push_{direction}',
             ROTORS,
-            f'push {words}',
+            f'largest thrust {words}',
             None if most is None else 1e3 * most,
             'mN',
             RULE,
@@ -79,7 +79,7 @@ def derive_rotor_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
         yield DerivedFigure(
             f'push_{direction}',
             ROTORS,
-            direction.replace('_', ' '),
+            direction.replace('turn_', 'largest yaw moment to the '),
             None if most is None else 1e3 * most,
             'mN m',
             RULE,
@@ -99,7 +99,7 @@ def _derive_hover_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
         'power in hover',
         power,
         'W',
-        'idle and rotors, affine in thrust',
+        'idle power plus rotor power, affine in thrust',
         cell,
         2,
     )
@@ -108,10 +108,10 @@ def _derive_hover_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
     yield DerivedFigure(
         'hover_time',
         ROTORS,
-        'hovers on a full cell for',
+        'hover time on a full battery',
         energy / power / 60.0,
         'min',
-        f'capacity at {NOMINAL} V (assumed), without sun',
+        f'capacity at {NOMINAL} V (assumed), without solar power',
         cell,
         0,
     )
@@ -124,13 +124,13 @@ def _force_margin(vehicle: Vehicle, direction: str) -> tuple[float | None, str]:
     """Return the force beyond hover [N], and a note."""
     limit, note = find_push_limit(vehicle, direction)
     if limit is None:
-        return None, 'the rotors cannot hold the other axes'
+        return None, 'the rotors cannot hold the other axes at the same time'
     weight = vehicle.heaviness * STANDARD_GRAVITY
     if direction == 'up':
         # Upwards, the limit is the total force, which includes the carried weight
         beyond = limit.most - weight
         more = GRAMS * beyond / STANDARD_GRAVITY
-        short = f'{-more:.1f} g short of carrying itself'
+        short = f'{-more:.1f} g too heavy to hover'
         return beyond, f'could carry {more:.1f} g more' if more >= 0.0 else short
     if direction == 'down':
         return limit.most + weight, 'includes its weight' if weight > 0.0 else note
@@ -148,7 +148,7 @@ def find_turn_limit(vehicle: Vehicle, direction: str) -> tuple[WrenchLimit | Non
         return limit, note
     # Horizontal force that remains, in mN
     push = 1e3 * math.hypot(*away.wrench[:2])
-    return away, f'not on the spot: a horizontal force of {push:.0f} mN remains'
+    return away, f'cannot turn on the spot: a horizontal force of {push:.0f} mN remains'
 
 
 def _turn_margin(vehicle: Vehicle, direction: str) -> tuple[float | None, str]:
@@ -161,7 +161,7 @@ def find_push_limit(vehicle: Vehicle, direction: str) -> tuple[WrenchLimit | Non
     if (limit := solve_wrench_limit(vehicle, direction)) is not None:
         return limit, ''
     if (limit := solve_wrench_limit(vehicle, direction, hold=False)) is not None:
-        return limit, 'without holding altitude, which the rotors cannot'
+        return limit, 'the rotors cannot hold altitude at the same time'
     return None, ''
 
 
@@ -174,10 +174,10 @@ def derive_speed_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
     yield DerivedFigure(
         'level_speed',
         SPEED,
-        'top speed, level',
+        'top speed in level flight',
         level,
         'm/s',
-        'forward push against drag',
+        'forward thrust against drag',
         (*CARRIED, *DRAG),
         2,
         why,
@@ -192,13 +192,13 @@ def derive_speed_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
     yield DerivedFigure(
         'yaw_rate',
         SPEED,
-        'turns at most',
+        'top yaw rate',
         None if rate is None else DEGREES * rate,
         '°/s',
         'yaw moment against damping',
         (*THRUST, *DRAG),
         0,
-        'no damping in yaw is given' if rate is None else note,
+        'no damping in yaw is given in the vehicle file' if rate is None else note,
     )
 
 
@@ -214,10 +214,10 @@ def _derive_climb_figures(
         yield DerivedFigure(
             'climb_speed',
             SPEED,
-            'climbs at most',
+            'top climb rate',
             terminal_speed(spare, linear, quadratic),
             'm/s',
-            'push up against drag',
+            'upward thrust against drag',
             (*CARRIED, *DRAG),
             2,
             lost,
@@ -225,10 +225,10 @@ def _derive_climb_figures(
         yield DerivedFigure(
             'sink_speed',
             SPEED,
-            'sinks with still rotors at',
+            'sink rate with the rotors off',
             terminal_speed(weight, linear, quadratic),
             'm/s',
-            'weight less buoyancy against drag',
+            'weight minus buoyancy against drag',
             ('trim', *DRAG),
             2,
             lost,
@@ -236,10 +236,10 @@ def _derive_climb_figures(
     yield DerivedFigure(
         'climb_time',
         SPEED,
-        f'climbs {CLIMB:g} m from rest in',
+        f'time to climb {CLIMB:g} m from rest',
         time_to_climb(CLIMB, spare, vehicle.mass + vehicle.added_mass[2], linear, quadratic),
         's',
-        'push up, drag, mass and moving air',
+        'upward thrust, drag, mass and added mass',
         (*CARRIED, *DRAG, 'layers'),
         note='' if spare > 0.0 else 'it cannot climb',
     )

@@ -22,13 +22,13 @@ COLOURS: Final = {'cg': ESTIMATE, 'lift': TRUTH, 'push': GOOD, 'film': FILL}
 TILES: Final = (
     ('heaviness', 'Heavier than air'), ('ballast', 'Ballast to add'),
     ('hover_duty', 'Hover duty'),
-    ('push_up', 'Spare thrust up'), ('level_speed', 'Top speed, level'),
-    ('climb_time', 'Climb of 1 m'),
-    ('swing_pitch', 'Swing period'), ('hover_loss', 'Lift to lose'),
+    ('push_up', 'Spare thrust up'), ('level_speed', 'Top speed in level flight'),
+    ('climb_time', 'Time to climb 1 m'),
+    ('swing_pitch', 'Oscillation period'), ('hover_loss', 'Tolerable lift loss'),
 )  # fmt: skip
 NOTES: Final = {
-    'heaviness': 'carried by the rotors', 'ballast': 'at the position given in the file',
-    'level_speed': 'altitude and heading held', 'climb_time': 'from rest, at full push',
+    'heaviness': 'carried by the rotors', 'ballast': 'at the position given in the vehicle file',
+    'level_speed': 'altitude and heading held', 'climb_time': 'from rest, at full thrust',
     'swing_pitch': 'pitch, small angles',
 }  # fmt: skip
 
@@ -78,7 +78,7 @@ def render_page(sheet: VehicleSheet, warnings: Sequence[str], name: str) -> str:
 def format_control_law(sheet: VehicleSheet) -> str:
     """Return the control law as a suffix of the page's kicker."""
     control = sheet.vehicle.file.control
-    return f' · flown by {control.law.replace("_", " ")}' if control else ''
+    return f' · control law: {control.law.replace("_", " ")}' if control else ''
 
 
 def pressure_center_offset(sheet: VehicleSheet) -> float:

@@ -20,14 +20,14 @@ def format_headline(sheet: VehicleSheet) -> str:
         first = f'{name} weighs {weight}, all carried by its rotors'
     # Exactly zero: trimmed to neutral buoyancy by the file
     elif heavy.value == 0.0:
-        first = f'{name} weighs {weight}, gas included, and floats'
+        first = f'{name} weighs {weight}, gas included, and is neutrally buoyant'
     else:
         value = heavy.value_with_unit.replace('\N{MINUS SIGN}', '')
         than = 'heavier' if (heavy.value or 0.0) > 0.0 else 'lighter'
         first = f'{name} weighs {weight}, gas included, and is {value} {than} than air'
     duty = f['hover_duty']
     if duty.value is None:
-        return f'{first}; its rotors cannot carry it'
+        return f'{first}; its rotors cannot lift it'
     if duty.value == 0.0:
         return first
     return f'{first}; it hovers at {duty.value_with_unit} duty'
@@ -51,14 +51,14 @@ def _describe_weight(sheet: VehicleSheet) -> Iterator[str]:
     if ballast is not None:
         yield (
             f'Add {ballast.value_with_unit} of ballast to make it '
-            f'{f["heaviness"].value_with_unit} heavy; then estimate its actual '
-            'weight from a hover with lta vehicle trim.'
+            f'{f["heaviness"].value_with_unit} heavier than air; then measure its actual '
+            'weight in a hover with lta vehicle trim.'
         )
     if 'cg_x' in f and 'lean' in f and (f['lean'].value or 0.0) > 1.0:
         yield (
-            f'It hangs {f["lean"].value_with_unit} off the vertical, because its centre of '
-            f'gravity is {_format_side(f["cg_x"], "ahead of", "behind")} the hull centre and '
-            f'{_format_side(f["cg_y"], "to the left", "to the right")} of it.'
+            f'At rest it tilts by {f["lean"].value_with_unit}, because its centre of '
+            f'gravity is {_format_side(f["cg_x"], "ahead of", "behind")} the hull centre '
+            f'and {_format_side(f["cg_y"], "to the left", "to the right")} of it.'
         )
 
 
@@ -77,8 +77,8 @@ def _describe_push(sheet: VehicleSheet) -> Iterator[str]:
     level = f['level_speed']
     if level.value:
         climb = f.get('climb_speed')
-        more = f' and climbs up to {climb.value_with_unit}' if climb and climb.value else ''
-        yield f'It flies up to {level.value_with_unit} level{more}.'
+        more = f' and its top climb rate {climb.value_with_unit}' if climb and climb.value else ''
+        yield f'Its top speed in level flight is {level.value_with_unit}{more}.'
 
 
 def _prepend_verb(note: str) -> str:
@@ -91,13 +91,15 @@ def _describe_stability(sheet: VehicleSheet) -> Iterator[str]:
         yield 'It has no righting moment when tilted; a controller must stabilise it.'
         return
     half = f['damping_pitch'].note
-    yield f'Tilted, it swings with a period of {f["swing_pitch"].value_with_unit}; {half}.'
+    yield (
+        f'After a tilt, it oscillates with a period of {f["swing_pitch"].value_with_unit}; {half}.'
+    )
     tumble, level = f['tumble_speed'], f['level_speed']
     if tumble.value is not None and not math.isinf(tumble.value):
         yield f'The hull can tumble above {tumble.value_with_unit} ({tumble.note}).'
     lean = f.get('push_lean')
     if lean is not None and (lean.value or 0.0) >= 0.5 and level.value:
-        yield f'At full forward thrust it leans {lean.value_with_unit}.'
+        yield f'At full forward thrust it tilts by {lean.value_with_unit}.'
 
 
 def _describe_helium(sheet: VehicleSheet) -> Iterator[str]:
@@ -105,12 +107,16 @@ def _describe_helium(sheet: VehicleSheet) -> Iterator[str]:
     if 'leak_low' not in f:
         return
     yield (
-        f'A film like that of airships would lose {f["leak_low"].value_with_unit} to '
-        f'{f["leak_high"].value_with_unit} of lift (assumed: no figure for this film was found).'
+        f'By helium leakage it would lose {f["leak_low"].value_with_unit} to '
+        f'{f["leak_high"].value_with_unit} of lift (assumed: a film like that of airships, '
+        'because no value for this film was found).'
     )
     loss = f['hover_loss']
     if loss.value is not None:
         yield f'It can hover until {loss.value_with_unit} of lift are lost: {loss.note}.'
     if 'gains_loss' in f:
         held = f['gains_loss']
-        yield f'Its gains hold until {held.value_with_unit} of lift are lost: {held.note}.'
+        yield (
+            f'Its controller stays stable until {held.value_with_unit} of lift are lost: '
+            f'{held.note}.'
+        )

@@ -58,7 +58,7 @@ def show_warnings(warnings: Sequence[str], console: Console) -> None:
 
 def build_budget_table(sheet: VehicleSheet) -> Table:
     """Return the mass budget by layer."""
-    table = _create_table('What its mass is made of')
+    table = _create_table('Mass budget')
     table.add_column('layer', style=HEAD)
     table.add_column('mass', justify='right', no_wrap=True)
     table.add_column('parts')
@@ -80,7 +80,7 @@ def build_figures_table(
     wide = console_width >= WIDE
     table.add_column('figure', width=40 if wide else None)
     table.add_column('value', justify='right', no_wrap=True, style=HEAD, width=11)
-    table.add_column('follows from', width=console_width - 72 if wide else None)
+    table.add_column('computed from', width=console_width - 72 if wide else None)
     table.add_column('assumed', justify='right', no_wrap=True)
     for figure in figures:
         used, guessed = sheet.count_inputs(figure)
@@ -98,7 +98,7 @@ def build_figures_table(
 
 def build_numbers_table(numbers: Sequence[VehicleFileEntry], wide: bool) -> Table:
     """Return a table of all numbers of the file with their sources."""
-    table = _create_table('All numbers of the file')
+    table = _create_table('All numbers in the vehicle file')
     table.add_column('place', overflow='fold', no_wrap=wide)
     table.add_column('value', justify='right', style=HEAD)
     table.add_column('source')
@@ -116,11 +116,11 @@ def show_difference(
     if not difference.changes:
         console.print(f'{names[0]} and {names[1]} have the same content.', highlight=False)
         return
-    changed = _create_table(f'What differs: {names[0]} → {names[1]}')
+    changed = _create_table(f'Differences: {names[0]} → {names[1]}')
     changed.add_column('place', overflow='fold')
     changed.add_column('before', justify='right')
     changed.add_column('after', justify='right', style=HEAD)
-    changed.add_column('source of the later value')
+    changed.add_column('source of the value after')
     for change in difference.changes:
         newer = change.after or change.before
         source = newer.source if newer else ''
@@ -144,7 +144,7 @@ def show_difference(
         if not difference.changed_effects and not difference.stale_aero_notes:
             console.print('No derived figure changes.')
         return
-    follows = _create_table('What follows')
+    follows = _create_table('Changes of the derived figures')
     follows.add_column('figure')
     for name, style in (('before', ''), ('after', HEAD), ('change', '')):
         follows.add_column(name, justify='right', no_wrap=True, style=style)

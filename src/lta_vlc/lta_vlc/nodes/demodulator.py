@@ -24,7 +24,9 @@ class DemodulatorParameters(DemodulationSettings):
     """The beacon to detect, and the prior on its lamp."""
 
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
-    prior: LampPrior = setting(LampPrior(), 'Assumed lamp before it is detected.')
+    prior: LampPrior = setting(
+        LampPrior(), 'Assumed distance, height and brightness of the lamp before it is detected.'
+    )
 
 
 class Demodulator(GraphNode):

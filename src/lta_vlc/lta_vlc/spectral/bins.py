@@ -75,10 +75,10 @@ def plan_beacon_bins(
     quiet = select_quiet_bins(beacons, sample_rate, samples, settings.window, settings.harmonics)
     if quiet.size < QUIET_BINS:
         raise BadInput(
-            f'{_format_beacons(beacons)} and {"its" if len(beacons) == 1 else "their"} harmonics '
-            f'leave '
-            f'{quiet.size} bins of {block} for measuring the noise, but {QUIET_BINS} are needed; '
-            'take longer blocks, a narrower window or fewer harmonics.'
+            f'{_format_beacons(beacons)} and {"its" if len(beacons) == 1 else "their"} '
+            f'harmonics leave only {quiet.size} FFT bins of {block} to measure the noise, '
+            f'but {QUIET_BINS} are needed; use longer blocks, a narrower search window or '
+            'fewer harmonics.'
         )
     # Mains flicker in bins
     hum = np.array(mains_flicker_frequencies(settings.mains, sample_rate)) / width
@@ -100,20 +100,21 @@ def _select_search_range(
     beacon = _format_beacons([frequency])
     if not frequency < sample_rate / 2:
         raise BadInput(
-            f'{beacon} cannot be seen at {sample_rate:g} samples/s; sample at more than twice '
-            'its frequency.'
+            f'{beacon} cannot be detected at {sample_rate:g} samples/s; sample at more '
+            'than twice its frequency.'
         )
     target = target_bin(frequency, sample_rate, samples)
     first, last = target - window, target + window
     if first < 1:
         raise BadInput(
-            f'{beacon} is in bin {target} of {block}, too near to zero frequency for a search '
-            f'window of {window} bins; take longer blocks or a narrower window.'
+            f'{beacon} is in FFT bin {target} of {block}, too close to zero frequency for '
+            f'a search window of {window} bins; use longer blocks or a narrower window.'
         )
     # The highest bin of a real transform
     if last > samples // 2:
         raise BadInput(
-            f'{beacon} is in bin {target} of {block}, too near to the Nyquist frequency for '
-            f'a search window of {window} bins; sample faster or narrow the window.'
+            f'{beacon} is in FFT bin {target} of {block}, too close to the Nyquist '
+            f'frequency for a search window of {window} bins; sample faster or use a '
+            'narrower window.'
         )
     return first, last

@@ -46,8 +46,9 @@ def check_beacons(
         # Search windows overlap
         if abs(places[one] - places[other]) <= 2 * window:
             raise BadInput(
-                f'The beacons at {one:g} and {other:g} Hz are closer than the resolution of '
-                f'{apart:g} Hz; choose other frequencies, longer blocks or a smaller window.'
+                f'The beacons at {one:g} and {other:g} Hz are closer than the resolution '
+                f'of {apart:g} Hz; choose other frequencies, longer blocks or a narrower '
+                'search window.'
             )
     for one, other in permutations(beacons, 2):
         for order in HARMONICS:
@@ -63,7 +64,8 @@ def check_beacons(
         for beacon in beacons:
             if abs(target_bin(flicker, sample_rate, samples) - places[beacon]) <= window:
                 raise BadInput(
-                    f'The beacon at {beacon:g} Hz is searched within {window} bins of {width:g} '
-                    f'Hz, where mains lamps flicker ({2.0 * settings.mains * order:g} Hz); choose '
-                    'another frequency, a smaller window, or set mains to 0 if there are none.'
+                    f'The search window of the beacon at {beacon:g} Hz ({window} bins of '
+                    f'{width:g} Hz on either side) contains the flicker of mains lamps at '
+                    f'{2.0 * settings.mains * order:g} Hz; choose another frequency or a '
+                    'narrower window, or set mains to 0 if there are no such lamps.'
                 )

@@ -135,7 +135,7 @@ def test_two_runs_on_one_cache_solve_a_case_once(tmp_path):
 def test_a_run_goes_on_where_it_failed(tmp_path):
     stages = CaseRunner(tmp_path, FoamPrograms(), lambda *_: None)
     one = case('echo x >> count', 'test -e mended')
-    with pytest.raises(CaseFailed, match='sh ended with status 1'):
+    with pytest.raises(CaseFailed, match='sh failed with exit status 1'):
         stages.solve(one)
     (stages.case_folder(one) / 'mended').touch()
     stages.solve(one)
@@ -161,7 +161,7 @@ def test_a_full_disk_is_named(tmp_path, monkeypatch):
         raise OSError(errno.ENOSPC, 'No space left on device')
 
     monkeypatch.setattr(FoamPrograms, 'run', full)
-    with pytest.raises(CaseFailed, match=r'No space left on device .*--cache'):
+    with pytest.raises(CaseFailed, match=r'No space left on device.*--cache'):
         CaseRunner(tmp_path, FoamPrograms(), lambda *_: None).solve(case('true'))
 
 
@@ -175,9 +175,9 @@ def test_a_killed_solver_is_named(tmp_path):
     [
         (-8, [], 'diverged'),
         (1, ['#1 Foam::sigFpe::sigHandler(int)'], 'diverged'),
-        (-9, [], 'no memory left'),
-        (1, ['std::bad_alloc'], 'no memory left'),
-        (1, ['write failed: No space left on device'], 'disk full'),
+        (-9, [], 'ran out of memory'),
+        (1, ['std::bad_alloc'], 'ran out of memory'),
+        (1, ['write failed: No space left on device'], 'disk is full'),
         (1, ['--> FOAM FATAL ERROR: ', 'cannot find file "p"', '', 'FOAM exiting'], 'cannot find'),
         (-6, ['--> FOAM FATAL ERROR: ', 'cell 3 has no points', 'FOAM aborting'], 'cell 3 has no'),
     ],
@@ -194,7 +194,7 @@ def test_without_openfoam_one_sentence_says_how_to_get_it(monkeypatch):
 
 def test_a_mesh_beyond_the_memory_is_refused_before_any_work():
     found = plan_flows(load_tunnel_model('gtmab'), 'preview', AIR, ('surge',))
-    with pytest.raises(BadInput, match=r'needs about 0\.7 GB, but only 0\.5 GB are available'):
+    with pytest.raises(BadInput, match=r'need about 0\.7 GB of memory, but only 0\.5 GB'):
         check_memory(found, 2, 0.5e9)
 
 
@@ -308,30 +308,38 @@ def test_no_cell_is_so_coarse_that_a_bar_lies_between_the_middles_of_two_unseen(
         (
             flow_checks.check_bodies,
             ('mesh', {'bar': 19}, ['bar']),
-            '19 faces on bar, fewer than 20',
+            '19 faces on the body bar, fewer than 20',
         ),
-        (flow_checks.check_bodies, ('mesh', {'hull': 900}, ['hull', 'bar']), '0 faces on bar'),
+        (
+            flow_checks.check_bodies,
+            ('mesh', {'hull': 900}, ['hull', 'bar']),
+            '0 faces on the body bar',
+        ),
         (
             flow_checks.check_zones,
             ({'up_left': 12}, {'up_left': 1.0}),
-            'of up_left has 12 cells, fewer',
+            'of up_left has only 12 mesh cells, fewer',
         ),
-        (flow_checks.check_zones, ({}, {'up_left': 1.0}), 'of up_left has 0 cells, fewer than 30'),
-        (flow_checks.check_spread, (0.2, 50), 'swings by 20 %'),
-        (flow_checks.check_spread, (math.nan, 50), 'swings by nan'),
+        (
+            flow_checks.check_zones,
+            ({}, {'up_left': 1.0}),
+            'of up_left has only 0 mesh cells, fewer',
+        ),
+        (flow_checks.check_spread, (0.2, 50), 'varies by 20 %'),
+        (flow_checks.check_spread, (math.nan, 50), 'varies by nan'),
         (flow_checks.check_spread, (0.0, 12), '12 iterations'),
         (flow_checks.check_balance, (0.3,), '30 % of the force'),
         (flow_checks.check_balance, (math.nan,), 'nan % of the force'),
         (flow_checks.check_brakes, (-0.01,), 'points in the direction of motion'),
         (flow_checks.check_brakes, (0.0,), 'points in the direction of motion'),
         (flow_checks.check_brakes, (math.nan,), 'points in the direction of motion'),
-        (flow_checks.check_mean, (0.06, 12.0), r'uncertain by 6 % \(over 5 %\)'),
+        (flow_checks.check_mean, (0.06, 12.0), r'uncertain by 6 % \(allowed: 5 %\)'),
         (flow_checks.check_mean, (math.nan, 12.0), 'uncertain by nan'),
         (flow_checks.check_mean, (math.inf, 12.0), 'uncertain by inf'),  # shorter than one batch
         (
             flow_checks.check_mean,
             (0.01, 9.9),
-            r'Only 9\.9 hull lengths of flow are averaged, under 10',
+            r'covers only 9\.9 hull lengths of flow; at least 10 are',
         ),
     ],
 )

@@ -142,7 +142,7 @@ def test_a_rotor_in_a_body_is_refused(tmp_path):
         'bodies: {block: {position: {value: [0, 19, -34], unit: cm, source: test}, '
         'size: {value: [10, 10, 10], unit: cm, source: test}}}'
     )
-    with pytest.raises(BadInput, match=r'rotor up_left .* is inside block'):
+    with pytest.raises(BadInput, match=r'rotor up_left .* is inside the body block'):
         load_tunnel_model(tunnel(tmp_path, more))
 
 
@@ -154,7 +154,9 @@ def test_a_vehicle_file_is_told_from_a_tunnel_file(tmp_path):
 
 
 def test_a_pattern_of_strangers_is_refused(tmp_path):
-    with pytest.raises(BadInput, match=r'names unknown rotors \(tail\); rotors of gtmab: up_left'):
+    with pytest.raises(
+        BadInput, match=r'names unknown rotors \(tail\); the rotors of gtmab are up_left'
+    ):
         load_tunnel_model(tunnel(tmp_path, 'patterns: {all: {tail: 1}}'))
 
 

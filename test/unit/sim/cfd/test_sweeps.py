@@ -42,7 +42,7 @@ def test_a_sweep_becomes_forces_in_body_axes(fake):
 
 @pytest.mark.parametrize(
     ('fault', 'reason'),
-    [('killed', 'start again to resume'), ('disk', 'disk full; free space')],
+    [('killed', 'start again to resume'), ('disk', 'disk is full; free disk space')],
 )
 def test_what_befell_a_flow_is_said(fake, monkeypatch, fault, reason):
     monkeypatch.setenv('FAKE_FAULT', f'up_left:{fault}')
@@ -75,7 +75,7 @@ def test_speeds_that_swing_are_refused_and_the_slow_ones_kept(fake, monkeypatch)
     sweep, _ = swept(fake, 'heave')
     assert [point.speed for point in sweep.axes['heave']] == [0.2, 0.5]
     assert sorted(sweep.refused) == ['heave at 1', 'heave at 1.5', 'heave at 2']
-    assert 'swings by 50 %' in sweep.refused['heave at 1']
+    assert 'varies by 50 %' in sweep.refused['heave at 1']
 
 
 @pytest.mark.parametrize(('flow', 'refused'), [('heave', 'heave at 1'), ('up_left', 'up_left')])
@@ -89,7 +89,10 @@ def test_a_flow_whose_momentum_is_lost_is_refused(fake, monkeypatch, flow, refus
 def test_a_body_that_the_mesh_has_lost_is_told_before_anything_is_solved(fake, monkeypatch):
     monkeypatch.setenv('FAKE_FAULT', 'heave mesh:lost')
     sweep, _ = swept(fake, 'heave')
-    assert 'The heave mesh has 8 faces on envelope, fewer than 20' in sweep.refused['heave']
+    assert (
+        'The heave mesh has only 8 faces on the body envelope, fewer than 20'
+        in sweep.refused['heave']
+    )
     assert (sweep.axes, list(sweep.coarse)) == ({}, ['heave'])
     assert 'heave\n' not in {each.read_text() for each in fake.glob('*/name')}
 
@@ -97,4 +100,4 @@ def test_a_body_that_the_mesh_has_lost_is_told_before_anything_is_solved(fake, m
 def test_a_disk_of_few_cells_does_not_blow(fake, monkeypatch):
     monkeypatch.setenv('FAKE_FAULT', 'still mesh:coarse')
     sweep, _ = swept(fake, 'up_left')
-    assert 'up_left has 12 cells, fewer than 30' in sweep.refused['up_left']
+    assert 'up_left has only 12 mesh cells, fewer than 30' in sweep.refused['up_left']

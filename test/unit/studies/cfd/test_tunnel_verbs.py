@@ -67,7 +67,7 @@ def test_nothing_solved_is_status_1(run, monkeypatch):
     ('words', 'said'),
     [
         (('--only', 'heavy'), "'heavy'"),
-        (('--memory', '0.1', '--only', 'heave'), 'needs about'),
+        (('--memory', '0.1', '--only', 'heave'), 'need about'),
         (('--scheduler', 'tcp://127.0.0.1:1', '--jobs', '2'), 'leave --jobs out'),
     ],
 )

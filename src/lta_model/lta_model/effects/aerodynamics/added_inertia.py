@@ -10,7 +10,7 @@ terms and the boundary layer.
 
 from lta_model.effects.protocol import AXES, EffectParameter, InertiaEffect, Values, Wrench
 
-_SOURCE = 'Lamb 1932 art. 115; prior: 10 % of a 1 m oblate hull'
+_SOURCE = 'Lamb 1932 art. 115; spread: 10 % of that of an oblate hull with a diameter of 1 m'
 
 PARAMETERS = tuple(
     EffectParameter(axis, 'kg m2', 0.0, 0.0, 100.0, 5e-4, _SOURCE) for axis in AXES[3:]

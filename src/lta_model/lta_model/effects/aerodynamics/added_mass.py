@@ -10,7 +10,7 @@ Not modelled: coupling terms of hulls without three planes of symmetry, nearby w
 
 from lta_model.effects.protocol import AXES, EffectParameter, InertiaEffect, Values, Wrench
 
-_SOURCE = 'Lamb 1932 art. 114; prior: 10 % of a 0.4 kg hull, real flow separates'
+_SOURCE = 'Lamb 1932 art. 114; spread: 10 % of that of a 0.4 kg hull, because real flow separates'
 
 PARAMETERS = tuple(
     EffectParameter(axis, 'kg', 0.0, 0.0, 100.0, 0.03, _SOURCE) for axis in AXES[:3]

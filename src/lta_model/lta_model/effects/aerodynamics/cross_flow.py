@@ -17,8 +17,8 @@ import math
 
 from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
-_SHARE = 'by the shape: 0 slender, 1 round; prior: 0.2, assumed'
-_DRAG = 'those of quadratic_drag; Fossen 2011 sec. 6.4; prior: 20 % of a 1 m oblate hull'
+_SHARE = 'by definition: 0 for a slender hull, 1 for a round one; spread: 0.2 (assumed)'
+_DRAG = 'as quadratic_drag; Fossen 2011 sec. 6.4; spread: 20 % of that of a 1 m oblate hull'
 
 PARAMETERS = (
     EffectParameter('horizontal', '1', 0.0, 0.0, 1.0, 0.2, _SHARE),

@@ -51,12 +51,12 @@ from lta_model.effects.protocol import (
     WrenchEffect,
 )
 
-_AIR = 'ABNODE: 1.2187 kg/m3; prior: 2 %, weather'
-_AREA = 'ABNODE: reference 0.25 m2, by definition; prior: 10 %'
-_BASE = 'ABNODE@138a1de; prior: 10 % of its drag'
-_SLOPE = 'ABNODE@138a1de; prior: 20 % of its slopes'
-_PLACE = 'prior: 5 cm on the middle of a hull with wings (assumed)'
-_RATE = 'ABNODE@138a1de: 0.014 to 0.050; prior: a third'
+_AIR = 'ABNODE: 1.2187 kg/m3; spread: 2 %, from the weather'
+_AREA = 'ABNODE: reference area of 0.25 m2, by definition; spread: 10 %'
+_BASE = 'ABNODE@138a1de; spread: 10 % of its drag'
+_SLOPE = 'ABNODE@138a1de; spread: 20 % of its slopes'
+_PLACE = 'spread: 5 cm for the centre of a hull with wings (assumed)'
+_RATE = 'ABNODE@138a1de: 0.014 to 0.050; spread: a third of that'
 
 
 def _slope_parameter(name: str) -> EffectParameter:

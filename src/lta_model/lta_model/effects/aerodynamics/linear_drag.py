@@ -16,7 +16,7 @@ from lta_model.effects.protocol import (
     WrenchEffect,
 )
 
-_SOURCE = 'Fossen 2011 sec. 6.4; prior: the scatter of published indoor blimps'
+_SOURCE = 'Fossen 2011 sec. 6.4; spread: scatter of published indoor blimps'
 
 PARAMETERS = tuple(
     EffectParameter(axis, 'N s/m', 0.0, 0.0, 100.0, 0.01, _SOURCE) for axis in AXES[:3]

@@ -13,7 +13,10 @@ two added masses times |v|^2, and does not brake the hull. Not modelled: depende
 from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 from lta_model.state import ADDED
 
-_SHARE = 'Hoerner 1965: wind tunnels show less than Munk (unverified, from memory); prior: 0.2'
+_SHARE = (
+    'Hoerner 1965: wind tunnels show a smaller moment than Munk (unverified, from memory); '
+    'spread: 0.2'
+)
 
 PARAMETERS = (EffectParameter('lost', '1', 0.0, -0.5, 1.0, 0.2, _SHARE),)
 

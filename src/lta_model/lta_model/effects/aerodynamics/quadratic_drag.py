@@ -16,7 +16,7 @@ from lta_model.effects.protocol import (
     WrenchEffect,
 )
 
-_SOURCE = 'Fossen 2011 sec. 6.4; prior: 20 % of a 1 m oblate hull'
+_SOURCE = 'Fossen 2011 sec. 6.4; spread: 20 % of that of a 1 m oblate hull'
 
 PARAMETERS = tuple(
     EffectParameter(axis, 'N s2/m2', 0.0, 0.0, 100.0, 0.03, _SOURCE) for axis in AXES[:3]

@@ -39,9 +39,9 @@ from lta_model.effects.protocol import (
 # Two wide panels, or four slim frame parts
 STRIPS = 4
 
-_CENTRE = 'prior: 1 cm on the place of a part, within a hull of 10 m (assumed)'
-_REACH = 'prior: 1 cm on the length of a part (assumed)'
-_DRAG = 'prior: C_D of a square plate 30 % off on 0.03 m2 (assumed)'
+_CENTRE = 'spread: 1 cm for the position of a part (assumed); limits: a hull of 10 m'
+_REACH = 'spread: 1 cm for the length of a part (assumed)'
+_DRAG = 'spread: error of 30 % of the C_D of a square plate of 0.03 m2 (assumed)'
 
 _STRIPS = range(1, STRIPS + 1)
 _DRAGS = tuple(f'{axis}_{i}' for i in _STRIPS for axis in ('surge', 'sway', 'heave'))
@@ -62,7 +62,7 @@ def _strip_parameters(i: int) -> tuple[EffectParameter, ...]:
 PARAMETERS = (
     EffectParameter(
         'translation', '1', 0.0, 0.0, 1.0, 0.3,
-        'by definition between none and all of the airspeed; prior: assumed',
+        'by definition from none (0) to all (1) of the airspeed; spread: assumed',
     ),
     *(parameter for i in _STRIPS for parameter in _strip_parameters(i)),
 )  # fmt: skip

@@ -17,8 +17,8 @@ import math
 
 from lta_model.effects.protocol import AirEffect, AirEffectInput, EffectParameter, Values, Wrench
 
-_WIND = 'prior: a door opened in a room, assumed; bound: beyond any storm'
-_TIME = 'prior: 0.5 s, about a metre at the speed of a small blimp, assumed'
+_WIND = 'spread: a door opened in a room (assumed); limits: stronger than any storm'
+_TIME = 'spread: 0.5 s, about a metre at the speed of a small blimp (assumed)'
 
 PARAMETERS = (
     *(EffectParameter(axis, 'm/s', 0.0, -60.0, 60.0, 0.3, _WIND) for axis in ('x', 'y', 'z')),
@@ -57,7 +57,7 @@ def compute_memory_rate(p: Values, memory: Values, place: AirEffectInput) -> Val
 def find_conflict(values: Mapping[str, float]) -> str:
     """Return an objection to a gust without length: its pressure gradient would be unbounded."""
     if values['length'] <= 0.0 and any(values[axis] != 0.0 for axis in ('x', 'y', 'z')):
-        return 'a gust needs the time in which it builds up; give length in seconds'
+        return 'a gust needs its rise time; set length, in seconds'
     return ''
 
 

@@ -8,7 +8,7 @@ in `map`, as the direction of the flow (not where the wind comes from).
 
 from lta_model.effects.protocol import AirEffect, AirEffectInput, EffectParameter, Values, Wrench
 
-_SOURCE = 'prior: a draught indoors, assumed; bound: beyond any storm'
+_SOURCE = 'spread: an indoor draught (assumed); limits: stronger than any storm'
 
 PARAMETERS = tuple(
     EffectParameter(axis, 'm/s', 0.0, -60.0, 60.0, 0.1, _SOURCE) for axis in ('x', 'y', 'z')

@@ -30,8 +30,8 @@ import math
 from lta_model.effects.protocol import AirEffect, AirEffectInput, EffectParameter, Values, Wrench
 from lta_model.state import NOISE
 
-_WIND = 'prior: 10 % of a wind of 1 m/s, as MIL-F-8785C has it for the vertical; bound: a storm'
-_LENGTH = 'MIL-F-8785C: up to 533 m, near the ground about the height; prior: 0.5 m, assumed'
+_WIND = 'spread: 10 % of a wind of 1 m/s, as the vertical part in MIL-F-8785C; limit: a storm'
+_LENGTH = 'MIL-F-8785C: up to 533 m, near the ground about the height; spread: 0.5 m (assumed)'
 
 PARAMETERS = (
     *(
@@ -112,7 +112,10 @@ def find_conflict(values: Mapping[str, float]) -> str:
     """Return an objection to turbulence without a length."""
     for name in ('along', 'across', 'up'):
         if values[name] > 0.0 and values[f'{name}_length'] <= 0.0:
-            return f'turbulence {name} needs its length; give {name}_length in metres'
+            return (
+                f'turbulence of the component {name} needs a length scale; set {name}_length, '
+                'in metres'
+            )
     return ''
 
 

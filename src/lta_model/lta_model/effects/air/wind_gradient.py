@@ -16,8 +16,8 @@ hull, and the lift of vorticity.
 
 from lta_model.effects.protocol import AirEffect, AirEffectInput, EffectParameter, Values, Wrench
 
-_SOURCE = 'prior: 0.05 m/s over a metre, a draught in a room, assumed; bound: a vortex ring'
-_PLACE = 'prior: 1 m, assumed; bound: a large hall'
+_SOURCE = 'spread: 0.05 m/s over a metre, an indoor draught (assumed); limits: a vortex ring'
+_PLACE = 'spread: 1 m (assumed); limits: a large hall'
 
 PARAMETERS = (
     *(EffectParameter(axis, 'm', 0.0, -1e3, 1e3, 1.0, _PLACE) for axis in ('x', 'y', 'z')),

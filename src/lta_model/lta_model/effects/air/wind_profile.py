@@ -21,10 +21,14 @@ import math
 
 from lta_model.effects.protocol import AirEffect, AirEffectInput, EffectParameter, Values, Wrench
 
-_WIND = 'prior: 0.5 m/s, the error of a hand anemometer, assumed; bound: beyond any storm'
-_HEIGHT = 'WMO-No. 8: 10 m (unverified, from memory); prior: 1 m, assumed'
-_ROUGHNESS = 'from 0.01 mm (ice) to 5 m (city), unverified, from memory; prior: a third of 0.3 m'
-_HULL = 'half the height of the hull, from its shape; prior: 1 cm'
+_WIND = (
+    'spread: 0.5 m/s, the error of a hand anemometer (assumed); limits: stronger than any storm'
+)
+_HEIGHT = 'WMO-No. 8: 10 m (unverified, from memory); spread: 1 m (assumed)'
+_ROUGHNESS = (
+    'limits: 0.01 mm (ice) and 5 m (city), unverified, from memory; spread: a third of 0.3 m'
+)
+_HULL = 'half the height of the hull, from its shape; spread: 1 cm'
 
 PARAMETERS = (
     EffectParameter('x', 'm/s', 0.0, -60.0, 60.0, 0.5, _WIND),
@@ -68,9 +72,9 @@ def find_conflict(values: Mapping[str, float]) -> str:
     if values['x'] == 0.0 and values['y'] == 0.0:
         return ''
     if values['roughness'] <= 0.0:
-        return 'a wind profile needs the roughness length of the ground; give roughness in metres'
+        return 'a wind profile needs the roughness length of the ground; set roughness, in metres'
     if values['height'] <= values['roughness']:
-        return 'the reference height must be above the roughness length'
+        return 'height (the reference height) must be larger than roughness (the roughness length)'
     return ''
 
 

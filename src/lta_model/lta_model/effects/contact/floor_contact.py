@@ -16,8 +16,8 @@ import math
 
 from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
-_SOURCE = 'prior: a foam foot that gives millimetres under grams; not measured'
-_PLACE = 'prior: 5 mm on the place of the foot, within a hull of 5 m'
+_SOURCE = 'spread: a foam foot that yields by millimetres under a load of grams; not measured'
+_PLACE = 'spread: 5 mm for the position of the foot; limits: a hull of 5 m'
 
 PARAMETERS = (
     EffectParameter('stiffness', 'N/m', 0.0, 0.0, 1e4, 50.0, _SOURCE),

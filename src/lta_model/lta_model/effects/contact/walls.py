@@ -28,9 +28,14 @@ from lta_model.effects.protocol import (
     WrenchEffect,
 )
 
-_ROOM = 'of the room, which holds the origin of the map; prior: 5 cm; bound: a large hall'
-_HULL = 'of the hull, from its shape; prior: 1 cm; bound: twice the 2.7 m of Skye (Burri 2013)'
-_SOURCE = 'prior: a foil envelope that gives centimetres under newtons; not measured'
+_ROOM = (
+    'from the size of the room, which contains the origin of the map; spread: 5 cm; limit: a '
+    'large hall'
+)
+_HULL = 'from the shape of the hull; spread: 1 cm; limit: twice the 2.7 m of Skye (Burri 2013)'
+_SOURCE = (
+    'spread: a foil envelope that yields by centimetres under a load of newtons; not measured'
+)
 
 PARAMETERS = (
     EffectParameter('x_low', 'm', 0.0, -1e3, 0.0, 0.05, _ROOM),
@@ -116,13 +121,16 @@ def find_conflict(values: Mapping[str, float]) -> str:
     if values['stiffness'] <= 0.0:
         return ''
     if values['radius'] <= 0.0 or values['half_height'] <= 0.0:
-        return 'walls need the size of the hull; give radius and half_height in metres'
+        return 'walls need the size of the hull; set radius and half_height, in metres'
     widest = 2.0 * max(values['radius'], values['half_height'])
     for axis in ('x', 'y'):
         if values[f'{axis}_high'] - values[f'{axis}_low'] <= widest:
-            return f'the room is not wider than the hull from {axis}_low to {axis}_high'
+            return (
+                f'the hull does not fit into the room: {axis}_high minus {axis}_low must be '
+                'larger than the hull'
+            )
     if values['ceiling'] <= widest:
-        return 'the ceiling is not higher than the hull'
+        return 'the hull does not fit into the room: ceiling must be higher than the hull'
     return ''
 
 

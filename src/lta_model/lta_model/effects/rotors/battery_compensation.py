@@ -33,11 +33,11 @@ from lta_model.effects.protocol import ActuatorEffect, EffectParameter, Values
 from lta_model.state import VOLTAGE
 
 _NOMINAL = (
-    'a lithium cell has 3.0 to 4.2 V (Crazyflie firmware: critical at 3.0 V); bound: 14 cells'
+    'a lithium cell has 3.0 to 4.2 V (Crazyflie firmware: critical at 3.0 V); limit: 14 cells'
 )
-_THRUST = 'crazyflie-firmware 54f31e24: 0.12 N, upgrade kit 0.18 N; bound as thrust_curve'
-_LEAST = 'crazyflie-firmware 54f31e24: 0.0128 N, upgrade kit 0.0192 N; bound as thrust_curve'
-_CUBIC = 'crazyflie-firmware 54f31e24; prior: its three sets of propellers differ by 10 to 20 mN'
+_THRUST = 'crazyflie-firmware 54f31e24: 0.12 N, upgrade kit 0.18 N; limit as for thrust_curve'
+_LEAST = 'crazyflie-firmware 54f31e24: 0.0128 N, upgrade kit 0.0192 N; limit as for thrust_curve'
+_CUBIC = 'crazyflie-firmware 54f31e24; spread: its three sets of propellers differ by 10 to 20 mN'
 BROKEN = 2.0  # V: below it the firmware stops the motors
 NEWTON = 24  # steps; from 60 V down to 1 V takes 17
 FLAT = 1e-9  # N/V: less slope than any motor has, against a division by zero
@@ -81,13 +81,20 @@ def find_conflict(values: Mapping[str, float]) -> str:
     """Return an objection to a cubic that cannot be inverted, or ''."""
     others = [values[name] for name in ('full', 'least', 'c_0', 'c_1', 'c_2', 'c_3')]
     if values['voltage'] == 0.0:
-        return 'voltage must be the nominal voltage, or all others zero' if any(others) else ''
+        return (
+            'set voltage to the nominal battery voltage, or all other parameters to zero'
+            if any(others)
+            else ''
+        )
     full, least, _, c_1, c_2, c_3 = others
     if full <= least:
-        return 'full must be more than least'
+        return 'full (the largest thrust) must be larger than least (the smallest thrust)'
     # The derivative c_1 + 2 c_2 v + 3 c_3 v^2 must have no real root
     if max(c_1, c_3) == 0.0 or (c_2 < 0.0 and c_2 * c_2 >= 3.0 * c_1 * c_3):
-        return 'the cubic must rise with the voltage everywhere, or it has no inverse'
+        return (
+            'the thrust by c_0 to c_3 must increase with the voltage everywhere, so that it '
+            'can be inverted; correct c_1 to c_3'
+        )
     return ''
 
 

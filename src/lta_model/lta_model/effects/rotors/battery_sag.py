@@ -20,9 +20,11 @@ from lta_model.effects.protocol import ActuatorEffect, EffectParameter, Values
 from lta_model.state import VOLTAGE
 
 _NOMINAL = (
-    'a lithium cell has 3.0 to 4.2 V (Crazyflie firmware: critical at 3.0 V); bound: 14 cells'
+    'a lithium cell has 3.0 to 4.2 V (Crazyflie firmware: critical at 3.0 V); limit: 14 cells'
 )
-_SENSITIVITY = 'mean voltage: 1; force per duty in Crazyflie flights goes with V^0.6 to V^0.7'
+_SENSITIVITY = (
+    '1: thrust by the mean voltage; in Crazyflie flights, force per duty goes with V^0.6 to V^0.7'
+)
 
 SHARED = (
     EffectParameter('voltage', 'V', 0.0, 0.0, 60.0, 0.1, _NOMINAL, beside=3.7),

@@ -18,9 +18,9 @@ from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, W
 from lta_model.rotor_forces import rotor_height, rotor_upright, sum_rotor_forces
 from lta_model.state import ROTOR_PLACE
 
-_GAIN = '1 is Hsiao and Chirarattananon 2019; prior: 0.5, assumed'
-_RADIUS = 'of the propeller, 23.5 mm for 47 mm ones; prior: 1 mm'
-_HEIGHT = 'of the room; prior: 5 cm'
+_GAIN = '1: the model of Hsiao and Chirarattananon 2019; spread: 0.5 (assumed)'
+_RADIUS = 'radius of the propeller, 23.5 mm for propellers of 47 mm; spread: 1 mm'
+_HEIGHT = 'height of the room; spread: 5 cm'
 
 PARAMETERS = (
     EffectParameter('gain', '1', 0.0, 0.0, 5.0, 0.5, _GAIN),
@@ -68,9 +68,9 @@ def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Val
 def find_conflict(values: Mapping[str, float]) -> str:
     """Return an objection to a ceiling effect without rotor size or ceiling."""
     if values['gain'] > 0.0 and values['radius'] <= 0.0:
-        return 'the ceiling effect needs the size of the rotors; give radius in metres'
+        return 'the ceiling effect needs the size of the rotors; set radius, in metres'
     if values['gain'] > 0.0 and values['height'] <= 0.0:
-        return 'the ceiling effect needs a ceiling; give height in metres'
+        return 'the ceiling effect needs the height of the ceiling; set height, in metres'
     return ''
 
 

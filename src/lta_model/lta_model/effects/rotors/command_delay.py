@@ -9,7 +9,7 @@ t - delay. `motor_lag`, a first-order lag, comes after it.
 
 from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Values
 
-_SOURCE = 'prior assumed: one period of control at 100 Hz; a second is a lost link'
+_SOURCE = 'spread (assumed): one control period at 100 Hz; limit: a second is a lost link'
 
 PARAMETERS = (EffectParameter('delay', 's', 0.0, 0.0, 1.0, 0.01, _SOURCE),)
 

@@ -17,8 +17,11 @@ from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, W
 from lta_model.rotor_forces import rotor_height, rotor_upright, sum_rotor_forces
 from lta_model.state import ROTOR_PLACE
 
-_GAIN = '1 is Cheeseman and Bennett 1955; small rotors scatter around it; prior: 0.5, assumed'
-_RADIUS = 'of the propeller, 23.5 mm for 47 mm ones; prior: 1 mm'
+_GAIN = (
+    '1: the model of Cheeseman and Bennett 1955, around which small rotors scatter; spread: '
+    '0.5 (assumed)'
+)
+_RADIUS = 'radius of the propeller, 23.5 mm for propellers of 47 mm; spread: 1 mm'
 
 PARAMETERS = (
     EffectParameter('gain', '1', 0.0, 0.0, 5.0, 0.5, _GAIN),
@@ -65,7 +68,7 @@ def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Val
 def find_conflict(values: Mapping[str, float]) -> str:
     """Return an objection to a ground effect without rotor size."""
     if values['gain'] > 0.0 and values['radius'] <= 0.0:
-        return 'the ground effect needs the size of the rotors; give radius in metres'
+        return 'the ground effect needs the size of the rotors; set radius, in metres'
     return ''
 
 

@@ -15,7 +15,7 @@ Table: Bitcraze, crazyflie-firmware, docs/functional-areas/pwm-to-thrust.md (201
 
 from lta_model.effects.protocol import ActuatorEffect, EffectParameter, Values
 
-_SOURCE = 'Bitcraze 2015: 7 mm motors turn at 6.25 % duty; bound and prior assumed'
+_SOURCE = 'Bitcraze 2015: 7 mm motors turn at 6.25 % duty; limit and spread assumed'
 
 SHARED = (EffectParameter('threshold', '1', 0.0, 0.0, 0.5, 0.03, _SOURCE),)
 

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 
 from lta_model.effects.protocol import ActuatorEffect, EffectParameter, Values
 
-_SOURCE = 'Eschmann 2024: 72 ms for a 7 mm motor; prior: the scatter of published motors'
+_SOURCE = 'Eschmann 2024: 72 ms for a 7 mm motor; spread: scatter of published motors'
 
 SHARED = (
     EffectParameter('up', 's', 0.0, 1e-3, 10.0, 0.03, _SOURCE),
@@ -38,7 +38,7 @@ def compute_memory_rate(p: Values, memory: Values, duty: float, surroundings: Va
 def find_conflict(values: Mapping[str, float]) -> str:
     """Return an objection to a lag in one direction only: its memory would jump."""
     if (values['up'] == 0.0) != (values['down'] == 0.0):
-        return 'up and down must both be zero (no lag) or both be positive'
+        return 'the time constants up and down must both be zero (no lag) or both be positive'
     return ''
 
 

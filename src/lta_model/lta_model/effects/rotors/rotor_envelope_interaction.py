@@ -32,9 +32,9 @@ from lta_model.effects.protocol import (
 )
 from lta_model.state import ACTUATORS
 
-_FORCE = 'prior: 3 % of the thrust, the suction of a jet in CFD; bound: the sum of a few rotors'
-_LEVER = 'prior: 1 cm on the place where the jet meets the hull; bound: two levers of 5 m'
-_SHARE = 'a choice and no measurement: 1 takes part, 0 does not, -1 does in reverse'
+_FORCE = 'spread: 3 % of the thrust, the suction of a jet in CFD; limit: the sum of a few rotors'
+_LEVER = 'spread: 1 cm for the point where the jet meets the hull; limit: two levers of 5 m'
+_SHARE = 'chosen, not measured: 1 takes part, 0 does not, -1 takes part with reversed thrust'
 _NONE = 1e9  # more than any rotor pushes [N]
 
 _ROTORS = range(1, ACTUATORS + 1)
@@ -107,10 +107,16 @@ def find_conflict(values: Mapping[str, float]) -> str:
     taking = sum(values[f'share_{i}'] != 0.0 for i in _ROTORS)
     gains = any(values[name] != 0.0 for name in _TOGETHER)
     if gains and taking < 2:
-        return 'at least two rotors need a share for jets to work together'
+        return (
+            'a parameter together_... is set, but fewer than two rotors take part in the jet '
+            'interaction; set share_... of at least two rotors'
+        )
     # Shares without a gain change nothing and are likely a mistake
     if taking > 0 and not gains:
-        return 'rotors have a share but no together_ gain says what they do'
+        return (
+            'a parameter share_... is set, but the force and moment of the jet interaction '
+            'are zero; set a parameter together_...'
+        )
     return ''
 
 

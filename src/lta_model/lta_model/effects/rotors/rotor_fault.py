@@ -9,7 +9,10 @@ modelled: vibration and the changed power of a damaged propeller.
 
 from lta_model.effects.protocol import ActuatorEffect, EffectParameter, Values
 
-_SOURCE = 'from whole to standing still; prior: two motors of one batch differ by 2 % (assumed)'
+_SOURCE = (
+    'limits: intact (0) and standing still (1); spread: two motors of one batch differ by 2 % '
+    '(assumed)'
+)
 
 EACH = (EffectParameter('lost', '1', 0.0, 0.0, 1.0, 0.02, _SOURCE),)
 

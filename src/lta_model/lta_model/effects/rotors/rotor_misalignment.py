@@ -21,7 +21,7 @@ import math
 from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 from lta_model.state import ACTUATORS, ROTOR, ROTOR_PLACE
 
-_SOURCE = 'prior assumed: half a degree of toe on a printed or glued frame'
+_SOURCE = 'spread (assumed): half a degree of error on a printed or glued frame'
 _NAMES = tuple(f'{turn}_{i}' for turn in ('first', 'second') for i in range(1, ACTUATORS + 1))
 
 PARAMETERS = tuple(EffectParameter(name, 'rad', 0.0, -0.2, 0.2, 0.009, _SOURCE) for name in _NAMES)

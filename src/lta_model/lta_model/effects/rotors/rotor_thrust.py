@@ -18,8 +18,8 @@ from lta_model.effects.protocol import (
 )
 from lta_model.state import ACTUATORS
 
-_FORCE = 'prior: 3 % of the thrust, the suction of the jet on a hull in CFD'
-_LEVER = 'prior: 1 cm on the place of a rotor, within 5 m'
+_FORCE = 'spread: 3 % of the thrust, the suction of the jet on a hull in CFD'
+_LEVER = 'spread: 1 cm for the position of a rotor; limits: 5 m'
 
 PARAMETERS = tuple(
     EffectParameter(f'{axis}_{i}', '1', 0.0, -1.5, 1.5, 0.03, _FORCE)

@@ -10,7 +10,7 @@ null values, a = 0 and b = 1 N, a command is the thrust in newtons. Not modelled
 
 from lta_model.effects.protocol import ActuatorEffect, EffectParameter, Values
 
-_SOURCE = 'bench tables of 7 mm motors deviate 3 mN rms from the firmware curve; bound 50 N'
+_SOURCE = 'bench tables of 7 mm motors deviate by 3 mN rms from the firmware curve; limit: 50 N'
 
 EACH = (
     EffectParameter('a', 'N', 0.0, -50.0, 50.0, 0.003, _SOURCE),

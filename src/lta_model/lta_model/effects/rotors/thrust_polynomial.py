@@ -32,10 +32,13 @@ from collections.abc import Mapping
 from lta_model.effects.protocol import ActuatorEffect, EffectParameter, Values
 
 _NOMINAL = (
-    'a lithium cell has 3.0 to 4.2 V (Crazyflie firmware: critical at 3.0 V); bound: 14 cells'
+    'a lithium cell has 3.0 to 4.2 V (Crazyflie firmware: critical at 3.0 V); limit: 14 cells'
 )
-_CUBIC = 'crazyflie-firmware 2a18fc29; prior: its three sets of propellers differ by 10 to 20 mN'
-_START = 'where the cubic reaches the least thrust of the firmware, 0.7 to 0.8 V; prior assumed'
+_CUBIC = 'crazyflie-firmware 2a18fc29; spread: its three sets of propellers differ by 10 to 20 mN'
+_START = (
+    'voltage at which the cubic reaches the smallest thrust of the firmware: 0.7 to 0.8 V; '
+    'spread assumed'
+)
 
 SHARED = (
     EffectParameter('voltage', 'V', 0.0, 0.0, 60.0, 0.1, _NOMINAL),
@@ -68,9 +71,15 @@ def find_conflict(values: Mapping[str, float]) -> str:
     """Return an objection to a cubic that cannot describe a motor, or ''."""
     given = any(values[name] != 0.0 for name in ('linear_to', 'c_0', 'c_1', 'c_2', 'c_3'))
     if given and values['voltage'] == 0.0:
-        return 'voltage must be the nominal voltage at which the duty is 1, or all others zero'
+        return (
+            'set voltage to the nominal battery voltage, at which the duty is 1, or all other '
+            'parameters to zero'
+        )
     if values['voltage'] > 0.0 and values['c_0'] > 0.0 and values['linear_to'] == 0.0:
-        return 'c_0 is positive, a thrust without voltage, so linear_to must be positive'
+        return (
+            'c_0 is positive, which would mean thrust without voltage; set linear_to to a '
+            'positive voltage'
+        )
     return ''
 
 

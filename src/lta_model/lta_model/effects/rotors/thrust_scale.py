@@ -10,7 +10,9 @@ the density, 6 % less at 600 m above the sea (standard atmosphere) or in air 20 
 
 from lta_model.effects.protocol import ActuatorEffect, EffectParameter, Values
 
-_SOURCE = 'Bitcraze 2015: its own bench lies 3 mN rms of up to 142 mN from the firmware curve'
+_SOURCE = (
+    'Bitcraze 2015: its bench data deviate by 3 mN rms (of up to 142 mN) from the firmware curve'
+)
 
 SHARED = (EffectParameter('factor', '1', 1.0, 0.0, 5.0, 0.03, _SOURCE),)
 

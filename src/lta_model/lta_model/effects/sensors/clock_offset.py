@@ -11,7 +11,7 @@ tracker early.
 
 from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Values
 
-_SOURCE = 'assumed: two computers on one network without a common time service'
+_SOURCE = 'assumed: two computers in one network without time synchronisation'
 
 PARAMETERS = (EffectParameter('offset', 's', 0.0, -0.5, 0.5, 0.05, _SOURCE),)
 

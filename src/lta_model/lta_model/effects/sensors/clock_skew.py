@@ -9,7 +9,7 @@ side is shifted.
 
 from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Values
 
-_SOURCE = 'crystals are within some 50 ppm (unverified, from memory); bounds assumed'
+_SOURCE = 'clock crystals are accurate to about 50 ppm (unverified, from memory); limits assumed'
 
 PARAMETERS = (EffectParameter('skew', '1', 0.0, -1e-3, 1e-3, 3e-5, _SOURCE),)
 

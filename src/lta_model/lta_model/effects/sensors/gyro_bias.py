@@ -9,7 +9,7 @@ Applied after `gyro_scale`, so it is the reading at rest.
 from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Values
 
 # The spread is that of a uniform draw within the data sheet's bound, 1 deg/s / 3^0.5.
-_SOURCE = 'Bosch BMI088 data sheet: offset of +-1 deg/s; bounds: 20 deg/s, assumed'
+_SOURCE = 'Bosch BMI088 data sheet: offset of +-1 deg/s; limits: 20 deg/s (assumed)'
 
 PARAMETERS = (
     EffectParameter('x', 'rad/s', 0.0, -0.35, 0.35, 0.01, _SOURCE),

@@ -9,7 +9,7 @@ A heading integrated from rates errs by (z - 1) times the angle turned.
 from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Values
 
 # The spread is that of a uniform draw within the data sheet's bound, 1 % / 3^0.5.
-_SOURCE = 'Bosch BMI088 data sheet: sensitivity within +-1 %; bounds: 20 %, assumed'
+_SOURCE = 'Bosch BMI088 data sheet: sensitivity within +-1 %; limits: 20 % (assumed)'
 
 PARAMETERS = (
     EffectParameter('x', '1', 1.0, 0.8, 1.2, 0.006, _SOURCE),

@@ -10,7 +10,7 @@ in every flight, so that identification can estimate it.
 from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Values
 
 # The spread is that of a uniform draw within the data sheet's bound, 20 mg / 3^0.5.
-_SOURCE = 'Bosch BMI088 data sheet: zero-g offset of +-20 mg; bounds: ten times that, assumed'
+_SOURCE = 'Bosch BMI088 data sheet: zero-g offset of +-20 mg; limits: ten times that (assumed)'
 
 PARAMETERS = (
     EffectParameter('x', 'm/s2', 0.0, -2.0, 2.0, 0.11, _SOURCE),

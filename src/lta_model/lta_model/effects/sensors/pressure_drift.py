@@ -9,8 +9,8 @@ Linear drift of the pressure, by weather or a warming sensor.
 from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Values
 
 _SOURCE = (
-    'BMP388: 0.75 Pa/K at 5 K in ten minutes of warming; weather 1 hPa in an hour '
-    '(both unverified, from memory); bounds assumed'
+    'BMP388: 0.75 Pa/K, warming by 5 K in ten minutes; weather: 1 hPa in an hour (both '
+    'unverified, from memory); limits assumed'
 )
 
 PARAMETERS = (EffectParameter('rate', 'Pa/s', 0.0, -1.0, 1.0, 0.01, _SOURCE),)

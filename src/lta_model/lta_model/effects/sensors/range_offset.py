@@ -10,7 +10,7 @@ file reads the same.
 from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Values
 
 # The spread is that of a uniform draw within the manual's bound, 20 mm / 3^0.5.
-_SOURCE = 'ST VL53L1X manual: error of +-20 mm in the dark; bounds assumed'
+_SOURCE = 'ST VL53L1X manual: error of +-20 mm in the dark; limits assumed'
 
 PARAMETERS = (EffectParameter('offset', 'm', 0.0, -0.5, 0.5, 0.012, _SOURCE),)
 

@@ -9,7 +9,10 @@ A pose stamped t is the true pose of t'. Between control steps the truth is inte
 
 from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Values
 
-_SOURCE = 'assumed: two frames of a 100 Hz tracker; cameras on a robot reach 0.1 s and more'
+_SOURCE = (
+    'spread (assumed): two frames of a 100 Hz tracker; limit: cameras on a robot reach 0.1 s '
+    'and more'
+)
 
 PARAMETERS = (EffectParameter('delay', 's', 0.0, 0.0, 1.0, 0.02, _SOURCE),)
 

@@ -16,8 +16,8 @@ import math
 
 from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Quaternion, Values
 
-_YAW = 'assumed: the x axis of a tracker is laid by eye along a line on the floor'
-_TILT = 'assumed: a calibration square on a floor that is level to half a degree'
+_YAW = 'assumed: the x axis of the tracker is aligned by eye with a line on the floor'
+_TILT = 'assumed: calibration square on a floor that is level to half a degree'
 
 PARAMETERS = (
     EffectParameter('yaw', 'rad', 0.0, -math.pi, math.pi, 0.09, _YAW),

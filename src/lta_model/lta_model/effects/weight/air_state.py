@@ -17,15 +17,18 @@ from lta_model.gas import AIR_PRESSURE, AIR_TEMPERATURE
 PARAMETERS = (
     EffectParameter(
         'pressure', 'Pa', 0.0, -8e4, 2e4, 1e3,
-        'prior: 10 hPa of weather (unverified, from memory); bounds: 10 km up, a deep mine',
+        'spread: 10 hPa, from the weather (unverified, from memory); limits: 10 km '
+        'altitude, a deep mine',
     ),
     EffectParameter(
         'temperature', 'K', 0.0, -80.0, 60.0, 5.0,
-        'prior: rooms between 15 and 25 C (assumed); bounds: what people fly in',
+        'spread: rooms between 15 and 25 C (assumed); limits: temperatures in which '
+        'people fly',
     ),
     EffectParameter(
         'slack', '1', 0.0, 0.0, 1.0, 0.3,
-        'by definition between taut and slack; prior: not known of a foil balloon (assumed)',
+        'by definition from taut (0) to slack (1); spread: not known for a foil balloon '
+        '(assumed)',
     ),
 )  # fmt: skip
 

@@ -10,8 +10,10 @@ Not modelled: its size, and the air that it displaces (1 g of water 1.2 mg, of s
 from lta_model.effects.protocol import BodyEffect, EffectParameter, RigidBody, Values
 from lta_model.effects.weight.point_mass import with_point_mass
 
-_MASS = 'prior: 2 g, to which a balloon is trimmed (assumed); bounds: what trims a small vehicle'
-_PLACE = 'prior: 5 cm on a place read off the vehicle (assumed), within a hull of 10 m'
+_MASS = (
+    'spread: 2 g, the accuracy of trimming a balloon (assumed); limits: trim of a small vehicle'
+)
+_PLACE = 'spread: 5 cm for a position read off the vehicle (assumed); limits: a hull of 10 m'
 
 PARAMETERS = (
     EffectParameter('mass', 'kg', 0.0, -1.0, 1.0, 0.002, _MASS),

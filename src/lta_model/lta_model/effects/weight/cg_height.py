@@ -11,8 +11,8 @@ from lta_model.effects.protocol import BodyEffect, EffectParameter, RigidBody, V
 from lta_model.effects.weight.cg_shift import with_cg_shifted
 
 _SOURCE = (
-    'prior: published depths of one GT-MAB are 5 cm and 8.7 to 9.7 cm, parts known to 1 cm '
-    '(assumed); within a hull of 6 m'
+    'spread: published depths of the CG of one GT-MAB are 5 cm and 8.7 to 9.7 cm, with '
+    'parts known to 1 cm (assumed); limits: a hull of 6 m'
 )
 
 PARAMETERS = (EffectParameter('z', 'm', 0.0, -3.0, 3.0, 0.01, _SOURCE),)

@@ -10,7 +10,10 @@ depth of the CG below the hull centre.
 from lta_model.effects.protocol import BodyEffect, EffectParameter, RigidBody, Values
 from lta_model.effects.weight.cg_shift import with_cg_shifted
 
-_SOURCE = 'prior: 5 mm on a balanced CG, 3.6 deg at 8 cm depth (assumed); within a hull of 6 m'
+_SOURCE = (
+    'spread: 5 mm for a balanced CG, 3.6 deg of tilt at a depth of 8 cm (assumed); limits: a '
+    'hull of 6 m'
+)
 
 PARAMETERS = (
     EffectParameter('x', 'm', 0.0, -3.0, 3.0, 0.005, _SOURCE),

@@ -15,8 +15,8 @@ from lta_model.gas import HELIUM_TO_AIR
 PARAMETERS = (
     EffectParameter(
         'purity', '1', 0.0, -1.0, 1.0, 0.03,
-        'prior: 329 to 332 g of 356 g stated for the 1 m balloon, 112 of 163 g measured on a '
-        'GT-MAB; assumed 3 % around a declared purity',
+        'spread: lift of 329 to 332 g instead of 356 g stated for the 1 m balloon, 112 '
+        'instead of 163 g measured on a GT-MAB; 3 % around a given purity (assumed)',
     ),
 )  # fmt: skip
 

@@ -20,15 +20,16 @@ from lta_model.gas import AIR_PRESSURE, AIR_TEMPERATURE
 PARAMETERS = (
     EffectParameter(
         'gas', 'kg', 0.0, 0.0, 100.0, 0.01,
-        'follows from hull and purity; prior: 3 % of purity in 0.4 kg of displaced air',
+        'follows from hull and purity; spread: 3 % of purity for 0.4 kg of displaced air',
     ),
     EffectParameter(
         'temperature', 'K', 0.0, -80.0, 80.0, 3.0,
-        'prior: gas fresh from its bottle, or warmed by lamps (assumed)',
+        'spread: gas fresh from the bottle, or warmed by lamps (assumed)',
     ),
     EffectParameter(
         'overpressure', 'Pa', 0.0, -100.0, 1e4, 300.0,
-        'prior: a foil balloon filled taut (assumed); a limp film holds no suction',
+        'spread: a foil balloon filled until taut (assumed); a limp film cannot hold a '
+        'negative pressure',
     ),
 )  # fmt: skip
 

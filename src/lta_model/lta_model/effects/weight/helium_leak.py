@@ -21,8 +21,9 @@ from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, W
 PARAMETERS = (
     EffectParameter(
         'rate', 'N/s', 0.0, 0.0, 0.1, 1e-4,
-        'laminates 0.2 to 0.9 L/(m2 day) (Frontiers Mater. 2022, 992984) lose 2.6e-7 N/s at most; '
-        'prior: a hole of 1 mm2 under 30 Pa (Bernoulli); bound: 10 g/s',
+        'airship laminates with 0.2 to 0.9 L/(m2 day) (Frontiers Mater. 2022, 992984) '
+        'lose 2.6e-7 N/s at most; spread: a hole of 1 mm2 at 30 Pa (Bernoulli); limit: 10 '
+        'g/s',
     ),
 )  # fmt: skip
 

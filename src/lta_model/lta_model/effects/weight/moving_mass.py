@@ -23,23 +23,23 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 from lta_model.state import MASS_PLACE
 
-_PLACE = 'prior: 5 mm on a measured place (assumed), within a hull of 10 m'
+_PLACE = 'spread: 5 mm for a measured position (assumed); limits: a hull of 10 m'
 
 PARAMETERS = (
     EffectParameter(
         'mass', 'kg', 0.0, 0.0, 50.0, 5e-4,
-        'prior: 1 % of the 54.07 g of RGBlimp (zhu-yj/ABNODE@138a1de), weighed',
+        'spread: 1 % of the 54.07 g of RGBlimp (zhu-yj/ABNODE@138a1de), weighed',
     ),
     EffectParameter('x', 'm', 0.0, -5.0, 5.0, 0.005, _PLACE),
     EffectParameter('y', 'm', 0.0, -5.0, 5.0, 0.005, _PLACE),
     EffectParameter('z', 'm', 0.0, -5.0, 5.0, 0.005, _PLACE),
     EffectParameter(
         'lag', 's', 0.0, 0.01, 100.0, 0.1,
-        'prior: small servos settle in tenths of a second (assumed)',
+        'spread: small servos settle within tenths of a second (assumed)',
     ),
     EffectParameter(
         'speed', 'm/s', 0.0, 1e-4, 10.0, 0.05,
-        'prior: small servos move centimetres in tenths of a second (assumed)',
+        'spread: small servos move by centimetres in tenths of a second (assumed)',
     ),
 )  # fmt: skip
 
@@ -83,7 +83,7 @@ def compute_memory_rate(p: Values, memory: Values, motion: VehicleMotion) -> Val
 def find_conflict(values: Mapping[str, float]) -> str:
     """Return an objection to a speed limit without lag: the mass would chatter about its goal."""
     if values['speed'] > 0.0 and values['lag'] == 0.0:
-        return 'a speed limit needs a lag: give lag, or leave speed at zero'
+        return 'a speed limit needs a time constant; set lag, or leave speed at zero'
     return ''
 
 

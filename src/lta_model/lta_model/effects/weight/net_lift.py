@@ -13,7 +13,7 @@ from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, W
 PARAMETERS = (
     EffectParameter(
         'force', 'N', 0.0, -50.0, 50.0, 0.02,
-        'prior: 2 g on a weighed and trimmed balloon (assumed)',
+        'spread: 2 g for a weighed and trimmed balloon (assumed)',
     ),
 )  # fmt: skip
 

@@ -10,8 +10,8 @@ its drag, and the air that it displaces.
 from lta_model.effects.protocol import BodyEffect, EffectParameter, RigidBody, Values
 from lta_model.effects.weight.point_mass import with_point_mass
 
-_MASS = 'prior: 2 g, the comparison set-up of the seed paper; bound: an airship of 50 kg lift'
-_PLACE = 'prior: 5 cm on a place read off the vehicle (assumed), within a hull of 10 m'
+_MASS = 'spread: 2 g, as in the comparison of the seed paper; limit: an airship with 50 kg of lift'
+_PLACE = 'spread: 5 cm for a position read off the vehicle (assumed); limits: a hull of 10 m'
 
 PARAMETERS = (
     EffectParameter('mass', 'kg', 0.0, 0.0, 50.0, 0.002, _MASS),

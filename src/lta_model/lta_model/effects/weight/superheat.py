@@ -30,16 +30,18 @@ from lta_model.state import DISPLACED, IRRADIANCE
 PARAMETERS = (
     EffectParameter(
         'warming', 'K m2/W', 0.0, 0.0, 1.0, 0.01,
-        'prior: heat balance above; bound: black film with little convection, ten times over',
+        'spread: from the heat balance; limit: ten times a black film with little convection',
     ),
     EffectParameter(
         'lag', 's', 0.0, 1.0, 1e4, 40.0,
-        'prior: heat balance above; bounds: a thin film alone, a stratospheric balloon (assumed)',
+        'spread: from the heat balance; limits: a thin film alone, a stratospheric '
+        'balloon (assumed)',
         beside=40.0,
     ),
     EffectParameter(
         'slack', '1', 0.0, 0.0, 1.0, 0.3,
-        'by definition between taut and slack; prior: not known of a foil balloon (assumed)',
+        'by definition from taut (0) to slack (1); spread: not known for a foil balloon '
+        '(assumed)',
         beside=0.3,
     ),
 )  # fmt: skip

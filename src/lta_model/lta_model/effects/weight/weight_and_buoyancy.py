@@ -22,7 +22,7 @@ PARAMETERS = (
         0.0,
         30.0,
         0.005,
-        'normal gravity; prior: between latitudes, 0.5 %',
+        'standard gravity; spread: 0.5 %, the difference between latitudes',
     ),
 )
 

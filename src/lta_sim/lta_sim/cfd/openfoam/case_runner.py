@@ -70,8 +70,9 @@ class CaseRunner:
                 return self._solve(case)
         except OSError as error:
             raise CaseFailed(
-                f'{error.strerror or error} ({self.case_folder(case)}); make room or choose '
-                'another folder with --cache, then start again to resume.'
+                f'Cannot use the case folder {self.case_folder(case)} '
+                f'({error.strerror or error}); free disk space or choose another folder '
+                'with --cache, then start again to resume.'
             ) from error
 
     @contextmanager

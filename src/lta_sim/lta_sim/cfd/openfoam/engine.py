@@ -95,7 +95,9 @@ class FoamPrograms:
 
         """
         if self._stopped:
-            raise CaseFailed('It was stopped before it began; start again to resume.')
+            raise CaseFailed(
+                'The computation was stopped before it began; start it again to resume.'
+            )
         time, residual = 0.0, float('nan')
         # Popen does not update PWD, which OpenFOAM may use as the working directory
         where = {**program_environment(), 'PWD': str(folder)}
@@ -121,7 +123,7 @@ class FoamPrograms:
 
     def _explain_failure(self, program: str, code: int, log: Path) -> str:
         if self._stopped:
-            return 'It was stopped; start again to resume.'
+            return 'The computation was stopped; start it again to resume.'
         lines = log.read_text(encoding='utf-8').splitlines()
         # The first fatal error is the cause; the end of the log shows signals
         fatal = next((k for k, line in enumerate(lines) if FATAL in line), len(lines))
@@ -137,19 +139,22 @@ def explain_failure(program: str, code: int, tail: Sequence[str]) -> str:
     """
     text = '\n'.join(tail)
     if 'No space left' in text:
-        return f'{program} found the disk full; free space or change --cache, then start again.'
+        return (
+            f'{program} failed because the disk is full; free disk space or choose another '
+            'folder with --cache, then start again.'
+        )
     # 8 is SIGFPE; a shell reports it as 128 + 8.
     if code in (-8, 136) or 'sigFpe::' in text:
-        return f'{program} diverged (a floating point error); check that the shape is valid.'
+        return f'{program} diverged (floating point error); check that the shape is valid.'
     # 9 is SIGKILL, which the kernel sends when memory runs out.
     if 'bad_alloc' in text or code in (-9, 137):
         return (
-            f'{program} was killed or had no memory left; use --jobs 1 or a coarser fidelity, '
-            'and start again to resume.'
+            f'{program} was killed or ran out of memory; use --jobs 1 or a coarser '
+            'fidelity, and start again to resume.'
         )
     if code < 0 and FATAL not in text:
         return f'{program} was killed by signal {-code}; start again to resume.'
     fallback = next((line.strip() for line in tail if FATAL in line), tail[-1] if tail else '')
     after = text.partition(FATAL)[2].splitlines()[1:]
     reason = next((line.strip() for line in after if line.strip()), fallback)
-    return f'{program} ended with status {code}: {reason[:200]}'
+    return f'{program} failed with exit status {code}: {reason[:200]}'
