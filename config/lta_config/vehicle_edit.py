@@ -106,7 +106,9 @@ def _append_line(text: str, node: yaml.MappingNode, line: str) -> str:
         before = text[:end].rstrip()
         return before + (', ' if node.value else '') + line + text[end:]
     if not node.value:
-        raise ValueError('cannot add a key to an empty block mapping')
+        raise ValueError(
+            'cannot add a key to an empty section; write one key into it by hand first'
+        )
     # Indent as the first key
     column = node.value[0][0].start_mark.column
     end = text.find('\n', _find_value_end(node))

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from lta_challenge.digest import registry_digest, vehicle_digest
+from lta_challenge.digest import compute_registry_digest, vehicle_digest
 from lta_model.effects import select_built_in_effects
 
 PAGE = Path(__file__).resolve().parents[2] / 'docs/discovery_scores.md'
@@ -11,7 +11,7 @@ AGAIN = 'make the challenges again and score them with --markdown docs/discovery
 
 def test_the_scores_are_of_what_is_there_or_called_stale():
     text = PAGE.read_text(encoding='utf-8')
-    effects, vehicle = registry_digest(select_built_in_effects()), vehicle_digest('gtmab')
+    effects, vehicle = compute_registry_digest(select_built_in_effects()), vehicle_digest('gtmab')
     present = f'effects `{effects}`, vehicle `gtmab` `{vehicle}`'
     assert present in text or '\n**Stale' in text, (
         f'docs/discovery_scores.md is of other effects or another vehicle file than {present}; '

@@ -61,7 +61,7 @@ def frozen() -> FrozenClasses:
         list_free_parameters(NominalVehicle.from_vehicle(load_vehicle(class_derivation.VEHICLE)))
     )
     return FrozenClasses(
-        digest=class_derivation.registry_digest(known),
+        digest=class_derivation.compute_registry_digest(known),
         vehicle=class_derivation.VEHICLE,
         threshold=class_derivation.ALIKE,
         flights=class_derivation.FLIGHTS,

@@ -23,7 +23,7 @@ from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.planning.candidate_maneuvers import AltitudeRange, build_maneuver
-from lta_discovery.planning.class_derivation import registry_digest
+from lta_discovery.planning.class_derivation import compute_registry_digest
 from lta_discovery.planning.flight_choice import NextFlightPlanner, ParameterHypothesis
 from lta_discovery.planning.hypothesis_file import format_hypothesis
 from lta_discovery.planning.rehearsal import (
@@ -214,7 +214,7 @@ def begun(out: Path, known: list[FreeParameter]) -> tuple[Path, dict[int, dict[s
     """Return where rows are kept, and those that are there by number."""
     told = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()[:8]
     out.mkdir(parents=True, exist_ok=True)
-    kept = out / f'{registry_digest(known)}-{told}.jsonl'
+    kept = out / f'{compute_registry_digest(known)}-{told}.jsonl'
     done = {}
     if kept.exists():
         rows = [json.loads(line) for line in kept.read_text(encoding='utf-8').splitlines()]

@@ -282,7 +282,7 @@ class SourceExtract:
                 if text in code.co_varnames:
                     raise BadInput(
                         f'{function.__name__} of {function.__module__} has a variable {text}, '
-                        f'which would hide {name}.{attribute} when compiled; rename the variable.'
+                        f'the name of {name}.{attribute} in compiled code; rename the variable.'
                     )
                 attributes[f'{name}.{attribute}'] = text
         self._pieces[own] = _render_function(

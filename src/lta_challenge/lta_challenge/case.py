@@ -14,7 +14,7 @@ from lta_challenge.effect_injection import (
     FAINT,
     InjectedEffect,
     list_injectable_parameters,
-    scale_outside_effect,
+    scale_unlisted_effect,
 )
 from lta_challenge.rows import find_challenge_row, Kind, KINDS
 from lta_challenge.tolerance import apply_flight_errors, perturb_vehicle
@@ -202,7 +202,7 @@ class CaseGenerator:
             if trial == TRIALS or reached == 0.0 or 0.8 < reached / aim < 1.25:
                 break
             # Limit the step: far from the solution, strength and size are not proportional
-            given = scale_outside_effect(name, given, min(max(aim / reached, 0.05), 20.0))
+            given = scale_unlisted_effect(name, given, min(max(aim / reached, 0.05), 20.0))
         return given, reached
 
     def _simulate_flight(

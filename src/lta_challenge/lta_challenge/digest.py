@@ -51,7 +51,7 @@ def _strip_docstrings(text: str) -> str:
     return ast.unparse(tree)
 
 
-def registry_digest(effects: Mapping[str, Effect] = EFFECTS) -> str:
+def compute_registry_digest(effects: Mapping[str, Effect] = EFFECTS) -> str:
     """Return a digest of the parameters and equations of all effects."""
     described = []
     for name, effect in effects.items():

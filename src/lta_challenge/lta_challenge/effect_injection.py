@@ -108,7 +108,7 @@ def draw_outside_parameters(kind: str, draw: Draw) -> dict[str, float]:
     return {known.name: given.get(known.name, known.null) for known in one.effect.parameters}
 
 
-def scale_outside_effect(
+def scale_unlisted_effect(
     kind: str, parameters: Mapping[str, float], factor: float
 ) -> dict[str, float]:
     """Scale an effect outside the library, up to its upper bound."""

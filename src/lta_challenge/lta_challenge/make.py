@@ -11,7 +11,7 @@ from lta_bridge.provenance import read_commit
 from lta_challenge.answer_key import NAME as SEALED
 from lta_challenge.answer_key import write_answers
 from lta_challenge.case import CaseGenerator, ChallengeCase, ChallengeVehicle, SECONDS
-from lta_challenge.digest import registry_digest, vehicle_digest
+from lta_challenge.digest import compute_registry_digest, vehicle_digest
 from lta_challenge.other.case_generator import OtherCaseGenerator
 from lta_challenge.recording import write_bag
 from lta_challenge.rows import find_challenge_row, Kind
@@ -148,7 +148,7 @@ def _generate_cases(
         'seconds': list(order.seconds),
         'vehicle': VEHICLE,
         'answers_sha256': digest,
-        'registry': registry_digest(),
+        'registry': compute_registry_digest(),
         'vehicle_digest': vehicle_digest(VEHICLE),
         'commit': read_commit(),
     }

@@ -10,7 +10,7 @@ from lta_bridge.provenance import read_commit
 from lta_challenge.answer_key import NAME as SEALED
 from lta_challenge.answer_key import read_answers, read_digest
 from lta_challenge.case_score import score_case, ScoredCase
-from lta_challenge.digest import registry_digest, vehicle_digest
+from lta_challenge.digest import compute_registry_digest, vehicle_digest
 from lta_challenge.make import case_folder, read_challenge
 from lta_challenge.score_statistics import (
     compute_score_figures,
@@ -50,7 +50,7 @@ class ChallengeScore:
 
 def collect_versions() -> dict[str, str]:
     """Return the versions that a stored result depends on."""
-    return {'registry': registry_digest(), 'vehicle_digest': vehicle_digest('gtmab')}
+    return {'registry': compute_registry_digest(), 'vehicle_digest': vehicle_digest('gtmab')}
 
 
 def _load_result(path: Path, now: dict[str, str]) -> dict[str, Any] | None:

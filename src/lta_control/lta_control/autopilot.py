@@ -98,7 +98,7 @@ class Autopilot:
         # The memory is one float array: 1.0 is True
         self._memory[GUIDED] = 1.0
 
-    def override_duties(self, duties: tuple[float, ...]) -> None:
+    def record_applied_duties(self, duties: tuple[float, ...]) -> None:
         """Record the duties that the rotors really received instead of the computed ones."""
         self._memory[DUTIES.start : DUTIES.start + self._count] = duties
 

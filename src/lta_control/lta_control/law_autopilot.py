@@ -180,7 +180,7 @@ class LawAutopilot:
         self.command = self._compute_command()
         return self.duties
 
-    def override_duties(self, duties: tuple[float, ...]) -> None:
+    def record_applied_duties(self, duties: tuple[float, ...]) -> None:
         """Record the duties that the rotors really received instead of the computed ones."""
         self.command = self.command._replace(duties=pad_to_slots(duties))
 

@@ -226,7 +226,7 @@ class ClosedLoop:
                 self.world.elapsed, self.duties, self._reversible
             )
             # The estimator must know the duties that act, not those commanded
-            self.autopilot.override_duties(self.duties)
+            self.autopilot.record_applied_duties(self.duties)
         self._reckoned.append(self.autopilot.dead_reckoning)
 
     def _newest_range(self, readings: SensorReadings) -> float:

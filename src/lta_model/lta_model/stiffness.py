@@ -67,10 +67,10 @@ def check_time_step(name: str, model: VehicleModel, step: float) -> None:
 def check_divergence(name: str, speeds: Sequence[float], elapsed: float) -> None:
     """Raise `BadInput` if a velocity [m/s] or rate [rad/s] is not finite or implausible."""
     if not all(-SPEED_LIMIT < speed < SPEED_LIMIT for speed in speeds):
-        raise divergence_error(name, elapsed)
+        raise build_divergence_error(name, elapsed)
 
 
-def divergence_error(name: str, elapsed: float) -> BadInput:
+def build_divergence_error(name: str, elapsed: float) -> BadInput:
     """Return the error for a diverged flight. [s after the start]"""
     return BadInput(
         f'The simulation of {name} diverged {elapsed:.2f} s after the start: one of '

@@ -9,17 +9,17 @@ import pytest
 
 
 def test_a_changed_spread_or_equation_is_another_registry(monkeypatch: pytest.MonkeyPatch) -> None:
-    before = digest.registry_digest()
-    assert before == digest.registry_digest()
+    before = digest.compute_registry_digest()
+    assert before == digest.compute_registry_digest()
     effect = EFFECTS['linear_drag']
     wider = tuple(replace(p, spread=2.0 * p.spread) for p in effect.parameters)
     monkeypatch.setitem(EFFECTS, 'linear_drag', replace(effect, parameters=wider))
-    assert digest.registry_digest() != before
+    assert digest.compute_registry_digest() != before
     monkeypatch.setitem(EFFECTS, 'linear_drag', replace(effect, wrench=still))
-    assert digest.registry_digest() != before
+    assert digest.compute_registry_digest() != before
     other = tuple(replace(p, source='elsewhere') for p in effect.parameters)
     monkeypatch.setitem(EFFECTS, 'linear_drag', replace(linear_drag.EFFECT, parameters=other))
-    assert digest.registry_digest() == before
+    assert digest.compute_registry_digest() == before
 
 
 def still(p, memory, motion, thrust):  # type: ignore[no-untyped-def]

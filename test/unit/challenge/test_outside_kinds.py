@@ -9,7 +9,7 @@ from lta_challenge.effect_injection import (
     choose_outside_kind,
     draw_outside_parameters,
     FAINT,
-    scale_outside_effect,
+    scale_unlisted_effect,
 )
 from lta_challenge.make import load_challenge_vehicle
 from lta_challenge.outside import OUTSIDE
@@ -97,7 +97,7 @@ def flight_with(
 
     for _ in range(3):
         happened = fly({name: given})
-        given = scale_outside_effect(
+        given = scale_unlisted_effect(
             name, given, min(10.0 / max(wrench_strength(happened.strange), 0.5), 5.0)
         )
     return given, fly({name: given}), fly({})
@@ -301,5 +301,5 @@ def test_a_wet_hull_dries_faster_in_the_wind() -> None:
 
 
 def test_sizes_end_where_the_vehicle_would_no_longer_fly() -> None:
-    given = scale_outside_effect('plume', {'size': 0.02, 'wide': 0.5}, 4.0)
+    given = scale_unlisted_effect('plume', {'size': 0.02, 'wide': 0.5}, 4.0)
     assert given == {'size': 0.025, 'wide': 0.5}

@@ -172,7 +172,7 @@ def test_the_numbers_of_the_estimate_are_the_callers_own():
 def test_instead_replaces_the_newest_duties_in_the_memory():
     pilot, memory = Autopilot(DRONE), run(OnboardMemory(), 1)
     pilot.step(*STILL)
-    pilot.override_duties((0.1, 0.2, 0.3, 0.4))
+    pilot.record_applied_duties((0.1, 0.2, 0.3, 0.4))
     assert pilot.duties == (0.1, 0.2, 0.3, 0.4)
     told = memory._replace(duties=(0.1, 0.2, 0.3, 0.4, *NONE[4:]))
     assert repr(pilot.memory) == repr(told)  # a NaN in it is not equal to itself

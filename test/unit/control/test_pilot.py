@@ -126,7 +126,7 @@ def test_a_sample_with_nan_or_infinity_does_not_change_the_estimate(beavis, plac
 
 
 def test_the_estimator_follows_the_duties_given_by_instead(beavis):
-    beavis.override_duties((0.1, 0.2, 0.3, 0.4))
+    beavis.record_applied_duties((0.1, 0.2, 0.3, 0.4))
     assert beavis.duties == (0.1, 0.2, 0.3, 0.4)
     assert beavis.command.duties == (0.1, 0.2, 0.3, 0.4, *NONE[4:])
     before = beavis.estimate.duties

@@ -138,7 +138,10 @@ def choose_alignment(
         )
         return align_by_clock(bare, found, reason)
     if bare.on_stamps:
-        reason = 'The time stamps overlap, and the data give no better offset.'
+        reason = (
+            'The time stamps of the two recordings overlap and are used unchanged: the data '
+            'show no clear offset.'
+        )
         return replace(bare, reason=reason)
     try:
         reason = (

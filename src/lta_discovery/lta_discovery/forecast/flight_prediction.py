@@ -44,14 +44,14 @@ class ModelPrediction(NamedTuple):
     turning: Array
 
 
-def build_unaided_point(point: LinearizationPoint) -> LinearizationPoint:
+def build_uncorrected_point(point: LinearizationPoint) -> LinearizationPoint:
     """Return a point without corrections of initial states or latent forces."""
     return LinearizationPoint(point.nominal, point.values, np.zeros_like(point.random))
 
 
 def predict_flight(flight: FlightLinearizer, point: LinearizationPoint) -> ModelPrediction:
     """Predict a flight; initial-state corrections and latent forces are ignored."""
-    point, rows = build_unaided_point(point), flight.replay.build_replay_rows(point.nominal)
+    point, rows = build_uncorrected_point(point), flight.replay.build_replay_rows(point.nominal)
     states = flight.simulate_forecast(point)[:, ::STEPS]
     said = predict_readings(states, flight.time, rows.acting, flight.places)
     out = ~flight.replay.cut.inside
@@ -94,7 +94,7 @@ def best_start_residual(flight: FlightLinearizer, point: LinearizationPoint) -> 
         By the noise; NaN where nothing was measured.
 
     """
-    point, replay = build_unaided_point(point), flight.replay
+    point, replay = build_uncorrected_point(point), flight.replay
     met = replay.build_replay_rows(point.nominal)
     ready, push = replay.compute_body_inputs(met), np.zeros((len(replay.first), replay.span, 6))
 

@@ -173,7 +173,7 @@ def select_builtin_parameters(parameters: Sequence[FreeParameter]) -> list[FreeP
     return [knob for knob in parameters if foreign.isdisjoint(effect for effect, _ in knob.moves)]
 
 
-def registry_digest(parameters: Sequence[FreeParameter]) -> str:
+def compute_registry_digest(parameters: Sequence[FreeParameter]) -> str:
     """Return a digest of the candidates in the registry, 12 hexadecimal digits."""
     told = hashlib.sha256()
     for knob in parameters:

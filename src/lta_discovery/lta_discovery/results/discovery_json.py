@@ -40,7 +40,7 @@ def to_dict(finding: StudyResult, cuts: Sequence[ExcludedInterval] = ()) -> dict
             for cut in cuts
         ],
         'bags': {role: list(names) for role, names in finding.bags.items()},
-        'carried': _encode_transfer(finding),
+        'carried': _encode_forecast_evidence(finding),
         'seed': finding.seed,
         'versions': dict(finding.versions),
     }  # fmt: skip
@@ -86,7 +86,7 @@ def _encode_draught(finding: StudyResult) -> dict[str, float] | None:
     return None if told is None else {'force': told.force, 'speed': told.speed}
 
 
-def _encode_transfer(finding: StudyResult) -> dict[str, Any] | None:
+def _encode_forecast_evidence(finding: StudyResult) -> dict[str, Any] | None:
     """Return the forecast evidence; None where the sensor readings identified the effects."""
     told = finding.carried
     if told is None:

@@ -133,7 +133,7 @@ class WeakEffectSearch:
         out, taken = [], expand_vectors(names)
         for seen in scan_candidates(last.reduced, last.group.at, last.prior, self._knobs)[:ASKED]:
             if seen.name not in taken and all(
-                self._is_possible(seen.name, side) for side in sides
+                self._is_within_bounds(seen.name, side) for side in sides
             ):
                 taken |= expand_vectors([seen.name])
                 prior = build_shared_prior(self._knobs, (*names, seen.name), self._sizes)
@@ -143,7 +143,7 @@ class WeakEffectSearch:
                 out.append(WeakCandidate(seen.name, gain, both, least))
         return sorted(out, key=lambda hint: -hint.gain)
 
-    def _is_possible(self, name: str, side: Mapping[str, CandidateScore]) -> bool:
+    def _is_within_bounds(self, name: str, side: Mapping[str, CandidateScore]) -> bool:
         """Return whether a side observes a candidate, with a possible value."""
         seen = side.get(name)
         return seen is not None and self._find_parameter(name).is_within_bounds(

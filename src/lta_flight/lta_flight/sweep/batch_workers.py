@@ -22,7 +22,7 @@ from lta_flight.batch.fly import Device, fly_many
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec
 from lta_flight.sweep.job_runner import build_failed_row, SweepRow
 from lta_flight.sweep.plan import convert_to_si, SweepJob, SweepPlan
-from lta_model.stiffness import divergence_error
+from lta_model.stiffness import build_divergence_error
 from lta_report.json_value import replace_nonfinite
 from lta_sim.kernels.gpu import require_cuda
 from lta_sim.readings import FlightOutcome
@@ -128,7 +128,7 @@ def build_sweep_row(
 ) -> SweepRow:
     """Return the row of a flight from its outputs; a failed one if the integration diverged."""
     if int(outputs['outcome']) == RAN_AWAY:
-        return build_failed_row(job, str(divergence_error(flight.name, outputs['end'])))
+        return build_failed_row(job, str(build_divergence_error(flight.name, outputs['end'])))
     outcome = OUTCOMES[int(outputs['outcome'])]
     values = {path: convert_to_si(value) for path, value in job.values.items()}
     return SweepRow(

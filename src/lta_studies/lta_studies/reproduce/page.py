@@ -125,7 +125,7 @@ def render_table(kind: str, heads: Sequence[str], body: Lines) -> str:
     head = ''.join(f'<th scope="col">{escape(each)}</th>' for each in heads)
     rows = []
     for first, *rest in body:
-        cells = ''.join(f'<td{verdict_class_attribute(cell)}>{escape(cell)}</td>' for cell in rest)
+        cells = ''.join(f'<td{format_verdict_class(cell)}>{escape(cell)}</td>' for cell in rest)
         rows.append(f'<tr><th scope="row">{escape(first)}</th>{cells}</tr>')
     return (
         f'<div class="wide"><table class="{kind}"><thead><tr>{head}</tr></thead>'
@@ -133,7 +133,7 @@ def render_table(kind: str, heads: Sequence[str], body: Lines) -> str:
     )
 
 
-def verdict_class_attribute(cell: str) -> str:
+def format_verdict_class(cell: str) -> str:
     """Return the class attribute of a verdict cell; '' for any other cell."""
     # `ClaimVerdict` is a StrEnum, so its members equal their words.
     found = next((name for verdict, name in MARKS.items() if cell == verdict), None)

@@ -117,7 +117,11 @@ def measure_limits(
     tumble = math.inf if vehicle.file.hull.shape == 'none' else limits.tumble_speed(vehicle)
     rise = wind_limits.rise_speed(vehicle)
     static = min(thrust, tumble, rise)
-    note = '' if math.isfinite(thrust) else 'Its known drag sets no limit below 60 m/s.'
+    note = (
+        ''
+        if math.isfinite(thrust)
+        else 'With the drag in its file it could fly faster than 60 m/s, the end of the search.'
+    )
     flight = _build_flight_spec(request, name, height) if request.fly else None
     if request.fly and flight is None:
         note = (note + ' Not flown, as no gains are shipped for it.').strip()

@@ -129,7 +129,7 @@ def derive_balance_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
         if z < 0.0:
             # At rest, the line from CB to CG is vertical
             lean = math.atan2(math.hypot(x, y), -z) * DEGREES
-            rule_of = 'CG vertically below CB at rest'
+            rule_of = 'the centre of gravity is vertically below the centre of buoyancy'
             yield DerivedFigure('lean', BALANCE, 'tilt at rest', lean, '°', rule_of, ALL)
         yield derive_pressure_center(vehicle)
     for i, axis in enumerate(('roll', 'pitch', 'yaw')):
@@ -155,7 +155,7 @@ def derive_pressure_center(vehicle: Vehicle) -> DerivedFigure:
     if wing and wing['lift_alpha']:
         ahead = wing['pitch_alpha'] / wing['lift_alpha']
         rule, place = (
-            'slope of the pitch moment by that of the lift, over angle of attack',
+            'slope of the pitch moment divided by slope of the lift, both over angle of attack',
             'effects.hull_lift',
         )
     else:

@@ -13,7 +13,7 @@ from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.planning.class_derivation import (
     cluster_complete_linkage,
     compare_candidates,
-    registry_digest,
+    compute_registry_digest,
     select_builtin_parameters,
 )
 from lta_discovery.planning.separability import PairSeparability, ParameterPair
@@ -110,7 +110,7 @@ def test_every_two_of_a_group_are_alike() -> None:
 
 def test_the_frozen_file_is_that_of_the_candidates_as_they_are(gtmab: Known) -> None:
     known = select_builtin_parameters(gtmab[1])
-    assert load_frozen_classes().digest == registry_digest(known), 'run make classes'
+    assert load_frozen_classes().digest == compute_registry_digest(known), 'run make classes'
     names = {knob.name for knob in known if knob.typical > 0.0}
     assert all(set(kind.reach) == names for kind in load_frozen_classes().kinds.values())
 

@@ -35,7 +35,8 @@ def mounting(
     ] = 'gtmab',
     misplaced: Annotated[
         float,
-        typer.Option(help='Placement error of the panels towards the front, in cm.',
+        typer.Option(help='How far forward of the planned place the panels are, in cm; '
+                     'negative: backward.',
                      min=-50.0, max=50.0),
     ] = 3.0,
     seeds: Annotated[

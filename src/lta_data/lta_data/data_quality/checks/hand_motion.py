@@ -58,10 +58,10 @@ def find_hand_motion(evidence: CheckContext) -> CheckVerdict:
     ]
     judged = 0
     for force in sources:
-        judged += bool(is_sampled_fast(force))
+        judged += bool(is_sampled_fast_enough(force))
         found += find_tremor(force, force.values, limits)
     for place in places:
-        judged += bool(is_sampled_fast(place))
+        judged += bool(is_sampled_fast_enough(place))
         found += find_tremor(place, compute_acceleration(place), limits)
     idle = find_idle_times(evidence.recording, limits)
     if idle is None:
@@ -79,7 +79,7 @@ def find_hand_motion(evidence: CheckContext) -> CheckVerdict:
     return CheckVerdict(tuple(found), tuple(unjudged))
 
 
-def is_sampled_fast(vector: VectorSeries) -> bool:
+def is_sampled_fast_enough(vector: VectorSeries) -> bool:
     """Return whether a vector is sampled fast enough for the bands."""
     return len(vector.time) > 200 and median_period(vector.time) <= 0.5 / FLANKS[2] * 0.75
 
@@ -128,7 +128,7 @@ def find_tremor(
     vector: VectorSeries, values: Array, limits: QualityLimits
 ) -> Iterator[QualityFinding]:
     """Yield stretches with the tremor of a hand."""
-    if not is_sampled_fast(vector):
+    if not is_sampled_fast_enough(vector):
         return
     felt = measure_tremor(vector, values, limits)
     # The quiet quarter of the flight, even if it was held most of the time.

@@ -64,7 +64,7 @@ def _slope_parameter(name: str) -> EffectParameter:
     return EffectParameter(name, '1', 0.0, -100.0, 100.0, 0.5, _SLOPE)
 
 
-def _base_parameter(name: str) -> EffectParameter:
+def _straight_flow_parameter(name: str) -> EffectParameter:
     """Return a coefficient in straight flow."""
     return EffectParameter(name, '1', 0.0, -10.0, 10.0, 0.03, _BASE)
 
@@ -75,19 +75,19 @@ PARAMETERS = (
     EffectParameter('drag', '1', 0.0, 0.0, 10.0, 0.03, _BASE),
     EffectParameter('drag_alpha2', '1', 0.0, 0.0, 100.0, 0.5, _SLOPE),
     EffectParameter('drag_beta2', '1', 0.0, 0.0, 100.0, 0.5, _SLOPE),
-    _base_parameter('side'),
+    _straight_flow_parameter('side'),
     _slope_parameter('side_alpha2'),
     _slope_parameter('side_beta'),
-    _base_parameter('lift'),
+    _straight_flow_parameter('lift'),
     _slope_parameter('lift_alpha'),
     _slope_parameter('lift_beta2'),
-    _base_parameter('roll'),
+    _straight_flow_parameter('roll'),
     _slope_parameter('roll_alpha'),
     _slope_parameter('roll_beta'),
-    _base_parameter('pitch'),
+    _straight_flow_parameter('pitch'),
     _slope_parameter('pitch_alpha'),
     _slope_parameter('pitch_beta4'),
-    _base_parameter('yaw'),
+    _straight_flow_parameter('yaw'),
     _slope_parameter('yaw_alpha'),
     _slope_parameter('yaw_beta'),
     *(

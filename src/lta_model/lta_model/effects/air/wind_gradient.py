@@ -16,7 +16,10 @@ hull, and the lift of vorticity.
 
 from lta_model.effects.protocol import AirEffect, AirEffectInput, EffectParameter, Values, Wrench
 
-_SOURCE = 'spread: 0.05 m/s over a metre, an indoor draught (assumed); limits: a vortex ring'
+_SOURCE = (
+    'spread: 0.05 m/s over a metre, an indoor draught; limits: that in a vortex ring '
+    '(both assumed)'
+)
 _PLACE = 'spread: 1 m (assumed); limits: a large hall'
 
 PARAMETERS = (

@@ -31,8 +31,9 @@ from plotly.graph_objects import Scatter
 TITLE: Final = 'Which solar cell is best in mass and charging time depends on the criterion.'
 PAPER: Final = (
     'Charging time per area against mass per area, the criterion of the paper (Huang et al. '
-    '2025). Dots: cells. Lines: the Pareto front. The row PowerFilm can mean a small panel '
-    '(full line) or a large one (dashed). The criterion favours large cells twice: they '
+    '2025). Dots: cells. Lines: the Pareto front. The paper does not say which '
+    'size of PowerFilm panel it measured: the full line is the front with the small panel, '
+    'the dashed line with the large one. The criterion favours large cells twice: they '
     'charge faster, and the time is divided by a larger area.'
 )
 FAIR: Final = (
@@ -47,7 +48,7 @@ SIDES: Final = {
     'ANYSOLAR': 'bottom center', 'PowerFilm': 'top right',
 }  # fmt: skip
 METHOD: Final = (
-    'Areas are computed from the printed dimensions, read in cm where mm is impossible; '
+    'Areas are computed from the printed dimensions, taken as cm where mm would be impossible; '
     'masses are as printed. The paper states neither the light nor the capacitance of its '
     'charging test, so only the ratios of the times count.',
     'The harvest comes from a single-diode model of each data sheet at the temperature of '

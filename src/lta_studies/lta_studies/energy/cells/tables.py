@@ -28,10 +28,10 @@ SQUARE: Final = 1e4  # cm2 per m2
 FRONTS: Final = ('paper', 'fair')
 SHEET: Final = (
     's/cm²: charging time per area, the criterion of the paper. s cm²: charging time times '
-    'area, the fair criterion. sheet: charging time from the short-circuit currents of the '
-    'data sheets, relative to the fastest cell, because a capacitor far below the '
-    'open-circuit voltage draws that current. front: the criteria by which the cell is on '
-    'the Pareto front, for any reading of its row.'
+    'area, the fair criterion. sheet: charging time computed from the short-circuit currents '
+    'of the data sheets, relative to the fastest cell (a capacitor far below the open-circuit '
+    'voltage draws about this current). front: the criteria by which the cell is on the Pareto '
+    'front; if the row of the paper can mean several panels, one of them is enough.'
 )
 CHARGED: Final = (
     'harvest: maximum power of the array. charged: output of the charger. idle and sending: '

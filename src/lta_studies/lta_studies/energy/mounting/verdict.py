@@ -83,7 +83,7 @@ def format_findings(study: MountingStudy) -> list[str]:
                 f'{100.0 * (study.fuller - 1.0):.1f} % more volume.'
             )
     sentences.append(
-        'In a hull that carries every mount, at equal lift: '
+        'In a hull large enough for every mount, at equal lift: '
         + format_ranking('rms pitch', pitch_rms(study), DEGREES, '°', 3)
         + '; '
         + format_ranking('power in flight', mean_flight_power(study), 1e3, 'mW', 0)
