@@ -10,7 +10,7 @@ export PYTHON
 enter := root='$(CURDIR)' && . tools/workspace.sh
 sources := config src test examples tools
 
-.PHONY: help demo build test test-fast test-long bench bench-compare flights trust same sensitivity classes plan rgblimp crazyflie faults real-firmware mutation chaos soak docs reference pictures lock check format clean
+.PHONY: help demo build test test-fast test-long bench bench-compare flights hops trust same sensitivity classes plan rgblimp crazyflie faults real-firmware mutation chaos soak docs reference pictures lock check format clean
 
 help:  ## show this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
@@ -45,6 +45,9 @@ trust: test-environment  ## score the trust checks on clean and corrupted flight
 
 sensitivity: test-environment  ## double and halve each threshold of discovery, and see what changes (hours; ARGS='--only selection')
 	@$(enter) && .venv/bin/python test/score/sensitivity.py $(ARGS)
+
+hops: test-environment  ## count the files, calls and returns of one step of each node (ARGS='navigator': list its calls)
+	@$(enter) && .venv/bin/python test/benchmark/hops.py $(ARGS)
 
 same: test-environment  ## compare simulations, commands and studies with their stored results (minutes; ARGS=--freeze: store them)
 	@$(enter) && .venv/bin/python test/same/same.py $(ARGS)

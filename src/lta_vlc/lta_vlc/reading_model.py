@@ -10,16 +10,18 @@ u is the direction from the middle of the diodes to the lamp, S the reading of a
 there that faces it, and p the exponent of the diodes' response. The other terms bias the paper's
 bearing; each is an unknown with a prior:
 
-- the pedestal P of diffuse light, the same from all sides, and its first harmonics over the axes,
-  a slope s and a bend b: the unevenness of the first reflections from floor, walls and ceiling;
-- the inverse distance k: at 3 m, the diodes of a ring of 7 cm see the lamp 1.3 degrees apart, and
-  5 % brighter or darker;
+- the pedestal P of diffuse light, the same from all sides, and its first and second angular
+  harmonics, a slope s and a bend b: the unevenness of the first reflections from floor, walls and
+  ceiling;
+- the inverse distance k: at 3 m, opposite diodes of a ring of 7 cm radius see the lamp up to 2.7
+  degrees apart, and up to 10 % brighter or darker;
 - the fall t of the lamp's own beam across the diodes, along the horizontal a to the left of u.
 
 The size of the harmonics goes with B = P S / (S + `MIXED` P): the more often light is reflected,
-the more even it is. Their priors are assumed: about the spread of the first reflections in rooms 6
-to 14 m long, 5 to 12 m wide, 2.5 to 6 m high, with an albedo of 0.2 to 0.8. `lta light bearing`
-measures their benefit (docs/bearing.md).
+the more even it is. Their priors are assumed: a slope of 0.2 B towards the lamp on average, and
+standard deviations (`SLOPES`, `BENDS`) of about the spread of the first reflections in rooms 6 to
+14 m long, 5 to 12 m wide, 2.5 to 6 m high, with an albedo of 0.2 to 0.8. `lta light bearing` tests
+them (docs/bearing.md).
 
 The variance of a reading is that of its noise, the spread of the gains, and the remaining pattern
 of the pedestal. The slope of f is smoothed over a few degrees around the edge of a diode's view,
