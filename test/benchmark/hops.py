@@ -8,6 +8,7 @@ these changes go back to a file that was already left.
 """
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 import json
 import os
 from pathlib import Path
@@ -35,7 +36,7 @@ class Hops(NamedTuple):
 def count_hops(calls: Sequence[str]) -> Hops:
     """Return the hops of a step from its calls, each `file:function`, in their order."""
     path = [call.rpartition(':')[0] for call in calls]
-    changes = [file for before, file in zip(path, path[1:], strict=False) if file != before]
+    changes = [file for before, file in pairwise(path) if file != before]
     left, returns = set(path[:1]), 0
     for file in changes:
         returns += file in left
@@ -93,13 +94,17 @@ def measure_hops() -> dict[str, tuple[Hops, list[str]]]:
 def main() -> None:
     """Print the table; with the name of a node, also its calls."""
     found = measure_hops()
-    print(f'{"node":16}{"files":>7}{"calls":>7}{"changes":>9}{"returns":>9}')
+
+    def write(line: str) -> None:
+        sys.stdout.write(line + '\n')
+
+    write(f'{"node":16}{"files":>7}{"calls":>7}{"changes":>9}{"returns":>9}')
     for node, (hops, _) in found.items():
-        print(f'{node:16}{hops.files:7}{hops.calls:7}{hops.changes:9}{hops.returns:9}')
+        write(f'{node:16}{hops.files:7}{hops.calls:7}{hops.changes:9}{hops.returns:9}')
     for node in sys.argv[1:]:
-        print(f'\n{node}')
+        write(f'\n{node}')
         for call in found[node][1]:
-            print(f'    {call.removeprefix(f"{ROOT}/")}')
+            write(f'    {call.removeprefix(f"{ROOT}/")}')
 
 
 if __name__ == '__main__':

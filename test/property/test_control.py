@@ -5,19 +5,20 @@ import math
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_control.allocation import (
+    ALIKE,
     allocate,
     create_working_array,
     RIDGE,
     Rotors,
     SCRATCH,
-    thrust_to_duty,
+    thrusts_to_duties,
     WEIGHTS,
 )
 from lta_control.cascade import CascadeMeasurement, Setpoint, steer_to_course, wrap_angle
 from lta_control.control import control_step, ControlMemory
 from lta_control.gains_file import load_gains
 from lta_control.per_rotor import NONE, pad_to_slots
-from lta_control.pid import pid_step
+from lta_control.pid import pid_step, PidGains
 from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import load_vehicle
 import numpy as np
@@ -103,15 +104,18 @@ def test_the_scratch_numbers_do_not_matter():
 
 @given(st.floats(-5.0, 5.0), st.floats(0.0, 1.0), st.floats(0.01, 1.0))
 def test_duty_inverts_any_curve(size, a, b):
-    u = thrust_to_duty(size, a, b)
+    rotors = ROTORS._replace(number=2, a=(a,) * 8, b=(b,) * 8, reverse=ALIKE)
+    thrusts = pad_to_slots((size, -size))
+    u, opposite, *unused = thrusts_to_duties(rotors, thrusts, create_working_array())
     assert (a * abs(u) + b) * u == pytest.approx(size, rel=1e-12, abs=1e-300)
-    assert thrust_to_duty(-size, a, b) == -u
+    assert opposite == -u
+    assert unused == [0.0] * 6
 
 
 @given(st.tuples(number, number, number, number), number, st.floats(0.001, 0.1))
 def test_pid_stays_within_its_limits(signals, limit, dt):
     integral, error, rate, shortfall = signals
-    gains = (1.0, 0.5, 0.2, -abs(limit), abs(limit))
+    gains = PidGains.model_construct(kp=1.0, ki=0.5, kd=0.2, limit=abs(limit))
     output, _ = pid_step(gains, integral, error, rate, shortfall, dt)
     assert abs(output) <= abs(limit)
 
@@ -120,9 +124,9 @@ def test_pid_stays_within_its_limits(signals, limit, dt):
 def test_course_never_asks_for_more_than_the_setpoint(nose, wanted, surge, sway, speed):
     gains = load_gains('gtmab')
     measured = CascadeMeasurement(0.5, 0.0, nose, 0.0, surge, sway, 0.0)
-    heading, asked, along, _ = steer_to_course(gains, measured, Setpoint(0.5, wanted, speed))
+    turn, asked, along, _ = steer_to_course(gains, measured, Setpoint(0.5, wanted, speed))
     assert 0.0 <= asked <= speed
-    assert abs(wrap_angle(heading - wanted)) <= gains.drift_limit + 1e-12
+    assert abs(wrap_angle(nose + turn - wanted)) <= gains.drift_limit + 1e-12
     assert abs(along) <= math.hypot(surge, sway) + 1e-12
 
 

@@ -33,7 +33,8 @@ STEP = 152
 THRUSTS = 160
 FREE = 168  # 1 where a rotor is away from its limits, else 0
 GIVEN = 176
-SCRATCH = 182
+DUTIES = 182
+SCRATCH = 190
 
 Wrench = tuple[float, float, float, float, float, float]
 Column = tuple[float, float, float, float, float, float]
@@ -130,13 +131,19 @@ def _write_problem(rotors: Rotors, wrench: Wrench, start: PerRotor, s: Scratch) 
     for j in range(count):
         for k in range(count):
             # Normal equations: B^T W B t = B^T W wrench
-            s[STIFFNESS + SLOTS * j + k] = _weighted_product(weights, columns[j], columns[k])
+            product = 0.0
+            for axis in range(AXES):
+                product += weights[axis] * columns[j][axis] * columns[k][axis]
+            s[STIFFNESS + SLOTS * j + k] = product
         ridge += RIDGE * s[STIFFNESS + SLOTS * j + j] / count
     for j in range(count):
         thrust = min(max(start[j], low[j]), high[j])
         s[THRUSTS + j] = thrust
+        product = 0.0
+        for axis in range(AXES):
+            product += weights[axis] * columns[j][axis] * wrench[axis]
         # The ridge pulls towards the start, so undetermined thrusts do not drift
-        s[TARGET + j] = _weighted_product(weights, columns[j], wrench) + ridge * thrust
+        s[TARGET + j] = product + ridge * thrust
         s[STIFFNESS + SLOTS * j + j] += ridge
         s[FREE + j] = 1.0 if low[j] < thrust < high[j] else 0.0
 
@@ -216,36 +223,21 @@ def _read_solution(rotors: Rotors, s: Scratch) -> tuple[PerRotor, Wrench]:
     )  # fmt: skip
 
 
-def _weighted_product(weights: Wrench, p: Column, q: Column) -> float:
-    total = 0.0
-    for axis in range(AXES):
-        total += weights[axis] * p[axis] * q[axis]
-    return total
+def thrusts_to_duties(rotors: Rotors, thrusts: PerRotor, scratch: Scratch) -> PerRotor:
+    """
+    Return the duty of each slot for its thrust. [N] to [1].
 
-
-def thrust_to_duty(thrust: float, a: float, b: float) -> float:
-    """Return the duty for a thrust [N]: the inverse of T = a u^2 + b u, odd in T."""
-    size = abs(thrust)
-    root = math.sqrt(b * b + 4.0 * a * size)
-    # Rationalised form: no cancellation at small thrusts, and a = 0 is allowed.
-    return math.copysign(2.0 * size / (b + root), thrust) if size > 0.0 else 0.0
-
-
-def thrusts_to_duties(rotors: Rotors, thrusts: PerRotor) -> PerRotor:
-    """Return the duty of each slot for its thrust. [N] to [1]."""
-    return (
-        _slot_duty(rotors, thrusts[0], 0),
-        _slot_duty(rotors, thrusts[1], 1),
-        _slot_duty(rotors, thrusts[2], 2),
-        _slot_duty(rotors, thrusts[3], 3),
-        _slot_duty(rotors, thrusts[4], 4),
-        _slot_duty(rotors, thrusts[5], 5),
-        _slot_duty(rotors, thrusts[6], 6),
-        _slot_duty(rotors, thrusts[7], 7),
-    )
-
-
-def _slot_duty(rotors: Rotors, thrust: float, slot: int) -> float:
-    # The curve is that of forward thrust: convert a reverse thrust to it first
-    forward = thrust if thrust >= 0.0 else thrust / rotors.reverse[slot]
-    return thrust_to_duty(forward, rotors.a[slot], rotors.b[slot])
+    It solves T = a u^2 + b u for the duty u, odd in T. `scratch` is as in `allocate`.
+    """
+    d, s = DUTIES, scratch
+    for slot in range(SLOTS):
+        s[d + slot] = 0.0
+    for slot in range(rotors.number):
+        thrust, a, b = thrusts[slot], rotors.a[slot], rotors.b[slot]
+        # The curve is that of forward thrust: convert a reverse thrust to it first
+        size = thrust if thrust >= 0.0 else -thrust / rotors.reverse[slot]
+        if size > 0.0:
+            # Rationalised form: no cancellation at small thrusts, and a = 0 is allowed
+            duty = 2.0 * size / (b + math.sqrt(b * b + 4.0 * a * size))
+            s[d + slot] = math.copysign(duty, thrust)
+    return s[d], s[d + 1], s[d + 2], s[d + 3], s[d + 4], s[d + 5], s[d + 6], s[d + 7]

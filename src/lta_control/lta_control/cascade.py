@@ -145,16 +145,11 @@ def drag_force(linear: float, quadratic: float, speed: float) -> float:
     return (linear + quadratic * abs(speed)) * speed
 
 
-def pid_gains(gains: PidGains) -> tuple[float, float, float, float, float]:
-    """Return the gains as the tuple that `pid_step` takes."""
-    return gains.kp, gains.ki, gains.kd, -gains.limit, gains.limit
-
-
 def steer_to_course(
     gains: CascadeGains, measured: CascadeMeasurement, setpoint: Setpoint
 ) -> tuple[float, float, float, float]:
     """
-    Return commanded heading and speed, and the motion relative to the course.
+    Return heading error and commanded speed, and the motion relative to the course.
 
     A round hull has no keel: turning the nose does not turn the motion. The drone therefore turns
     before it accelerates, and points its nose into the remaining drift across the course. The
@@ -164,8 +159,8 @@ def steer_to_course(
     Returns
     -------
     tuple of float
-        Heading [rad], forward speed [m/s], airspeed along the course [m/s], and the share of a
-        force along the nose that acts along the course.
+        Heading error [rad], forward speed [m/s], airspeed along the course [m/s], and the share
+        of a force along the nose that acts along the course.
 
     """
     moving = 1.0 if setpoint.speed > 0.0 else 0.0
@@ -176,12 +171,11 @@ def steer_to_course(
     along = cos * measured.speed - sin * measured.sway
     across = sin * measured.speed + cos * measured.sway
     lean = min(max(gains.drift_gain * across, -gains.drift_limit), gains.drift_limit)
-    heading = setpoint.heading - moving * lean
-    error = abs(wrap_angle(heading - measured.heading))
+    turn = wrap_angle(setpoint.heading - moving * lean - measured.heading)
     wanted = min(setpoint.speed, gains.speed_limit)
     # Turn first: no forward speed until the heading error is below `turn_first`
-    speed = wanted * max(0.0, 1.0 - error / gains.turn_first)
-    return heading, speed, along, cos
+    speed = wanted * max(0.0, 1.0 - abs(turn) / gains.turn_first)
+    return turn, speed, along, cos
 
 
 def cascade_step(
@@ -212,22 +206,28 @@ def cascade_step(
         Time since the last step. [s]
 
     """
-    heading, speed, along, share = steer_to_course(gains, measured, setpoint)
-    rate = _clamp_symmetric(
-        gains.heading_kp * wrap_angle(heading - measured.heading), gains.yaw_rate_limit
-    )
+    turn, speed, along, share = steer_to_course(gains, measured, setpoint)
+    rate = min(max(gains.heading_kp * turn, -gains.yaw_rate_limit), gains.yaw_rate_limit)
+    climb = gains.altitude_kp * (setpoint.altitude - measured.altitude)
+    climb = min(max(climb, -gains.climb_limit), gains.climb_limit)
     turning = slope_step(memory.turning, measured.yaw_rate, dt)
+    speeding = slope_step(memory.speeding, measured.speed, dt)
+    climbing = slope_step(memory.climbing, measured.climb, dt)
+    drag = drag_force(surge_drag[0], surge_drag[1], speed)
+    # A hull pushed from below leans back and is lifted by the thrust. Altitude has priority: wind
+    # is stronger higher up, and only weight brings the drone down again.
+    above = measured.altitude - setpoint.altitude + SOON * measured.climb
+    left = min(max(1.0 - above / gains.rise_limit, LEAST_PUSH), 1.0)
     yaw, rate_memory = pid_step(
-        pid_gains(gains.yaw_rate),
+        gains.yaw_rate,
         memory.yaw_rate,
         rate - measured.yaw_rate,
         turning.rate,
         shortfall.yaw,
         dt,
     )
-    speeding = slope_step(memory.speeding, measured.speed, dt)
     surge, speed_memory = pid_step(
-        pid_gains(gains.speed),
+        gains.speed,
         memory.speed,
         share * (speed - along),
         speeding.rate,
@@ -235,39 +235,20 @@ def cascade_step(
         dt,
     )
     # The feed-forward comes after the PID, so that its limit bounds the correction only.
-    surge += drag_force(surge_drag[0], surge_drag[1], speed)
+    surge += drag
     # Above the setpoint less surge; the damping term afterwards is always kept
-    surge *= _surge_share(gains, measured, setpoint)
+    surge *= left
     surge += gains.swing_gain * measured.pitch_rate
-    climb = gains.altitude_kp * (setpoint.altitude - measured.altitude)
-    climb = _clamp_symmetric(climb, gains.climb_limit)
-    climbing = slope_step(memory.climbing, measured.climb, dt)
-    kp, ki, kd, low, high = pid_gains(gains.climb)
-    # The jets' own downward pull extends the reachable heave.
-    lowest = lowest_heave + min(sink * surge, 0.0)
     heave, climb_memory = pid_step(
-        (kp, ki, kd, max(lowest, low), high),
+        gains.climb,
         memory.climb,
         climb - measured.climb,
         climbing.rate,
         shortfall.heave,
         dt,
+        # The jets' own downward pull extends the reachable heave
+        lowest_heave + min(sink * surge, 0.0),
     )
     return WrenchDemand(surge, heave, yaw), CascadeMemory(
         climb_memory, rate_memory, speed_memory, climbing, turning, speeding
     )
-
-
-def _surge_share(gains: CascadeGains, measured: CascadeMeasurement, setpoint: Setpoint) -> float:
-    """
-    Return the share of the surge force that is left above the commanded altitude.
-
-    A hull pushed from below leans back and is lifted by the thrust. Altitude has priority: wind
-    is stronger higher up, and only weight brings the drone down again.
-    """
-    above = measured.altitude - setpoint.altitude + SOON * measured.climb
-    return min(max(1.0 - above / gains.rise_limit, LEAST_PUSH), 1.0)
-
-
-def _clamp_symmetric(value: float, limit: float) -> float:
-    return min(max(value, -limit), limit)

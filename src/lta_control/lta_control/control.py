@@ -65,7 +65,7 @@ def control_step(
     shortfall = WrenchDemand(
         given[0] - demand.surge, given[2] - demand.heave, given[5] - demand.yaw
     )
-    return thrusts_to_duties(rotors, thrusts), ControlMemory(cascade, thrusts, shortfall)
+    return thrusts_to_duties(rotors, thrusts, scratch), ControlMemory(cascade, thrusts, shortfall)
 
 
 def has_landed(measured: CascadeMeasurement, setpoint: Setpoint, standing_height: float) -> bool:

@@ -14,7 +14,6 @@ from lta_control.reserve import ReserveReport
 from lta_control.sighting import DeadReckonedMotion, LampPosition
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
-from lta_graph.ros.message_validation import find_fault
 from nav_msgs.msg import Odometry
 import numpy as np
 from sensor_msgs.msg import FluidPressure, Imu, JointState, PointCloud2, Range
@@ -139,9 +138,9 @@ def to_motion(message: Odometry) -> ControlMotion:
     return ControlMotion((p.x, p.y, p.z), to_attitude(message), (v.x, v.y, v.z), (w.x, w.y, w.z))
 
 
-def is_level(message: Odometry, limit: float) -> bool:
-    """Return whether the vehicle tilts less than a limit. [rad]"""
-    return up_in_body(to_attitude(message))[2] >= math.cos(limit)
+def is_overturned(message: Odometry, limit: float) -> bool:
+    """Return whether the vehicle tilts more than a limit [rad]; False if its attitude is NaN."""
+    return up_in_body(to_attitude(message))[2] < math.cos(limit)
 
 
 def to_setpoint(pose: PoseStamped, velocity: TwistStamped) -> Setpoint:
@@ -204,11 +203,11 @@ def update_reserve_report(before: ReserveReport | None, step: InboxStep) -> Rese
     return word
 
 
-def to_lamp(message: PoseWithCovarianceStamped) -> LampPosition | None:
+def to_lamp(message: PoseWithCovarianceStamped | None) -> LampPosition | None:
     """Return the lamp in the body frame, or None where it is not seen."""
-    place, covariance = message.pose.pose.position, message.pose.covariance
-    if covariance[0] == UNKNOWN or find_fault(message):
+    if message is None or message.pose.covariance[0] == UNKNOWN:
         return None
+    place, covariance = message.pose.pose.position, message.pose.covariance
     # xx, xy, yy of the row-major 6 x 6 matrix
     spread = float(covariance[0]), float(covariance[1]), float(covariance[7])
     return LampPosition(place.x, place.y, place.z, spread)
@@ -220,10 +219,10 @@ def to_diodes(
     """
     Return axis and amplitude of each diode for the requested beacon.
 
-    Its points are the first row of the cloud; other beacons follow. An inconsistent cloud counts
-    as empty.
+    Its points are the first row of the cloud; other beacons follow. A cloud without the fields
+    counts as empty.
     """
-    if message is None or message.width == 0 or message.height == 0 or find_fault(message):
+    if message is None or message.width == 0 or message.height == 0:
         return (), ()
     # All fields are float32: index of each field in a point
     places = {field.name: field.offset // 4 for field in message.fields}
@@ -234,5 +233,5 @@ def to_diodes(
     row = words[: message.width]
     if not np.isfinite(row[:, [places['x'], places['y']]]).all():
         return (), ()
-    axes = tuple((x, y) for x, y in row[:, [places['x'], places['y']]].tolist())
+    axes = tuple(map(tuple, row[:, [places['x'], places['y']]].tolist()))
     return axes, tuple(row[:, places['amplitude']].tolist())

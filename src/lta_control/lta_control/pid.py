@@ -6,6 +6,8 @@ reduced by the saturated part of the output, here or further down the chain (bac
 Astrom and Haegglund, PID Controllers, 1995, section 3.5), with the tracking time kp / ki.
 """
 
+import math
+
 from lta_config.settings import setting, Settings
 
 
@@ -26,20 +28,19 @@ class PidGains(Settings):
 
 
 def pid_step(
-    gains: tuple[float, float, float, float, float],
+    gains: PidGains,
     integral: float,
     error: float,
     rate: float,
     shortfall: float,
     dt: float,
+    lowest: float = -math.inf,
 ) -> tuple[float, float]:
     """
     Return the output and the new integral.
 
     Parameters
     ----------
-    gains : tuple
-        kp, ki, kd, lowest and highest output.
     integral : float
         Integral term of the last step. [output]
     error : float
@@ -51,11 +52,12 @@ def pid_step(
         [output]
     dt : float
         Time since the last step. [s]
+    lowest : float
+        Lowest output, if it is above minus the limit of the gains.
 
     """
-    kp, ki, kd, low, high = gains
-    wanted = kp * error + integral - kd * rate
-    output = min(max(wanted, low), high)
+    wanted = gains.kp * error + integral - gains.kd * rate
+    output = min(max(wanted, max(lowest, -gains.limit)), gains.limit)
     # Tracking time kp / ki
-    unwind = ki / kp if kp > 0.0 else 0.0
-    return output, integral + dt * (ki * error + unwind * (output - wanted + shortfall))
+    unwind = gains.ki / gains.kp if gains.kp > 0.0 else 0.0
+    return output, integral + dt * (gains.ki * error + unwind * (output - wanted + shortfall))

@@ -79,7 +79,7 @@ def build_sight(
 
     """
     # A diode without valid samples counts as dark.
-    amplitudes = tuple(a if math.isfinite(a) else 0.0 for a in amplitudes)
+    amplitudes = tuple([a if math.isfinite(a) else 0.0 for a in amplitudes])
     direction = UNSEEN
     if lamp is not None:
         direction = LampDirection(

@@ -46,7 +46,7 @@ class Health:
 
     def report(self, task: str, level: HealthLevel, message: str, **values: object) -> None:
         """Set the status of one task."""
-        text = {key: str(value) for key, value in values.items()}
+        text = dict(zip(values, map(str, values.values()), strict=True))
         self.set_fact(HealthFact(task, level, message, text))
 
     def set_fact(self, fact: HealthFact) -> None:

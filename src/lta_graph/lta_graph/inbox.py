@@ -31,16 +31,24 @@ class InboxStep:
         Stamp of the triggering message; outputs reuse it. [ns]
     messages : mapping
         New messages by topic, oldest first; an empty list if there are none.
+    valid : mapping
+        The same without those that `lta_graph.ros.message_validation` rejects.
 
     """
 
     stamp_ns: int
     messages: Mapping[str, list[Any]]
+    valid: Mapping[str, list[Any]]
 
     def last_message(self, topic: str) -> Any:  # noqa: ANN401 - a message of whatever type the topic has
         """Return the newest new message of a topic, or None."""
         messages = self.messages[topic]
         return messages[-1] if messages else None
+
+    def last_valid(self, topic: str) -> Any:  # noqa: ANN401 - as above
+        """Return the newest new message of a topic if it is valid, or None."""
+        messages, valid = self.messages[topic], self.valid[topic]
+        return messages[-1] if valid and valid[-1] is messages[-1] else None
 
 
 class Inbox:
@@ -88,7 +96,8 @@ class Inbox:
         }
         # Only periodic topics have a known number of due messages
         self._rhythmic = {name for name in topics if table[name].period_ns}
-        self._queues: dict[str, deque[Any]] = {
+        # Messages, each with whether it is valid
+        self._queues: dict[str, deque[tuple[Any, bool]]] = {
             # A dropped trigger would be a skipped step, so its queue is unbounded in real time too
             name: deque(maxlen=None if lockstep or name == trigger else self._backlog_limit(name))
             for name in topics
@@ -104,11 +113,11 @@ class Inbox:
         period = self._table[name].period_ns
         return max(1, BACKLOG_NS // period) if period else BACKLOG
 
-    def put(self, topic: str, stamp_ns: int, message: Any) -> None:  # noqa: ANN401
+    def put(self, topic: str, stamp_ns: int, message: Any, valid: bool = True) -> None:  # noqa: ANN401
         """Add a message; `stamp_ns` is ignored for topics without a header."""
         if self._lockstep:
             self._count_gap(topic, stamp_ns)
-        self._queues[topic].append(message)
+        self._queues[topic].append((message, valid))
         if topic == self._trigger:
             self._trigger_stamps.append(stamp_ns)
 
@@ -143,7 +152,7 @@ class Inbox:
             return None
         stamp = self._trigger_stamps.popleft()
         now = stamp + self._table[self._trigger].latency_ns
-        messages = {self._trigger: [self._queues[self._trigger].popleft()]}
+        taken = {self._trigger: [self._queues[self._trigger].popleft()]}
         self._taken[self._trigger] += 1
         for name, lag in self._others.items():
             queue = self._queues[name]
@@ -151,9 +160,11 @@ class Inbox:
             if self._lockstep:
                 # In a recording whose time runs backwards, fewer are due than were taken already.
                 count = max(0, self._count_due(name, lag, now) - self._taken[name])
-            messages[name] = [queue.popleft() for _ in range(count)]
+            taken[name] = [queue.popleft() for _ in range(count)]
             self._taken[name] += count
-        return InboxStep(stamp, messages)
+        messages = {name: [each for each, _ in queue] for name, queue in taken.items()}
+        valid = {name: [each for each, good in queue if good] for name, queue in taken.items()}
+        return InboxStep(stamp, messages, valid)
 
     def list_missing_topics(self) -> list[str]:
         """Return the topics for which a triggered step is waiting."""

@@ -25,7 +25,7 @@ def _start(*_: object) -> None:
             files[code] = path if path.startswith(roots) else ''
         return files[code]
 
-    def run_complete_steps(node: GraphNode, inbox: Inbox, on_step) -> None:  # noqa: ANN001 - a hook
+    def run_complete_steps(node: GraphNode, inbox: Inbox, on_step) -> None:
         while (step := inbox.pop()) is not None:
             if len(steps) == STEPS:
                 on_step(step)

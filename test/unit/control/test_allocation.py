@@ -5,7 +5,6 @@ from lta_control.allocation import (
     allocate,
     create_working_array,
     Rotors,
-    thrust_to_duty,
     thrusts_to_duties,
 )
 from lta_control.per_rotor import NONE, pad_to_slots, SLOTS
@@ -115,23 +114,34 @@ def test_a_rotor_that_nothing_feels_stays_as_it_is():
     assert give(heave=0.1, rotors=dumb, start=pad_to_slots((0.0, 0.0, 0.0, 0.07)))[0][3] == 0.07
 
 
+def duties(rotors, thrusts):
+    """Return the duties for thrusts."""
+    return thrusts_to_duties(rotors, thrusts, create_working_array())
+
+
+def one_duty(thrust, a, b):
+    """Return the duty of a single rotor with a thrust curve."""
+    rotors = ROTORS._replace(number=1, a=pad_to_slots((a,)), b=pad_to_slots((b,)))
+    return duties(rotors, pad_to_slots((thrust,)))[0]
+
+
 @pytest.mark.parametrize('u', [-1.0, -0.4, -1e-9, 0.0, 1e-12, 0.02, 0.5, 1.0])
 def test_duty_is_the_inverse_of_the_thrust_curve(u):
     thrust = (0.0915 * abs(u) + 0.0677) * u
-    assert thrust_to_duty(thrust, 0.0915, 0.0677) == pytest.approx(u, rel=1e-12)
+    assert one_duty(thrust, 0.0915, 0.0677) == pytest.approx(u, rel=1e-12)
 
 
 def test_duty_of_a_straight_curve():
-    assert thrust_to_duty(0.03, 0.0, 0.06) == 0.5
-    assert thrust_to_duty(-0.03, 0.0, 0.06) == -0.5
+    assert one_duty(0.03, 0.0, 0.06) == 0.5
+    assert one_duty(-0.03, 0.0, 0.06) == -0.5
 
 
 def test_each_rotor_has_its_own_curve():
     rotors = ROTORS._replace(a=pad_to_slots((0.1, 0.0, 0.1)), b=pad_to_slots((0.1, 0.06, 0.1)))
     # 0.1 u^2 + 0.1 u = 0.075 at u = 0.5; 0.06 u = 0.03 at 0.5; and odd.
-    assert thrusts_to_duties(rotors, pad_to_slots((0.075, 0.03, -0.075))) == pytest.approx(
-        pad_to_slots((0.5, 0.5, -0.5))
-    )
+    assert thrusts_to_duties(
+        rotors, pad_to_slots((0.075, 0.03, -0.075)), create_working_array()
+    ) == pytest.approx(pad_to_slots((0.5, 0.5, -0.5)))
 
 
 def test_one_rotor_alone():
@@ -185,11 +195,13 @@ def test_reversed_thrust_is_a_ratio_of_each_rotor_and_one_in_unused_slots():
     assert rotors.reverse == pytest.approx((1.125, 25 / 30, 25 / 45, *(1.0,) * 5))
     # Half of the reversed limit needs the negative of the duty for half of the forward limit.
     half = tuple(0.5 * low for low in rotors.low)
-    forward = thrusts_to_duties(rotors, tuple(0.5 * high for high in rotors.high))
-    assert thrusts_to_duties(rotors, half) == pytest.approx([-u for u in forward])
+    forward = thrusts_to_duties(
+        rotors, tuple(0.5 * high for high in rotors.high), create_working_array()
+    )
+    assert duties(rotors, half) == pytest.approx([-u for u in forward])
     assert pad_to_slots((0.1,) * 8) == (0.1,) * 8
 
 
 def test_zero_thrust_is_zero_duty_even_without_a_thrust_curve():
-    assert thrust_to_duty(0.0, 0.0, 0.0) == 0.0
-    assert thrusts_to_duties(ROTORS, NONE) == NONE
+    assert one_duty(0.0, 0.0, 0.0) == 0.0
+    assert duties(ROTORS, NONE) == NONE

@@ -146,7 +146,7 @@ def energy(stamp, reserve=None, level=None, why=''):
         'energy/reserve': [] if reserve is None else [Bool(data=reserve)],
         'energy/status': [DiagnosticArray(status=status)] if status else [],
     }
-    return InboxStep(stamp, heard)
+    return InboxStep(stamp, heard, heard)
 
 
 def test_reserve_and_status_may_come_in_different_steps():

@@ -1,50 +1,65 @@
 """One PID loop: each term by hand, and that neither kind of saturation winds it up."""
 
+from typing import NamedTuple
+
 from lta_control.pid import pid_step
 import pytest
 
 WIDE = 1e9
 
 
-def step(gains, integral=0.0, error=0.0, rate=0.0, shortfall=0.0, dt=0.1):
-    return pid_step(gains, integral, error, rate, shortfall, dt)
+class Gains(NamedTuple):
+    """Gains as a law has them, but of any size."""
+
+    kp: float
+    ki: float
+    kd: float
+    limit: float
+
+
+def step(gains, integral=0.0, error=0.0, rate=0.0, shortfall=0.0, dt=0.1, lowest=-WIDE):
+    return pid_step(gains, integral, error, rate, shortfall, dt, lowest)
 
 
 def test_proportional_term():
-    assert step((2.0, 0.0, 0.0, -WIDE, WIDE), error=-0.3) == (pytest.approx(-0.6), 0.0)
+    assert step(Gains(2.0, 0.0, 0.0, WIDE), error=-0.3) == (pytest.approx(-0.6), 0.0)
 
 
 def test_integral_term_works_from_the_next_step_on():
-    gains = (2.0, 0.5, 0.0, -WIDE, WIDE)
+    gains = Gains(2.0, 0.5, 0.0, WIDE)
     output, integral = step(gains, integral=0.7, error=0.4)
     assert output == pytest.approx(2.0 * 0.4 + 0.7)
     assert integral == pytest.approx(0.7 + 0.1 * 0.5 * 0.4)
 
 
 def test_derivative_brakes_the_measurement():
-    output, integral = step((2.0, 0.5, 3.0, -WIDE, WIDE), error=0.1, rate=0.2)
+    output, integral = step(Gains(2.0, 0.5, 3.0, WIDE), error=0.1, rate=0.2)
     assert output == pytest.approx(2.0 * 0.1 - 3.0 * 0.2)
     assert integral == pytest.approx(0.1 * 0.5 * 0.1)  # the derivative is not integrated
 
 
 @pytest.mark.parametrize(('error', 'output'), [(5.0, 1.5), (-5.0, -0.5), (0.25, 0.5)])
 def test_output_is_held_within_its_limits(error, output):
-    assert step((2.0, 0.0, 0.0, -0.5, 1.5), error=error)[0] == output
+    assert step(Gains(2.0, 0.0, 0.0, 1.5), error=error, lowest=-0.5)[0] == output
+
+
+def test_the_limit_of_the_gains_holds_below_a_lower_lowest_output():
+    assert step(Gains(2.0, 0.0, 0.0, 1.5), error=-5.0, lowest=-9.0)[0] == -1.5
 
 
 def test_back_calculation_from_the_own_limit():
     # wanted 2 * 1 + 0.5 = 2.5, allowed 1.5: the excess of 1 unwinds at ki / kp = 0.25 /s.
-    _, integral = step((2.0, 0.5, 0.0, -1.5, 1.5), integral=0.5, error=1.0)
+    _, integral = step(Gains(2.0, 0.5, 0.0, 1.5), integral=0.5, error=1.0)
     assert integral == pytest.approx(0.5 + 0.1 * (0.5 * 1.0 + 0.25 * (1.5 - 2.5)))
 
 
 def test_back_calculation_from_the_stage_below():
-    _, integral = step((2.0, 0.5, 0.0, -WIDE, WIDE), integral=0.5, error=1.0, shortfall=-0.8)
+    _, integral = step(Gains(2.0, 0.5, 0.0, WIDE), integral=0.5, error=1.0, shortfall=-0.8)
     assert integral == pytest.approx(0.5 + 0.1 * (0.5 * 1.0 - 0.25 * 0.8))
 
 
 def test_without_a_proportional_gain_nothing_unwinds():
-    _, integral = step((0.0, 0.5, 0.0, -0.1, 0.1), integral=0.5, error=1.0, shortfall=-1.0)
+    _, integral = step(Gains(0.0, 0.5, 0.0, 0.1), integral=0.5, error=1.0, shortfall=-1.0)
     assert integral == pytest.approx(0.55)
 
 
@@ -55,7 +70,7 @@ def recovery(limit, tracking, inner=WIDE):
     Without `tracking` it is the same loop with its integral never unwound.
     """
     kp, ki, dt = 1.0, 0.5, 0.01
-    gains = (kp, ki, 0.0, -limit, limit)
+    gains = Gains(kp, ki, 0.0, limit)
     speed = integral = shortfall = 0.0
     for k in range(20_000):
         error = (10.0 if k < 3000 else 0.0) - speed
@@ -82,7 +97,7 @@ def test_anti_windup_recovers_at_once(limit, inner):
 
 def test_the_integral_settles_where_it_asks_for_just_the_limit():
     # Stationary: ki e + ki / kp (limit - kp e - I) = 0, hence I = limit whatever the error.
-    gains = (2.0, 0.5, 0.0, -1.5, 1.5)
+    gains = Gains(2.0, 0.5, 0.0, 1.5)
     integral = 0.0
     for _ in range(5000):
         _, integral = pid_step(gains, integral, 3.0, 0.0, 0.0, 0.02)

@@ -105,7 +105,7 @@ def test_parameters_have_the_types_of_ros(write, value, expected):
         return node_arguments(write, 'param:', f'- {{name: x, value: {value}}}', **given)
 
     if expected is None:
-        with pytest.raises(BadInput, match=r'Parameter x is \[7, 8\], but must be'):
+        with pytest.raises(BadInput, match=r'The parameter x is \[7, 8\], but must be'):
             found()
     else:
         assert found() == ('-p', expected)
@@ -125,7 +125,7 @@ def test_a_type_rules_what_a_substitution_gives(write, kind, text, expected):
 )
 def test_a_value_of_another_type_is_refused(write, kind, value):
     line = f'- {{name: x, value: {value}, type: {kind}}}'
-    with pytest.raises(BadInput, match=f'Parameter x is .* but must be {kind}'):
+    with pytest.raises(BadInput, match=f'The parameter x is .* but must be of type {kind}'):
         node_arguments(write, 'param:', line, v='seven')
 
 
@@ -173,7 +173,7 @@ launch:
     assert plan_of(path, world='room', robot='lta2')[0].name == 'lta2'
     for given, message in [
         ({}, r"'world' \(Where to fly\) is missing; give world:=VALUE\."),
-        ({'world': 'a', 'strategy': 'up'}, r"'strategy' is 'up'; choose bag, des\."),
+        ({'world': 'a', 'strategy': 'up'}, r"'strategy' is 'up', but must be one of bag, des\."),
         ({'world': 'a', 'strateg': 'bag'}, r"Unknown launch argument 'strateg'; known: robot, s"),
     ]:
         with pytest.raises(BadInput, match=message) as caught:

@@ -1,7 +1,6 @@
 """Altitude control for most of the laws: altitude error to climb rate to vertical force."""
 
 from lta_config.settings import setting, Settings
-from lta_control.cascade import pid_gains
 from lta_control.laws.frames import clamp_symmetric
 from lta_control.pid import pid_step, PidGains
 
@@ -30,4 +29,4 @@ def lift_step(
     """
     wanted = clamp_symmetric(gains.altitude_kp * error, gains.climb_limit)
     # A measured rate of 0 disables the derivative term
-    return pid_step(pid_gains(gains.climb), integral, wanted - climb, 0.0, missing, dt)
+    return pid_step(gains.climb, integral, wanted - climb, 0.0, missing, dt)

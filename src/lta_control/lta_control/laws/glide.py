@@ -18,7 +18,7 @@ from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
 from lta_control.allocation import Rotors, Scratch, thrusts_to_duties
 from lta_control.attitude import up_in_body, Vector, yaw_from_quaternion
-from lta_control.cascade import pid_gains, wrap_angle
+from lta_control.cascade import wrap_angle
 from lta_control.laws.frames import clamp_symmetric, to_world
 from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs
 from lta_control.pid import pid_step, PidGains
@@ -102,23 +102,19 @@ def step(
     error = setpoint.altitude - motion.position[2]
     wanted = clamp_symmetric(gains.altitude_kp * error, gains.climb_limit)
     # The climb loop commands pitch, which the mass then realises.
-    nose, climb = pid_step(pid_gains(gains.climb), memory.climb, wanted - rising, 0.0, 0.0, dt)
+    nose, climb = pid_step(gains.climb, memory.climb, wanted - rising, 0.0, 0.0, dt)
     # Nose-up pitch; the clamp protects asin from rounding
     pitch = math.asin(clamp_symmetric(up_in_body(motion.attitude)[0], 1.0))
     # The rate about body y is nose down.
-    back, tilt = pid_step(
-        pid_gains(gains.pitch), memory.pitch, nose - pitch, -motion.rates[1], gap[0], dt
-    )
+    back, tilt = pid_step(gains.pitch, memory.pitch, nose - pitch, -motion.rates[1], gap[0], dt)
     # Moving the mass backwards (-x) raises the nose
     place = min(max(constants.rest[0] - back, constants.low), constants.high)
     along = motion.velocity[0]
-    thrust, speed = pid_step(
-        pid_gains(gains.speed), memory.speed, setpoint.speed - along, 0.0, gap[1], dt
-    )
+    thrust, speed = pid_step(gains.speed, memory.speed, setpoint.speed - along, 0.0, gap[1], dt)
     off = wrap_angle(setpoint.heading - yaw_from_quaternion(motion.attitude))
     rate = clamp_symmetric(gains.heading_kp * off, gains.yaw_rate_limit)
     turn, yaw_rate = pid_step(
-        pid_gains(gains.yaw_rate), memory.yaw_rate, rate - motion.rates[2], 0.0, gap[2], dt
+        gains.yaw_rate, memory.yaw_rate, rate - motion.rates[2], 0.0, gap[2], dt
     )
     # The turn has priority; each propeller gives 0 to full thrust.
     full = constants.rotors.high[0]
@@ -133,7 +129,8 @@ def step(
     )
     thrusts = (left, right, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     command = LawCommand(
-        thrusts_to_duties(constants.rotors, thrusts), (place, constants.rest[1], constants.rest[2])
+        thrusts_to_duties(constants.rotors, thrusts, scratch),
+        (place, constants.rest[1], constants.rest[2]),
     )
     return GlideLawMemory(command, climb, tilt, speed, yaw_rate, missing)
 

@@ -26,7 +26,7 @@ from lta_config.errors import BadInput
 from lta_config.settings import setting
 from lta_control.allocation import Rotors, Scratch, thrusts_to_duties
 from lta_control.attitude import yaw_from_quaternion
-from lta_control.cascade import pid_gains, wrap_angle
+from lta_control.cascade import wrap_angle
 from lta_control.laws.climbing import ClimbGains, lift_step
 from lta_control.laws.frames import clamp_symmetric, rotate_level_to_world, to_world
 from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
@@ -135,10 +135,10 @@ def step(
     off = wrap_angle(setpoint.heading - yaw)
     rate = clamp_symmetric(gains.heading_kp * off, gains.yaw_rate_limit)
     turn, yaw_rate = pid_step(
-        pid_gains(gains.yaw_rate), memory.yaw_rate, rate - motion.rates[2], 0.0, gap[1], dt
+        gains.yaw_rate, memory.yaw_rate, rate - motion.rates[2], 0.0, gap[1], dt
     )
     forward, left = rotate_level_to_world(off, setpoint.speed, 0.0)
-    loop = pid_gains(gains.velocity)
+    loop = gains.velocity
     fx, surge = pid_step(loop, memory.surge, forward - motion.velocity[0], 0.0, gap[2], dt)
     fy, sway = pid_step(loop, memory.sway, left - motion.velocity[1], 0.0, gap[3], dt)
     # The jets cannot push down
@@ -147,7 +147,7 @@ def step(
     # Negative where the offsets were scaled down: the undelivered part of each demand
     short = share - 1.0
     missing = (given - constants.weight - push, short * turn, short * fx, short * fy)
-    command = LawCommand(thrusts_to_duties(constants.rotors, thrusts), UNMOVED)
+    command = LawCommand(thrusts_to_duties(constants.rotors, thrusts, scratch), UNMOVED)
     return LateralLawMemory(command, climb, yaw_rate, surge, sway, missing)
 
 

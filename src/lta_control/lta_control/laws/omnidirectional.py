@@ -127,7 +127,7 @@ def step(
     p, q, r = motion.rates
     wrench = (fx, fy, fz, kp * tx - kd * p, kp * ty - kd * q, kp * tz - kd * r)
     thrusts, _ = allocate(constants.rotors, wrench, memory.thrusts, scratch)
-    command = LawCommand(thrusts_to_duties(constants.rotors, thrusts), UNMOVED)
+    command = LawCommand(thrusts_to_duties(constants.rotors, thrusts, scratch), UNMOVED)
     return OmnidirectionalLawMemory(command, True, (gx, gy), (ix, iy, iz), thrusts)
 
 

@@ -89,7 +89,7 @@ def step(
         drag_force(constants.yaw[0], constants.yaw[1], turn),
     )
     thrusts, _ = allocate(constants.rotors, wrench, memory.thrusts, scratch)
-    command = LawCommand(thrusts_to_duties(constants.rotors, thrusts), UNMOVED)
+    command = LawCommand(thrusts_to_duties(constants.rotors, thrusts, scratch), UNMOVED)
     return OpenLoopLawMemory(
         command, True, altitude + dt * climb, wrap_angle(heading + dt * turn), thrusts
     )

@@ -15,7 +15,7 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting
 from lta_control.allocation import allocate, Rotors, Scratch, thrusts_to_duties
 from lta_control.attitude import up_in_body, Vector, yaw_from_quaternion
-from lta_control.cascade import pid_gains, wrap_angle
+from lta_control.cascade import wrap_angle
 from lta_control.laws.climbing import ClimbGains, lift_step
 from lta_control.laws.frames import (
     clamp_symmetric,
@@ -121,7 +121,7 @@ def step(
     upright = max(up_in_body(motion.attitude)[2], STEEP)
     thrust = (constants.weight + push) / upright
     wx, wy = rotate_level_to_world(setpoint.heading, setpoint.speed, 0.0)
-    loop = pid_gains(gains.velocity)
+    loop = gains.velocity
     ax, east = pid_step(loop, memory.east, wx - vx, 0.0, 0.0, dt)
     ay, north = pid_step(loop, memory.north, wy - vy, 0.0, 0.0, dt)
     yaw = yaw_from_quaternion(motion.attitude)
@@ -143,7 +143,7 @@ def step(
     mz = constants.inertia[2] * gains.yaw_rate_kp * (wanted - motion.rates[2])
     wrench = (0.0, 0.0, thrust, mx, my, mz)
     thrusts, given = allocate(constants.rotors, wrench, memory.thrusts, scratch)
-    command = LawCommand(thrusts_to_duties(constants.rotors, thrusts), UNMOVED)
+    command = LawCommand(thrusts_to_duties(constants.rotors, thrusts, scratch), UNMOVED)
     return QuadrotorLawMemory(
         command, True, climb, east, north, motion.rates, slopes, given[2] - thrust, thrusts
     )

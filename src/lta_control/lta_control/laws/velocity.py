@@ -17,7 +17,7 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting
 from lta_control.allocation import allocate, Rotors, Scratch, thrusts_to_duties
 from lta_control.attitude import Vector
-from lta_control.cascade import drag_force, pid_gains
+from lta_control.cascade import drag_force
 from lta_control.laws.climbing import ClimbGains, lift_step
 from lta_control.laws.frames import rotate_level_to_world, to_body, to_world
 from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
@@ -85,7 +85,7 @@ def step(
     error = setpoint.altitude - motion.position[2]
     up, climb = lift_step(gains, memory.climb, error, vz, gap[2], dt)
     wx, wy = rotate_level_to_world(setpoint.heading, setpoint.speed, 0.0)
-    loop = pid_gains(gains.velocity)
+    loop = gains.velocity
     fx, east = pid_step(loop, memory.east, wx - vx, 0.0, gap[0], dt)
     fy, north = pid_step(loop, memory.north, wy - vy, 0.0, gap[1], dt)
     drag = drag_force(constants.drag[0], constants.drag[1], setpoint.speed)
@@ -98,7 +98,7 @@ def step(
     # Back to the world frame, in which the integrals live.
     gx, gy, gz = to_world(motion.attitude, (given[0], given[1], given[2]))
     missing = (gx - force[0], gy - force[1], gz - force[2])
-    command = LawCommand(thrusts_to_duties(constants.rotors, thrusts), UNMOVED)
+    command = LawCommand(thrusts_to_duties(constants.rotors, thrusts, scratch), UNMOVED)
     return VelocityLawMemory(command, climb, east, north, missing, thrusts)
 
 

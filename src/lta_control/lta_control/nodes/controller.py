@@ -17,7 +17,7 @@ from lta_control.gains_file import load_gains
 from lta_control.laws.onboard_law import CASCADE, OnboardLaw, vehicle_law_name
 from lta_control.messages import (
     from_duties,
-    is_level,
+    is_overturned,
     to_cascade_measurement,
     to_motion,
     to_setpoint,
@@ -136,14 +136,17 @@ class Controller(GraphNode):
         self._pose = step.last_message('setpoint/pose') or self._pose
         self._velocity = step.last_message('setpoint/velocity') or self._velocity
         measured = to_cascade_measurement(odom)
-        known = measured is not None and all(map(math.isfinite, measured))
-        if self._armed and known and not is_level(odom, self._settings.value.tilt_limit):
+        overturned = measured is not None and is_overturned(odom, self._settings.value.tilt_limit)
+        if self._armed and overturned:
             self._stop_motors(
                 'the drone turned over: the motors are off; restart the controller to fly again'
             )
-        duties = self._excite_duties(
-            step.stamp_ns, self._compute_duties(step.stamp_ns, odom, measured)
-        )
+        duties = self._compute_duties(step.stamp_ns, odom, measured)
+        if self._course is not None:
+            self._begun_ns = step.stamp_ns if self._begun_ns is None else self._begun_ns
+            time = (step.stamp_ns - self._begun_ns) * 1e-9
+            # The test signals of the scenario
+            duties = self._course.excite_duties(time, duties, self._reversible)
         self._last_ns = step.stamp_ns
         self._motors.publish(from_duties(odom.header.stamp, self._names, duties))
 
@@ -177,15 +180,6 @@ class Controller(GraphNode):
         )
         return duties
 
-    def _excite_duties(self, now_ns: int, duties: tuple[float, ...]) -> tuple[float, ...]:
-        """Return the duties with the excitation of the scenario's course."""
-        if self._course is None:
-            return duties
-        self._begun_ns = now_ns if self._begun_ns is None else self._begun_ns
-        return self._course.excite_duties(
-            (now_ns - self._begun_ns) * 1e-9, duties, self._reversible
-        )
-
     def _reset_to_zero(self, text: str = '') -> tuple[float, ...]:
         """Return zero duties, and reset the integrals."""
         self._memory = ControlMemory()
@@ -201,7 +195,8 @@ class Controller(GraphNode):
         """Return the setpoint, or its replacement if it is too old: hold, then descend."""
         setpoint, settings = to_setpoint(pose, velocity), self._settings.value
         # The older of the two messages counts; a stamp far in the future is infinitely old
-        oldest = max(stamp_age(from_stamp(half.header.stamp), now_ns) for half in (pose, velocity))
+        stamps = from_stamp(pose.header.stamp), from_stamp(velocity.header.stamp)
+        oldest = max(stamp_age(stamps[0], now_ns), stamp_age(stamps[1], now_ns))
         if oldest <= settings.hold_after:
             steers = 'a person' if self._helm.held else 'the setpoint'
             self.health.report('motors', HealthLevel.OK, f'flying by {steers}')

@@ -28,11 +28,10 @@ from lta_control.strategies import check_route, find_navigation_strategy
 from lta_control.strategies.protocol import LightMeasurement
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
-from lta_graph.ros.message_validation import find_fault
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
-from lta_graph.ros.stamps import from_stamp
+from lta_graph.ros.stamps import find_nearest_message
 from lta_model.light.gain_selection import compute_gain_scale
 from lta_model.scenario import load_course, load_route
 from lta_vlc.beacon_request import NO_WISH
@@ -83,7 +82,7 @@ class Navigator(GraphNode):
         self.subscribe_inputs(inputs, trigger='light/estimate', on_step=self._on_step)
 
     def _on_step(self, step: InboxStep) -> None:
-        self._history.extend(odom for odom in step.messages['odom'] if not find_fault(odom))
+        self._history.extend(step.valid['odom'])
         self._word = update_reserve_report(self._word, step)
         if not self._history and not self.lockstep:
             return  # light may arrive before an estimate; in lockstep every node answers
@@ -147,13 +146,10 @@ class Navigator(GraphNode):
     def _build_sight(self, step: InboxStep) -> LightMeasurement:
         """Return the light with the drone's motion at the middle of its block."""
         # A block is stamped with its first sample; the bearing is that of its middle
-        middle = step.stamp_ns + self._block_ns // 2
-        then = min(
-            self._history, key=lambda m: abs(from_stamp(m.header.stamp) - middle), default=None
-        )
-        axes, amplitudes = to_diodes(step.last_message('light/peaks'))
+        then = find_nearest_message(self._history, step.stamp_ns + self._block_ns // 2)
+        axes, amplitudes = to_diodes(step.last_valid('light/peaks'))
         return build_sight(
-            to_lamp(step.last_message('light/estimate')),
+            to_lamp(step.last_valid('light/estimate')),
             axes,
             amplitudes,
             DeadReckonedMotion(0.0, 0.0, 0.0, 0.0, 0.0)

@@ -1,8 +1,8 @@
 """
 Validate messages: finite numbers, consistent lengths and continuous stamps.
 
-The results are for /diagnostics only. An invalid message is passed on nevertheless, because in
-lockstep some node waits for the answer to it. Each node must protect itself.
+An invalid message is counted for /diagnostics and passed on nevertheless, because in lockstep some
+node waits for the answer to it. `InboxStep.valid` leaves out messages with invalid content.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -140,13 +140,18 @@ class MessageValidator:
         self._stamps = stamps
         self._newest: dict[str, int] = {}
 
-    def validate(self, row: Topic, name: str, message: Any) -> None:  # noqa: ANN401 - see above
-        """Count a message of a topic if it is invalid."""
-        why = find_fault(message)
+    def validate(self, row: Topic, name: str, message: Any) -> bool:  # noqa: ANN401 - see above
+        """
+        Count a message of a topic if it is invalid, and return whether its content is valid.
+
+        A jump in the stamps is counted, but does not make the content invalid.
+        """
+        fault = why = find_fault(message)
         if not why and self._stamps and row.stamped and row.period_ns:
             why = self._find_stamp_jump(name, message.header.stamp)
         if why:
             self.unsound.add(f'{name}: {why}')
+        return not fault
 
     def _find_stamp_jump(self, name: str, stamp: Time) -> str:
         """Return a description of a jump in a topic's stamps, or an empty string."""

@@ -164,8 +164,8 @@ class GraphNode(Node):
             self._heard[name] = time.monotonic()
             self.begun = True
             stamp_ns = from_stamp(message.header.stamp) if stamped else 0
-            self.soundness.validate(self.table[name], name, message)
-            inbox.put(name, stamp_ns, message)
+            valid = self.soundness.validate(self.table[name], name, message)
+            inbox.put(name, stamp_ns, message, valid)
             self._run_complete_steps(inbox, on_step)
 
         return receive_message

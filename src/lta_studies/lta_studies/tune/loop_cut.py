@@ -170,12 +170,12 @@ class LoopCut:
             memory.control.shortfall,
             drone.dt,
         )
-        given = imposed or demand
+        given, scratch = imposed or demand, create_working_array()
         thrusts, done = allocate(
             drone.rotors,
             (given.surge, 0.0, given.heave, 0.0, 0.0, given.yaw),
             memory.control.thrusts,
-            create_working_array(),
+            scratch,
         )
         # What the rotors could not deliver, for the anti-windup of the next step.
         missing = WrenchDemand(done[0] - given.surge, done[2] - given.heave, done[5] - given.yaw)
@@ -183,7 +183,7 @@ class LoopCut:
             estimate=estimate,
             measured=measured,
             control=ControlMemory(cascade, thrusts, missing),
-            duties=thrusts_to_duties(drone.rotors, thrusts),
+            duties=thrusts_to_duties(drone.rotors, thrusts, scratch),
         )
         return after, demand
 
