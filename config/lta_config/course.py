@@ -110,7 +110,8 @@ def check_rising_times(times: Sequence[float]) -> None:
     """Raise `ValueError` unless the times [s] of the rows increase."""
     if any(later <= earlier for earlier, later in pairwise(times)):
         raise ValueError(
-            f'has rows at the times {list(times)} s; sort them by time, each only once'
+            f'has rows at the times {list(times)} s, but each time must be later than the one '
+            'before; sort the rows by time, and remove duplicates'
         )
 
 

@@ -236,7 +236,9 @@ def _check_shape(where: str, events: Iterable[yaml.Event]) -> None:
             if event.anchor is not None:
                 sizes[event.anchor] = 1
         if len(open_) > YAML_DEPTH:
-            raise BadInput(f'{where} is nested more than {YAML_DEPTH} levels deep; use fewer.')
+            raise BadInput(
+                f'{where} is nested more than {YAML_DEPTH} levels deep; use fewer levels.'
+            )
         if total > YAML_BYTES:
             raise BadInput(
                 f'{where} has more than {YAML_BYTES} values after its aliases are expanded; use '

@@ -137,7 +137,9 @@ def _get_child(content: Any, key: str, where: str) -> Any:  # noqa: ANN401 - wha
     if content is None and OPEN in where.split('.'):  # a parameter of an omitted effect
         return None
     if not isinstance(content, Mapping):
-        raise BadInput(f"{where} is a single value without keys; remove '.{key}'.")
+        raise BadInput(
+            f"{where} is a single value without keys; remove '.{key}' from the parameter path."
+        )
     if key not in content and OPEN not in where.split('.'):
         raise unknown_name_error(f'key of {where}', key, [str(name) for name in content])
     return content.get(key)
@@ -147,7 +149,9 @@ def _select_element(quantity: Mapping[str, Any], key: str, where: str) -> dict[s
     """Return one element of a vector quantity as a quantity."""
     numbers = quantity['value']
     if not isinstance(numbers, list | tuple):
-        raise BadInput(f"{where} is a single value without keys; remove '.{key}'.")
+        raise BadInput(
+            f"{where} is a single value without keys; remove '.{key}' from the parameter path."
+        )
     if not (key.isdecimal() and int(key) < len(numbers)):
         raise unknown_name_error(
             f'index of {where}', key, [str(index) for index in range(len(numbers))]
@@ -191,8 +195,8 @@ def _validate_replacement(old: Any, value: Any, where: str) -> Any:  # noqa: ANN
         raise BadInput(f'{where} is a group of parameters; set one of its keys: {names}.')
     if now is not None:
         raise BadInput(
-            f'{where} cannot be {format_value(value)}, because it has no unit; give a value such '
-            f'as {old}.'
+            f'{where} has no unit, so it cannot be set to {format_value(value)}; give a value '
+            f'such as {old}.'
         )
     # bool is a subclass of int
     number = isinstance(old, int | float) and not isinstance(old, bool)

@@ -71,8 +71,8 @@ def _set_in_content(content: Any, way: list[str], value: Any) -> Any:  # noqa: A
         content = {}
     if not isinstance(content, Mapping):
         raise BadInput(
-            f"'{way[0]}' cannot be set in the vehicle file, because the key above it has a single "
-            'value; remove that value first.'
+            f"'{way[0]}' cannot be set in the vehicle file, because the key above it has a value "
+            'instead of keys; remove that value from the file first.'
         )
     return {**content, way[0]: _set_in_content(content.get(way[0]), way[1:], value)}
 

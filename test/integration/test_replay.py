@@ -246,7 +246,7 @@ def test_a_node_that_does_not_answer_ends_the_replay_and_is_named(recorded, peer
     peer.until(lambda: process.poll() is not None)
     out, errors = process.communicate(timeout=PATIENCE)
     assert process.returncode == 1, errors
-    assert 'these answers did not arrive within 4 s: motors from controller.' in errors
+    assert 'did not arrive within 4 s: motors from controller.' in errors
     said = json.loads(out.splitlines()[-1])
     assert (said['outcome'], said['answers'], said['owed']) == ('unanswered', '0', '402')
 

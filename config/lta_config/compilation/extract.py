@@ -154,7 +154,10 @@ class GeneratedFunction:
 
     def __call__(self, *arguments: object) -> Any:  # noqa: ANN401 - any result
         """Raise `TypeError`: there is no such function in Python."""
-        raise TypeError(f'{self.name} exists only in compiled code; Python cannot call it.')
+        raise TypeError(
+            f'{self.name} exists only in compiled code and cannot be called from Python; call it '
+            'only in functions that are compiled.'
+        )
 
 
 class _FunctionSource(NamedTuple):
@@ -282,7 +285,8 @@ class SourceExtract:
                 if text in code.co_varnames:
                     raise BadInput(
                         f'{function.__name__} of {function.__module__} has a variable {text}, '
-                        f'the name of {name}.{attribute} in compiled code; rename the variable.'
+                        f'but the compiled code uses this name for {name}.{attribute}; rename the '
+                        'variable.'
                     )
                 attributes[f'{name}.{attribute}'] = text
         self._pieces[own] = _render_function(
@@ -344,7 +348,7 @@ class SourceExtract:
         kind = 'a module' if isinstance(value, ModuleType) else repr(value)
         raise BadInput(
             f'{function.__module__}.{function.__name__} uses {name}, {kind}, which cannot be '
-            'compiled; use math, numbers and plain functions only.'
+            'compiled; use only numbers, plain functions and the functions of the module math.'
         )
 
     def _claim_name(self, prefix: str, name: str, module: str, meaning: object) -> str:

@@ -86,8 +86,8 @@ class ComparisonFile(StrictModel):
             rising = list(speeds.vector) == sorted(set(speeds.vector))
             if speeds.dimension != 'm/s' or not rising or len(speeds.vector) > SPEEDS:
                 raise ValueError(
-                    f'has invalid speeds of the limit {name}; give at most {SPEEDS} speeds in '
-                    'm/s, each above the one before'
+                    f'has invalid "speeds" in limits.{name}; give at most {SPEEDS} speeds in m/s, '
+                    'in increasing order and without duplicates'
                 )
         return self
 

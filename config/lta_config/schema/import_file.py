@@ -110,7 +110,7 @@ class VectorField(_InUnit):
             raise ValueError('needs exactly one of "columns" and "value"')
         if self.value is not None and len(self.value.vector) != 3:
             raise ValueError(
-                f'has a value of length {len(self.value.vector)}, but needs 3 numbers'
+                f'has a "value" with {len(self.value.vector)} numbers, but needs 3 (x, y and z)'
             )
         return self
 
@@ -154,8 +154,8 @@ class OrientationField(StrictModel):
             )
         if self.signs is not None and len(self.signs) != len(self.euler):
             raise ValueError(
-                f'has {len(self.signs)} signs for {len(self.euler)} angles; give one for each '
-                'angle'
+                f'has {len(self.signs)} numbers in "signs" for {len(self.euler)} angles in '
+                '"euler"; give one sign for each angle'
             )
         return self
 
@@ -290,8 +290,10 @@ class ImportMapping(_WithAxes):
     @model_validator(mode='after')
     def _check_format_keys(self) -> Self:
         if (self.format == 'csv') != (self.time is not None):
-            word = 'needs' if self.time is None else 'must not have'
-            raise ValueError(f'of format {self.format} {word} the key "time"')
+            word, remedy = (
+                ('needs', 'add it') if self.time is None else ('must not have', 'remove it')
+            )
+            raise ValueError(f'of format {self.format} {word} the key "time"; {remedy}')
         if self.format == 'csv' and any(entry.drop_empty for entry in self.topics):
             raise ValueError('of format csv must not have the key "drop_empty"; remove it')
         if self.format == 'csv' and any(entry.table or entry.join for entry in self.topics):

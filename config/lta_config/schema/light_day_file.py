@@ -39,7 +39,10 @@ class CloudSequence(StrictModel):
         for name in ('cover', 'through'):
             low, high = getattr(self, name).vector
             if low > high:
-                raise ValueError(f'has a lower bound of {name} above the upper one; swap them')
+                raise ValueError(
+                    f'has a lower bound of "{name}" that is above its upper bound; swap the two '
+                    'numbers'
+                )
         return self
 
 
@@ -82,8 +85,8 @@ class LightDay(StrictModel):
         flickering = [name for name, lamp in self.lamps.items() if lamp.duty.si < 1.0]
         if len(flickering) > 1:
             raise ValueError(
-                f'has several flickering lamps, with a duty below 1 ({", ".join(flickering)}); '
-                'keep only one'
+                f'has several flickering lamps ({", ".join(flickering)}: "duty" is below 1), but '
+                'only one is supported; set "duty" to 1 for the others'
             )
         return self
 

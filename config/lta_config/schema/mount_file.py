@@ -55,7 +55,8 @@ class MountFile(StrictModel):
                 )
             if self.parts[name].shape != 'box':
                 raise ValueError(
-                    f'has the panel {name} with the shape {self.parts[name].shape}; use a box'
+                    f'has the panel {name} with the shape {self.parts[name].shape}, but a panel '
+                    'must have "shape: box"'
                 )
         return self
 

@@ -56,7 +56,9 @@ class AgreementRule(StrictModel):
     def _check_one_kind(self) -> Self:
         bounds = self.least is not None or self.most is not None
         if sum([self.within is not None, bounds, self.word is not None]) != 1:
-            raise ValueError('needs "within", "is", or one or both of "least" and "most"')
+            raise ValueError(
+                'needs exactly one rule: "within", "is", or bounds ("least", "most" or both)'
+            )
         return self
 
 
@@ -96,7 +98,10 @@ class PaperClaim(StrictModel):
         # The paper claims nothing yet, so there is nothing to agree with
         if self.source == 'future':
             if self.measure is None or self.rule is not None:
-                raise ValueError('has "source: future"; give it a measure, but no rule')
+                raise ValueError(
+                    'has "source: future", so there is no claimed value to compare with; add '
+                    '"measure", and remove "rule"'
+                )
             return self
         if (self.measure is None) != (self.rule is None):
             raise ValueError('has only one of "measure" and "rule"; give both or neither')
@@ -194,8 +199,9 @@ class PaperRow(StrictModel):
         assert rule is not None
         if (rule.word is not None) != (measure.unit is None):
             raise ValueError(
-                f'compares text with a number in the claim {claim}; use "is" only for a measure '
-                'without a unit'
+                f'has a rule in the claim {claim} that does not suit its measure; use "is" for a '
+                'measure without a unit (text), and "within", "least" or "most" for one with a '
+                'unit'
             )
         dimension = None if measure.unit is None else UNITS[measure.unit][0]
         for bound in (rule.least, rule.most, statement.value):

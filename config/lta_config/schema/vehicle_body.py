@@ -141,5 +141,7 @@ class MovingMassBlock(StrictModel):
     def _check_travel(self) -> 'MovingMassBlock':
         ends = zip(self.low.vector, self.position.vector, self.high.vector, strict=True)
         if not all(low <= at <= high for low, at, high in ends):
-            raise ValueError('has a position outside its range; choose one between low and high')
+            raise ValueError(
+                'has a "position" outside the range from "low" to "high"; correct one of the three'
+            )
         return self

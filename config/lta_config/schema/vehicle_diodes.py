@@ -30,7 +30,7 @@ def _check_resistors(quantity: Quantity) -> Quantity:
         raise ValueError(UNSOURCED)
     if list(quantity.vector) != sorted(quantity.vector, reverse=True):
         raise ValueError(
-            'does not have its resistors in order; list them from largest to smallest'
+            'has feedback resistors in the wrong order; list them from largest to smallest'
         )
     return quantity
 
@@ -118,7 +118,7 @@ class PhotodiodesBlock(StrictModel):
             )
         if strangers := [index for index in self.dead if index >= self.count]:
             raise ValueError(
-                f'has the dead diode {strangers[0]}, but the diodes are numbered from 0 to '
+                f'has the number {strangers[0]} in "dead", but the diodes are numbered from 0 to '
                 f'{self.count - 1}; correct the number'
             )
         return self

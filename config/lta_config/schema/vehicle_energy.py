@@ -70,7 +70,9 @@ class SolarArrayBlock(StrictModel):
         try:
             load_cell_file(self.cell)
         except BadInput as error:
-            raise ValueError(f'has a cell that cannot be read: {str(error).rstrip(".")}') from None
+            raise ValueError(
+                f'names a solar cell in "cell" whose file cannot be used: {str(error).rstrip(".")}'
+            ) from None
         return self
 
 

@@ -76,8 +76,8 @@ class RotorBlock(StrictModel):
             )
         if self.thrust_curve and self.thrust_curve.reverse and not self.reversible:
             raise ValueError(
-                'has thrust_curve.reverse, but is not reversible; remove it, or set '
-                '"reversible: true"'
+                'has thrust_curve.reverse, but is not reversible; remove thrust_curve.reverse, or '
+                'set "reversible: true"'
             )
         return self
 
@@ -158,7 +158,8 @@ class VehicleFile(StrictModel):
             for name in parts:
                 if name in seen:
                     raise ValueError(
-                        f'has a part {name} in both layers {seen[name]} and {layer}; rename one'
+                        f'has a part {name} in both layers {seen[name]} and {layer}, but part '
+                        'names must be unique; rename one'
                     )
                 seen[name] = layer
         return self
@@ -180,7 +181,8 @@ class VehicleFile(StrictModel):
             n for n, r in self.rotors.items() if not (r.thrust_curve or self.thrust_curve)
         ]:
             raise ValueError(
-                f'has no thrust_curve for {", ".join(bare)}; add one for all rotors, or for each'
+                f'has no thrust_curve for the rotors {", ".join(bare)}; add one to each of them, '
+                'or one to the file for all rotors'
             )
         return self
 
@@ -222,7 +224,7 @@ class VehicleFile(StrictModel):
             )
         if (part is None) == (self.sensors.panel_position is None):
             raise ValueError(
-                'needs one position of its solar panel: give either energy.array.part or '
+                'needs exactly one position of its solar panel; give either energy.array.part or '
                 'sensors.panel_position'
             )
         return self

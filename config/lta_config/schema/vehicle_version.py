@@ -52,7 +52,7 @@ def _find_columns(content: dict[str, Any]) -> dict[str, Any] | None:
 def _add_axis(name: str, rotor: Any, columns: dict[str, Any] | None) -> Any:  # noqa: ANN401
     """Return a rotor with an axis along the largest force in its column."""
     if columns is not None and name not in columns:
-        raise ValueError(f'has no entry of aero.thrust_allocation for {name}; add one')
+        raise ValueError(f'has no entry for the rotor {name} in aero.thrust_allocation; add one')
     force: Any = (columns or {}).get(name)
     for key in ('force', 'value'):
         force = force.get(key) if isinstance(force, dict) else None

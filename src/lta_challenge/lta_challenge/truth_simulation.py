@@ -153,8 +153,8 @@ def simulate_flight(
     # A hidden effect may be strong enough to destabilise the flight
     if not np.isfinite(kept).all():
         raise BadInput(
-            'A flight with hidden effects became unstable in the simulation; choose smaller '
-            'effects.'
+            'A flight with hidden effects became unstable in the simulation; choose another '
+            '--seed for "lta challenge make".'
         )
     return TruthTrajectory(
         kept[:, :3], kept[:, 3:12].reshape(-1, 3, 3), kept[:, 12:15], kept[:, 15:18],

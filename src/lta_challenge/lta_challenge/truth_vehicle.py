@@ -199,8 +199,8 @@ def _check_effects(nominal: NominalVehicle) -> None:
             nominal.parameter_value(name, known.name) != known.null for known in effect.parameters
         ):
             raise BadInput(
-                f'The vehicle has the effect {name}, which the simulator of the challenges lacks; '
-                'choose another vehicle.'
+                f'The vehicle has the effect {name}, which the simulator of the challenges does '
+                'not model; remove it from the vehicle file.'
             )
 
 

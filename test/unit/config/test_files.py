@@ -69,10 +69,10 @@ def test_a_good_file(write):
         ('name: 2024-13-45', 'is not valid YAML: month must be in 1..12.'),
         ('name: ' + 5000 * '1', 'has a number with more than 400 digits'),
         ('name: !!int 1' + 90_000 * ':59', 'has a number with more than 400 digits'),
-        (100 * '[', 'is nested more than 50 levels deep; use fewer.'),
+        (100 * '[', 'is nested more than 50 levels deep; use fewer levels.'),
         (
             900_000 * '[',
-            'is nested more than 50 levels deep; use fewer.',
+            'is nested more than 50 levels deep; use fewer levels.',
         ),  # once a crash of libyaml
         (1_000_001 * ' ', 'is larger than 1000000 bytes'),
         ('name: &a [*a]', "uses the alias '*a' inside the value that it stands for"),

@@ -37,7 +37,7 @@ def changed(path, value):
         (('claims', 'front', 'finding'), 'so {nobody} says', 'nobody'),
         (('claims', 'adafruit', 'rule'), {'least': '1 m'}, 'measure is in s'),
         (('claims', 'adafruit', 'rule'), {'is': 'quick'}, 'text'),
-        (('claims', 'front', 'rule'), {'within': '1 %', 'is': 'x'}, 'needs "within"'),
+        (('claims', 'front', 'rule'), {'within': '1 %', 'is': 'x'}, 'needs exactly one rule'),
         (('claims', 'dracula_time', 'untested'), '', 'untested'),
         (('claims', 'adafruit', 'value'), None, 'no "value"'),
         (('measures', 'sheet_seeed', 'unit'), 'furlong', 'furlong'),

@@ -26,8 +26,8 @@ TRIM = GTMAB['trim']
         ({'hull.shape': 'cube'}, "hull.shape is 'cube', but must be 'balloon', 'spheroid', "),
         (
             {'layers.ballast': {'battery': GTMAB['layers']['hull']['envelope']}},
-            'the file has a part battery in both layers propulsion_and_control and ballast; '
-            'rename',
+            'the file has a part battery in both layers propulsion_and_control and ballast, '
+            'but part names must be unique; rename',
         ),
         (
             {'rotors.up_left.axis': given([0, 0, 0.5], '1')},
@@ -35,9 +35,12 @@ TRIM = GTMAB['trim']
         ),
         (
             {'rotors.up_left.thrust_curve': GTMAB['thrust_curve'] | {'reverse': given(1, 'N')}},
-            'rotors.up_left has thrust_curve.reverse, but is not reversible; remove it, or',
+            'rotors.up_left has thrust_curve.reverse, but is not reversible; remove thrust_curve',
         ),
-        ({'thrust_curve': None}, 'the file has no thrust_curve for up_left, up_right, forward_l'),
+        (
+            {'thrust_curve': None},
+            'the file has no thrust_curve for the rotors up_left, up_right, ',
+        ),
         (
             {'rotors': {f'r{i}': GTMAB['rotors']['up_left'] for i in range(9)}},
             'rotors must have 8 or fewer entries.',
@@ -74,7 +77,7 @@ TRIM = GTMAB['trim']
                     'time_constant': given(1, 's'),
                 }
             },
-            'moving_mass has a position outside its range; choose one between low and high.',
+            'moving_mass has a "position" outside the range from "low" to "high"; ',
         ),
     ],
 )
@@ -119,7 +122,7 @@ def test_diodes_may_look_anywhere(tmp_path):
         ),
         (
             [(f'{RING}.dead', [8])],
-            'sensors.diodes has the dead diode 8, but the diodes are numbered from 0 to 7; '
+            'sensors.diodes has the number 8 in "dead", but the diodes are numbered from 0 to 7; '
             'correct the number.',
         ),
         (
@@ -140,7 +143,7 @@ def test_what_are_no_diodes_is_one_sentence(tmp_path, changes, sentence):
             [('energy.array.part', 'sail')],
             'uses sail in energy.array.part, but has no such part; parts: envelope, ',
         ),
-        ([('energy.array.part', None)], 'needs one position of its solar panel: '),
+        ([('energy.array.part', None)], 'needs exactly one position of its solar panel; '),
         ([('energy.charger', None)], 'energy has "array" but no "charger"; add it, or remove'),
         ([('energy.array.cell', 'duracell')], "Unknown cell 'duracell'; known: adafruit, "),
         ([('energy.array.normal.value', [0, 0, 2])], 'energy.array.normal is [0, 0, 2]'),

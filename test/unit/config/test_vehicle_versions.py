@@ -95,6 +95,6 @@ def test_a_broken_version_1_is_one_sentence(tmp_path):
     del old['aero']['thrust_allocation']['up_left']
     path.write_text(yaml.safe_dump(old))
     with pytest.raises(
-        BadInput, match=r'has no entry of aero\.thrust_allocation for up_left; add'
+        BadInput, match=r'has no entry for the rotor up_left in aero\.thrust_allocation; add'
     ):
         load_vehicle_file(str(path))

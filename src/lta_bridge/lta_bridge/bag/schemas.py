@@ -51,8 +51,8 @@ def generate_definition(type_name: str) -> MessageDefinition:
     types = load_jazzy_types()
     if not is_jazzy_type(type_name):
         raise BadInput(
-            f"Message type '{type_name}' is not part of ROS 2 Jazzy's common interfaces; "
-            "record a type such as 'sensor_msgs/msg/Imu'."
+            f"Message type '{type_name}' cannot be recorded, because it is not part of ROS 2 "
+            "Jazzy's common interfaces; record only types such as 'sensor_msgs/msg/Imu'."
         )
     text, _ = types.generate_msgdef(type_name, ros_version=2)
     return MessageDefinition(type_name, text, types.hash_rihs01(type_name))

@@ -211,9 +211,15 @@ class CflibLink:
                 name, why = outcomes.get(timeout=max(0.0, until - time.monotonic()))
             except Empty:
                 late = ', '.join(sorted(waiting))
-                raise LinkFailed(f'the Crazyflie did not start these log blocks: {late}') from None
+                raise LinkFailed(
+                    f'the Crazyflie did not start the log blocks {late} in time: switch it off '
+                    'and on'
+                ) from None
             if why:
-                raise LinkFailed(f'the Crazyflie refused the log block {name}: {why}')
+                raise LinkFailed(
+                    f'the Crazyflie refused the log block {name} ({why}): switch it off and on, '
+                    'or update its firmware'
+                )
             waiting.discard(name)
 
     def _on_log_packet(
@@ -257,12 +263,19 @@ class CflibLink:
             # cflib packs integer parameters with struct, which rejects floats
             param.set_value(name, value if value % 1.0 else int(value))
             if echoes.get(timeout=deadline) != value:
-                raise LinkFailed(f'the Crazyflie did not set its parameter {name} to {value:g}')
+                raise LinkFailed(
+                    f'the Crazyflie did not accept the value {value:g} for its parameter {name}: '
+                    'switch it off and on'
+                )
         except AttributeError:  # cflib raises it for a read-only parameter
-            raise LinkFailed(f'the parameter {name} of the firmware is read-only') from None
+            raise LinkFailed(
+                f'the parameter {name} of the firmware is read-only, so it cannot be set to '
+                f'{value:g}: remove it from the Crazyflie file'
+            ) from None
         except Empty:
             raise LinkFailed(
-                f'the Crazyflie did not confirm its parameter {name} within {deadline:.0f} s'
+                f'the Crazyflie did not confirm its parameter {name} within {deadline:.0f} s: '
+                'bring it closer to the radio, or switch it off and on'
             ) from None
         finally:
             param.remove_update_callback(group, word, callback)

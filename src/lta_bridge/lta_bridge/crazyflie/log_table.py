@@ -67,13 +67,13 @@ def check_log_table(blocks: tuple[LogBlock, ...]) -> None:
         size = sum(SIZES[kind] for kind in block.variables.values())
         if size > MOST_BYTES:
             raise BadInput(
-                f'Log block {block.name} has {size} bytes, above the limit of {MOST_BYTES} per '
-                'packet; split the block in two.'
+                f'Log block {block.name} has {size} bytes, above the limit of {MOST_BYTES} '
+                'bytes per packet; split the block in two.'
             )
         if block.period_ms % STEP_MS or not SHORTEST_MS <= block.period_ms <= LONGEST_MS:
             raise BadInput(
                 f'Log block {block.name} has a period of {block.period_ms} ms; choose a multiple '
-                f'of {STEP_MS} from {SHORTEST_MS} to {LONGEST_MS}.'
+                f'of {STEP_MS} ms from {SHORTEST_MS} ms to {LONGEST_MS} ms.'
             )
     count = sum(len(block.variables) for block in blocks)
     if len(blocks) > MOST_BLOCKS or count > MOST_VARIABLES:

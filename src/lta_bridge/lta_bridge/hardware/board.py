@@ -202,8 +202,8 @@ def _assess_clock(measurement: BoardMeasurement) -> HardwareCheck:
         )  # fmt: skip
     return HardwareCheck(
         "board's clock", 'ok',
-        f'runs {1e6 * measurement.drift:.0f} ppm slow, known to within '
-        f'{1e6 * measurement.uncertainty:.0f} us; '
+        f'runs {1e6 * measurement.drift:.0f} ppm slow; its time is known with a standard '
+        f'deviation of {1e6 * measurement.uncertainty:.0f} us; '
         f'round trip {1e3 * measurement.round_trip:.2f} ms',
     )  # fmt: skip
 
@@ -211,8 +211,9 @@ def _assess_clock(measurement: BoardMeasurement) -> HardwareCheck:
 def _assess_diodes(diodes: Sequence[DiodeMeasurement], threshold: float) -> HardwareCheck:
     if not diodes:
         return HardwareCheck(
-            'diodes', 'fail', 'no complete block received', 'Check for longer with --seconds.'
-        )
+            'diodes', 'fail', 'no complete block of photodiode samples received',
+            'Repeat the check with a longer --seconds.',
+        )  # fmt: skip
     spoilt = [str(k + 1) for k, each in enumerate(diodes) if each.spoilt]
     if spoilt:
         remedy = (
@@ -221,7 +222,8 @@ def _assess_diodes(diodes: Sequence[DiodeMeasurement], threshold: float) -> Hard
         )
         return HardwareCheck(
             'diodes', 'fail',
-            f'number {", ".join(spoilt)} of {len(diodes)} photodiodes cannot be used', remedy,
+            f'constant or saturated signal: photodiodes {", ".join(spoilt)} of {len(diodes)}',
+            remedy,
         )  # fmt: skip
     best = max(each.snr for each in diodes)
     # One diode suffices: the others may face away from the beacon

@@ -142,7 +142,8 @@ def assess_drone(
     yield HardwareCheck(
         'firmware',
         'ok',
-        f'revision {measurement.revision}, protocol {measurement.protocol} at {measurement.uri}',
+        f'firmware revision {measurement.revision}, CRTP protocol version {measurement.protocol}, '
+        f'at {measurement.uri}',
     )
     yield _assess_streams(measurement)
     yield _assess_latency(measurement.latency)
@@ -172,7 +173,10 @@ def _assess_streams(measurement: DroneMeasurement) -> HardwareCheck:
     )
     if worst.loss > LOSSY:
         return HardwareCheck(
-            'telemetry', 'warn', finding, 'Bring the Crazyflie closer, or choose a free channel.'
+            'telemetry',
+            'warn',
+            finding,
+            'Bring the Crazyflie closer, or use a free radio channel.',
         )
     return HardwareCheck('telemetry', 'ok', finding)
 
@@ -183,12 +187,12 @@ def _assess_latency(latency: float) -> HardwareCheck:
             'latency',
             'warn',
             'the Crazyflie did not answer a ping',
-            'Check for longer with --seconds.',
+            'Repeat the check with a longer --seconds.',
         )
     finding = f'round trip {1e3 * latency:.1f} ms (95th percentile)'
     if latency > SLOW:
         return HardwareCheck(
-            'latency', 'warn', finding, 'Bring the Crazyflie closer, or choose a free channel.'
+            'latency', 'warn', finding, 'Bring the Crazyflie closer, or use a free radio channel.'
         )
     return HardwareCheck('latency', 'ok', finding)
 
@@ -196,7 +200,7 @@ def _assess_latency(latency: float) -> HardwareCheck:
 def _assess_battery(voltage: float, least: float) -> HardwareCheck:
     if math.isnan(voltage):
         return HardwareCheck(
-            'battery', 'warn', 'no voltage received', 'Check for longer with --seconds.'
+            'battery', 'warn', 'no voltage received', 'Repeat the check with a longer --seconds.'
         )
     if voltage < least:
         finding = f'{voltage:.2f} V, too low to arm (limit {least:.2f} V)'
@@ -211,7 +215,7 @@ def _assess_supervisor(word: int | None) -> HardwareCheck:
         )
     if why := explain_fault(word):
         return HardwareCheck(
-            'supervisor', 'fail', why, 'The Crazyflie cannot fly until this is solved.'
+            'supervisor', 'fail', why, 'The motors stay blocked until this fault is corrected.'
         )
     if word & SupervisorBit.ARMED:
         return HardwareCheck(
@@ -250,7 +254,7 @@ def _assess_parameter(
             name,
             'fail',
             f'the firmware does not have this parameter ({want.why})',
-            'Flash the firmware that the vehicle needs.',
+            'Flash firmware that has this parameter.',
         )
     if value == want.value:
         return None
@@ -264,4 +268,6 @@ def _assess_parameter(
         )
     if want.write:
         return HardwareCheck(name, 'ok', f'{finding}; the bridge sets it before a flight')
-    return HardwareCheck(name, 'fail', finding, 'Flash the firmware that the vehicle needs.')
+    return HardwareCheck(
+        name, 'fail', finding, 'Flash firmware in which this parameter has that value.'
+    )

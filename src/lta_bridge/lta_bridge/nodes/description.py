@@ -58,7 +58,9 @@ class DescriptionNode(GraphNode):
         self._static.publish(TFMessage(transforms=still))
         self.subscribe_topic(settings.pose, self._on_pose)
         self.health.report(
-            'frames', HealthLevel.OK, f'/tf has the pose of base_link from {settings.pose}'
+            'frames',
+            HealthLevel.OK,
+            f'the pose of base_link is published on /tf, from the topic {settings.pose}',
         )
 
     def _on_pose(self, odom: Any) -> None:  # noqa: ANN401 - a generated class

@@ -134,7 +134,7 @@ class Player(GraphNode):
                 f'{n} from {self.find_publishing_role(n)}' for n in self._owed.list_oldest_topics()
             )
             sys.stderr.write(
-                f'Playback stopped, because these answers did not arrive within '
+                'Playback stopped, because these messages of the nodes did not arrive within '
                 f'{self._settings.patience:g} s: {late}.\n'
             )
             sys.exit(1)

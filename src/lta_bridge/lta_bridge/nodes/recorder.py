@@ -247,7 +247,8 @@ class Recorder(GraphNode):
                 'latched',
                 HealthLevel.WARN,
                 f'messages of {", ".join(mixed)} from before the start of the recorder are '
-                'missing, because some publishers do not have transient-local durability',
+                'missing, because some publishers do not have transient-local durability; '
+                'start the recorder first',
             )
         if self._left_out:
             self.health.report(

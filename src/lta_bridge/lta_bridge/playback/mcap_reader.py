@@ -33,9 +33,9 @@ BROKEN = (McapError, struct.error, EOFError, LookupError, ValueError, ZstdError)
 def build_size_error(file: Path) -> BadInput:
     """Return the error for a file without an index that does not fit into memory."""
     return BadInput(
-        f"'{file}' has no index, and is damaged or needs more than {READER_MEMORY >> 20} MB of "
-        'memory, the limit of a replay; run `lta bag recover` to copy its undamaged part to a '
-        'file with an index.'
+        f"'{file}' has no index, so it must be loaded into memory, but it is damaged or needs "
+        f'more than the limit of {READER_MEMORY >> 20} MB; run `lta bag recover` to copy its '
+        'undamaged part to a file with an index.'
     )
 
 

@@ -70,9 +70,8 @@ def select_nodes(table: TopicTable, nodes: Sequence[str], also: Sequence[str]) -
     for name in also:
         if name in again:
             raise BadInput(
-                f"The node '{name}' cannot both run again and be played from the bag; remove it "
-                'from '
-                'one of the two lists.'
+                f"The node '{name}' cannot both run again and be played from the bag; list it in "
+                'only one of the parameters nodes and roles (empty nodes means all nodes).'
             )
     played = [name for role in (VEHICLE, *also) for name in table.published_by(role)]
     return NodeSelection(

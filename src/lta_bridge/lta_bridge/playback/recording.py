@@ -161,5 +161,8 @@ def choose_robot(path: Path, robot: str, robots: list[str]) -> str:
     if robot and robot not in robots:
         raise unknown_name_error('robot', robot, robots)
     if not robot and len(robots) > 1:
-        raise BadInput(f"'{path}' has several robots ({', '.join(robots)}); name the one to play.")
+        raise BadInput(
+            f"'{path}' has several robots ({', '.join(robots)}); name the one to play with the "
+            'parameter robot.'
+        )
     return robot or robots[0]

@@ -38,7 +38,10 @@ def check_disk_space(runs: Path = Path('runs')) -> HardwareCheck:
     found = f'{free:.0f} MB free on the disk of {runs.absolute()}'
     if not os.access(folder, os.W_OK):
         return HardwareCheck(
-            'disk', 'fail', f'{folder} is not writable', 'Work in a folder that you can write to.'
+            'disk',
+            'fail',
+            f'{folder} is not writable',
+            'Run lta in a folder that you can write to.',
         )
     return grade_value(
         'disk', free, 2000.0, 200.0, found, 'Delete old recordings, or work on another disk.'

@@ -66,7 +66,10 @@ def check_dependency_versions(
     ]
     if other:
         return HardwareCheck('versions', 'warn', ', '.join(other), MAKE_AGAIN)
-    return HardwareCheck('versions', 'ok', f'{len(installed)} packages have the tested version')
+    return HardwareCheck(
+        'versions', 'ok',
+        f'{len(installed)} Python packages have the version that LTA was tested with',
+    )  # fmt: skip
 
 
 def check_workspace_packages() -> HardwareCheck:

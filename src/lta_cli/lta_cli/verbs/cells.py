@@ -28,7 +28,8 @@ import typer
 
 def cells(
     table: Annotated[
-        str, typer.Argument(help='Table of solar cells: a shipped name or a file.')
+        str,
+        typer.Argument(help='Table of solar cells: a name in config/cell_tables, or a file.'),
     ] = 'seed_paper',
     budget: Annotated[
         str, typer.Option(help='Maximum mass of a solar array, such as "50 g".')

@@ -29,7 +29,7 @@ def plot(
         list[str] | None,
         typer.Argument(
             metavar='CHANNEL...',
-            help='Channels or topics to plot, also with *; without any, lists all.',
+            help='Channels or topics to plot; * matches any text. By default lists all channels.',
         ),
     ] = None,
     begin: Annotated[float, typer.Option('--from', help='Start time in seconds.')] = -math.inf,

@@ -16,7 +16,8 @@ def refit(
     sweep: Annotated[
         str,
         typer.Argument(
-            metavar='SWEEP', help='CFD results to fit: a shipped name or a .sweep.json file.'
+            metavar='SWEEP',
+            help='CFD results to fit: a .sweep.json file, or the name of one in config/aero.',
         ),
     ],
     out: Annotated[

@@ -55,24 +55,31 @@ class Fidelity(StrEnum):
 
 def run(
     name: Annotated[
-        str, typer.Argument(metavar='TUNNEL', help='Wind tunnel setup: a shipped name or a file.')
+        str,
+        typer.Argument(
+            metavar='TUNNEL', help='Wind tunnel setup: a name in config/tunnels, or a file.'
+        ),
     ] = 'gtmab',
     fidelity: Annotated[
         Fidelity,
         typer.Option(
-            help='analytic: closed form, without OpenFOAM. preview: steady flow. reference: '
-            'transient flow.'
+            help='Method. analytic: formulas, without OpenFOAM. preview: OpenFOAM, steady flow. '
+            'reference: OpenFOAM, transient flow.'
         ),
     ] = Fidelity.preview,
     only: Annotated[
         list[str] | None,
         typer.Option(
-            help='Solve only this axis or rotor pattern, such as heave or both_up; repeatable.'
+            help='Solve only this axis or rotor pattern, such as heave or both_up; repeat the '
+            'option for several.'
         ),
     ] = None,
     mount: Annotated[
         str | None,
-        typer.Option(help='Add solar panels with this mount: side, bottom, top or a file.'),
+        typer.Option(
+            help='Add solar panels in this place: the name side, bottom or top of a shipped mount '
+            'file, or a file of your own.'
+        ),
     ] = None,
     jobs: Jobs = None,
     cache: Cache = None,
