@@ -29,7 +29,7 @@ def pad_to_slots(values: Iterable[float]) -> PerRotor:
     numbers = tuple(values)
     if len(numbers) > SLOTS:
         raise BadInput(
-            f'There are {len(numbers)} rotors, but a vehicle can have at most {SLOTS}; '
-            'remove some.'
+            f'The vehicle has {len(numbers)} rotors, but at most {SLOTS} are supported; remove '
+            'some from the vehicle file.'
         )
     return cast('PerRotor', numbers + NONE[len(numbers) :])

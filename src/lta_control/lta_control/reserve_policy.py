@@ -19,7 +19,7 @@ def check_reserve(settings: ReserveResponseSettings, strategy: NavigationStrateg
     """Raise `BadInput` if the strategy does not support the action at the reserve."""
     if settings.action == 'perch' and not strategy.arrives:
         raise BadInput(
-            f'The strategy {strategy.name} never reports an arrival, so it does not '
+            f'The strategy {strategy.name} never reports an arrival at a lamp, so it does not '
             'support reserve.action perch; choose the strategy homing, or set '
             'reserve.action to land or return.'
         )

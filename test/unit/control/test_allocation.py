@@ -179,7 +179,7 @@ def test_there_are_as_many_slots_as_the_kernel_has():
 
 
 def test_more_than_eight_rotors_are_refused():
-    with pytest.raises(BadInput, match='There are 9 rotors, but'):
+    with pytest.raises(BadInput, match='has 9 rotors, but at most 8'):
         pad_to_slots((0.1,) * 9)
 
 

@@ -99,5 +99,6 @@ def test_who_never_arrives_is_refused_on_a_route():
     with pytest.raises(BadInput) as caught:
         check_route(find_navigation_strategy('bag'), 3)
     assert str(caught.value) == (
-        'The strategy bag never reports an arrival, but the route has 3 lamps; choose homing.'
+        'The strategy bag never reports an arrival at a lamp, so it cannot fly a route of 3 '
+        'lamps; choose the strategy homing.'
     )

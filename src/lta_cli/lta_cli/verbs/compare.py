@@ -39,24 +39,27 @@ def compare(
         list[str] | None,
         typer.Option(
             help='Compare a topic or channel of bag A with one of bag B, such as '
-            'odom=ground_truth/odom; repeatable. By default, those with the same name.'
+            'odom=ground_truth/odom; repeat for further pairs. By default, topics with the same '
+            'name are compared.'
         ),
     ] = None,
     topic: Annotated[
-        list[str] | None, typer.Option(help='Compare only this topic of bag A; repeatable.')
+        list[str] | None,
+        typer.Option(help='Compare only this topic of bag A; repeat for several.'),
     ] = None,
     robot: Annotated[
         str | None,
         typer.Option(
-            help='Robot to compare, or one for each bag as A:B; needed if a bag has several.'
+            help='Robot to compare, or two as ROBOT_IN_A:ROBOT_IN_B; needed if a bag contains '
+            'several robots.'
         ),
     ] = None,
     align: Annotated[
         Align,
         typer.Option(
             help='How to align time. clock: both bags recorded the same run. motion: two '
-            'runs, aligned at the start of motion. none: keep the stamps. auto: choose '
-            'from the data.'
+            'runs, aligned at the start of motion. none: use the time stamps unchanged. auto: '
+            'choose from the data.'
         ),
     ] = 'auto',
     offset: Annotated[
@@ -66,8 +69,8 @@ def compare(
     frames: Annotated[
         Frames,
         typer.Option(
-            help="How to align the world frames. given: unchanged. fit: fit B's path to "
-            "A's. auto: choose from the data."
+            help='How to align the world frames of the bags. given: use them unchanged. fit: fit '
+            'the path of B to the path of A. auto: choose from the data.'
         ),
     ] = 'auto',
     tolerance: Annotated[
@@ -162,7 +165,7 @@ def parse_tolerance(text: str) -> tuple[str, float]:
     name, equals, value = text.rpartition('=')
     if not equals or not name:
         raise BadInput(
-            f"'{text}' is not a tolerance; write CHANNEL=VALUE, such as "
+            f"--tolerance '{text}' is not of the form CHANNEL=VALUE; write it like "
             'odom/pose.pose.position.z=0.05.'
         )
     band = parse_quantity(value, f'The tolerance of {name}')

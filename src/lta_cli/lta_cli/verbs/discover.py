@@ -27,7 +27,8 @@ BAG = 'Bag folders, results folders or .mcap files'
 
 def discover(
     vehicle: Annotated[
-        str | None, typer.Option(help='Vehicle file to check against the flights, name or file.')
+        str | None,
+        typer.Option(help='Vehicle whose model is compared with the flights, name or file.'),
     ] = None,
     train: Annotated[
         list[Path] | None, typer.Option(metavar='BAG...', help=f'Training flights. {BAG}.')
@@ -138,7 +139,9 @@ def discover(
 def _check_exclusive_options(vehicle: str | None, bags: bool, demo: bool, between: bool) -> None:
     """Refuse options that exclude each other."""
     if demo and (bags or vehicle):
-        raise BadInput('--demo simulates its own flights; remove --vehicle and the bags.')
+        raise BadInput(
+            '--demo simulates its own flights; remove --vehicle, --train, --confirm and --holdout.'
+        )
     if not demo and vehicle is None:
         raise BadInput(
             'A vehicle file to compare the flights with is missing; name one with --vehicle, or '
@@ -146,7 +149,8 @@ def _check_exclusive_options(vehicle: str | None, bags: bool, demo: bool, betwee
         )
     if between and (bags or demo):
         raise BadInput(
-            '--between plans without flights; remove the bags and --demo, or use --plan instead.'
+            '--between plans a flight without recorded flights; remove --train, --confirm, '
+            '--holdout and --demo, or use --plan instead of --between.'
         )
 
 

@@ -14,7 +14,10 @@ import typer
 def effects(
     name: Annotated[str, typer.Argument(help='Effect to show; all by default.')] = '',
     markdown: Annotated[
-        bool, typer.Option('--markdown', help='Print the page docs/effects.md instead of a table.')
+        bool,
+        typer.Option(
+            '--markdown', help='Print a Markdown page (docs/effects.md) instead of a table.'
+        ),
     ] = False,
 ) -> None:
     """

@@ -32,7 +32,8 @@ def fly(
     time: Annotated[
         Literal['lockstep', 'realtime'] | None,
         typer.Option(
-            help='Clock. lockstep: as fast as the nodes respond. realtime: wall-clock speed.',
+            help='Speed of the simulation. lockstep: as fast as the nodes respond. realtime: '
+            'wall-clock speed.',
             show_default='lockstep; realtime with --live',
         ),
     ] = None,

@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 
 def import_(
     sources: Annotated[
-        list[Path], typer.Argument(help='Log files, or folders of bags.', metavar='SOURCE...')
+        list[Path], typer.Argument(help='Log files or bag folders to import.', metavar='SOURCE...')
     ],
     mapping: Annotated[
         str | None,
         typer.Option(
-            help='Mapping that defines the columns: a file, or one of '
+            help='Mapping that defines meaning, unit and axes of each column: a file, or one of '
             f'{", ".join(list_shipped_names("imports"))}. '
-            'By default, the only shipped mapping that fits the columns.'
+            'By default, the shipped mapping that fits the columns, if only one does.'
         ),
     ] = None,
     format: Annotated[
@@ -67,7 +67,10 @@ def import_(
     console = plain_console(stderr=json)
     # The robot becomes a ROS namespace
     if not is_name(robot):
-        raise BadInput(f"--robot '{robot}' is not a valid ROS namespace; use letters and digits.")
+        raise BadInput(
+            f"--robot '{robot}' is not a valid ROS namespace; use a letter, followed by letters, "
+            'digits or _.'
+        )
     # A name such as '.csv' has an empty stem
     name = sources[0].name.split('.')[0] or 'log'
     target = resolve_folder(out, name)

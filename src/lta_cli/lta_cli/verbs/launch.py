@@ -23,13 +23,16 @@ WHEELS = 'wheels'  # tools/workspace.sh: the underlay is pip wheels, without a r
 def launch(
     file: Annotated[
         str,
-        typer.Argument(help='Launch file (*.launch.yaml), or a shipped one: fly, pair, emulated.'),
+        typer.Argument(
+            help='Launch file (*.launch.yaml), or the name fly, pair or emulated for a shipped '
+            'file.'
+        ),
     ],
     given: Annotated[
         list[str] | None, typer.Argument(metavar='[NAME:=VALUE]...', help='Launch arguments.')
     ] = None,
     show_args: Annotated[
-        bool, typer.Option('--show-args', help='List the arguments and exit.')
+        bool, typer.Option('--show-args', help='List the arguments of the launch file and exit.')
     ] = False,
 ) -> None:
     """

@@ -31,8 +31,9 @@ def mission(
     schedule: Annotated[
         Literal['all', 'by light', 'duty cycle', 'duty cycle, asleep'],
         typer.Option(
-            help='When to fly. by light: as light and charge allow. duty cycle: at fixed times, '
-            'as a baseline; asleep: with sleep between flights. all: simulate each schedule.'
+            help='Flight schedule. by light: fly when light and battery charge allow. duty '
+            'cycle: fly at fixed times (baseline). duty cycle, asleep: the same, with sleep '
+            'between flights. all: simulate all three.'
         ),
     ] = 'all',
     out: Out = None,

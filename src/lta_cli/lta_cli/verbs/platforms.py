@@ -31,7 +31,7 @@ import typer
 
 def platforms(
     file: Annotated[
-        str, typer.Argument(help='Comparison file, or the shipped one: platforms.')
+        str, typer.Argument(help='Comparison file, or the name platforms for the shipped file.')
     ] = 'platforms',
     seeds: Annotated[
         int | None,

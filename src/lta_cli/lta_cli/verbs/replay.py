@@ -31,7 +31,10 @@ def replay(
         str, typer.Option(help='Nodes to rerun, separated by commas.')
     ] = 'demodulator,navigator',
     against: Annotated[
-        bool, typer.Option('--against', help='Compare all outputs with the recorded ones.')
+        bool,
+        typer.Option(
+            '--against', help='Compare all outputs of the rerun nodes with the recorded ones.'
+        ),
     ] = False,
     set_: Annotated[
         list[str] | None,
@@ -46,7 +49,8 @@ def replay(
         str | None, typer.Option(help='Vehicle to use instead of the recorded one, name or file.')
     ] = None,
     gains: Annotated[
-        str | None, typer.Option(help='Gains to use instead of the recorded ones, name or file.')
+        str | None,
+        typer.Option(help='Controller gains to use instead of the recorded ones, name or file.'),
     ] = None,
     robot: Annotated[
         str | None, typer.Option(help='Robot to replay; needed if the bag has several.')

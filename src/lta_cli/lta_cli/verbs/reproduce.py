@@ -36,11 +36,11 @@ LIST_HEADS = ('name', 'row', 'seeds', 'quick', 'claims', 'defects')
 def reproduce(
     names: Annotated[
         list[str] | None,
-        typer.Argument(help='Experiments (rows) to reproduce, see --list; all by default.'),
+        typer.Argument(
+            help='Names of the experiments to reproduce, as shown by --list; all by default.'
+        ),
     ] = None,
-    listed: Annotated[
-        bool, typer.Option('--list', help='List the experiments (rows) and exit.')
-    ] = False,
+    listed: Annotated[bool, typer.Option('--list', help='List the experiments and exit.')] = False,
     quick: Annotated[
         bool,
         typer.Option(

@@ -20,7 +20,10 @@ import typer
 
 
 def sweep(
-    file: Annotated[str, typer.Argument(help='Sweep file, or a shipped one, such as heaviness.')],
+    file: Annotated[
+        str,
+        typer.Argument(help='Sweep file, or the name of a shipped one, such as heaviness.'),
+    ],
     out: Annotated[
         Path | None,
         typer.Option(
@@ -35,7 +38,10 @@ def sweep(
     ] = None,
     scheduler: Annotated[
         str | None,
-        typer.Option(metavar='ADDRESS', help='Run on a Dask cluster; address of its scheduler.'),
+        typer.Option(
+            metavar='ADDRESS',
+            help='Fly on a Dask cluster; address of its scheduler, such as tcp://10.0.0.1:8786.',
+        ),
     ] = None,
     device: Annotated[
         Device | None,
@@ -47,7 +53,7 @@ def sweep(
         str | None,
         typer.Option(
             metavar='A,B,...',
-            help='With --device: fly open loop with these rotor duties, -1 to 1.',
+            help='With --device: fly open loop with a constant duty from -1 to 1 for each rotor.',
         ),
     ] = None,
     retry: Annotated[bool, typer.Option('--retry-failed', help='Repeat failed flights.')] = False,
@@ -150,8 +156,8 @@ def print_summary(done: SweepRun, console: Console) -> None:
         lines.append('All flights were already stored; nothing was flown.')
     if done.deaths:
         lines.append(
-            f'{done.deaths} worker processes were lost; their flights were repeated or count as '
-            'failed.'
+            f'{done.deaths} worker processes ended unexpectedly; their flights were repeated or '
+            'count as failed. Fly failed ones again with --retry-failed.'
         )
     failures = Counter(row.sentence for row in done.rows if row.outcome == FAILED)
     # The three most frequent reasons; the table has all

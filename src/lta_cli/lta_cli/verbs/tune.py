@@ -69,7 +69,7 @@ def tune(
     least: Annotated[
         float,
         typer.Option(
-            help='Smallest loss of lift that the gains must handle.',
+            help='Smallest loss of lift that the gains must handle, in g or kg.',
             parser=parse_mass,
             metavar='MASS',
         ),
@@ -78,7 +78,7 @@ def tune(
     most: Annotated[
         float,
         typer.Option(
-            help='Largest loss of lift that the gains must handle.',
+            help='Largest loss of lift that the gains must handle, in g or kg.',
             parser=parse_mass,
             metavar='MASS',
         ),
@@ -86,7 +86,8 @@ def tune(
     cases: Annotated[
         int,
         typer.Option(
-            help='Number of losses of lift from --least to --most; candidates fly once at each.',
+            help='Number of lift losses, evenly spaced from --least to --most; each candidate set '
+            'of gains is flown once with each loss.',
             min=1,
         ),
     ] = 4,
@@ -96,13 +97,18 @@ def tune(
     draws: Annotated[
         int,
         typer.Option(
-            help='Number of new random cases on which old and new gains are compared.', min=2
+            help='Number of flights with random losses of lift on which old and new gains are '
+            'compared.',
+            min=2,
         ),
     ] = 20,
     numbers: Annotated[
         list[str] | None,
         typer.Option(
-            '--number', metavar='PATH', help='Gain to tune, such as climb.kp; repeatable.'
+            '--number',
+            metavar='PATH',
+            help='Gain to tune, such as climb.kp; repeat to tune several. By default, all gains '
+            'above 0.',
         ),
     ] = None,
     seed: Annotated[int, typer.Option(help='Random seed.', min=0, max=2**31 - 1)] = 1,

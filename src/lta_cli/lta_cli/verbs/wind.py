@@ -34,21 +34,27 @@ ROUGHNESS = [0.03, 0.1, 0.3]  # m: grass, crops, bushes and low houses (unverifi
 
 def wind(
     vehicles: Annotated[
-        list[str] | None, typer.Argument(help='Vehicle names or files; all shipped by default.')
+        list[str] | None,
+        typer.Argument(help='Vehicle names or files; all shipped vehicles by default.'),
     ] = None,
     roughness: Annotated[
         list[float] | None,
         typer.Option(
-            help='Roughness length of the ground in metres; repeatable.', min=1e-5, max=5.0
+            help='Roughness length of the ground in metres; repeat to compare several.',
+            min=1e-5,
+            max=5.0,
         ),
     ] = None,
     height: Annotated[
-        float, typer.Option(help='Height of the hull centre in metres.', min=0.1, max=100.0)
+        float,
+        typer.Option(help='Height of the hull centre above ground in metres.', min=0.1, max=100.0),
     ] = 0.5,
     reference: Annotated[
         float,
         typer.Option(
-            help='Height at which the reference wind is given, in metres.', min=0.5, max=300.0
+            help='Height above rough ground, in metres, for which the wind limits are given.',
+            min=0.5,
+            max=300.0,
         ),
     ] = 10.0,
     scenario: Annotated[
@@ -60,7 +66,8 @@ def wind(
     seeds: Annotated[
         int,
         typer.Option(
-            help='Flights at each wind speed, which is flyable if all of them make headway.',
+            help='Number of flights at each wind speed; the drone can fly in this wind if all of '
+            'them make headway.',
             min=1,
             max=1000,
         ),
@@ -68,7 +75,7 @@ def wind(
     quick: Annotated[
         bool,
         typer.Option(
-            '--quick', help='Run a shorter study: one seed, two airspeeds, coarse steps.'
+            '--quick', help='Run a shorter study: one seed, three airspeeds, coarse wind steps.'
         ),
     ] = False,
     fly: Annotated[
@@ -194,9 +201,10 @@ def print_table(
         printed.add_row(*row)
     console.print(printed)
     console.print(
-        f'even: uniform wind. z0: wind at {request.reference:g} m height over ground of this '
-        f'roughness length in metres; the hull flies at {request.height:g} m.',
+        f'even: uniform wind. z0 X: wind at {request.reference:g} m height over ground with a '
+        f'roughness length of X metres, while the hull flies at {request.height:g} m height.',
         highlight=False,
+        soft_wrap=True,
     )
     for each in limits:
         if each.flown is not None:

@@ -95,8 +95,8 @@ def build_constants(gains: LateralGains, vehicle: Vehicle) -> LateralLawConstant
     if coupling is None or len(columns) != FOUR or len(coupling.rotors) != FOUR:
         raise BadInput(
             'The control law lateral needs four rotors whose jets collide, which '
-            f'{vehicle.file.name} does not have; choose another control law, or describe '
-            'the four rotors under aero.coupling of the vehicle file.'
+            f'{vehicle.file.name} does not have. Describe the rotors under aero.coupling of the '
+            'vehicle file, or name another law in the vehicle or comparison file.'
         )
     planar = [[column[axis] for column in columns] for axis in PLANAR]
     # Rows: fx, fy, mz, and the sum of the offsets, which must be zero

@@ -21,8 +21,8 @@ def check_route(strategy: NavigationStrategy, lamps: int) -> None:
     if lamps > 1 and not strategy.arrives:
         able = [name for name, known in STRATEGIES.items() if known.arrives]
         raise BadInput(
-            f'The strategy {strategy.name} never reports an arrival, but the route has '
-            f'{lamps} lamps; choose {" or ".join(able)}.'
+            f'The strategy {strategy.name} never reports an arrival at a lamp, so it cannot fly '
+            f'a route of {lamps} lamps; choose the strategy {" or ".join(able)}.'
         )
 
 

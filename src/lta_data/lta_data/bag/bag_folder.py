@@ -50,7 +50,7 @@ def find_bag_files(path: Path, described: dict[str, object] | None = None) -> li
 def wrong_format_error(file: Path, head: bytes) -> BadInput:
     """Return the error for a file that is not MCAP, with its actual format if known."""
     if not head:
-        return BadInput(f"'{file}' is empty (0 bytes): nothing was recorded.")
+        return BadInput(f"'{file}' is empty (0 bytes): nothing was recorded. Record it again.")
     for magic, found in OTHER_FORMATS.items():
         if head.startswith(magic):
             return BadInput(f"'{file}' is {found}.")

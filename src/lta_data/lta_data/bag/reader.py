@@ -202,7 +202,8 @@ class Bag:
             # Do not allocate memory for a damaged length.
             if place.length > 2 * CHUNK_BYTES:
                 raise DamagedRecord(
-                    f'are declared as a chunk of {place.length} bytes, more than the limit'
+                    f'are declared as a chunk of {place.length} bytes, more than the limit of '
+                    f'{2 * CHUNK_BYTES} bytes'
                 )
             data: bytes | memoryview = read_at(stream, place.offset, place.length)
             if place.packed:
@@ -279,7 +280,8 @@ def read_file_contents(file: Path, metadata_topics: Sequence[TopicMetadata] = ()
         if not head.startswith(MAGIC):
             contents.indexed = False
             contents.remarks.append(
-                'The first bytes of the file, which identify it as MCAP, are damaged.'
+                'The first bytes of the file, which identify it as MCAP, are damaged; the rest '
+                'of the file was read.'
             )
         return contents
 

@@ -108,7 +108,7 @@ def test_chunks_that_claim_too_much_cost_no_memory(tmp_path, monkeypatch):
     bag = read_bag(chunked(tmp_path / 'a.mcap', *bombs, ('', good, len(good), 0)))
     assert [time for _, time, _ in bag.iterate_messages()] == [7]
     assert 'decompress to 4194304 bytes' in bag.losses[0]
-    assert 'decompress to more than 1048576 bytes' in bag.losses[1]
+    assert 'decompress to more than the limit of 1048576 bytes' in bag.losses[1]
 
 
 def test_time_that_runs_backwards_is_named(tmp_path):
@@ -153,7 +153,7 @@ def test_bags_without_messages(tmp_path):
 @pytest.mark.parametrize(
     ('head', 'sentence'),
     [
-        (b'', 'is empty (0 bytes): nothing was recorded.'),
+        (b'', 'is empty (0 bytes): nothing was recorded. Record it again.'),
         (
             b'SQLite format 3\0',
             'is a bag in SQLite format (.db3); convert it to MCAP with `lta import`.',
@@ -262,7 +262,8 @@ def test_lost_names_come_from_metadata(tmp_path):
     assert list(bag.iterate_messages()) == [('/a', 1, TRUE), ('/b', 2, TRUE)]
     assert bag.decode('/b', TRUE).data is True
     assert (
-        "The topic name of channel 2 is lost; it is taken from metadata.yaml: '/b'." in bag.remarks
+        'The topic name of channel 2 is missing or damaged in the recording; it is taken from '
+        "metadata.yaml: '/b'." in bag.remarks
     )
     (tmp_path / 'bag' / 'metadata.yaml').unlink()
     bag = read_bag(tmp_path / 'bag')

@@ -35,7 +35,8 @@ def validate(
     fidelity: Annotated[
         Fidelity,
         typer.Option(
-            help='preview: validate the steady solver. reference: the transient solver as well.'
+            help='Flow solvers to validate. preview: only the steady solver. reference: also the '
+            'transient solver.'
         ),
     ] = Fidelity.preview,
     jobs: Jobs = None,

@@ -21,23 +21,23 @@ def make(
     row: Annotated[
         str,
         typer.Option(
-            help='Conditions of the flights. base: all sensors. worse: larger tolerances and '
-            'noise. structured: model errors in every flight. pose: only pose and commands. '
-            'hover: only hovering. wrench: force and moment commands. other: independent '
-            'simulator.'
+            help='Kind of flights. base: all sensors. worse: larger vehicle tolerances and sensor '
+            'noise. structured: model errors in every flight. pose: only pose and commands are '
+            'recorded. hover: only hovering flights. wrench: flown by force and moment commands. '
+            'other: flown in an independent simulator.'
         ),
     ] = 'base',
     kind: Annotated[
         str | None,
         typer.Option(
-            help='What is hidden in each case. clean: nothing. single, pair: one or two effects '
-            'of the library. outside: an effect outside the library. mixed: one of each. Random '
-            'by default.'
+            help='Hidden effects in each case. clean: none. single: one of the effect library. '
+            'pair: two of the library. outside: one that is not in the library. mixed: one of the '
+            'library and one outside it. By default, a random kind for each case.'
         ),
     ] = None,
     seconds: Annotated[
         tuple[float, float],
-        typer.Option(help='Shortest and longest duration of a flight in seconds.'),
+        typer.Option(help='Shortest and longest duration of the flights, two numbers in seconds.'),
     ] = (60.0, 180.0),
     jobs: Jobs = None,
     out: Out = None,

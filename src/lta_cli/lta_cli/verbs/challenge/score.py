@@ -30,11 +30,12 @@ def score(
     folders: Annotated[
         list[Path],
         typer.Argument(
-            help='Folders from "lta challenge make"; scores and an HTML report go to each.'
+            help='Folders written by "lta challenge make"; scores and an HTML report are written '
+            'into each.'
         ),
     ],
     most: Annotated[
-        int | None, typer.Option(help='Number of cases to score; all by default.', min=1)
+        int | None, typer.Option(help='Maximum number of cases to score; all by default.', min=1)
     ] = None,
     markdown: Annotated[
         Path | None,

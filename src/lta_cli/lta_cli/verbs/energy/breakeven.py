@@ -26,11 +26,15 @@ def breakeven(
     ] = 'gtmab',
     cell: Annotated[
         list[str] | None,
-        typer.Option(help='Solar panel of an alternative array, name or file; repeatable.'),
+        typer.Option(
+            help='Solar panel for an alternative array, name or file; repeat to compare several.'
+        ),
     ] = None,
     budget: Annotated[
         float,
-        typer.Option(help='Maximum mass of an alternative array in g.', min=1.0, max=10_000.0),
+        typer.Option(
+            help='Maximum mass of each alternative solar array in g.', min=1.0, max=10_000.0
+        ),
     ] = BUDGET,
     out: Out = None,
     pictures: Pictures = None,

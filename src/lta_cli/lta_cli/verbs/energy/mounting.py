@@ -27,7 +27,8 @@ def mounting(
     mount: Annotated[
         list[str] | None,
         typer.Option(
-            help='Mount of the panels, name or file; repeatable. Default: side, bottom and top.'
+            help='Solar panel mount, name or file; repeat to compare several. Default: side, '
+            'bottom and top.'
         ),
     ] = None,
     vehicle: Annotated[
@@ -35,7 +36,7 @@ def mounting(
     ] = 'gtmab',
     misplaced: Annotated[
         float,
-        typer.Option(help='How far forward of the planned place the panels are, in cm; '
+        typer.Option(help='Forward displacement of the panels in the misplaced variant, in cm; '
                      'negative: backward.',
                      min=-50.0, max=50.0),
     ] = 3.0,

@@ -36,7 +36,7 @@ def bench(
     ),
     vehicle: Annotated[str, typer.Option(help='Vehicle that the Crazyflie flies.')] = 'gtmab',
     duty: Annotated[
-        float, typer.Option(help='Motor duty; 1 would be full power.', min=0.01, max=MOST)
+        float, typer.Option(help='Motor duty as a fraction of full power.', min=0.01, max=MOST)
     ] = 0.1,
     seconds: Annotated[
         float, typer.Option(help='Duration in seconds.', min=0.2, max=LONGEST)
@@ -98,7 +98,7 @@ def turn_motor(
                 return bench.turn_motor(duty, seconds, lambda been: bar.update_bar(completed=been))
         except LinkFailed as error:
             # A lost link stops the motor: the firmware's time-out disarms the drone
-            sys.stderr.write(f'Motor {motor} is stopped: {error}.\n')
+            sys.stderr.write(f'The motor test failed and {motor} is stopped: {error}.\n')
             raise typer.Exit(1) from None
         finally:
             link.close()

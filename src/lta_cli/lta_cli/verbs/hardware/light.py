@@ -42,13 +42,21 @@ def light(
         float, typer.Option(help='Turntable step in degrees, instead of --rate; needs --hold.')
     ] = 0.0,
     hold: Annotated[
-        float, typer.Option(help='Time at each step in seconds.', min=0.0, max=3600.0)
+        float,
+        typer.Option(
+            help='Time at each turntable step in seconds; needs --step.', min=0.0, max=3600.0
+        ),
     ] = 0.0,
     start: Annotated[
         float, typer.Option(help='Bearing of the lamp at the start, in degrees from the nose.')
     ] = 0.0,
     align: Annotated[
-        bool, typer.Option('--align', help='Estimate and remove the zero offset of the turntable.')
+        bool,
+        typer.Option(
+            '--align',
+            help='Estimate the angle between the zeros of turntable and light board, and correct '
+            'the bearings for it.',
+        ),
     ] = False,
     vehicle: Annotated[
         str, typer.Option(help='Vehicle that carries the photodiodes, name or file.')
@@ -57,7 +65,8 @@ def light(
         float, typer.Option(help='Flicker frequency of the lamp in Hz.', min=1.0, max=1e5)
     ] = DemodulationSettings().frequency,
     robot: Annotated[
-        str | None, typer.Option(help='Robot namespace, if the bag has several.')
+        str | None,
+        typer.Option(help='Robot namespace; needed if the bag contains several robots.'),
     ] = None,
     out: Out = None,
     json: Json = False,

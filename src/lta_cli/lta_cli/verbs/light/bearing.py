@@ -29,25 +29,32 @@ def bearing(
     ] = 'gtmab',
     place: Annotated[
         list[str] | None,
-        typer.Option(help='Where to simulate: indoor or outdoor; repeatable; default: both.'),
+        typer.Option(help='Where to simulate: indoor or outdoor; repeat for both; default: both.'),
     ] = None,
     diodes: Annotated[
         list[int] | None,
         typer.Option(
-            help='Number of photodiodes in the ring; repeatable; default: 4, 8, 16.', min=1, max=64
+            help='Number of photodiodes in the ring; repeat to compare several; default: 4, 8, '
+            '16.',
+            min=1,
+            max=64,
         ),
     ] = None,
     range_: Annotated[
         list[str] | None,
         typer.Option(
             '--range',
-            help='Distance to the lamp in metres, or "any" (random); repeatable; '
+            help='Distance to the lamp in metres, or "any" (random); repeat to compare several; '
             'default: 3, 7, any.',
         ),
     ] = None,
     poses: Annotated[
         int,
-        typer.Option(help='Number of random poses for each combination.', min=1, max=1_000_000),
+        typer.Option(
+            help='Number of random poses for each combination of place, diodes and distance.',
+            min=1,
+            max=1_000_000,
+        ),
     ] = 500,
     seed: Annotated[int, typer.Option(help='Random seed.', min=0)] = 1,
     out: Annotated[

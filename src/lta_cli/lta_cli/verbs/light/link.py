@@ -27,14 +27,22 @@ DISTANCES = [0.5, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 15.0]  # m
 def link(
     scenario: Annotated[
         list[str] | None,
-        typer.Option(help='Scenario with a lamp; repeatable; default: lamp_room, sunny_field.'),
+        typer.Option(
+            help='Scenario with a lamp; repeat to compare several; default: lamp_room, '
+            'sunny_field.'
+        ),
     ] = None,
     vehicle: Annotated[
         str, typer.Option(help='Vehicle that carries the photodiodes, name or file.')
     ] = 'gtmab',
     distance: Annotated[
         list[float] | None,
-        typer.Option(help='Distance from the lamp in metres; repeatable.', min=0.05, max=1000.0),
+        typer.Option(
+            help='Distance from the lamp in metres; repeat to compare several; default: 0.5 to '
+            '15.',
+            min=0.05,
+            max=1000.0,
+        ),
     ] = None,
     altitude: Annotated[
         float, typer.Option(help='Height of the hull centre in metres.', min=0.05, max=1000.0)
@@ -106,4 +114,8 @@ def print_links(links: Sequence[LampLink], console: Console) -> None:
             printed.add_row(*format_link_row(at))
         console.print(printed)
     # The statement of the seed paper, for comparison
-    console.print('For comparison, the paper states several tens of lux at 7 m and a high SNR.')
+    console.print(
+        'For comparison: the seed paper reports several tens of lux at 7 m from the lamp, and a '
+        'high SNR.',
+        soft_wrap=True,
+    )

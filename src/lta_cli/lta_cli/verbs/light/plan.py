@@ -45,7 +45,8 @@ def plan(
     overlap: Annotated[
         int,
         typer.Option(
-            help='Number of lamps to detect at every point; 2 allows hand-over between lamps.',
+            help='Number of lamps that the drone must detect at every point; 2 allows hand-over '
+            'between lamps.',
             min=1,
             max=4,
         ),
@@ -162,8 +163,8 @@ def print_plan(result: LampLayout, console: Console) -> None:
         )  # fmt: skip
     count = len(result.lamps)
     console.print(
-        f'{count} lamps (lower bound {result.bound}), one per '
-        f'{result.floor.area / count:.0f} m²; two lamps are detected on '
+        f'{count} lamps (at least {result.bound} are needed), one per '
+        f'{result.floor.area / count:.0f} m² of floor; two or more lamps are detected on '
         f'{format_percent(float((result.received_count >= 2).mean()))} % of the floor.',
         highlight=False, soft_wrap=True,
     )  # fmt: skip

@@ -19,13 +19,15 @@ def diff(
         str | None,
         typer.Argument(
             metavar='[OTHER]',
-            help='Vehicle to compare with; by default the first, with --set or --swap applied.',
+            help='Vehicle to compare with; by default the first, changed by --set or --swap.',
         ),
     ] = None,
     changes: Annotated[
         list[str] | None,
         typer.Option(
-            '--set', metavar='PATH=VALUE', help='Override a parameter of OTHER; repeatable.'
+            '--set',
+            metavar='PATH=VALUE',
+            help='Override a parameter of the second vehicle; repeatable.',
         ),
     ] = None,
     swaps: Annotated[
@@ -33,7 +35,7 @@ def diff(
         typer.Option(
             '--swap',
             metavar='LAYER=VEHICLE',
-            help='Replace a layer of OTHER by that of another vehicle; repeatable.',
+            help='Replace a layer of the second vehicle with that of another vehicle; repeatable.',
         ),
     ] = None,
     json: Json = False,

@@ -31,7 +31,11 @@ def new(
     console = plain_console()
     console.print(f'File {path}', highlight=False, soft_wrap=True)
     line = format_lta_command('vehicle', 'check', _format_explicit_path(path))
-    console.print(f'Enter your own numbers, then run: {line}', highlight=False, soft_wrap=True)
+    console.print(
+        f'Replace the numbers copied from {model} with your own, then run: {line}',
+        highlight=False,
+        soft_wrap=True,
+    )
 
 
 def _format_explicit_path(path: Path) -> str:

@@ -78,7 +78,8 @@ def repair_encodings(contents: McapContents) -> None:
         if schema.encoding not in ENCODINGS and re.fullmatch(r'\w+/msg/\w+', schema.name):
             contents.remarks.append(
                 f"The message definition of '{schema.name}' has the unknown encoding "
-                f"'{schema.encoding}'; it is read as a ROS message definition."
+                f"'{schema.encoding}', which is probably damaged; it is interpreted as a ROS "
+                'message definition.'
             )
             contents.schemas[id] = replace(schema, encoding='ros2msg')
         if schema.encoding in READABLE and not is_utf8(schema.data):
@@ -91,8 +92,9 @@ def repair_encodings(contents: McapContents) -> None:
         known = contents.schemas.get(channel.schema_id)
         if known and known.encoding in READABLE and channel.message_encoding != 'cdr':
             contents.remarks.append(
-                f"Topic '{channel.topic}' declares the encoding '{channel.message_encoding}', "
-                'but has a ROS type, so its messages are read as CDR.'
+                f"Topic '{channel.topic}' has a ROS type, but declares the encoding "
+                f"'{channel.message_encoding}', which is probably damaged; its messages are "
+                'decoded as CDR.'
             )
             contents.channels[id] = replace(channel, message_encoding='cdr')
 
@@ -126,8 +128,8 @@ def name_channel(
         if id not in contents.channels:
             contents.channels[id] = Channel(id, NAMELESS.format(id), 'cdr', {}, 0)
             contents.remarks.append(
-                f'The topic name of channel {id} is lost; its messages are kept on the topic '
-                f"'{NAMELESS.format(id)}'."
+                f'The recording does not contain the topic name of channel {id}; its messages are '
+                f"kept under the topic '{NAMELESS.format(id)}'."
             )
         return
     odd.discard(id)
@@ -137,7 +139,8 @@ def name_channel(
         contents.schemas[schema.id] = schema
     contents.channels[id] = Channel(id, found.topic, 'cdr', {}, schema.id)
     contents.remarks.append(
-        f"The topic name of channel {id} is lost; it is taken from metadata.yaml: '{found.topic}'."
+        f'The topic name of channel {id} is missing or damaged in the recording; it is taken from '
+        f"metadata.yaml: '{found.topic}'."
     )
 
 

@@ -134,7 +134,9 @@ def unpack_candidate(
 ) -> tuple[bytes | memoryview, int]:
     """Unpack one candidate position of the packed records; see `unpack_by_crc`."""
     if packed.length > CHUNK_BYTES:
-        raise DamagedRecord(f'contain {packed.length} bytes, more than the limit of {CHUNK_BYTES}')
+        raise DamagedRecord(
+            f'declare a chunk of {packed.length} bytes, more than the limit of {CHUNK_BYTES} bytes'
+        )
     part = read(packed.start, packed.length)
     if is_declared and len(part) < packed.length:
         raise DamagedRecord

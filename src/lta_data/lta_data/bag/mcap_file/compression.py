@@ -48,13 +48,15 @@ def decompress_zstd(packed: bytes | memoryview) -> bytes:
     # A zstd frame header has at most 18 bytes.
     claimed = zstandard.frame_content_size(packed[:18])
     if claimed > CHUNK_BYTES:
-        raise DamagedRecord(f'decompress to {claimed} bytes, more than the limit of {CHUNK_BYTES}')
+        raise DamagedRecord(
+            f'decompress to {claimed} bytes, more than the limit of {CHUNK_BYTES} bytes'
+        )
     if claimed >= 0:
         return zstandard.ZstdDecompressor().decompress(packed)
     with zstandard.ZstdDecompressor().stream_reader(packed) as stream:
         data = stream.read(CHUNK_BYTES + 1)
     if len(data) > CHUNK_BYTES:
-        raise DamagedRecord(f'decompress to more than {CHUNK_BYTES} bytes')
+        raise DamagedRecord(f'decompress to more than the limit of {CHUNK_BYTES} bytes')
     return data
 
 
@@ -63,7 +65,7 @@ def decompress_lz4(packed: bytes | memoryview) -> bytes:
     unpacker = lz4.frame.LZ4FrameDecompressor()
     data: bytes = unpacker.decompress(packed, max_length=CHUNK_BYTES + 1)
     if len(data) > CHUNK_BYTES:
-        raise DamagedRecord(f'decompress to more than {CHUNK_BYTES} bytes')
+        raise DamagedRecord(f'decompress to more than the limit of {CHUNK_BYTES} bytes')
     if not unpacker.eof:
         raise DamagedRecord
     return data

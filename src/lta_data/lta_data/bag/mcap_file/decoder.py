@@ -88,6 +88,7 @@ class MessageDecoder:
             self._types.register(parse_definition(text, type_name, schema.encoding))
         except MISDEFINED as error:
             raise BadInput(
-                f"The bag's definition of '{type_name}' ({schema.encoding or 'none'}) cannot be "
-                'read; leave topics of this type out.'
+                f"The definition of the message type '{type_name}' in the bag (format "
+                f'{schema.encoding or "unknown"}) is invalid, so its messages cannot be decoded; '
+                'leave topics of this type out.'
             ) from error

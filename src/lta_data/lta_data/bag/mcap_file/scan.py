@@ -71,7 +71,9 @@ class McapScanner:
             self._note_truncation(at)
         more = len(self.contents.lost) - MOST_TOLD
         if more > 0:
-            self.contents.losses.append(f'{more} more regions of the file are damaged.')
+            self.contents.losses.append(
+                f'{more} more regions of the file are damaged and not listed.'
+            )
 
     def _add_record(self, at: int, record: ValidRecord) -> None:
         """Add a valid record."""
