@@ -139,7 +139,7 @@ def study_flights(
     if not held_out:
         warnings.append(
             'No flight was held out (--holdout), so the prediction errors are those of the '
-            'confirming flights, and may be too small.'
+            'confirming flights, which were also used for the fit, and may be too small.'
         )
     strained = find_exceeded_tolerances(known, proven.full.prior, proven.full.fitted.mean)
     warnings.extend(format_bounds_warning(strained))

@@ -35,6 +35,6 @@ def check_lamp_frequency(scenario: Scenario, demodulation: DemodulationSettings)
         raise BadInput(
             f'The lamp of {scenario.name} flickers at {lamp:g} Hz, but the demodulator listens '
             f'at {demodulation.frequency:g} Hz ({low:.0f} to {high:.0f} Hz); set '
-            f"demodulator.frequency, or add 'route: [{name}]' to the scenario, which uses the "
-            'frequency of each lamp.'
+            f"demodulator.frequency, or add 'route: [{name}]' to the scenario, so that the "
+            'demodulator uses the frequency of each lamp.'
         )

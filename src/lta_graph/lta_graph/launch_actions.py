@@ -99,7 +99,9 @@ class Param(StrictModel):
         given = [item is not None for item in (self.value, self.param, self.from_)]
         # A file (`from`) has no name; a value or a nested parameter needs one
         if sum(given) != 1 or (self.name is None) != (self.from_ is not None):
-            raise ValueError('needs either "from", or "name" and one of "value" and "param"')
+            raise ValueError(
+                'needs either "from" (a parameter file), or "name" with "value" or "param"'
+            )
         if self.type is not None and self.value is None:
             raise ValueError('has a "type" but no "value"; remove the type')
         if any(nested.from_ is not None for nested in self.param or []):

@@ -130,7 +130,7 @@ def iterate_parameters(
     if len({type(item) for item in items}) != 1:
         raise BadInput(
             f'The parameter {name} is the list {items}, but a ROS list must have at least one '
-            'value, and all of one type; write for example 1.0 instead of 1.'
+            'value, and all of one type; write for example [1.0, 2.5] instead of [1, 2.5].'
         )
     yield name, items
 

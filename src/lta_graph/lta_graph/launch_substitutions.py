@@ -34,7 +34,10 @@ def _substitute_variable(context: LaunchContext, name: str) -> str:
 def _substitute_environment(_: LaunchContext, name: str, default: str | None = None) -> str:
     value = os.environ.get(name, default)
     if value is None:
-        raise BadInput(f'The environment variable {name} is not set; set it, or give a default.')
+        raise BadInput(
+            f'The environment variable {name} is not set; set it, or give a default, as in '
+            f'$(env {name} DEFAULT).'
+        )
     return value
 
 

@@ -167,7 +167,8 @@ class RecordedFlight:
         found = self.message_type(topic)
         if found != type_name:
             raise BadInput(
-                f"Topic '{topic}' has type '{found}', not '{type_name}'; choose another topic."
+                f"Topic '{topic}' has type '{found}', not '{type_name}'; choose a topic of "
+                f"type '{type_name}'."
             )
 
     def _iterate_message_batches(

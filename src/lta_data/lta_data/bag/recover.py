@@ -86,7 +86,9 @@ class Recovery:
         ]
         if self.lost_bytes:
             chunks = f' ({format_count(self.lost_chunks, "chunk")})' if self.lost_chunks else ''
-            told.append(f'{self.lost_bytes} of {self.size} bytes{chunks} are lost.')
+            told.append(
+                f'{self.lost_bytes} of {self.size} bytes of the recording{chunks} are lost.'
+            )
         told += [format_loss_span(start, end) for start, end in self.lost_spans[:MOST_NOTED]]
         for topic, lost in sorted(self.missing.items()):
             told.append(f'{topic} lacks {self._describe_missing(lost)} ({COUNTED[lost.source]}).')

@@ -64,7 +64,9 @@ def select_topic_pairs(
     for name in only:
         if name not in {each.topic_a for each in found}:
             common = ', '.join(sorted({each.topic_a for each in found}))
-            raise BadInput(f"Topic '{name}' is not one that is compared; choose from: {common}.")
+            raise BadInput(
+                f"Topic '{name}' is not among the compared topics; choose from: {common}."
+            )
     return [each for each in found if not only or each.topic_a in only]
 
 

@@ -206,7 +206,8 @@ def describe_faults(faults: TopicFaults) -> str:
     if faults.same_stamp:
         again = f', {faults.repeated} of them identical byte for byte' if faults.repeated else ''
         parts.append(
-            f'{format_count(faults.same_stamp, "message")} with the time stamp of another{again}'
+            f'{format_count(faults.same_stamp, "message")} with the time stamp of another message'
+            f'{again}'
         )
     if faults.backwards_count:
         first = faults.backwards[0]

@@ -187,8 +187,8 @@ def align_by_clock(bare: TimeAlignment, estimate: ClockOffset, reason: str) -> T
     remarks = []
     if estimate.is_ambiguous:
         remarks.append(
-            'Another offset fits nearly as well because the motion is periodic; check the offset '
-            'and correct it with --offset if needed.'
+            'Another clock offset fits nearly as well, because the motion is periodic; check the '
+            'estimated offset, and correct it with --offset if needed.'
         )
     return replace(
         bare, how='clock', reason=reason, offset=estimate.value, sigma=estimate.sigma,
@@ -204,8 +204,8 @@ def align_by_start(
     start = estimate_start_offset(shared)
     if start is None:
         raise BadInput(
-            'No start of motion or commands was found that both flights have; give --offset, or '
-            'use --align none.'
+            'No start of motion or commands was found in both flights, so their starts cannot be '
+            'aligned; give the offset of their clocks with --offset, or use --align none.'
         )
     what = 'commands' if start.by_command else 'motion'
     return replace(

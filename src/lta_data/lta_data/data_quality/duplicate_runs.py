@@ -126,8 +126,8 @@ def compare_fingerprints(
     return QualityFinding(
         KIND, topics, begin, begin + count * STEP,
         f"This is the same run as '{name}' from {max(0.0, offset * STEP):.1f} s on, for "
-        f'{count * STEP:.1f} s: the fast motion in {len(shared)} channels correlates by '
-        f'{100 * score:.1f} %.',
+        f'{count * STEP:.1f} s: the fast motion in {len(shared)} channels has a '
+        f'correlation of {100 * score:.1f} %.',
         Severity.SUSPICIOUS,
         {'agreement': score, 'offset_s': offset * STEP, 'length_s': count * STEP},
     )  # fmt: skip

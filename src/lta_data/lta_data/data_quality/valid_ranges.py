@@ -27,7 +27,10 @@ RANGES: Final = (
     ),
     ValidRange(re.compile(r'/percentage$'), 0.0, 1.0, 'a state of charge is between 0 and 1'),
     ValidRange(
-        re.compile(r'/fluid_pressure$'), 3e4, 1.1e5, 'air below 9 km altitude has 3e4 to 1.1e5 Pa'
+        re.compile(r'/fluid_pressure$'),
+        3e4,
+        1.1e5,
+        'the air pressure below 9 km altitude is between 3e4 and 1.1e5 Pa',
     ),
     ValidRange(
         re.compile(r'linear_acceleration\.[xyz]$'),
@@ -36,9 +39,14 @@ RANGES: Final = (
         'no accelerometer measures more than 32 g',
     ),
     ValidRange(
-        re.compile(r'angular(_velocity)?\.[xyz]$'), -70.0, 70.0, 'no gyroscope measures 4000 deg/s'
+        re.compile(r'angular(_velocity)?\.[xyz]$'),
+        -70.0,
+        70.0,
+        'no gyroscope measures more than 4000 deg/s (70 rad/s)',
     ),
-    ValidRange(re.compile(r'linear\.[xyz]$'), -60.0, 60.0, 'no indoor vehicle flies at 60 m/s'),
+    ValidRange(
+        re.compile(r'linear\.[xyz]$'), -60.0, 60.0, 'no indoor vehicle is faster than 60 m/s'
+    ),
     ValidRange(
         # 7 is just above 2 pi
         re.compile(r'\.(yaw|pitch|roll)$'),
@@ -56,7 +64,7 @@ RANGES: Final = (
         re.compile(r'/temperature$'),
         -60.0,
         150.0,
-        'flights take place between -60 and 150 degrees Celsius',
+        'a temperature in flight is between -60 and 150 degrees Celsius',
     ),
 )
 COUNTS: Final = re.compile(r'^photodiodes/(min|max|mean)\[|^light/peaks/amplitude\[')
@@ -80,6 +88,10 @@ def build_light_ranges(top: float | None) -> tuple[ValidRange, ...]:
         ValidRange(COUNTS, 0.0, top, f'the ADC counts from 0 to {top:.0f}'),
         # The standard deviation of bounded values is at most half their range
         ValidRange(
-            SPREAD, 0.0, (top + 1.0) / 2.0, f'the ADC has a range of only {top + 1.0:.0f} counts'
+            SPREAD,
+            0.0,
+            (top + 1.0) / 2.0,
+            'a standard deviation is at most half of the range of the ADC '
+            f'({top + 1.0:.0f} counts)',
         ),
     )

@@ -243,7 +243,8 @@ def scale_column(
             raise ValueOutOfBounds(
                 # Rows count from 1 in messages
                 f"Column '{column}' has {values[wrong[0]]:.6g} in row {first + wrong[0] + 1}, but "
-                f'the mapping allows {low:g} to {high:g}; correct the unit in the mapping.'
+                f'"within" in the mapping allows {low:g} to {high:g}; choose the right column in '
+                'the mapping, or correct "within".'
             )
     if source.offset:
         values = values + source.offset
@@ -263,6 +264,6 @@ def _check_stamps(table: LogTable, topic: str) -> None:
             seconds = times[wrong[0]] * 1e-9
             raise BadInput(
                 f"Row {table.first + wrong[0] + 1} of '{topic}' is at {seconds:.6g} s, outside "
-                'the range of ROS time stamps; correct the unit of the time, or add a "start" '
-                'to the mapping.'
+                'the range of ROS time stamps; in the mapping, correct the unit of "time", or '
+                'add "start" to it.'
             )

@@ -121,10 +121,10 @@ def _check_frame(candidate: EntryPlan, name: str, vector: VectorField) -> None:
     # Only world to body is supported, and it needs the attitude of each row
     if vector.frame != 'world' or candidate.entry.orientation is None:
         raise BadInput(
-            f'{candidate.entry.topic}: {name} is given in the {vector.frame} frame, but the '
-            f'message needs the {candidate.target_parts[name].frame} frame; '
-            'give the orientation as '
-            f'well, or leave {name} out.'
+            f"In the mapping, {name} of topic '{candidate.entry.topic}' is given in the "
+            f'{vector.frame} frame, but the message needs the '
+            f'{candidate.target_parts[name].frame} frame; give the orientation as well, or '
+            f'leave {name} out.'
         )
 
 
@@ -147,7 +147,10 @@ def _check_unit(what: str, quantity: ScalarField | VectorField, fitting: Sequenc
         wanted = ' or '.join(fitting)
         if unit == '1':
             raise BadInput(
-                f'{what} has no unit; add "unit: {fitting[0]}", or a unit '
+                f'{what} has no unit; add "unit: {fitting[0]}" to the mapping, or a unit '
                 f'compatible with {wanted}.'
             )
-        raise BadInput(f'{what} is in {unit}, but must be in {wanted} or a compatible unit.')
+        raise BadInput(
+            f'{what} is in {unit}, but must be in {wanted} or a compatible unit; correct the '
+            'mapping.'
+        )

@@ -114,7 +114,10 @@ def _read_head(path: Path) -> bytes:
             with gzip.open(path) as unpacked:
                 return unpacked.read(HEAD)
     except (OSError, EOFError, zlib.error) as error:
-        raise BadInput(f"'{path}' cannot be read ({error}); copy it again.") from None
+        raise BadInput(
+            f"'{path}' cannot be read ({error}); check its permissions, or copy it again if it is "
+            'damaged.'
+        ) from None
     return head
 
 

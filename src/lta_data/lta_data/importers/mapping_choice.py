@@ -59,7 +59,7 @@ def select_mapping(
     if mapping.format != format_:
         raise BadInput(
             f"Mapping '{name}' is for the format {mapping.format}, but '{path}' has the format "
-            f'{format_}; choose another mapping.'
+            f'{format_}; choose another mapping with --mapping.'
         )
     return mapping, text
 
@@ -121,7 +121,7 @@ def choose_entries(
         there = ', '.join(list(dict.fromkeys(_list_contents(log)))[:30])
         raise BadInput(
             f"'{path}' has no data that the mapping '{mapping.name}' uses; it has {there}. Choose "
-            'another mapping.'
+            'another mapping with --mapping.'
         )
     return found._replace(absent=absent)
 
@@ -164,7 +164,7 @@ def _plan_entry(
         known_tables = ', '.join(sorted(log.raw or log.columns)) or 'none'
         raise BadInput(
             f"'{path}' lacks the table '{absent[0]}', which the mapping needs; it has "
-            f'{known_tables}.'
+            f'{known_tables}. Correct the mapping, or choose another one with --mapping.'
         )
     # '#' selects a child frame of a transform topic
     if table in log.raw or '#' in table:

@@ -56,9 +56,10 @@ def list_forecast_warnings(gaps: Sequence[ChannelErrors]) -> list[str]:
         )
     if vain and not should_keep_file(gaps):
         out.append(
-            f'Forecasts with the named effects are worse than forecasts with only the tolerances '
-            f'of the vehicle file fitted ({_format_channel_horizons(vain)}): the names may be '
-            'right, but do not trust the values; record another flight.'
+            f'Forecasts with the named effects are worse than without them, if only the values of '
+            'the vehicle file are fitted within their tolerances '
+            f'({_format_channel_horizons(vain)}): these may be the right effects, but do not '
+            'trust their values; record another flight.'
         )
     if idle:
         out.append(

@@ -113,8 +113,8 @@ class NextFlightPlanner:
         self.space = AltitudeRange(standing + DEEP, min(standing + HIGH, highest))
         if self.space.high < standing + 2.0 * DEEP:
             raise BadInput(
-                f'The scenario {scenario.name} is {top:g} m high, too low to fly '
-                f'{self.vehicle.file.name} in; choose a higher one with --scenario.'
+                f'The room of the scenario {scenario.name} is {top:g} m high, too low for the '
+                f'vehicle {self.vehicle.file.name}; choose a higher one with --scenario.'
             )
 
     def find_parameter(self, name: str) -> FreeParameter:

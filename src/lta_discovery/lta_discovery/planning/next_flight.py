@@ -82,7 +82,8 @@ class NextFlightPlan:
             path.write_text(head + text, encoding='utf-8')
         except OSError as error:
             raise BadInput(
-                f"'{path}' cannot be written ({error.strerror}); check folder and disk space."
+                f"'{path}' cannot be written ({error.strerror}); check that its folder is "
+                'writable and has free space.'
             ) from error
         return path
 

@@ -79,9 +79,10 @@ def build_schedule(table: TopicTable) -> BatchSchedule:
     # A light block needs an even number of control steps, since its middle must be one
     if control % step_ns or due['range'] % step_ns or due['photodiodes'] % (2 * control):
         raise BadInput(
-            f'--device uses steps of {1e3 * STEP:g} ms, but the periods of control ({control} ns) '
-            f'and sensors ({", ".join(f"{name} {period}" for name, period in due.items())} ns) '
-            'are not whole multiples of that; change them in topics.yaml.'
+            f'--device uses steps of {1e3 * STEP:g} ms, so the periods of control and range must '
+            'be whole multiples of that, and the period of the photodiodes an even multiple of '
+            f'that of control; topics.yaml has {control} ns for control, {due["range"]} ns for '
+            f'range and {due["photodiodes"]} ns for the photodiodes. Change them there.'
         )
     return BatchSchedule(
         control // step_ns,

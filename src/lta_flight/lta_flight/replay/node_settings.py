@@ -49,7 +49,7 @@ def parse_settings(assignments: Sequence[str], nodes: Sequence[str]) -> dict[str
         path, equals, value = text.partition('=')
         node, dot, name = path.strip().partition('.')
         if not (equals and dot and name):
-            raise BadInput(f"'{text}' is not an assignment; write NODE.PARAMETER=VALUE.")
+            raise BadInput(f"--set '{text}' is not an assignment; write NODE.PARAMETER=VALUE.")
         if node not in nodes:
             raise unknown_name_error('replayed node', node, list(nodes))
         found.setdefault(node, {})[name] = parse_typed_value(node, name, value)

@@ -95,7 +95,9 @@ def parse_nodes(text: str) -> tuple[str, ...]:
         if name not in known:
             raise unknown_name_error('node', name, known)
     if not names:
-        raise BadInput(f'No node to replay was given; name one or more of {", ".join(known)}.')
+        raise BadInput(
+            f'No node to replay was given; name one or more with --nodes: {", ".join(known)}.'
+        )
     return names
 
 
@@ -238,6 +240,7 @@ def extract_file(provenance: Mapping[str, str], name: str, folder: Path) -> str 
         path.write_text(text, encoding='utf-8')
     except OSError as error:
         raise BadInput(
-            f"'{path}' cannot be written ({error.strerror}); free some disk space."
+            f"'{path}' cannot be written ({error.strerror}); check that its folder is writable "
+            'and has free space.'
         ) from error
     return str(path)

@@ -62,7 +62,7 @@ class BatchWorkers:
         if duties and len(duties) != len(vehicle.rotors):
             raise BadInput(
                 f'{len(duties)} duties are given, but {vehicle.file.name} has '
-                f'{len(vehicle.rotors)} rotors; give one for each.'
+                f'{len(vehicle.rotors)} rotors; give one duty per rotor with --duties.'
             )
         if device == 'gpu':
             require_cuda()

@@ -91,7 +91,8 @@ class SweepPlan:
         # Grids multiply, so a few long lists are enough to exceed the limit
         if self.count > MOST:
             raise BadInput(
-                f'The sweep has {self.count} flights, but at most {MOST} are allowed; vary less.'
+                f'The sweep has {self.count} flights, but at most {MOST} are allowed; vary fewer '
+                'parameters, or give fewer values.'
             )
 
     @property

@@ -67,7 +67,10 @@ def write_table(
         with replace_atomically(path) as part:
             parquet.write_table(table, part, compression='zstd')
     except OSError as error:
-        raise BadInput(f"'{path}' cannot be written ({error}); free some disk space.") from None
+        raise BadInput(
+            f"'{path}' cannot be written ({error}); check that its folder is writable and has "
+            'free space.'
+        ) from None
 
 
 def _build_field(name: str, kind: Any, unit: str, meaning: str) -> Any:  # noqa: ANN401 - pyarrow's

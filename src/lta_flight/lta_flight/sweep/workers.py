@@ -185,8 +185,8 @@ class LocalWorkers:
         self._stillborn += not worker.flown
         if self._stillborn >= STILLBORN * self._size:
             raise BadInput(
-                f'{self._stillborn} worker processes in a row ended before flying anything, the '
-                f'last by {how}; check whether memory ran out, or use fewer --workers.'
+                f'{self._stillborn} worker processes in a row ended before they finished a flight '
+                f'(the last with {how}); check whether memory ran out, or use fewer --workers.'
             )
         if (job := worker.job) is None:
             return

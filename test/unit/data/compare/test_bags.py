@@ -126,7 +126,10 @@ def test_doubled_and_backward_messages_are_counted(record):
     assert not found.is_identical
     assert found.is_within_bands
     told = describe_faults(wrong)
-    assert '2 messages with the time stamp of another, 1 of them identical byte for byte' in told
+    assert (
+        '2 messages with the time stamp of another message, 1 of them identical byte for byte'
+        in told
+    )
     assert 'time stamps go back 1 time, first from 0.790 to 0.750 s' in told
 
 

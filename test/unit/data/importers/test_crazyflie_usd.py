@@ -122,7 +122,7 @@ def test_what_the_head_does_not_name_ends_the_log(bring, tmp_path):
     [
         (b'\xbc\x09\x00\x00\x00', 'version 9'),
         (head(2, [FIXED])[:40], 'cut short or damaged'),
-        (head(2, [('event', [('a.b', 'z')])]), "variable 'a.b(z)' of an unknown type"),
+        (head(2, [('event', [('a.b', 'z')])]), "variable 'a.b(z)' has an unknown type"),
         (sealed(head(2, [FIXED])), 'is a Crazyflie log without events'),
         (
             sealed(head(2, [('e', [('my.own', 'f')])]) + struct.pack('<HQf', 0, 5, 1.0)),

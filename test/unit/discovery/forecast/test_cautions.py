@@ -72,4 +72,4 @@ def test_a_name_with_which_forecasts_are_worse_than_with_tolerances_alone_is_war
     told = list_forecast_warnings([replace(gap('position', 3.0, 0.3, 0.1, 0.5, 0.7), tuned=tuned)])
     assert bool(told) is warned
     if warned:
-        assert 'tolerances of the vehicle file fitted (position after 3 s)' in told[0]
+        assert 'fitted within their tolerances (position after 3 s)' in told[0]

@@ -176,9 +176,9 @@ def find_lying_attitude(pose: PoseSeries, limits: QualityLimits) -> Iterator[Qua
     if share > 0.5:
         yield QualityFinding(
             KIND, pose.attitude.name, float(pose.attitude.time[0]), float(pose.attitude.time[-1]),
-            f'The vehicle tilts by more than {limits.upright:.0f} degrees in {100 * share:.0f} % '
-            'of the time: the quaternion has the wrong order (w first), or the z axis points '
-            'down.',
+            f'The vehicle seems to tilt by more than {limits.upright:.0f} degrees for '
+            f'{100 * share:.0f} % of the time: probably the quaternion has the wrong order '
+            '(w first), or the z axis points down.',
             Severity.SUSPICIOUS, {'share': share},
         )  # fmt: skip
 
@@ -201,7 +201,8 @@ def find_misaligned_gravity(
     yield QualityFinding(
         KIND, f'{force.name}.z' if axis == 2 else force.name, float(force.time[0]),
         float(force.time[-1]),
-        f'Gravity acts along {sign}{XYZ[axis]} ({mean[0]:.2f}, {mean[1]:.2f}, {mean[2]:.2f}) '
-        'm/s2, not along z (REP-103: +9.81 m/s2 upwards at rest).',
+        f'The accelerometer measures gravity along {sign}{XYZ[axis]} (x, y, z: {mean[0]:.2f}, '
+        f'{mean[1]:.2f}, {mean[2]:.2f} m/s2), but at rest it should measure +9.81 m/s2 along z '
+        '(REP-103).',
         Severity.SUSPICIOUS, {'x': float(mean[0]), 'y': float(mean[1]), 'z': float(mean[2])},
     )  # fmt: skip

@@ -57,7 +57,8 @@ def find_clock_errors(evidence: CheckContext) -> CheckVerdict:
             continue  # the rates of this sensor are more precise
         if alike is None:
             unjudged.append(
-                f"The clock of '{pair.told}' cannot be judged: '{pair.made}' hardly moves."
+                f"The clock of '{pair.told}' cannot be judged: '{pair.made}' shows too little "
+                'motion to compare it with.'
             )
         else:
             found += find_lag(pair, alike, evidence.limits)

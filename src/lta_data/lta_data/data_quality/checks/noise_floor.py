@@ -96,8 +96,8 @@ def build_smoothness_finding(
     unit = channel.unit
     return QualityFinding(
         KIND, name, float(channel.time[0]), float(channel.time[-1]),
-        f'The noise above a third of the sampling rate is {level:.1e} {unit}, but the quietest '
-        f'sensors have {least:.0e} {unit}: the data are heavily filtered, or simulated without '
-        'saying so; do not rely on their derivatives, lags and fast motion.',
+        f'The noise above a third of the sampling rate is {level:.1e} {unit}, but even the '
+        f'quietest real sensors have {least:.0e} {unit}: the data are heavily filtered, or '
+        'simulated but not marked so; do not rely on their derivatives, delays and fast motion.',
         Severity.WARNING, {'noise': level, 'least': least},
     )  # fmt: skip

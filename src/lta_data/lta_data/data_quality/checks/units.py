@@ -173,8 +173,8 @@ def find_unit_by_gravity(
         if abs(felt / STANDARD_GRAVITY / factor - 1.0) <= 0.3:
             yield QualityFinding(
                 KIND, name, float(time[0]), float(time[-1]),
-                f'The unit looks like {unit}: the median specific force is {felt:.4g}, but '
-                'gravity alone is 9.81 m/s2.',
+                f'The unit looks like {unit}: the median acceleration with gravity is '
+                f'{felt:.4g}, but in m/s2 it would be about 9.81.',
                 Severity.SUSPICIOUS, {'force': felt},
             )  # fmt: skip
             return
@@ -195,6 +195,6 @@ def find_unit_by_speed(
     if usual > FAST:
         yield QualityFinding(
             KIND, name, float(time[0]), float(time[-1]),
-            f'The unit looks like mm: read in m, the position moves at {usual:.0f} m/s.',
+            f'The unit looks like mm: if it were m, the position would move at {usual:.0f} m/s.',
             Severity.SUSPICIOUS, {'speed': usual},
         )  # fmt: skip

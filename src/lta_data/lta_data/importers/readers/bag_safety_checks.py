@@ -61,7 +61,9 @@ def refuse_decompression_bomb(file: Path) -> None:
                         'recording does; get it from a trusted source.'
                     )
     except zstandard.ZstdError as error:
-        raise BadInput(f"'{file}' cannot be unpacked ({error}); copy it again.") from None
+        raise BadInput(
+            f"'{file}' cannot be unpacked ({error}); it is probably damaged, so copy it again."
+        ) from None
 
 
 def refuse_unsafe_database(file: Path) -> None:
@@ -83,9 +85,15 @@ def refuse_unsafe_database(file: Path) -> None:
                 parse_yaml(text or '', f"The QoS in '{file}'")
     except sqlite3.OperationalError as error:
         if QOS not in str(error):  # older bags have no QoS column
-            raise BadInput(f"'{file}' cannot be read ({error}); copy it again.") from None
+            raise _unreadable_error(file, error) from None
     except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
-        raise BadInput(f"'{file}' cannot be read ({error}); copy it again.") from None
+        raise _unreadable_error(file, error) from None
+
+
+def _unreadable_error(file: Path, error: Exception) -> BadInput:
+    return BadInput(
+        f"'{file}' cannot be read ({error}); it is probably damaged, so copy it again."
+    )
 
 
 def refuse_large_message(file: Path, head: object) -> None:

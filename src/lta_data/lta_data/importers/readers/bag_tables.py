@@ -190,7 +190,7 @@ def complete_entry(entry: TopicMapping, type_name: str, target: str) -> TopicMap
     if not shared:
         raise BadInput(
             f"Topic '{entry.table}' has type '{type_name}', which has no standard conversion to "
-            f'{entry.topic}; name the fields in the mapping.'
+            f'{entry.topic}; in the mapping, name the fields to convert.'
         )
     return entry.model_copy(
         update={name: _build_mapping_part(part) for name, part in shared.items()}

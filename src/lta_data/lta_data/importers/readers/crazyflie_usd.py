@@ -104,7 +104,7 @@ def _read_header(data: bytes, path: Path) -> tuple[dict[int, UsdEvent], int, int
         if magic != MAGIC or version not in STARTS:
             raise BadInput(
                 f"'{path}' is not a Crazyflie log of version 1 or 2 (byte {magic:#x}, version "
-                f'{version}); log it again with a newer firmware.'
+                f'{version}); record a log with a firmware that writes one of these versions.'
             )
         at = HEAD.size
         events = {}
@@ -146,7 +146,8 @@ def _parse_field(text: str, path: Path) -> tuple[str, str]:
     found = VARIABLE.fullmatch(text)
     if found is None:
         raise BadInput(
-            f"'{path}' has the variable '{text}' of an unknown type; copy the file again."
+            f"In the header of '{path}', the variable '{text}' has an unknown type, so the file "
+            'is probably damaged; copy it again.'
         )
     return found[1], np.dtype(f'<{found[2]}').str
 
@@ -190,6 +191,6 @@ def _note_shift(notes: list[str]) -> None:
     """Add the remark that times count from the start of the drone."""
     start = load_topic_table().start_ns / 1e9
     notes.append(
-        'The times in the log count from switching on the drone. '
-        f'{start:g} s were added to all times, since ROS reads time 0 as "no clock yet".'
+        'The times in the log start when the drone was switched on. '
+        f'{start:g} s were added to all times, since in ROS time 0 means "no clock yet".'
     )

@@ -134,7 +134,7 @@ class CsvLog:
         shift = start - min(0, first // SECOND) * SECOND
         self.notes.append(
             f'The times in the log start at {first / SECOND:g} s. {shift / SECOND:g} s were added '
-            'to all times, since ROS reads time 0 as "no clock yet".'
+            'to all times, since in ROS time 0 means "no clock yet".'
         )
         self.facts.setdefault(CLOCK, 'from its own start')
         self.facts['time_shift'] = f'{shift / SECOND:g} s'
@@ -154,7 +154,10 @@ class CsvLog:
         if 'Empty CSV' in error:
             return BadInput(f"'{self._path}' has column names but no rows; give a log with data.")
         reason = ' '.join(error.split())
-        return BadInput(f"'{self._path}' cannot be read as a text table: {reason[:200]}.")
+        return BadInput(
+            f"'{self._path}' cannot be read as a text table ({reason[:200]}); correct the file, "
+            'or the entries under "text" in the mapping, such as the delimiter.'
+        )
 
     def _find_non_numeric_cell(self, name: str) -> tuple[int, str] | None:
         """Return row and text of the first non-numeric cell of a column."""
@@ -208,7 +211,7 @@ def read_column_names(path: Path, text: TextFormat) -> list[str]:
             source, delimiter = open_text_lines(stream, text, text.skip)
             line = read_first_line(source)
     except (OSError, EOFError, pa.ArrowInvalid) as error:
-        raise BadInput(f"'{path}' cannot be read ({error}).") from None
+        raise BadInput(f"'{path}' cannot be read ({error}); give an intact text file.") from None
     cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
     found: list[str] = []
     for index, cell in enumerate(cells):
@@ -217,7 +220,8 @@ def read_column_names(path: Path, text: TextFormat) -> list[str]:
         found.append(name if name not in found else f'{name} ({index + 1})')
     if not found:
         raise BadInput(
-            f"'{path}' has no line with column names; add one, or give the header in the mapping."
+            f"'{path}' has no line with column names; add one, or list the names in the mapping, "
+            'as "header" under "text".'
         )
     return found
 

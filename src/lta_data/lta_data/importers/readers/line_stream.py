@@ -57,7 +57,7 @@ def open_text_lines(stream: BinaryIO, text: TextFormat, unread: int) -> tuple[An
 def check_line_length(line: bytes) -> None:
     """Raise OSError for a line that was cut off at the limit."""
     if len(line) >= LINE_BYTES and not line.endswith(b'\n'):
-        raise OSError(f'it has a line of more than {LINE_BYTES} bytes')
+        raise OSError(f'one of its lines is longer than {LINE_BYTES} bytes, the limit of LTA')
 
 
 @final

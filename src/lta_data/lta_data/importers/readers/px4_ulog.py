@@ -58,7 +58,10 @@ def open_ulog(path: Path, mapping: MappingFile | None) -> InMemoryLog:
             log = ULog(stream, None, True)
     except (ULogException, struct.error, *FAULTS) as error:
         reason = ' '.join(str(error).split()) or type(error).__name__
-        raise BadInput(f"'{path}' cannot be read as a ULog ({reason}); copy it again.") from None
+        raise BadInput(
+            f"'{path}' cannot be read as a ULog ({reason}); it is probably damaged, so copy it "
+            'again.'
+        ) from None
     timed = [data for data in log.data_list if 'timestamp' in data.data]
     tables = {_format_table_name(data): _build_table(data.data) for data in timed}
     if not tables:
