@@ -202,6 +202,6 @@ def test_named_browser_must_exist(monkeypatch):
 def test_program_that_is_no_browser_is_one_sentence(monkeypatch):
     monkeypatch.setenv(OVERRIDE, 'true')
     with pytest.raises(
-        BadInput, match=r'true exited during .+ with status 0; start it in a terminal'
+        BadInput, match=r'true\) exited with status 0 during .+; start Chromium in a terminal'
     ):
         Browser().__enter__()

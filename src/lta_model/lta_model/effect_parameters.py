@@ -53,8 +53,8 @@ def collect_effects(
         if name in derived and set(given) - set(SHARES.get(name, ())):
             raise BadInput(
                 f'The parameters of the effect {name} in {file.name} are computed from the '
-                'blocks hull, parts, rotors or aero; remove them under effects and change '
-                'those blocks instead.'
+                'blocks hull, parts, rotors or aero of this vehicle file; remove them from its '
+                'block effects, and change those blocks instead.'
             )
     own = {name: _check_parameters(name, given) for name, given in file.effects.items()}
     # Own values win only where `SHARES` allows them

@@ -58,8 +58,8 @@ def hover_duty(
     own, per_newton = select_lifting_rotors(rotors, coupling)
     if not own or per_newton <= 0.0:
         raise BadInput(
-            f'{name} has no rotor that pushes upwards, so it cannot hover; change the axis of '
-            'a rotor.'
+            f'{name} has no rotor that pushes upwards, so it cannot hover; in the '
+            'vehicle file, change the axis of a rotor.'
         )
     # The weakest rotor limits, since all run alike
     thrust, full = weight / per_newton, min(rotor.full_thrust for rotor in own)

@@ -32,8 +32,8 @@ def low_altitude_turbulence(height: float, wind: float) -> dict[str, float]:
     if not LOWEST <= height <= HIGHEST:
         raise BadInput(
             f'MIL-F-8785C defines no low-altitude turbulence at a height of {height:g} m, '
-            f'only from {LOWEST:.2f} to {HIGHEST:.0f} m; give intensity and length instead '
-            'of "by".'
+            f'only from {LOWEST:.2f} to {HIGHEST:.0f} m; under air.turbulence in the scenario, '
+            'give intensity and length instead of "by", "wind" and "height".'
         )
     if not wind >= 0.0:
         raise BadInput(f'The mean wind speed at 20 ft is {wind:g} m/s; it must be 0 or more.')

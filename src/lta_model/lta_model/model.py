@@ -76,7 +76,7 @@ def _build_rigid_body(
     if r.shape != (3,) or not np.isfinite(r).all():
         raise BadInput(f'The centre of gravity is {r.tolist()}; give three finite numbers.')
     if not (math.isfinite(displaced) and displaced >= 0.0):
-        raise BadInput(f'The displaced air is {displaced:g} kg; it must be 0 or more.')
+        raise BadInput(f'The mass of the displaced air is {displaced:g} kg; it must be 0 or more.')
     # Lower right block: inertia about the hull centre
     i = rigid_mass_matrix(mass, r, _parse_inertia(inertia))[3:, 3:]
     x, y, z = (mass * r).tolist()

@@ -96,13 +96,16 @@ class Scenario(StrictModel):
         unknown_names = [name for name in self.route if name not in self.lamps]
         if unknown_names:
             raise ValueError(
-                f'has {", ".join(unknown_names)} on its route, but no such lamp; its lamps '
+                f'names unknown lamps in its route: {", ".join(unknown_names)}; its lamps '
                 f'are {", ".join(self.lamps)}'
             )
         x, y, _ = self.target_lamps[0].position.vector
         start_x, start_y = self.start.position.vector
         if abs(start_x) > length / 2 or abs(start_y) > width / 2:
-            raise ValueError(f'has its start at {start_x, start_y} m, outside the room')
+            raise ValueError(
+                f'has its start at {start_x, start_y} m, outside the room; move start.position '
+                'into the room'
+            )
         if math.hypot(x - start_x, y - start_y) <= self.goal.radius.si:
             raise ValueError(
                 'starts within its goal; move the start away from the lamp, or make '
@@ -122,8 +125,8 @@ class Scenario(StrictModel):
         if self.outside is not None and self.room.walls == 'solid':
             raise ValueError(
                 'has a door ("outside"), but its walls are solid, so no drone can leave; '
-                'set room.walls to open: then a drone that leaves other than through the '
-                'door has escaped'
+                'set room.walls to open. A drone that then leaves except through the door '
+                'counts as escaped'
             )
         return self
 

@@ -97,8 +97,8 @@ class Turbulence(StrictModel):
             self.effect_parameters()
             return self
         raise ValueError(
-            'needs either intensity and length, or "by: MIL-F-8785C" with wind (at 20 ft) '
-            'and height'
+            'needs either intensity and length, or "by: MIL-F-8785C" with wind (mean wind '
+            'speed at 20 ft) and height (flight height)'
         )
 
     def effect_parameters(self) -> Parameters:

@@ -73,6 +73,7 @@ def check_divergence(name: str, speeds: Sequence[float], elapsed: float) -> None
 def build_divergence_error(name: str, elapsed: float) -> BadInput:
     """Return the error for a diverged flight. [s after the start]"""
     return BadInput(
-        f'The simulation of {name} diverged {elapsed:.2f} s after the start: one of '
-        'its effects is too strong for its mass or inertia; make that effect weaker.'
+        f'The simulation of {name} diverged {elapsed:.2f} s after the start, probably because '
+        'one of its effects is too strong for its mass or inertia; check the values under '
+        'effects in the vehicle file.'
     )

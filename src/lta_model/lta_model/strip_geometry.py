@@ -78,9 +78,9 @@ def build_strips(boxes: Sequence[DragBox], density: float) -> dict[str, float]:
     found = [strip for box in boxes for strip in _split_box(box, density)]
     if len(found) > STRIPS:
         raise BadInput(
-            f'The {len(boxes)} parts with rotational damping need {len(found)} strips (a '
-            f'wide part needs two), but the model has only {STRIPS}; list fewer parts, or '
-            'combine several into one box.'
+            f'The {len(boxes)} parts with drag need {len(found)} strips for their rotational '
+            f'damping (a wide part needs two), but the model has only {STRIPS}; in the vehicle '
+            'file, remove drag from some parts, or combine several into one box.'
         )
     # The first parameter is `translation`, 0
     numbers = [0.0, *(number for strip in found for number in strip)]

@@ -60,8 +60,8 @@ class Vehicle:
             )
         if self.displaced_mass < 0.0:
             raise BadInput(
-                f'{file.name} has a measured mass of {1e3 * self.mass:.1f} g, so it cannot '
-                'be more than that heavier than air; lower trim.heaviness.'
+                f'{file.name} cannot be heavier than air by more than its own measured mass of '
+                f'{1e3 * self.mass:.1f} g; lower trim.heaviness.'
             )
         if self.cg[2] >= 0.0 and file.hull.shape != 'none' and file.trim.unstable == 'refused':
             raise BadInput(

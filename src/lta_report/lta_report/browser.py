@@ -187,8 +187,8 @@ class Browser:
                     else 'perhaps because the machine is busy'
                 )
                 raise BadInput(
-                    f'Chromium did not draw the HTML page within {took:.0f} s, {why}; open it in '
-                    'a browser.'
+                    f'Chromium did not draw the HTML page within {took:.0f} s, {why}; try '
+                    'again, or open the page in a browser and look for errors.'
                 )
             time.sleep(0.02)
 
@@ -217,9 +217,8 @@ class Browser:
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(1.0)
         return BadInput(
-            f'Chromium ({self._program}) exited during {method} with status '
-            f'{self._process.returncode}; '
-            'start it in a terminal to see why.'
+            f'Chromium ({self._program}) exited with status {self._process.returncode} during '
+            f'the command {method}; start Chromium in a terminal to see why.'
         )
 
 

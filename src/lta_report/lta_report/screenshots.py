@@ -171,7 +171,8 @@ def capture_part(browser: Browser, panel: str, out: Path) -> None:
     resize_window(browser, browser.evaluate('innerWidth'), max(math.ceil(box['height']), 1))
     if browser.evaluate(SETTLED % {'panel': panel}) is not True:
         raise BadInput(
-            f"Chromium did not draw part '{panel}' of the HTML page; open the page in a browser."
+            f"Chromium did not draw the part '{panel}' of the HTML page; open the page in a "
+            'browser and look for errors there.'
         )
     # The replay bar sticks to the bottom of the window and would cover the panel
     browser.evaluate("document.getElementById('bar')?.style.setProperty('visibility', 'hidden')")

@@ -70,7 +70,7 @@ class CommandLink:
         if len(numbers) != len(self._lowest) or not all(map(math.isfinite, numbers)):
             raise ValueError(
                 f'The motor duties are {numbers}; there must be {len(self._lowest)} finite '
-                'numbers.'
+                'numbers, one for each rotor.'
             )
         # A command without a mass position keeps the last one
         command = self._latest.copy()

@@ -61,7 +61,10 @@ class WindRecord:
             with path.open(encoding='utf-8') as stream:
                 rows = _read_rows(path, stream)
         except (OSError, UnicodeDecodeError) as error:
-            raise BadInput(f'The wind file {path} cannot be read: {error}.') from None
+            raise BadInput(
+                f'The wind file {path} cannot be read ({error}); check that it is a readable '
+                'CSV file.'
+            ) from None
         if len(rows) < 2:
             raise BadInput(
                 f'The wind file {path} has {len(rows)} rows below its header; at least two '
@@ -103,7 +106,7 @@ def _read_rows(path: Path, stream: TextIO) -> Array:
             if header != HEADER:
                 raise BadInput(
                     f'The wind file {path} begins with "{text[:40]}" instead of the header '
-                    f'"{",".join(HEADER)}".'
+                    f'"{",".join(HEADER)}"; make this header its first line.'
                 )
             continue
         numbers.extend(_parse_numbers(path, count, cells))

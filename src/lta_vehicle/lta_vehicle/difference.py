@@ -45,7 +45,7 @@ class FigureChange:
         """The later figure, or the earlier one if the later vehicle has none."""
         figure = self.after or self.before
         if figure is None:
-            raise ValueError('A figure change needs a figure before or after.')
+            raise ValueError('A FigureChange needs at least one of its figures before and after.')
         return figure
 
     @property

@@ -157,8 +157,8 @@ def _build_time_grid(path: VehiclePath, commands: RotorCommands) -> Array:
     grid = commands.time[inside]
     if len(grid) < FEWEST or len(path.time) < FEWEST:
         raise BadInput(
-            'The recording has too few motor commands or poses; record both '
-            'topics for the whole flight.'
+            'The recording has too few motor commands or poses; record the topics motors and '
+            'odom for the whole flight.'
         )
     # Replace jittering stamps by an even grid of the same mean rate
     return np.linspace(grid[0], grid[-1], len(grid))
@@ -173,7 +173,8 @@ def _estimate_velocity(path: VehiclePath, grid: Array) -> Array:
         raise BadInput(
             f'The {len(path.time)} poses of the recording span '
             f'{path.time[-1] - path.time[0]:.0f} s, which is too long for their number: '
-            'the clock was set during the recording; see `lta bag check`.'
+            'probably the clock was set during the recording; run "lta bag check" to find the '
+            'jump in time.'
         )
     # Least-squares slope over an odd window, as a convolution.
     weights = np.arange(-half, half + 1) / (step * sum(k * k for k in range(-half, half + 1)))

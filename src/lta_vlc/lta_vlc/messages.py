@@ -27,8 +27,8 @@ def to_block(message: Image) -> NDArray[np.uint16]:
         )
     if len(message.data) != 2 * message.height * message.width:
         raise ValueError(
-            f'the light message has a size of {message.height} x {message.width}, which '
-            f'does not match its {len(message.data)} bytes of data'
+            f'the light message has {len(message.data)} bytes of data, but needs 2 bytes for '
+            f'each of its {message.height} x {message.width} samples'
         )
     return np.frombuffer(message.data, dtype='<u2').reshape(message.height, message.width)
 

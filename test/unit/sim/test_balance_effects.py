@@ -229,5 +229,5 @@ def test_a_frame_is_one_strip_and_a_panel_two():
 
 def test_too_many_boxes_are_refused():
     panel = DragBox((0.0, 0.0, 0.3), (0.2, 0.2, 0.002))
-    with pytest.raises(BadInput, match='3 parts with rotational damping need 6 strips'):
+    with pytest.raises(BadInput, match='3 parts with drag need 6 strips'):
         build_strips([panel] * 3, 1.2)

@@ -169,7 +169,7 @@ def test_a_weighed_vehicle_is_what_the_scale_says():
     assert free.displaced_mass == pytest.approx(VOLUME * RHO)
     assert free.heaviness == pytest.approx(0.4 - VOLUME * RHO)
     assert refused(*weighed(heaviness=given(500, 'g'))) == (
-        'gtmab has a measured mass of 400.0 g, so it cannot be more than that heavier than air; '
+        'gtmab cannot be heavier than air by more than its own measured mass of 400.0 g; '
         'lower trim.heaviness.'
     )
 

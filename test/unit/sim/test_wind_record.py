@@ -47,7 +47,7 @@ def test_comments_and_empty_lines_are_passed_over(tmp_path):
 @pytest.mark.parametrize(
     ('text', 'sentence'),
     [
-        ('time,u,v\n0,1,0\n', 'begins with "time,u,v" instead of the header "t,u,v,w".'),
+        ('time,u,v\n0,1,0\n', 'begins with "time,u,v" instead of the header "t,u,v,w";'),
         ('t,u,v,w\n0,1,0,0\n', 'has 1 rows below its header; at least two are needed.'),
         (
             't,u,v,w\n0,1,0,0\n1,nan,0,0\n',

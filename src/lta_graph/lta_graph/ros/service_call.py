@@ -42,8 +42,12 @@ def call_service(name: str, data: bool | None) -> ServiceResponse:
         kind = find_service_class(node, name)
         # A SetBool without a value, or a Trigger with one
         if (kind is SetBool) is (data is None):
-            wanted = 'true or false' if kind is SetBool else 'no value'
-            raise BadInput(f"The service '{name}' takes {wanted} after its name.")
+            wanted = (
+                'needs a value after its name: true or false'
+                if kind is SetBool
+                else 'takes no value after its name; leave the value out'
+            )
+            raise BadInput(f"The service '{name}' {wanted}.")
         client = node.create_client(kind, name)
         # The name was seen already, but the endpoints still have to match
         client.wait_for_service(PATIENCE)
@@ -52,7 +56,8 @@ def call_service(name: str, data: bool | None) -> ServiceResponse:
         executor.spin_until_future_complete(future, ANSWER)
         if not future.done():
             raise BadInput(
-                f"The service '{name}' did not answer within {ANSWER:.0f} s; see /diagnostics."
+                f"The service '{name}' did not answer within {ANSWER:.0f} s; check that its node "
+                'still runs: a running node publishes its state on /diagnostics.'
             )
         answer = future.result()
         return ServiceResponse(bool(answer.success), str(answer.message))

@@ -58,8 +58,8 @@ def fit_diode(cell: CellFile) -> SingleDiodeModel:
     if _slope_at_maximum(data, low) < 0.0:
         raise BadInput(
             f'No diode model with an ideality factor of {data.ideality.si:g} fits the '
-            f'solar cell {cell.name}: its curve is too square. Lower the ideality, or '
-            'check voltage and current at maximum power.'
+            f'solar cell {cell.name}: its current-voltage curve is too square. In the cell '
+            'file, lower ideality, or check voltage and current at maximum power.'
         )
     for _ in range(STEPS):
         middle = 0.5 * (low + high)
@@ -71,8 +71,8 @@ def fit_diode(cell: CellFile) -> SingleDiodeModel:
     if found.shunt < 0.0 or found.saturation <= 0.0:
         raise BadInput(
             f'No diode model with an ideality factor of {data.ideality.si:g} fits the '
-            f'solar cell {cell.name}: its curve is too round. Raise the ideality, or check '
-            'voltage and current at maximum power.'
+            f'solar cell {cell.name}: its current-voltage curve is too round. In the cell '
+            'file, raise ideality, or check voltage and current at maximum power.'
         )
     return found
 

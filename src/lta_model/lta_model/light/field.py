@@ -62,8 +62,8 @@ class LightField:
         require(self.room is not None, 'The scene has a door but no room; add a room.')
         require(
             self.daylight is None,
-            'The scene has daylight both in the room and beyond its door; remove the '
-            'daylight in the room.',
+            'The scene has daylight both in the room ("daylight") and beyond its door '
+            '("outside"); remove "daylight".',
         )
         _, width, height = self.room.size if self.room is not None else (0.0, 0.0, 0.0)
         require(

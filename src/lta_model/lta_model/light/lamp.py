@@ -69,7 +69,8 @@ class BeaconLamp:
         numbers = (*self.position, *self.axis, self.flux, self.order, self.radius, self.rise)
         require(
             all(map(math.isfinite, numbers)),
-            f'A number of the lamp is infinite or NaN: {numbers}; correct it.',
+            'A number of the lamp is infinite or NaN; correct it. Position, axis, luminous flux, '
+            f'Lambertian order, radius and rise time are {numbers}.',
         )
         require(
             math.hypot(*self.axis) > 0.0,
@@ -92,7 +93,8 @@ class BeaconLamp:
         require(
             0.0 <= self.rise <= shortest,
             f'The lamp takes {1e3 * self.rise:g} ms to reach full light but is on or off for '
-            f'only {1e3 * shortest:g} ms; shorten its rise time or lower its frequency.',
+            f'only {1e3 * shortest:g} ms of each flicker period; shorten its rise time or lower '
+            'its frequency.',
         )
         require_efficacy(self.efficacy)
 

@@ -26,7 +26,8 @@ def check_mesh(name: str, facts: Mapping[str, float | Mapping[str, int]]) -> Non
     # "not >" also rejects NaN, which stands for a missing number in the log
     if not cells > 1000:
         raise CaseFailed(
-            f'The {name} has no cells; check that the surface of the shape is closed.'
+            f'The {name} has too few cells (more than 1000 are needed); check that the surface '
+            'of the shape is closed.'
         )
     if not angle <= ANGLE:
         raise CaseFailed(
@@ -65,8 +66,8 @@ def check_spread(spread: float, rounds: int) -> None:
     """Raise `CaseFailed` if a steady force has not settled or has too few iterations."""
     if rounds < WINDOW:
         raise CaseFailed(
-            f'Only {rounds} iterations were solved, but the mean is taken over {WINDOW}; '
-            'check the log of the solver.'
+            f'The solver did only {rounds} iterations, but the mean force needs {WINDOW}; look '
+            'for the cause in its log file in the case folder (--cache).'
         )
     if not spread <= SPREAD:
         raise CaseFailed(
@@ -89,13 +90,14 @@ def check_mean(error: float, lengths: float) -> None:
     if lengths < LENGTHS:
         raise CaseFailed(
             f'The mean force covers only {lengths:.1f} hull lengths of flow; at least '
-            f'{LENGTHS:.0f} are needed.'
+            f'{LENGTHS:.0f} are needed. Look in the log file in the case folder (--cache) why '
+            'the solver stopped early.'
         )
     if not error <= ERROR:
         raise CaseFailed(
             f'The mean force is uncertain by {100 * error:.0f} % (allowed: '
             f'{100 * ERROR:.0f} %), because the wake fluctuates too slowly for the '
-            'simulated time.'
+            'simulated time. This flow is left out; --fidelity preview solves a steady flow.'
         )
 
 

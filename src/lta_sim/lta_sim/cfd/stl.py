@@ -34,7 +34,9 @@ def read_stl(path: Path, unit: str) -> trimesh.Trimesh:
             f'There is no STL file {path}; check the path, which is relative to the tunnel file.'
         )
     if path.stat().st_size > STL_BYTES:
-        raise BadInput(f'{path} is larger than {STL_BYTES} bytes; export it with fewer triangles.')
+        raise BadInput(
+            f'{path} is larger than {STL_BYTES / 1e6:g} MB; export it with fewer triangles.'
+        )
     try:
         with np.errstate(all='ignore'):  # absurd numbers are rejected below
             mesh = trimesh.load_mesh(path, file_type='stl')
@@ -57,9 +59,8 @@ def validate_closed(mesh: trimesh.Trimesh, name: str, unit: str) -> trimesh.Trim
         # Too large: probably millimetres read as metres; too small: the opposite
         other = 'mm' if size > LARGEST else 'm'
         raise BadInput(
-            f'{name} is {size:.4g} m long when read in {unit}, which is implausible for a drone '
-            'part; '
-            f'if it was drawn in {other}, set "unit: {other}".'
+            f'{name} is {size:.4g} m long if its unit is {unit}, which is implausible for a '
+            f'drone part; if it was drawn in {other}, set "unit: {other}".'
         )
     if not mesh.is_watertight:
         edges = np.unique(mesh.edges_sorted, axis=0, return_counts=True)[1]

@@ -165,8 +165,9 @@ class Simulator(GraphNode):
         self.health.report(
             'command',
             HealthLevel.ERROR,
-            f'refused duties {repr(duties)[:MOST]} of {repr(names)[:MOST]}: the rotors '
-            f'must be {expected}, with duties from {self._lowest} to 1; the motors are off',
+            f'invalid motor command with the duties {repr(duties)[:MOST]} for the rotors '
+            f'{repr(names)[:MOST]}, so the motors are off; send duties for the rotors {expected}, '
+            f'from {self._lowest} to 1',
         )
 
     def _tick(self) -> None:

@@ -26,8 +26,8 @@ Cache = Annotated[
     Path | None,
     typer.Option(
         help=(
-            'Folder where solved flows are kept and reused; with --scheduler, on each '
-            'worker machine.'
+            'Folder that stores solved flows, so that later runs reuse them; with '
+            '--scheduler, a folder on each worker machine.'
         )
     ),
 ]
@@ -50,7 +50,8 @@ def check_solver_options(jobs: int | None, scheduler: str | None) -> None:
     elif jobs is not None:
         # An ignored option would be misleading.
         raise BadInput(
-            'With --scheduler, each worker thread solves one flow at a time; leave --jobs out.'
+            '--jobs has no effect with --scheduler, where the threads of the Dask workers '
+            'determine how many flows are solved at the same time; leave --jobs out.'
         )
 
 

@@ -34,8 +34,9 @@ def coarse_schedule(schedule: BatchSchedule) -> BatchSchedule:
     """
     if schedule.control % COARSE or schedule.range % COARSE:
         raise BadInput(
-            f'Missions are simulated in steps of {1e3 * COARSE * STEP:g} ms, so the periods '
-            'of control and range must be whole multiples of it; change them in topics.yaml.'
+            f'Missions are simulated in steps of {1e3 * COARSE * STEP:g} ms, so '
+            'control_period and the period of the topic range must be whole multiples of that; '
+            'change them in config/topics.yaml.'
         )
     return BatchSchedule(
         schedule.control // COARSE,

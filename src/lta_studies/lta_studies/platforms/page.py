@@ -237,8 +237,8 @@ def format_open_loop_inputs(
                 ]
                 order = ', '.join(flying.vehicle.rotor_names)
                 sentences.append(
-                    f'{contestant.title} flies the climb in open loop, with these duties of '
-                    f'{order}: {"; ".join(steps)}.'
+                    f'{contestant.title} flies the climb in open loop. The duties of the rotors '
+                    f'({order}) are: {"; ".join(steps)}.'
                 )
     return sentences
 

@@ -142,8 +142,8 @@ def explain_missing_margin(old: LoopMargins, new: LoopMargins) -> str:
             words.append(f'{name}: {side.why}')
         elif not side.stable:
             words.append(
-                f'{name}: an oscillation of {side.swing:.2f} rad/s grows by '
-                f'{100 * side.growth:.1f} %/s'
+                f'{name}: unstable, an oscillation at {side.swing:.2f} rad/s grows by '
+                f'{100 * side.growth:.1f} % per second'
             )
     return '; '.join(words)
 

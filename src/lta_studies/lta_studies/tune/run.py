@@ -132,8 +132,8 @@ def check_loss_range(order: TuningRequest) -> None:
     most = rotor_lift_loss_limit(TuningScene(order.vehicle).nominal_vehicle)
     if order.most >= most:
         raise BadInput(
-            f'The rotors of {order.vehicle} can carry a loss of {1e3 * most:.1f} g, less than '
-            f'{1e3 * order.most:g} g; choose a smaller --most.'
+            f'The rotors of {order.vehicle} can compensate a lift loss of {1e3 * most:.1f} g, '
+            f'less than --most {1e3 * order.most:g} g; choose a smaller --most.'
         )
 
 

@@ -159,15 +159,15 @@ def _hull_wind_share(
     """Return the share of the reference wind at the hull; raise `BadInput` if it is zero."""
     if not roughness < request.reference:
         raise BadInput(
-            f'The --roughness of {roughness:g} m is not below the reference height '
-            f'{request.reference:g} m; choose a smaller --roughness.'
+            f'The roughness length --roughness {roughness:g} m is not below the height of the '
+            f'given wind, --reference {request.reference:g} m; choose a smaller --roughness.'
         )
     share = wind_limits.wind_share_at_hull(vehicle, height, request.reference, roughness)
     if share <= 0.0:
         raise BadInput(
-            f'Over a roughness of {roughness:g} m the log law gives no wind at {height:g} m, '
-            f'where {vehicle.file.name} flies; choose a smaller --roughness or a larger '
-            '--height.'
+            f'Over ground with a roughness length of {roughness:g} m, the logarithmic wind '
+            f'profile has no wind at {height:g} m, where {vehicle.file.name} flies; choose a '
+            'smaller --roughness or a larger --height.'
         )
     return share
 

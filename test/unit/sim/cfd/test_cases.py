@@ -252,8 +252,8 @@ Number of negative volume cells: 2
         (INSIDE_OUT, 'has 2 cells of negative volume'),
         (SOUND.replace('37.8187', '80.2'), 'non-orthogonality of 80 degrees'),
         (SOUND.replace('37.8187', 'nan'), 'non-orthogonality of nan degrees'),
-        (SOUND.replace('51632', '12'), 'has no cells'),
-        ('--> FOAM FATAL ERROR: cannot find file "points"\n', 'has no cells'),
+        (SOUND.replace('51632', '12'), 'has too few cells'),
+        ('--> FOAM FATAL ERROR: cannot find file "points"\n', 'has too few cells'),
     ],
 )
 def test_a_mesh_that_is_none_is_refused(tmp_path, check, said):

@@ -80,7 +80,7 @@ def test_a_drawn_part_comes_in_metres(tmp_path):
 
 
 def test_millimetres_for_metres_are_named(tmp_path):
-    with pytest.raises(BadInput, match=r'100 m long when read in m.*set "unit: mm"'):
+    with pytest.raises(BadInput, match=r'100 m long if its unit is m, .*set "unit: mm"'):
         read_stl(kept(build_box_surface((0, 0, 0), (100, 50, 20)), tmp_path), 'm')
 
 

@@ -24,4 +24,6 @@ def test_the_link_by_distance(call, tmp_path):
 def test_no_distance_inside_is_one_sentence(call, tmp_path):
     status, said = call('light', 'link', '--scenario', 'lamp_room', '--distance', '50')
     assert status == 2
-    assert said.err.strip().startswith('None of the distances is inside lamp_room')
+    assert said.err.strip().startswith(
+        'At all distances from the lamp, the drone would be outside'
+    )

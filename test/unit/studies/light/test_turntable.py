@@ -68,7 +68,7 @@ def test_half_a_turn_is_refused_by_the_directions_it_lacks():
     half = TurntableReadings(
         *(getattr(readings, name)[some] for name in TurntableReadings.__slots__)
     )
-    with pytest.raises(BadInput, match=r'No light block has the lamp at 180, 202\.5'):
+    with pytest.raises(BadInput, match=r'at a bearing of 180, 202\.5'):
         summarize_directions(half, 'bench')
 
 

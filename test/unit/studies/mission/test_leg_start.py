@@ -30,5 +30,5 @@ def test_a_leg_has_the_same_control_period_in_longer_steps():
 
 @pytest.mark.parametrize(('control', 'every'), [(1, 10), (5, 10), (4, 7)])
 def test_a_period_that_is_not_whole_in_longer_steps_is_refused(control, every):
-    with pytest.raises(BadInput, match='must be whole multiples of it'):
+    with pytest.raises(BadInput, match='must be whole multiples of that'):
         coarse_schedule(BatchSchedule(control, every, 2, 10))

@@ -258,7 +258,7 @@ def test_the_verb_tunes(call, tmp_path, monkeypatch):
         (('gtmab', '--least=5 g', '--most=1 g'), '--least must be the smaller one'),
         (
             ('gtmab', '--most=40 g'),
-            'can carry a loss of 29.2 g, less than 40 g; choose a smaller --most',
+            'can compensate a lift loss of 29.2 g, less than --most 40 g; choose a smaller --most',
         ),
         (('gtmab', '--most=6 m'), 'is not a mass'),
         (('gtmab', '--number=kp'), 'kp'),

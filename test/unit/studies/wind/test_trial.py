@@ -126,9 +126,9 @@ def test_limits_of_a_platform_flown_and_not(monkeypatch):
 
 @pytest.mark.long
 def test_ground_that_leaves_no_wind_is_refused():
-    with pytest.raises(BadInput, match='not below the reference height 10 m'):
+    with pytest.raises(BadInput, match='not below the height of the given wind, --reference 10 m'):
         measure_limits(asked(roughness=(20.0,), fly=False), 'gtmab', lambda: None)
-    with pytest.raises(BadInput, match=r'gives no wind at 0\.5 m, where gtmab flies'):
+    with pytest.raises(BadInput, match=r'profile has no wind at 0\.5 m, where gtmab flies'):
         measure_limits(asked(roughness=(1.0,), fly=False), 'gtmab', lambda: None)
 
 

@@ -132,8 +132,8 @@ def compute_break_even_map(vehicle: Vehicle, cells: Sequence[str], budget: float
         number = int(budget / each)
         if number == 0:
             raise BadInput(
-                f'One panel {name} weighs {1e3 * each:.1f} g, more than the --budget of '
-                f'{1e3 * budget:g} g; leave this cell out or raise --budget.'
+                f'One solar panel {name} weighs {1e3 * each:.1f} g, more than the mass --budget '
+                f'of {1e3 * budget:g} g; choose another --cell, or raise --budget.'
             )
         # Strings of one panel, all in parallel
         panel = SolarArrayModel.from_cells(name, 1, number)

@@ -126,8 +126,8 @@ def describe_differences(result: HoverComparison) -> list[str]:
     ]
     if second.trace.failed is not None:
         notes.append(
-            f'On the cell of {result.first.name} the supply of {second.name} fails after '
-            f'{second.trace.failed:.0f} s, before the {result.seconds:.0f} s are over. A standard '
+            f'With the battery cell of {result.first.name}, the power supply of {second.name} '
+            f'fails after {second.trace.failed:.0f} s of the {result.seconds:.0f} s. A standard '
             "drone that lasted the paper's 450 s used less power or had a larger cell."
         )
     return notes

@@ -78,9 +78,9 @@ def format_findings(study: MountingStudy) -> list[str]:
     for name, short in study.lacking.items():
         if short > 0.0:
             sentences.append(
-                f'The mount {name} is {1e3 * short:.1f} g too heavy for the hull at the '
-                'heaviness of the vehicle file; a hull of the same outline would need '
-                f'{100.0 * (study.fuller - 1.0):.1f} % more volume.'
+                f'With the mount {name}, the vehicle is {1e3 * short:.1f} g heavier than '
+                'trim.heaviness in the vehicle file allows; a hull of the same outline would '
+                f'need {100.0 * (study.fuller - 1.0):.1f} % more volume.'
             )
     sentences.append(
         'In a hull large enough for every mount, at equal lift: '

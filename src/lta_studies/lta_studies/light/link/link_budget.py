@@ -123,8 +123,8 @@ def compute_lamp_link(
             )
     if not found:
         raise BadInput(
-            f'None of the distances is inside {scenario.name}; choose a shorter --distance '
-            'or a lower --altitude.'
+            'At all distances from the lamp, the drone would be outside the room of the '
+            f'scenario {scenario.name}; choose a shorter --distance or a lower --altitude.'
         )
     return LampLink(scenario.name, scenario.about, diodes.feedback_resistance, tuple(found))
 

@@ -122,8 +122,8 @@ def build_floor(plan: FloorPlan, vehicle: Vehicle, cell: float) -> FloorGrid:
     if not wanted.any():
         raise BadInput(
             f'{vehicle.file.name}, {2 * radius:g} m wide, fits nowhere in the required area '
-            f'of {plan.name} at {plan.altitude.si:g} m; raise the altitude above the '
-            'obstacles, choose smaller cells with --cell, or choose a smaller vehicle.'
+            f'of {plan.name} at an altitude of {plan.altitude.si:g} m; raise the altitude above '
+            'the obstacles, choose smaller cells with --cell, or choose a smaller vehicle.'
         )
     return FloorGrid(x, y, cell, free, wanted, np.vstack(walls), abs(signed_area(corners)))
 

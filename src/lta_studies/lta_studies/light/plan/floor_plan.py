@@ -69,8 +69,8 @@ class FloorObstacle(FloorArea):
     def _check_step(self) -> Self:
         if self.count > 1 and not any(self.step.vector):
             raise ValueError(
-                f'has {self.count} copies in one place; set step to the offset from one copy '
-                'to the next'
+                f'has {self.count} copies in one place; set step to the distance between two '
+                'neighbouring copies along x and y'
             )
         return self
 

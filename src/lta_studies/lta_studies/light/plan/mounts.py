@@ -64,7 +64,7 @@ def list_mounts(plan: FloorPlan) -> list[LampMount]:
     found = standing + new
     if not found:
         raise BadInput(
-            f'{plan.name} has no position for a lamp facing {plan.lamp.facing} at '
+            f'{plan.name} has no position for a lamp facing {plan.lamp.facing} at a height of '
             f'{plan.lamp.height.si:g} m; make the forbidden areas smaller, change '
             'lamp.height, or reduce lamp.spacing.'
         )

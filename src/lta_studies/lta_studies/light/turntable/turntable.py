@@ -144,8 +144,8 @@ def evaluate_turn(
         tick(len(part.time))
     if len(found) < FEWEST:
         raise BadInput(
-            f'The recorded turn has {len(found)} usable light blocks, too few for '
-            f'{DIRECTIONS} directions; record for longer, or correct --rate, --step and '
+            f'The recording has only {len(found)} usable blocks of photodiode samples, too few '
+            f'for {DIRECTIONS} directions; record for longer, or correct --rate, --step and '
             '--hold.'
         )
     direction, by_paper, by_fit, snr = np.array(found).T
@@ -217,8 +217,8 @@ def summarize_directions(
     if missing:
         angles = ', '.join(f'{k * 360.0 / DIRECTIONS:g}' for k in missing)
         raise BadInput(
-            f'No light block has the lamp at {angles} degrees; record a whole turn, or correct '
-            '--rate, --step and --hold.'
+            'The recording has no photodiode samples with the lamp at a bearing of '
+            f'{angles} degrees; record a whole turn, or correct --rate, --step and --hold.'
         )
     paper, ours = (
         tuple(
