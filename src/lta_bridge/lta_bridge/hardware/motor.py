@@ -146,7 +146,10 @@ class MotorBench:
             while True:
                 match self._link.events.get_nowait():
                     case LinkLost(why):
-                        raise LinkFailed(f'{why}; the motor stops after {HOLD_MS} ms')
+                        raise LinkFailed(
+                            f'{why}; without commands the firmware stops the motor '
+                            f'within {HOLD_MS} ms'
+                        )
                     case LogPacket() as packet:
                         self._store_reading(packet)
                         yield packet

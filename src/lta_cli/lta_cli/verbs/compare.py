@@ -34,7 +34,12 @@ QUANTITY = re.compile(r'\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)
 
 def compare(
     a: Annotated[Path, typer.Argument(help='Bag folder, results folder or .mcap file.')],
-    b: Annotated[Path, typer.Argument(help='Bag to compare with; may be the same as A.')],
+    b: Annotated[
+        Path,
+        typer.Argument(
+            help='Bag to compare with; the same bag as A to compare two robots or topics in it.'
+        ),
+    ],
     pair: Annotated[
         list[str] | None,
         typer.Option(
@@ -154,7 +159,8 @@ def open_comparison_flight(path: Path, robot: str, label: str) -> RecordedFlight
         # The user must choose a robot for this side
         if 'several robots' in str(error):
             raise BadInput(
-                f'Bag {label}: {error} To compare different robots, use --robot A:B.'
+                f'Bag {label}: {error} If the two bags have different robots, name both: '
+                '--robot NAME_IN_A:NAME_IN_B.'
             ) from error
         raise
 

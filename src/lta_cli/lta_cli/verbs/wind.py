@@ -60,7 +60,8 @@ def wind(
     scenario: Annotated[
         str,
         typer.Option(
-            help='Scenario to fly in; its mean wind is replaced, its turbulence is kept.'
+            help='Scenario to fly in. The study sets the mean wind; the turbulence is that of the '
+            'scenario.'
         ),
     ] = 'windy_field',
     seeds: Annotated[

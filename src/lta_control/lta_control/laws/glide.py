@@ -81,9 +81,9 @@ def build_constants(gains: GlideGains, vehicle: Vehicle) -> GlideLawConstants:
     mass, columns = vehicle.file.moving_mass, vehicle.allocation
     if mass is None or mass.low is None or mass.high is None or len(columns) != TWO:
         raise BadInput(
-            'The control law glide needs two propellers and a moving mass with the limits '
-            f'low and high, which {vehicle.file.name} does not have; name another law in '
-            'the vehicle or comparison file.'
+            "The control law 'glide' needs two propellers and a moving mass with the keys 'low' "
+            f"and 'high', but {vehicle.file.name} lacks one of these; name another law in the "
+            'vehicle or comparison file.'
         )
     x, y, z = mass.position.vector
     # Yaw moment per newton of differential thrust: half the difference of the columns' mz

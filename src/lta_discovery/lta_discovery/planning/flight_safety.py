@@ -30,7 +30,10 @@ def list_objections(rehearsed: SimulatedFlight, vehicle: Vehicle, scenario: Scen
     if rehearsed.path[:, 2].max() + half_height + MARGIN > height:
         out.append(f'it comes within {MARGIN:g} m of the ceiling')
     if rehearsed.tilt > TILT:
-        out.append(f'it tilts by {math.degrees(rehearsed.tilt):.0f} degrees')
+        out.append(
+            f'it tilts by {math.degrees(rehearsed.tilt):.0f} degrees, more than '
+            f'{math.degrees(TILT):.0f}'
+        )
     if np.max(np.mean(np.abs(rehearsed.duties) >= FULL, axis=0)) > SHARE:
         out.append('a rotor is saturated for too long')
     if rehearsed.path[-1, 2] > rehearsed.standing + CLEAR:

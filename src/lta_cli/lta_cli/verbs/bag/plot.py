@@ -29,7 +29,8 @@ def plot(
         list[str] | None,
         typer.Argument(
             metavar='CHANNEL...',
-            help='Channels or topics to plot; * matches any text. By default lists all channels.',
+            help='Channels or topics to plot; * matches any text. Without any, the command only '
+            'lists the channels.',
         ),
     ] = None,
     begin: Annotated[float, typer.Option('--from', help='Start time in seconds.')] = -math.inf,

@@ -54,8 +54,8 @@ def light(
         bool,
         typer.Option(
             '--align',
-            help='Estimate the angle between the zeros of turntable and light board, and correct '
-            'the bearings for it.',
+            help='Estimate the angle between the zero marks of turntable and light board, and '
+            'subtract it from the bearings.',
         ),
     ] = False,
     vehicle: Annotated[

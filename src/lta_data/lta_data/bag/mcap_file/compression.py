@@ -49,7 +49,7 @@ def decompress_zstd(packed: bytes | memoryview) -> bytes:
     claimed = zstandard.frame_content_size(packed[:18])
     if claimed > CHUNK_BYTES:
         raise DamagedRecord(
-            f'decompress to {claimed} bytes, more than the limit of {CHUNK_BYTES} bytes'
+            f'decompress to {claimed} bytes; the limit for a chunk is {CHUNK_BYTES} bytes'
         )
     if claimed >= 0:
         return zstandard.ZstdDecompressor().decompress(packed)

@@ -82,8 +82,8 @@ def find_lag(
         yield QualityFinding(
             KIND, pair.told, begin, end,
             f'The time stamps drift by {found.drift:.3f} s +- {found.drift_error:.3f} s '
-            f"relative to '{pair.made}' from start to end (correlation {steady:.2f} as recorded, "
-            f'{drifting:.2f} after correction).',
+            f"relative to '{pair.made}' from start to end: without this drift the two would "
+            f'have a correlation of {drifting:.2f} instead of {steady:.2f}.',
             Severity.SUSPICIOUS, {'drift': found.drift, 'error': found.drift_error},
         )  # fmt: skip
         return
