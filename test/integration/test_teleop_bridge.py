@@ -30,7 +30,7 @@ class Watched:
         self.hover = wish.hover
         self._bench.advance(now, wish)
 
-    def read_values(self):
+    def read_log_values(self):
         return self._bench.read_log_values()
 
 

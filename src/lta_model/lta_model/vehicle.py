@@ -55,8 +55,9 @@ class Vehicle:
         self.air_density = air_density
         if self.ballast_mass < 0.0:
             raise BadInput(
-                f'{file.name} is {-1e3 * self.ballast_mass:.1f} g too heavy for its lift of '
-                f'{1e3 * self.gross_lift:.1f} g; make parts lighter or the hull larger.'
+                f'The parts of {file.name} are {-1e3 * self.ballast_mass:.1f} g too heavy for its '
+                f'lift of {1e3 * self.gross_lift:.1f} g and its trim.heaviness; make parts '
+                'lighter, the hull larger, or raise trim.heaviness.'
             )
         if self.displaced_mass < 0.0:
             raise BadInput(

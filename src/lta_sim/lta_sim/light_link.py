@@ -11,11 +11,12 @@ dark signal and steady light (c and r include the diode's own gain), g the magni
 after amplifier, transform and peak search, l the leakage of a unit wave into the quiet bins, h
 that of the mains flicker, s2 the variance of a sample (amplifier, shot noise, and 1/12 for
 rounding), and n1, n2 standard normal. g, l and h come from the demodulator itself
-(`build_light_link`).
+(`build_light_link`). The light of other lamps adds its mean to the steady light, and its leakage
+to the quiet bins.
 
-Neglected: other lamps, jitter, clock drift, rotation of the drone within a block, mains flicker
-where it is clipped or falls between bins, and the scatter of m itself (about 3 % with 400 quiet
-bins).
+Neglected: harmonics of other lamps at the beacon, jitter, clock drift, rotation of the drone
+within a block, mains flicker where it is clipped or falls between bins, and the scatter of m
+itself (about 3 % with 400 quiet bins).
 """
 
 import math
@@ -32,8 +33,9 @@ from lta_model.light.scene_geometry import is_in_room, SceneGeometry
 from lta_model.sensors.photodiode import noise_variances, PhotodiodeArray, voltage_sensitivity
 from lta_sim.compiled_sensors import GAINS, LIGHT, SWEEP
 from lta_sim.counter_rng import draw_normals, draw_uniforms
-from lta_vlc.demodulation import find_peaks, plan_bins
+from lta_vlc.demodulation import find_peaks
 from lta_vlc.settings import DemodulationSettings
+from lta_vlc.spectral.bins import plan_beacon_bins
 from lta_vlc.spectral.spectrum import amplitude_spectrum
 import numpy as np
 from numpy.typing import NDArray
@@ -43,10 +45,21 @@ Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
 
-class LightLink(NamedTuple):
-    """Constants of the light link of one photodiode ring."""
+class LampSignal(NamedTuple):
+    """The signal of one lamp in a light link."""
 
-    lamp: LampBeam
+    counts: float  # per lux of the lamp, c
+    gain: float
+    leak: float  # l
+    ramp: float  # magnitude at the beacon of a light that changes by one count in a block
+    duty: float
+
+
+class LightLink(NamedTuple):
+    """Constants of the light link of one photodiode ring; the target lamp comes first."""
+
+    lamps: tuple[LampBeam, ...]
+    signals: tuple[LampSignal, ...]
     eye: DiodeResponse
     planes: tuple[tuple[float, float, float, float, float, float], ...]
     spread: float  # relative standard deviation of a diode's gain
@@ -56,17 +69,12 @@ class LightLink(NamedTuple):
     door: bool  # ambient light in the room only
     axes: tuple[tuple[float, float], ...]  # of the diodes along body x and y
     threshold: float  # SNR above which a diode is trusted
-    counts: float  # per lux of the lamp, c
     dark: float  # [counts]
     top: float  # largest value of the ADC [counts]
     steady: float  # steady ambient light [counts]
     day: float  # counts per lux of daylight
-    gain: float
-    leak: float  # l
     hum: float  # h [counts]
-    ramp: float  # magnitude at the beacon of a light that changes by one count in a block
-    ramp_noise: float  # the same in the quiet bins
-    duty: float
+    ramp_noise: float  # of a light that changes by one count in a block, in the quiet bins
     variance: float  # of a sample without light [counts2]
     shot: float  # variance of a sample per count of light [counts]
     samples: float
@@ -80,15 +88,20 @@ def build_light_link(
     rate: float,
     samples: int,
 ) -> LightLink:
-    """Build the light link of a ring in a scene."""
-    lamp, ambient = field.first_lamp, field.ambient
+    """
+    Build the light link of a ring in a scene.
+
+    The demodulator listens at its own frequency for a single lamp, and at the frequency of each
+    of several lamps.
+    """
+    ambient = field.ambient
     # The ADC samples at its own clock; the demodulator assumes the nominal rate
     sampling = BlockSampling(rate * (1.0 + array.clock_error), samples)
-    # Behind the amplifier's pole; the first value lies one sample before the block
-    wave = sample_lamp_wave(lamp, 0, sampling, 1.0 / (2.0 * math.pi * array.bandwidth))[1:]
-    bins = plan_bins(settings, rate, samples)
-    spectrum = amplitude_spectrum(wave[:, None])
-    gain = float(find_peaks(spectrum, bins).amplitude[0])
+    beacons = [lamp.wave.frequency for lamp in field.lamps]
+    if len(beacons) == 1:
+        beacons = [settings.frequency]
+    plans = plan_beacon_bins(beacons, settings, rate, samples)
+    quiet = plans[0].quiet  # the same for all beacons
     # Counts per volt
     scale = 2**array.adc_bits / array.adc_range
     volts = voltage_sensitivity(array)
@@ -97,11 +110,26 @@ def build_light_link(
     mains = amplitude_spectrum(sample_mains_wave(ambient, 0, sampling)[:, None])
     # Daylight that sweeps over a turning diode is nearly linear within a block
     ramp = amplitude_spectrum(np.linspace(-0.5, 0.5, samples)[:, None])
+    signals = []
+    for lamp, bins in zip(field.lamps, plans, strict=True):
+        # Behind the amplifier's pole; the first value lies one sample before the block
+        wave = sample_lamp_wave(lamp, 0, sampling, 1.0 / (2.0 * math.pi * array.bandwidth))[1:]
+        spectrum = amplitude_spectrum(wave[:, None])
+        signals.append(
+            LampSignal(
+                counts=volts / lamp.efficacy * scale,
+                gain=float(find_peaks(spectrum, bins).amplitude[0]),
+                leak=float(spectrum[quiet, 0].mean()),
+                ramp=float(ramp[(bins.first + bins.last) // 2, 0]),
+                duty=lamp.wave.duty,
+            )
+        )
     # Columns 0..2: position of a diode, 3..5: its axis, body frame
     axes = array.planes[:, 3:]
     daylight = field.daylight if field.outside is None else field.outside.daylight
     return LightLink(
-        lamp=build_reflecting_beam(lamp, field),
+        lamps=tuple(build_reflecting_beam(lamp, field) for lamp in field.lamps),
+        signals=tuple(signals),
         eye=DiodeResponse(array.response, array.edge_cosine),
         planes=tuple(tuple(row) for row in array.planes.tolist()),
         spread=array.gain_spread,
@@ -111,17 +139,12 @@ def build_light_link(
         door=field.outside is not None,
         axes=tuple((x, y) for x, y in axes[:, :2].tolist()),
         threshold=settings.threshold,
-        counts=volts / lamp.efficacy * scale,
         dark=array.dark_offset * scale,
         top=2.0**array.adc_bits - 1.0,
         steady=ambient.steady * lux,
         day=0.0 if daylight is None else volts / daylight.efficacy * scale,
-        gain=gain,
-        leak=float(spectrum[bins.quiet, 0].mean()),
-        hum=ambient.mains * lux * float(mains[bins.quiet, 0].mean()),
-        ramp=float(ramp[(bins.first + bins.last) // 2, 0]),
-        ramp_noise=float(ramp[bins.quiet, 0].mean()),
-        duty=lamp.wave.duty,
+        hum=ambient.mains * lux * float(mains[quiet, 0].mean()),
+        ramp_noise=float(ramp[quiet, 0].mean()),
         # 1/12: variance of rounding to whole counts
         variance=amplifier * scale * scale + 1.0 / 12.0,
         shot=shot * scale,
@@ -139,10 +162,10 @@ def write_ring_light(
     ----------
     position, q : tuple of float
         Of the hull at the middle of the block. [m, map]
-    out : ndarray, shape (LAMPS + 1, d)
+    out : ndarray, shape (LAMPS + l, d)
         Shares and illuminances [lx].
     scratch : ndarray
-        Working memory of `scratch_for(1)` numbers.
+        Working memory of `scratch_size(l)` numbers.
 
     """
     write_reflections(listening, position, q, out, scratch)
@@ -152,8 +175,8 @@ def write_ring_light(
 def write_reflections(
     listening: LightLink, position: Vector, q: Quaternion, out: Array, scratch: Array
 ) -> None:
-    """Write the light except the lamp's direct part; arguments as in `write_ring_light`."""
-    lamps, eye, hull = (listening.lamp,), listening.eye, listening.hull
+    """Write the light except the lamps' direct part; arguments as in `write_ring_light`."""
+    lamps, eye, hull = listening.lamps, listening.eye, listening.hull
     gather_indirect_light(
         listening.around, lamps, eye, hull, position, q, listening.planes, out, scratch
     )
@@ -164,31 +187,31 @@ def write_reflections(
 
 
 def add_direct_light(listening: LightLink, position: Vector, q: Quaternion, out: Array) -> None:
-    """Add the lamp's direct light at the diodes; arguments as in `write_ring_light`."""
-    lamps, eye, hull = (listening.lamp,), listening.eye, listening.hull
+    """Add the lamps' direct light at the diodes; arguments as in `write_ring_light`."""
+    lamps, eye, hull = listening.lamps, listening.eye, listening.hull
     add_direct_readings(
         listening.around, lamps, eye, hull, position, q, listening.planes, out, LAMPS
     )
 
 
 def expected_magnitude(
-    listening: LightLink, light: float, steady: float
+    listening: LightLink, signal: LampSignal, light: float, steady: float
 ) -> tuple[float, float, float]:
     """Return a diode's noise-free magnitude, its noise level m, and the standard deviation."""
     top, rest = listening.top, listening.dark + steady
     # Clipping at the top of the ADC's range reduces the swing
-    swing = listening.gain * (min(rest + light, top) - min(rest, top))
-    variance = listening.variance + listening.shot * (steady + listening.duty * light)
+    swing = signal.gain * (min(rest + light, top) - min(rest, top))
+    variance = listening.variance + listening.shot * (steady + signal.duty * light)
     # Mean magnitude of a noise bin (Rayleigh), plus the lamp's spectral leakage
-    quiet = math.sqrt(math.pi * variance / listening.samples) + listening.leak * light
+    quiet = math.sqrt(math.pi * variance / listening.samples) + signal.leak * light
     return swing, quiet, math.sqrt(2.0 * variance / listening.samples)
 
 
 def sample_magnitude(
-    listening: LightLink, diode: int, read: Array, swept: float, seed: int, step: int
+    listening: LightLink, lamp: int, diode: int, read: Array, swept: float, seed: int, step: int
 ) -> tuple[float, float]:
     """
-    Return the magnitude that a diode measures in one block [counts], and its SNR.
+    Return the magnitude of a lamp that a diode measures in one block [counts], and its SNR.
 
     `read` comes from `write_ring_light`; `step` is the control step at which the block ends.
     """
@@ -199,15 +222,23 @@ def sample_magnitude(
         return 0.0, 0.0
     share = factor * read[SHARE, diode]
     steady = share * listening.steady + factor * read[DAY, diode] * listening.day
-    light = factor * listening.counts * read[LAMPS, diode]
-    swing, quiet, noise = expected_magnitude(listening, light, steady)
+    leakage = 0.0
+    for other in range(len(listening.signals)):
+        if other != lamp:
+            of_other = listening.signals[other]
+            counts = factor * of_other.counts * read[LAMPS + other, diode]
+            steady += of_other.duty * counts
+            leakage += of_other.leak * counts
+    signal = listening.signals[lamp]
+    light = factor * signal.counts * read[LAMPS + lamp, diode]
+    swing, quiet, noise = expected_magnitude(listening, signal, light, steady)
     a, b = draw_normals(seed, LIGHT, step, diode)
     # The sweep of daylight adds at the phase of the lamp in a block: the same at all diodes, and
     # in all blocks of a flight, as blocks hold whole periods of the lamp
     change = factor * swept * listening.day
     phase = 2.0 * math.pi * draw_uniforms(seed, SWEEP, 0, 0)[0]
-    real = swing + noise * a + listening.ramp * change * math.cos(phase)
+    real = swing + noise * a + signal.ramp * change * math.cos(phase)
     # Magnitude of signal plus complex noise (Rice distribution)
-    magnitude = math.hypot(real, noise * b + listening.ramp * change * math.sin(phase))
-    quiet += listening.hum * share + listening.ramp_noise * abs(change)
+    magnitude = math.hypot(real, noise * b + signal.ramp * change * math.sin(phase))
+    quiet += leakage + listening.hum * share + listening.ramp_noise * abs(change)
     return magnitude, magnitude / quiet

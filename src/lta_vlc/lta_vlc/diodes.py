@@ -73,8 +73,8 @@ class DiodeArray:
         if count != len(self.axes):
             raise BadInput(
                 f'The light message has samples of {count} photodiodes, but the vehicle '
-                f'file has {len(self.axes)}; set the parameter vehicle of the demodulator '
-                'to the vehicle that flies.'
+                f'file has {len(self.axes)}; give the vehicle that carries these photodiodes '
+                '(option --vehicle, or parameter vehicle of the demodulator).'
             )
 
     @property

@@ -15,9 +15,10 @@ from lta_sim import compiled_sensors as counted
 from lta_sim.counter_rng import draw_normals
 from lta_sim.light_link import build_light_link, sample_magnitude, write_ring_light
 from lta_vlc.bearing import estimate_bearing
-from lta_vlc.demodulation import demodulate_beacon, Peaks, plan_bins
+from lta_vlc.demodulation import demodulate_beacon, demodulate_block, Peaks, plan_bins
 from lta_vlc.diodes import build_even_ring
 from lta_vlc.settings import DemodulationSettings
+from lta_vlc.spectral.bins import plan_beacon_bins
 import numpy as np
 import pytest
 
@@ -121,10 +122,38 @@ def test_the_lamp_is_heard_as_through_blocks(distance):
 def readings(view, pose):
     """Return what a ring reads at a pose, as `write_ring_light` writes it."""
     light = view.compute_diode_readings([pose])
-    read = np.zeros((LAMPS + 1, len(DIODES)))
+    read = np.zeros((LAMPS + len(view.field.lamps), len(DIODES)))
     read[SHARE] = light.steady[0] / view.field.ambient.steady
-    read[LAMPS] = light.modulated[0, 0]
+    read[LAMPS:] = light.modulated[:, 0]
     return read
+
+
+def test_each_of_three_lamps_is_heard_as_through_blocks():
+    """Amplitude and SNR at every frequency, where all three lamps of a route are in sight."""
+    scene, light = load_scenario('warehouse'), load_topic_table().light
+    rate, field, chance = light.sample_rate.si, scene.light_field, np.random.default_rng(4)
+    first, *others = (lamp.wave.frequency for lamp in field.lamps)
+    settings = DemodulationSettings(frequency=first, others=tuple(others))
+    bins = plan_beacon_bins(settings.beacons, settings, rate, light.samples)
+    diodes = VEHICLE.diodes.model_copy(update={'gain_spread': 0.0})
+    listening = build_light_link(field, diodes, HULL, settings, rate, light.samples)
+    told = []
+    for k, half in enumerate(chance.uniform(-0.1, 0.1, 20).tolist()):
+        pose = (-6.0, 0.5, 0.5, 0.0, 0.0, math.sin(half), math.cos(half))
+        view = LightView(field, VEHICLE, diodes)
+        view.record_pose(pose)
+        block = view.sample_light_block(k * 10**8, rate, light.samples, chance)
+        read = readings(LightView(field, VEHICLE, diodes), pose)
+        own = [heard(listening, read, k, lamp) for lamp in (0, 1, 2)]
+        told.append([
+            [(p.amplitude.max(), p.snr.max()) for p in each]
+            for each in (demodulate_block(block, bins).peaks, own)
+        ])  # fmt: skip
+    blocks, model = np.array(told).mean(axis=0)
+    assert blocks[:, 1].min() > settings.threshold
+    np.testing.assert_allclose(model[:, 0], blocks[:, 0], rtol=0.01)
+    # The model adds what leaks from each lamp to the noise; in a bin they add as vectors
+    np.testing.assert_allclose(model[:, 1], blocks[:, 1], rtol=0.08)
 
 
 def test_a_batch_reads_the_light_of_a_view():
@@ -138,9 +167,9 @@ def test_a_batch_reads_the_light_of_a_view():
     np.testing.assert_allclose(own[[SHARE, LAMPS]], told[[SHARE, LAMPS]], rtol=1e-12)
 
 
-def heard(listening, read, k):
-    """Return what a ring hears in one block."""
-    pairs = [sample_magnitude(listening, i, read, 0.0, SEED, k) for i in DIODES]
+def heard(listening, read, k, lamp=0):
+    """Return what a ring hears of a lamp in one block."""
+    pairs = [sample_magnitude(listening, lamp, i, read, 0.0, SEED, k) for i in DIODES]
     amplitude, snr = np.array(pairs).T
     return Peaks(amplitude, snr, np.zeros_like(snr), np.ones_like(snr))
 

@@ -182,7 +182,8 @@ def test_drag_and_thrust_reach_the_effects(gtmab):
 def test_too_heavy():
     # 7 g -> 27 g: 20 g more than the 13.4 g of ballast can make up.
     assert refused(('layers.propulsion_and_control.battery.mass', given(27, 'g'))) == (
-        'gtmab is 6.6 g too heavy for its lift of 331.2 g; make parts lighter or the hull larger.'
+        'The parts of gtmab are 6.6 g too heavy for its lift of 331.2 g and its trim.heaviness; '
+        'make parts lighter, the hull larger, or raise trim.heaviness.'
     )
 
 

@@ -196,7 +196,7 @@ class RecordingTable:
         data = {column: values[which] for column, values in self._data.items()}
         return self._with_columns(data, which)
 
-    def select_columns(self, *patterns: str) -> 'RecordingTable':
+    def select(self, *patterns: str) -> 'RecordingTable':
         """
         Return the columns that match the patterns, with `*` as wildcard: 'pose.pose.position.*'.
 

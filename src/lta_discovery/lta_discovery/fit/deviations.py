@@ -100,7 +100,7 @@ def fit_deviations(
 
     """
     # Columns with a fixed parameter do not affect the evidence
-    narrow, kept = group.select_columns(prior.free)
+    narrow, kept = group.select(prior.free)
     own = Prior(prior.mean[kept], prior.covariance[np.ix_(kept, kept)])
 
     def evaluate_gradient(deviations: Array) -> EvidenceGradient:

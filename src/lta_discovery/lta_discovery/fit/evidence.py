@@ -192,7 +192,7 @@ class PieceReducer:
         self._knots = knot_precision(linear.knots)
         self._mean = -linear.point.random[:, latent]
 
-    def select_columns(self, columns: NDArray[np.int64]) -> 'PieceReducer':
+    def select(self, columns: NDArray[np.int64]) -> 'PieceReducer':
         """Return the flight with some columns only; enough to eliminate and solve for unknowns."""
         # A shallow copy: the eliminated products are replaced, not changed
         out, point = copy(self), self.linear.point

@@ -68,14 +68,14 @@ class LinearizedGroup:
         """Return the flights of both, about the point of this one."""
         return replace(self, pieces=(*self.pieces, *other.pieces))
 
-    def select_columns(
+    def select(
         self, free: NDArray[np.bool_]
     ) -> tuple['LinearizedGroup', NDArray[np.int64]]:
         """Return the flights with the free columns only, and the indices of these."""
         # Columns of extrapolated parameters stay: `_align_products` needs them
         apart = np.any([each.point.values != self.at for each in self.linears], axis=0)
         kept = np.flatnonzero(free | (self.variance > 0.0) | apart)
-        pieces = tuple(each.select_columns(kept) for each in self.pieces)
+        pieces = tuple(each.select(kept) for each in self.pieces)
         return LinearizedGroup(pieces, self.at[kept], self.variance[kept]), kept
 
     def reduce_flights(self, deviations: Array) -> ReducedFlight:

@@ -111,11 +111,6 @@ def build_model(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> Ve
         raise BadInput(
             '--device supports flying to a lamp, but not along a course; leave --device out.'
         )
-    if len(scenario.lamps) > 1:
-        raise BadInput(
-            f'--device supports one lamp, but the scenario {scenario.name} has '
-            f'{len(scenario.lamps)}; leave --device out.'
-        )
     if scenario.wind_file is not None:
         raise BadInput(
             f'--device does not support recorded wind, which the scenario {scenario.name} has; '
@@ -215,11 +210,18 @@ def build_constants(
         wind=build_steady_wind(scenario, vehicle_reach(vehicle)[0]),
         held=start.held.si,
         lowest=pad_to_slots(-1.0 if reverses else 0.0 for reverses in vehicle.reversible),
+        route=index_route(scenario),
         mass_place=(0.0, 0.0, 0.0),
         duties=NONE,
         reserve=policy.reserve.rule,
         diode_scale=selected.gain_scale,
     )
+
+
+def index_route(scenario: Scenario) -> tuple[int, ...]:
+    """Return the index of the lamp of each stop of the route; the first lamp without a route."""
+    names = list(scenario.lamps)
+    return tuple(names.index(name) for name in scenario.route) or (0,)
 
 
 def flatten_numbers(value: Any, numbers: list[float], form: list[str]) -> None:  # noqa: ANN401 - any nest
@@ -265,7 +267,7 @@ def build_sensors(vehicle: Vehicle, floor: float) -> SensorDatasheets:
 def build_power(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> BatchPower:
     """Return the electrical system of a vehicle in a scene."""
     field = scenario.light_field
-    lamp, ambient = field.first_lamp, field.ambient
+    ambient = field.ambient
     daylight = field.daylight if field.outside is None else field.outside.daylight
     return BatchPower(
         SupplyComponents(vehicle.battery, vehicle.charger, vehicle.panel),
@@ -275,7 +277,7 @@ def build_power(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> Ba
             half_axes(vehicle.file.hull), vehicle.file.panel_place, vehicle.file.panel_normal
         ),
         # Mean irradiance per lux of the on phase
-        lamp.wave.duty / lamp.efficacy,
+        tuple(lamp.wave.duty / lamp.efficacy for lamp in field.lamps),
         ambient.steady / ambient.efficacy,
         0.0 if daylight is None else 1.0 / daylight.efficacy,
         policy.energy.reserve,

@@ -26,7 +26,7 @@ from lta_flight.batch.flight_step import (
 from lta_flight.batch.kernel_access import VehicleAccess
 from lta_flight.batch.targets import BatchSchedule, CompileTarget, MODEL
 from lta_model.effects import EFFECTS, initial_memory
-from lta_model.light.ray_bundles import DAY
+from lta_model.light.ray_bundles import DAY, LAMPS, scratch_size
 from lta_model.state import RIGID
 from lta_sim.compiled_sensors import draw_turbulence_memory
 from lta_sim.kernels.compose import KernelTarget, render_kernel_source
@@ -57,6 +57,7 @@ def build_source(
     strategy: NavigationStrategy,
     constants: TupleLayout[Any],
     diodes: int,
+    lamps: int,
     schedule: BatchSchedule,
     target: CompileTarget,
     *,
@@ -73,8 +74,8 @@ def build_source(
         How the drone navigates.
     constants : TupleLayout
         Of `constants_and_tally.FlightConstants`.
-    diodes : int
-        Number of diodes.
+    diodes, lamps : int
+        Number of diodes and of lamps.
     schedule : BatchSchedule
         The schedule.
     target : CompileTarget
@@ -90,6 +91,8 @@ def build_source(
         fly=name,
         work=extract.add_named_tuple(WorkArrays),
         diodes=diodes,
+        rows=LAMPS + lamps,
+        pencils=scratch_size(lamps),
         constants=constants.render_expression('constants[i]'),
     )
     return write_flight_source(names, extract, [constants], target, diodes, entry)
@@ -158,7 +161,8 @@ def _write_diode_functions(diodes: int, extract: SourceExtract) -> tuple[str, st
     error = extract.add_function(amplitude_error, PREFIX)
     lines = [
         # One scalar variable per diode, because GPU code has no dynamic arrays
-        f'a_{k}, s_{k} = {sample}(link, {k}, lights, lights[{DAY}, {k}] - before[{k}], seed, step)'
+        f'a_{k}, s_{k} = {sample}('
+        f'link, lamp, {k}, lights, lights[{DAY}, {k}] - before[{k}], seed, step)'
         for k in range(diodes)
     ]
     readings = (
@@ -169,6 +173,6 @@ def _write_diode_functions(diodes: int, extract: SourceExtract) -> tuple[str, st
     lines.append(f'return {", ".join(readings)}')
     daylight = format_tuple(f'lights[{DAY}, {k}]' for k in range(diodes))
     return (
-        f'def read_diodes(link, lights, before, seed, step):\n{indent_lines(lines)}',
+        f'def read_diodes(link, lamp, lights, before, seed, step):\n{indent_lines(lines)}',
         f'def daylight_of(lights):\n    return {daylight}',
     )

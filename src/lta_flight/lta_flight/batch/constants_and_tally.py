@@ -25,7 +25,7 @@ class BatchPower(NamedTuple):
     loads: LoadModel
     looking: float  # W, power of light sensing and navigation
     panel: PanelPlane
-    lamp_share: float  # W/m2 per lux of the lamp's on phase
+    lamp_shares: tuple[float, ...]  # W/m2 per lux of each lamp's on phase
     ambient: float  # W/m2
     day_share: float  # W/m2 per lux of daylight
     reserve: float
@@ -56,6 +56,8 @@ class FlightConstants(NamedTuple):
         Time for which a hand holds the drone. [s]
     lowest : PerRotor
         Minimum duty of each rotor.
+    route : tuple of int
+        Index of the lamp of each stop, in order; only the first lamp without a route.
     mass_place : tuple of float
         Position of the moving mass. [m, body]
     duties : PerRotor
@@ -81,6 +83,7 @@ class FlightConstants(NamedTuple):
     wind: SteadyWind
     held: float
     lowest: PerRotor
+    route: tuple[int, ...]
     mass_place: Vector
     duties: PerRotor
     reserve: ReserveRule

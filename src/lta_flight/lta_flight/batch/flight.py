@@ -161,8 +161,11 @@ def ambient_irradiance(constants: FlightConstants, position: Vector) -> float:
 def panel_irradiance(constants: FlightConstants, state: State) -> float:
     """Return the current irradiance on the panel. [W/m2]"""
     position, q = (state[0], state[1], state[2]), (state[3], state[4], state[5], state[6])
-    power, lamp, around = constants.power, constants.listening.lamp, constants.listening.around
-    bright = power.lamp_share * lamp_light_on_panel(power.panel, around, lamp, position, q)
+    power, lamps, around = constants.power, constants.listening.lamps, constants.listening.around
+    bright = 0.0
+    for k in range(len(lamps)):
+        light = lamp_light_on_panel(power.panel, around, lamps[k], position, q)
+        bright += power.lamp_shares[k] * light
     day = power.day_share * daylight_on_panel(power.panel, around, position, q)
     return bright + day + power.panel.share * ambient_irradiance(constants, position)
 
@@ -183,12 +186,14 @@ def step_supply(
 
 def hull_irradiance(constants: FlightConstants, state: State) -> float:
     """Return the irradiance at the hull centre on planes facing each light. [W/m2]"""
-    lamp = constants.listening.lamp
-    light = direct_light(lamp, (state[0], state[1], state[2]))[0] + lamp.diffuse
-    power, s = constants.power, constants.listening.around
+    power, lamps, s = constants.power, constants.listening.lamps, constants.listening.around
+    light = 0.0
+    for k in range(len(lamps)):
+        direct = direct_light(lamps[k], (state[0], state[1], state[2]))[0]
+        light += power.lamp_shares[k] * (direct + lamps[k].diffuse)
     day = daylight_illuminance(s, (state[0], state[1], state[2]), (s.sun_x, s.sun_y, s.sun_z))
     ambient = ambient_irradiance(constants, (state[0], state[1], state[2]))
-    return power.lamp_share * light + ambient + power.day_share * day
+    return light + ambient + power.day_share * day
 
 
 def initial_tally(constants: FlightConstants) -> FlightTally:
@@ -261,6 +266,8 @@ def update_tally(
     """Return the tally after one more control period, which began at the position `before` [m]."""
     x, y, z = state[0], state[1], state[2]
     outcome, progress = evaluate_outcome(constants.goal, tally.progress, x, y, z, elapsed)
+    # Of the lamp that is targeted last
+    closest = tally.closest if progress.stop == tally.progress.stop else math.inf
     lift_off, energy = tally.lift_off, tally.energy
     # Energy counts from lift-off on, as in the results
     if math.isfinite(lift_off):
@@ -274,7 +281,7 @@ def update_tally(
         lift_off,
         tally.search_start,
         tally.path_length + math.hypot(x - before[0], y - before[1]),
-        min(tally.closest, distance_to_goal(constants.goal, tally.progress, x, y)),
+        min(closest, distance_to_goal(constants.goal, progress, x, y)),
         energy,
         tally.blocks,
         tally.bearings,

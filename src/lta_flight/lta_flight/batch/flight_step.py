@@ -75,7 +75,7 @@ class FlightKernel(NamedTuple):
     add_effects : callable
         State of the rigid body with the initial memory of the effects, from a seed.
     read_diodes : callable
-        Amplitude, SNR and standard deviation of each diode.
+        Amplitude, SNR and standard deviation of each diode at the frequency of a lamp.
     daylight_of : callable
         Daylight on each diode from the light array.
 
@@ -123,7 +123,7 @@ class WorkArrays(NamedTuple):
     """Working arrays of a thread, whose content matters only within a step, except `echoes`."""
 
     scratch: Array
-    lights: Array  # shape (LAMPS + 1, diodes)
+    lights: Array  # shape (LAMPS + lamps, diodes)
     echoes: Array  # the same without direct light, from the pose `FlightMemory.gathered`
     pencils: Array
 
@@ -326,8 +326,9 @@ def navigate(
     # Stored reflections do not show how daylight sweeps over a turning diode
     daylight = kernel.daylight_of(work.lights)
     before = daylight if schedule.reuse_reflections else memory.daylight
+    lamp = constants.route[memory.mission.asked]
     amplitudes, snrs, errors = kernel.read_diodes(
-        listening, work.lights, before, inputs.seed, memory.step
+        listening, lamp, work.lights, before, inputs.seed, memory.step
     )
     fit = fit_direction(constants.array, constants.expected, amplitudes, errors, work.scratch)
     detected = is_lamp_detected(snrs, listening.threshold)
@@ -341,7 +342,7 @@ def navigate(
         sight,
         guidance_altitude(memory.onboard),
         permission_by_charge(constants.power, memory.supply.flow.charge),
-        1,
+        len(constants.route),
         constants.reserve,
     )
     return memory._replace(

@@ -32,6 +32,7 @@ def _compile_kernel(
     strategy: str,
     layout: TupleLayout[Any],
     diodes: int,
+    lamps: int,
     device: Device,
     closed: bool,
 ) -> ModuleType:
@@ -39,7 +40,7 @@ def _compile_kernel(
     target = GPU if device == 'gpu' else CPU
     schedule = build_schedule(load_topic_table())
     source = build_source(
-        names, STRATEGIES[strategy], layout, diodes, schedule, target, closed=closed
+        names, STRATEGIES[strategy], layout, diodes, lamps, schedule, target, closed=closed
     )
     return load_kernel(source)
 
@@ -100,6 +101,7 @@ def fly_many(
             first.strategy.name,
             TupleLayout(first.craft),
             len(first.craft.listening.planes),
+            len(first.craft.listening.lamps),
             device,
             closed,
         )

@@ -6,13 +6,11 @@ from typing import final
 
 from lta_config.compilation.compiler import ENTRY, INLINE
 from lta_control import allocation
-from lta_model.light.ray_bundles import LAMPS, scratch_size
 from lta_sim.kernels.gpu import STATES
 from lta_vlc.reading_model import FIT_SCRATCH
 
 STEP = 2.5e-3  # s, integration step, as in `lta_sim.world`
 SCRATCH = max(allocation.SCRATCH, FIT_SCRATCH)  # shared, since both are used in turn
-PENCILS = scratch_size(1)
 
 
 @final
@@ -107,8 +105,8 @@ CPU = CompileTarget(
 def fly_some(fixed, constants, seeds, out):
     """Fly some vehicles, a row each."""
     work = $work(
-        np.empty({SCRATCH}), np.empty(({LAMPS + 1}, $diodes)), np.empty(({LAMPS + 1}, $diodes)),
-        np.empty({PENCILS}),
+        np.empty({SCRATCH}), np.empty(($rows, $diodes)), np.empty(($rows, $diodes)),
+        np.empty($pencils),
     )
     for i in range(seeds.shape[0]):
         results = $fly($constants, fixed[i], seeds[i], work)
@@ -128,9 +126,9 @@ def fly_some(fixed, constants, seeds, out):
     if i < seeds.shape[0]:
         work = $work(
             cuda.local.array({SCRATCH}, float64),
-            cuda.local.array(({LAMPS + 1}, $diodes), float64),
-            cuda.local.array(({LAMPS + 1}, $diodes), float64),
-            cuda.local.array({PENCILS}, float64),
+            cuda.local.array(($rows, $diodes), float64),
+            cuda.local.array(($rows, $diodes), float64),
+            cuda.local.array($pencils, float64),
         )
         results = $fly($constants, fixed[i], seeds[i], work)
         for k in range(out.shape[1]):

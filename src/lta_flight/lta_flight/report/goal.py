@@ -1,5 +1,6 @@
 """The goal of a flight: the target lamps in order, and when each was reached."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import final
@@ -8,6 +9,17 @@ from lta_model.scenario import Scenario
 from lta_report.curves import Array, FloorPoint, MotionCurve
 import numpy as np
 from numpy.typing import NDArray
+
+
+def shortest_path_length(
+    start: tuple[float, float], places: Sequence[tuple[float, float]], radius: float
+) -> float:
+    """Return the length of the shortest path from a start through all goal circles. [m]"""
+    way = np.array([start, *places])
+    # Each leg is shorter than the distance of the lamps by a radius at both ends
+    legs = np.hypot(*np.diff(way, axis=0).T) - 2.0 * radius
+    legs[0] += radius  # the start is a point
+    return float(np.maximum(legs, 0.0).sum())
 
 
 @final
@@ -71,11 +83,8 @@ class FlightGoal:
         """Length of the shortest path from the start through all goal circles. [m]"""
         if self.truth is None or not self.places:
             return np.nan
-        way = np.array([(self.truth.x[0], self.truth.y[0]), *self.places])
-        # Each leg is shorter than the distance of the lamps by a radius at both ends
-        legs = np.hypot(*np.diff(way, axis=0).T) - 2.0 * self.radius
-        legs[0] += self.radius  # the start is a point
-        return float(np.maximum(legs, 0.0).sum())
+        start = float(self.truth.x[0]), float(self.truth.y[0])
+        return shortest_path_length(start, self.places, self.radius)
 
     def leg_index(self, time: Array) -> NDArray[np.intp]:
         """Return the index of the next lamp at each time [s]."""

@@ -20,13 +20,14 @@ from lta_flight.batch.flight import RAN_AWAY
 from lta_flight.batch.flight_loop import FIGURES
 from lta_flight.batch.fly import Device, fly_many
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec
+from lta_flight.report.goal import shortest_path_length
 from lta_flight.sweep.job_runner import build_failed_row, SweepRow
 from lta_flight.sweep.plan import convert_to_si, SweepJob, SweepPlan
 from lta_model.stiffness import build_divergence_error
 from lta_report.json_value import replace_nonfinite
 from lta_sim.kernels.gpu import require_cuda
 from lta_sim.readings import FlightOutcome
-from lta_sim.termination import distance_to_goal, GoalProgress, OUTCOMES
+from lta_sim.termination import OUTCOMES
 import numpy as np
 
 # Flights per batch: more use a GPU better, fewer are lost when a sweep is interrupted
@@ -150,7 +151,7 @@ def compute_figures(
         'flight_time': end - outputs['lift_off'],
         'search_time': end - outputs['search_start'],
         'path_length': outputs['path_length'],
-        'straight_length': distance_to_goal(goal, GoalProgress(0, True), x, y) - goal.radius,
+        'straight_length': shortest_path_length((x, y), goal.stops, goal.radius),
         'closest': outputs['closest'],
         'lamp_error': divide_or_nan(outputs['squares'], outputs['bearings']) ** 0.5,
         'lamp_share': divide_or_nan(outputs['bearings'], outputs['blocks']),

@@ -58,9 +58,12 @@ def validate_closed(mesh: trimesh.Trimesh, name: str, unit: str) -> trimesh.Trim
     if not SMALLEST <= size <= LARGEST:
         # Too large: probably millimetres read as metres; too small: the opposite
         other = 'mm' if size > LARGEST else 'm'
+        remedy = f'if it was drawn in {other}, set "unit: {other}" at its body in the tunnel file.'
+        if other == unit:
+            remedy = 'scale it in the CAD program, and export it again.'
         raise BadInput(
             f'{name} is {size:.4g} m long if its unit is {unit}, which is implausible for a '
-            f'drone part; if it was drawn in {other}, set "unit: {other}".'
+            f'drone part; {remedy}'
         )
     if not mesh.is_watertight:
         edges = np.unique(mesh.edges_sorted, axis=0, return_counts=True)[1]

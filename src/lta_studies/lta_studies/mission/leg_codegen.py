@@ -15,8 +15,8 @@ from lta_config.errors import BadInput
 from lta_control.strategies.homing import STRATEGY
 from lta_flight.batch.codegen import build_kernel, write_flight_source
 from lta_flight.batch.flight_step import WorkArrays
-from lta_flight.batch.targets import BatchSchedule, CPU, PENCILS, SCRATCH, STEP
-from lta_model.light.ray_bundles import LAMPS
+from lta_flight.batch.targets import BatchSchedule, CPU, SCRATCH, STEP
+from lta_model.light.ray_bundles import LAMPS, scratch_size
 from lta_studies.mission.leg_state import fly_leg
 
 COARSE = 2  # steps of the full loop per step here; a Runge-Kutta step of 5 ms is as accurate
@@ -78,7 +78,7 @@ def generate_leg_source(
     lines = [
         ENTRY.replace('cache=True', 'nogil=True, cache=True'),
         'def fly_leg(fixed, c, g, m, seed):',
-        f'    work = {work}(np.empty({SCRATCH}), {light}, {light}, np.empty({PENCILS}))',
+        f'    work = {work}(np.empty({SCRATCH}), {light}, {light}, np.empty({scratch_size(1)}))',
         f'    constants = {constants.render_expression("c")}',
         f'    leg = {leg.render_expression("g")}',
         f'    before = {memory.render_expression("m")}',

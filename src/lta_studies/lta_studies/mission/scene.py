@@ -153,7 +153,9 @@ class MissionScene:
         )
         mission = self.policy.mission.model_copy(update={'homing': homing})
         # The brightness is that by the resistor selected for this lantern.
-        return self._base._replace(listening=listening, mission=mission, diode_scale=1.0)
+        return self._base._replace(
+            listening=listening, mission=mission, route=(0,), diode_scale=1.0
+        )
 
 
 def lamp_brightness(listening: LightLink, lamp: BeaconLamp) -> float:
@@ -161,4 +163,5 @@ def lamp_brightness(listening: LightLink, lamp: BeaconLamp) -> float:
     order = lamp.order
     # Generalised Lambertian source: I = flux (m + 1) / (2 pi) cos^m; at 1 m lux equals candela.
     lux = lamp.flux * (order + 1.0) / (2.0 * math.pi) * math.cos(OFF_AXIS) ** order
-    return float(listening.gain * listening.counts * lux)
+    (signal,) = listening.signals
+    return float(signal.gain * signal.counts * lux)

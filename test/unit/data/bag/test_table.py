@@ -78,7 +78,7 @@ def test_what_is_not_there_is_told_with_what_is(flight_bag):
     with pytest.raises(BadInput, match="'odom' has no image samples; choose an image topic"):
         flight['odom'].samples  # noqa: B018
     with pytest.raises(BadInput, match="Unknown column 'speed\\*'"):
-        flight['odom'].select_columns('speed*')
+        flight['odom'].select('speed*')
     with pytest.raises(BadInput, match='does not exist; give a rosbag2 folder'):
         lta_analysis.open(flight_bag / 'nothing')
 
@@ -90,7 +90,7 @@ def test_rows_and_columns_are_chosen(flight_bag):
     np.testing.assert_array_equal(part.time, odom.time[10:16])
     assert np.shares_memory(part['pose.pose.position.x'], odom['pose.pose.position.x'])
     assert len(odom.between(3.0, 4.0)) == 0
-    few = odom.select_columns('pose.pose.orientation.*', 'twist.twist.linear.x')
+    few = odom.select('pose.pose.orientation.*', 'twist.twist.linear.x')
     assert few.stored_columns == [
         *(f'pose.pose.orientation.{axis}' for axis in 'xyzw'),
         'twist.twist.linear.x',

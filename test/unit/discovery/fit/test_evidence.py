@@ -227,7 +227,7 @@ def test_all_ways_to_reduce_a_flight_agree(gtmab: Known, linear: LinearizedFligh
     np.testing.assert_allclose(found.reduced.products / size, whole.products / size, atol=1e-7)
     assert found.reduced.constant == pytest.approx(whole.constant)
     kept = np.flatnonzero(build_prior(gtmab[1]).free)
-    some = pieces.select_columns(kept)
+    some = pieces.select(kept)
     index = np.append(kept, len(linear.names))
     np.testing.assert_allclose(
         some.eliminate_unknowns(DEVIATIONS).products, whole.products[np.ix_(index, index)]

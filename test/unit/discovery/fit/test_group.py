@@ -147,7 +147,7 @@ def test_a_flight_linearised_elsewhere_is_moved_to_the_shared_values_of_the_grou
         single.eliminate_unknowns(FLOOR), stands, build_prior(gtmab[1], NAMED)
     )
     assert other.log_evidence == pytest.approx(alone.log_evidence, abs=1e-4)
-    narrow, kept = moved.select_columns(np.zeros(len(at), dtype=bool))
+    narrow, kept = moved.select(np.zeros(len(at), dtype=bool))
     assert kept.tolist() == sorted([*np.flatnonzero(variance), k])
     index = np.append(kept, len(at))
     expected = moved.reduce_flights(FLOOR).products[np.ix_(index, index)]
@@ -158,5 +158,5 @@ def test_a_flight_linearised_elsewhere_is_moved_to_the_shared_values_of_the_grou
     assert narrow.at.tolist() == at[kept].tolist()
     free = prior.free
     assert (
-        still.select_columns(free)[1].tolist() == np.flatnonzero(free | (variance > 0.0)).tolist()
+        still.select(free)[1].tolist() == np.flatnonzero(free | (variance > 0.0)).tolist()
     )

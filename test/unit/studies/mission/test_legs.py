@@ -117,7 +117,9 @@ def test_the_brightness_that_homing_is_told_is_that_of_its_own_settings(scenes):
     bright = scenes.build_beacon_flight('aisle', DARK, 5e4).craft
     lamp = scenes.lamp('aisle')
     assert dark.mission.homing.brightness == pytest.approx(lamp_brightness(dark.listening, lamp))
-    assert bright.listening.counts < 0.2 * dark.listening.counts  # another resistor
+    assert (
+        bright.listening.signals[0].counts < 0.2 * dark.listening.signals[0].counts
+    )  # another resistor
     assert bright.mission.homing.brightness < 0.2 * dark.mission.homing.brightness
 
 

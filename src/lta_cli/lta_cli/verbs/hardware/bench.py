@@ -98,7 +98,7 @@ def turn_motor(
                 return bench.turn_motor(duty, seconds, lambda been: bar.update_bar(completed=been))
         except LinkFailed as error:
             # A lost link stops the motor: the firmware's time-out disarms the drone
-            sys.stderr.write(f'The motor test failed and {motor} is stopped: {error}.\n')
+            sys.stderr.write(f'The test of motor {motor} failed: {error}.\n')
             raise typer.Exit(1) from None
         finally:
             link.close()

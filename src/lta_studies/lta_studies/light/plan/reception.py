@@ -66,9 +66,10 @@ def build_lamp_link(
 
 def pack_common_parameters(reception: LightLink) -> Numbers:
     """Return the numbers common to all lamps, as in `diode_snr`."""
+    (signal,) = reception.signals
     return (
-        reception.counts, reception.dark, reception.steady, reception.top, reception.variance,
-        reception.shot, reception.shot * reception.duty, reception.samples,
+        signal.counts, reception.dark, reception.steady, reception.top, reception.variance,
+        reception.shot, reception.shot * signal.duty, reception.samples,
     )  # fmt: skip
 
 
@@ -86,10 +87,11 @@ def single_lamp_snr(reception: LightLink, share: float, light: float) -> float:
         Light of the lamp on the diode. [lx]
 
     """
-    own, steady = reception.counts * light, share * reception.steady
+    (signal,) = reception.signals
+    own, steady = signal.counts * light, share * reception.steady
     if is_saturated(own, share, pack_common_parameters(reception)):
         return 0.0
-    swing, quiet, _ = expected_magnitude(reception, own, steady)
+    swing, quiet, _ = expected_magnitude(reception, signal, own, steady)
     return swing / (quiet + reception.hum * share)
 
 
@@ -98,7 +100,7 @@ def solve_required_light(reception: LightLink, share: float, needed: float) -> f
     low, high = (
         0.0,
         max(reception.top - reception.dark - share * reception.steady, 0.0)
-        / reception.counts
+        / reception.signals[0].counts
         * NEARLY,
     )
     # Not received even just below saturation
@@ -176,10 +178,11 @@ def compute_simultaneous_snr(
     window, quiet = compute_crosstalk(ear, tones, plan.lamp.duty.si)
     snr = np.empty(visible.shape)
     kernel(
-        np.array([each.lamp for each in links]), _build_diode_response(ear),
+        np.array([each.lamps[0] for each in links]), _build_diode_response(ear),
         np.ascontiguousarray(visible.T),
         cells, planes, hull, choose_headings(planes, hull), pack_common_parameters(links[0]),
-        np.array([(each.gain, each.leak, each.hum) for each in links]), window, quiet,
+        np.array([(link.signals[0].gain, link.signals[0].leak, link.hum) for link in links]),
+        window, quiet,
         np.empty((len(links), len(planes))), snr,
     )  # fmt: skip
     return snr
