@@ -8,9 +8,7 @@ import re
 from typing import Annotated
 
 from lta_bridge.bag.writer import prepare_empty_folder
-from lta_cli.options.json_option import print_json
-from lta_cli.options.out_option import parse_folder
-from lta_cli.options.pictures_option import check_picture_output, Pictures
+from lta_cli.options.output_options import check_picture_output, parse_folder, Pictures, print_json
 from lta_cli.options.plain_console import plain_console
 from lta_config.errors import BadInput
 from lta_config.quantity import UNITS

@@ -5,7 +5,7 @@ from dataclasses import asdict
 from typing import Annotated
 
 from lta_cli.doctor import exit_status, iterate_check_results, print_checks
-from lta_cli.options.json_option import print_json
+from lta_cli.options.output_options import print_json
 from lta_cli.options.plain_console import plain_console
 import typer
 

@@ -3,9 +3,7 @@
 from dataclasses import asdict
 from typing import Annotated, Literal
 
-from lta_cli.options.json_option import Json, print_json
-from lta_cli.options.out_option import Out
-from lta_cli.options.pictures_option import check_picture_output, Pictures
+from lta_cli.options.output_options import check_picture_output, Json, Out, Pictures, print_json
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import format_lta_command, relative_path
 from lta_report.progress_bar import ProgressBar

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from lta_bridge.bag.writer import prepare_empty_folder
 from lta_bridge.provenance import read_commit
-from lta_cli.options.out_option import Out
+from lta_cli.options.output_options import Out
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import format_lta_command
 from lta_config.schema.comparison_file import load_comparison

@@ -5,8 +5,7 @@ import sys
 from typing import Annotated
 
 from lta_bridge.playback.settings import FOREVER
-from lta_cli.options.json_option import Json
-from lta_cli.options.out_option import parse_folder
+from lta_cli.options.output_options import Json, parse_folder
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import relative_path
 from lta_data.bag.bag_folder import find_bag

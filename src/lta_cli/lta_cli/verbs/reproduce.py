@@ -5,9 +5,12 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
-from lta_cli.options.json_option import print_json_text
-from lta_cli.options.out_option import parse_folder
-from lta_cli.options.pictures_option import check_picture_output, Pictures
+from lta_cli.options.output_options import (
+    check_picture_output,
+    parse_folder,
+    Pictures,
+    print_json_text,
+)
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.schema.paper_file import PaperRow

@@ -2,8 +2,7 @@
 
 from typing import Annotated
 
-from lta_cli.options.json_option import Json, print_json
-from lta_cli.options.out_option import Out
+from lta_cli.options.output_options import Json, Out, print_json
 from lta_cli.options.plain_console import plain_console
 from lta_cli.verbs.fly import flight_to_dict, format_outcome, print_files
 from lta_control.strategies import STRATEGIES

@@ -5,8 +5,7 @@ import math
 from pathlib import Path
 from typing import Annotated, Any
 
-from lta_cli.options.json_option import Json, print_json
-from lta_cli.options.out_option import parse_folder
+from lta_cli.options.output_options import Json, parse_folder, print_json
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.parameter_override import parse_quantity

@@ -68,9 +68,7 @@ class LinearizedGroup:
         """Return the flights of both, about the point of this one."""
         return replace(self, pieces=(*self.pieces, *other.pieces))
 
-    def select(
-        self, free: NDArray[np.bool_]
-    ) -> tuple['LinearizedGroup', NDArray[np.int64]]:
+    def select(self, free: NDArray[np.bool_]) -> tuple['LinearizedGroup', NDArray[np.int64]]:
         """Return the flights with the free columns only, and the indices of these."""
         # Columns of extrapolated parameters stay: `_align_products` needs them
         apart = np.any([each.point.values != self.at for each in self.linears], axis=0)

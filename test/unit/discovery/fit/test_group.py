@@ -157,6 +157,4 @@ def test_a_flight_linearised_elsewhere_is_moved_to_the_shared_values_of_the_grou
     )
     assert narrow.at.tolist() == at[kept].tolist()
     free = prior.free
-    assert (
-        still.select(free)[1].tolist() == np.flatnonzero(free | (variance > 0.0)).tolist()
-    )
+    assert still.select(free)[1].tolist() == np.flatnonzero(free | (variance > 0.0)).tolist()

@@ -3,8 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
-from lta_cli.options.json_option import print_json
-from lta_cli.options.out_option import parse_folder
+from lta_cli.options.output_options import parse_folder, print_json
 from lta_cli.options.plain_console import plain_console
 from lta_data.bag.recording import open_recording
 from lta_data.export.progress import ExportProgress

@@ -5,8 +5,7 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
-from lta_cli.options.out_option import Out
-from lta_cli.options.pictures_option import check_picture_output, Pictures
+from lta_cli.options.output_options import check_picture_output, Out, Pictures
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import unknown_name_error

@@ -5,7 +5,7 @@ from typing import Annotated, Final
 from lta_challenge.make import ChallengeRequest, generate_challenge
 from lta_challenge.progress import challenge_bar, Jobs
 from lta_challenge.rows import parse_case_kind
-from lta_cli.options.out_option import Out
+from lta_cli.options.output_options import Out
 from lta_cli.options.plain_console import plain_console
 from lta_config.errors import BadInput
 from lta_report.results_folder import resolve_folder

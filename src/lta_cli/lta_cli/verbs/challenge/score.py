@@ -15,7 +15,7 @@ from lta_challenge.score_report import (
     format_score_figures,
     render_markdown,
 )
-from lta_cli.options.out_option import parse_folder
+from lta_cli.options.output_options import parse_folder
 from lta_cli.options.plain_console import plain_console
 from lta_config.errors import BadInput
 from lta_report.page_frame import write_file

@@ -3,9 +3,13 @@
 from typing import Annotated
 
 from lta_bridge.bag.writer import prepare_empty_folder
-from lta_cli.options.json_option import Json, print_json_text
-from lta_cli.options.out_option import Out
-from lta_cli.options.pictures_option import check_picture_output, Pictures
+from lta_cli.options.output_options import (
+    check_picture_output,
+    Json,
+    Out,
+    Pictures,
+    print_json_text,
+)
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import format_lta_command, relative_path
 from lta_report.results_folder import format_page_line, resolve_folder, write_json

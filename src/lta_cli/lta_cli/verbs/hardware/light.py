@@ -6,8 +6,7 @@ from typing import Annotated, Any
 
 from lta_bridge.bag.writer import prepare_empty_folder
 from lta_bridge.provenance import read_commit
-from lta_cli.options.json_option import Json, print_json
-from lta_cli.options.out_option import Out
+from lta_cli.options.output_options import Json, Out, print_json
 from lta_cli.options.plain_console import plain_console
 from lta_cli.verbs.light.study import print_table
 from lta_config.command_line import format_lta_command, relative_path

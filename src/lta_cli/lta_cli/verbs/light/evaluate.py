@@ -5,8 +5,7 @@ import sys
 from typing import Annotated
 
 from lta_bridge.bag.writer import prepare_empty_folder
-from lta_cli.options.json_option import print_json_text
-from lta_cli.options.out_option import parse_folder
+from lta_cli.options.output_options import parse_folder, print_json_text
 from lta_cli.options.plain_console import plain_console
 from lta_report.browser import find_chromium
 from lta_report.results_folder import format_page_line, write_json

@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import Annotated
 
 from lta_bridge.bag.writer import prepare_empty_folder
-from lta_cli.options.json_option import Json, print_json
-from lta_cli.options.out_option import parse_folder
+from lta_cli.options.output_options import Json, parse_folder, print_json
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import format_lta_command, relative_path
 from lta_model.scenario import load_scenario

@@ -5,8 +5,7 @@ import sys
 from typing import Annotated
 
 from lta_bridge.bag.writer import prepare_empty_folder
-from lta_cli.options.json_option import Json
-from lta_cli.options.out_option import Out
+from lta_cli.options.output_options import Json, Out
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import format_lta_command, relative_path
 from lta_report.browser import find_chromium

@@ -2,7 +2,7 @@
 
 import sys
 
-from lta_cli.options.json_option import Json, print_json
+from lta_cli.options.output_options import Json, print_json
 from lta_cli.options.plain_console import plain_console
 from lta_config.files import find_file
 from lta_vehicle.validation import validate_vehicle_file

@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from lta_cli.options.json_option import Json, print_json
+from lta_cli.options.output_options import Json, print_json
 from lta_cli.options.plain_console import plain_console
 from lta_config.errors import BadInput
 from lta_model.vehicle import load_vehicle

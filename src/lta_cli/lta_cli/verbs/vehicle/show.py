@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
-from lta_cli.options.json_option import Json, print_json
+from lta_cli.options.output_options import Json, print_json
 from lta_cli.options.plain_console import plain_console
 from lta_control.gains_file import load_gains
 from lta_model.vehicle import load_vehicle
