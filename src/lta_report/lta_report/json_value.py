@@ -1,8 +1,11 @@
 """Make results valid JSON, which has neither NaN nor infinity."""
 
 from collections.abc import Mapping
+from dataclasses import asdict, is_dataclass
 import math
 from typing import Any
+
+import numpy as np
 
 
 def replace_nonfinite(value: Any) -> Any:  # noqa: ANN401 - what JSON holds
@@ -13,3 +16,16 @@ def replace_nonfinite(value: Any) -> Any:  # noqa: ANN401 - what JSON holds
         return [replace_nonfinite(part) for part in value]
     # null is the usual replacement of NaN in JSON
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def to_json_value(value: Any) -> Any:  # noqa: ANN401 - what JSON holds
+    """Convert data classes, arrays and NumPy numbers as well, with text as keys."""
+    if is_dataclass(value) and not isinstance(value, type):
+        value = asdict(value)
+    if isinstance(value, np.generic | np.ndarray):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return {str(key): to_json_value(part) for key, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [to_json_value(part) for part in value]
+    return replace_nonfinite(value)

@@ -1,7 +1,7 @@
 """Convert a comparison to plain data for --json and compare.json, with units."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, is_dataclass
+from dataclasses import asdict
 from typing import Any
 
 from lta_data.compare.channel_comparison import ChannelComparison
@@ -9,8 +9,8 @@ from lta_data.compare.compared_flight import ComparedFlight
 from lta_data.compare.comparison import ComparisonResult
 from lta_data.compare.faults import TopicFaults
 from lta_data.compare.sentences import format_verdict
-from lta_data.compare.spectra import average_log_bands
-from lta_report.json_value import replace_nonfinite
+from lta_data.compare.spectra import average_log_bands, ChannelSpectra
+from lta_report.json_value import to_json_value
 import numpy as np
 
 UNITS = {
@@ -72,21 +72,13 @@ def channel_to_dict(each: ChannelComparison) -> dict[str, Any]:
         'parting': each.parting,
         # A NamedTuple would become a list.
         'correlation': each.peak and each.peak._asdict(),
-        'spectra': each.spectra and average_log_bands(each.spectra),
+        'spectra': each.spectra and _round_spectra(average_log_bands(each.spectra)),
     }
 
 
-def to_json_value(value: Any) -> Any:  # noqa: ANN401 - what JSON holds
-    """Convert a value to what JSON can hold: no NaN, infinity or classes."""
-    if is_dataclass(value) and not isinstance(value, type):
-        value = asdict(value)
-    if isinstance(value, Mapping):
-        return {str(key): to_json_value(part) for key, part in value.items()}
-    if isinstance(value, np.ndarray):
-        # Six digits are enough for spectra and keep the file small.
-        value = [float(f'{part:.6g}') for part in value]
-    if isinstance(value, list | tuple):
-        return [to_json_value(part) for part in value]
-    if isinstance(value, np.floating):
-        value = float(value)
-    return replace_nonfinite(value)
+def _round_spectra(spectra: ChannelSpectra) -> dict[str, Any]:
+    """Return spectra with six digits, which are enough and keep the file small."""
+    return {
+        name: [float(f'{value:.6g}') for value in part] if isinstance(part, np.ndarray) else part
+        for name, part in asdict(spectra).items()
+    }

@@ -1,13 +1,13 @@
 """Write the result of a study as discovery.json."""
 
-from collections.abc import Mapping, Sequence
-import math
+from collections.abc import Sequence
 from typing import Any, Final
 
 from lta_discovery.conclusion import draw_conclusion
 from lta_discovery.finding import ChannelErrors, NamedEffect, SCHEMA, StudyResult
 from lta_discovery.flights.noisy_intervals import ExcludedInterval
 from lta_discovery.page.verdict_text import format_advice, format_headline
+from lta_report.json_value import to_json_value
 
 NAME: Final = 'discovery.json'
 WHAT: Final = 'position'  # channel of the overall prediction error
@@ -133,18 +133,3 @@ def select_overall_error(finding: StudyResult) -> dict[str, Any]:
         'per_channel': {name: _encode_channel_errors(one) for name, one in here.items()},
         'held_out': finding.held_out,
     }
-
-
-def to_json_value(value: Any) -> Any:  # noqa: ANN401 - whatever JSON holds
-    """Convert a value to JSON types: None for numbers that are not finite, lists for tuples."""
-    if isinstance(value, Mapping):
-        return {str(key): to_json_value(one) for key, one in value.items()}
-    if isinstance(value, str) or value is None or isinstance(value, bool):
-        return value
-    if isinstance(value, Sequence):
-        return [to_json_value(one) for one in value]
-    if isinstance(value, int):
-        return value
-    # NumPy scalars; JSON has no NaN or infinity
-    number = float(value)
-    return number if math.isfinite(number) else None
