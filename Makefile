@@ -47,7 +47,7 @@ sensitivity: test-environment  ## double and halve each threshold of discovery, 
 	@$(enter) && .venv/bin/python test/score/sensitivity.py $(ARGS)
 
 hops: test-environment  ## count the files, calls and returns of one step of each node (ARGS='navigator': list its calls)
-	@$(enter) && .venv/bin/python test/benchmark/hops.py $(ARGS)
+	@$(enter) && .venv/bin/python test/score/hops.py $(ARGS)
 
 same: test-environment  ## compare simulations, commands and studies with their stored results (minutes; ARGS=--freeze: store them)
 	@$(enter) && .venv/bin/python test/same/same.py $(ARGS)
