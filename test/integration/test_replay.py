@@ -266,6 +266,6 @@ def test_what_a_player_cannot_do_is_one_sentence(lta, call, meters, tmp_path):
     status, told = call('replay', meters, '--out', tmp_path / 'replay')
     assert (status, told.err) == (
         2,
-        f"'{meters}' has no 'photodiodes', which demodulator answers; leave demodulator out of "
-        '--nodes.\n',
+        f"'{meters}' has no topic 'photodiodes', which the node demodulator needs as input; leave "
+        'demodulator out of --nodes.\n',
     )

@@ -90,6 +90,6 @@ def test_of_several_views_each_has_its_own_port_and_says_whose_it_is():
     said = []
     report_live_views(LaunchPlan(on('9000', '/a') + on('9001', '/b')), said.append)
     first, second, layout = said
-    assert ':9000  (a; or, in the' in first
-    assert ':9001  (b; or, in the' in second
+    assert ':9000  (a; open it in a browser, or' in first
+    assert ':9001  (b; open it in a browser, or' in second
     assert layout.startswith('Layout')

@@ -310,7 +310,7 @@ def test_errors_in_includes_name_both_ends(write, tmp_path):
         ('launch: [node: {pkg: p, exec: e, name: a-b}]', "'a-b' is not a valid node name"),
         ('launch: [node: {pkg: p, exec: e, namespace: 1a}]', "'/1a' is not a valid namespace"),
         ('launch: [node: {pkg: p, exec: e, param: []}]', 'param must have 1 or more entries'),
-        ('launch: [node: {pkg: p, exec: e, param: [{name: x}]}]', 'either "from" (a parameter'),
+        ('launch: [node: {pkg: p, exec: e, param: [{name: x}]}]', r'either "from" \(a parameter'),
         ('launch: [node: {pkg: p, exec: e, param: [{value: 1}]}]', 'needs either "from"'),
         ('launch: [node: {pkg: p, exec: e, param: [{name: x, value: {}}]}]', 'the value {}, but'),
         ('launch: [node: {pkg: p, exec: e, param: [{name: x, value: [1, 2.5]}]}]', 'of one type'),

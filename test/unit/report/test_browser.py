@@ -48,8 +48,14 @@ def test_a_page_that_a_busy_machine_draws_slowly_is_waited_for(page):
 @pytest.mark.parametrize(
     ('failed', 'sentence'),
     [
-        (False, 'HTML page within 305 s, perhaps because the machine is busy; open it in a '),
-        (True, 'HTML page within 35 s, because a script in it failed; open it in a browser.'),
+        (
+            False,
+            'HTML page within 305 s, perhaps because the machine is busy; try again, or open the ',
+        ),
+        (
+            True,
+            'HTML page within 35 s, because a script in it failed; try again, or open the page in a ',
+        ),
     ],
 )
 def test_a_page_that_is_never_drawn_is_given_up_with_the_reason(page, failed, sentence):

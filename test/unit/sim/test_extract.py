@@ -128,7 +128,7 @@ def test_a_generated_function_is_called_by_its_name():
     extract = SourceExtract(plant=Plant())
     extract.add_function(changes, 'box')
     assert 'def box_changes(state):\n    return rates(state)' in extract.render_pieces('')
-    with pytest.raises(TypeError, match='rates is generated'):
+    with pytest.raises(TypeError, match='rates exists only in compiled code and cannot be'):
         changes(Plant(), 1.0)
 
 

@@ -69,7 +69,7 @@ def test_density_by_hand(tmp_path):
         ('lamp.power', '1 W', "the key 'lamp.power' is not known; remove it or correct its"),
         ('goal.radius', None, "the key 'goal.radius' is missing; add it."),
         ('schema', 7, 'schema is 7, but must be 1.'),
-        ('lamp.flux', 10000, 'lamp.flux 10000 has no unit; write for example "10000 lm".'),
+        ('lamp.flux', 10000, 'lamp.flux is 10000 and has no unit; write for example "10000 lm".'),
         ('lamp.flux', '10000 lx', 'lamp.flux is in lx, but must be in lm or a compatible unit.'),
         ('lamp.flux', '-1 lm', 'lamp.flux is -1 lm, but must be from 0 to 1e+07 lm.'),
         ('lamp.frequency', '0 Hz', 'lamp.frequency is 0 Hz, but must be above 0'),

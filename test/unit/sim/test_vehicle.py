@@ -254,7 +254,7 @@ def test_what_the_whole_vehicle_lacks_names_its_file(tmp_path):
 
 def test_parameters_that_contradict_each_other():
     assert refused(('effects.motor_lag.up', given(0, 's'))) == (
-        'motor_lag: up and down must both be zero (no lag) or both be positive.'
+        'motor_lag: the time constants up and down must both be zero (no lag) or both be positive.'
     )
 
 

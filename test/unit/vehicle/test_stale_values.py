@@ -70,11 +70,10 @@ def test_place_and_axis_make_a_column_by_hand(gtmab):
 def test_rotors_twice_as_far_out_should_turn_it_twice_as_much():
     left, right = warned(*WIDE)
     assert left == (
-        'By its position and axis, the rotor forward_left has a moment of (0.0, -40.0, -20.0) N '
-        'cm '
-        'per newton, but its column of aero.thrust_allocation gives (-0.2, -40.3, -10.0). The '
-        'simulation uses the column; delete aero.thrust_allocation to compute columns from '
-        'position and axis, or compute new ones with lta cfd run.'
+        'From its position and axis, the rotor forward_left has a moment of (0.0, -40.0, -20.0) N '
+        'cm per newton of thrust, but its column of aero.thrust_allocation gives '
+        '(-0.2, -40.3, -10.0). The simulation uses the column; delete aero.thrust_allocation, so '
+        'that the columns follow from position and axis, or compute new ones with lta cfd run.'
     )
     assert 'forward_right has a moment of (0.0, -40.0, 20.0) N cm' in right
 

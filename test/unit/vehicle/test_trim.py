@@ -102,7 +102,8 @@ def test_words_say_what_to_do(gtmab):
     text = describe_heaviness(heavy, 'gtmab', simulated=True)
     grams = 1e3 * 2 * 0.961 * (0.0915 * 0.04 + 0.0677 * 0.2) / G
     assert f'gtmab was {grams:.2f} g heavier than air' in text
-    assert f'Remove {grams - 2.0:.2f} g of ballast to reach the 2.00 g of its file' in text
+    remove = f'Remove {grams - 2.0:.2f} g of ballast to reach trim.heaviness of the vehicle file'
+    assert f'{remove} (2.00 g)' in text
     light = estimate_heaviness(gtmab, *hanging(duty=0.05))
     assert 'Add 1.' in describe_heaviness(light, 'gtmab', simulated=True)
     assert 'leave the ballast' in describe_heaviness(
@@ -121,5 +122,7 @@ def test_a_real_flight_is_told_of_the_thrust_curve(gtmab):
 
 def test_duties_of_another_vehicle_are_refused(hover):
     beavis = load_vehicle('beavis')
-    with pytest.raises(BadInput, match='no duty of front, left, rear, right of beavis'):
+    with pytest.raises(
+        BadInput, match='no motor duties for front, left, rear, right, rotors of beavis'
+    ):
         read_flight_record(open_flight(hover), beavis)

@@ -172,7 +172,7 @@ def test_helium_of_gtmab_by_hand(gtmab):
     assert value(gtmab, 'leak_low') == pytest.approx(0.2 * film * 1.0377, rel=2e-4)
     assert value(gtmab, 'leak_high') == pytest.approx(0.9 * film * 1.0377, rel=2e-4)
     assert value(gtmab, 'hover_loss') == pytest.approx(1e3 * 2 * 0.961 * FULL / G - 2.0)
-    assert gtmab.by_key['hover_loss'].note == '13 to 57 days'
+    assert gtmab.by_key['hover_loss'].note == 'after 13 to 57 days of leakage'
 
 
 def area(half):

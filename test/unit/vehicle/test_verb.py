@@ -116,7 +116,7 @@ def test_warnings_leave_the_status_at_zero(call):
         (
             'size: {value: [100, 100, 59.9]',
             'size: {value: [90, 90, 53.9]',
-            'The part envelope (shape: shell)',
+            r'The part envelope \(shape: shell\) measures 90.0 x',
         ),
         ('purity: {value: 93', 'purity: {value: 89.5', 'carries only .* g of ballast'),
         ('[0, 0, -33], unit: cm', '[9, 0, -33], unit: cm', 'At rest it tilts by'),

@@ -105,8 +105,8 @@ def test_what_is_not_safe_is_said() -> None:
     duties[:20, 1] = 1.0
     for wrong, words in (
         (_rehearsed(outcome=FlightOutcome.ESCAPED), 'left the room'),
-        (_rehearsed(path=far), 'of a wall'),
-        (_rehearsed(path=high), 'near the ceiling'),
+        (_rehearsed(path=far), 'within 0.3 m of a wall'),
+        (_rehearsed(path=high), 'within 0.3 m of the ceiling'),
         (_rehearsed(tilt=math.radians(31.0)), 'tilts by 31 degrees'),
         (_rehearsed(duties=duties), 'a rotor is saturated'),
         (_rehearsed(path=up), 'does not land'),

@@ -118,7 +118,8 @@ def test_the_terminal_tells_effects_gap_and_where():
     with console.capture() as heard:
         print_finding(replace(FINDING, unexplained=('a hum',)), console)
     said = heard.get()
-    for words in ('motor_lag', '0.110 to 0.130', 'command_delay.delay', '50 % less (20 to 40 %)',
+    for words in ('motor_lag', '0.110 to 0.130', 'command_delay.delay',
+                  '50 % less than with the vehicle file (95 % interval 20 to 40 %)',
                   'speed above 0.3 m/s', 'Unexplained: a hum.', 'A word.'):  # fmt: skip
         assert words in said
     assert said.index('surge  ') < said.index('position x')
@@ -127,5 +128,5 @@ def test_the_terminal_tells_effects_gap_and_where():
 def test_an_error_that_grew_is_told_as_more():
     grown = replace(FINDING.gaps[1], shrink=-0.3, shrink_ci95=(-0.6, 0.2))
     (first, *_) = format_prediction_errors(replace(FINDING, gaps=(grown,)))
-    assert '30 % more (' in str(first)
+    assert '30 % more than with the vehicle file (95 % interval ' in str(first)
     assert ' to 60 %)' in str(first)

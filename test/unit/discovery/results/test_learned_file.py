@@ -73,7 +73,8 @@ def test_the_source_has_interval_flights_commit_and_what_was_before(tmp_path):
     drag = back.file.aero.linear_drag.force
     assert drag.vector == pytest.approx((0.003, 0.0, 0.0))
     for words in ('surge 0.003 N s/m, 95 % 0.002 to 0.004', 'from A, B, commit abc123',
-                  'before [0, 0, 0] N s/m (CFD: drag is quadratic at 0.2 to 2 m/s)'):  # fmt: skip
+                  'previously [0, 0, 0] N s/m (CFD: drag is quadratic at 0.2 to '
+                  '2 m/s)'):  # fmt: skip
         assert words in drag.source
 
 

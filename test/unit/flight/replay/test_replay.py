@@ -261,7 +261,10 @@ def test_what_is_asked_for_replaces_what_the_bag_carries(tmp_path):
 
 def test_a_node_without_what_it_answers_cannot_be_replayed(tmp_path):
     order = ReplayRequest(tmp_path / 'bag', ('energy_monitor',))
-    with pytest.raises(BadInput, match=r"has no 'battery', which energy_monitor answers; leave"):
+    with pytest.raises(
+        BadInput,
+        match=r"has no topic 'battery', which the node energy_monitor needs as input; leave",
+    ):
         check_request(order, flight())  # nobody can run a vehicle again
     with pytest.raises(BadInput, match=r'add estimator to --nodes, or leave controller out'):
         check_request(ReplayRequest(tmp_path / 'bag', ('controller',)), SimpleNamespace(topics={}))

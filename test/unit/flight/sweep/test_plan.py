@@ -195,10 +195,13 @@ def test_what_cannot_be_flown_is_said_before_the_first_flight(vary, words):
     ('content', 'words'),
     [
         ({'vary': {HEAVY: {'uniform': {'low': 1, 'high': 2}}}}, 'add "samples"'),
-        ({'samples': 3, 'seeds': {'count': 3}}, 'leave count out'),
+        ({'samples': 3, 'seeds': {'count': 3}}, 'remove seeds.count, because each sample has'),
         ({'vary': {HEAVY: ['1 g']}, 'set': {HEAVY: '2 g'}}, 'in both "set" and "vary"'),
         ({'vary': {HEAVY: ['1 g']}, 'cases': {'a': {HEAVY: '2 g'}}}, 'in both "vary" and "cases"'),
-        ({'vary': {HEAVY: {'choice': [1], 'normal': {'mean': 1, 'deviation': 1}}}}, 'needs one'),
+        (
+            {'vary': {HEAVY: {'choice': [1], 'normal': {'mean': 1, 'deviation': 1}}}},
+            'has 2 distributions; give exactly one of normal, uni',
+        ),
     ],
 )
 def test_what_contradicts_itself_is_refused(content, words):

@@ -125,7 +125,7 @@ def test_another_sweep_is_not_mixed_in(sweep, tmp_path, here):
 
 
 def test_two_sweeps_do_not_write_to_one_log(tmp_path):
-    with SweepLog(tmp_path, 'a'), pytest.raises(BadInput, match='Another sweep writes'):
+    with SweepLog(tmp_path, 'a'), pytest.raises(BadInput, match='Another sweep is writing to'):
         SweepLog(tmp_path, 'a')
 
 

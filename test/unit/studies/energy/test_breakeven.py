@@ -25,7 +25,7 @@ def test_the_map_is_told(tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize(
     ('words', 'told'),
     [
-        (('--cell', 'kitronik', '--budget', '50'), 'One panel kitronik weighs 60.0 g'),
+        (('--cell', 'kitronik', '--budget', '50'), 'One solar panel kitronik weighs 60.0 g'),
         (('--vehicle', 'multirotor'), 'has no solar array'),
         (('--cell', 'moon'), 'moon'),
     ],

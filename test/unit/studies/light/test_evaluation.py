@@ -320,6 +320,7 @@ def test_the_ground_over_which_the_papers_wind_is_flown_is_told():
         over(0.4, [6.0, 7.0], 1),
         over(0.45, [6.0], 0),
     ]
-    assert 'BAG over 0.4 m and more' in ground_roughness.describe_grounds(cells)
-    assert 'BAG over none of these grounds' in ground_roughness.describe_grounds(cells[:2])
+    told = ground_roughness.describe_grounds(cells)
+    assert told.endswith('of the ground is large enough: BAG over 0.4 m and more.')
+    assert 'BAG over none of these grounds.' in ground_roughness.describe_grounds(cells[:2])
     assert ground_roughness.describe_grounds([]) == ''

@@ -120,7 +120,7 @@ def test_a_simulated_turntable_is_studied_and_its_zero_found(call, bag, tmp_path
 def test_a_recording_that_does_not_say_how_it_turned_asks(call, bag):
     status, said = call('hardware', 'light', bag)
     assert status == 2
-    assert said.err.startswith('The recording has no ground_truth/odom')
+    assert said.err.startswith('The recording has no topic ground_truth/odom, so the motion')
     status, said = call('hardware', 'light', bag, '--step', '22.5')
     assert status == 2
     assert 'give either --rate, or both --step and --hold' in said.err

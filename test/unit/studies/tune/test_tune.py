@@ -119,7 +119,10 @@ def test_a_stopped_search_goes_on_where_it_was(tmp_path):
 
 
 def test_two_searches_do_not_write_to_one_book(tmp_path):
-    with EvaluationLog(tmp_path, 'a'), pytest.raises(BadInput, match='Another search writes'):
+    with (
+        EvaluationLog(tmp_path, 'a'),
+        pytest.raises(BadInput, match='Another search is writing to'),
+    ):
         EvaluationLog(tmp_path, 'a')
 
 

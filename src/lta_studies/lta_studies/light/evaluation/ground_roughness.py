@@ -21,5 +21,5 @@ def describe_grounds(cells: Sequence[EvaluationCell]) -> str:
         return ''
     return (
         'Against a wind of 8 m/s at 10 m height, most flights reach the lamp if the '
-        'roughness of the ground is large enough: '
+        f'roughness of the ground is large enough: {", ".join(parts)}.'
     )
