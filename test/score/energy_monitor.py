@@ -21,7 +21,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / 'unit'))
 from energy import metered
 from energy.metered import ABOARD, CELL, follow, Metered, SETTINGS
 from lta_energy.monitoring.estimate import EnergyEstimate
-from lta_energy.monitoring.monitor import time_to_empty, update_estimate
+from lta_energy.monitoring.monitor import update_estimate
+from lta_energy.monitoring.report import report_energy
 from lta_report.drawing import build_line_trace, create_figure
 from lta_report.html_elements import render_section
 from lta_report.page_frame import assemble_page, write_file
@@ -49,7 +50,7 @@ def time_error(seed):
     cell, estimate = Metered(seed, (0.55, 0.75), off=True), EnergyEstimate()
     while cell.charge > 0.5:
         estimate = update_estimate(SETTINGS, ABOARD, estimate, cell.reading())
-    told, true = time_to_empty(SETTINGS, CELL, estimate), cell.lasts()
+    told, true = report_energy(SETTINGS, CELL, estimate).empty, cell.lasts()
     return told.mean / true - 1.0, (told.mean - true) / told.deviation
 
 

@@ -3,11 +3,11 @@
 import math
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from lta_energy.monitoring import alarms
 from lta_energy.monitoring.estimate import EnergyEstimate
-from lta_energy.monitoring.monitor import MonitorSettings, time_to_empty, time_to_full
+from lta_energy.monitoring.monitor import MonitorSettings
 from lta_energy.monitoring.power_system import PowerSystem
 from lta_energy.monitoring.reading import MeterReading, TravelState
+from lta_energy.monitoring.report import EnergyReport
 from lta_energy.monitoring.soc_ekf import INVERSE, RESISTANCE
 from lta_energy.monitoring.way_home import reachable_distance
 from lta_graph.ros.message_validation import find_fault
@@ -54,15 +54,16 @@ def from_charge(
     """Return the measured battery with the estimated charge; REP-147 signs, NaN if unknown."""
     # sensor_msgs/BatteryState uses ampere-hours
     capacity = cell.capacity / SECONDS_PER_HOUR
+    charge = estimate.charge
     return BatteryState(
         header=measured.header,
         voltage=measured.voltage,
         current=measured.current,
         temperature=math.nan,
-        charge=estimate.charge * capacity,
+        charge=charge * capacity,
         capacity=math.nan,  # the actual capacity is not measured
         design_capacity=capacity,
-        percentage=estimate.charge,
+        percentage=charge,
         power_supply_status=_supply_status(measured.current),
         power_supply_health=_supply_health(estimate),
         power_supply_technology=BatteryState.POWER_SUPPLY_TECHNOLOGY_LIPO,
@@ -94,12 +95,11 @@ def _supply_health(estimate: EnergyEstimate) -> int:
 
 
 def collect_energy_values(
-    settings: MonitorSettings, aboard: PowerSystem, estimate: EnergyEstimate, reading: MeterReading
+    settings: MonitorSettings, aboard: PowerSystem, report: EnergyReport, reading: MeterReading
 ) -> dict[str, float]:
     """Return the energy balance as named numbers; each name ends with its unit."""
-    books, cell = estimate.books, aboard.cell
-    empty = time_to_empty(settings, cell, estimate)
-    full = time_to_full(settings, cell, estimate)
+    estimate, empty, full = report.estimate, report.empty, report.full
+    books = estimate.books
     return {
         'power_in_W': reading.panel_power,
         # Load = charger output minus what charges the cell
@@ -116,7 +116,7 @@ def collect_energy_values(
         'time_to_empty_sigma_s': empty.deviation,
         'time_to_full_s': full.mean,
         'time_to_full_sigma_s': full.deviation,
-        **_collect_cell_values(cell, estimate),
+        **_collect_cell_values(aboard.cell, estimate),
         **_collect_way_home_values(settings, estimate, reading),
         'illuminance_lx': reading.illuminance,
     }
@@ -154,14 +154,14 @@ def _collect_way_home_values(
 def from_energy_balance(
     settings: MonitorSettings,
     aboard: PowerSystem,
-    estimate: EnergyEstimate,
+    report: EnergyReport,
     reading: MeterReading,
     measured: BatteryState,
 ) -> DiagnosticArray:
     """Return energy balance and faults as two statuses, with the stamp of the battery message."""
-    level, sentence = alarms.assess_battery(settings, aboard.cell, estimate)
-    trust, faults = alarms.assess_meters(estimate)
-    numbers = collect_energy_values(settings, aboard, estimate, reading)
+    level, sentence = report.battery
+    trust, faults = report.meters
+    numbers = collect_energy_values(settings, aboard, report, reading)
     array = DiagnosticArray()
     array.header.stamp = measured.header.stamp
     array.status = [

@@ -12,6 +12,7 @@ from lta_control.cascade import Setpoint
 from lta_control.messages import from_duties, from_estimate, from_setpoint
 from lta_energy.messages import from_charge, from_energy_balance, from_reserve
 from lta_energy.monitoring.power_system import PowerSystem
+from lta_energy.monitoring.report import report_energy
 from lta_flight.closed_loop import ClosedLoop, EnergyObservation, LightObservation
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import to_stamp
@@ -136,6 +137,8 @@ class LoopRecorder:
         # The monitor uses the message, whose fields have 32 bits
         measured.voltage, measured.current = reading.voltage, reading.current
         self._write_message('energy/battery', from_charge(self._aboard.cell, estimate, measured))
-        status = from_energy_balance(loop.policy.energy, self._aboard, estimate, reading, measured)
+        settings = loop.policy.energy
+        report = report_energy(settings, self._aboard.cell, estimate)
+        status = from_energy_balance(settings, self._aboard, report, reading, measured)
         self._write_message('energy/status', status)
         self._write_message('energy/reserve', from_reserve(estimate))

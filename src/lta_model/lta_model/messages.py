@@ -124,4 +124,4 @@ def build_wind_message(stamp: Time, velocity: tuple[float, ...]) -> Vector3Stamp
 
 def _build_header(stamp: Time, topic: str) -> Header:
     """Return a header in the frame that the topic table names."""
-    return Header(stamp=stamp, frame_id=load_topic_table()[topic].frame)
+    return Header(stamp=stamp, frame_id=load_topic_table().topics[topic].frame)

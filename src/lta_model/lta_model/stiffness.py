@@ -66,8 +66,10 @@ def check_time_step(name: str, model: VehicleModel, step: float) -> None:
 
 def check_divergence(name: str, speeds: Sequence[float], elapsed: float) -> None:
     """Raise `BadInput` if a velocity [m/s] or rate [rad/s] is not finite or implausible."""
-    if not all(-SPEED_LIMIT < speed < SPEED_LIMIT for speed in speeds):
-        raise build_divergence_error(name, elapsed)
+    for speed in speeds:
+        # Also true for NaN
+        if not -SPEED_LIMIT < speed < SPEED_LIMIT:
+            raise build_divergence_error(name, elapsed)
 
 
 def build_divergence_error(name: str, elapsed: float) -> BadInput:

@@ -6,7 +6,7 @@ from typing import final
 from lta_config.compilation.flat import compile_core, TupleLayout
 from lta_energy.monitoring.energy_balance import EnergyBalance
 from lta_model.electrical import loads
-from lta_model.electrical.charger import PowerFlow, resting_flow, total_stored_energy
+from lta_model.electrical.charger import resting_flow, total_stored_energy
 from lta_model.electrical.panel import current_at_voltage
 from lta_model.scenario_faults import SupplyFaults
 from lta_model.vehicle import Vehicle
@@ -21,7 +21,15 @@ NOTHING = np.zeros(1)
 
 @final
 class Supply:
-    """The electric supply of a vehicle."""
+    """
+    The electric supply of a vehicle.
+
+    Attributes
+    ----------
+    flow : PowerFlow
+        State of the cell and mean powers of the last control period.
+
+    """
 
     def __init__(
         self,
@@ -40,7 +48,8 @@ class Supply:
         }
         self._irradiance = self._elapsed = 0.0
         self._account = SupplyState(resting_flow(charge), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        self._begun = total_stored_energy(self._parts.cell, self._account.flow)
+        self.flow = self._account.flow
+        self._begun = total_stored_energy(self._parts.cell, self.flow)
         self._layout = TupleLayout(self._account)
         self._memory = self._layout.write(self._account)
         constants = TupleLayout(self._parts)
@@ -53,11 +62,6 @@ class Supply:
         # A dark second without load, on a copy of the state
         second = np.array([0.0, 0.0, 1.0, False, False])
         self._step(self._constants, self._memory.copy(), second, NOTHING)
-
-    @property
-    def flow(self) -> PowerFlow:
-        """State of the cell and mean powers of the last control period."""
-        return self._account.flow
 
     @property
     def cell_voltage_and_current(self) -> Electrics:
@@ -84,6 +88,7 @@ class Supply:
         meantime = np.array([self._irradiance, demand, seconds, shorted, cut])
         self._step(self._constants, self._memory, meantime, NOTHING)
         self._account = self._layout.read(self._memory)
+        self.flow = self._account.flow
 
     def read_battery_meter(self) -> Electrics:
         """Return the reading of the cell's meter, which is behind the load cut-off."""

@@ -58,6 +58,15 @@ class World:
     strategy : str
         Navigation strategy, for its power consumption; '' for none.
 
+    Attributes
+    ----------
+    steps : int
+        Number of control steps since the start.
+    stamp_ns : int
+        Stamp of the present control step. [ns]
+    elapsed : float
+        Time since the start. [s]
+
     Raises
     ------
     BadInput
@@ -95,7 +104,7 @@ class World:
             vehicle, scenario.start.charge.si, self._chance, scenario.faults,
             navigation_power(vehicle.file.energy, strategy),
         )  # fmt: skip
-        self.steps = 0
+        self._enter_step(0)
         self.outcome = FlightOutcome.FLYING  # outcome of the flight; final once decided
         self._ranges: list[tuple[int, float]] = []
         self._around = FlightEnvironment(
@@ -175,16 +184,6 @@ class World:
         return self.command[: self._rotors]
 
     @property
-    def stamp_ns(self) -> int:
-        """Stamp of the present control step. [ns]."""
-        return self._start_ns + self.steps * self._control_ns
-
-    @property
-    def elapsed(self) -> float:
-        """Time since the start. [s]."""
-        return self.steps * self._control_ns * 1e-9
-
-    @property
     def is_held(self) -> bool:
         """Whether a hand still holds the drone where it stands."""
         return self.elapsed < self._held
@@ -215,12 +214,16 @@ class World:
         """Return position [m] and quaternion."""
         return tuple(self.state[:7].tolist())
 
-    def _is_due(self, name: str) -> bool:
-        """Return whether a topic on the control grid has a message at this step."""
-        latency, period = self._rhythm[name]
-        since = self.steps * self._control_ns - latency
-        # A topic's latency shifts its grid against the control grid.
-        return since >= 0 and since % period == 0
+    def _enter_step(self, steps: int) -> None:
+        """Set the time to a control step, and find the topics that have a message there."""
+        now = steps * self._control_ns
+        self.steps, self.stamp_ns, self.elapsed = steps, self._start_ns + now, now * 1e-9
+        # A topic's latency shifts its grid against the control grid
+        self._due = {
+            name
+            for name, (latency, period) in self._rhythm.items()
+            if now >= latency and (now - latency) % period == 0
+        }
 
     def sense(self) -> SensorReadings:
         """Return the sensor readings at the present control step; call it once per step."""
@@ -239,7 +242,7 @@ class World:
         if self.steps == 0:
             self._sense_range(self.stamp_ns)
         readings.ranges, self._ranges = self._ranges, []
-        if self._is_due('pressure'):
+        if 'pressure' in self._due:
             readings.pressure = pressure.measure_pressure(
                 self.pressure_settings, self._pressure,
                 float(self.state[2]) + self._imu_place[2], self.elapsed,
@@ -249,21 +252,21 @@ class World:
 
     def sense_rest(self, readings: SensorReadings) -> None:
         """Add light, energy and truth, which no node answers within the step."""
-        if self._is_due('photodiodes'):
+        if 'photodiodes' in self._due:
             # A block is stamped with its first sample and published after its last
             begun = self.stamp_ns - self._rhythm['photodiodes'][0]
             readings.block = (
                 begun,
                 self._light.sample_light_block(begun, *self._shape, self._chance['photodiodes']),
             )
-        if self._is_due('battery'):
+        if 'battery' in self._due:
             readings.illuminance, _ = self._light.panel_light(self._pose())
             readings.battery = self.supply.read_battery_meter()
             readings.panel = self.supply.read_array_meter()
         self._tracker.record_motion(
-            self.steps * self._control_ns, tuple(self.state[:RIGID].tolist())
+            self.stamp_ns - self._start_ns, tuple(self.state[:RIGID].tolist())
         )
-        if self._is_due('ground_truth/odom'):
+        if 'ground_truth/odom' in self._due:
             readings.truth = self._tracker.report_motion(self._predict_state)
 
     def _sense_range(self, stamp_ns: int) -> None:
@@ -305,14 +308,14 @@ class World:
             self._integrate_until(now, until)
             now = until
         pose = self._pose()
-        if self._is_due('illuminance'):
+        if 'illuminance' in self._due:
             self.supply.set_irradiance(self._light.panel_light(pose)[1])
         stiffness.check_divergence(
             self.vehicle.file.name, self.state[7:RIGID].tolist(), self.elapsed
         )
         self._craft.evaluate_state()
         self.supply.feed_loads(self._craft.thrusts[: self._rotors].tolist(), self._period)
-        self.steps += 1
+        self._enter_step(self.steps + 1)
         if self.outcome is FlightOutcome.FLYING:
             self.outcome = self._referee.evaluate_outcome(pose[0], pose[1], pose[2], self.elapsed)
         self._begin_period(pose)
@@ -320,7 +323,7 @@ class World:
     def _begin_period(self, pose: Pose) -> None:
         """Update command and surroundings for the next control period."""
         self._light.record_pose(pose)
-        self._around.refresh(pose, self.supply.cell_voltage_and_current[0], self.elapsed)
+        self._around.refresh(pose, self.supply.flow.voltage, self.elapsed)
         self._craft.surroundings[:] = self._around.numbers
 
     def _integrate_until(self, now: int, end: int) -> None:

@@ -1,19 +1,19 @@
 """The texts of energy alarms, and the initial values."""
 
-from dataclasses import replace
+from dataclasses import astuple, replace
 import math
 
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_energy.faults.detector import MeterObservation
 from lta_energy.faults.fault_monitor import update_detectors
-from lta_energy.monitoring import alarms
-from lta_energy.monitoring.energy_balance import add_interval, EnergyBalance
+from lta_energy.monitoring.energy_balance import EnergyBalance, update_energy_balance
 from lta_energy.monitoring.estimate import EnergyEstimate
 from lta_energy.monitoring.latch import Latch
 from lta_energy.monitoring.load import LoadEstimate
 from lta_energy.monitoring.monitor import MonitorSettings
 from lta_energy.monitoring.power_system import PowerSystem
 from lta_energy.monitoring.reading import MeterReading, TravelState
+from lta_energy.monitoring.report import report_energy
 from lta_energy.monitoring.reserve import ReserveMargin
 from lta_energy.monitoring.soc_ekf import CellState
 from lta_graph.health import HealthLevel
@@ -33,7 +33,7 @@ WELL = EnergyEstimate(
 
 
 def said(**changed):
-    return alarms.assess_battery(SETTINGS, CELL, WELL._replace(**changed))
+    return report_energy(SETTINGS, CELL, WELL._replace(**changed)).battery
 
 
 def test_how_long_it_lasts_and_how_sure_that_is():
@@ -46,7 +46,7 @@ def test_how_long_it_lasts_and_how_sure_that_is():
     assert said() == (HealthLevel.OK, '50% +- 2% left, 28 +- 4 min at this power')
     full = WELL._replace(load=LoadEstimate(-1.0, -1.0, 0.0, 5.0))
     # 1797.3 J are missing; 69.1 s are told as two minutes.
-    assert alarms.assess_battery(SETTINGS, CELL, full) == (
+    assert report_energy(SETTINGS, CELL, full).battery == (
         HealthLevel.OK, '50% +- 2% left, full in 30 +- 2 min',
     )  # fmt: skip
     for watts, words in ((0.0047, 'min at this power'), (0.0046, ''), (-0.0049, '')):
@@ -75,7 +75,7 @@ def test_what_is_worst_is_said_first():
     assert (
         said(watch=gap)[0] is HealthLevel.OK
     )  # a warning about meters is not one about the battery
-    assert alarms.assess_meters(WELL._replace(watch=gap)) == (
+    assert report_energy(SETTINGS, CELL, WELL._replace(watch=gap)).meters == (
         HealthLevel.WARN,
         'gap: no battery reading for more than 1 s: the estimate of the charge is less certain',
     )  # fmt: skip
@@ -84,20 +84,20 @@ def test_what_is_worst_is_said_first():
 
 
 def test_the_way_home_is_told_with_what_is_to_spare():
-    told = alarms.compute_return_margin(WELL)
+    told = report_energy(SETTINGS, CELL, WELL).way
     assert told == (
         HealthLevel.OK,
         'the start is 12.3 m away; energy beyond the flight home and the reserve: 700 J',
     )
     even = WELL._replace(stock=ReserveMargin(0.48, 0.012, 0.0))
-    assert alarms.compute_return_margin(even) == (
+    assert report_energy(SETTINGS, CELL, even).way == (
         HealthLevel.WARN,
         'the start is 12.3 m away; energy beyond the flight home and the reserve: 0 J',
     )
     for unknown in (
         {'stock': None}, {'last': None}, {'last': replace(READ, where=None)},
     ):  # fmt: skip
-        assert alarms.compute_return_margin(WELL._replace(**unknown)) == (
+        assert report_energy(SETTINGS, CELL, WELL._replace(**unknown)).way == (
             HealthLevel.OK,
             'the position of the drone is unknown, so no energy is reserved for the flight home',
         )
@@ -135,9 +135,12 @@ def test_the_charger_takes_its_own_and_gives_nothing_in_the_dark():
 
 
 def test_the_books_entry_by_entry():
-    books = add_interval(EnergyBalance(1.0, 2.0, 3.0, 4.0), 0.5, 1.5, 0.25, -6.0, 10.0)
-    assert books == EnergyBalance(6.0, 17.0, 5.5, -2.0)
-    assert books.imbalance == pytest.approx(6.0 - 17.0 - 5.5 + 2.0)
+    """Ten seconds of 0.5 W of the panel; the cell of 0.15 ohm and 3.84 V gives 4 W at 1 A."""
+    aboard = PowerSystem(CELL, ChargerModel(tracking=1.0, conversion=1.0, idle=0.0))
+    last, now = (MeterReading(stamp, 4.0, -1.0, 5.0, 0.1) for stamp in (0, 10_000_000_000))
+    books = update_energy_balance(EnergyBalance(1.0, 2.0, 3.0, 4.0), aboard, HALF, last, now)
+    assert astuple(books) == pytest.approx((6.0, 47.0, 4.5, -34.4))
+    assert books.imbalance == pytest.approx(6.0 - 47.0 - 4.5 + 34.4)
 
 
 def test_what_a_meter_can_read_ends_at_a_hundred():

@@ -6,10 +6,10 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_energy.faults.fault_monitor import DETECTORS
-from lta_energy.monitoring import alarms
 from lta_energy.monitoring.estimate import EnergyEstimate
 from lta_energy.monitoring.latch import Latch, ROUNDING, update_latch
 from lta_energy.monitoring.monitor import update_estimate
+from lta_energy.monitoring.report import report_energy
 from lta_graph.health import HealthLevel
 import pytest
 
@@ -76,10 +76,10 @@ def test_a_fault_of_the_battery_is_named_and_ends_the_flight(name):
     assert named == {name}
     assert estimate.reserve
     assert estimate.is_landing_urgent
-    level, sentence = alarms.assess_meters(estimate)
+    level, sentence = report_energy(SETTINGS, CELL, estimate).meters
     assert level is HealthLevel.ERROR
     assert sentence.startswith(name)
-    assert alarms.assess_battery(SETTINGS, CELL, estimate)[0] is HealthLevel.ERROR
+    assert report_energy(SETTINGS, CELL, estimate).battery[0] is HealthLevel.ERROR
 
 
 PANEL = {
@@ -95,7 +95,7 @@ def test_a_fault_of_the_panel_is_named_and_the_flight_goes_on(name):
     assert named == {name}
     assert not estimate.reserve
     assert not estimate.is_landing_urgent
-    assert alarms.assess_meters(estimate)[0] is HealthLevel.WARN
+    assert report_energy(SETTINGS, CELL, estimate).meters[0] is HealthLevel.WARN
 
 
 def test_a_voltage_that_stands_still_is_frozen_too():
@@ -114,7 +114,7 @@ def test_a_reversed_current_is_seen_in_bright_light_by_the_resistance():
     assert 'reversed current' in names(estimate)
     assert (
         'the battery voltage falls while the current charges it'
-        in alarms.assess_meters(estimate)[1]
+        in report_energy(SETTINGS, CELL, estimate).meters[1]
     )
 
 
@@ -256,7 +256,7 @@ def test_what_no_meter_reads_is_named_and_leaves_nothing_behind(impossible):
     before = follow(clean(BEFORE))
     struck = follow([replace(one, **impossible) for one in clean(10)], estimate=before)
     assert 'not a number' in names(struck)
-    assert 'the battery readings of ' in alarms.assess_battery(SETTINGS, CELL, struck)[1]
+    assert 'the battery readings of ' in report_energy(SETTINGS, CELL, struck).battery[1]
     after = follow(clean(AFTER), estimate=struck)
     assert after.charge == pytest.approx(before.charge, abs=0.02)
     assert after.belief.deviation < 1.1 * before.belief.deviation

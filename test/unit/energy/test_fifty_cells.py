@@ -9,7 +9,8 @@ measures all of it at ten.
 """
 
 from lta_energy.monitoring.estimate import EnergyEstimate
-from lta_energy.monitoring.monitor import time_to_empty, update_estimate
+from lta_energy.monitoring.monitor import update_estimate
+from lta_energy.monitoring.report import report_energy
 import numpy as np
 import pytest
 
@@ -44,7 +45,7 @@ def test_the_time_to_empty_is_known_to_ten_percent_at_half_charge(seeds):
         cell, estimate = Metered(seed, (0.55, 0.75), off=True, period=1.0), EnergyEstimate()
         while cell.charge > 0.5:
             estimate = update_estimate(SETTINGS, ABOARD, estimate, cell.reading())
-        told, true = time_to_empty(SETTINGS, CELL, estimate), cell.lasts()
+        told, true = report_energy(SETTINGS, CELL, estimate).empty, cell.lasts()
         assert told.mean == pytest.approx(true, rel=0.10), seed
         scores.append((told.mean - true) / told.deviation)
     assert 0.005 < np.mean(np.square(scores)) < 2.0

@@ -3,16 +3,14 @@
 from dataclasses import replace
 import math
 
-from lta_energy.monitoring import alarms
 from lta_energy.monitoring.estimate import EnergyEstimate
 from lta_energy.monitoring.monitor import (
     MonitorSettings,
-    time_to_empty,
-    time_to_full,
     update_estimate,
 )
 from lta_energy.monitoring.power_system import PowerSystem
 from lta_energy.monitoring.reading import MeterReading, TravelState
+from lta_energy.monitoring.report import report_energy
 from lta_energy.monitoring.soc_ekf import (
     CellState,
     correct_state,
@@ -83,15 +81,17 @@ def test_the_times_follow_the_power():
     power = 0.4 * battery.open_circuit_voltage(estimate.charge)
     capacity = 900.0 / estimate.belief.mean[3]
     left = battery.stored_energy(estimate.charge, capacity) / power
-    told = time_to_empty(SETTINGS, CELL, estimate)
+    told = report_energy(SETTINGS, CELL, estimate).empty
     assert told.mean == pytest.approx(left, rel=5e-3)  # the mean of ten seconds
     assert told.deviation > 0.0
-    assert time_to_full(SETTINGS, CELL, estimate).mean == math.inf
+    assert report_energy(SETTINGS, CELL, estimate).full.mean == math.inf
     charged = follow(readings(*[resting(0.5, 0.2)] * 100, harvest=1.0))
-    assert time_to_empty(SETTINGS, CELL, charged).mean == math.inf
+    assert report_energy(SETTINGS, CELL, charged).empty.mean == math.inf
     missing = battery.stored_energy(1.0, 900.0) - battery.stored_energy(0.5, 900.0)
-    assert time_to_full(SETTINGS, CELL, charged).mean == pytest.approx(missing / 0.77, rel=0.15)
-    assert math.isnan(time_to_empty(SETTINGS, CELL, EnergyEstimate()).mean)
+    assert report_energy(SETTINGS, CELL, charged).full.mean == pytest.approx(
+        missing / 0.77, rel=0.15
+    )
+    assert math.isnan(report_energy(SETTINGS, CELL, EnergyEstimate()).empty.mean)
 
 
 def test_an_unknown_charge_counts_as_reserve_reached():
@@ -109,7 +109,7 @@ def test_a_doubtful_charge_counts_as_reserve_reached():
     estimate = follow(readings(*[resting(0.9)] * 50), strict)
     assert estimate.reserve
     assert not estimate.is_landing_urgent
-    assert 'too uncertain' in alarms.assess_battery(strict, CELL, estimate)[1]
+    assert 'too uncertain' in report_energy(strict, CELL, estimate).battery[1]
     edge = MonitorSettings(doubt=estimate.deviation)
     assert not follow(readings(*[resting(0.9)] * 50), edge).reserve
 
@@ -123,9 +123,9 @@ def test_the_way_home_brings_the_reserve_nearer():
     assert far.reserve
     # 100 m at 0.4 m/s over the ground and 1.4 W are 350 J of some 3400 J.
     assert far.stock.home == pytest.approx(350.0 / (900.0 * 3.88), rel=0.02)
-    assert alarms.compute_return_margin(far)[0] is HealthLevel.WARN
-    assert 'the start is 100.0 m away' in alarms.compute_return_margin(far)[1]
-    assert alarms.compute_return_margin(near)[0] is HealthLevel.OK
+    assert report_energy(SETTINGS, CELL, far).way[0] is HealthLevel.WARN
+    assert 'the start is 100.0 m away' in report_energy(SETTINGS, CELL, far).way[1]
+    assert report_energy(SETTINGS, CELL, near).way[0] is HealthLevel.OK
 
 
 def test_a_low_voltage_must_recover_before_it_is_taken_back():
@@ -162,16 +162,16 @@ def test_a_reading_of_the_past_changes_nothing():
 def test_what_is_said_of_the_battery(series, level, words):
     harvest = 1.0 if series and series[0][1] > 0.0 else 0.0
     estimate = follow(readings(*series, harvest=harvest))
-    found, sentence = alarms.assess_battery(SETTINGS, CELL, estimate)
+    found, sentence = report_energy(SETTINGS, CELL, estimate).battery
     assert (found, words in sentence) == (level, True), sentence
 
 
 def test_what_is_said_of_the_meters():
-    assert alarms.assess_meters(follow(readings((3.9, -0.1)))) == (
+    assert report_energy(SETTINGS, CELL, follow(readings((3.9, -0.1)))).meters == (
         HealthLevel.OK,
         'readings are plausible',
     )
-    level, sentence = alarms.assess_meters(follow(readings(*[(3.9, 0.4)] * 5)))
+    level, sentence = report_energy(SETTINGS, CELL, follow(readings(*[(3.9, 0.4)] * 5))).meters
     assert level is HealthLevel.ERROR
     assert 'takes up 1.56 W, but the solar panel gives only 0.00 W: check the sign' in sentence
 

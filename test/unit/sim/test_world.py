@@ -35,7 +35,7 @@ def arrive(x, y, z=0.5, steps=0):
     """Return the outcome of a drone that is put somewhere, one control period on."""
     world = build(scene={'goal/time_limit': '60 s'})
     world.state[:3] = x, y, z
-    world.steps = steps
+    world._enter_step(steps)
     world.advance(OFF)
     return world.outcome
 

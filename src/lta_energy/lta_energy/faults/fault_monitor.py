@@ -61,6 +61,12 @@ class DetectorStates(NamedTuple):
         Whether each condition holds for the newest reading.
     sentences : tuple of str
         Message from the last time that each condition held.
+    faults : tuple of MeterFault
+        The active faults.
+    is_unusable : bool
+        Whether the newest reading must not be used to estimate the cell.
+    is_doubtful : bool
+        Whether an active fault makes the energy estimate unreliable.
 
     """
 
@@ -68,55 +74,36 @@ class DetectorStates(NamedTuple):
     latches: tuple[Latch, ...] = (Latch(),) * len(DETECTORS)
     seen: tuple[bool, ...] = (False,) * len(DETECTORS)
     sentences: tuple[str, ...] = ('',) * len(DETECTORS)
-
-    @property
-    def is_unusable(self) -> bool:
-        """Whether the newest reading must not be used to estimate the cell."""
-        return any(
-            condition and detector.spoils
-            for detector, condition in zip(DETECTORS, self.seen, strict=True)
-        )
-
-    @property
-    def faults(self) -> tuple[MeterFault, ...]:
-        """The active faults."""
-        return tuple(
-            MeterFault(detector.name, detector.level, sentence)
-            for detector, latch, sentence in zip(
-                DETECTORS, self.latches, self.sentences, strict=True
-            )
-            if latch.on
-        )
-
-    @property
-    def is_doubtful(self) -> bool:
-        """Whether an active fault makes the energy estimate unreliable."""
-        return any(
-            latch.on and detector.level >= HealthLevel.ERROR
-            for detector, latch in zip(DETECTORS, self.latches, strict=True)
-        )
+    faults: tuple[MeterFault, ...] = ()
+    is_unusable: bool = False
+    is_doubtful: bool = False
 
 
 def update_detectors(watch: DetectorStates, observation: MeterObservation) -> DetectorStates:
     """Update all detectors with one reading."""
-    rows = []
-    for detector, memory, latch, sentence in zip(
-        DETECTORS, watch.memories, watch.latches, watch.sentences, strict=True
-    ):
-        condition, now = detector.sees(memory, observation)
-        updated = update_latch(
-            # Stamps that go back must not shorten the delay of a latch
-            latch,
-            condition,
-            max(observation.dt, 0.0),
-            detector.rise,
-            detector.fall,
-        )
-        rows.append(
-            (now, updated, condition, detector.says(observation) if condition else sentence)
-        )
+    memories, seen, sentences = [], [], []
+    for detector, before, sentence in zip(DETECTORS, watch.memories, watch.sentences, strict=True):
+        condition, memory = detector.sees(before, observation)
+        memories.append(memory)
+        seen.append(condition)
+        sentences.append(detector.says(observation) if condition else sentence)
         # A grave fault explains the voltage: later detectors (cell swap) must not react to it
         if condition and detector.level >= HealthLevel.ERROR:
             observation = observation._replace(surprise=0.0)
-    memories, latches, conditions, sentences = zip(*rows, strict=True)
-    return DetectorStates(memories, latches, conditions, sentences)
+    # Stamps that go back must not shorten the delay of a latch
+    dt = max(observation.dt, 0.0)
+    latches, faults = [], []
+    is_unusable = is_doubtful = False
+    for detector, latch, condition, sentence in zip(
+        DETECTORS, watch.latches, seen, sentences, strict=True
+    ):
+        updated = update_latch(latch, condition, dt, detector.rise, detector.fall)
+        latches.append(updated)
+        is_unusable |= condition and detector.spoils
+        if updated.on:
+            faults.append(MeterFault(detector.name, detector.level, sentence))
+            is_doubtful |= detector.level >= HealthLevel.ERROR
+    return DetectorStates(
+        tuple(memories), tuple(latches), tuple(seen), tuple(sentences), tuple(faults),
+        is_unusable, is_doubtful,
+    )  # fmt: skip

@@ -13,12 +13,7 @@ import math
 from typing import NamedTuple
 
 from lta_energy.monitoring.soc_ekf import CellState, CHARGE, INVERSE, RESISTANCE
-from lta_model.electrical.battery import (
-    BatteryModel,
-    open_circuit_voltage,
-    state_of_charge,
-    stored_energy,
-)
+from lta_model.electrical.battery import BatteryModel, state_of_charge, stored_energy
 
 
 class TimeEstimate(NamedTuple):
@@ -78,7 +73,7 @@ def _energy_over_power(
     p, inverse = state.spread, state.mean[INVERSE]
     time = energy / power
     # Partial derivatives of the time by charge, inverse capacity and power
-    by_charge = sign * open_circuit_voltage(state.charge) * cell.capacity / inverse / power
+    by_charge = sign * state.resting_voltage * cell.capacity / inverse / power
     by_inverse = -time / inverse
     by_power = -time / power
     # The charge is correlated with the capacity, but neither with the load

@@ -1,5 +1,5 @@
 """
-Estimate the drone's energy from its meters: charge, balance, times, reserve and faults.
+Estimate the drone's energy from its meters: charge, balance, load, reserve and faults.
 
 For each reading: predict the voltage, run the fault detectors, correct the filter (or only predict
 it if the reading is unusable), then update energy balance, load, way home and reserve. The true
@@ -10,10 +10,9 @@ from lta_config.settings import setting
 from lta_energy.faults.detector import MeterObservation
 from lta_energy.faults.fault_monitor import SWAPPED, update_detectors
 from lta_energy.faults.gap import LONGEST
-from lta_energy.monitoring import endurance, load, reserve, way_home
+from lta_energy.monitoring import load, reserve, way_home
 from lta_energy.monitoring.clock_shift import append_stamp, ENOUGH, shift_stamps
-from lta_energy.monitoring.endurance import TimeEstimate
-from lta_energy.monitoring.energy_balance import add_interval, EnergyBalance
+from lta_energy.monitoring.energy_balance import update_energy_balance
 from lta_energy.monitoring.estimate import EnergyEstimate
 from lta_energy.monitoring.latch import Latch, update_latch
 from lta_energy.monitoring.power_system import PowerSystem
@@ -24,13 +23,11 @@ from lta_energy.monitoring.soc_ekf import (
     correct_state,
     initialize_from_reading,
     predict_state,
-    RELAXATION,
-    RESISTANCE,
     SocFilterSettings,
     VoltageInnovation,
 )
 from lta_energy.monitoring.way_home import WayHomeSettings
-from lta_model.electrical.battery import BatteryModel, open_circuit_voltage
+from lta_model.electrical.battery import BatteryModel
 
 CRITICAL_VOLTAGE = 3.2  # V under load; Bitcraze's low-battery limit
 RECOVERED_VOLTAGE = 3.3  # V
@@ -82,17 +79,17 @@ def update_estimate(
         last = before.last
     dt = 0.0 if last is None else (reading.stamp_ns - last.stamp_ns) * 1e-9
     expected = _predict_cell_state(settings, cell, before, reading, dt)
-    seen_belief, surprise = expected, None
+    corrected, surprise, off = expected, None, 0.0
     if expected is not None and reading.is_usable:
-        seen_belief, surprise = correct_state(
+        corrected, surprise = correct_state(
             settings.belief, cell, expected, reading.voltage, reading.current
         )
-    off = _normalized_innovation(expected, surprise)
+        off = _normalized_innovation(expected, surprise)
     watch = update_detectors(
         before.watch, MeterObservation(reading, last, dt, cell, off, back * 1e-9)
     )
     # A spoilt reading only lets the prediction stand; the correction is dropped
-    belief = expected if watch.is_unusable else seen_belief
+    belief = expected if watch.is_unusable else corrected
     # Restart the filter once, when the swap is confirmed
     another = watch.latches[SWAPPED].on and not before.watch.latches[SWAPPED].on
     if (belief is None and not watch.is_unusable) or (another and reading.is_usable):
@@ -101,8 +98,8 @@ def update_estimate(
         belief=belief, watch=watch, surprise=surprise, gap=dt, last=reading, behind=(),
         critical=_update_voltage_alarm(before.critical, reading, dt),
     )  # fmt: skip
-    if not watch.is_unusable:
-        after = _apply_usable_reading(settings, aboard, after, reading, dt)
+    if belief is not None and not watch.is_unusable:
+        after = _apply_usable_reading(settings, aboard, after, belief, reading, dt)
     return _decide_reserve(settings, cell, after)
 
 
@@ -117,30 +114,22 @@ def _predict_cell_state(
     belief = before.belief
     if belief is None or before.good is None:
         return belief
-    current, unsure = _expected_current(before, belief)
     # Two consecutive usable readings: trapezoidal mean current; otherwise assume the load goes on
     if before.good is before.last and reading.is_usable and dt <= LONGEST:
         current = 0.5 * (before.good.current + reading.current)
         unsure = BETWEEN * abs(reading.current - before.good.current) + QUIET
+    else:
+        current = -before.load.quick / belief.resting_voltage
+        unsure = abs(current) + QUIET
     return predict_state(settings.belief, cell, belief, current, unsure, dt)
 
 
-def _normalized_innovation(
-    expected: CellState | None, surprise: VoltageInnovation | None
-) -> float:
+def _normalized_innovation(expected: CellState, surprise: VoltageInnovation) -> float:
     """Return the voltage innovation in standard deviations; 0 beyond the ends of the chart."""
-    if expected is None or surprise is None:
-        return 0.0
     # A nearly empty cell may fall below the chart and a full one rise above it, without a fault
     end = EMPTY if surprise.innovation < 0.0 else 1.0 - EMPTY
     beyond = expected.charge < end if surprise.innovation < 0.0 else expected.charge > end
     return 0.0 if beyond else abs(surprise.innovation) / surprise.deviation
-
-
-def _expected_current(before: EnergyEstimate, state: CellState) -> tuple[float, float]:
-    """Return the current expected without a reading, and its standard deviation. [A]"""
-    current = -before.load.quick / open_circuit_voltage(state.charge)
-    return current, abs(current) + QUIET
 
 
 def _update_voltage_alarm(before: Latch, reading: MeterReading, dt: float) -> Latch:
@@ -156,15 +145,13 @@ def _apply_usable_reading(
     settings: MonitorSettings,
     aboard: PowerSystem,
     after: EnergyEstimate,
+    state: CellState,
     reading: MeterReading,
     dt: float,
 ) -> EnergyEstimate:
     """Update load, energy balance and travel with a usable reading."""
-    belief = after.belief
-    if belief is None:
-        return after
     # Power out of the chemistry, so open-circuit voltage; positive while discharging
-    power = -open_circuit_voltage(belief.charge) * reading.current
+    power = -state.resting_voltage * reading.current
     if after.good is None or after.travel is None:
         return after._replace(
             load=load.initial_load(power),
@@ -174,42 +161,8 @@ def _apply_usable_reading(
     return after._replace(
         load=load.update_load(after.load, power, dt, settings.smoothing, settings.outlook),
         travel=way_home.update_travel(settings.way, after.travel, reading.where, power, dt),
-        books=_update_energy_balance(after.books, aboard, belief, after.good, reading),
+        books=update_energy_balance(after.books, aboard, state, after.good, reading),
         good=reading,
-    )
-
-
-def _update_energy_balance(
-    books: EnergyBalance,
-    aboard: PowerSystem,
-    state: CellState,
-    last: MeterReading,
-    reading: MeterReading,
-) -> EnergyBalance:
-    """
-    Add the interval between two usable readings to the energy balance.
-
-    The residual of the balance shows how far model and meters disagree.
-    """
-    dt = (reading.stamp_ns - last.stamp_ns) * 1e-9
-    # Trapezoidal means over the interval
-    current = 0.5 * (last.current + reading.current)
-    squared = 0.5 * (last.current**2 + reading.current**2)
-    harvest = 0.5 * (last.plausible_panel_power + reading.plausible_panel_power)
-    charger_power = 0.5 * (
-        aboard.charger_output(last.panel_power) + aboard.charger_output(reading.panel_power)
-    )
-    return add_interval(
-        books,
-        harvest=harvest,
-        load=charger_power - 0.5 * (last.cell_power + reading.cell_power),
-        # Charger loss + resistive heat R I^2 + heat of the relaxation branch u I
-        loss=harvest
-        - charger_power
-        + state.mean[RESISTANCE] * aboard.cell.resistance * squared
-        + state.mean[RELAXATION] * current,
-        stored=open_circuit_voltage(state.charge) * current * dt,
-        dt=dt,
     )
 
 
@@ -229,23 +182,3 @@ def _decide_reserve(
     # An uncertain charge counts as a reached reserve, so that the drone errs on the safe side
     doubtful = belief.deviation > settings.doubt
     return after._replace(stock=stock, low=low, reserve=low or doubtful or after.is_landing_urgent)
-
-
-def time_to_empty(
-    settings: MonitorSettings, cell: BatteryModel, estimate: EnergyEstimate
-) -> TimeEstimate:
-    """Return the time to empty at the mean load; infinite while the cell is not drained."""
-    if estimate.belief is None:
-        return endurance.UNKNOWN
-    spread = load.mean_load_deviation(estimate.load, settings.smoothing, settings.outlook)
-    return endurance.estimate_discharge_time(cell, estimate.belief, estimate.load.mean, spread)
-
-
-def time_to_full(
-    settings: MonitorSettings, cell: BatteryModel, estimate: EnergyEstimate
-) -> TimeEstimate:
-    """Return the time to full at the mean load; infinite while the cell is not charged."""
-    if estimate.belief is None:
-        return endurance.UNKNOWN
-    spread = load.mean_load_deviation(estimate.load, settings.smoothing, settings.outlook)
-    return endurance.estimate_charging_time(cell, estimate.belief, estimate.load.mean, spread)

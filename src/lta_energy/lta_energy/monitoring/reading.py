@@ -1,6 +1,7 @@
 """Define one reading of the power meters, with the estimated position."""
 
 from dataclasses import dataclass
+from functools import cached_property
 import math
 from typing import Final, final
 
@@ -29,7 +30,7 @@ class TravelState:
 
 
 @final
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class MeterReading:
     """
     One reading of the meters; NaN where a value is not measured.
@@ -55,24 +56,24 @@ class MeterReading:
     illuminance: float = math.nan
     where: TravelState | None = None
 
-    @property
+    @cached_property
     def is_usable(self) -> bool:
         """Whether the cell's voltage and current are finite and within the range of a meter."""
         # Also false for NaN
         return abs(self.voltage) <= MOST_VOLTS and abs(self.current) <= MOST_AMPERES
 
-    @property
+    @cached_property
     def panel_power(self) -> float:
         """Power of the panel. [W]"""
         return self.panel_voltage * self.panel_current
 
-    @property
+    @cached_property
     def plausible_panel_power(self) -> float:
         """Power of the panel, or 0 if it is not measured or outside the range of a meter. [W]"""
         known = abs(self.panel_voltage) <= MOST_VOLTS and abs(self.panel_current) <= MOST_AMPERES
         return self.panel_power if known else 0.0
 
-    @property
+    @cached_property
     def cell_power(self) -> float:
         """Power into the cell at its terminals. [W]"""
         return self.voltage * self.current

@@ -5,7 +5,7 @@ from typing import NamedTuple
 from lta_config.settings import setting, Settings
 from lta_energy.monitoring.endurance import energy_between
 from lta_energy.monitoring.soc_ekf import CellState, INVERSE
-from lta_model.electrical.battery import BatteryModel, open_circuit_voltage
+from lta_model.electrical.battery import BatteryModel
 
 
 class EnergyReserveSettings(Settings):
@@ -61,7 +61,7 @@ def compute_reserve_margin(
     """Compare the charge with the reserve and the energy of the way home. [J]"""
     sure = state.charge - settings.caution * state.deviation
     # Energy per unit of charge at the present voltage [J]
-    full = open_circuit_voltage(state.charge) * cell.capacity / state.mean[INVERSE]
+    full = state.resting_voltage * cell.capacity / state.mean[INVERSE]
     return ReserveMargin(
         sure, home / full, energy_between(cell, state, settings.reserve, max(sure, 0.0)) - home
     )

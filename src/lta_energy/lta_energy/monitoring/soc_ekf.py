@@ -20,8 +20,10 @@ All arithmetic is on plain scalars in a fixed order, without BLAS, so that resul
 same in every process.
 """
 
+from dataclasses import dataclass
+from functools import cached_property
 import math
-from typing import NamedTuple
+from typing import final, NamedTuple
 
 from lta_config.settings import setting, Settings
 from lta_model.electrical.battery import BatteryModel, open_circuit_voltage, state_of_charge
@@ -73,21 +75,28 @@ class SocFilterSettings(Settings):
     )
 
 
-class CellState(NamedTuple):
+@final
+@dataclass(frozen=True)
+class CellState:
     """Mean and covariance of the filter state."""
 
     mean: Row
     spread: tuple[Row, ...]
 
-    @property
+    @cached_property
     def charge(self) -> float:
         """State of charge. [1]"""
         return self.mean[CHARGE]
 
-    @property
+    @cached_property
     def deviation(self) -> float:
         """Standard deviation of the state of charge. [1]"""
         return math.sqrt(max(self.spread[CHARGE][CHARGE], 0.0))
+
+    @cached_property
+    def resting_voltage(self) -> float:
+        """Open-circuit voltage at the state of charge. [V]"""
+        return open_circuit_voltage(self.charge)
 
 
 class VoltageInnovation(NamedTuple):
@@ -134,7 +143,16 @@ def predict_state(
         inverse,
         faded * chart,
     )
-    rows = _propagate_covariance(state.spread, step, kept, pull, faded)
+    # F P F^T; F is the identity except in the rows of charge, relaxation and chart
+    rows = list(map(list, state.spread))
+    for row in rows:  # P F^T
+        row[CHARGE] += step * row[INVERSE]
+        row[RELAXATION] = kept * row[RELAXATION] + pull * row[RESISTANCE]
+        row[CHART] *= faded
+    for k in range(SIZE):  # F (P F^T)
+        rows[CHARGE][k] += step * rows[INVERSE][k]
+        rows[RELAXATION][k] = kept * rows[RELAXATION][k] + pull * rows[RESISTANCE][k]
+        rows[CHART][k] *= faded
     # Process noise: of the current, through charge and relaxation, and of the chart
     unsure = deviation * dt / cell.capacity
     blurred = (1.0 - kept) * cell.relaxation_resistance * deviation
@@ -150,55 +168,21 @@ def predict_state(
     return CellState(mean, tuple(map(tuple, rows)))  # type: ignore[arg-type]
 
 
-def _propagate_covariance(
-    p: tuple[Row, ...], step: float, decay: float, pull: float, faded: float
-) -> list[list[float]]:
-    """Return F P F^T; F is the identity except in the rows of charge, relaxation and chart."""
-    rows = [list(row) for row in p]
-    for row in rows:  # P F^T
-        row[CHARGE] += step * row[INVERSE]
-        row[RELAXATION] = decay * row[RELAXATION] + pull * row[RESISTANCE]
-        row[CHART] *= faded
-    charge, relaxation, resistance, inverse, chart = rows
-    return [
-        [a + step * b for a, b in zip(charge, inverse, strict=True)],
-        [decay * a + pull * b for a, b in zip(relaxation, resistance, strict=True)],
-        resistance,
-        inverse,
-        [faded * a for a in chart],
-    ]
-
-
 def correct_state(
     settings: SocFilterSettings,
     cell: BatteryModel,
     state: CellState,
     voltage: float,
     current: float,
+    at: float | None = None,
 ) -> tuple[CellState, VoltageInnovation]:
-    """Correct the state with a measured terminal voltage [V] and current [A]."""
-    return _update_linearized(settings, cell, state, state.charge, voltage, current)
+    """
+    Correct the state with a measured terminal voltage [V] and current [A].
 
-
-def initialize_from_reading(
-    settings: SocFilterSettings, cell: BatteryModel, voltage: float, current: float
-) -> CellState:
-    """Return the state after a first reading [V, A], linearised at the charge of that voltage."""
-    pointed = state_of_charge(voltage - cell.resistance * current)
-    start = initial_state(settings, cell)
-    return _update_linearized(settings, cell, start, pointed, voltage, current)[0]
-
-
-def _update_linearized(
-    settings: SocFilterSettings,
-    cell: BatteryModel,
-    state: CellState,
-    at: float,
-    voltage: float,
-    current: float,
-) -> tuple[CellState, VoltageInnovation]:
-    """Apply one scalar Kalman update, linearised at a given charge."""
-    mean, p = state
+    This is one scalar Kalman update, linearised at a charge, by default that of the state.
+    """
+    mean, p = state.mean, state.spread
+    at = mean[CHARGE] if at is None else at
     # Linearised at a measured charge, the uncertainty of the prior says nothing about the chord
     half = min(max(state.deviation, NARROW), WIDE) if at == mean[CHARGE] else NARROW
     slope = chord_slope(at, half)
@@ -216,16 +200,25 @@ def _update_linearized(
         + settings.voltage_noise**2
     )  # fmt: skip
     innovation = voltage - expected
-    gain = [x / variance for x in column]
-    after = [x + k * innovation for x, k in zip(mean, gain, strict=True)]
+    after, rows = list(mean), list(map(list, p))
+    for i in range(SIZE):
+        gain = column[i] / variance
+        after[i] += gain * innovation
+        for j in range(SIZE):
+            rows[i][j] -= gain * column[j]
     # The chart ends at 0 and 1; the covariance is not changed by the clamp
     after[CHARGE] = min(max(after[CHARGE], 0.0), 1.0)
-    rows = tuple(
-        tuple(x - k * y for x, y in zip(row, column, strict=True))
-        for row, k in zip(p, gain, strict=True)
-    )
-    corrected = CellState(tuple(after), rows)  # type: ignore[arg-type]
+    corrected = CellState(tuple(after), tuple(map(tuple, rows)))  # type: ignore[arg-type]
     return corrected, VoltageInnovation(innovation, math.sqrt(variance))
+
+
+def initialize_from_reading(
+    settings: SocFilterSettings, cell: BatteryModel, voltage: float, current: float
+) -> CellState:
+    """Return the state after a first reading [V, A], linearised at the charge of that voltage."""
+    pointed = state_of_charge(voltage - cell.resistance * current)
+    start = initial_state(settings, cell)
+    return correct_state(settings, cell, start, voltage, current, pointed)[0]
 
 
 def chord_slope(charge: float, half: float) -> float:

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.settings import setting
 from lta_energy import messages
-from lta_energy.monitoring import alarms
 from lta_energy.monitoring.estimate import EnergyEstimate
 from lta_energy.monitoring.monitor import MonitorSettings, update_estimate
 from lta_energy.monitoring.power_system import PowerSystem
+from lta_energy.monitoring.report import report_energy
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
@@ -53,14 +53,15 @@ class EnergyMonitor(GraphNode):
         settings, aboard = self._settings.value, self._aboard
         reading = messages.to_reading(measured, self._panel, self._light, self._odom)
         self._estimate = estimate = update_estimate(settings, aboard, self._estimate, reading)
+        report = report_energy(settings, aboard.cell, estimate)
         self._battery.publish(messages.from_charge(aboard.cell, estimate, measured))
         self._status.publish(
-            messages.from_energy_balance(settings, aboard, estimate, reading, measured)
+            messages.from_energy_balance(settings, aboard, report, reading, measured)
         )
         self._reserve.publish(messages.from_reserve(estimate))
-        self.health.report('battery', *alarms.assess_battery(settings, aboard.cell, estimate))
-        self.health.report('meters', *alarms.assess_meters(estimate))
-        self.health.report('way', *alarms.compute_return_margin(estimate))
+        self.health.report('battery', *report.battery)
+        self.health.report('meters', *report.meters)
+        self.health.report('way', *report.way)
 
 
 def main(args: list[str] | None = None) -> None:

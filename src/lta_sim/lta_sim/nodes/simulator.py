@@ -15,6 +15,7 @@ import operator
 import sys
 import time
 
+from builtin_interfaces.msg import Time
 from lta_config.topic_selection import is_selected
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
@@ -62,7 +63,8 @@ class Simulator(GraphNode):
         inputs = self.table.read_by('vehicle')
         self.subscribe_inputs(inputs, trigger='motors', on_step=self._on_motors)
         self._peers = PeerListener(self, self._settings.peers.split(), self._on_peer_update)
-        self._duties = [0.0] * len(vehicle.rotor_names)
+        self._rotors = vehicle.rotor_names
+        self._duties = [0.0] * len(self._rotors)
         self._lowest = [-1.0 if reversible else 0.0 for reversible in vehicle.reversible]
         self._refused = False
         self._fed = True
@@ -115,9 +117,8 @@ class Simulator(GraphNode):
         for command in step.messages['motors']:
             self._accept_command(command.name, list(command.effort))
         stamp_ns = from_stamp(step.messages['motors'][-1].header.stamp)
-        if (
-            stamp_ns <= self._world.stamp_ns + STALE_NS
-        ):  # a future stamp would stay fresh for too long
+        # A future stamp would stay fresh for too long
+        if stamp_ns <= self._world.stamp_ns + STALE_NS:
             self._commanded_ns = stamp_ns
         if self.lockstep:
             self._fly_control_step()
@@ -150,7 +151,7 @@ class Simulator(GraphNode):
 
     def _accept_command(self, names: list[str], duties: list[float]) -> None:
         """Accept a command, or stop the motors on an invalid one."""
-        expected = self._world.vehicle.rotor_names
+        expected = self._rotors
         fits = list(names) == expected and len(duties) == len(expected)
         # NaN is refused as well: it compares false.
         if fits and all(map(operator.le, self._lowest, duties)) and max(duties) <= 1.0:
@@ -246,9 +247,10 @@ class Simulator(GraphNode):
         """Publish a control step; the outputs that the next command waits for go first."""
         # The estimator can work while light and energy are still computed
         readings = self._world.sense_motion()
-        self._publish_motion(readings)
+        stamp = to_stamp(readings.stamp_ns)
+        self._publish_motion(stamp, readings)
         self._world.sense_rest(readings)
-        self._publish_rest(readings)
+        self._publish_rest(stamp, readings)
         self._publish_clock(readings.stamp_ns)
 
     def _publish_clock(self, stamp_ns: int) -> None:
@@ -258,9 +260,8 @@ class Simulator(GraphNode):
             self._clocked = now
             self._outputs['/clock'].publish(ClockMessage(clock=to_stamp(stamp_ns)))
 
-    def _publish_motion(self, readings: SensorReadings) -> None:
+    def _publish_motion(self, stamp: Time, readings: SensorReadings) -> None:
         """Publish range, pressure and IMU, the last of which the estimator answers."""
-        stamp = to_stamp(readings.stamp_ns)
         out = self._outputs
         for taken_ns, distance in readings.ranges:
             message = messages.build_range_message(
@@ -277,9 +278,8 @@ class Simulator(GraphNode):
             messages.build_imu_message(stamp, readings.force, readings.rates, noises)
         )
 
-    def _publish_rest(self, readings: SensorReadings) -> None:
+    def _publish_rest(self, stamp: Time, readings: SensorReadings) -> None:
         """Publish light, energy and truth."""
-        stamp = to_stamp(readings.stamp_ns)
         out = self._outputs
         if readings.truth is not None:
             out['ground_truth/odom'].publish(messages.build_odometry(stamp, readings.truth))

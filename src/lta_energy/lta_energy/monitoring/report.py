@@ -1,10 +1,18 @@
-"""Derive health levels and messages from an energy estimate."""
+"""Report an energy estimate: times to empty and full, health levels and messages."""
 
 import math
+from typing import NamedTuple
 
-from lta_energy.monitoring.endurance import TimeEstimate
+from lta_energy.faults.fault_monitor import MeterFault
+from lta_energy.monitoring.endurance import (
+    estimate_charging_time,
+    estimate_discharge_time,
+    TimeEstimate,
+    UNKNOWN,
+)
 from lta_energy.monitoring.estimate import EnergyEstimate
-from lta_energy.monitoring.monitor import MonitorSettings, time_to_empty, time_to_full
+from lta_energy.monitoring.load import mean_load_deviation
+from lta_energy.monitoring.monitor import MonitorSettings
 from lta_graph.health import HealthLevel
 from lta_model.electrical.battery import BatteryModel
 
@@ -12,23 +20,68 @@ Verdict = tuple[HealthLevel, str]
 LONGEST = 360_000.0  # s; a hundred hours: longer times are not shown
 
 
-def assess_battery(
+class EnergyReport(NamedTuple):
+    """
+    What is reported of an energy estimate.
+
+    Attributes
+    ----------
+    estimate : EnergyEstimate
+        What it is derived from.
+    empty, full : TimeEstimate
+        Time to empty and to full at the mean load; infinite while the cell is not drained or not
+        charged.
+    battery, meters, way : tuple of HealthLevel and str
+        Health level and message of the battery, the meter readings and the way home.
+
+    """
+
+    estimate: EnergyEstimate
+    empty: TimeEstimate
+    full: TimeEstimate
+    battery: Verdict
+    meters: Verdict
+    way: Verdict
+
+
+def report_energy(
     settings: MonitorSettings, cell: BatteryModel, estimate: EnergyEstimate
+) -> EnergyReport:
+    """Derive the report from an estimate."""
+    belief, load = estimate.belief, estimate.load
+    empty = full = UNKNOWN
+    if belief is not None:
+        deviation = mean_load_deviation(load, settings.smoothing, settings.outlook)
+        empty = estimate_discharge_time(cell, belief, load.mean, deviation)
+        full = estimate_charging_time(cell, belief, load.mean, deviation)
+    return EnergyReport(
+        estimate,
+        empty,
+        full,
+        _assess_battery(settings, estimate, empty, full),
+        _assess_meters(estimate.watch.faults),
+        _assess_way_home(estimate),
+    )
+
+
+def _assess_battery(
+    settings: MonitorSettings, estimate: EnergyEstimate, empty: TimeEstimate, full: TimeEstimate
 ) -> Verdict:
     """
     Return health level and message of the battery.
 
     ERROR means land now and do not take off; WARN means that the reserve is reached.
     """
-    if faults := [fault for fault in estimate.watch.faults if fault.level >= HealthLevel.ERROR]:
+    for fault in estimate.watch.faults:
         # The first fault in the order of the detectors is the likely cause of the others
-        return HealthLevel.ERROR, faults[0].sentence
+        if fault.level >= HealthLevel.ERROR:
+            return HealthLevel.ERROR, fault.sentence
     if estimate.belief is None or estimate.last is None or estimate.stock is None:
         return (
             HealthLevel.ERROR,
             'no usable battery reading yet; until then, the energy reserve counts as reached',
         )
-    percent = f'{estimate.charge:.0%} +- {estimate.deviation:.0%}'
+    percent = f'{estimate.belief.charge:.0%} +- {estimate.belief.deviation:.0%}'
     if estimate.critical.on:
         return (
             HealthLevel.ERROR,
@@ -46,33 +99,26 @@ def assess_battery(
             f'the estimated charge of {percent} is too uncertain, so the energy reserve '
             'counts as reached',
         )
-    return HealthLevel.OK, f'{percent} left{_format_endurance(settings, cell, estimate)}'
-
-
-def _format_endurance(
-    settings: MonitorSettings, cell: BatteryModel, estimate: EnergyEstimate
-) -> str:
-    """Format the time to empty or to full."""
-    empty, full = time_to_empty(settings, cell, estimate), time_to_full(settings, cell, estimate)
     if empty.mean < LONGEST:
-        return f', {_format_minutes(empty)} at this power'
-    return f', full in {_format_minutes(full)}' if full.mean < LONGEST else ''
+        return HealthLevel.OK, f'{percent} left, {_format_minutes(empty)} at this power'
+    if full.mean < LONGEST:
+        return HealthLevel.OK, f'{percent} left, full in {_format_minutes(full)}'
+    return HealthLevel.OK, f'{percent} left'
 
 
 def _format_minutes(time: TimeEstimate) -> str:
     return f'{time.mean / 60.0:.0f} +- {math.ceil(time.deviation / 60.0)} min'
 
 
-def assess_meters(estimate: EnergyEstimate) -> Verdict:
+def _assess_meters(faults: tuple[MeterFault, ...]) -> Verdict:
     """Return health level and message of the meter readings."""
-    faults = estimate.watch.faults
     if not faults:
         return HealthLevel.OK, 'readings are plausible'
     level = max(fault.level for fault in faults)
     return level, '; '.join(f'{fault.name}: {fault.sentence}' for fault in faults)
 
 
-def compute_return_margin(estimate: EnergyEstimate) -> Verdict:
+def _assess_way_home(estimate: EnergyEstimate) -> Verdict:
     """Return the distance home and the energy left beyond the way home and the reserve."""
     stock = estimate.stock
     if stock is None or estimate.last is None or estimate.last.where is None:
