@@ -215,7 +215,7 @@ def test_python_versions_are_the_same_everywhere():
     lock = runpy.run_path(str(ROOT / 'tools/lock.py'))
     assert lock['PYTHONS'] == tuple(f'3.{minor}' for minor in range(int(lowest), int(end)))
     for outside in (int(lowest) - 1, int(end)):
-        assert f'LTA needs {words}:' in check_python_version((3, outside)).remedy
+        assert f'LTA needs Python {words};' in check_python_version((3, outside)).remedy
     for bound in (int(lowest), int(end) - 1):
         assert check_python_version((3, bound)).state == 'ok'
 

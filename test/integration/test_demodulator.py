@@ -142,7 +142,7 @@ def test_the_light_is_told_with_its_faults(vehicle):
     few = build_light_block_message(to_stamp(0), np.ascontiguousarray(vehicle.block[:, :7]))
     for k, message, sentence in (
         (8, short, 'the demodulator expects 1000 samples of each diode'),
-        (9, torn, 'does not match its 15998 bytes'),
+        (9, torn, 'has 15998 bytes of data, but needs 2 bytes for each of its 1000 x 8 samples'),
         (10, few, '8'),
         (10, None, f'follows one with {vehicle.stamp(10) * 1e-9:.3f} s'),
     ):

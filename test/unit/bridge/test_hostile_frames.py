@@ -219,7 +219,7 @@ def test_who_shares_the_link_is_not_taken_for_the_board():
     for _ in range(10):
         link.now += EACH
         link.hear(beat)
-    assert 'silent for' in link.fact.message
+    assert 'no data from the light board for 1.0 s' in link.fact.message
 
 
 def test_a_flood_of_questions_is_answered_a_little_and_counted():
@@ -290,7 +290,7 @@ def test_a_link_is_silent_after_half_a_second_and_its_own_trouble_comes_first():
         link.clock.add_exchange(ClockExchange(turn, turn, turn + 2_000))
     assert told(1_500_000_000) == (HealthLevel.OK, 'receiving light')
     assert told(1_500_000_000, active=False)[1] == 'receiving light, not publishing'
-    assert told(1_500_000_001) == (HealthLevel.ERROR, 'silent for 0.5 s')
+    assert told(1_500_000_001) == (HealthLevel.ERROR, 'no data from the light board for 0.5 s')
     assert list(link.receive_bytes(EmulatedBoard(0, dialect=9).encode_status(), 10**9)) == []
     level, message = told(10**9)
     assert (level, message) == (HealthLevel.ERROR, link.fault)

@@ -81,7 +81,7 @@ def test_a_section_begins_and_ends_by_the_bag_s_clock(tmp_path):
     assert [i.time_ns - first for i in items if i.topic == 'pressure'] == [
         k * MS for k in (100, 120, 140, 160, 180, 200)
     ]
-    with pytest.raises(BadInput, match='no message after the start of the section at 9 s'):
+    with pytest.raises(BadInput, match='no message later than 9 s, the start of the playback'):
         reel(path, start=9.0)
     with pytest.raises(BadInput, match='1 s after the first message, before its start at 2'):
         reel(path, start=2.0, end=1.0)

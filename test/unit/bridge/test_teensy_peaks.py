@@ -106,4 +106,4 @@ def test_samples_where_peaks_were_asked_for_and_peaks_of_no_number_are_one_sente
     record = {'diodes': 8, 'window': 1000, 'frequency': np.nan}
     frame = LTA_LIGHT_PEAKS.build_frame(0, 1, 191, **record)
     assert list(link.receive_bytes(frame, BOOT + 1)) == []
-    assert 'outside of the range of an ADC' in link.fault
+    assert 'sends peaks outside the range of its ADC' in link.fault

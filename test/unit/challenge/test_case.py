@@ -144,7 +144,7 @@ def test_answers_that_were_changed_are_refused(tmp_path: Path) -> None:
     assert read_answers(path) == {'0': {'hidden': []}}
     note, digest, data = path.read_text().splitlines()
     path.write_text(f'{note}\n{digest[::-1]}\n{data}\n')
-    with pytest.raises(BadInput, match='changed after it was made'):
+    with pytest.raises(BadInput, match='changed after it was created'):
         read_answers(path)
     path.write_text('something else\n')
     with pytest.raises(BadInput, match='is not a valid answer key'):
@@ -159,7 +159,7 @@ def test_a_challenge_of_which_something_is_gone_is_not_scored(tmp_path: Path) ->
     with pytest.raises(BadInput, match='is missing'):
         score_challenge(folder)
     write_answers({'0': {'hidden': []}}, folder / NAME)
-    with pytest.raises(BadInput, match='changed after it was made'):
+    with pytest.raises(BadInput, match='changed after it was created'):
         score_challenge(folder)
 
 

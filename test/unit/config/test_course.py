@@ -31,7 +31,7 @@ def test_it_stays_down_until_its_first_row_and_then_jumps_or_goes_straight():
 
 
 def test_rows_out_of_order_are_refused():
-    with pytest.raises(ValidationError, match='sort them by time'):
+    with pytest.raises(ValidationError, match='sort the rows by time'):
         made(rows=ROWS[::-1])
 
 

@@ -65,7 +65,7 @@ def test_a_mission_that_cannot_be_is_one_sentence(tmp_path, change, words):
         (
             'greenhouse_spring',
             lambda c: c['sun']['clouds']['cover'].update(value=[90, 10]),
-            'above the upper one',
+            'has a lower bound of "cover" that is above its upper bound',
         ),
     ],
 )

@@ -54,7 +54,7 @@ def test_a_page_that_a_busy_machine_draws_slowly_is_waited_for(page):
         ),
         (
             True,
-            'HTML page within 35 s, because a script in it failed; try again, or open the page in a ',
+            'HTML page within 35 s, because a script in it failed; try again, or open the page',
         ),
     ],
 )

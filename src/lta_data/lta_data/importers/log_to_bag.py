@@ -186,8 +186,8 @@ def _describe_unused(
         return
     for name, columns_ in sorted(log.columns.items()):
         unread = [c for c in columns_ if c not in used.get(name, set()) and c not in log.timed]
-        where = f" of '{name}'" if name else ''
+        where = f"'{name}'" if name else 'the log'
         if name and name not in used:
             yield f"The mapping does not use '{name}' of the log."
         elif unread:
-            yield f'The mapping does not use these columns of the log{where}: {", ".join(unread)}.'
+            yield f'The mapping does not use these columns of {where}: {", ".join(unread)}.'

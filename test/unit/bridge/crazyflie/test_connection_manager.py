@@ -96,6 +96,6 @@ def test_what_turns_motors_is_switched_off_first_and_what_is_right_is_left():
 
 def test_a_refused_drone_gets_nothing_but_what_stops_its_motors():
     drone = Drone({'powerDist.idleThrust': 7000.0, 'a': 1.0, 'b': 2.0})
-    with pytest.raises(LinkFailed, match=r'b is 2, not 3 \(why\)'):
+    with pytest.raises(LinkFailed, match=r'parameter b is 2, but must be 3 \(why\)'):
         enforce_parameters(drone, {'a': want(5.0), 'b': want(3.0, write=False)})
     assert drone.written == [('powerDist.idleThrust', 0.0, 2.0)]

@@ -29,7 +29,7 @@ def test_what_is_said_of_the_link():
     bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
     for silence, said in (
         (0.499, (HealthLevel.OK, 'connected')),
-        (0.5, (HealthLevel.ERROR, 'silent for 0.5 s')),
+        (0.5, (HealthLevel.ERROR, 'no packets for 0.5 s')),
     ):
         told = fact('link', bridge, silence=silence)
         assert (told.level, told.message) == said

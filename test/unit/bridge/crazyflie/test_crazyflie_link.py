@@ -436,7 +436,7 @@ def test_a_vehicle_of_ones_own_has_its_crazyflie_file_beside_it(tmp_path):
         find_crazyflie(str(mine), 'my_blimp')
     shipped = find_file('crazyflie', 'gtmab').read_text()
     (tmp_path / 'my_blimp.crazyflie.yaml').write_text(shipped)
-    with pytest.raises(BadInput, match='is for gtmab, but the vehicle is my_blimp'):
+    with pytest.raises(BadInput, match='is for the vehicle gtmab, but my_blimp is to fly'):
         find_crazyflie(str(mine), 'my_blimp')
     own = shipped.replace('vehicle: gtmab', 'vehicle: my_blimp')
     (tmp_path / 'my_blimp.crazyflie.yaml').write_text(own)

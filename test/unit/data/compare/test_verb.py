@@ -71,7 +71,7 @@ def test_the_pictures_of_the_page_are_taken_if_asked_for(tmp_path, monkeypatch, 
         (['--offset', 'soon'], "--offset is 'soon'; give a number"),
         (['--offset', '3 m'], "--offset is '3 m'; give a number"),
         (['--offset', '500'], 'The flights do not overlap in time'),
-        (['--tolerance', 'odom'], "'odom' is not of the form CHANNEL=VALUE"),
+        (['--tolerance', 'odom'], "--tolerance 'odom' is not of the form CHANNEL=VALUE"),
         (['--tolerance', f'{Z}=-1'], f'The tolerance of {Z} is -1; it must be 0 or more.'),
         (['--tolerance', f'{Z}=5 deg'], f"The tolerance of {Z} is '5 deg', but {Z} is in m;"),
         (['--robot', 'lta7'], "Unknown robot 'lta7'; known: lta1"),
@@ -111,7 +111,7 @@ def test_robots_of_one_bag_are_named_and_compared(tmp_path, monkeypatch, capsys)
     out = ['--out', tmp_path / 'out', '--no-page', '--json']
     assert run(monkeypatch, bag, bag, *out) == 2
     told = capsys.readouterr().err
-    assert told.startswith(f"A: '{bag}' contains several robots (lta1, lta2);")
+    assert told.startswith(f"Bag A: '{bag}' contains several robots (lta1, lta2);")
     assert told.count('\n') == 1
     assert run(monkeypatch, bag, bag, '--robot', 'lta1:lta2', *out) == 0
     content = json.loads(capsys.readouterr().out)

@@ -241,7 +241,9 @@ def test_what_cannot_be_exported_is_one_sentence(flight_bag, mixed_bag, tmp_path
         raise OSError(28, 'No space left on device')
 
     monkeypatch.setitem(run.FORMATS, 'csv', full)
-    with pytest.raises(BadInput, match=r'cannot be written .*\(No space left on device\); make'):
+    with pytest.raises(
+        BadInput, match=r'cannot be written to .*\(No space left on device\); check'
+    ):
         files(flight_bag, 'csv', tmp_path / 'full')
     assert list((tmp_path / 'full').iterdir()) == []
 

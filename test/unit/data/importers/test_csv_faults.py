@@ -107,7 +107,10 @@ def test_actuators_that_the_vehicle_does_not_have_are_named(bring, tmp_path):
         '      tail: {effort: {column: z}}\n'
     )
     found = bring(text(tmp_path / 'a.csv', 't,x,y,z', '5,1,2,3'), mapping, vehicle='rgblimp')
-    assert "Vehicle 'rgblimp' has no tail; it has left, moving_mass_x" in found.notes
+    assert (
+        "Vehicle 'rgblimp' lacks these actuators of the log: tail; it has left, moving_mass_x"
+        in found.notes
+    )
 
 
 def test_a_name_with_a_line_break_stays_on_one_line(bring, tmp_path):

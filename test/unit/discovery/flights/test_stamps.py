@@ -191,5 +191,5 @@ def test_what_moves_within_a_step_is_noise_where_there_is_no_raster() -> None:
     more, said = add_stamp_noise('A', flight, deviation)
     assert more.noise[0] == pytest.approx(np.hypot(1e-3, 3.0 * deviation), rel=0.02)
     np.testing.assert_allclose(more.noise[1:], 1e-3)
-    assert 'is added to the noise' in said[0]
+    assert '0.58 ms rms is included in the noise of the poses' in said[0]
     assert add_stamp_noise('A', flight, 0.0) == (flight, [])

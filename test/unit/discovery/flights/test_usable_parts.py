@@ -284,7 +284,7 @@ def test_stamps_that_are_wrong_in_a_pattern_cost_nothing_and_are_said(flights, g
 
     plain = select_usable_flights(flights, gtmab)
     found = _believed(flights, gtmab, _changed(flights[0], shake, TRUTH))
-    assert any("A: the tracker's stamps jitter" in word for word in found.warnings)
+    assert any("A: the tracker's timestamps jitter" in word for word in found.warnings)
     was, now = plain.flights[0][2], found.flights[0][2]
     steps = np.round((now.time - was.time[0]) / 0.04).astype(int)
     inside = (steps >= 0) & (steps < len(was.time)) & now.usable

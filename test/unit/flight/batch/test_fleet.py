@@ -19,6 +19,8 @@ from lta_flight.batch.fly import fly_many
 from lta_flight.flight_spec import build_loop, build_vehicle_scenario_stack, load_spec
 from lta_flight.loop_view import LoopView
 from lta_flight.report.results import compute_results
+from lta_flight.sweep.batch_workers import compute_figures
+from lta_model.electrical.charger import resting_flow
 from lta_sim.readings import FlightOutcome
 from lta_sim.scene_model import vehicle_reach
 from lta_sim.termination import FLYING, REACHED, TIMEOUT
@@ -167,6 +169,7 @@ def fly_loops(spec, seeds):
         ('homing', 'lamp_room'),
         ('homing', 'hall_door'),  # daylight and wind beyond a door
         ('homing', 'windy_field'),  # held by a hand at first, in gusts
+        ('homing', 'warehouse'),  # a route along three lamps
     ],
 )
 def test_its_flights_are_those_of_the_loop_in_distribution(strategy, scene):
@@ -185,6 +188,37 @@ def test_its_flights_are_those_of_the_loop_in_distribution(strategy, scene):
                      np.array([getattr(results, name) for results in flown]))  # fmt: skip
         error = own.std() * math.sqrt(1 / len(loop) + 1 / len(own))
         assert abs(loop.mean() - own.mean()) < 3.5 * error, name
+
+
+def test_a_route_is_given_as_the_lamps_of_its_stops():
+    spec = load_spec('gtmab', 'warehouse', 'homing', 'gtmab')
+    spec = spec.with_values({'scenario.route': ['dock', 'gate', 'dock']})
+    vehicle, scenario, policy = build_vehicle_scenario_stack(spec)
+    craft = build_flight(vehicle, scenario, policy, TABLE).craft
+    assert list(scenario.lamps) == ['gate', 'aisle', 'dock']
+    assert craft.route == (2, 0, 2)
+    assert len(craft.listening.lamps) == len(craft.power.lamp_shares) == 3
+    assert craft.goal.stops == ((8.5, -1.5), (-3.0, -2.0), (8.5, -1.5))
+    assert made().craft.route == (0,)
+
+
+def test_the_path_of_a_route_and_the_distance_to_its_last_lamp():
+    """Two stops, 3 m and 4 m apart, a radius of 0.5 m: 2.5 + 3 m of path."""
+    craft = made().craft
+    goal = craft.goal._replace(stops=((3.0, 0.0), (3.0, 4.0)), radius=0.5, limit=99.0)
+    craft = craft._replace(goal=goal, place=(0.0, 0.0, 0.1))
+    made_route = replace(build_flight(*build_vehicle_scenario_stack(ingredients()), TABLE),
+                         craft=craft)  # fmt: skip
+    told = compute_figures(made_route, dict.fromkeys(FIGURES, 1.0), success=True)
+    assert told['straight_length'] == pytest.approx(2.5 + 3.0)
+    state = (2.8, 0.1, 0.5, *(0.0,) * 10)
+    supply = flight.initial_supply(resting_flow(0.9))
+    first = flight.initial_tally(craft)
+    assert first.closest == 3.0
+    after = flight.update_tally(craft, first, (2.7, 0.1), state, supply, 1.0, 0.02)
+    # The first lamp is reached: from now on the distance to the second one counts
+    assert after.progress.stop == 1
+    assert after.closest == pytest.approx(math.hypot(0.2, 3.9))
 
 
 def test_what_a_batch_does_not_know_it_refuses():
