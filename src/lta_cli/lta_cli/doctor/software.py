@@ -65,7 +65,7 @@ def check_dependency_versions(
         if version != wanted[name]
     ]
     if other:
-        return HardwareCheck('versions', 'warn', ', '.join(other), MAKE_AGAIN)
+        return HardwareCheck('versions', 'warn', '; '.join(other), MAKE_AGAIN)
     return HardwareCheck(
         'versions', 'ok',
         f'{len(installed)} Python packages have the version that LTA was tested with',
