@@ -58,9 +58,24 @@ def control_step(
         memory.shortfall,
         dt,
     )
+    return deliver_demand(rotors, demand, cascade, memory.thrusts, scratch)
+
+
+def deliver_demand(
+    rotors: Rotors,
+    demand: WrenchDemand,
+    cascade: CascadeMemory,
+    thrusts: PerRotor,
+    scratch: Scratch,
+) -> tuple[PerRotor, ControlMemory]:
+    """
+    Return the duties that deliver a demand best, and the controller's memory.
+
+    `cascade` is the memory of the cascade after this step, `thrusts` those of the last step [N].
+    """
     # Surge, heave and yaw only: sway, roll and pitch are not controlled.
     wrench = (demand.surge, 0.0, demand.heave, 0.0, 0.0, demand.yaw)
-    thrusts, given = allocate(rotors, wrench, memory.thrusts, scratch)
+    thrusts, given = allocate(rotors, wrench, thrusts, scratch)
     # Delivered minus demanded, for the anti-windup of the next step
     shortfall = WrenchDemand(
         given[0] - demand.surge, given[2] - demand.heave, given[5] - demand.yaw

@@ -6,6 +6,7 @@ in 32 bits. The round trip changes the last bits, which floor contact amplifies 
 loop that must reproduce the graph's flight passes its values through these functions.
 """
 
+from collections.abc import Sequence
 import math
 
 from lta_control.attitude import Quaternion, up_in_body, Vector, yaw_from_quaternion
@@ -24,6 +25,19 @@ def round_to_float32(value: float) -> float:
 def mask_out_of_range(distance: float, nearest: float, farthest: float) -> float:
     """Return a distance, or NaN outside the sensor's range (REP-117). [m]"""
     return distance if nearest <= distance <= farthest else math.nan
+
+
+def newest_range(ranges: Sequence[tuple[int, float]], reach: tuple[float, float]) -> float:
+    """
+    Return the newest range as in its message, or NaN if there is none. [m]
+
+    `ranges` holds stamps [ns] and distances, `reach` the limits of the sensor.
+    """
+    if not ranges:
+        return math.nan
+    # A Range message holds distance and limits in single precision
+    nearest, farthest = map(round_to_float32, reach)
+    return mask_out_of_range(round_to_float32(ranges[-1][1]), nearest, farthest)
 
 
 def level_quaternion(yaw: float) -> Quaternion:

@@ -145,12 +145,7 @@ class ClosedLoop:
             table.light.samples,
             vehicle.file.sensors.diodes.largest_reading,
         )
-        ranger = world.range_settings
-        # A Range message holds its limits in single precision
-        self._reach = (
-            message_rounding.round_to_float32(ranger.minimum),
-            message_rounding.round_to_float32(ranger.maximum),
-        )
+        self._reach = world.range_settings.minimum, world.range_settings.maximum
         self.readings = SensorReadings(world.stamp_ns)
         self.duties = self.autopilot.duties
         self.light: LightObservation | None = None
@@ -218,7 +213,7 @@ class ClosedLoop:
         self.duties = self.autopilot.step(
             readings.rates,
             readings.force,
-            self._newest_range(readings),
+            message_rounding.newest_range(readings.ranges, self._reach),
             math.nan if readings.pressure is None else readings.pressure,
         )
         if self._plan is not None:
@@ -228,14 +223,6 @@ class ClosedLoop:
             # The estimator must know the duties that act, not those commanded
             self.autopilot.record_applied_duties(self.duties)
         self._reckoned.append(self.autopilot.dead_reckoning)
-
-    def _newest_range(self, readings: SensorReadings) -> float:
-        """Return the newest range as in its message, NaN if there is none. [m]"""
-        if not readings.ranges:
-            return math.nan
-        return message_rounding.mask_out_of_range(
-            message_rounding.round_to_float32(readings.ranges[-1][1]), *self._reach
-        )
 
     def measured_state(self) -> CascadeMeasurement | None:
         """Return the state that the controller uses; None until the estimator is ready."""

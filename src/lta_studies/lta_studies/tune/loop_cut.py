@@ -12,10 +12,10 @@ from typing import final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.topics import load_topic_table
-from lta_control.allocation import allocate, create_working_array, thrusts_to_duties
+from lta_control.allocation import create_working_array
 from lta_control.autopilot import Autopilot, build_drone_constants
 from lta_control.cascade import cascade_step, CascadeGains, Setpoint, WrenchDemand
-from lta_control.control import ControlMemory
+from lta_control.control import deliver_demand
 from lta_control.estimator import estimator_step, EstimatorInputs, EstimatorSettings
 from lta_control.message_rounding import air_relative_velocity, build_measurement
 from lta_control.onboard import DroneConstants, OnboardMemory
@@ -170,20 +170,15 @@ class LoopCut:
             memory.control.shortfall,
             drone.dt,
         )
-        given, scratch = imposed or demand, create_working_array()
-        thrusts, done = allocate(
+        duties, control = deliver_demand(
             drone.rotors,
-            (given.surge, 0.0, given.heave, 0.0, 0.0, given.yaw),
+            imposed or demand,
+            cascade,
             memory.control.thrusts,
-            scratch,
+            create_working_array(),
         )
-        # What the rotors could not deliver, for the anti-windup of the next step.
-        missing = WrenchDemand(done[0] - given.surge, done[2] - given.heave, done[5] - given.yaw)
         after = memory._replace(
-            estimate=estimate,
-            measured=measured,
-            control=ControlMemory(cascade, thrusts, missing),
-            duties=thrusts_to_duties(drone.rotors, thrusts, scratch),
+            estimate=estimate, measured=measured, control=control, duties=duties
         )
         return after, demand
 

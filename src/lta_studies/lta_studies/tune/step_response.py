@@ -152,12 +152,7 @@ def fly_steps(
     autopilot = Autopilot(
         build_drone_constants(scene.nominal_vehicle, EstimatorSettings(), gains, dt)
     )
-    # Limits and readings are rounded like in the ROS message, so that they compare as in flight.
-    reach = world.range_settings
-    nearest, farthest = (
-        message_rounding.round_to_float32(reach.minimum),
-        message_rounding.round_to_float32(reach.maximum),
-    )
+    reach = world.range_settings.minimum, world.range_settings.maximum
     # Keyed by control period, because sums of `dt` would miss the start times by rounding.
     changes = {round(step.start / dt): step for step in steps}
     setpoint = {'altitude': FLYING_ALTITUDE, 'heading': 0.0, 'speed': 0.0}
@@ -170,12 +165,9 @@ def fly_steps(
             autopilot.set_setpoint(Setpoint(**setpoint))
         readings = world.sense_motion()
         # NaN marks a period without a new reading.
-        distance = readings.ranges[-1][1] if readings.ranges else math.nan
+        distance = message_rounding.newest_range(readings.ranges, reach)
         pressure = math.nan if readings.pressure is None else readings.pressure
-        height = message_rounding.mask_out_of_range(
-            message_rounding.round_to_float32(distance), nearest, farthest
-        )
-        duties = autopilot.step(readings.rates, readings.force, height, pressure)
+        duties = autopilot.step(readings.rates, readings.force, distance, pressure)
         # Mean change of duty per rotor, summed over the EVERY periods of a sample
         work += sum(abs(a - b) for a, b in zip(duties, last, strict=True)) / len(duties)
         last = duties
