@@ -54,7 +54,7 @@ check_machine() {
     esac
     free_mb=$(($(df -Pk . | awk 'NR == 2 { print $4 }') / 1024))
     [ "$free_mb" -ge "$needed_mb" ] || stop "The environment needs $needed_mb MB and" \
-        "$free_mb MB are free under $root; make room and run make again."
+        "$free_mb MB are free under $root; free disk space and run make again."
 }
 
 # Say every 20 s that it goes on; ends with this script. sleep does not keep the output open for

@@ -41,8 +41,8 @@ METHOD: Final = (
 TICKS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)  # degrees
 HEAD: Final = (
     'place', 'diodes', 'range [m]', 'SNR',
-    'paper [°]', 'paper 95 % [°]', 'fit [°]', 'fit 95 % [°]', 'fit deviation [°]', 'holds [%]',
-    'elevation [°]', 'holds [%]', 'lost: paper, fit [%]',
+    'paper, median [°]', 'paper, 95 % quantile [°]', 'fit, median [°]', 'fit, 95 % quantile [°]',
+    'fit deviation [°]', 'holds [%]', 'elevation, median [°]', 'holds [%]', 'lost: paper, fit [%]',
 )  # fmt: skip
 
 
