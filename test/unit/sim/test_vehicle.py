@@ -248,7 +248,7 @@ def test_what_the_whole_vehicle_lacks_names_its_file(tmp_path):
     )
     with pytest.raises(BadInput) as caught:
         load_vehicle(str(path))
-    assert str(caught.value).startswith(f'{path}: gtmab is ')
+    assert str(caught.value).startswith(f'{path}: The parts of gtmab are ')
     assert 'too heavy' in str(caught.value)
 
 

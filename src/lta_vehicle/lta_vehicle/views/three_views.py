@@ -195,7 +195,7 @@ def _draw_legend(x: float, y: float, scale: float, hull: bool) -> Iterator[str]:
     z = y + 24.0 * len(rows)
     yield f'<g class="rotor">{_draw_arrow(x - 2, z, 22, 0)}</g>'
     yield f'<text class="key" x="{x + 26:.1f}" y="{z + 4:.1f}">'
-    yield 'thrust; two arrowheads: reversible rotor</text>'
+    yield 'thrust; two heads: reversible</text>'
     yield f'<g class="rotor"><circle class="disc" cx="{x + 8}" cy="{z + 24}" r="8"/>'
     yield f'<circle class="tip" cx="{x + 8}" cy="{z + 24}" r="2.4"/></g>'
     yield f'<text class="key" x="{x + 26:.1f}" y="{z + 28:.1f}">towards you; crossed: away</text>'

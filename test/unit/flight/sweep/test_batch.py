@@ -110,11 +110,10 @@ def test_what_cannot_be_built_is_kept_as_failed(sweep, tmp_path, monkeypatch):
 
 def test_what_a_batch_does_not_support_is_refused_before_the_first_flight(sweep, tmp_path):
     """A batch once flew what it could of a sweep and reported only that."""
-    file, out = (
-        sweep(strategy='homing', vary={'scenario': ['lamp_room', 'warehouse']}),
-        tmp_path / 'out',
-    )
-    with pytest.raises(BadInput, match=r'^With scenario at warehouse: .* leave --device out\.$'):
+    scale = 'vehicle.effects.gyro_scale.z'
+    values = [{'value': value, 'unit': '1', 'source': 'assumed'} for value in (1.0, 1.1)]
+    file, out = sweep(vary={scale: values}), tmp_path / 'out'
+    with pytest.raises(BadInput, match=r'does not support the effect gyro_scale, .* out\.$'):
         run(file, out)
     assert not out.exists()
 
