@@ -10,7 +10,6 @@ from lta_energy.monitoring.reading import MeterReading, TravelState
 from lta_energy.monitoring.report import EnergyReport
 from lta_energy.monitoring.soc_ekf import INVERSE, RESISTANCE
 from lta_energy.monitoring.way_home import reachable_distance
-from lta_graph.ros.message_validation import find_fault
 from lta_model.electrical.battery import BatteryModel
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, Illuminance
@@ -41,8 +40,7 @@ def to_reading(
 
 def to_travel_state(odom: Odometry) -> TravelState | None:
     """Return distance from the start and speed; None while the estimator is not ready."""
-    # `find_fault` reports NaN and other invalid numbers
-    if odom.pose.covariance[0] == UNKNOWN or find_fault(odom):
+    if odom.pose.covariance[0] == UNKNOWN:
         return None
     place, speed = odom.pose.pose.position, odom.twist.twist.linear
     return TravelState(math.hypot(place.x, place.y), math.hypot(speed.x, speed.y))

@@ -12,12 +12,14 @@ from lta_control.message_rounding import (
     build_setpoint,
     level_quaternion,
     mask_out_of_range,
+    newest_range,
     round_to_float32,
 )
 from lta_control.messages import (
     from_duties,
     from_estimate,
     from_setpoint,
+    is_overturned,
     to_cascade_measurement,
     to_distance,
     to_duties,
@@ -175,3 +177,21 @@ def test_a_status_of_error_is_urgent_without_a_reserve_message():
     ok = update_reserve_report(None, energy(1, False, b'\x00'))
     assert update_reserve_report(ok, energy(2, level=b'\x01')).urgent is False
     assert update_reserve_report(ok, energy(2, level=b'\x02', why='hot')).urgent is True
+
+
+def test_it_is_overturned_beyond_the_limit_and_not_without_an_attitude():
+    tilted = odometry(FLYING)
+    assert is_overturned(tilted, PITCH - 1e-6)
+    assert not is_overturned(tilted, PITCH + 1e-6)
+    # A missing attitude has its own reason to stop the motors
+    tilted.pose.pose.orientation.w = math.nan
+    assert not is_overturned(tilted, PITCH - 1e-6)
+
+
+def test_the_newest_range_is_that_of_its_message():
+    reach = (0.1, 0.3)
+    assert newest_range([(1, 0.25), (2, 0.2)], reach) == round_to_float32(0.2) != 0.2
+    # In single precision, 0.3 is above itself; as in the message, limit and distance are equal
+    assert newest_range([(1, 0.3)], reach) == round_to_float32(0.3) > 0.3
+    assert math.isnan(newest_range([(1, 0.31)], reach))
+    assert math.isnan(newest_range([], reach))

@@ -219,6 +219,23 @@ def test_a_step_by_hand():
     assert inbox.list_missing_topics() == []
 
 
+def test_a_step_has_invalid_messages_but_not_among_the_valid():
+    inbox = Inbox(TABLE, 'navigator', ['light/estimate', 'odom'], 'light/estimate', False)
+    for k, valid in enumerate((True, False)):
+        inbox.put('odom', nth('odom', k), f'odom {k}', valid)
+    inbox.put('light/estimate', nth('light/estimate', 0), 'light 0')
+    step = inbox.pop()
+    assert step.messages == {'light/estimate': ['light 0'], 'odom': ['odom 0', 'odom 1']}
+    assert step.valid == {'light/estimate': ['light 0'], 'odom': ['odom 0']}
+    assert step.last_message('odom') == 'odom 1'
+    # The newest is invalid: an older one must not pass for it
+    assert step.last_valid('odom') is None
+    assert step.last_valid('light/estimate') == 'light 0'
+    inbox.put('light/estimate', nth('light/estimate', 1), 'light 1', valid=False)
+    step = inbox.pop()
+    assert (step.last_valid('light/estimate'), step.last_valid('odom')) == (None, None)
+
+
 def test_several_lost_messages_are_all_counted():
     inbox = Reader('estimator', ('imu', 'range'), 'imu').inbox()
     inbox.put('range', START + 75 * MS, 'r3')

@@ -49,7 +49,8 @@ class EnergyMonitor(GraphNode):
         # Slower inputs: keep the last message of each
         self._panel = step.last_message('panel') or self._panel
         self._light = step.last_message('illuminance') or self._light
-        self._odom = step.last_message('odom') or self._odom
+        if step.messages['odom']:
+            self._odom = step.last_valid('odom')  # None: the position is unknown
         settings, aboard = self._settings.value, self._aboard
         reading = messages.to_reading(measured, self._panel, self._light, self._odom)
         self._estimate = estimate = update_estimate(settings, aboard, self._estimate, reading)

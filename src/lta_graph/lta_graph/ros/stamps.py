@@ -21,8 +21,7 @@ def find_nearest_message(messages: Iterable[Any], time_ns: int) -> Any:  # noqa:
     """Return the message whose header stamp is nearest to a time, or None if there is none."""
     nearest, least = None, math.inf
     for message in messages:
-        stamp = message.header.stamp
-        distance = abs(stamp.sec * 1_000_000_000 + stamp.nanosec - time_ns)
+        distance = abs(from_stamp(message.header.stamp) - time_ns)
         if distance < least:
             nearest, least = message, distance
     return nearest
