@@ -42,7 +42,13 @@ def render_html_table(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> s
 
 
 def render_section(
-    name: str, heading: str, caption: str, picture: Figure | str, *, timed: bool = False
+    name: str,
+    heading: str,
+    caption: str,
+    picture: Figure | str,
+    *,
+    timed: bool = False,
+    height: int | None = None,
 ) -> str:
     """
     Return one figure with heading and caption.
@@ -57,11 +63,15 @@ def render_section(
         The figure, or as HTML the reason why there is none.
     timed : bool
         Whether x is time: such figures share a cursor and zoom together.
+    height : int, optional
+        Height of the figure; by default that of the page's style. [px]
 
     """
     words, about = escape(heading), escape(caption)
     body = (
-        picture if isinstance(picture, str) else embed_picture(name, words, about, picture, timed)
+        picture
+        if isinstance(picture, str)
+        else embed_picture(name, words, about, picture, timed, height)
     )
     return (
         f'<figure class="panel" id="panel-{name}" aria-labelledby="title-{name}">'
@@ -88,10 +98,13 @@ def _sanitize_part(part: object) -> object:
     return part
 
 
-def embed_picture(name: str, words: str, about: str, picture: Figure, timed: bool) -> str:
+def embed_picture(
+    name: str, words: str, about: str, picture: Figure, timed: bool, height: int | None = None
+) -> str:
     """Return the place of a figure, its caption and its data; the texts are already HTML."""
+    style = '' if height is None else f'style="height: {height}px" '
     return (
-        f'<div class="plot" data-panel="{name}" data-timed="{str(timed).lower()}" '
+        f'<div class="plot" data-panel="{name}" data-timed="{str(timed).lower()}" {style}'
         f'role="img" aria-label="{words}. {about}"></div>'
         f'<figcaption>{about}</figcaption>{embed_data(f"figure-{name}", sanitize_figure(picture))}'
     )

@@ -7,9 +7,10 @@ from lta_cli.options.output_options import check_picture_output, Json, Out, Pict
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import format_lta_command, relative_path
 from lta_report.progress_bar import ProgressBar
+from lta_report.report import transpose_table
 from lta_report.results_folder import format_page_line, resolve_folder, write_json
 from lta_report.screenshots import write_pictures
-from lta_studies.energy.tables import print_table, transpose_table
+from lta_studies.energy.tables import print_table
 from lta_studies.mission.page import build_mission_tables, format_headline, write_page
 from lta_studies.mission.run import flight_time_ratio, load_request, run_missions, SCHEDULES
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn

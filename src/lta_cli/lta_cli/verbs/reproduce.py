@@ -15,9 +15,10 @@ from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.schema.paper_file import PaperRow
 from lta_report.progress_bar import ProgressBar
+from lta_report.report import TextTable
 from lta_report.results_folder import format_page_line, write_json
 from lta_report.screenshots import write_pictures
-from lta_studies.energy.tables import print_table, TextTable
+from lta_studies.energy.tables import print_table
 from lta_studies.platforms.run import count_processors
 from lta_studies.reproduce import figures_file, lines, markdown
 from lta_studies.reproduce.page import write_page

@@ -2,6 +2,7 @@
 
 import math
 
+from lta_report.report import TextTable
 from lta_sim.cfd.aero_fit import (
     fit_drag_by_axis,
     hull_share,
@@ -14,7 +15,6 @@ from lta_sim.cfd.aero_fit import (
 from lta_sim.cfd.sweep_table import TunnelSweep
 from lta_sim.cfd.thrust_allocation import linearity_ratio, sum_columns
 from lta_sim.cfd.validation import SphereComparison
-from lta_studies.energy.tables import TextTable
 
 
 def build_drag_table(sweep: TunnelSweep) -> TextTable:

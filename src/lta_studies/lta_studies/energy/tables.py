@@ -1,34 +1,11 @@
 """Render text tables in HTML and on a terminal."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from html import escape
-from typing import final
 
+from lta_report.report import TextTable
 from rich.console import Console
 from rich.table import Table as Printed
 from rich.text import Text
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class TextTable:
-    """A table of text; the first cell of a row is its name."""
-
-    heading: str
-    heads: Sequence[str]
-    rows: Sequence[Sequence[str]]
-    note: str = ''
-
-
-def transpose_table(table: TextTable) -> TextTable:
-    """Transpose a table for a narrow terminal."""
-    rows = [
-        [head, *(row[place] for row in table.rows)]
-        for place, head in enumerate(table.heads[1:], start=1)
-    ]
-    heads = [table.heads[0], *(row[0] for row in table.rows)]
-    return TextTable(table.heading, heads, rows, table.note)
 
 
 def render_text_table(table: TextTable) -> str:

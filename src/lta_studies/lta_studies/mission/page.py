@@ -10,7 +10,8 @@ from lta_energy.harvest import HarvestCurve
 from lta_report.formatting import Tile
 from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
-from lta_studies.energy.tables import render_text_table, TextTable
+from lta_report.report import TextTable
+from lta_studies.energy.tables import render_text_table
 from lta_studies.light.evaluation.intervals import BootstrapMean
 from lta_studies.mission import paper
 from lta_studies.mission.pictures import (

@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 from lta_energy.harvest import HarvestCurve
 from lta_energy.irradiance import DARK
 from lta_model.electrical.charger import charger_output, ChargerModel
-from lta_studies.energy.tables import TextTable
+from lta_report.report import TextTable
 
 LUX: Final = 80e3  # lx, seed paper
 LED, SUN = 300.0, 110.0  # lm/W

@@ -10,8 +10,8 @@ from typing import Any, final, NamedTuple
 
 from lta_config.schema.paper_file import PaperRow
 from lta_report.json_value import replace_nonfinite
+from lta_report.report import TextTable
 from lta_report.results_folder import write_json
-from lta_studies.energy.tables import TextTable
 from lta_studies.reproduce.study_result import MeasuredValue, RowStudyResult
 
 

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import final, NamedTuple
 
-from lta_studies.energy.tables import TextTable
+from lta_report.report import TextTable
 import numpy as np
 from plotly.graph_objects import Figure
 from scipy.special import stdtrit

@@ -8,6 +8,7 @@ from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_flight.flight_spec import load_spec
 from lta_model.scenario import Scenario
+from lta_report.report_page import render_report
 from lta_studies.wind import flyable_wind, limits
 from lta_studies.wind.flyable_wind import (
     find_flyable_wind,
@@ -17,7 +18,7 @@ from lta_studies.wind.flyable_wind import (
     set_wind,
 )
 from lta_studies.wind.limits import count_ticks, measure_limits, to_json, WindStudyRequest
-from lta_studies.wind.page import render_page
+from lta_studies.wind.report import build_report
 import pytest
 from typer.testing import CliRunner
 
@@ -116,7 +117,7 @@ def test_limits_of_a_platform_flown_and_not(monkeypatch):
     assert other.height == pytest.approx(1.35 + 0.1, abs=0.1)  # a hull of 2.7 m flies higher
     printed = json.dumps(to_json([one, other], asked()), allow_nan=False)
     assert json.loads(printed)['vehicles'][1]['tumble'] is None
-    made = render_page([one, other], asked())
+    made = render_report(build_report([one, other], asked()))
     assert f'In uniform wind gtmab makes headway up to {one.flown.wind:.2f} m/s.' in made
     flown = f'{one.flown.wind:.2f} (+{one.flown.fine:.2f})'
     assert f'<td>{one.static:.2f}</td><td>{flown}</td>' in made

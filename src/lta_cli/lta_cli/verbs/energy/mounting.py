@@ -13,6 +13,7 @@ from lta_cli.options.output_options import (
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.files import find_file, load_yaml
+from lta_report.report import transpose_table
 from lta_report.results_folder import format_page_line, resolve_folder, write_json
 from lta_report.screenshots import write_pictures
 from lta_studies.energy.mounting import verdict
@@ -20,7 +21,7 @@ from lta_studies.energy.mounting.page import write_page
 from lta_studies.energy.mounting.run import compare_mounts, MountingRequest
 from lta_studies.energy.mounting.tables import build_comparison_tables, to_json
 from lta_studies.energy.progress import run_with_progress
-from lta_studies.energy.tables import print_table, transpose_table
+from lta_studies.energy.tables import print_table
 import typer
 import yaml
 

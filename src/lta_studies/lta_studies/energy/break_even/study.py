@@ -17,7 +17,7 @@ from lta_energy.harvest import HarvestCurve
 from lta_model.electrical.charger import ChargerModel
 from lta_model.electrical.panel import SolarArrayModel
 from lta_model.vehicle import Vehicle
-from lta_studies.energy.tables import TextTable
+from lta_report.report import TextTable
 import numpy as np
 
 OWN: Final = 'as it is'

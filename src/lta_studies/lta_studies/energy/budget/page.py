@@ -12,9 +12,10 @@ from lta_report.formatting import format_number, MISSING, Tile
 from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
 from lta_report.palette import ESTIMATE, GOOD, INK, LAMP, RAW, SOFT, TRUTH
+from lta_report.report import TextTable
 from lta_studies.energy import paper
 from lta_studies.energy.budget.run import format_paper_values, PowerBudget
-from lta_studies.energy.tables import render_text_table, TextTable
+from lta_studies.energy.tables import render_text_table
 import numpy as np
 from plotly.graph_objects import Bar, Figure, Scatter
 

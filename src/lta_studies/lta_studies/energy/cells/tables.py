@@ -7,6 +7,7 @@ from lta_config.schema.cell_file import CellFile
 from lta_config.schema.cell_table import CellTable
 from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_report.formatting import format_number, MISSING
+from lta_report.report import TextTable
 from lta_studies.energy.cells.arrays import (
     build_all_arrays,
     CellArray,
@@ -21,7 +22,6 @@ from lta_studies.energy.cells.ranking import (
     list_readings,
     select_readings,
 )
-from lta_studies.energy.tables import TextTable
 
 GRAMS: Final = 1e3
 SQUARE: Final = 1e4  # cm2 per m2

@@ -3,10 +3,10 @@
 from typing import Any, Final
 
 from lta_report.formatting import format_number, MISSING
+from lta_report.report import TextTable
 from lta_studies.energy.mounting.panel_light import LIGHTS
 from lta_studies.energy.mounting.run import MountingStudy, MountTrial
 from lta_studies.energy.mounting.straight_flight import average_over_seeds
-from lta_studies.energy.tables import TextTable
 from lta_vehicle.figures.mass_budget import DEGREES
 
 GRAMS: Final = 1e3

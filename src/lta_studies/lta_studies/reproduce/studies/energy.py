@@ -19,7 +19,7 @@ from lta_studies.energy.budget.page import (
 from lta_studies.energy.budget.run import measure_budget, PowerBudget
 from lta_studies.energy.budget.tasks import END, prepare_flight, TaskPower
 from lta_studies.energy.course_flight import stop_after
-from lta_studies.energy.hover.page import CAPTION, draw_traces
+from lta_studies.energy.hover.report import CAPTION, draw_traces
 from lta_studies.energy.hover.run import (
     build_hover_spec,
     compare_hovering,

@@ -13,8 +13,8 @@ from lta_flight.flight_spec import build_loop, load_spec
 from lta_model.vehicle import load_vehicle
 from lta_report.curves import Array
 from lta_report.drawing import create_figure
+from lta_report.report import TextTable
 from lta_sim.wind_limits import static_wind_limit, wind_share_at_hull
-from lta_studies.energy.tables import TextTable
 from lta_studies.light.evaluation.cells import EvaluationCell
 from lta_studies.light.evaluation.labels import label_strategy
 from lta_studies.light.evaluation.pictures import LEGEND, strategy_color

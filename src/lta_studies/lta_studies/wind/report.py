@@ -1,22 +1,19 @@
-"""Write the wind limits as one self-contained HTML page."""
+"""Build the report of the wind limits."""
 
 from collections.abc import Sequence
-from html import escape
 import math
-from pathlib import Path
 from typing import Final
 
 from lta_bridge.provenance import read_commit
 from lta_config.command_line import format_lta_command
 from lta_model.vehicle import load_vehicle
 from lta_report.drawing import create_figure, EndLabel, label_ends
-from lta_report.formatting import Tile
-from lta_report.html_elements import render_section, render_tile
-from lta_report.page_frame import assemble_page, write_file
+from lta_report.formatting import MISSING, Tile
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, SOFT, TIME, TRUTH, WALL
+from lta_report.report import Picture, Report, TextSection, TextTable
 from lta_sim import wind_limits
 from lta_studies.wind.flyable_wind import FlyableWind
-from lta_studies.wind.limits import PlatformWindLimits, WindStudyRequest
+from lta_studies.wind.limits import PlatformWindLimits, to_json, WindStudyRequest
 import numpy as np
 from numpy.typing import NDArray
 from plotly.graph_objects import Figure, Scatter
@@ -25,7 +22,6 @@ COLOURS: Final = (TRUTH, ESTIMATE, GOOD, LAMP, SETPOINT, TIME[0], TIME[2], TIME[
 PAPER_WINDS: Final = ((8.0, 'paper: BAG converges'), (14.0, 'paper: all fail'))
 ROUGHNESS: Final = np.geomspace(1e-3, 0.45, 60)  # m
 TICKS: Final = (1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)  # m
-MISSING: Final = '\N{EN DASH}'
 CAPTION: Final = (
     'Lines: static limit, as wind at the reference height; the log law, averaged over the '
     'hull, gives the wind at the hull. Dots: flown in the closed loop. Towards the right, '
@@ -43,32 +39,26 @@ METHOD: Final = (
 )
 
 
-def write_page(
-    results: Sequence[PlatformWindLimits], request: WindStudyRequest, out: Path
-) -> Path:
-    """Write the page and return its path; raise `BadInput` if that fails."""
-    return write_file(render_page(results, request), out)
-
-
-def render_page(results: Sequence[PlatformWindLimits], request: WindStudyRequest) -> str:
-    """Return the HTML of the page."""
-    return assemble_page(
-        'wind.html',
-        title=escape(format_headline(results)),
-        kicker=escape(f'wind · {request.scenario}'),
-        about=escape(format_introduction(request)),
-        tiles='\n'.join(render_tile(*each) for each in build_tiles(results)),
-        table=render_limit_table(results, request),
-        notes=''.join(
-            f'<p class="note">{escape(each)}</p>'
-            for each in (METHOD, *format_platform_notes(results))
+def build_report(results: Sequence[PlatformWindLimits], request: WindStudyRequest) -> Report:
+    """Return the report of a wind study."""
+    return Report(
+        command='wind',
+        subject=request.scenario,
+        headline=format_headline(results),
+        introduction=format_introduction(request),
+        tiles=build_tiles(results),
+        blocks=(
+            Picture(
+                'wind', 'Flyable wind against the roughness of the ground', CAPTION,
+                draw_limits(results, request), height=460,
+            ),
+            build_limit_table(results, request),
+            TextSection('Remarks', (METHOD, *format_platform_notes(results))),
         ),
-        picture=render_section(
-            'wind', 'Flyable wind against the roughness of the ground', CAPTION,
-            draw_limits(results, request),
-        ),
+        data=to_json(results, request),
         facts=build_provenance_table(request),
         commands=list_commands(request),
+        closing=format_platform_notes(results),
     )  # fmt: skip
 
 
@@ -140,32 +130,27 @@ def format_flyable_wind(limit: FlyableWind | None, bracket: bool = True) -> str:
     return f'{limit.wind:.2f}' + (f' (+{limit.fine:.2f})' if bracket else '')
 
 
-def render_limit_table(results: Sequence[PlatformWindLimits], request: WindStudyRequest) -> str:
-    """Return the HTML table of limits, with two columns for each ground."""
+def build_limit_table(
+    results: Sequence[PlatformWindLimits], request: WindStudyRequest
+) -> TextTable:
+    """Return the table of limits, with two columns for each ground."""
     grounds = ['uniform wind', *(f'ground roughness {z:g} m' for z in request.roughness)]
-    top = ''.join(f'<th scope="colgroup" colspan="2">{name}</th>' for name in grounds)
     heads = [
-        'platform',
-        'hull height [m]',
-        'rotors hold [m/s]',
-        'tumbles above [m/s]',
-        'rises above [m/s]',
-    ]
-    heads += ['static [m/s]', 'flown [m/s]'] * len(grounds)
-    lines = []
+        'platform', 'hull height [m]', 'rotors hold [m/s]', 'tumbles above [m/s]',
+        'rises above [m/s]', *['static [m/s]', 'flown [m/s]'] * len(grounds),
+    ]  # fmt: skip
+    rows = []
     for each in results:
-        cells = [f'{each.height:.2f}', *map(format_speed, (each.thrust, each.tumble, each.rise))]
-        cells += [format_speed(each.static), format_flyable_wind(each.flown)]
-        for over in each.over:
-            cells += [format_speed(over.static), format_flyable_wind(over.flown)]
-        own = ''.join(f'<td>{escape(cell)}</td>' for cell in cells)
-        lines.append(f'<tr><th scope="row">{escape(each.name)}</th>{own}</tr>')
-    second = ''.join(f'<th scope="col">{head}</th>' for head in heads)
-    return (
-        '<table class="limits"><caption class="hidden">Flyable wind of each platform</caption>'
-        f'<thead><tr class="grounds"><td colspan="5"></td>{top}</tr><tr>{second}</tr></thead>'
-        f'<tbody>{"".join(lines)}</tbody></table>'
-    )
+        row = [each.name, f'{each.height:.2f}']
+        row += map(format_speed, (each.thrust, each.tumble, each.rise))
+        for static, flown in (
+            (each.static, each.flown),
+            *((g.static, g.flown) for g in each.over),
+        ):
+            row += [format_speed(static), format_flyable_wind(flown)]
+        rows.append(row)
+    groups = [('', 5), *((name, 2) for name in grounds)]
+    return TextTable('Limits by platform', heads, rows, groups=groups)
 
 
 def build_provenance_table(request: WindStudyRequest) -> dict[str, str]:

@@ -1,20 +1,16 @@
-"""Write the hover comparison as one self-contained HTML page."""
+"""Build the report of a hover comparison."""
 
 from collections.abc import Mapping
-from html import escape
-from pathlib import Path
 from typing import Any, Final
 
 from lta_bridge.provenance import read_commit
 from lta_report.drawing import build_line_trace, create_figure, EndLabel, label_ends, padded_range
 from lta_report.formatting import format_number, MISSING, Tile
-from lta_report.html_elements import render_section, render_tile
-from lta_report.page_frame import assemble_page, write_file
 from lta_report.palette import ESTIMATE, SETPOINT, SOFT, TRUTH
+from lta_report.report import Picture, Report, TextSection, TextTable
 from lta_studies.energy import paper
 from lta_studies.energy.hover.discharge import DischargeTrace
 from lta_studies.energy.hover.run import HoverComparison, HoverResult
-from lta_studies.energy.tables import render_text_table, TextTable
 from plotly.graph_objects import Figure
 
 CAPTION: Final = (
@@ -26,32 +22,24 @@ CAPTION: Final = (
 CHARGE: Final = 'True state of charge of the same cells.'
 
 
-def write_page(result: HoverComparison, commands: Mapping[str, str], out: Path) -> Path:
-    """Write the page and return its path; raise `BadInput` if that fails."""
-    return write_file(render_page(result, commands), out)
-
-
-def render_page(result: HoverComparison, commands: Mapping[str, str]) -> str:
-    """Return the HTML of the page."""
-    return assemble_page(
-        'energy.html',
-        title=escape(format_headline(result)),
-        kicker=escape(f'energy hover · {result.first.name} and {result.second.name}'),
-        about=(
+def build_report(result: HoverComparison, commands: Mapping[str, str]) -> Report:
+    """Return the report of a hover comparison; `commands` are the next steps."""
+    return Report(
+        command='energy hover',
+        subject=f'{result.first.name} and {result.second.name}',
+        headline=format_headline(result),
+        introduction=(
             f'Both drones hover in still air for {result.seconds:.0f} s, each with the same '
             'cell, full at the start.'
         ),
-        tiles='\n'.join(render_tile(*each) for each in build_tiles(result)),
-        first=render_section(
-            'voltage', 'Battery voltage', CAPTION, draw_traces(result, 'voltage')
+        tiles=build_tiles(result),
+        blocks=(
+            Picture('voltage', 'Battery voltage', CAPTION, draw_traces(result, 'voltage')),
+            Picture('charge', 'State of charge', CHARGE, draw_traces(result, 'charge')),
+            build_discharge_table(result),
+            TextSection('Meaning and method', describe_differences(result), printed=True),
         ),
-        pictures=render_section(
-            'charge', 'State of charge', CHARGE, draw_traces(result, 'charge')
-        ),
-        tables=render_text_table(build_discharge_table(result)),
-        method=''.join(
-            f'<p class="note">{escape(each)}</p>' for each in describe_differences(result)
-        ),
+        data=to_json(result),
         facts={'vehicles': f'{result.first.name}, {result.second.name}', 'commit': read_commit()},
         commands=commands,
     )

@@ -1,0 +1,133 @@
+"""Turn a function that returns a report into a command with the output options of all studies."""
+
+from collections.abc import Callable
+from contextlib import nullcontext
+from dataclasses import dataclass
+from functools import wraps
+import inspect
+from pathlib import Path
+from typing import Annotated, Any, final, get_type_hints
+
+from lta_cli.options.output_options import check_picture_output, Json, Out, Pictures, print_json
+from lta_cli.options.plain_console import plain_console
+from lta_config.command_line import relative_path
+from lta_config.errors import BadInput
+from lta_report.report import Report
+from lta_report.report_output import PAGE, write_report
+from lta_report.report_terminal import print_report
+from lta_report.results_folder import (
+    check_creatable,
+    format_page_line,
+    resolve_folder,
+    stage_results,
+)
+from rich.console import Console
+import typer
+
+Page = Annotated[bool, typer.Option('--page/--no-page', help='Write an HTML report.')]
+OPTIONS = {'out': Out, 'page': Page, 'pictures': Pictures, 'json': Json}
+DEFAULTS = {'out': None, 'page': True, 'pictures': None, 'json': False}
+
+
+@final
+@dataclass(slots=True)
+class StudyRun:
+    """
+    What a study gets from its command, as the argument `run`.
+
+    Attributes
+    ----------
+    console : Console
+        For progress; it writes to stderr if the results are printed as JSON.
+    folder : Path
+        Results folder, absolute. A study that resumes calls `open_folder` to set it.
+    out : Path or None
+        The folder that the user has chosen.
+    page : bool
+        Whether a page is written; a study may then skip what only the page shows.
+
+    """
+
+    console: Console
+    folder: Path
+    out: Path | None
+    page: bool
+
+    def open_folder(self, default: Path) -> Path:
+        """Return the user's folder or a default one, in which the study stores finished work."""
+        self.folder = (self.out or default).absolute()
+        return self.folder
+
+
+def study_command(
+    name: str, *, resumes: bool = False
+) -> Callable[[Callable[..., Report]], Callable[..., None]]:
+    """
+    Give a function that returns a report the options --out, --no-page, --pictures and --json.
+
+    The function has an argument `run`, a `StudyRun`. Nothing is written before it returns, unless
+    it resumes.
+
+    Parameters
+    ----------
+    name : str
+        Name of the results folder, runs/<time>-<name>.
+    resumes : bool
+        Whether the study stores finished work in its folder, which may therefore exist.
+
+    """
+
+    def decorate(study: Callable[..., Report]) -> Callable[..., None]:
+        @wraps(study)
+        def command(
+            *args: Any,  # noqa: ANN401 - the study's own options
+            out: Path | None,
+            page: bool,
+            pictures: Path | None,
+            json: bool,
+            **options: Any,  # noqa: ANN401
+        ) -> None:
+            if pictures is not None and not page:
+                raise BadInput('--pictures needs the page; remove --no-page.')
+            run = StudyRun(plain_console(stderr=json), resolve_folder(out, name), out, page)
+            check_picture_output(pictures)
+            if not resumes:
+                check_creatable(run.folder)
+            report = study(*args, run=run, **options)
+            with nullcontext(run.folder) if resumes else stage_results(run.folder, PAGE) as folder:
+                write_report(report, folder, page=page, pictures=pictures)
+            show_report(report, run, json)
+
+        hints = {**get_type_hints(study, include_extras=True), **OPTIONS, 'return': None}
+        del hints['run']
+        command.__annotations__ = hints
+        command.__signature__ = add_options(inspect.signature(study))  # type: ignore[attr-defined]
+        # Typer would otherwise read the annotations of the study
+        del command.__wrapped__
+        return command
+
+    return decorate
+
+
+def add_options(signature: inspect.Signature) -> inspect.Signature:
+    """Return a signature with the output options instead of `run`."""
+    own = [each for each in signature.parameters.values() if each.name != 'run']
+    added = [
+        inspect.Parameter(
+            name, inspect.Parameter.KEYWORD_ONLY, default=DEFAULTS[name], annotation=kind
+        )
+        for name, kind in OPTIONS.items()
+    ]
+    return signature.replace(parameters=[*own, *added], return_annotation=None)
+
+
+def show_report(report: Report, run: StudyRun, json: bool) -> None:
+    """Print a report and the path of its page."""
+    page = run.folder / PAGE if run.page else None
+    if json:
+        print_json(report.data, page)
+    print_report(report, run.console)
+    if page is not None:
+        run.console.print(
+            format_page_line(relative_path(page)), highlight=False, markup=False, soft_wrap=True
+        )

@@ -1,0 +1,157 @@
+"""
+Declare the report of a study once; it renders to a page, a terminal, JSON and pictures.
+
+A study returns a `Report`. `report_page` renders it as HTML, `report_terminal` prints it, and
+`report_output` writes the files of the results folder.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, final
+
+from lta_report.formatting import Tile
+from plotly.graph_objects import Figure
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class TextTable:
+    """
+    A table of text; the first cell of a row is its name.
+
+    Attributes
+    ----------
+    heading : str
+        Title of the table.
+    heads : sequence of str
+        One per column.
+    rows : sequence of sequence of str
+        Cells of each row.
+    note : str
+        Remark below the table.
+    groups : sequence of (str, int)
+        Heads above the heads, each with the number of columns that it spans; none by default.
+    printed : bool
+        Whether the terminal shows the table.
+
+    """
+
+    heading: str
+    heads: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    note: str = ''
+    groups: Sequence[tuple[str, int]] = ()
+    printed: bool = True
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """
+    A figure with heading and caption.
+
+    Attributes
+    ----------
+    name : str
+        Id on the page, and name of its PNG file.
+    heading, caption : str
+        Plain text.
+    figure : Figure
+        The figure.
+    height : int
+        Height on the page. [px]
+    timed : bool
+        Whether x is time: such figures share a cursor and zoom together.
+
+    """
+
+    name: str
+    heading: str
+    caption: str
+    figure: Figure
+    height: int = 400
+    timed: bool = False
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class TextSection:
+    """
+    Paragraphs under a heading; the terminal shows them only if `printed`.
+
+    With `bullets`, the paragraphs are the items of a list.
+    """
+
+    heading: str
+    paragraphs: Sequence[str]
+    bullets: bool = False
+    printed: bool = False
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """Blocks beside each other where the page is wide enough."""
+
+    blocks: 'Sequence[Block]'
+    columns: int = 2
+
+
+Block = Picture | TextTable | TextSection | Grid
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Report:
+    """
+    The results of a study, declared once.
+
+    Attributes
+    ----------
+    command : str
+        Words of the command, such as 'energy hover'; the last one names the JSON file.
+    subject : str
+        What was studied.
+    headline : str
+        The result in one sentence. It counts failed items.
+    introduction : str
+        What was done, in one or two sentences.
+    tiles : sequence of Tile
+        Key figures.
+    blocks : sequence of Block
+        Content in the order of the page.
+    data : mapping
+        Content of the JSON file, in SI units.
+    facts, commands, files : mapping of str to str
+        Footer of the page: origin of the results, next steps, and whole files.
+    closing : sequence of str
+        Lines that only the terminal shows, after the headline.
+
+    """
+
+    command: str
+    subject: str
+    headline: str
+    introduction: str
+    tiles: Sequence[Tile]
+    blocks: Sequence[Block]
+    data: Mapping[str, Any]
+    facts: Mapping[str, str] = field(default_factory=dict)
+    commands: Mapping[str, str] = field(default_factory=dict)
+    files: Mapping[str, str] = field(default_factory=dict)
+    closing: Sequence[str] = ()
+
+    @property
+    def name(self) -> str:
+        """The last word of the command."""
+        return self.command.split()[-1]
+
+
+def transpose_table(table: TextTable) -> TextTable:
+    """Transpose a table, so that a few long rows fit a narrow terminal."""
+    rows = [
+        [head, *(row[place] for row in table.rows)]
+        for place, head in enumerate(table.heads[1:], start=1)
+    ]
+    heads = [table.heads[0], *(row[0] for row in table.rows)]
+    return TextTable(table.heading, heads, rows, table.note)

@@ -1,0 +1,44 @@
+"""Write a report to its results folder: JSON, page and pictures."""
+
+from pathlib import Path
+from typing import Final
+
+from lta_report.page_frame import write_file
+from lta_report.report import Report
+from lta_report.report_page import render_report
+from lta_report.results_folder import write_json
+from lta_report.screenshots import write_pictures
+
+PAGE: Final = 'report.html'
+
+
+def write_report(
+    report: Report, folder: Path, *, page: bool = True, pictures: Path | None = None
+) -> Path | None:
+    """
+    Write the results of a study, and return the path of its page.
+
+    Parameters
+    ----------
+    report : Report
+        The results.
+    folder : Path
+        Results folder, which exists.
+    page : bool
+        Whether to write the page.
+    pictures : Path, optional
+        Folder for a PNG of each figure; needs Chromium, and the page.
+
+    Raises
+    ------
+    BadInput
+        If writing fails.
+
+    """
+    write_json(report.data, folder / f'{report.name}.json')
+    if not page:
+        return None
+    written = write_file(render_report(report), folder / PAGE)
+    if pictures is not None:
+        write_pictures(written, pictures)
+    return written

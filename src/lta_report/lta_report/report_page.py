@@ -1,0 +1,110 @@
+"""Render a report as one self-contained HTML page."""
+
+from collections.abc import Sequence
+from html import escape
+import re
+from typing import Final
+
+from lta_report.formatting import MISSING
+from lta_report.html_elements import render_section, render_tile
+from lta_report.page_frame import assemble_page
+from lta_report.report import Block, Grid, Picture, Report, TextSection, TextTable
+
+# A cell that starts like a number, or is a dash or empty
+NUMBER: Final = re.compile(rf'[-+\N{{MINUS SIGN}}<>≤≥±~]?\s?[\d.∞{MISSING}]|-?$|none$|never$')
+
+
+def render_report(report: Report) -> str:
+    """Return the HTML of a report's page."""
+    subject = f' · {report.subject}' if report.subject else ''
+    return assemble_page(
+        'report.html',
+        title=escape(report.headline),
+        kicker=escape(report.command + subject),
+        about=escape(report.introduction),
+        tiles='\n'.join(render_tile(*each) for each in report.tiles),
+        has_plots=has_pictures(report.blocks),
+        blocks='\n'.join(map(render_block, report.blocks)),
+        facts=report.facts,
+        commands=report.commands,
+        files=report.files,
+    )
+
+
+def has_pictures(blocks: Sequence[Block]) -> bool:
+    """Return whether there is a picture among blocks."""
+    return any(
+        isinstance(each, Picture) or (isinstance(each, Grid) and has_pictures(each.blocks))
+        for each in blocks
+    )
+
+
+def render_block(block: Block) -> str:
+    """Return one block as HTML."""
+    match block:
+        case Picture():
+            return render_section(
+                block.name, block.heading, block.caption, block.figure,
+                timed=block.timed, height=block.height,
+            )  # fmt: skip
+        case TextTable():
+            return render_table_section(block)
+        case TextSection():
+            return render_text_section(block)
+        case Grid():
+            inside = '\n'.join(map(render_block, block.blocks))
+            style = f'grid-template-columns: repeat({block.columns}, minmax(0, 1fr))'
+            return f'<div class="grid" style="{style}">\n{inside}\n</div>'
+
+
+def render_table_section(table: TextTable) -> str:
+    """Return a table in its own panel; columns of words are left-aligned and may wrap."""
+    classes = ['' if is_numeric(column) else ' class="text"' for column in list_columns(table)]
+    heads = ''.join(
+        f'<th scope="col"{kind}>{escape(each)}</th>'
+        for each, kind in zip(table.heads, classes, strict=True)
+    )
+    top = ''.join(
+        f'<th scope="colgroup" colspan="{span}">{escape(name)}</th>' if name
+        else f'<td colspan="{span}"></td>'
+        for name, span in table.groups
+    )  # fmt: skip
+    rows = [f'<tr>{render_cells(row, classes)}</tr>' for row in table.rows]
+    words = escape(table.heading)
+    note = f'<p class="note">{escape(table.note)}</p>' if table.note else ''
+    return (
+        f'<section class="panel" aria-label="{words}"><h2>{words}</h2>'
+        f'<div class="wide"><table class="report"><caption class="hidden">{words}</caption>'
+        f'<thead>{f"<tr>{top}</tr>" if top else ""}<tr>{heads}</tr></thead>'
+        f'<tbody>{"".join(rows)}</tbody></table></div>{note}</section>'
+    )
+
+
+def list_columns(table: TextTable) -> list[list[str]]:
+    """Return the cells of each column."""
+    return [[row[place] for row in table.rows] for place in range(len(table.heads))]
+
+
+def is_numeric(cells: Sequence[str]) -> bool:
+    """Return whether a column holds numbers, with units or intervals perhaps."""
+    return all(NUMBER.match(cell) for cell in cells)
+
+
+def render_cells(row: Sequence[str], classes: Sequence[str]) -> str:
+    """Return the cells of a row; the first one is its head."""
+    first, *rest = row
+    cells = ''.join(
+        f'<td{kind}>{escape(cell)}</td>' for cell, kind in zip(rest, classes[1:], strict=True)
+    )
+    return f'<th scope="row">{escape(first)}</th>{cells}'
+
+
+def render_text_section(section: TextSection) -> str:
+    """Return paragraphs, or a list of points, in their own panel."""
+    words = escape(section.heading)
+    if section.bullets:
+        items = ''.join(f'<li>{escape(each)}</li>' for each in section.paragraphs)
+        body = f'<ul class="points">{items}</ul>'
+    else:
+        body = ''.join(f'<p class="note">{escape(each)}</p>' for each in section.paragraphs)
+    return f'<section class="panel" aria-label="{words}"><h2>{words}</h2>{body}</section>'

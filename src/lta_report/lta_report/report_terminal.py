@@ -1,0 +1,84 @@
+"""Print a report on a terminal."""
+
+from lta_report.report import Block, Grid, Report, TextSection, TextTable, transpose_table
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+GAP = 2  # spaces between columns; 1 if the terminal is narrow
+
+
+def print_report(report: Report, console: Console) -> None:
+    """Print tables and notes, then the headline and the closing lines."""
+    for block in report.blocks:
+        print_block(block, console)
+    for line in (report.headline, *report.closing):
+        console.print(line, highlight=False, markup=False, soft_wrap=True)
+
+
+def print_block(block: Block, console: Console) -> None:
+    """Print one block; pictures are on the page only."""
+    match block:
+        case TextTable(printed=True):
+            print_table(block, console)
+        case TextSection(printed=True):
+            console.print(
+                '\n'.join(block.paragraphs), highlight=False, markup=False, soft_wrap=True
+            )
+            console.print()
+        case Grid():
+            for each in block.blocks:
+                print_block(each, console)
+        case _:
+            pass
+
+
+def print_table(table: TextTable, console: Console) -> None:
+    """Print a table: with narrower gaps or transposed where the terminal is narrow."""
+    table = merge_groups(table)
+    gap = GAP
+    if not console.is_terminal:
+        # Into a file or a pipe, a table takes the width that it needs
+        console.width = max(console.width, measure_width(table, gap))
+    elif measure_width(table, GAP) > console.width:
+        gap = 1
+        turned = transpose_table(table)
+        if measure_width(table, gap) > console.width >= measure_width(turned, gap):
+            table = turned
+    printed = Table(
+        title=table.heading, title_justify='left', title_style='bold', box=None, pad_edge=False,
+        padding=(0, gap, 0, 0),
+    )  # fmt: skip
+    for place, (head, *cells) in enumerate(zip(split_heads(table), *table.rows, strict=True)):
+        # Only columns of words may wrap; a wrapped number is unreadable
+        words = place > 0 and any(' ' in cell for cell in cells)
+        printed.add_column(
+            Text(head), justify='left' if place == 0 else 'right', no_wrap=not words
+        )
+    for row in table.rows:
+        printed.add_row(*map(Text, row))
+    console.print(printed)
+    if table.note:
+        console.print(table.note, style='dim', highlight=False, markup=False, soft_wrap=True)
+    console.print()
+
+
+def merge_groups(table: TextTable) -> TextTable:
+    """Return a table with one row of heads, each after the name of its group."""
+    names = [name for name, span in table.groups for _ in range(span)]
+    if not names:
+        return table
+    heads = [f'{name} {head}'.strip() for name, head in zip(names, table.heads, strict=True)]
+    return TextTable(table.heading, heads, table.rows, table.note)
+
+
+def split_heads(table: TextTable) -> list[str]:
+    """Return the heads with one word per line, so that columns are as narrow as their numbers."""
+    return [head.replace(' ', '\n') for head in table.heads]
+
+
+def measure_width(table: TextTable, gap: int) -> int:
+    """Return the number of characters of the widest line of a table."""
+    columns = zip(split_heads(table), *table.rows, strict=True)
+    widths = [max(len(line) for cell in each for line in cell.split('\n')) for each in columns]
+    return sum(widths) + gap * (len(widths) - 1)
