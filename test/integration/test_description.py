@@ -7,7 +7,7 @@ from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 import pytest
 from rcl_interfaces.srv import ListParameters
-from rclpy.qos import DurabilityPolicy, qos_profile_sensor_data, QoSProfile
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 from waiting import PATIENCE
 
@@ -37,7 +37,7 @@ def test_transforms_follow_odom_and_the_vehicle_file(domain_id):
         moving, still = [], []
         peer.node.create_subscription(transforms.TFMessage, '/tf', moving.append, 100)
         peer.node.create_subscription(transforms.TFMessage, '/tf_static', still.append, LATCHED)
-        odom = peer.offering('odom', Odometry, qos_profile_sensor_data)
+        odom = peer.publisher('odom')
         pose = Odometry(child_frame_id='base_link')
         pose.header.frame_id = 'odom'
         pose.pose.pose.position.x, pose.pose.pose.orientation.w = 1.5, 1.0
