@@ -97,6 +97,8 @@ def study_command(
             with nullcontext(run.folder) if resumes else stage_results(run.folder, PAGE) as folder:
                 write_report(report, folder, page=page, pictures=pictures)
             show_report(report, run, json)
+            if report.status:
+                raise typer.Exit(report.status)
 
         hints = {**get_type_hints(study, include_extras=True), **OPTIONS, 'return': None}
         del hints['run']
