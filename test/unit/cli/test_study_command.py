@@ -1,0 +1,101 @@
+"""Tests of the output options that every study gets."""
+
+import json
+
+from lta_cli.options.study_command import study_command, StudyRun
+from lta_config.errors import BadInput
+from lta_report.report import Report, TextTable
+import pytest
+import typer
+from typer.testing import CliRunner
+
+
+@pytest.fixture
+def invoke(tmp_path, monkeypatch):
+    """Run a small study that fails below zero."""
+    monkeypatch.chdir(tmp_path)
+
+    @study_command('tiny')
+    def tiny(number: float = 1.0, *, run: StudyRun) -> Report:
+        """Measure a number."""
+        if number < 0.0:
+            raise BadInput('--number is negative; give a positive one.')
+        run.console.print('busy')
+        table = TextTable('Numbers', ('name', 'value'), [('number', f'{number:g}')])
+        return Report('tiny', '', f'The number is {number:g}.', '', [], [table], {'n': number})
+
+    app = typer.Typer()
+    app.command()(tiny)
+    return lambda *words: CliRunner().invoke(app, words)
+
+
+def test_a_study_writes_json_and_page_and_prints_its_table(invoke, tmp_path):
+    done = invoke('--number', '3', '--out', 'results')
+    assert done.exit_code == 0, done.output
+    assert sorted(each.name for each in (tmp_path / 'results').iterdir()) == [
+        'report.html', 'tiny.json'
+    ]  # fmt: skip
+    assert json.loads((tmp_path / 'results/tiny.json').read_text()) == {'n': 3.0}
+    assert done.stdout.splitlines()[-2:] == [
+        'The number is 3.',
+        'Page results/report.html  (open it in a browser: xdg-open results/report.html)',
+    ]
+
+
+def test_json_goes_alone_to_stdout(invoke, tmp_path):
+    done = invoke('--json', '--out', 'results')
+    assert json.loads(done.stdout) == {'n': 1.0, 'page': str(tmp_path / 'results/report.html')}
+    assert 'busy' in done.stderr
+    assert 'The number is 1.' in done.stderr
+
+
+def test_without_a_page(invoke, tmp_path):
+    done = invoke('--no-page', '--json', '--out', 'results')
+    assert json.loads(done.stdout) == {'n': 1.0}
+    assert [each.name for each in (tmp_path / 'results').iterdir()] == ['tiny.json']
+    assert 'Page' not in done.stderr
+    refused = invoke('--no-page', '--pictures', 'png')
+    assert isinstance(refused.exception, BadInput)
+    assert not (tmp_path / 'png').exists()
+
+
+def test_the_default_folder_carries_the_name(invoke, tmp_path):
+    assert invoke().exit_code == 0
+    (folder,) = (tmp_path / 'runs').iterdir()
+    assert folder.name.endswith('-tiny')
+
+
+def test_nothing_is_written_for_bad_input(invoke, tmp_path):
+    failed = invoke('--number', '-1', '--out', 'results')
+    assert isinstance(failed.exception, BadInput)
+    assert not (tmp_path / 'results').exists()
+
+
+def test_a_folder_with_contents_is_refused_before_the_study(invoke, tmp_path):
+    (tmp_path / 'results').mkdir()
+    (tmp_path / 'results/mine.txt').write_text('x')
+    refused = invoke('--out', 'results')
+    assert isinstance(refused.exception, BadInput)
+    assert 'busy' not in refused.output
+    assert [each.name for each in (tmp_path / 'results').iterdir()] == ['mine.txt']
+
+
+def test_a_study_that_resumes_keeps_what_its_folder_has(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    @study_command('', resumes=True)
+    def counting(*, run: StudyRun) -> Report:
+        """Count the runs."""
+        folder = run.open_folder(tmp_path / 'runs/counting-1')
+        folder.mkdir(parents=True, exist_ok=True)
+        with (folder / 'log').open('a') as log:
+            log.write('x')
+        count = len((folder / 'log').read_text())
+        return Report('counting', '', f'{count} runs.', '', [], [], {'runs': count})
+
+    app = typer.Typer()
+    app.command()(counting)
+    for count in (1, 2):
+        assert f'{count} runs.' in CliRunner().invoke(app).stdout
+    content = json.loads((tmp_path / 'runs/counting-1/counting.json').read_text())
+    assert content == {'runs': 2}
