@@ -6,6 +6,7 @@ import shutil
 import sys
 
 from lta_config.files import share_folder
+from lta_report.report_terminal import print_table
 from lta_sim.cfd.flow_plan import plan_flows
 from lta_sim.cfd.sweep_table import drop_pressure_maps, read_sweep
 from lta_sim.cfd.tunnel_model import load_tunnel_model
@@ -13,7 +14,6 @@ from lta_sim.cfd.validation import SphereComparison
 from lta_studies.cfd.pictures import draw_sphere_drag
 from lta_studies.cfd.progress import TunnelProgress
 from lta_studies.cfd.tables import build_drag_table, build_rotor_table
-from lta_studies.energy.tables import print_table
 import pytest
 from rich.console import Console
 
@@ -50,7 +50,7 @@ def test_what_dies_is_said_and_the_rest_is_kept(run, monkeypatch, tmp_path):
 @pytest.mark.parametrize('name', ['beavis', 'blimp2b', 'gtmab', 'sblimp', 'skye'])
 def test_no_number_is_cut_on_a_terminal_of_80_columns(name):
     sweep = read_sweep(share_folder() / 'aero' / f'{name}.sweep.json')
-    console = Console(width=80, record=True)
+    console = Console(width=80, record=True, force_terminal=True)
     for table in (build_drag_table(sweep), build_rotor_table(sweep)):
         print_table(table, console)
     said = [line.split() for line in console.export_text().splitlines()]
