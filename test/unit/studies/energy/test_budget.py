@@ -12,8 +12,8 @@ from lta_model.vehicle import load_vehicle
 from lta_report.report import TextTable
 from lta_studies.energy import paper
 from lta_studies.energy.budget import run, tasks
-from lta_studies.energy.budget.report import build_report
 from lta_studies.energy.budget.power_causes import explain_hover_power
+from lta_studies.energy.budget.report import build_report
 from lta_studies.energy.course_flight import FlightTrack
 import numpy as np
 import pytest
