@@ -1,9 +1,9 @@
 """
 The description node: it publishes the drone's shape and frames for RViz and other tools.
 
-The vehicle's URDF is latched on `robot_description`. If tf2_msgs is installed (part of a full ROS
-2, not available as a wheel), the vehicle's frame is published on /tf from `odom` or the truth, and
-the frames of sensors and rotors on /tf_static. No other node waits for this one.
+The vehicle's URDF is latched on `robot_description`. The vehicle's frame is published on /tf from
+`odom` or the truth, and the frames of sensors and rotors on /tf_static, if tf2_msgs is installed
+(no wheel has it; `make build` compiles it). No other node waits for this one.
 """
 
 from typing import Any, Literal
@@ -49,7 +49,7 @@ class DescriptionNode(GraphNode):
         self._text = self.create_publisher(String, 'robot_description', LATCHED)
         self._text.publish(String(data=build_urdf(vehicle)))
         if TFMessage is None:
-            text = 'the URDF is published, but not /tf: install the package tf2_msgs for that'
+            text = 'only the URDF is published, not /tf: tf2_msgs is missing (see lta doctor)'
             self.health.report('frames', HealthLevel.OK, text)
             return
         self._tf = self.create_publisher(TFMessage, '/tf', DEPTH)
