@@ -9,6 +9,7 @@ import pytest
 from rcl_interfaces.srv import ListParameters
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
+from visualization_msgs.msg import MarkerArray
 from waiting import PATIENCE
 
 from .peer import Peer, start
@@ -32,8 +33,11 @@ def test_a_viewer_that_comes_late_gets_the_urdf(domain_id):
 
 def test_transforms_follow_odom_and_the_vehicle_file(domain_id):
     transforms = pytest.importorskip('tf2_msgs.msg', reason='this machine lacks a compiler')
-    process = start('lta_bridge.nodes.description', '-p', 'vehicle:=gtmab')
+    words = ('-p', 'vehicle:=gtmab', '-p', 'scenario:=lamp_room', '-p', 'frame_prefix:=lta1/')
+    process = start('lta_bridge.nodes.description', *words)
     with Peer(domain_id) as peer:
+        scenes = []
+        peer.node.create_subscription(MarkerArray, 'scene', scenes.append, LATCHED)
         moving, still = [], []
         peer.node.create_subscription(transforms.TFMessage, '/tf', moving.append, 100)
         peer.node.create_subscription(transforms.TFMessage, '/tf_static', still.append, LATCHED)
@@ -43,15 +47,21 @@ def test_transforms_follow_odom_and_the_vehicle_file(domain_id):
         pose.pose.pose.position.x, pose.pose.pose.orientation.w = 1.5, 1.0
 
         peer.node.create_timer(0.02, lambda: odom.publish(pose))
-        peer.until(lambda: moving and still)
+        peer.until(lambda: moving and still and scenes)
+        assert {'room', 'goal'} < {marker.ns for marker in scenes[0].markers}
         (moved,) = moving[0].transforms
-        assert (moved.header.frame_id, moved.child_frame_id) == ('odom', 'base_link')
+        assert (moved.header.frame_id, moved.child_frame_id) == (
+            'lta1/odom', 'lta1/base_link',
+        )  # fmt: skip
         assert moved.transform.translation.x == 1.5
-        fixed = {each.child_frame_id: each.transform for each in still[0].transforms}
+        fixed = {each.child_frame_id: each for each in still[0].transforms}
         wanted = list_fixed_frames(load_vehicle('gtmab'))
-        assert set(fixed) == {frame.name for frame in wanted}
+        assert set(fixed) == {f'lta1/{frame.name}' for frame in wanted} | {'lta1/odom'}
+        # The map is the same for all drones
+        assert fixed['lta1/odom'].header.frame_id == 'map'
         for frame in wanted:
-            place = fixed[frame.name].translation
+            assert fixed[f'lta1/{frame.name}'].header.frame_id == f'lta1/{frame.parent}'
+            place = fixed[f'lta1/{frame.name}'].transform.translation
             assert (place.x, place.y, place.z) == pytest.approx(frame.place)
     process.terminate()
     process.communicate(timeout=PATIENCE)
