@@ -109,7 +109,7 @@ class Report:
     Attributes
     ----------
     command : str
-        Words of the command, such as 'energy hover'; the last one names the JSON file.
+        Words of the command, such as 'energy hover'.
     subject : str
         What was studied.
     headline : str
@@ -120,12 +120,18 @@ class Report:
         Key figures.
     blocks : sequence of Block
         Content in the order of the page.
-    data : mapping
+    data : mapping or list
         Content of the JSON file, in SI units.
     facts, commands, files : mapping of str to str
         Footer of the page: origin of the results, next steps, and whole files.
     closing : sequence of str
         Lines that only the terminal shows, after the headline.
+    json_name : str
+        Name of the JSON file; the last word of the command by default.
+    outputs : mapping of str to str
+        Further files of the results folder: name and content.
+    status : int
+        Exit status of the command.
 
     """
 
@@ -135,16 +141,14 @@ class Report:
     introduction: str
     tiles: Sequence[Tile]
     blocks: Sequence[Block]
-    data: Mapping[str, Any]
+    data: Mapping[str, Any] | list[Any]
     facts: Mapping[str, str] = field(default_factory=dict)
     commands: Mapping[str, str] = field(default_factory=dict)
     files: Mapping[str, str] = field(default_factory=dict)
     closing: Sequence[str] = ()
-
-    @property
-    def name(self) -> str:
-        """The last word of the command."""
-        return self.command.split()[-1]
+    json_name: str = ''
+    outputs: Mapping[str, str] = field(default_factory=dict)
+    status: int = 0
 
 
 def transpose_table(table: TextTable) -> TextTable:

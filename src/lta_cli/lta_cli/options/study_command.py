@@ -40,7 +40,7 @@ class StudyRun:
     console : Console
         For progress; it writes to stderr if the results are printed as JSON.
     folder : Path
-        Results folder, absolute. A study that resumes calls `open_folder` to set it.
+        Results folder, absolute. A study that resumes or names it calls `open_folder`.
     out : Path or None
         The folder that the user has chosen.
     page : bool
@@ -54,7 +54,7 @@ class StudyRun:
     page: bool
 
     def open_folder(self, default: Path) -> Path:
-        """Return the user's folder or a default one, in which the study stores finished work."""
+        """Set and return the results folder: the user's, or a default one."""
         self.folder = (self.out or default).absolute()
         return self.folder
 
@@ -65,8 +65,8 @@ def study_command(
     """
     Give a function that returns a report the options --out, --no-page, --pictures and --json.
 
-    The function has an argument `run`, a `StudyRun`. Nothing is written before it returns, unless
-    it resumes.
+    The function may have an argument `run`, a `StudyRun`. Nothing is written before it returns,
+    unless it resumes.
 
     Parameters
     ----------
@@ -78,6 +78,8 @@ def study_command(
     """
 
     def decorate(study: Callable[..., Report]) -> Callable[..., None]:
+        signature = inspect.signature(study)
+
         @wraps(study)
         def command(
             *args: Any,  # noqa: ANN401 - the study's own options
@@ -93,15 +95,18 @@ def study_command(
             check_picture_output(pictures)
             if not resumes:
                 check_creatable(run.folder)
-            report = study(*args, run=run, **options)
+            own = {'run': run} if 'run' in signature.parameters else {}
+            report = study(*args, **own, **options)
             with nullcontext(run.folder) if resumes else stage_results(run.folder, PAGE) as folder:
                 write_report(report, folder, page=page, pictures=pictures)
             show_report(report, run, json)
+            if report.status:
+                raise typer.Exit(report.status)
 
         hints = {**get_type_hints(study, include_extras=True), **OPTIONS, 'return': None}
-        del hints['run']
+        hints.pop('run', None)
         command.__annotations__ = hints
-        command.__signature__ = add_options(inspect.signature(study))  # type: ignore[attr-defined]
+        command.__signature__ = add_options(signature)  # type: ignore[attr-defined]
         # Typer would otherwise read the annotations of the study
         del command.__wrapped__
         return command
