@@ -14,6 +14,13 @@ from plotly.graph_objects import Figure
 
 
 @final
+class Emphasis(str):
+    """A cell of a table in bold."""
+
+    __slots__ = ()
+
+
+@final
 @dataclass(frozen=True, slots=True)
 class TextTable:
     """
@@ -26,7 +33,7 @@ class TextTable:
     heads : sequence of str
         One per column.
     rows : sequence of sequence of str
-        Cells of each row.
+        Cells of each row; an `Emphasis` is bold.
     note : str
         Remark below the table.
     groups : sequence of (str, int)

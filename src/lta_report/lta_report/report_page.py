@@ -8,7 +8,7 @@ from typing import Final
 from lta_report.formatting import MISSING
 from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page
-from lta_report.report import Block, Grid, Picture, Report, TextSection, TextTable
+from lta_report.report import Block, Emphasis, Grid, Picture, Report, TextSection, TextTable
 
 # A cell that starts like a number, or is a dash or empty
 NUMBER: Final = re.compile(rf'[-+\N{{MINUS SIGN}}<>≤≥±~]?\s?[\d.∞{MISSING}]|-?$|none$|never$')
@@ -94,9 +94,14 @@ def render_cells(row: Sequence[str], classes: Sequence[str]) -> str:
     """Return the cells of a row; the first one is its head."""
     first, *rest = row
     cells = ''.join(
-        f'<td{kind}>{escape(cell)}</td>' for cell, kind in zip(rest, classes[1:], strict=True)
+        f'<td{kind}>{render_text(cell)}</td>' for cell, kind in zip(rest, classes[1:], strict=True)
     )
-    return f'<th scope="row">{escape(first)}</th>{cells}'
+    return f'<th scope="row">{render_text(first)}</th>{cells}'
+
+
+def render_text(cell: str) -> str:
+    """Return the text of a cell."""
+    return f'<b>{escape(cell)}</b>' if isinstance(cell, Emphasis) else escape(cell)
 
 
 def render_text_section(section: TextSection) -> str:
