@@ -11,7 +11,7 @@ from lta_report.page_frame import assemble_page
 from lta_report.report import Block, Emphasis, Grid, Picture, Report, TextSection, TextTable
 
 # A cell that starts like a number, or is a dash or empty
-NUMBER: Final = re.compile(rf'[-+\N{{MINUS SIGN}}<>≤≥±~]?\s?[\d.∞{MISSING}]|-?$|none$|never$')
+NUMBER: Final = re.compile(rf'[-+\N{{MINUS SIGN}}<>≤≥±~]?\s?[\d.∞{MISSING}]|-?$|none$|never\b')
 
 
 def render_report(report: Report) -> str:

@@ -91,7 +91,18 @@ def test_columns_of_words_are_left_aligned_and_numbers_are_not():
 
 
 @pytest.mark.parametrize(
-    'cell', ['1.0', format_number(-0.2), '+3', '<1', '0.5 (0.1 to 0.9)', '∞', MISSING, '']
+    'cell',
+    [
+        '1.0',
+        format_number(-0.2),
+        '+3',
+        '<1',
+        '0.5 (0.1 to 0.9)',
+        'never (2 to never)',
+        '∞',
+        MISSING,
+        '',
+    ],
 )
 def test_cells_that_are_numbers(cell):
     assert is_numeric([cell])
