@@ -1,6 +1,6 @@
 """Turn a function that returns a report into a command with the output options of all studies."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import wraps
@@ -8,7 +8,14 @@ import inspect
 from pathlib import Path
 from typing import Annotated, Any, final, get_type_hints
 
-from lta_cli.options.output_options import check_picture_output, Json, Out, Pictures, print_json
+from lta_cli.options.output_options import (
+    check_picture_output,
+    Json,
+    Out,
+    Pictures,
+    print_json,
+    ResumedOut,
+)
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import relative_path
 from lta_config.errors import BadInput
@@ -79,6 +86,7 @@ def study_command(
 
     def decorate(study: Callable[..., Report]) -> Callable[..., None]:
         signature = inspect.signature(study)
+        added = {**OPTIONS, 'out': ResumedOut} if resumes else OPTIONS
 
         @wraps(study)
         def command(
@@ -103,10 +111,10 @@ def study_command(
             if report.status:
                 raise typer.Exit(report.status)
 
-        hints = {**get_type_hints(study, include_extras=True), **OPTIONS, 'return': None}
+        hints = {**get_type_hints(study, include_extras=True), **added, 'return': None}
         hints.pop('run', None)
         command.__annotations__ = hints
-        command.__signature__ = add_options(signature)  # type: ignore[attr-defined]
+        command.__signature__ = add_options(signature, added)  # type: ignore[attr-defined]
         # Typer would otherwise read the annotations of the study
         del command.__wrapped__
         return command
@@ -114,14 +122,14 @@ def study_command(
     return decorate
 
 
-def add_options(signature: inspect.Signature) -> inspect.Signature:
+def add_options(signature: inspect.Signature, options: Mapping[str, object]) -> inspect.Signature:
     """Return a signature with the output options instead of `run`."""
     own = [each for each in signature.parameters.values() if each.name != 'run']
     added = [
         inspect.Parameter(
             name, inspect.Parameter.KEYWORD_ONLY, default=DEFAULTS[name], annotation=kind
         )
-        for name, kind in OPTIONS.items()
+        for name, kind in options.items()
     ]
     return signature.replace(parameters=[*own, *added], return_annotation=None)
 
