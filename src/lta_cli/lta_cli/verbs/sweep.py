@@ -55,10 +55,10 @@ def sweep(
     the same samples and seeds. The drone's own model uses the varied values, too. Everything is
     checked before the first flight.
 
-    Finished flights are stored in the results folder, by default runs/sweep-<name>-<hash>, and
-    repeating the command resumes a stopped sweep, which has a page as well. Failed flights
-    are stored with their seed and the reason. flights.parquet has one row per flight, with SI
-    units and descriptions in the column metadata.
+    Finished flights are stored in the results folder, by default runs/sweep-<name>-<hash>. A
+    stopped sweep reports its finished flights, and repeating the command resumes it. Failed
+    flights are stored with their seed and the reason. flights.parquet has one row per flight, with
+    SI units and descriptions in the column metadata.
 
     --device flies thousands of closed loops at once, after one compilation of up to a minute for
     each strategy. It models the received lamp signal by geometry and noise instead of ADC blocks,
@@ -66,8 +66,8 @@ def sweep(
     estimator errors. It supports every strategy, routes and several lamps, but no recorded wind,
     no courses, only the control law cascade, and no effects on measurements.
 
-    Exit status 0: all flights were flown. 1: some failed. 2: bad input, nothing was flown. 130:
-    Ctrl-C.
+    Exit status 0: all flights were flown. 1: some failed. 2: bad input, nothing was flown; or the
+    workers failed. 130: Ctrl-C.
 
     Example: lta sweep heaviness --workers 2
     """
