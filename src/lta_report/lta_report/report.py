@@ -98,10 +98,11 @@ class TextSection:
 @final
 @dataclass(frozen=True, slots=True)
 class Grid:
-    """Blocks beside each other where the page is wide enough."""
+    """Blocks beside each other where the page is wide enough; the name is its id on the page."""
 
     blocks: 'Sequence[Block]'
     columns: int = 2
+    name: str = ''
 
 
 Block = Picture | TextTable | TextSection | Grid

@@ -5,7 +5,7 @@ from html import escape
 import re
 from typing import Final
 
-from lta_report.formatting import MISSING
+from lta_report.formatting import MISSING, Tile
 from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page
 from lta_report.report import Block, Emphasis, Grid, Picture, Report, TextSection, TextTable
@@ -23,12 +23,21 @@ def render_report(report: Report) -> str:
         kicker=escape(report.command + subject),
         about=escape(report.introduction),
         tiles='\n'.join(render_tile(*each) for each in report.tiles),
+        tile_width=f'{choose_tile_width(report.tiles)}',
         has_plots=has_pictures(report.blocks),
         blocks='\n'.join(map(render_block, report.blocks)),
         facts=report.facts,
         commands=report.commands,
         files=report.files,
     )
+
+
+def choose_tile_width(tiles: Sequence[Tile]) -> int:
+    """Return the least width of a tile. [px]"""
+    # Ten tiles fit one line of a wide window; long words, such as channels, need more
+    usual = 140 if len(tiles) <= 8 else 118
+    longest = max((len(word) for each in tiles for word in each.name.split()), default=0)
+    return max(usual, min(28 + 6 * longest, 200))
 
 
 def has_pictures(blocks: Sequence[Block]) -> bool:
@@ -54,7 +63,8 @@ def render_block(block: Block) -> str:
         case Grid():
             inside = '\n'.join(map(render_block, block.blocks))
             style = f'grid-template-columns: repeat({block.columns}, minmax(0, 1fr))'
-            return f'<div class="grid" style="{style}">\n{inside}\n</div>'
+            name = f' id="panel-{block.name}"' if block.name else ''
+            return f'<div class="grid"{name} style="{style}">\n{inside}\n</div>'
 
 
 def render_table_section(table: TextTable) -> str:

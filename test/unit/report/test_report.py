@@ -14,7 +14,7 @@ from lta_report.report import (
     transpose_table,
 )
 from lta_report.report_output import write_report
-from lta_report.report_page import is_numeric, render_report
+from lta_report.report_page import choose_tile_width, is_numeric, render_report
 from lta_report.report_terminal import merge_groups, print_report, print_table
 from plotly.graph_objects import Figure
 import pytest
@@ -107,6 +107,12 @@ def test_columns_of_words_are_left_aligned_and_numbers_are_not():
 def test_cells_that_are_numbers(cell):
     assert is_numeric([cell])
     assert not is_numeric([cell, 'escaped'])
+
+
+def test_nine_tiles_are_narrower_and_tiles_with_long_names_wider():
+    tiles = [Tile('power', '0.58', 'W', 'mean')] * 9
+    assert [choose_tile_width(tiles[:8]), choose_tile_width(tiles)] == [140, 118]
+    assert choose_tile_width([Tile('odom/pose.pose.orientation.pitch', '1', '', '')]) == 200
 
 
 def test_plotly_is_included_only_with_a_picture():
