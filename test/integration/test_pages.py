@@ -9,10 +9,12 @@ from lta_bridge.playback.message_iterator import shift_stamp
 from lta_cli import app
 from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
-from lta_flight.replay.page import write_page as write_replay
 from lta_flight.replay.replay_request import ReplayRequest
+from lta_flight.replay.report import build_report
+from lta_flight.replay.run import ReplayRun
 from lta_flight.replay.verdict import compare_with_recording
 from lta_flight.report import write_page
+from lta_report.report_output import write_report
 from lta_report.screenshots import (
     capture_part,
     collect_errors,
@@ -157,8 +159,7 @@ def tune(folder, call):
         patched.setattr(helium_limit, 'HALVINGS', 0)
         patched.setattr(workers, 'fly_to_lamp', lambda *_: LampFlightResult(True, 0.3))
         words = ('--budget=2', '--draws=2', '--cases=1', '--workers=1', '--number=climb.kp')
-        files = (f'--folder={folder / "out"}', f'--out={folder / "found.yaml"}')
-        call('tune', 'gtmab', '--most=0 g', *words, *files)
+        call('tune', 'gtmab', '--most=0 g', *words, '--out', folder / 'out')
     (folder / 'out' / 'report.html').rename(folder / 'report.html')
 
 
@@ -180,7 +181,8 @@ def replay(folder, call):
         open_flight(LAMP), open_flight(folder / 'bag'), order.node_selection.answers
     )
     assert found.word == 'different'
-    write_replay(found, order, stored.provenance, folder)
+    played = ReplayRun(folder / 'bag', None)
+    write_report(build_report(played, found, order, stored.provenance), folder)
 
 
 PAGES = {

@@ -45,7 +45,7 @@ COMMANDS = {
     'energy mounting': 'energy mounting --seeds 1 --json --out {out}',
     'energy breakeven': 'energy breakeven --json --out {out}',
     'mission': 'mission --schedule "duty cycle, asleep" --json --out {out}',
-    'tune': 'tune gtmab --cases 2 --budget 16 --draws 2 --json --folder {out} --out {out}/g.yaml',
+    'tune': 'tune gtmab --cases 2 --budget 16 --draws 2 --json --out {out}',
     'sweep': 'sweep {sweep} --json --out {out}',
     'bag info': 'bag info {flight}/bag --json',
     'bag check': 'bag check {flight}/bag --json',

@@ -103,10 +103,11 @@ def embed_picture(
 ) -> str:
     """Return the place of a figure, its caption and its data; the texts are already HTML."""
     style = '' if height is None else f'style="height: {height}px" '
+    caption = f'<figcaption>{about}</figcaption>' if about else ''
     return (
         f'<div class="plot" data-panel="{name}" data-timed="{str(timed).lower()}" {style}'
         f'role="img" aria-label="{words}. {about}"></div>'
-        f'<figcaption>{about}</figcaption>{embed_data(f"figure-{name}", sanitize_figure(picture))}'
+        f'{caption}{embed_data(f"figure-{name}", sanitize_figure(picture))}'
     )
 
 

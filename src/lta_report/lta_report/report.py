@@ -14,6 +14,13 @@ from plotly.graph_objects import Figure
 
 
 @final
+class Emphasis(str):
+    """A cell of a table in bold."""
+
+    __slots__ = ()
+
+
+@final
 @dataclass(frozen=True, slots=True)
 class TextTable:
     """
@@ -26,7 +33,7 @@ class TextTable:
     heads : sequence of str
         One per column.
     rows : sequence of sequence of str
-        Cells of each row.
+        Cells of each row; an `Emphasis` is bold.
     note : str
         Remark below the table.
     groups : sequence of (str, int)
@@ -91,10 +98,11 @@ class TextSection:
 @final
 @dataclass(frozen=True, slots=True)
 class Grid:
-    """Blocks beside each other where the page is wide enough."""
+    """Blocks beside each other where the page is wide enough; the name is its id on the page."""
 
     blocks: 'Sequence[Block]'
     columns: int = 2
+    name: str = ''
 
 
 Block = Picture | TextTable | TextSection | Grid

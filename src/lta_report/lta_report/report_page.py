@@ -5,13 +5,13 @@ from html import escape
 import re
 from typing import Final
 
-from lta_report.formatting import MISSING
+from lta_report.formatting import MISSING, Tile
 from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page
-from lta_report.report import Block, Grid, Picture, Report, TextSection, TextTable
+from lta_report.report import Block, Emphasis, Grid, Picture, Report, TextSection, TextTable
 
 # A cell that starts like a number, or is a dash or empty
-NUMBER: Final = re.compile(rf'[-+\N{{MINUS SIGN}}<>≤≥±~]?\s?[\d.∞{MISSING}]|-?$|none$|never$')
+NUMBER: Final = re.compile(rf'[-+\N{{MINUS SIGN}}<>≤≥±~]?\s?[\d.∞{MISSING}]|-?$|none$|never\b')
 
 
 def render_report(report: Report) -> str:
@@ -23,12 +23,21 @@ def render_report(report: Report) -> str:
         kicker=escape(report.command + subject),
         about=escape(report.introduction),
         tiles='\n'.join(render_tile(*each) for each in report.tiles),
+        tile_width=f'{choose_tile_width(report.tiles)}',
         has_plots=has_pictures(report.blocks),
         blocks='\n'.join(map(render_block, report.blocks)),
         facts=report.facts,
         commands=report.commands,
         files=report.files,
     )
+
+
+def choose_tile_width(tiles: Sequence[Tile]) -> int:
+    """Return the least width of a tile. [px]"""
+    # Ten tiles fit one line of a wide window; long words, such as channels, need more
+    usual = 140 if len(tiles) <= 8 else 118
+    longest = max((len(word) for each in tiles for word in each.name.split()), default=0)
+    return max(usual, min(28 + 6 * longest, 200))
 
 
 def has_pictures(blocks: Sequence[Block]) -> bool:
@@ -54,7 +63,8 @@ def render_block(block: Block) -> str:
         case Grid():
             inside = '\n'.join(map(render_block, block.blocks))
             style = f'grid-template-columns: repeat({block.columns}, minmax(0, 1fr))'
-            return f'<div class="grid" style="{style}">\n{inside}\n</div>'
+            name = f' id="panel-{block.name}"' if block.name else ''
+            return f'<div class="grid"{name} style="{style}">\n{inside}\n</div>'
 
 
 def render_table_section(table: TextTable) -> str:
@@ -94,9 +104,14 @@ def render_cells(row: Sequence[str], classes: Sequence[str]) -> str:
     """Return the cells of a row; the first one is its head."""
     first, *rest = row
     cells = ''.join(
-        f'<td{kind}>{escape(cell)}</td>' for cell, kind in zip(rest, classes[1:], strict=True)
+        f'<td{kind}>{render_text(cell)}</td>' for cell, kind in zip(rest, classes[1:], strict=True)
     )
-    return f'<th scope="row">{escape(first)}</th>{cells}'
+    return f'<th scope="row">{render_text(first)}</th>{cells}'
+
+
+def render_text(cell: str) -> str:
+    """Return the text of a cell."""
+    return f'<b>{escape(cell)}</b>' if isinstance(cell, Emphasis) else escape(cell)
 
 
 def render_text_section(section: TextSection) -> str:

@@ -2,7 +2,15 @@
 
 from collections.abc import Sequence
 
-from lta_report.report import Block, Grid, Report, TextSection, TextTable, transpose_table
+from lta_report.report import (
+    Block,
+    Emphasis,
+    Grid,
+    Report,
+    TextSection,
+    TextTable,
+    transpose_table,
+)
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -47,15 +55,17 @@ def print_table(table: TextTable, console: Console) -> None:
         turned = transpose_table(table)
         if measure_width(table, gap) > console.width >= measure_width(turned, gap):
             table = turned
-    for part in split_table(table, console.width, gap):
-        console.print(draw_table(part, gap))
+    # Where nothing else helps, names wrap too, and then the table is printed in parts
+    narrow = measure_width(table, gap) > console.width
+    for part in split_table(table, console.width, gap, narrow):
+        console.print(draw_table(part, gap, narrow))
     if table.note:
         console.print(table.note, style='dim', highlight=False, markup=False, soft_wrap=True)
     console.print()
 
 
-def draw_table(table: TextTable, gap: int) -> Table:
-    """Return a table for the terminal; only columns of words may wrap."""
+def draw_table(table: TextTable, gap: int, narrow: bool) -> Table:
+    """Return a table for the terminal; only columns of words may wrap, names if it is narrow."""
     drawn = Table(
         title=table.heading, title_justify='left', title_style='bold', box=None, pad_edge=False,
         padding=(0, gap, 0, 0),
@@ -64,16 +74,16 @@ def draw_table(table: TextTable, gap: int) -> Table:
         drawn.add_column(
             Text(head),
             justify='left' if place == 0 else 'right',
-            no_wrap=place == 0 or not has_words(cells),
+            no_wrap=not may_wrap(place, cells, narrow),
         )
     for row in table.rows:
-        drawn.add_row(*map(Text, row))
+        drawn.add_row(*map(style_cell, row))
     return drawn
 
 
-def split_table(table: TextTable, width: int, gap: int) -> list[TextTable]:
+def split_table(table: TextTable, width: int, gap: int, narrow: bool) -> list[TextTable]:
     """Return the parts of a table that fit a width, each with the column of names."""
-    first, *sizes = measure_columns(table)
+    first, *sizes = measure_columns(table, narrow)
     parts, taken = [[0]], first
     for place, size in enumerate(sizes, start=1):
         if taken + gap + size > width and len(parts[-1]) > 1:
@@ -91,23 +101,28 @@ def split_table(table: TextTable, width: int, gap: int) -> list[TextTable]:
     ]
 
 
-def measure_columns(table: TextTable) -> list[int]:
-    """Return the smallest width of each column: words may wrap, numbers may not."""
+def measure_columns(table: TextTable, narrow: bool) -> list[int]:
+    """Return the smallest width of each column."""
     widths = []
     for place, (head, *cells) in enumerate(zip(split_heads(table), *table.rows, strict=True)):
-        lines = [head, *(wrap(cells) if place > 0 and has_words(cells) else cells)]
+        lines = [head, *(wrap(cells) if may_wrap(place, cells, narrow) else cells)]
         widths.append(max(len(line) for cell in lines for line in cell.split('\n')))
     return widths
 
 
-def has_words(cells: Sequence[str]) -> bool:
+def may_wrap(place: int, cells: Sequence[str], narrow: bool) -> bool:
     """Return whether a column has cells of several words; a wrapped number is unreadable."""
-    return any(' ' in cell for cell in cells)
+    return (place > 0 or narrow) and any(' ' in cell for cell in cells)
 
 
 def wrap(cells: Sequence[str]) -> list[str]:
     """Return cells with one word per line."""
     return [cell.replace(' ', '\n') for cell in cells]
+
+
+def style_cell(cell: str) -> Text:
+    """Return the text of a cell."""
+    return Text(cell, style='bold' if isinstance(cell, Emphasis) else '')
 
 
 def merge_groups(table: TextTable) -> TextTable:

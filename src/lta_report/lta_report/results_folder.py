@@ -1,6 +1,6 @@
 """The results folder of a command: its name, atomic writing, and the line that names the page."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from datetime import datetime
 import json
@@ -69,7 +69,7 @@ def stage_results(folder: Path, last: str) -> Iterator[Path]:
                 folder.rmdir()
 
 
-def write_json(content: Mapping[str, Any] | list[Any], place: Path) -> str:
+def write_json(content: Mapping[str, Any] | Sequence[Any], place: Path) -> str:
     """Write results as JSON and return the text; raise `BadInput` if writing fails."""
     text = json.dumps(content, indent=1) + '\n'
     try:

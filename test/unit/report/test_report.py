@@ -4,9 +4,17 @@ from html.parser import HTMLParser
 import io
 
 from lta_report.formatting import format_number, MISSING, Tile
-from lta_report.report import Grid, Picture, Report, TextSection, TextTable, transpose_table
+from lta_report.report import (
+    Emphasis,
+    Grid,
+    Picture,
+    Report,
+    TextSection,
+    TextTable,
+    transpose_table,
+)
 from lta_report.report_output import write_report
-from lta_report.report_page import is_numeric, render_report
+from lta_report.report_page import choose_tile_width, is_numeric, render_report
 from lta_report.report_terminal import merge_groups, print_report, print_table
 from plotly.graph_objects import Figure
 import pytest
@@ -83,11 +91,28 @@ def test_columns_of_words_are_left_aligned_and_numbers_are_not():
 
 
 @pytest.mark.parametrize(
-    'cell', ['1.0', format_number(-0.2), '+3', '<1', '0.5 (0.1 to 0.9)', '∞', MISSING, '']
+    'cell',
+    [
+        '1.0',
+        format_number(-0.2),
+        '+3',
+        '<1',
+        '0.5 (0.1 to 0.9)',
+        'never (2 to never)',
+        '∞',
+        MISSING,
+        '',
+    ],
 )
 def test_cells_that_are_numbers(cell):
     assert is_numeric([cell])
     assert not is_numeric([cell, 'escaped'])
+
+
+def test_nine_tiles_are_narrower_and_tiles_with_long_names_wider():
+    tiles = [Tile('power', '0.58', 'W', 'mean')] * 9
+    assert [choose_tile_width(tiles[:8]), choose_tile_width(tiles)] == [140, 118]
+    assert choose_tile_width([Tile('odom/pose.pose.orientation.pitch', '1', '', '')]) == 200
 
 
 def test_plotly_is_included_only_with_a_picture():
@@ -130,6 +155,22 @@ def test_a_table_that_is_too_wide_either_way_is_printed_in_parts_with_every_numb
         found = [line.split() for line in lines if line.split()[:1] == [name]]
         assert [number for _, *part in found for number in part] == numbers
         assert len(found) > 1
+
+
+def test_long_names_wrap_in_a_narrow_terminal_before_anything_is_cut():
+    name = 'loss of lift that the largest vertical command can carry'
+    row = (name, '12.3 (11.0 to 14.0)', '1.5 (1 to 2)')
+    table = TextTable('Long', ('', 'old', 'new'), [row] * 3)
+    text = show(table, 60, True)
+    assert max(map(len, text.splitlines())) <= 60
+    assert '…' not in text
+    assert '12.3 (11.0 to 14.0)' in text
+    assert 'can carry' in text
+
+
+def test_an_emphasised_cell_is_bold():
+    page = render_report(make_report(TextTable('T', ('a', 'b'), [('x', Emphasis('<1'))])))
+    assert '<td><b>&lt;1</b></td>' in page
 
 
 def test_a_table_keeps_the_names_of_its_groups_in_the_terminal():

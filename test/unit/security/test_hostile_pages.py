@@ -9,12 +9,14 @@ from lta_cli import app
 from lta_config.files import find_file
 from lta_flight.replay.comparison import compare_topic
 from lta_flight.replay.decisions import compare_decisions
-from lta_flight.replay.page import render_page as replay_page
 from lta_flight.replay.replay_request import ReplayRequest
+from lta_flight.replay.report import build_report
+from lta_flight.replay.run import ReplayRun
 from lta_flight.replay.topic_messages import TopicMessages
 from lta_flight.replay.verdict import ReplayVerdict
 from lta_flight.report import write_page as write_report
 from lta_report.html_elements import sanitize_figure as inert_figure
+from lta_report.report_page import render_report
 import numpy as np
 from plotly.graph_objects import Figure
 import pytest
@@ -120,7 +122,9 @@ def test_the_page_of_a_replay(tmp_path, evil):
     topics = tuple(compare_topic(topic, *runs, stamped=True) for topic in (f'odom{evil}', 'odom'))
     verdict = ReplayVerdict(topics, tuple(compare_decisions(topics)), (evil,), 0)
     order = ReplayRequest(tmp_path / evil.replace('/', ''), ('controller',))
-    page = inert(replay_page(verdict, order, {'vehicle': evil, 'scenario': evil, 'seed': evil}))
+    facts = {'vehicle': evil, 'scenario': evil, 'seed': evil}
+    played = ReplayRun(tmp_path / 'bag', None)
+    page = inert(render_report(build_report(played, verdict, order, facts)))
     assert MARK in page.words
 
 

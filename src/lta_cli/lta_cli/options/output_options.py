@@ -43,6 +43,14 @@ Out = Annotated[
         metavar='FOLDER',
     ),
 ]
+ResumedOut = Annotated[
+    Path | None,
+    typer.Option(
+        help='Folder of the results, in which a stopped study resumes; in runs/ by default.',
+        parser=parse_folder,
+        metavar='FOLDER',
+    ),
+]
 Pictures = Annotated[
     Path | None,
     typer.Option(

@@ -1,6 +1,6 @@
 """Turn a function that returns a report into a command with the output options of all studies."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from functools import wraps
@@ -10,7 +10,14 @@ from typing import Annotated, Any, final, get_type_hints
 
 from lta_bridge.provenance import read_commit
 from lta_cli.app import WORDS
-from lta_cli.options.output_options import check_picture_output, Json, Out, Pictures, print_json
+from lta_cli.options.output_options import (
+    check_picture_output,
+    Json,
+    Out,
+    Pictures,
+    print_json,
+    ResumedOut,
+)
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
@@ -83,6 +90,7 @@ def study_command(
 
     def decorate(study: Callable[..., Report]) -> Callable[..., None]:
         signature = inspect.signature(study)
+        added = {**OPTIONS, 'out': ResumedOut} if resumes else OPTIONS
 
         @wraps(study)
         def command(
@@ -109,12 +117,12 @@ def study_command(
                 raise typer.Exit(report.status)
 
         hints = {
-            'context': typer.Context, **get_type_hints(study, include_extras=True), **OPTIONS,
+            'context': typer.Context, **get_type_hints(study, include_extras=True), **added,
             'return': None,
         }  # fmt: skip
         hints.pop('run', None)
         command.__annotations__ = hints
-        command.__signature__ = add_options(signature)  # type: ignore[attr-defined]
+        command.__signature__ = add_options(signature, added)  # type: ignore[attr-defined]
         # Typer would otherwise read the annotations of the study
         del command.__wrapped__
         return command
@@ -122,7 +130,7 @@ def study_command(
     return decorate
 
 
-def add_options(signature: inspect.Signature) -> inspect.Signature:
+def add_options(signature: inspect.Signature, options: Mapping[str, object]) -> inspect.Signature:
     """Return a signature with the context and the output options instead of `run`."""
     first = inspect.Parameter(
         'context', inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=typer.Context
@@ -132,7 +140,7 @@ def add_options(signature: inspect.Signature) -> inspect.Signature:
         inspect.Parameter(
             name, inspect.Parameter.KEYWORD_ONLY, default=DEFAULTS[name], annotation=kind
         )
-        for name, kind in OPTIONS.items()
+        for name, kind in options.items()
     ]
     return signature.replace(parameters=[first, *own, *added], return_annotation=None)
 

@@ -1,34 +1,20 @@
 """lta platforms: compare platforms in the same manoeuvres, each with its own control law."""
 
 from datetime import datetime
-from pathlib import Path
-import sys
 from typing import Annotated
 
-from lta_bridge.bag.writer import prepare_empty_folder
 from lta_bridge.provenance import read_commit
-from lta_cli.options.output_options import Out
-from lta_cli.options.plain_console import plain_console
+from lta_cli.options.study_command import study_command, StudyRun
 from lta_config.command_line import format_lta_command
 from lta_config.schema.comparison_file import load_comparison
-from lta_report.browser import find_chromium
-from lta_report.results_folder import format_page_line, resolve_folder, write_json
-from lta_report.screenshots import write_pictures
-from lta_studies.platforms.page import ComparisonReport, write_page
-from lta_studies.platforms.run import (
-    check_comparison,
-    count_processors,
-    fly_all,
-    list_jobs,
-    PlatformResult,
-    result_to_json,
-)
-from lta_studies.platforms.summary import describe_reversals
-from lta_studies.platforms.verdict import format_headline
+from lta_report.report import Report
+from lta_studies.platforms.report import build_report
+from lta_studies.platforms.run import check_comparison, count_processors, fly_all, list_jobs
 from rich.progress import track
 import typer
 
 
+@study_command('platforms')
 def platforms(
     file: Annotated[
         str, typer.Argument(help='Comparison file, or the name platforms for the shipped file.')
@@ -43,17 +29,9 @@ def platforms(
         int | None,
         typer.Option(help='Number of worker processes; one per processor by default.', min=1),
     ] = None,
-    out: Out = None,
-    pictures: Annotated[
-        Path | None,
-        typer.Option(
-            help='Write each figure as PNG to this folder; needs Chromium.', metavar='FOLDER'
-        ),
-    ] = None,
-    json: Annotated[
-        bool, typer.Option('--json', help='Print the results of all flights as JSON.')
-    ] = False,
-) -> None:
+    *,
+    run: StudyRun,
+) -> Report:
     """
     Compare platforms in climb, turn, heading and cruise, each with its own control law.
 
@@ -69,39 +47,22 @@ def platforms(
 
     Example: lta platforms --seeds 3
     """
-    console = plain_console(stderr=json)
-    if pictures is not None:
-        find_chromium()  # raises BadInput before anything is flown
-        prepare_empty_folder(pictures)
     comparison = load_comparison(file)
     # Every vehicle, gains file and manoeuvre is loaded before the first flight
     check_comparison(file, comparison)
-    todo = list_jobs(file, comparison, seeds or comparison.seeds)
+    count = seeds or comparison.seeds
+    todo = list_jobs(file, comparison, count)
     created = datetime.now().astimezone().isoformat(timespec='seconds')
-    target = prepare_empty_folder(resolve_folder(out, comparison.name))
     # An iterator: results arrive as the flights finish
     coming = fly_all(todo, workers or count_processors())
-    rows: list[PlatformResult] = list(
-        track(coming, 'flying', len(todo), console=console, disable=not console.is_terminal)
-    )
+    shown = run.console.is_terminal
+    rows = list(track(coming, 'flying', len(todo), console=run.console, disable=not shown))
     # Workers finish in any order; the results must not depend on it
     order = {job: index for index, job in enumerate(todo)}
     rows.sort(key=lambda row: order[row.job])
-    content = write_json([result_to_json(row) for row in rows], target / 'flights.json')
-    # Provenance, shown at the end of the page
-    origin = {
-        'comparison': file, 'seeds': str(seeds or comparison.seeds), 'flights': str(len(rows)),
+    facts = {
+        'comparison': file, 'seeds': str(count), 'flights': str(len(rows)),
         'commit': read_commit(), 'created': created,
-        'again': format_lta_command('platforms', file, '--seeds', str(seeds or comparison.seeds)),
     }  # fmt: skip
-    page = write_page(ComparisonReport(comparison, rows, target, origin))
-    if pictures is not None:
-        write_pictures(page, pictures)
-    if json:
-        sys.stdout.write(content)
-    lines = [
-        format_headline(comparison, rows),
-        *describe_reversals(comparison, rows),
-        format_page_line(page),
-    ]
-    console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)
+    again = format_lta_command('platforms', file, '--seeds', str(count))
+    return build_report(comparison, rows, facts, {'Repeat the comparison': again})

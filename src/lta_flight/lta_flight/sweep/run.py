@@ -1,4 +1,4 @@
-"""Run a sweep: check it, fly it, and write its table and page."""
+"""Run a sweep: check it, fly it, and write its table."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -9,10 +9,11 @@ import time
 from typing import final
 
 from lta_bridge.provenance import read_commit
+from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_config.schema.sweep_file import load_sweep
 from lta_flight.batch.fly import Device
-from lta_flight.sweep import page, table
+from lta_flight.sweep import table
 from lta_flight.sweep.batch_workers import BatchWorkers
 from lta_flight.sweep.cluster import SweepCluster
 from lta_flight.sweep.job_runner import fly_job, SweepRow
@@ -33,7 +34,6 @@ class SweepRequest:
     workers: int | None = None
     scheduler: str | None = None
     retry: bool = False
-    page: bool = True
     device: Device | None = None
     duties: tuple[float, ...] = ()
 
@@ -58,29 +58,32 @@ class SweepRun:
 
     Attributes
     ----------
+    order : SweepRequest
+        The request.
     plan : SweepPlan
         The planned flights.
     rows : list of SweepRow
         All flights, including those of earlier runs.
     folder, table : Path
         The results.
-    page : Path or None
-        The page, if requested.
     flown, deaths : int
         Flights and lost workers of this run.
     wall : float
         Duration of this run's flights. [s]
+    failure : KeyboardInterrupt or BadInput, optional
+        What stopped this run before its last flight.
 
     """
 
+    order: SweepRequest
     plan: SweepPlan
     rows: list[SweepRow]
     folder: Path
     table: Path
-    page: Path | None
     flown: int
     deaths: int
     wall: float
+    failure: KeyboardInterrupt | BadInput | None = None
 
 
 def count_cores() -> int:
@@ -90,15 +93,15 @@ def count_cores() -> int:
 
 def sweep_once(order: SweepRequest, console: Console) -> SweepRun:
     """
-    Fly the flights of a sweep file that have not been flown yet; write table and page.
+    Fly the flights of a sweep file that have not been flown yet, and write the table.
 
-    Table and page are also written after Ctrl-C or an error, from the finished flights.
+    Ctrl-C, or a machine or cluster that fails, ends the sweep early; the result then has the
+    finished flights and the reason.
 
     Raises
     ------
     BadInput
-        If the sweep is invalid; nothing has been flown then. Or if the machine or cluster fails;
-        the finished flights are kept.
+        If the sweep is invalid; nothing has been flown then.
 
     """
     file = load_sweep(order.file)
@@ -122,15 +125,17 @@ def sweep_once(order: SweepRequest, console: Console) -> SweepRun:
             # No more workers than flights are left
             min(order.workers or count_cores(), max(1, plan.count - before)),
         )
-        begun = time.monotonic()
+        begun, failure = time.monotonic(), None
         try:
             fly_missing(plan, log, crew, console)
+        except (KeyboardInterrupt, BadInput) as error:
+            failure = error
         finally:
             wall = time.monotonic() - begun
             # Also after Ctrl-C, from the flights in the log
-            written = write_results(plan, log.sorted_rows, folder, order)
-        flown = len(log.rows) - before
-        return SweepRun(plan, log.sorted_rows, folder, *written, flown, crew.deaths, wall)
+            path = write_sweep_table(plan, log.sorted_rows, folder, order)
+        flown, rows = len(log.rows) - before, log.sorted_rows
+        return SweepRun(order, plan, rows, folder, path, flown, crew.deaths, wall, failure)
 
 
 def fly_missing(plan: SweepPlan, log: SweepLog, workers: SweepWorkers, console: Console) -> None:
@@ -142,12 +147,23 @@ def fly_missing(plan: SweepPlan, log: SweepLog, workers: SweepWorkers, console: 
             progress.count_flight(row, workers.deaths)
 
 
-def write_results(
+def write_sweep_table(
     plan: SweepPlan, rows: list[SweepRow], folder: Path, order: SweepRequest
-) -> tuple[Path, Path | None]:
-    """Write table and page; return their paths."""
+) -> Path:
+    """Write the table and return its path."""
     path = folder / table.NAME
-    origin = {
+    about = {
+        **describe_origin(plan, order),
+        'identity': order.compute_sweep_hash(plan),
+        'file': plan.file.model_dump_json(),
+    }
+    table.write_table(rows, plan.units, about, path)
+    return path
+
+
+def describe_origin(plan: SweepPlan, order: SweepRequest) -> dict[str, str]:
+    """Return the provenance of table and report."""
+    return {
         'sweep': str(find_file('sweep', order.file)),
         'vehicle': plan.file.vehicle,
         'scenario': plan.file.scenario,
@@ -156,13 +172,3 @@ def write_results(
         'commit': read_commit(),
         **({'flown as': ' '.join(order.options)} if order.options else {}),
     }
-    about = {
-        **origin,
-        'identity': order.compute_sweep_hash(plan),
-        'file': plan.file.model_dump_json(),
-    }
-    table.write_table(rows, plan.units, about, path)
-    if not order.page:
-        return path, None
-    told = page.SweepPageData(plan, rows, plan.units, folder, order.file, origin, order.options)
-    return path, page.write_page(told)

@@ -12,7 +12,7 @@ from typing import Any, final, NamedTuple
 
 from lta_report.line_log import LineLog, LogKind
 
-KIND = LogKind('search.jsonl', 'tune', 'search', '--folder')
+KIND = LogKind('search.jsonl', 'tune', 'search', '--out')
 
 
 class CandidateCosts(NamedTuple):

@@ -1,7 +1,6 @@
 """Write gains as a ROS parameter file like those in `config/control`, with their origin."""
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 
 from lta_config.atomic_file import replace_atomically
@@ -31,27 +30,10 @@ def format_gains(gains: BaseModel, about: Sequence[str]) -> str:
 
 def write_gains(gains: BaseModel, about: Sequence[str], path: Path) -> None:
     """Write a parameter file; raise `BadInput` if that fails."""
-    # An interrupt leaves either the old file or the whole new one.
-    with _ensure_folder(path), replace_atomically(path) as part:
-        part.write_text(format_gains(gains, about), encoding='utf-8')
-
-
-def check_writable(path: Path) -> None:
-    """Raise `BadInput` if a file cannot be written; leave the path unchanged."""
-    with _ensure_folder(path):
-        was = path.exists()
-        # Append mode does not truncate an existing file.
-        path.open('a', encoding='utf-8').close()
-        if not was:
-            path.unlink()
-
-
-@contextmanager
-def _ensure_folder(path: Path) -> Iterator[None]:
-    """Create the parent folder; turn an `OSError` inside into `BadInput`."""
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        yield
+        # An interrupt leaves either the old file or the whole new one.
+        with replace_atomically(path) as part:
+            part.write_text(format_gains(gains, about), encoding='utf-8')
     except OSError as error:
         raise BadInput(
             f"The gains cannot be written to '{path}' ({error.strerror}); choose another --out."

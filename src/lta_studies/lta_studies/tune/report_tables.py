@@ -1,13 +1,13 @@
 """Build the headline and the tables of a tuning report, for page and terminal."""
 
 from collections.abc import Sequence
-from html import escape
 import math
 import re
 from typing import Final
 
 from lta_flight.sweep.statistics import ShareInterval
 from lta_report.formatting import format_number
+from lta_report.report import TextTable
 from lta_studies.tune.compare import compare_costs, NAMES, QuartileSpread
 from lta_studies.tune.helium_limit import HeliumLimit
 from lta_studies.tune.margins import StabilityMargins, to_decibels
@@ -15,6 +15,17 @@ from lta_studies.tune.run import TuningResult
 from lta_studies.tune.stability_margins import LoopMargins
 
 Row = list[str]
+MARGINS_NOTE: Final = (
+    'Each loop is opened at its demand with the others closed, using one control '
+    'period linearised about the steady flight. Gain: by how much it may fall or rise before the '
+    'loop oscillates. Phase and delay: margins at the crossover. Where a swing grows, the '
+    'drone is unstable whatever the margins of a single loop.'
+)
+LIMITS_NOTE: Final = (
+    'Relative to the trim of the vehicle file. Held: take-off, a climb of 0.4 m '
+    'and a descent, each ending within 0.3 m of the altitude. Days follow from the permeation of '
+    'laminates, assumed for this film.'
+)
 # Field of the metrics, row label, factor to the displayed unit, digits
 OF_STEP: Final = (
     ('settle', 'time to settle [s]', 1.0, 1),
@@ -70,8 +81,8 @@ def format_spread(value: QuartileSpread, factor: float = 1.0, digits: int = 2) -
     )
 
 
-def build_comparison_rows(tuned: TuningResult) -> list[Row]:
-    """Return the comparison rows: metric, old, new."""
+def build_comparison_table(tuned: TuningResult) -> TextTable:
+    """Return the table of all metrics with old and new gains."""
     sides = (tuned.old.flights, tuned.new.flights)
     rows = [
         ['mission reached its goal', *(format_share(side.reached_share) for side in sides)],
@@ -91,7 +102,8 @@ def build_comparison_rows(tuned: TuningResult) -> list[Row]:
             format_spread(side.compute_metric_quartiles(figure), factor, digits) for side in sides
         )
         rows.append([words, *values])
-    return rows
+    heads = ('median (quartiles), or share (95 % interval)', 'old', 'new')
+    return TextTable('Improvement on new samples', heads, typeset_rows(rows))
 
 
 def format_margins(margins: StabilityMargins | None) -> tuple[str, str, str]:
@@ -106,16 +118,8 @@ def format_margins(margins: StabilityMargins | None) -> tuple[str, str, str]:
     return f'{down}, {up}', phase, f'{1e3 * margins.delay:.0f}'
 
 
-# The last column holds remarks.
-MARGIN_HEADS = (
-    'loop', 'speed [m/s]', 'lift lost [g]',
-    'old: gain [dB]', 'phase [deg] at [rad/s]', 'delay [ms]',
-    'new: gain [dB]', 'phase [deg] at [rad/s]', 'delay [ms]', '',
-)  # fmt: skip
-
-
-def build_stability_margin_rows(tuned: TuningResult) -> list[Row]:
-    """Return the rows with the margins of old and new gains."""
+def build_stability_margin_table(tuned: TuningResult) -> TextTable:
+    """Return the table of the margins with old and new gains."""
     rows = []
     order = {'altitude': 0, 'heading': 1, 'speed': 2}
     pairs = list(zip(tuned.old.steadiness, tuned.new.steadiness, strict=True))
@@ -131,7 +135,13 @@ def build_stability_margin_rows(tuned: TuningResult) -> list[Row]:
                 explain_missing_margin(old, new),
             ]
         )  # fmt: skip
-    return rows
+    margins = ('gain [dB]', 'phase [\N{DEGREE SIGN}] at [rad/s]', 'delay [ms]')
+    # The last column holds remarks
+    heads = ('loop', 'speed [m/s]', 'lift lost [g]', *margins, *margins, '')
+    groups = (('', 3), ('old', 3), ('new', 3), ('', 1))
+    return TextTable(
+        'Stability margins', heads, typeset_rows(rows), MARGINS_NOTE, groups, printed=False
+    )
 
 
 def explain_missing_margin(old: LoopMargins, new: LoopMargins) -> str:
@@ -148,39 +158,24 @@ def explain_missing_margin(old: LoopMargins, new: LoopMargins) -> str:
     return '; '.join(words)
 
 
-def build_helium_limit_rows(old: HeliumLimit, new: HeliumLimit) -> list[Row]:
-    """Return the rows of helium limits: limit, old, new."""
+def build_helium_limit_table(old: HeliumLimit, new: HeliumLimit) -> TextTable:
+    """Return the table of helium limits with old and new gains."""
 
     def format_limit(value: float | None) -> str:
         return format_number(None if value is None or math.isinf(value) else value, 1)
 
-    return [
-        [
-            'largest loss of lift held in flight [g]',
-            format_limit(old.grams),
-            format_limit(new.grams),
-        ],
-        [
-            'smallest loss of lift that failed in flight [g]',
-            format_limit(old.fails),
-            format_limit(new.fails),
-        ],
-        [
-            'loss of lift that the largest vertical command carries [g]',
-            format_limit(old.demand),
-            format_limit(new.demand),
-        ],
-        [
-            'loss of lift that full thrust carries [g]',
-            format_limit(old.rotors),
-            format_limit(new.rotors),
-        ],
-        [
-            'days to lose what was held, at a leak of 0.2 to 0.9 L/(m² day)',
-            format_leak_days(old),
-            format_leak_days(new),
-        ],
+    rows = [
+        [words, *(format_limit(getattr(side, name)) for side in (old, new))]
+        for name, words in (
+            ('grams', 'largest loss of lift held in flight [g]'),
+            ('fails', 'smallest loss of lift that failed in flight [g]'),
+            ('demand', 'loss of lift that the largest vertical command carries [g]'),
+            ('rotors', 'loss of lift that full thrust carries [g]'),
+        )
     ]
+    leak = 'days to lose what was held, at a leak of 0.2 to 0.9 L/(m² day)'
+    rows.append([leak, format_leak_days(old), format_leak_days(new)])
+    return TextTable('Limits of the gains', ('', 'old', 'new'), rows, LIMITS_NOTE)
 
 
 def format_leak_days(limit: HeliumLimit) -> str:
@@ -188,17 +183,23 @@ def format_leak_days(limit: HeliumLimit) -> str:
     return f'{limit.days[0]:.0f} to {limit.days[1]:.0f}'
 
 
-def build_parameter_rows(tuned: TuningResult) -> list[Row]:
-    """Return the rows of tuned parameters: path, old, new, search bounds."""
-    out = []
+def build_parameter_table(tuned: TuningResult) -> TextTable:
+    """Return the table of tuned parameters: path, old, new, search bounds."""
+    rows = []
     for each in tuned.numbers:
         new: object = tuned.new.gains
         # A path like 'climb.kp' leads through nested settings.
         for name in each.path.split('.'):
             new = getattr(new, name)
         low, high = each.search_bounds()
-        out.append([each.path, f'{each.value:g}', f'{new:g}', f'{low:.3g} to {high:.3g}'])
-    return out
+        rows.append([each.path, f'{each.value:g}', f'{new:g}', f'{low:.3g} to {high:.3g}'])
+    heads = ('number', 'old', 'new', 'searched')
+    return TextTable('Gains', heads, typeset_rows(rows), printed=False)
+
+
+def typeset_rows(rows: Sequence[Row]) -> list[Row]:
+    """Typeset the signs of all cells."""
+    return [[typeset_signs(cell) for cell in row] for row in rows]
 
 
 def typeset_signs(text: str) -> str:
@@ -206,20 +207,3 @@ def typeset_signs(text: str) -> str:
     # A hyphen before a number and not after a word character: 'a-1' keeps its hyphen.
     text = re.sub(r'(?<!\w)-(?=[\d∞])', '\N{MINUS SIGN}', text)
     return text.replace(' deg', '\N{DEGREE SIGN}').replace('[deg]', '[\N{DEGREE SIGN}]')
-
-
-def render_table(heads: Sequence[str], rows: Sequence[Row], text: bool = False) -> str:
-    """Return an HTML table; with `text`, the last column holds words."""
-    head = ''.join(f'<th scope="col">{escape(typeset_signs(cell))}</th>' for cell in heads)
-    lines = []
-    for first, *rest in rows:
-        cells = [f'<td>{escape(typeset_signs(cell))}</td>' for cell in rest]
-        if text:
-            cells[-1] = f'<td class="text">{escape(typeset_signs(rest[-1]))}</td>'
-        lines.append(
-            f'<tr><th scope="row">{escape(typeset_signs(first))}</th>{"".join(cells)}</tr>'
-        )
-    return (
-        f'<table class="numbers"><thead><tr>{head}</tr></thead>'
-        f'<tbody>{"".join(lines)}</tbody></table>'
-    )

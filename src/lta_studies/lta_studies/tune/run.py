@@ -16,7 +16,7 @@ from lta_studies.tune import step_response
 from lta_studies.tune.compare import draw_cases, fly_comparison, GainEvaluation
 from lta_studies.tune.evaluation_log import EvaluationLog, hash_search
 from lta_studies.tune.gain_search import GainSearchResult, search_gains
-from lta_studies.tune.gains_file import check_writable, round_gain, write_gains
+from lta_studies.tune.gains_file import round_gain, write_gains
 from lta_studies.tune.helium_limit import (
     find_tolerable_helium_loss,
     HeliumLimit,
@@ -51,7 +51,6 @@ class TuningRequest:
     numbers: tuple[str, ...] = ()
     workers: int = 2
     folder: Path | None = None
-    out: Path | None = None
     command: str = 'lta tune'
 
 
@@ -150,9 +149,6 @@ def tune_once(order: TuningRequest, console: Console) -> TuningResult:
     name = select_start_gains(order.vehicle, order.gains)
     check_loss_range(order)
     old = load_gains(name)
-    # Fail before hours of flights rather than when the result is written.
-    if order.out:
-        check_writable(order.out)
     numbers = select_parameters(old, order.numbers)
     scene, cases = TuningScene(order.vehicle), build_cases(order)
     # The hash of all inputs names the folder, so the same command resumes its search.
@@ -172,7 +168,7 @@ def tune_once(order: TuningRequest, console: Console) -> TuningResult:
         # The rounded gains of the file are also the ones that are compared.
         best = {path: round_gain(value) for path, value in found.numbers.items()}
         new = replace_parameters(old, best)
-        file = order.out or folder / GAINS_NAME
+        file = folder / GAINS_NAME
         write_gains(new, format_gains_comment(order, name, found, len(cases)), file)
         progress.show_stage(f'flying {order.draws} new random flights with old and new gains')
         fresh = draw_cases(order.least, order.most, order.draws, order.seed)

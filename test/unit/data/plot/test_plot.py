@@ -12,7 +12,7 @@ from lta_data.plot.channel_selection import (
     select_channels,
     unwrap_to_degrees,
 )
-from lta_data.plot.page import plot_channels
+from lta_data.plot.report import build_report, plot_channels
 from lta_data.plot.terminal import build_channel_listing, draw_curves, draw_sparkline
 import numpy as np
 import pytest
@@ -109,6 +109,15 @@ def test_a_picture_holds_the_values():
     assert [trace.name for trace in figure.data] == ['a/z', 'b/z']
     np.testing.assert_allclose(figure.data[0].y, np.arange(64.0))
     assert figure.layout.yaxis.title.text == '[m]'
+
+
+def test_the_report_has_a_figure_for_each_unit_and_tiles():
+    panels = [('m', [ramp('a/z'), ramp('b/z')]), ('m/s', [ramp('a/speed', 'm/s')])]
+    report = build_report('a, b', panels, (0.0, 6.3), {})
+    (stack,) = report.blocks
+    assert [each.heading for each in stack.blocks] == ['a, b', 'a']
+    assert report.subject == '3 channels, 0.0 to 6.3 s'
+    assert report.tiles[2] == ('a/speed', '31.5', 'm/s', 'mean; 0 to 63')
 
 
 def test_the_command_lists_all_and_draws_some(call, bag, tmp_path):

@@ -19,7 +19,6 @@ from lta_flight.replay.comparison import (
 )
 from lta_flight.replay.decisions import compare_decisions, compute_differences, DecisionComparison
 from lta_flight.replay.node_settings import NODES, parse_settings
-from lta_flight.replay.page import format_largest_change
 from lta_flight.replay.replay_request import (
     build_launch_plan,
     check_request,
@@ -28,6 +27,8 @@ from lta_flight.replay.replay_request import (
     read_recorded_settings,
     ReplayRequest,
 )
+from lta_flight.replay.report import build_report, format_largest_change
+from lta_flight.replay.run import ReplayRun
 from lta_flight.replay.topic_messages import TopicMessages
 from lta_flight.replay.verdict import ReplayVerdict
 from lta_model.vehicle import load_vehicle
@@ -290,3 +291,42 @@ def test_a_change_without_a_unit_is_told_without_one():
     duty = DecisionComparison('duty 1', '1', keys, np.zeros(2), values, values)
     assert format_largest_change(duty) == 'by up to 0.5'
     assert format_largest_change(replace(duty, unit='m')) == 'by up to 0.5 m'
+
+
+PLAYED = {'outcome': 'played', 'time_s': '2', 'pace': '5', 'messages': '9', 'answers': '2'}
+
+
+@pytest.mark.parametrize(
+    ('standing', 'moved', 'headline', 'status'),
+    [
+        (PLAYED, 0.0, 'Identical to the last bit: 2 messages (2 of odom).', 0),
+        (PLAYED, 0.5, 'Different: 1 of 2 messages and 0 decisions are not as recorded.', 1),
+        (
+            None,
+            0.0,
+            'The replay stopped before the end of the recording. Identical to the last bit: 2 '
+            'messages (2 of odom).',
+            1,
+        ),
+    ],
+)
+def test_the_report_of_a_replay_and_its_exit_status(standing, moved, headline, status):
+    again = heard([10**9, 2 * 10**9], x=[1.0, 2.0 + moved])
+    found = compare_topic('odom', heard([10**9, 2 * 10**9], x=[1.0, 2.0]), again, stamped=True)
+    order = ReplayRequest(Path('bag').absolute(), ('controller',))
+    played = ReplayRun(Path('out/bag'), standing)
+    report = build_report(played, verdict(found), order, {'seed': '3', 'note': 'x'})
+    assert (report.headline, report.status) == (headline, status)
+    assert report.facts == {'seed': '3'}
+    assert report.tiles[1][1:] == ('2', '', f'{int(moved > 0.0)} differ')
+    if moved:
+        row = ['odom', 'x', '1 of 2', '2.000', '2', '2.5', '0.5']
+        assert report.blocks[0].rows == [row]
+        assert 'odom: 1 of 2 messages differ, first x at 2.00 s' in report.closing[1]
+
+
+def test_a_replay_without_a_comparison_reports_how_much_was_played():
+    order = ReplayRequest(Path('bag').absolute(), ('controller',))
+    report = build_report(ReplayRun(Path('out/bag'), PLAYED), None, order, {})
+    assert report.headline.startswith('Replayed 2 s at 5 x real time: 9 messages played')
+    assert (report.status, report.data['whole']) == (0, True)

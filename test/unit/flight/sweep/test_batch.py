@@ -14,8 +14,8 @@ from lta_flight.batch.fly import fly_many
 from lta_flight.sweep import batch_workers
 from lta_flight.sweep.heat_map import find_map_parameters, plot_heat_map
 from lta_flight.sweep.job_runner import SweepRow
-from lta_flight.sweep.page import format_title
 from lta_flight.sweep.plan import SweepPlan
+from lta_flight.sweep.report import build_report, format_headline
 from lta_flight.sweep.run import sweep_once, SweepRequest
 from lta_flight.sweep.statistics import group_by_parameter, reached_share
 from pyarrow import parquet
@@ -50,7 +50,7 @@ def run(file, folder, **options):
     return sweep_once(SweepRequest(file, folder, **{'device': 'cpu-batch', **options}), QUIET)
 
 
-def test_it_is_flown_once_and_has_table_and_page(sweep, tmp_path):
+def test_it_is_flown_once_and_has_table_and_report(sweep, tmp_path):
     file, folder = sweep(), tmp_path / 'out'
     done = run(file, folder)
     assert (done.flown, len(done.rows)) == (18, 18)
@@ -59,9 +59,10 @@ def test_it_is_flown_once_and_has_table_and_page(sweep, tmp_path):
     assert table.column('path_length').null_count == 0
     assert table.column('altitude_estimate_error').null_count == 18
     assert table.schema.metadata[b'flown as'] == b'--device cpu-batch'
-    page = done.page.read_text()
-    assert 'id="panel-heat"' in page
-    assert '--device cpu-batch' in page
+    report = build_report(done)
+    assert [each.name for each in report.blocks[1].blocks] == ['heat', 'by-0', 'by-1']
+    assert report.facts['flown as'] == '--device cpu-batch'
+    assert 'Fly one like the first lost flight' in report.commands
     again = run(file, folder)
     assert again.flown == 0
     assert again.rows == done.rows
@@ -69,7 +70,7 @@ def test_it_is_flown_once_and_has_table_and_page(sweep, tmp_path):
 
 def test_flights_of_another_kind_do_not_go_into_its_log(sweep, tmp_path):
     file, folder = sweep(), tmp_path / 'out'
-    run(file, folder, page=False)
+    run(file, folder)
     with pytest.raises(
         BadInput,
         match=r'is the log of a sweep with other settings; choose another folder with --out',
@@ -97,12 +98,12 @@ def test_what_cannot_be_built_is_kept_as_failed(sweep, tmp_path, monkeypatch):
 
     monkeypatch.setattr(batch_workers, 'build_flight', picky)
     file = sweep(vary={SIDE: ['0 m/s', '0.1 m/s'], HEAVY: ['1 g', '3 g']})
-    done = run(file, tmp_path / 'out', page=False)
+    done = run(file, tmp_path / 'out')
     assert Counter(row.outcome for row in done.rows) == {'timeout': 6, 'failed': 2}
     assert {row.sentence for row in done.rows if row.outcome == 'failed'} == {
         'It is too heavy; take less.'
     }
-    title = format_title(done.plan, done.rows)
+    title = format_headline(done.plan, done.rows)
     assert title.startswith(
         '0 of 8 flights reached their goal, and 2 could not be flown; the 95 %'
     )
@@ -131,14 +132,14 @@ def test_a_flight_whose_numbers_ran_away_has_failed(sweep, tmp_path, monkeypatch
         return told
 
     monkeypatch.setattr(batch_workers, 'fly_many', wild)
-    first, *others = run(sweep(), tmp_path / 'out', page=False).rows
+    first, *others = run(sweep(), tmp_path / 'out').rows
     assert first.outcome == 'failed'
     assert first.sentence.startswith('The simulation of gtmab diverged 0.05 s after the start')
     assert {row.outcome for row in others} == {'timeout'}
 
 
 def test_a_map_shows_shares_and_medians(sweep, tmp_path):
-    done = run(sweep(), tmp_path / 'out', page=False)
+    done = run(sweep(), tmp_path / 'out')
     first, *others = done.rows
     reached = type(first)(
         first.index, first.seed, first.values, 'reached', '', 0.0, {'search_time': 7.0}

@@ -1,8 +1,8 @@
 """A sweep survives its workers and itself, and leaves a table with units and a page."""
 
 from collections import Counter
-from html.parser import HTMLParser
 import io
+from itertools import islice
 import json
 from multiprocessing import get_context
 import os
@@ -19,9 +19,11 @@ from lta_flight.sweep.cluster import SweepCluster
 from lta_flight.sweep.job_runner import build_failed_row, fly_job, SweepRow
 from lta_flight.sweep.log import KIND, SweepLog
 from lta_flight.sweep.plan import SweepJob, SweepPlan
+from lta_flight.sweep.report import build_report
 from lta_flight.sweep.run import sweep_once, SweepRequest
 from lta_flight.sweep.statistics import group_by_parameter, wilson_interval
 from lta_flight.sweep.workers import LocalWorkers
+from lta_report.report import Picture
 from pyarrow import parquet
 import pytest
 from rich.console import Console
@@ -141,9 +143,15 @@ def test_a_flight_that_cannot_be_flown_is_kept_with_its_reason(sweep, tmp_path, 
     assert 'outside the room' in done.rows[3].sentence
     assert run(file, folder).flown == 0
     assert run(file, folder, retry=True).flown == 1
-    page = done.page.read_text()
-    assert 'outside the room' in page
-    assert 'lta simulate --vehicle gtmab' in page
+    report = build_report(done)
+    first, *others = report.blocks[-1].rows
+    assert (first[0], first[-2]) == ('3', 'failed')
+    assert 'outside the room' in first[-1]
+    assert [row[-2] for row in others] == ['timeout'] * 3
+    assert 'simulate --vehicle gtmab' in report.commands['Fly the first lost flight']
+    assert report.headline.startswith('0 of 4 flights reached their goal, and 1 could not be')
+    assert report.closing[1].startswith('1 failed: ')
+    assert report.status == 1
 
 
 def lethal(base, job):
@@ -192,13 +200,12 @@ SCRIPT = """
 import sys
 from pathlib import Path
 sys.path[:0] = sys.argv[3:]
+from lta_flight.sweep.report import find_status
 from lta_flight.sweep.run import sweep_once, SweepRequest
 from rich.console import Console
 if __name__ == '__main__':
-    try:
-        sweep_once(SweepRequest(sys.argv[1], Path(sys.argv[2]), workers=1), Console())
-    except KeyboardInterrupt:
-        sys.exit(130)
+    order = SweepRequest(sys.argv[1], Path(sys.argv[2]), workers=1)
+    sys.exit(find_status(sweep_once(order, Console())))
 """
 
 
@@ -281,40 +288,49 @@ def test_the_table_has_units_and_meanings(sweep, tmp_path, here):
     assert json.loads(about[b'file'])['vary'][HEAVY] == ['1 g', '2 g']
 
 
-class Page(HTMLParser):
-    """What a page holds: elements' ids, and what is never closed."""
-
-    def __init__(self, text):
-        super().__init__()
-        self.ids, self.open, self.texts = [], [], []
-        self.feed(text)
-
-    def handle_starttag(self, tag, attrs):
-        self.ids += [value for name, value in attrs if name == 'id']
-        if tag not in ('meta', 'input', 'br'):
-            self.open.append(tag)
-
-    def handle_endtag(self, tag):
-        assert self.open.pop() == tag
-
-    def handle_data(self, data):
-        self.texts.append(data)
+def list_pictures(blocks):
+    """Return the pictures among blocks by name."""
+    return {
+        each.name: each
+        for block in blocks
+        for each in (getattr(block, 'blocks', None) or [block])
+        if isinstance(each, Picture)
+    }
 
 
-def test_the_page_shows_every_parameter_and_is_whole(sweep, tmp_path, here):
+def test_the_report_shows_every_parameter(sweep, tmp_path, here):
     vary = {HEAVY: {'uniform': {'low': '1 g', 'high': '3 g'}}, 'scenario.lamp.flux': ['1 lm']}
-    content = {'vary': vary, 'samples': 12, 'seeds': {'first': 3}, 'about': '<b>Short & odd'}
-    done = run(sweep(**content), tmp_path / 'out')
-    text = done.page.read_text()
-    page = Page(text)
-    assert page.open == []
-    for name in ('outcomes', 'spread-search_time', 'by-0', 'by-1'):
-        assert {f'panel-{name}', f'figure-{name}'} <= set(page.ids)
-    assert len(page.ids) == len(set(page.ids))
-    assert '&lt;b&gt;Short &amp; odd' in text
-    assert '0 of 12 flights reached their goal' in ''.join(page.texts)
-    assert 'src="http' not in text
-    assert f'{HEAVY} [g]' in text  # small masses are drawn in grams
+    report = build_report(run(sweep(vary=vary, samples=12, seeds={'first': 3}), tmp_path / 'out'))
+    pictures = list_pictures(report.blocks)
+    assert list(pictures) == [
+        'outcomes',
+        'spread-search_time',
+        'spread-path_length',
+        'by-0',
+        'by-1',
+    ]
+    assert report.headline.startswith('0 of 12 flights reached their goal; ')
+    assert report.introduction == 'Short flights.'
+    # Small masses are drawn in grams
+    assert pictures['by-1'].figure.layout.xaxis3.title.text == f'{HEAVY} [g]'
+
+
+@pytest.mark.parametrize('failure', [KeyboardInterrupt(), BadInput('No scheduler answers.')])
+def test_a_stopped_sweep_is_reported_as_far_as_it_came(sweep, tmp_path, monkeypatch, failure):
+    """Of four flights, two are flown."""
+
+    class Stopping(Here):
+        def run_jobs(self, jobs):
+            yield from map(self._fly, islice(jobs, 2))
+            raise failure
+
+    monkeypatch.setattr(run_module, 'LocalWorkers', Stopping)
+    report = build_report(run(sweep(2), tmp_path / 'out'))
+    assert report.headline.startswith('0 of 2 flights (of 4 planned) reached their goal')
+    assert report.status == (130 if isinstance(failure, KeyboardInterrupt) else 2)
+    assert 'Finished flights are stored; repeat the command to resume.' in report.closing
+    assert ('No scheduler answers.' in report.closing) == isinstance(failure, BadInput)
+    assert len(parquet.read_table(tmp_path / 'out/flights.parquet')) == 2
 
 
 def test_wilson_against_printed_figures():

@@ -5,7 +5,6 @@ from functools import cache
 import json
 import math
 
-from lta_cli.verbs.platforms import platforms
 from lta_config.errors import BadInput
 from lta_config.files import find_file, load_yaml
 from lta_config.schema.comparison_file import EntryChange, load_comparison
@@ -15,11 +14,12 @@ from lta_flight.flight_spec import build_loop, load_spec
 from lta_model.limits import level_speed
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
+from lta_report.report import Emphasis
 from lta_sim.readings import FlightOutcome
 from lta_studies.platforms.entrants import build_entrant
 from lta_studies.platforms.flight import fly_maneuver
 from lta_studies.platforms.metrics import compute_tracking_metrics
-from lta_studies.platforms.page import ComparisonReport, write_page
+from lta_studies.platforms.report import build_report
 from lta_studies.platforms.run import (
     check_comparison,
     list_jobs,
@@ -261,7 +261,7 @@ def test_every_entry_can_be_built():
 
 
 @pytest.mark.long
-def test_the_page_says_what_each_change_turns(tmp_path):
+def test_the_report_says_what_each_change_turns():
     few = COMPARISON.model_copy(
         update={
             'manoeuvres': ['climb'],
@@ -282,13 +282,16 @@ def test_the_page_says_what_each_change_turns(tmp_path):
     ]
     told = describe_reversals(few, rows)
     assert 'changes the result of climb (1 of 1 flights held, 0 with the change)' in told[0]
-    page = write_page(ComparisonReport(few, rows, tmp_path, {'seeds': '1'})).read_text()
-    assert 'controller: our cascade, which knows the linear B alone</td>' in page
-    assert '<b>1/1 \N{RIGHTWARDS ARROW} 0/1</b>' in page
-    assert 'duties of front, yaw, vertical' in page  # the open loop's input is stated
-    assert '3.1 g' in page  # static margin of BEAVIS
-    content = [result_to_json(row) for row in rows]
-    assert json.loads(json.dumps(content, allow_nan=False)) == content
+    report = build_report(few, rows, {}, {})
+    changes, inputs, margins = report.blocks[-3:]
+    reversal = changes.rows[0]
+    assert reversal[2:] == [
+        'controller: our cascade, which knows the linear B alone', '1/1 \N{RIGHTWARDS ARROW} 0/1'
+    ]  # fmt: skip
+    assert isinstance(reversal[3], Emphasis)
+    assert 'duties of the rotors (front, yaw, vertical)' in inputs.paragraphs[0]
+    assert margins.rows[1][-1] == '3.1 g'  # BEAVIS at 0.05 N
+    assert json.loads(json.dumps(report.data, allow_nan=False)) == report.data
 
 
 def test_rows_of_other_seeds_keep_no_traces():
@@ -321,15 +324,17 @@ def test_gains_of_another_law_are_refused():
         build_loop(load_spec('beavis', 'lamp_room', 'bag', 'gtmab'), 1)
 
 
-def test_the_verb_flies_a_file_and_keeps_every_flight(tmp_path, capsys):
+def test_the_verb_flies_a_file_and_keeps_every_flight(tmp_path, call):
     text = (
         'schema: 1\nname: small\nabout: Two.\nscenario: hall\nseeds: 2\nmanoeuvres: [climb]\n'
         'contestants:\n  gtmab: {vehicle: gtmab, title: GT-MAB}\n'
     )
     file = tmp_path / 'small.yaml'
     file.write_text(text)
-    platforms(str(file), seeds=1, workers=1, out=tmp_path / 'out', json=True)
-    printed_rows = json.loads(capsys.readouterr().out)
+    words = ('--seeds=1', '--workers=1', '--json', f'--out={tmp_path / "out"}')
+    status, said = call('platforms', file, *words)
+    assert status == 0
+    printed_rows = json.loads(said.out)
     assert printed_rows == json.loads((tmp_path / 'out' / 'flights.json').read_text())
     assert [row['held'] for row in printed_rows] == [True]
     page = (tmp_path / 'out' / 'report.html').read_text()

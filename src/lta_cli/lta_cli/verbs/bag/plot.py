@@ -16,9 +16,10 @@ from lta_data.plot.channel_selection import (
     select_channels,
     unwrap_to_degrees,
 )
-from lta_data.plot.page import render_page, write_png
+from lta_data.plot.report import build_report, write_png
 from lta_data.plot.terminal import build_channel_listing, print_channels
 from lta_report.page_frame import write_file
+from lta_report.report_page import render_report
 from rich.console import Console
 import typer
 
@@ -79,9 +80,8 @@ def plot(
         print_remarks(flight.bag.losses, console)
         return
     # One page for both outputs: the picture is taken of the page
-    text = render_page(
-        ', '.join(patterns), panels, span, {'bag': str(bag), **select_provenance(flight)}
-    )
+    facts = {'bag': str(bag), **select_provenance(flight)}
+    text = render_report(build_report(', '.join(patterns), panels, span, facts))
     if html is not None:
         console.print(f'Page {write_file(text, html)}', highlight=False, soft_wrap=True)
     if png is not None:

@@ -1,21 +1,18 @@
-"""Write the report of a tuning as one self-contained HTML file."""
+"""Build the report of a tuning."""
 
-from collections.abc import Sequence
-from html import escape
+from collections.abc import Iterator, Sequence
 import math
-from pathlib import Path
 from typing import Final
 
 from lta_bridge.provenance import read_commit
 from lta_config.command_line import format_lta_command, relative_path
 from lta_report.formatting import format_number, Tile
-from lta_report.html_elements import render_section, render_tile
-from lta_report.page_frame import assemble_page, write_file
+from lta_report.report import Grid, Picture, Report
 from lta_studies.tune import pictures, report_tables
+from lta_studies.tune.result_json import tuning_to_json
 from lta_studies.tune.run import TuningResult, vehicle_name
 from lta_studies.tune.step_response import Channel, StepResponse
 
-NAME = 'report.html'
 CHANNELS: Final[tuple[tuple[Channel, str, str], ...]] = (
     (
         'altitude',
@@ -34,41 +31,37 @@ SEARCH: Final = (
     'Lowest cost so far: average of the mean and the worst cost of the test flights. '
     'Dotted: the old gains.'
 )
+LINES: Final = (
+    'True values, one line for each loss of lift; the paler, the larger the loss. '
+    'Dotted: setpoint.'
+)
 Traces = Sequence[tuple[float, StepResponse]]
 
 
-def write_page(tuned: TuningResult, old: Traces, new: Traces) -> Path:
-    """Write the page and return its path; raise `BadInput` if that fails."""
-    return write_file(render_page(tuned, old, new), tuned.folder / NAME)
-
-
-def render_page(tuned: TuningResult, old: Traces, new: Traces) -> str:
-    """Return the HTML of the page."""
+def build_report(tuned: TuningResult, responses: tuple[Traces, Traces] | None) -> Report:
+    """Return the report; `responses` of old and new gains are plotted, if there is a page."""
     order = tuned.order
-    robust = report_tables.render_table(ROBUST_HEADS, report_tables.build_comparison_rows(tuned))
-    margins = report_tables.render_table(
-        report_tables.MARGIN_HEADS, report_tables.build_stability_margin_rows(tuned), text=True
-    )
-    limits = report_tables.render_table(
-        ('', 'old', 'new'), report_tables.build_helium_limit_rows(tuned.old.limit, tuned.new.limit)
-    )
-    return assemble_page(
-        'tune.html',
-        title=escape(report_tables.typeset_signs(report_tables.format_headline(tuned))),
-        kicker=escape(f'tune {vehicle_name(order)} · from {tuned.gains_name} · seed {order.seed}'),
-        about=escape(describe_tuning(tuned)),
-        tiles='\n'.join(render_tile(*each) for each in build_tiles(tuned)),
-        panels='\n'.join(render_plot_sections(tuned, old, new)),
-        robust=robust,
-        margins=margins + MARGINS_NOTE,
-        gains=report_tables.render_table(
-            ('number', 'old', 'new', 'searched'), report_tables.build_parameter_rows(tuned)
-        ),
-        limits=limits + LIMITS_NOTE,
+    return Report(
+        command='tune',
+        subject=f'{vehicle_name(order)} · from {tuned.gains_name} · seed {order.seed}',
+        headline=report_tables.typeset_signs(report_tables.format_headline(tuned)),
+        introduction=describe_tuning(tuned),
+        tiles=build_tiles(tuned),
+        blocks=[
+            *([Grid(list(draw_pictures(tuned, *responses)))] if responses else []),
+            report_tables.build_comparison_table(tuned),
+            report_tables.build_stability_margin_table(tuned),
+            Grid([
+                report_tables.build_parameter_table(tuned),
+                report_tables.build_helium_limit_table(tuned.old.limit, tuned.new.limit),
+            ]),
+        ],
+        data=tuning_to_json(tuned),
         facts=build_provenance_table(tuned),
         commands=suggest_commands(tuned),
         files={'Gains file': tuned.file.read_text(encoding='utf-8')},
-    )
+        closing=describe_files(tuned),
+    )  # fmt: skip
 
 
 def describe_tuning(tuned: TuningResult) -> str:
@@ -81,20 +74,6 @@ def describe_tuning(tuned: TuningResult) -> str:
         'combines settling, overshoot, steady error, swing, rotor activity and mission '
         'time; lower is better.'
     )
-
-
-ROBUST_HEADS = ('median (quartiles), or share (95 % interval)', 'old', 'new')
-MARGINS_NOTE = (
-    '<p class="note">Each loop is opened at its demand with the others closed, using one control '
-    'period linearised about the steady flight. Gain: by how much it may fall or rise before the '
-    'loop oscillates. Phase and delay: margins at the crossover. Where a swing grows, the '
-    'drone is unstable whatever the margins of a single loop.</p>'
-)
-LIMITS_NOTE = (
-    '<p class="note">Relative to the trim of the vehicle file. Held: take-off, a climb of 0.4 m '
-    'and a descent, each ending within 0.3 m of the altitude. Days follow from the permeation of '
-    'laminates, assumed for this film.</p>'
-)
 
 
 def build_tiles(tuned: TuningResult) -> list[Tile]:
@@ -139,33 +118,25 @@ def build_tiles(tuned: TuningResult) -> list[Tile]:
     ]
 
 
-def render_plot_sections(tuned: TuningResult, old: Traces, new: Traces) -> list[str]:
-    """Return the sections with the plots."""
-    lines = (
-        'True values, one line for each loss of lift; the paler, the larger the loss. '
-        'Dotted: setpoint.'
-    )
-    out = [
-        render_section(
-            channel, heading, f'{caption} {lines}', pictures.plot_responses(channel, old, new)
-        )
-        for channel, heading, caption in CHANNELS
-    ]
-    flights = tuned.old.flights, tuned.new.flights
+def draw_pictures(tuned: TuningResult, old: Traces, new: Traces) -> Iterator[Picture]:
+    """Yield step responses, costs and search."""
+    for channel, heading, caption in CHANNELS:
+        figure = pictures.plot_responses(channel, old, new)
+        yield Picture(channel, heading, f'{caption} {LINES}', figure, height=300)
+    yield Picture(
+        'costs', 'Cost of each new random flight',
+        'Each random flight is flown with both sets of gains.',
+        pictures.plot_costs(tuned.old.flights, tuned.new.flights), height=270,
+    )  # fmt: skip
     history = pictures.plot_search(tuned.found.history, len(tuned.losses))
-    every = 'Each random flight is flown with both sets of gains.'
-    return [
-        *out,
-        render_section(
-            'costs', 'Cost of each new random flight', every, pictures.plot_costs(*flights)
-        ),
-        render_section(
-            'search',
-            'The search',
-            SEARCH,
-            history,
-        ),
-    ]
+    yield Picture('search', 'The search', SEARCH, history, height=270)
+
+
+def describe_files(tuned: TuningResult) -> list[str]:
+    """Return where the gains are, and whether the search was stopped."""
+    count = len(tuned.found.history)
+    stopped = f'Stopped after {count} candidates; repeat the command to resume.'
+    return [*([stopped] if tuned.found.stopped else []), f'Gains {relative_path(tuned.file)}']
 
 
 def build_provenance_table(tuned: TuningResult) -> dict[str, str]:

@@ -1,7 +1,6 @@
-"""Plot channels as a page, or as a PNG of it."""
+"""Build the report of plotted channels, and write a PNG of its page."""
 
-from collections.abc import Sequence
-from html import escape
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 import tempfile
 from typing import Final
@@ -9,9 +8,9 @@ from typing import Final
 from lta_data.bag.channels import SignalChannel
 from lta_report.drawing import create_figure, decimate_line
 from lta_report.formatting import format_number, Tile
-from lta_report.html_elements import render_section, render_tile
-from lta_report.page_frame import assemble_page, write_file
+from lta_report.page_frame import write_file
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, TIME, TRUTH
+from lta_report.report import Grid, Picture, Report
 from lta_report.screenshots import write_picture
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
@@ -32,14 +31,11 @@ def plot_channels(
         time, values = decimate_line(channel.time, channel.values)
         figure.add_trace(
             Scatter(
-                x=time,
-                y=values,
-                name=channel.name,
-                mode='lines',
+                x=time, y=values, name=channel.name, mode='lines',
                 line={'color': COLOURS[k % len(COLOURS)], 'width': 1.6},
                 hovertemplate=f'%{{y:.4g}} {unit}',
             )
-        )
+        )  # fmt: skip
     figure.update_yaxes(title_text=f'[{unit}]' if unit else '')
     figure.update_xaxes(range=list(span), hoverformat='.3f', unifiedhovertitle_text='%{x} s')
     figure.update_xaxes(title_text='time [s]')
@@ -49,28 +45,29 @@ def plot_channels(
     return figure.update_layout(showlegend=True, legend=legend, margin={'t': top, 'r': 12})
 
 
-def render_page(
-    title: str, panels: Panels, span: tuple[float, float], facts: dict[str, str]
-) -> str:
-    """Return the page's HTML."""
+def build_report(
+    title: str, panels: Panels, span: tuple[float, float], facts: Mapping[str, str]
+) -> Report:
+    """Return the report, with a figure of each unit and a tile of each of the first channels."""
     every = [channel for _, shown in panels for channel in shown]
     pictures = [
-        render_section(
-            f'unit-{k}', format_heading(shown), '', plot_channels(unit, shown, span), timed=True
+        Picture(
+            f'unit-{k}', format_heading(shown), '', plot_channels(unit, shown, span), height=300,
+            timed=True,
         )
         for k, (unit, shown) in enumerate(panels)
-    ]
-    return assemble_page(
-        'plot.html',
-        title=escape(title),
-        kicker=escape(
-            f'{len(every)} channels, {format_number(span[0], 1)} to {format_number(span[1], 1)} s'
-        ),
-        about=(
+    ]  # fmt: skip
+    ends = f'{format_number(span[0], 1)} to {format_number(span[1], 1)} s'
+    return Report(
+        command='bag plot',
+        subject=f'{len(every)} channels, {ends}',
+        headline=title,
+        introduction=(
             'The recorded values. Angles are in degrees and unwrapped (no jumps at 360 degrees).'
         ),
-        tiles='\n'.join(render_tile(*build_tile(channel)) for channel in every[:TILES]),
-        pictures='\n'.join(pictures),
+        tiles=[build_tile(channel) for channel in every[:TILES]],
+        blocks=[Grid(pictures, columns=1, name=NAME)],
+        data={},
         facts=facts,
     )
 

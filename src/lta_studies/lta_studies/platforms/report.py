@@ -1,19 +1,14 @@
-"""Write the report of a platform comparison as one self-contained HTML file."""
+"""Build the report of a platform comparison."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from html import escape
+from collections.abc import Iterator, Mapping, Sequence
 import math
-from pathlib import Path
-from typing import final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.schema.comparison_file import ComparisonFile
 from lta_config.schema.maneuver_file import load_maneuver_file, ManeuverFile
 from lta_model.scenario import load_scenario
-from lta_report.formatting import format_number, Tile
-from lta_report.html_elements import render_html_table, render_section, render_tile
-from lta_report.page_frame import assemble_page, write_file
+from lta_report.formatting import format_amount, format_number, MISSING, Tile
+from lta_report.report import Block, Emphasis, Grid, Picture, Report, TextSection, TextTable
 from lta_studies.platforms.entrants import build_entrant
 from lta_studies.platforms.flight import Entrant
 from lta_studies.platforms.pictures import (
@@ -23,24 +18,24 @@ from lta_studies.platforms.pictures import (
     format_entry_name,
     UNIT,
 )
-from lta_studies.platforms.run import ABLATION, CONTESTANT, PlatformResult
+from lta_studies.platforms.run import ABLATION, CONTESTANT, PlatformResult, result_to_json
 from lta_studies.platforms.summary import (
     ComparisonCell,
     compute_lift_margin,
+    describe_reversals,
     find_top_speed,
     SeedMean,
     select_flights,
 )
-from lta_studies.platforms.verdict import format_headline, render_ablation_table
 import yaml
 
-NAME = 'report.html'
 HEADS = ('platform', 'manoeuvre', 'held', 'overshoot', 'settles', 'steady error', 'rms', 'ripple',
          'height error', 'tilt')  # fmt: skip
 DASHED = 'Dashed: setpoint. Flights with seed 1.'
+LISTED = 'The changes are listed below, under "What causes the differences".'
 LIMITED = (
     'One flight for each commanded speed. Dashed: the speed reached equals the speed '
-    'commanded. The changes are listed below, under "What causes the differences".'
+    f'commanded. {LISTED}'
 )
 METHOD = (
     'Held: the platform settles before the last quarter, keeps its height within 0.2 m and '
@@ -49,54 +44,66 @@ METHOD = (
     'their 95 % interval (Student), which is missing for one seed or if it rounds to zero. '
     'Settling time: mean of the flights that settle.'
 )
+MARGINS = (
+    'Vertical lift of all lifting rotors at full thrust. Laws with tracker feedback get pose and '
+    'velocity from motion capture, as their authors did.'
+)
+REVERSED = 'Flights held before and after the change; bold where the change reverses the majority.'
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class ComparisonReport:
-    """Content of the page."""
+def build_report(
+    comparison: ComparisonFile,
+    rows: Sequence[PlatformResult],
+    facts: Mapping[str, str],
+    commands: Mapping[str, str],
+) -> Report:
+    """Return the report of a comparison; `facts` are its origin, `commands` the next steps."""
+    content = yaml.safe_dump(comparison.model_dump(exclude_none=True), sort_keys=False)
+    return Report(
+        command='platforms',
+        subject=f'{comparison.name} · {comparison.scenario}',
+        headline=format_headline(comparison, rows),
+        introduction=comparison.about,
+        tiles=build_tiles(comparison, rows),
+        blocks=[
+            *build_pictures(comparison, rows),
+            TextTable('All platforms and manoeuvres', HEADS, build_result_rows(comparison, rows),
+                      METHOD, printed=False),
+            *explain_differences(comparison, rows),
+            build_platform_table(comparison),
+        ],
+        data=[result_to_json(row) for row in rows],
+        json_name='flights.json',
+        facts=facts,
+        commands=commands,
+        files={'Comparison file': content},
+        closing=describe_reversals(comparison, rows),
+    )  # fmt: skip
 
-    comparison: ComparisonFile
-    rows: Sequence[PlatformResult]
-    folder: Path
-    origin: Mapping[str, str]
 
-
-def write_page(report: ComparisonReport) -> Path:
-    """Write the page and return its path; raise `BadInput` if that fails."""
-    return write_file(render_page(report), report.folder / NAME)
-
-
-def render_page(report: ComparisonReport) -> str:
-    """Return the HTML of the page."""
-    comparison, rows = report.comparison, report.rows
-    shown, common = render_plot_sections(comparison, rows), len(comparison.manoeuvres)
-    return assemble_page(
-        'platforms.html',
-        title=escape(format_headline(comparison, rows)),
-        kicker=escape(f'comparison {comparison.name} · {comparison.scenario}'),
-        about=escape(comparison.about),
-        tiles='\n'.join(render_tile(*each) for each in build_tiles(comparison, rows)),
-        first='\n'.join(shown[:common]),
-        pictures='\n'.join(shown[common:]),
-        results=render_html_table(HEADS, build_result_rows(comparison, rows))
-        + f'<p class="note">{METHOD}</p>',
-        why=render_ablation_table(comparison, rows)
-        + ''.join(
-            [
-                '<ul>',
-                *(f'<li>{escape(each)}</li>' for each in describe_inputs_and_limits(report)),
-                '</ul>',
-            ]
-        ),
-        margins=render_platform_table(comparison),
-        facts=report.origin,
-        files={
-            'Comparison file': yaml.safe_dump(
-                comparison.model_dump(exclude_none=True), sort_keys=False
-            )
-        },
+def format_headline(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> str:
+    """Return the headline."""
+    lost = []
+    for name, contestant in comparison.contestants.items():
+        found = [row for row in rows if (row.job.kind, row.job.name) == (CONTESTANT, name)]
+        if not found or not all(row.held for row in found):
+            lost.append(contestant.title)
+    count = len(comparison.contestants)
+    if not lost:
+        who = f'All {count} contestants hold' if count > 1 else 'The one contestant holds'
+        return f'{who} every manoeuvre.'
+    if len(lost) == count:
+        return 'No contestant holds every manoeuvre.'
+    return (
+        f'{count - len(lost)} of {count} contestants hold every manoeuvre; {join_names(lost)} not.'
     )
+
+
+def join_names(names: Sequence[str]) -> str:
+    """Join names to the subject of 'does' or 'do'."""
+    # 'A does', 'A and B do', 'A, B and C do'
+    *others, last = names
+    return f'{", ".join(others)} and {last} do' if others else f'{last} does'
 
 
 def list_maneuvers(comparison: ComparisonFile, name: str) -> list[str]:
@@ -118,35 +125,32 @@ def build_tiles(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> l
     return found
 
 
-def render_plot_sections(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> list[str]:
-    """Return a section for each manoeuvre, the ablations and the speed limits."""
-    own = [each for name in comparison.contestants for each in list_maneuvers(comparison, name)]
-    names = dict.fromkeys([*comparison.manoeuvres, *own])  # common manoeuvres come first
+def build_pictures(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> Iterator[Block]:
+    """Yield the figures of the manoeuvres, of the ablations, and of the speed limits."""
     titles = {name: each.title for name, each in comparison.contestants.items()}
-    found = []
-    for name in names:
+    common = comparison.manoeuvres
+    own = [each for name in comparison.contestants for each in list_maneuvers(comparison, name)]
+    flown = [each for part in comparison.ablations.values() for each in part.manoeuvres]
+
+    def draw_maneuver(name: str) -> Picture:
         manoeuvre = load_maneuver_file(name)
-        picture = draw_tracking(rows, titles, manoeuvre)
-        found.append(
-            render_section(
-                f'flown-{name}', name.capitalize(), f'{manoeuvre.about} {DASHED}', picture
-            )
-        )
-    flown = dict.fromkeys(
-        each for ablation in comparison.ablations.values() for each in ablation.manoeuvres
-    )
-    for name in flown:
-        manoeuvre = load_maneuver_file(name)
-        found.append(
-            render_section(f'changed-{name}', f'{name.capitalize()}, with one part changed',
-                    f'The changes are listed below, under "What causes the differences". {DASHED}',
-                    draw_ablations(rows, comparison, manoeuvre))
-        )  # fmt: skip
+        figure = draw_tracking(rows, titles, manoeuvre)
+        caption = f'{manoeuvre.about} {DASHED}'
+        return Picture(f'flown-{name}', name.capitalize(), caption, figure, height=320)
+
+    def draw_changed(name: str) -> Picture:
+        figure = draw_ablations(rows, comparison, load_maneuver_file(name))
+        heading = f'{name.capitalize()}, with one part changed'
+        return Picture(f'changed-{name}', heading, f'{LISTED} {DASHED}', figure, height=320)
+
+    yield Grid([draw_maneuver(name) for name in common])
+    others = [draw_maneuver(name) for name in dict.fromkeys(own) if name not in common]
+    others += map(draw_changed, dict.fromkeys(flown))
+    if others:
+        yield Grid(others)
     if comparison.limits:
-        found.append(
-            render_section('limits', 'Speed limits', LIMITED, draw_limits(rows, comparison))
-        )
-    return found
+        figure = draw_limits(rows, comparison)
+        yield Picture('limits', 'Speed limits', LIMITED, figure, height=420)
 
 
 def build_result_rows(
@@ -196,7 +200,7 @@ def find_unit_factor(manoeuvre: ManeuverFile) -> float:
 def format_mean(value: SeedMean, unit: str, factor: float, digits: int) -> str:
     """Format a mean with the half-width of its interval."""
     if math.isnan(value.value):
-        return '\N{EN DASH}'
+        return MISSING
     text = format_number(value.value, digits, factor)
     # The interval is NaN for a single seed.
     half = 0.0 if math.isnan(value.high) else (value.high - value.value) * factor
@@ -206,9 +210,12 @@ def format_mean(value: SeedMean, unit: str, factor: float, digits: int) -> str:
     return f'{text}{spread}{"" if unit == UNIT["heading"] else " "}{unit}'
 
 
-def describe_inputs_and_limits(report: ComparisonReport) -> list[str]:
-    """Return sentences on open-loop inputs and speed limits."""
-    comparison, rows = report.comparison, report.rows
+def explain_differences(
+    comparison: ComparisonFile, rows: Sequence[PlatformResult]
+) -> Iterator[Block]:
+    """Yield the table of ablations, and sentences on open-loop inputs and speed limits."""
+    if comparison.ablations:
+        yield build_ablation_table(comparison, rows)
     found = format_open_loop_inputs(comparison, rows)
     for name, limit in comparison.limits.items():
         held, reached = find_top_speed(comparison, rows, name)
@@ -218,7 +225,45 @@ def describe_inputs_and_limits(report: ComparisonReport) -> list[str]:
             f'{title}{why}: keeps its height at commanded speeds up to {held:.2f} m/s, and '
             f'reaches {reached:.2f} m/s at most.'
         )
-    return found
+    if found:
+        yield TextSection('Open-loop inputs and speed limits', found, bullets=True)
+
+
+def build_ablation_table(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> TextTable:
+    """Return the table of ablations: flights held before and after the change."""
+    # One column for every manoeuvre that any ablation flies
+    flown = list(
+        dict.fromkeys(each for part in comparison.ablations.values() for each in part.manoeuvres)
+    )
+    lines = [
+        [
+            format_entry_name(comparison, name), comparison.contestants[ablation.of].title,
+            ablation.why,
+            *(
+                format_before_after(
+                    select_flights(rows, CONTESTANT, ablation.of, each),
+                    select_flights(rows, ABLATION, name, each),
+                )
+                for each in flown
+            ),
+        ]
+        for name, ablation in comparison.ablations.items()
+    ]  # fmt: skip
+    heads = ('entry', 'based on', 'change', *flown)
+    return TextTable('What causes the differences', heads, lines, REVERSED, printed=False)
+
+
+def format_before_after(base: ComparisonCell, changed: ComparisonCell) -> str:
+    """Format the flights held before and after a change, bold if the majority reverses."""
+    if not base.rows or not changed.rows:
+        return MISSING
+    held = [sum(row.held for row in part.rows) for part in (base, changed)]
+    counts = [len(part.rows) for part in (base, changed)]
+    # Whether the majority of flights held
+    most = [2 * few > all_of for few, all_of in zip(held, counts, strict=True)]
+    ends = [f'{few}/{all_of}' for few, all_of in zip(held, counts, strict=True)]
+    text = ' \N{RIGHTWARDS ARROW} '.join(ends)
+    return Emphasis(text) if most[0] != most[1] else text
 
 
 def format_open_loop_inputs(
@@ -259,18 +304,16 @@ def rebuild_entrant(comparison: ComparisonFile, name: str) -> Entrant:
     return build_entrant(comparison.contestants[name], density)
 
 
-def render_platform_table(comparison: ComparisonFile) -> str:
+def build_platform_table(comparison: ComparisonFile) -> TextTable:
     """Return the table of control laws, feedback sources and lift margins."""
     lines = []
     for name, contestant in comparison.contestants.items():
         flying = rebuild_entrant(comparison, name)
         lift, weight = compute_lift_margin(flying.vehicle)
-        newtons = [f'{format_number(force, 1, 1e3)} mN' for force in (lift, weight, lift - weight)]
-        grams = f'{format_number((lift - weight) / STANDARD_GRAVITY, 1, 1e3)} g'
-        seen = str(flying.law.feedback)
-        lines.append([contestant.title, flying.law.name.replace('_', ' '), seen, *newtons, grams])
+        lines.append([
+            contestant.title, flying.law.name.replace('_', ' '), str(flying.law.feedback),
+            *(format_amount(force, 'mN', 1, 1e3) for force in (lift, weight, lift - weight)),
+            format_amount((lift - weight) / STANDARD_GRAVITY, 'g', 1, 1e3),
+        ])  # fmt: skip
     heads = ('platform', 'law', 'feedback', 'full lift', 'weight to carry', 'margin', 'margin')
-    return render_html_table(heads, lines) + (
-        '<p class="note">Vertical lift of all lifting rotors at full thrust. Laws with tracker '
-        'feedback get pose and velocity from motion capture, as their authors did.</p>'
-    )
+    return TextTable('Control laws and stability margins', heads, lines, MARGINS, printed=False)

@@ -1,26 +1,25 @@
-"""Write the comparison of a replay with its recording as one HTML file."""
+"""Build the report of a replay: its comparison with the recording."""
 
 from collections.abc import Mapping
-from html import escape
 import math
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from lta_config.command_line import format_lta_command, relative_path
 from lta_flight.replay.decisions import DecisionComparison
 from lta_flight.replay.replay_request import ReplayRequest
+from lta_flight.replay.run import ReplayRun
 from lta_flight.replay.verdict import ReplayVerdict
 from lta_report.drawing import create_figure
 from lta_report.formatting import Tile
-from lta_report.html_elements import render_section, render_tile
-from lta_report.page_frame import assemble_page, write_file
 from lta_report.palette import ESTIMATE, RAW
+from lta_report.report import Block, Picture, Report, TextSection, TextTable
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
-NAME: Final = 'report.html'
 LISTED: Final = 40  # channels in the table
 MOST: Final = 3000  # points of a line
+HEADS: Final = ('topic', 'field', 'differs', 'first at [s]', 'recorded', 'replayed', 'largest')
 METHOD: Final = (
     'Every message of the replayed nodes is compared, field by field, with the recorded message '
     'of the same time stamp. "Differs": messages in which the field differs in any bit. '
@@ -31,56 +30,57 @@ NAMES: Final = {
 }  # fmt: skip
 
 
-def write_page(
-    verdict: ReplayVerdict, order: ReplayRequest, provenance: Mapping[str, str], folder: Path
-) -> Path:
-    """Write the page and return its path; raise `BadInput` if that fails."""
-    return write_file(render_page(verdict, order, provenance), folder / NAME)
-
-
-def render_page(
-    verdict: ReplayVerdict, order: ReplayRequest, provenance: Mapping[str, str]
-) -> str:
+def build_report(
+    played: ReplayRun,
+    verdict: ReplayVerdict | None,
+    order: ReplayRequest,
+    provenance: Mapping[str, str],
+) -> Report:
     """
-    Return the whole page.
+    Return the report of a replay.
 
     Parameters
     ----------
-    verdict : ReplayVerdict
-        The result.
+    played : ReplayRun
+        The replay.
+    verdict : ReplayVerdict or None
+        Its comparison with the recording, if it was compared.
     order : ReplayRequest
         The request.
     provenance : mapping of str to str
         Provenance of the recording.
 
     """
-    return assemble_page(
-        'replay.html',
-        title=escape(f'{verdict.sentence}.'),
-        kicker=escape(f'replay · {" ".join(order.nodes)} · {relative_path(order.bag)}'),
-        about=escape(describe_replay(verdict, order)),
-        tiles='\n'.join(render_tile(*each) for each in build_tiles(verdict)),
-        table=render_channel_table(verdict),
-        notes=''.join(
-            f'<p class="note">{escape(each)}</p>' for each in list_comparison_notes(verdict)
-        ),
-        pictures='\n'.join(
-            render_section(
-                f'decision-{k}', each.name.capitalize(), format_caption(each, verdict),
-                plot_decision(each, verdict), timed=True,
-            )
-            for k, each in enumerate(verdict.decisions)
-        ),
+    # Without a comparison, only an incomplete replay is a failure
+    failed = not played.is_complete or (verdict is not None and verdict.word == 'different')
+    return Report(
+        command='replay',
+        subject=f'{" ".join(order.nodes)} · {relative_path(order.bag)}',
+        headline=format_headline(played, verdict),
+        introduction=describe_replay(verdict, order),
+        tiles=build_tiles(verdict) if verdict else [],
+        blocks=list_blocks(verdict) if verdict else [],
+        data=to_json(played, verdict, order),
         facts=describe_provenance(provenance),
         commands=suggest_commands(order),
-    )  # fmt: skip
+        closing=[*describe_changes(played, verdict), f'Bag  {relative_path(played.bag)}'],
+        status=int(failed),
+    )
 
 
-def describe_replay(verdict: ReplayVerdict, order: ReplayRequest) -> str:
+def format_headline(played: ReplayRun, verdict: ReplayVerdict | None) -> str:
+    """Return the verdict, or without one how much was played; an incomplete replay says so."""
+    if not played.is_complete:
+        result = f' {verdict.sentence}.' if verdict else ''
+        return f'The replay stopped before the end of the recording.{result}'
+    return f'{verdict.sentence}.' if verdict else format_player_status(played)
+
+
+def describe_replay(verdict: ReplayVerdict | None, order: ReplayRequest) -> str:
     """Return a description of the replay in two sentences."""
     changed = ', '.join(order.changes) or 'none'
     pace = 'in lockstep' if order.rate is None else f'at {order.rate:g} times real time'
-    place = ', '.join(verdict.elsewhere) or 'none'
+    place = ', '.join(verdict.elsewhere) or 'none' if verdict else 'not compared'
     return (
         f'These nodes were run again on the recorded sensor data, {pace}: '
         f'{", ".join(order.nodes)}. Requested changes: {changed}. Other differences from the '
@@ -126,42 +126,45 @@ def format_value(value: object, digits: int = 10) -> str:
     return text if len(text) <= 30 else f'{text[:29]}…'
 
 
-def render_channel_table(verdict: ReplayVerdict) -> str:
-    """Return a table of the fields that differ, or a sentence that none does."""
-    heads = ['topic', 'field', 'differs', 'first at [s]', 'recorded', 'replayed', 'largest']
-    lines = []
-    for topic in verdict.topics:
-        for each in topic.channels:
-            at = verdict.relative_time(int(topic.recorded.keys[each.first]))
-            cells = (
-                each.path, f'{each.count} of {topic.count}', f'{at:.3f}',
-                format_value(each.recorded), format_value(each.again), format_value(each.largest),
-            )  # fmt: skip
-            own = ''.join(f'<td>{escape(cell)}</td>' for cell in cells)
-            lines.append(f'<tr><th scope="row">{escape(topic.topic)}</th>{own}</tr>')
-    if not lines:
-        return '<p class="note">No field of any message differs.</p>'
-    top = ''.join(f'<th scope="col">{head}</th>' for head in heads)
-    # The page lists the first fields only; JSON has all
-    more = len(lines) - LISTED
-    rest = (
-        f'<p class="note">And {more} more fields; all are in replay.json.</p>' if more > 0 else ''
-    )
-    return (
-        '<table class="differences"><caption class="hidden">Fields that differ</caption>'
-        f'<thead><tr>{top}</tr></thead><tbody>{"".join(lines[:LISTED])}</tbody></table>{rest}'
-    )
-
-
-def list_comparison_notes(verdict: ReplayVerdict) -> list[str]:
-    """Return how the runs were compared, and which messages could not be."""
+def list_blocks(verdict: ReplayVerdict) -> list[Block]:
+    """Return the table of differences, messages without counterpart, and the decisions."""
     alone = [
         f'{topic.topic}: {topic.unmatched[0]} recorded messages without a replayed one, '
         f'{topic.unmatched[1]} replayed ones without a recorded one; these are not compared.'
         for topic in verdict.topics
         if any(topic.unmatched)
     ]
-    return [METHOD, *alone]
+    pictures = [
+        Picture(
+            f'decision-{k}', each.name.capitalize(), format_caption(each, verdict),
+            plot_decision(each, verdict), height=230, timed=True,
+        )
+        for k, each in enumerate(verdict.decisions)
+    ]  # fmt: skip
+    return [
+        build_channel_table(verdict),
+        *([TextSection('Messages without counterpart', alone, printed=True)] if alone else []),
+        *pictures,
+    ]
+
+
+def build_channel_table(verdict: ReplayVerdict) -> Block:
+    """Return a table of the fields that differ, or a sentence that none does."""
+    rows = [
+        [
+            topic.topic, each.path, f'{each.count} of {topic.count}',
+            f'{verdict.relative_time(int(topic.recorded.keys[each.first])):.3f}',
+            format_value(each.recorded), format_value(each.again), format_value(each.largest),
+        ]
+        for topic in verdict.topics
+        for each in topic.channels
+    ]  # fmt: skip
+    if not rows:
+        return TextSection('What differs', ('No field of any message differs.', METHOD))
+    # The page lists the first fields only; JSON has all
+    more = len(rows) - LISTED
+    rest = f'And {more} more fields; all are in replay.json. ' if more > 0 else ''
+    return TextTable('What differs', HEADS, rows[:LISTED], f'{rest}{METHOD}', printed=False)
 
 
 def format_caption(decision: DecisionComparison, verdict: ReplayVerdict) -> str:
@@ -198,6 +201,53 @@ def plot_decision(decision: DecisionComparison, verdict: ReplayVerdict) -> Figur
     figure.update_xaxes(title_text='time [s]')
     figure.update_yaxes(title_text=f'{decision.name}{f" [{unit}]" if unit else ""}')
     return figure
+
+
+def describe_changes(played: ReplayRun, verdict: ReplayVerdict | None) -> list[str]:
+    """Return what the terminal tells: progress, first differences, and changed decisions."""
+    if verdict is None:
+        return []
+    lines = [format_player_status(played)] if played.is_complete else []
+    for topic in verdict.topics:
+        # The channels are sorted by the time of their first difference
+        for first in topic.channels[:1]:
+            at = verdict.relative_time(int(topic.recorded.keys[first.first]))
+            lines.append(
+                f'{topic.topic}: {topic.differing} of {topic.count} messages differ, first '
+                f'{first.path} at {at:.2f} s ({format_value(first.recorded, 7)} recorded, '
+                f'{format_value(first.again, 7)} replayed).'
+            )
+    for each in verdict.decisions:
+        if each.first_change is not None:
+            at = verdict.relative_time(int(each.keys[each.first_change]))
+            how = f', {format_largest_change(each)}' if each.unit else ''
+            lines.append(
+                f'{each.name}: {each.change_count} of {len(each.keys)} decisions differ from the '
+                f'recording, first at {at:.2f} s{how}.'
+            )
+    return lines
+
+
+def format_player_status(played: ReplayRun) -> str:
+    """Return how much was played, and how fast."""
+    status = played.standing or {}
+    return (
+        f'Replayed {status["time_s"]} s at {status["pace"]} x real time: '
+        f'{status["messages"]} messages played, {status["answers"]} output messages.'
+    )
+
+
+def to_json(
+    played: ReplayRun, verdict: ReplayVerdict | None, order: ReplayRequest
+) -> dict[str, Any]:
+    """Return the results as JSON content."""
+    return {
+        'bag': str(played.bag),
+        'whole': played.is_complete,
+        'player': played.standing,
+        'changes': order.changes,
+        **(verdict.to_dict() if verdict else {}),
+    }
 
 
 def describe_provenance(provenance: Mapping[str, str]) -> dict[str, str]:

@@ -1,0 +1,264 @@
+"""Build the report of a sweep."""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from statistics import median, quantiles
+from typing import Any, Final
+
+from lta_config.command_line import format_lta_command, relative_path
+from lta_config.schema.sweep_file import Distribution
+from lta_flight.flight_spec import to_set_args
+from lta_flight.sweep.heat_map import find_map_parameters, plot_heat_map
+from lta_flight.sweep.job_runner import FAILED, SweepRow
+from lta_flight.sweep.pictures import MEASURES, plot_by_parameter, plot_histogram, plot_outcomes
+from lta_flight.sweep.plan import SweepPlan
+from lta_flight.sweep.run import describe_origin, SweepRun
+from lta_flight.sweep.statistics import collect_result_values, format_value, REACHED, reached_share
+from lta_report.formatting import format_number, Tile
+from lta_report.report import Block, Grid, Picture, Report, TextSection, TextTable
+import yaml
+
+SMALL: Final = 0.5  # kg; smaller masses are shown in grams
+LISTED: Final = 25  # most flights in the table of those that did not reach their goal
+WORDS: Final = {'search_time': 'Time from the first forward command', 'path_length': 'Path'}
+LOST: Final = 'Flights that did not reach their goal'
+BY_PARAMETER: Final = (
+    'Share of flights that reached the goal with its 95 % Wilson interval, and their time and '
+    'path. Flights that could not be flown do not count.'
+)
+ON_MAP: Final = 'Share of the flights that reached their goal, and the median time of those.'
+
+
+def build_report(done: SweepRun) -> Report:
+    """Return the report of a sweep, which may have been stopped."""
+    plan, rows, file = done.plan, done.rows, done.plan.file
+    figures = list(draw_parameters(plan, rows))
+    return Report(
+        command='sweep',
+        subject=f'{file.name} · {file.vehicle} · {file.scenario} · {file.strategy}',
+        headline=format_headline(plan, rows),
+        introduction=file.about,
+        tiles=build_tiles(rows),
+        blocks=[
+            Grid(draw_overview(rows), columns=3),
+            # A single figure has the whole width
+            *(figures if len(figures) == 1 else [Grid(figures)] if figures else []),
+            build_lost_table(plan, rows),
+        ],
+        data=to_json(done),
+        facts=describe_provenance(done),
+        commands=suggest_commands(done),
+        files={'Sweep file': yaml.safe_dump(file.model_dump(exclude_none=True), sort_keys=False)},
+        closing=describe_run(done),
+        status=find_status(done),
+    )
+
+
+def find_status(done: SweepRun) -> int:
+    """Return the exit status: flights that missed the goal are results, failed ones errors."""
+    if done.failure is not None:
+        return 130 if isinstance(done.failure, KeyboardInterrupt) else 2
+    return int(any(row.outcome == FAILED for row in done.rows))
+
+
+def format_headline(plan: SweepPlan, rows: Sequence[SweepRow]) -> str:
+    """Return the result in a sentence."""
+    share = reached_share(rows)
+    failed = sum(row.outcome == FAILED for row in rows)
+    flown = len(rows) - failed
+    # An interrupted sweep states how many flights it has
+    begun = '' if len(rows) == plan.count else f' (of {plan.count} planned)'
+    if not flown:
+        return f'{len(rows)} flights{begun}: none could be flown.'
+    reached = sum(row.outcome == REACHED for row in rows)
+    ends = f'{100 * share.low:.1f} to {100 * share.high:.1f} %'
+    lost = f', and {failed} could not be flown' if failed else ''
+    return (
+        f'{reached} of {len(rows)} flights{begun} reached their goal{lost}; the 95 % '
+        f'confidence interval of the share that reaches it is {ends}.'
+    )
+
+
+def build_tiles(rows: Sequence[SweepRow]) -> list[Tile]:
+    """Return tiles with the main results."""
+    share = reached_share(rows)
+    ends = f'{100 * share.low:.1f} to {100 * share.high:.1f} % (Wilson, 95 %)'
+    broken = sum(row.outcome == FAILED for row in rows)
+    wall = sum(row.wall for row in rows)
+    flown = len(rows) - broken
+    return [
+        Tile('Reached', format_number(100 * share.value if flown else None, 1), '%', ends),
+        *(build_summary_tile(rows, *words) for words in (
+            ('search_time', 'Time to the lamp', 's', 1), ('path_length', 'Path', 'm', 2),
+            ('airspeed', 'Airspeed', 'm/s', 2), ('energy', 'Energy', 'J', 1))),
+        Tile('Flights', str(len(rows)), '',
+             f'{broken} could not be flown; {wall:.0f} s of computing time'),
+    ]  # fmt: skip
+
+
+def build_summary_tile(
+    rows: Sequence[SweepRow], name: str, words: str, unit: str, digits: int
+) -> Tile:
+    """Return a tile with the median and quartiles of a result over successful flights."""
+    values = collect_result_values(rows, name)
+    # Quartiles need two values
+    if len(values) < 2:
+        return Tile(
+            words, format_number(values[0] if values else None, digits), unit, 'one flight or none'
+        )
+    low, _, high = quantiles(values, n=4)
+    note = (
+        f'median; half of the flights between {format_number(low, digits)} and '
+        f'{format_number(high, digits)}'
+    )
+    return Tile(words, format_number(median(values), digits), unit, note)
+
+
+def draw_overview(rows: Sequence[SweepRow]) -> list[Picture]:
+    """Return the figures over all flights."""
+    # In ascending order, which puts the most frequent outcome at the top
+    counts = Counter(row.outcome for row in rows)
+    ordered = dict(sorted(counts.items(), key=lambda item: item[1]))
+    spreads = [
+        Picture(
+            f'spread-{measure.name}', WORDS[measure.name],
+            'Only flights that reached their goal.', plot_histogram(rows, measure), height=230,
+        )
+        for measure in MEASURES
+    ]  # fmt: skip
+    ended = plot_outcomes(ordered)
+    return [Picture('outcomes', 'How the flights ended', '', ended, height=230), *spreads]
+
+
+def draw_parameters(plan: SweepPlan, rows: Sequence[SweepRow]) -> Iterator[Picture]:
+    """Yield a map, if there are two parameters, and a figure of each parameter."""
+    if not rows:
+        return
+    if both := find_map_parameters(plan):
+        figure = plot_heat_map(rows, both, plan.units)
+        yield Picture('heat', f'{both[1]} against {both[0]}', ON_MAP, figure, height=520)
+    for k, (path, unit) in enumerate(plan.units.items()):
+        how = plan.file.vary.get(path)
+        # A log-uniform parameter is even on a logarithmic axis
+        even_in_log = isinstance(how, Distribution) and how.loguniform is not None
+        figure = plot_by_parameter(*convert_to_grams(rows, path, unit), even_in_log)
+        yield Picture(f'by-{k}', path, BY_PARAMETER, figure, height=520)
+
+
+def convert_to_grams(
+    rows: Sequence[SweepRow], path: str, unit: str
+) -> tuple[Sequence[SweepRow], str, str]:
+    """Return rows, path and unit with small masses in grams."""
+    values = [row.values[path] for row in rows]
+    small = all(isinstance(value, int | float) and abs(value) < SMALL for value in values)
+    if unit != 'kg' or not small:
+        return rows, path, unit
+    shown = [replace(row, values={**row.values, path: 1e3 * row.values[path]}) for row in rows]
+    return shown, path, 'g'
+
+
+def list_lost_flights(rows: Sequence[SweepRow]) -> list[SweepRow]:
+    """Return the flights that did not reach their goal, failed ones first."""
+    lost = [row for row in rows if row.outcome != REACHED]
+    # False sorts before True
+    return sorted(lost, key=lambda row: (row.outcome != FAILED, row.index))
+
+
+def build_lost_table(plan: SweepPlan, rows: Sequence[SweepRow]) -> Block:
+    """Return a table of the flights that did not reach their goal."""
+    lost = list_lost_flights(rows)
+    if not lost:
+        return TextSection(LOST, ('None.',))
+    lines = [
+        [
+            str(row.index), str(row.seed),
+            *(format_value(row.values[path]) for path in plan.units), row.outcome, row.sentence,
+        ]
+        for row in lost[:LISTED]
+    ]  # fmt: skip
+    heads = ('flight', 'seed', *plan.units, 'outcome', 'why')
+    more = f' The first {LISTED} of {len(lost)}.' if len(lost) > LISTED else ''
+    return TextTable(LOST, heads, lines, f'Values in SI.{more}', printed=False)
+
+
+def format_repeat_command(plan: SweepPlan, index: int) -> str:
+    """Return the command that repeats one flight of a sweep, with a bag."""
+    job = plan.build_job(index)
+    spec = plan.base.with_values(job.changes)
+    names = spec.names
+    changes = [word for text in to_set_args(spec.replaced) for word in ('--set', text)]
+    return format_lta_command(
+        'simulate', '--vehicle', names['vehicle'], '--scenario', names['scenario'], '--strategy',
+        spec.strategy, '--gains', names['gains'], '--seed', str(job.seed), *changes,
+    )  # fmt: skip
+
+
+def describe_provenance(done: SweepRun) -> dict[str, str]:
+    """Return the provenance of the flights."""
+    plan = done.plan
+    return {
+        **describe_origin(plan, done.order),
+        'varied': ', '.join(plan.units) or 'the seed only',
+        'flights': f'{len(done.rows)} of {plan.count}',
+        'identity': plan.identity[:16],
+    }
+
+
+def suggest_commands(done: SweepRun) -> dict[str, str]:
+    """Return commands for the next steps."""
+    options = done.order.options
+    # The path is typed in the folder where the command was run
+    table = relative_path(done.table)
+    commands = {
+        'Resume or repeat the sweep': format_lta_command(
+            'sweep', done.order.file, *options, '--out', relative_path(done.folder)
+        ),
+        'Read the table': f'python -c "import pandas; print(pandas.read_parquet(\'{table}\'))"',
+    }
+    if lost := list_lost_flights(done.rows):
+        # A batch has other random numbers than a single flight
+        like = 'Fly one like the first lost flight' if options else 'Fly the first lost flight'
+        commands[like] = format_repeat_command(done.plan, lost[0].index)
+    return commands
+
+
+def describe_run(done: SweepRun) -> list[str]:
+    """Return what the terminal tells of this run: speed, failures, and the table."""
+    lines = []
+    if done.flown:
+        rate = done.flown / done.wall
+        lines.append(f'{done.flown} flights in {done.wall:.0f} s: {rate:.2f} flights/s.')
+    elif done.failure is None:
+        lines.append('All flights were already stored; nothing was flown.')
+    if done.deaths:
+        lines.append(
+            f'{done.deaths} worker processes ended unexpectedly; their flights were repeated or '
+            'count as failed. Fly failed ones again with --retry-failed.'
+        )
+    failures = Counter(row.sentence for row in done.rows if row.outcome == FAILED)
+    # The three most frequent reasons; the table has all
+    lines += [f'{count} failed: {sentence}' for sentence, count in failures.most_common(3)]
+    if done.failure is not None:
+        lines.append('Finished flights are stored; repeat the command to resume.')
+    # Why the sweep stopped, unless by Ctrl-C
+    lines += [str(done.failure)] if str(done.failure or '') else []
+    return [*lines, f'Table {relative_path(done.table)}']
+
+
+def to_json(done: SweepRun) -> dict[str, Any]:
+    """Return the summary as JSON content."""
+    share = reached_share(done.rows)
+    return {
+        'flights': len(done.rows),
+        'outcomes': dict(Counter(row.outcome for row in done.rows)),
+        'reached_share': share.value,
+        'reached_low': share.low,
+        'reached_high': share.high,
+        'flown': done.flown,
+        'workers_lost': done.deaths,
+        # Zero if all flights were already stored
+        'rate': done.flown / done.wall if done.wall else 0.0,
+        'table': str(done.table),
+        'units': {'rate': '1/s', 'reached_share': '1', 'reached_low': '1', 'reached_high': '1'},
+    }
