@@ -1,6 +1,14 @@
 """Print a report on a terminal."""
 
-from lta_report.report import Block, Grid, Report, TextSection, TextTable, transpose_table
+from lta_report.report import (
+    Block,
+    Grid,
+    Report,
+    ReportSection,
+    TextSection,
+    TextTable,
+    transpose_table,
+)
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -26,7 +34,7 @@ def print_block(block: Block, console: Console) -> None:
                 '\n'.join(block.paragraphs), highlight=False, markup=False, soft_wrap=True
             )
             console.print()
-        case Grid():
+        case Grid() | ReportSection(folded=False):
             for each in block.blocks:
                 print_block(each, console)
         case _:
