@@ -16,6 +16,13 @@ CellColor = Literal['good', 'bad', 'soft']
 
 
 @final
+class Emphasis(str):
+    """A cell of a table in bold."""
+
+    __slots__ = ()
+
+
+@final
 @dataclass(frozen=True, slots=True)
 class TextTable:
     """
@@ -28,7 +35,7 @@ class TextTable:
     heads : sequence of str
         One per column.
     rows : sequence of sequence of str
-        Cells of each row.
+        Cells of each row; an `Emphasis` is bold.
     note : str
         Remark below the table.
     groups : sequence of (str, int)
@@ -36,7 +43,7 @@ class TextTable:
     printed : bool
         Whether the terminal shows the table.
     colors : mapping of str to str
-        Colour of all cells with a text, such as a verdict.
+        Colour on the page of all cells with a text, such as a verdict.
 
     """
 
@@ -132,7 +139,7 @@ class Report:
     Attributes
     ----------
     command : str
-        Words of the command, such as 'energy hover'; the last one names the JSON file.
+        Words of the command, such as 'energy hover'.
     subject : str
         What was studied.
     headline : str
@@ -143,12 +150,18 @@ class Report:
         Key figures.
     blocks : sequence of Block
         Content in the order of the page.
-    data : mapping
+    data : mapping or sequence
         Content of the JSON file, in SI units.
     facts, commands, files : mapping of str to str
         Footer of the page: origin of the results, next steps, and whole files.
     closing : sequence of str
         Lines that only the terminal shows, after the headline.
+    json_name : str
+        Name of the JSON file; the last word of the command by default.
+    outputs : mapping of str to str
+        Further files of the results folder: name and content.
+    status : int
+        Exit status of the command.
 
     """
 
@@ -158,16 +171,14 @@ class Report:
     introduction: str
     tiles: Sequence[Tile]
     blocks: Sequence[Block]
-    data: Mapping[str, Any]
+    data: Mapping[str, Any] | Sequence[Any]
     facts: Mapping[str, str] = field(default_factory=dict)
     commands: Mapping[str, str] = field(default_factory=dict)
     files: Mapping[str, str] = field(default_factory=dict)
     closing: Sequence[str] = ()
-
-    @property
-    def name(self) -> str:
-        """The last word of the command."""
-        return self.command.split()[-1]
+    json_name: str = ''
+    outputs: Mapping[str, str] = field(default_factory=dict)
+    status: int = 0
 
 
 def transpose_table(table: TextTable) -> TextTable:

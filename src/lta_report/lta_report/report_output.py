@@ -1,4 +1,4 @@
-"""Write a report to its results folder: JSON, page and pictures."""
+"""Write a report to its results folder: JSON, further files, page and pictures."""
 
 from pathlib import Path
 from typing import Final
@@ -35,7 +35,10 @@ def write_report(
         If writing fails.
 
     """
-    write_json(report.data, folder / f'{report.name}.json')
+    name = report.json_name or f'{report.command.split()[-1]}.json'
+    write_json(report.data, folder / name)
+    for other, text in report.outputs.items():
+        write_file(text, folder / other)
     if not page:
         return None
     written = write_file(render_report(report), folder / PAGE)

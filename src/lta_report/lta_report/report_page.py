@@ -11,6 +11,7 @@ from lta_report.page_frame import assemble_page
 from lta_report.report import (
     Block,
     CellColor,
+    Emphasis,
     Grid,
     Picture,
     Report,
@@ -132,16 +133,17 @@ def render_cells(
     """Return the cells of a row; the first one is its head."""
     first, *rest = row
     cells = ''.join(
-        f'<td{kind}>{render_cell(cell, colors)}</td>'
+        f'<td{kind}>{render_text(cell, colors.get(cell))}</td>'
         for cell, kind in zip(rest, classes[1:], strict=True)
     )
-    return f'<th scope="row">{escape(first)}</th>{cells}'
+    return f'<th scope="row">{render_text(first)}</th>{cells}'
 
 
-def render_cell(cell: str, colors: Mapping[str, CellColor]) -> str:
-    """Return the text of a cell in its colour."""
-    color = colors.get(cell)
-    return f'<span class="{color}">{escape(cell)}</span>' if color else escape(cell)
+def render_text(cell: str, color: CellColor | None = None) -> str:
+    """Return the text of a cell."""
+    if color:
+        return f'<span class="{color}">{escape(cell)}</span>'
+    return f'<b>{escape(cell)}</b>' if isinstance(cell, Emphasis) else escape(cell)
 
 
 def render_text_section(section: TextSection) -> str:

@@ -2,6 +2,7 @@
 
 from lta_report.report import (
     Block,
+    Emphasis,
     Grid,
     Report,
     ReportSection,
@@ -53,22 +54,28 @@ def print_table(table: TextTable, console: Console) -> None:
         turned = transpose_table(table)
         if measure_width(table, gap) > console.width >= measure_width(turned, gap):
             table = turned
+    narrow = console.width < measure_width(table, gap)
     printed = Table(
         title=table.heading, title_justify='left', title_style='bold', box=None, pad_edge=False,
         padding=(0, gap, 0, 0),
     )  # fmt: skip
     for place, (head, *cells) in enumerate(zip(split_heads(table), *table.rows, strict=True)):
-        # Only columns of words may wrap; a wrapped number is unreadable
-        words = place > 0 and any(' ' in cell for cell in cells)
+        # Only columns of words may wrap, names last; a wrapped number is unreadable
+        words = (place > 0 or narrow) and any(' ' in cell for cell in cells)
         printed.add_column(
             Text(head), justify='left' if place == 0 else 'right', no_wrap=not words
         )
     for row in table.rows:
-        printed.add_row(*map(Text, row))
+        printed.add_row(*map(style_cell, row))
     console.print(printed)
     if table.note:
         console.print(table.note, style='dim', highlight=False, markup=False, soft_wrap=True)
     console.print()
+
+
+def style_cell(cell: str) -> Text:
+    """Return the text of a cell."""
+    return Text(cell, style='bold' if isinstance(cell, Emphasis) else '')
 
 
 def merge_groups(table: TextTable) -> TextTable:

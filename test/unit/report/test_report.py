@@ -4,7 +4,15 @@ from html.parser import HTMLParser
 import io
 
 from lta_report.formatting import format_number, MISSING, Tile
-from lta_report.report import Grid, Picture, Report, TextSection, TextTable, transpose_table
+from lta_report.report import (
+    Emphasis,
+    Grid,
+    Picture,
+    Report,
+    TextSection,
+    TextTable,
+    transpose_table,
+)
 from lta_report.report_output import write_report
 from lta_report.report_page import is_numeric, render_report
 from lta_report.report_terminal import merge_groups, print_report, print_table
@@ -119,6 +127,22 @@ def test_a_wide_table_is_transposed_in_a_narrow_terminal_and_whole_in_a_file():
     assert '…' not in terminal + file
     assert file.count('12.34') == 12
     assert len(file.strip().splitlines()) == 4
+
+
+def test_long_names_wrap_in_a_narrow_terminal_before_anything_is_cut():
+    name = 'loss of lift that the largest vertical command can carry'
+    row = (name, '12.3 (11.0 to 14.0)', '1.5 (1 to 2)')
+    table = TextTable('Long', ('', 'old', 'new'), [row] * 3)
+    text = show(table, 60, True)
+    assert max(map(len, text.splitlines())) <= 60
+    assert '…' not in text
+    assert '12.3 (11.0 to 14.0)' in text
+    assert 'can carry' in text
+
+
+def test_an_emphasised_cell_is_bold():
+    page = render_report(make_report(TextTable('T', ('a', 'b'), [('x', Emphasis('<1'))])))
+    assert '<td><b>&lt;1</b></td>' in page
 
 
 def test_a_table_keeps_the_names_of_its_groups_in_the_terminal():

@@ -1,5 +1,6 @@
 """Define the output options of all commands: --json, --out and --pictures."""
 
+from collections.abc import Mapping
 import json
 from pathlib import Path
 import sys
@@ -14,8 +15,9 @@ Json = Annotated[bool, typer.Option('--json', help='Print the results as JSON.')
 
 
 def print_json(content: Any, page: Path | None = None) -> None:  # noqa: ANN401 - plain data
-    """Print results, with the path of their page."""
-    shown = content if page is None else {**content, 'page': str(page)}
+    """Print results, with the path of their page if they have names."""
+    named = page is not None and isinstance(content, Mapping)
+    shown = {**content, 'page': str(page)} if named else content
     # One write for the whole text, so that other output cannot split it
     sys.stdout.write(json.dumps(shown, indent=1) + '\n')
 

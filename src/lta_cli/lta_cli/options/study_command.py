@@ -65,8 +65,8 @@ def study_command(
     """
     Give a function that returns a report the options --out, --no-page, --pictures and --json.
 
-    The function has an argument `run`, a `StudyRun`. Nothing is written before it returns, unless
-    it resumes.
+    The function may have an argument `run`, a `StudyRun`. Nothing is written before it returns,
+    unless it resumes.
 
     Parameters
     ----------
@@ -78,6 +78,8 @@ def study_command(
     """
 
     def decorate(study: Callable[..., Report]) -> Callable[..., None]:
+        signature = inspect.signature(study)
+
         @wraps(study)
         def command(
             *args: Any,  # noqa: ANN401 - the study's own options
@@ -93,15 +95,18 @@ def study_command(
             check_picture_output(pictures)
             if not resumes:
                 check_creatable(run.folder)
-            report = study(*args, run=run, **options)
+            own = {'run': run} if 'run' in signature.parameters else {}
+            report = study(*args, **own, **options)
             with nullcontext(run.folder) if resumes else stage_results(run.folder, PAGE) as folder:
                 write_report(report, folder, page=page, pictures=pictures)
             show_report(report, run, json)
+            if report.status:
+                raise typer.Exit(report.status)
 
         hints = {**get_type_hints(study, include_extras=True), **OPTIONS, 'return': None}
-        del hints['run']
+        hints.pop('run', None)
         command.__annotations__ = hints
-        command.__signature__ = add_options(inspect.signature(study))  # type: ignore[attr-defined]
+        command.__signature__ = add_options(signature)  # type: ignore[attr-defined]
         # Typer would otherwise read the annotations of the study
         del command.__wrapped__
         return command

@@ -63,7 +63,7 @@ def reproduce(
     runs/paper-quick) by default, and repeating the command resumes. A change of the code or of a
     row's file reruns the rows that it affects.
 
-    Writes a page, reproduce.json (SI units) and bags of the plotted flights.
+    Writes a page, paper.json (SI units) and bags of the plotted flights.
 
     Exit status 0: done, whatever agrees. 2: bad input. 130: Ctrl-C.
 

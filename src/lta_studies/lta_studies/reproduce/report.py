@@ -11,6 +11,7 @@ from lta_report.formatting import MISSING, Tile
 from lta_report.report import (
     Block,
     CellColor,
+    Emphasis,
     Grid,
     Picture,
     Report,
@@ -115,6 +116,7 @@ def build_report(
         data=to_json(rows, stored_rows),
         facts={'rows': str(len(rows)), 'commit': read_commit()},
         commands=commands,
+        json_name='paper.json',
     )
 
 
@@ -170,8 +172,9 @@ def build_summary_table(rows: Sequence[PaperRow], stored_rows: StoredRows) -> Te
         format_title(row): count_verdicts(judge_claims(row, stored_rows[row.name].values).values())
         for row in rows
     }
-    counts['all'] = count_all_verdicts(rows, stored_rows)
     lines = [[name, *map(str, found.values())] for name, found in counts.items()]
+    total = map(str, count_all_verdicts(rows, stored_rows).values())
+    lines.append([Emphasis('all'), *map(Emphasis, total)])
     return TextTable('Claims of the paper', ('row', *ClaimVerdict), lines)
 
 
@@ -193,7 +196,7 @@ def iterate_row_blocks(row: PaperRow, stored: StoredRow) -> Iterator[Block]:
     yield ReportSection(
         format_title(row),
         (
-            TextSection('', (row.scenario,)),
+            TextSection('', (row.scenario,), marked=True),
             build_claim_table(row, stored),
             *([TextSection('', findings, bullets=True, marked=True)] if findings else []),
             ReportSection(
