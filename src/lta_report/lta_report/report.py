@@ -97,8 +97,8 @@ class TextSection:
     """
     Paragraphs under a heading; the terminal shows them only if `printed`.
 
-    With `bullets`, the paragraphs are the items of a list. With `marked`, they contain the marks of
-    Markdown for *emphasis*, **strong emphasis** and `code`.
+    With `bullets`, the paragraphs are the items of a list. With `marked`, they contain the marks
+    of Markdown for *emphasis*, **strong emphasis** and `code`.
     """
 
     heading: str

@@ -9,10 +9,12 @@ from lta_report.report import (
     Grid,
     Picture,
     Report,
+    ReportSection,
     TextSection,
     TextTable,
     transpose_table,
 )
+from lta_report.report_markdown import render_markdown
 from lta_report.report_output import write_report
 from lta_report.report_page import is_numeric, render_report
 from lta_report.report_terminal import merge_groups, print_report, print_table
@@ -166,3 +168,71 @@ def test_files_of_a_report(tmp_path):
     page.unlink()
     assert write_report(make_report(TABLE), tmp_path, page=False) is None
     assert [each.name for each in tmp_path.iterdir()] == ['hover.json']
+
+
+CLAIMS = TextTable(
+    '', ('claim', 'verdict'), [('thrust', 'agrees'), ('mass', 'differs')], printed=False,
+    colors={'agrees': 'good', 'differs': 'bad'},
+)  # fmt: skip
+FINDINGS = TextSection(
+    '', ('*Mass <m>.* It is `271 g`. **A row is missing.**',), True, marked=True
+)
+FIGURES = [
+    Picture(
+        name, name.capitalize(), f'The {name}.', Figure(), command='lta cfd', bag=f'bags/{name}'
+    )
+    for name in ('drag', 'lift')
+]
+SECTION = ReportSection('1. Forces', [CLAIMS, FINDINGS, ReportSection('All 3', [TABLE], True)])
+
+
+def test_a_section_is_one_panel_and_its_folded_part_opens_on_a_click():
+    page = render_report(make_report(SECTION, TextTable('Wrong', ('case',), [])))
+    assert '<section class="panel group" aria-label="1. Forces"><h2>1. Forces</h2>' in page
+    assert '<details class="group"><summary>All 3</summary>' in page
+    assert '<span class="bad">differs</span>' in page
+    assert '<i>Mass &lt;m&gt;.</i> It is <code>271 g</code>. <b>A row is missing.</b>' in page
+    assert '<h2>Wrong</h2><p class="note">None.</p>' in page
+    # The part of a section that the terminal shows
+    shown = show(make_report(ReportSection('1', [TABLE, CLAIMS])), 80, False)
+    assert 'gtmab' in shown
+    assert 'thrust' not in shown
+    assert 'gtmab' not in show(make_report(SECTION), 80, False)
+
+
+def test_a_picture_has_its_command_and_bag():
+    page = render_report(make_report(Grid(FIGURES)))
+    link = '<a href="bags/lift"><code>bags/lift</code></a>'
+    assert f'<p class="note"><code>lta cfd</code> · bag: {link}</p>' in page
+
+
+def test_blocks_as_markdown():
+    first = TextTable('Limits', TABLE.heads, TABLE.rows[:1], 'Static.')
+    blocks = [SECTION, Grid(FIGURES), TextTable('Wrong', ('case',), []), first]
+    assert (
+        render_markdown(blocks, 'images/paper')
+        == """## 1. Forces
+
+| claim | verdict |
+| --- | --- |
+| thrust | agrees |
+| mass | differs |
+
+- *Mass <m>.* It is `271 g`. **A row is missing.**
+
+![Drag](images/paper/drag.png)
+
+*Drag. The drag.*
+
+Commands for its pictures: `lta cfd`.
+
+Bags: `bags/drag`, `bags/lift`.
+
+## Limits
+
+| platform | wind [m/s] | reason |
+| --- | --- | --- |
+| gtmab | 1.09 | it <rises> early |
+
+Static."""
+    )
