@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import Final
 
+from lta_report.formatting import format_markdown_table
 from lta_report.report import Block, Grid, Picture, ReportSection, TextSection, TextTable
 
 LEVEL: Final = 2  # of headings, below the title
@@ -33,10 +34,11 @@ def iterate_parts(block: Block, images: str, level: int) -> Iterator[str]:
     match block:
         case ReportSection(folded=False):
             yield from format_heading(block.heading, level)
-            yield render_markdown(block.blocks, images, level + 1)
+            for each in block.blocks:
+                yield from iterate_parts(each, images, level + 1)
         case TextTable() if block.rows:
             yield from format_heading(block.heading, level)
-            yield format_markdown_table(block)
+            yield format_markdown_table(block.heads, block.rows)
             if block.note:
                 yield block.note
         case TextSection():
@@ -50,12 +52,9 @@ def iterate_parts(block: Block, images: str, level: int) -> Iterator[str]:
         case Grid():
             pictures = [each for each in block.blocks if isinstance(each, Picture)]
             yield from format_pictures(pictures, images)
-            yield from (
-                part
-                for each in block.blocks
-                if not isinstance(each, Picture)
-                for part in iterate_parts(each, images, level)
-            )
+            for each in block.blocks:
+                if not isinstance(each, Picture):
+                    yield from iterate_parts(each, images, level)
         case _:
             pass
 
@@ -63,12 +62,6 @@ def iterate_parts(block: Block, images: str, level: int) -> Iterator[str]:
 def format_heading(heading: str, level: int) -> list[str]:
     """Return a heading; nothing if it is empty."""
     return [f'{"#" * level} {heading}'] if heading else []
-
-
-def format_markdown_table(table: TextTable) -> str:
-    """Return heads and rows of a table."""
-    rows = [table.heads, ['---'] * len(table.heads), *table.rows]
-    return '\n'.join(f'| {" | ".join(cells)} |' for cells in rows)
 
 
 def format_pictures(pictures: Sequence[Picture], images: str) -> Iterator[str]:

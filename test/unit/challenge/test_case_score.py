@@ -1,5 +1,6 @@
 """Cases are judged by hand-made answers and findings, and counted."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -146,7 +147,7 @@ def test_kinds_that_were_kept_from_discovery_have_lines_of_their_own() -> None:
         'tray': ['late', '1', '0', '1'],
     }
     report = build_report(scored(cases), Path('somewhere'))
-    assert [tile.value for tile in report.tiles] == ['1/1', '0/1', '0/0', '4/5', '1/2', '1/1']
+    assert [tile.value for tile in report.tiles] == ['1/1', '0/1', '0/0', '4/5', '1/2', '3/3']
     refused = [replace(each, refused='too short') for each in cases[:2]]
     assert format_headline(refused + cases[2:]) == (
         'Discovery results for 8 cases with hidden effects, 2 of them refused'
@@ -191,3 +192,9 @@ def test_a_page_has_the_challenges_of_a_row_together_and_the_rows_side_by_side()
         '4 cases: 1 of all kinds (seed 1, flights of 60 to 180 s), '
         '3 clean (seed 7, flights of 60 to 180 s).'
     ) in text
+
+
+def test_pictures_are_of_one_challenge(call: Callable[..., tuple[int, Any]]) -> None:
+    status, said = call('challenge', 'score', 'one', 'other', '--pictures', 'figures')
+    assert status == 2
+    assert '--pictures needs one challenge folder' in said.err
