@@ -10,6 +10,7 @@ from lta_report.report import (
     TextTable,
     transpose_table,
 )
+from lta_report.report_page import is_numeric
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -61,9 +62,12 @@ def print_table(table: TextTable, console: Console) -> None:
     )  # fmt: skip
     for place, (head, *cells) in enumerate(zip(split_heads(table), *table.rows, strict=True)):
         # Only columns of words may wrap, names last; a wrapped number is unreadable
-        words = (place > 0 or narrow) and any(' ' in cell for cell in cells)
+        words = place == 0 or not is_numeric(cells)
         printed.add_column(
-            Text(head), justify='left' if place == 0 else 'right', no_wrap=not words
+            Text(head),
+            justify='left' if words else 'right',
+            overflow='fold',
+            no_wrap=not (narrow if place == 0 else words),
         )
     for row in table.rows:
         printed.add_row(*map(style_cell, row))

@@ -153,6 +153,16 @@ def test_a_table_keeps_the_names_of_its_groups_in_the_terminal():
     ]  # fmt: skip
 
 
+def test_long_names_fold_and_numbers_stay_whole_in_a_narrow_terminal():
+    name = 'ground_truth/odom/twist.twist.angular.y'
+    rows = [(name, '12.3 ADC counts', '-1.5 m/s2', 'always'), (name, MISSING, '9 m/s2', 'late')]
+    lines = show(TextTable('', ('channel', 'bias', 'RMS', 'when'), rows), 60, True).splitlines()
+    assert lines[1].split(maxsplit=1)[1] == '12.3 ADC counts -1.5 m/s2 always'
+    assert lines[3].endswith(f'{MISSING}    9 m/s2 late  ')
+    for first, rest in (lines[1:3], lines[3:5]):
+        assert first.split()[0] + rest.strip() == name
+
+
 def test_transposing_twice_gives_the_same_table():
     plain = TextTable('T', ('a', 'b', 'c'), (['x', '1', '2'], ['y', '3', '4']))
     turned = transpose_table(plain)
