@@ -148,7 +148,7 @@ def render_text(cell: str, color: CellColor | None = None) -> str:
 
 def render_text_section(section: TextSection) -> str:
     """Return paragraphs, or a list of points, in their own panel."""
-    texts = map(render_marks if section.marked else escape, section.paragraphs)
+    texts = map(render_markup if section.marked else escape, section.paragraphs)
     if section.bullets:
         body = f'<ul class="points">{"".join(f"<li>{each}</li>" for each in texts)}</ul>'
     else:
@@ -156,11 +156,11 @@ def render_text_section(section: TextSection) -> str:
     return render_panel(section.heading, body)
 
 
-def render_marks(text: str) -> str:
+def render_markup(text: str) -> str:
     """Return text with the marks of Markdown as HTML."""
 
-    def replace(found: re.Match[str]) -> str:
-        tag = TAGS[(found.lastindex or 1) - 1]
-        return f'<{tag}>{found[found.lastindex or 0]}</{tag}>'
+    def replace(match: re.Match[str]) -> str:
+        tag = TAGS[(match.lastindex or 1) - 1]
+        return f'<{tag}>{match[match.lastindex or 0]}</{tag}>'
 
     return MARKS.sub(replace, escape(text))

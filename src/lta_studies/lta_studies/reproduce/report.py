@@ -242,16 +242,16 @@ def list_claim_findings(row: PaperRow, stored: StoredRow) -> list[str]:
     lines = []
     for name, claim in row.claims.items():
         # Why it cannot be tested, else what was found
-        finding = fill_known_measures(claim.untested or claim.finding, row, stored)
+        finding = fill_measures_or_blank(claim.untested or claim.finding, row, stored)
         differs = found[name] is ClaimVerdict.DIFFERS
-        gap = fill_known_measures(claim.gap, row, stored) if differs else ''
+        gap = fill_measures_or_blank(claim.gap, row, stored) if differs else ''
         texts = [finding, f'**{gap}**' if gap else '']
         if any(texts):
             lines.append(' '.join(filter(None, [f'*{claim.says}*', *texts])))
     return lines
 
 
-def fill_known_measures(text: str, row: PaperRow, stored: StoredRow) -> str:
+def fill_measures_or_blank(text: str, row: PaperRow, stored: StoredRow) -> str:
     """Fill in the measures of a text; '' if --quick left one out."""
     known = find_measure_names(text) <= stored.values.keys()
     return fill_measures(text, row, stored.values) if known else ''
@@ -264,7 +264,7 @@ def build_paper_figure_table(rows: Sequence[PaperRow], stored_rows: StoredRows) 
             str(row.number),
             each.figure,
             each.printed,
-            fill_known_measures(each.said, row, stored_rows[row.name]) or MISSING,
+            fill_measures_or_blank(each.said, row, stored_rows[row.name]) or MISSING,
         ]
         for row in rows
         for each in row.series.values()
