@@ -1,5 +1,7 @@
 """Print a report on a terminal."""
 
+from collections.abc import Sequence
+
 from lta_report.report import (
     Block,
     Emphasis,
@@ -16,6 +18,7 @@ from rich.table import Table
 from rich.text import Text
 
 GAP = 2  # spaces between columns; 1 if the terminal is narrow
+NAME = 24  # characters to which long names wrap before a table is printed in parts
 
 
 def print_report(report: Report, console: Console) -> None:
@@ -44,7 +47,7 @@ def print_block(block: Block, console: Console) -> None:
 
 
 def print_table(table: TextTable, console: Console) -> None:
-    """Print a table: with narrower gaps or transposed where the terminal is narrow."""
+    """Print a table: with narrower gaps, transposed or in parts where the terminal is narrow."""
     table = merge_groups(table)
     gap = GAP
     if not console.is_terminal:
@@ -53,28 +56,71 @@ def print_table(table: TextTable, console: Console) -> None:
     elif measure_width(table, GAP) > console.width:
         gap = 1
         turned = transpose_table(table)
-        if measure_width(table, gap) > console.width >= measure_width(turned, gap):
+        fits = measure_width(table, gap) > console.width >= measure_width(turned, gap)
+        # Of a table with more rows than columns, the names wrap instead
+        if fits and len(table.rows) < len(table.heads):
             table = turned
-    narrow = console.width < measure_width(table, gap)
-    printed = Table(
+    for part in split_table(table, console.width, gap):
+        console.print(draw_table(part, gap, wraps=measure_width(part, gap) > console.width))
+    if table.note:
+        console.print(table.note, style='dim', highlight=False, markup=False, soft_wrap=True)
+    console.print()
+
+
+def draw_table(table: TextTable, gap: int, *, wraps: bool) -> Table:
+    """Return a table for the terminal; with `wraps`, columns of words and names may wrap."""
+    drawn = Table(
         title=table.heading, title_justify='left', title_style='bold', box=None, pad_edge=False,
         padding=(0, gap, 0, 0),
     )  # fmt: skip
     for place, (head, *cells) in enumerate(zip(split_heads(table), *table.rows, strict=True)):
-        # Only columns of words may wrap, names last; a wrapped number is unreadable
+        # A wrapped number is unreadable
         words = place == 0 or not is_numeric(cells)
-        printed.add_column(
-            Text(head),
-            justify='left' if words else 'right',
-            overflow='fold',
-            no_wrap=not (narrow if place == 0 else words),
-        )
+        drawn.add_column(
+            Text(head), justify='left' if words else 'right', overflow='fold',
+            no_wrap=not (wraps and words),
+        )  # fmt: skip
     for row in table.rows:
-        printed.add_row(*map(style_cell, row))
-    console.print(printed)
-    if table.note:
-        console.print(table.note, style='dim', highlight=False, markup=False, soft_wrap=True)
-    console.print()
+        drawn.add_row(*map(style_cell, row))
+    return drawn
+
+
+def split_table(table: TextTable, width: int, gap: int) -> list[TextTable]:
+    """Return the parts of a table that fit a width, each with the column of names."""
+    first, *sizes = measure_columns(table)
+    parts, taken = [[0]], first
+    for place, size in enumerate(sizes, start=1):
+        if taken + gap + size > width and len(parts[-1]) > 1:
+            parts.append([0])
+            taken = first
+        parts[-1].append(place)
+        taken += gap + size
+    return [
+        TextTable(
+            '' if number else table.heading,
+            [table.heads[place] for place in part],
+            [[row[place] for place in part] for row in table.rows],
+        )
+        for number, part in enumerate(parts)
+    ]
+
+
+def measure_columns(table: TextTable) -> list[int]:
+    """Return the smallest width of each column: names and words may wrap, numbers may not."""
+    widths = []
+    for place, (head, *cells) in enumerate(zip(split_heads(table), *table.rows, strict=True)):
+        own = measure_lines(cells)
+        if place == 0:
+            own = min(own, NAME)
+        elif not is_numeric(cells):
+            own = measure_lines([cell.replace(' ', '\n') for cell in cells])
+        widths.append(max(own, measure_lines([head])))
+    return widths
+
+
+def measure_lines(cells: Sequence[str]) -> int:
+    """Return the length of the longest line of some cells."""
+    return max((len(line) for cell in cells for line in cell.split('\n')), default=0)
 
 
 def style_cell(cell: str) -> Text:
@@ -92,12 +138,16 @@ def merge_groups(table: TextTable) -> TextTable:
 
 
 def split_heads(table: TextTable) -> list[str]:
-    """Return the heads with one word per line, so that columns are as narrow as their numbers."""
-    return [head.replace(' ', '\n') for head in table.heads]
+    """Return the heads, with one word per line where the cells are narrower than the head."""
+    cells = zip(*table.rows, strict=True) if table.rows else [()] * len(table.heads)
+    widths = [max(map(len, each), default=0) for each in cells]
+    return [
+        head if len(head) <= width else head.replace(' ', '\n')
+        for head, width in zip(table.heads, widths, strict=True)
+    ]
 
 
 def measure_width(table: TextTable, gap: int) -> int:
     """Return the number of characters of the widest line of a table."""
-    columns = zip(split_heads(table), *table.rows, strict=True)
-    widths = [max(len(line) for cell in each for line in cell.split('\n')) for each in columns]
+    widths = [measure_lines(each) for each in zip(split_heads(table), *table.rows, strict=True)]
     return sum(widths) + gap * (len(widths) - 1)

@@ -1,14 +1,17 @@
 """Check the software: wheels, their versions, the workspace, a browser."""
 
 from importlib import metadata
+from importlib.util import find_spec
 import os
 from pathlib import Path
 import re
 import shutil
 import subprocess
 import sys
+import tempfile
 
 from lta_bridge.hardware.check_result import HardwareCheck
+from lta_config.cache_folder import find_cache_folder
 
 MODULES = ('rclpy', 'sensor_msgs', 'numpy', 'scipy', 'numba', 'pydantic', 'yaml', 'mcap', 'plotly')
 PACKAGES = ('analysis', 'bridge', 'config', 'control', 'energy', 'graph', 'sim', 'vlc')
@@ -88,6 +91,32 @@ def check_workspace_packages() -> HardwareCheck:
     return HardwareCheck(
         'packages', 'ok', f'{len(PACKAGES)} of {len(PACKAGES)} LTA packages in the ament index'
     )
+
+
+def check_transform_messages() -> HardwareCheck:
+    """Check for the messages of /tf, which "make build" compiles."""
+    if find_spec('tf2_msgs') is not None:
+        return HardwareCheck('transforms', 'ok', 'tf2_msgs is installed')
+    return HardwareCheck(
+        'transforms',
+        'warn',
+        'the package tf2_msgs is missing; flights work, but nothing is published on /tf',
+        'Install a C++ compiler and the headers of Python (Debian, Ubuntu: sudo apt install g++ '
+        'python3-dev), then run "make build".',
+    )
+
+
+def check_cache_folder() -> HardwareCheck:
+    """Check that compiled kernels can be kept."""
+    folder = find_cache_folder('kernels')
+    if folder.is_relative_to(tempfile.gettempdir()):
+        return HardwareCheck(
+            'cache', 'warn',
+            f'neither XDG_CACHE_HOME nor ~/.cache is writable; compiled kernels are in {folder} '
+            'and are lost with the temporary files',
+            'Set XDG_CACHE_HOME to a folder that you can write.',
+        )  # fmt: skip
+    return HardwareCheck('cache', 'ok', str(folder))
 
 
 def check_browser() -> HardwareCheck:
