@@ -77,7 +77,7 @@ def test_every_figure_is_found_again_within_its_rounding(row, studied):
 @pytest.mark.parametrize('rows', [QUICK, pytest.param(ROWS, marks=pytest.mark.long)])
 def test_the_page_tells_what_was_found(rows, studied):
     kepts = studied(rows)
-    report = build_report(rows, kepts, {})
+    report = build_report(rows, kepts)
     text = render_report(report)
     assert report.headline.replace("'", '&#x27;') in text
     for row in rows:
@@ -92,7 +92,7 @@ def test_the_document_is_made_of_the_full_run_and_of_the_rows_as_they_are():
     kepts = kepts_in(told)
     docs = HERE.parents[1] / 'docs'
     rows = [row for row in ROWS if row.name in kepts]
-    report = build_report(rows, kepts, {})
+    report = build_report(rows, kepts)
     assert (docs / 'paper.md').read_text(encoding='utf-8') == format_markdown_page(report)
     for row in rows:
         first = kepts[row.name].pictures[0]

@@ -20,8 +20,10 @@ from lta_report.report import (
     TextTable,
 )
 
-# A cell that starts like a number, or is a dash or empty
-NUMBER: Final = re.compile(rf'[-+\N{{MINUS SIGN}}<>≤≥±~]?\s?[\d.∞{MISSING}]|-?$|none$|never$')
+# A cell that starts like a number (but not like a heading, '1. Title'), or is a dash or empty
+NUMBER: Final = re.compile(
+    rf'(?!\d+\. )[-+\N{{MINUS SIGN}}<>≤≥±~]?\s?[\d.∞{MISSING}]|-?$|none$|never$'
+)
 MARKS: Final = re.compile(r'\*\*(.+?)\*\*|\*(.+?)\*|`(.+?)`')  # strong, emphasis, code
 TAGS: Final = ('b', 'i', 'code')
 

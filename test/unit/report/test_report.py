@@ -98,6 +98,7 @@ def test_columns_of_words_are_left_aligned_and_numbers_are_not():
 def test_cells_that_are_numbers(cell):
     assert is_numeric([cell])
     assert not is_numeric([cell, 'escaped'])
+    assert not is_numeric([cell, '2. Forces, drag and masses'])
 
 
 def test_plotly_is_included_only_with_a_picture():

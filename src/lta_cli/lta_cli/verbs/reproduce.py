@@ -7,7 +7,6 @@ from typing import Annotated
 
 from lta_cli.options.plain_console import plain_console
 from lta_cli.options.study_command import study_command, StudyRun
-from lta_config.command_line import format_lta_command
 from lta_config.schema.paper_file import PaperRow
 from lta_report.progress_bar import ProgressBar
 from lta_report.report import Report, TextTable
@@ -81,9 +80,7 @@ def reproduce(
     order = ReproductionRequest(
         tuple(row.name for row in rows), quick, folder, workers or count_processors()
     )
-    kepts = collect_row_results(order, rows, run.console)
-    again = format_lta_command('reproduce', *(names or []), *(['--quick'] if quick else []))
-    report = build_report(rows, kepts, {'Repeat this study': again})
+    report = build_report(rows, collect_row_results(order, rows, run.console))
     if as_markdown:
         sys.stdout.write(format_markdown_page(report))
     return report

@@ -5,7 +5,6 @@ from dataclasses import replace
 import math
 from typing import Any, Final
 
-from lta_bridge.provenance import read_commit
 from lta_config.schema.paper_file import find_measure_names, PaperRow
 from lta_report.formatting import MISSING, Tile
 from lta_report.report import (
@@ -84,10 +83,8 @@ bearings on a bench) only have a command. A row is a file in `config/paper`: wha
 and where, what is measured, and the rule for agreement."""
 
 
-def build_report(
-    rows: Sequence[PaperRow], stored_rows: StoredRows, commands: Mapping[str, str]
-) -> Report:
-    """Return the report of a reproduction; `commands` are the next steps."""
+def build_report(rows: Sequence[PaperRow], stored_rows: StoredRows) -> Report:
+    """Return the report of a reproduction."""
     return Report(
         command='reproduce',
         subject='the paper',
@@ -114,8 +111,7 @@ def build_report(
             ),
         ),
         data=to_json(rows, stored_rows),
-        facts={'rows': str(len(rows)), 'commit': read_commit()},
-        commands=commands,
+        facts={'rows': str(len(rows))},
         json_name='paper.json',
     )
 
