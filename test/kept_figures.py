@@ -8,7 +8,7 @@ def kepts_in(found):
     return {
         name: StoredRow(
             decode_values(each['values']),
-            [StoredPicture(**picture, figure='') for picture in each['pictures']],
+            [StoredPicture(**picture, figure='{}') for picture in each['pictures']],
             (),
             each['seeds'],
             each['seconds'],

@@ -14,8 +14,8 @@ import math
 from pathlib import Path
 
 from kept_figures import kepts_in
-from lta_studies.reproduce import lines, markdown
-from lta_studies.reproduce.page import render_page
+from lta_report.report_page import render_report
+from lta_studies.reproduce.report import build_report, format_markdown_page, IMAGES
 from lta_studies.reproduce.run import ReproductionRequest, select_rows, study_all
 from lta_studies.reproduce.verdict import judge_claims
 import pytest
@@ -77,10 +77,11 @@ def test_every_figure_is_found_again_within_its_rounding(row, studied):
 @pytest.mark.parametrize('rows', [QUICK, pytest.param(ROWS, marks=pytest.mark.long)])
 def test_the_page_tells_what_was_found(rows, studied):
     kepts = studied(rows)
-    text = render_page(rows, kepts, {})
-    assert lines.format_headline(rows, kepts).replace("'", '&#x27;') in text
+    report = build_report(rows, kepts)
+    text = render_report(report)
+    assert report.headline.replace("'", '&#x27;') in text
     for row in rows:
-        assert f'id="{row.name}"' in text
+        assert f'<h2>{row.number}. {row.title}</h2>' in text
         for picture in kepts[row.name].pictures:
             assert f'figure-{row.name}-{picture.name}' in text
             assert picture.command
@@ -91,12 +92,11 @@ def test_the_document_is_made_of_the_full_run_and_of_the_rows_as_they_are():
     kepts = kepts_in(told)
     docs = HERE.parents[1] / 'docs'
     rows = [row for row in ROWS if row.name in kepts]
-    assert (docs / 'paper.md').read_text(encoding='utf-8') == markdown.format_markdown_page(
-        rows, kepts
-    )
+    report = build_report(rows, kepts)
+    assert (docs / 'paper.md').read_text(encoding='utf-8') == format_markdown_page(report)
     for row in rows:
         first = kepts[row.name].pictures[0]
-        assert (docs / markdown.IMAGES / f'{row.name}-{first.name}.png').exists()
+        assert (docs / IMAGES / f'{row.name}-{first.name}.png').exists()
         found = {
             name: str(each) for name, each in judge_claims(row, kepts[row.name].values).items()
         }

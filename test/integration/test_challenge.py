@@ -4,9 +4,10 @@ import json
 from pathlib import Path
 
 from lta_challenge.make import ChallengeRequest, generate_challenge
-from lta_challenge.page import write_page
-from lta_challenge.score import ChallengeScore, score_challenge, write_score
+from lta_challenge.report import build_report
+from lta_challenge.score import ChallengeScore, score_challenge
 from lta_challenge.score_statistics import CLEAR
+from lta_report.report_output import write_report
 from lta_studies.platforms.run import count_processors
 import pytest
 
@@ -54,8 +55,10 @@ def test_a_second_run_only_counts(scored: tuple[ChallengeScore, Path]) -> None:
     again = score_challenge(folder, 1, tell=lambda now, whole: done.append((now, whole)))
     assert done == [(len(first.cases), len(first.cases))]
     assert again.cases == first.cases
-    told = json.loads(write_score(again, folder))
+    page = write_report(build_report(again, folder), folder)
+    told = json.loads((folder / 'score.json').read_text(encoding='utf-8'))
     assert sum(cells for kind in told['matrix'].values() for cells in kind.values()) == len(
         first.cases
     )
-    assert 'Confusion of effects' in write_page(again, folder).read_text(encoding='utf-8')
+    assert page is not None
+    assert 'Confusion of effects' in page.read_text(encoding='utf-8')

@@ -63,7 +63,9 @@ class RenderedStudy(NamedTuple):
 def render_study(finding: StudyResult) -> RenderedStudy:
     """Render all outputs of a study as plain text."""
     out = StringIO()
-    print_finding(finding, Console(file=out, width=COLUMNS, color_system=None))
+    # As on a terminal: into a file, a table would be as wide as it needs
+    console = Console(file=out, width=COLUMNS, color_system=None, force_terminal=True)
+    print_finding(finding, console)
     rest = (
         tables.render_next_steps(finding),
         tables.render_warnings(finding),

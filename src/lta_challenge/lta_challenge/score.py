@@ -26,7 +26,6 @@ from lta_report.results_folder import write_json
 from lta_report.worker_pool import run_in_workers
 
 RESULTS: Final = 'results'
-NAME: Final = 'score.json'
 
 
 @final
@@ -179,8 +178,3 @@ def null_unless_finite(value: float) -> float | None:
     """Return a number, or None if it is not finite."""
     # Only NaN differs from itself
     return value if value == value and abs(value) != float('inf') else None
-
-
-def write_score(scored: ChallengeScore, folder: Path) -> str:
-    """Write score.json and return its text."""
-    return write_json(score_to_dict(scored), folder / NAME)

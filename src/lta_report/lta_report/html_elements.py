@@ -49,6 +49,7 @@ def render_section(
     *,
     timed: bool = False,
     height: int | None = None,
+    more: str = '',
 ) -> str:
     """
     Return one figure with heading and caption.
@@ -65,6 +66,8 @@ def render_section(
         Whether x is time: such figures share a cursor and zoom together.
     height : int, optional
         Height of the figure; by default that of the page's style. [px]
+    more : str
+        HTML below the caption.
 
     """
     words, about = escape(heading), escape(caption)
@@ -75,7 +78,7 @@ def render_section(
     )
     return (
         f'<figure class="panel" id="panel-{name}" aria-labelledby="title-{name}">'
-        f'<h2 id="title-{name}">{words}</h2>{body}</figure>'
+        f'<h2 id="title-{name}">{words}</h2>{body}{more}</figure>'
     )
 
 

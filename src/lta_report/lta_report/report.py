@@ -7,10 +7,12 @@ A study returns a `Report`. `report_page` renders it as HTML, `report_terminal` 
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, final
+from typing import Any, final, Literal
 
 from lta_report.formatting import Tile
 from plotly.graph_objects import Figure
+
+CellColor = Literal['good', 'bad', 'soft']
 
 
 @final
@@ -40,6 +42,8 @@ class TextTable:
         Heads above the heads, each with the number of columns that it spans; none by default.
     printed : bool
         Whether the terminal shows the table.
+    colors : mapping of str to str
+        Colour on the page of all cells with a text, such as a verdict.
 
     """
 
@@ -49,6 +53,7 @@ class TextTable:
     note: str = ''
     groups: Sequence[tuple[str, int]] = ()
     printed: bool = True
+    colors: Mapping[str, CellColor] = field(default_factory=dict)
 
 
 @final
@@ -69,6 +74,10 @@ class Picture:
         Height on the page. [px]
     timed : bool
         Whether x is time: such figures share a cursor and zoom together.
+    command : str
+        The command that draws it, shown below the caption.
+    bag : str
+        The bag of its flight, relative to the page.
 
     """
 
@@ -78,6 +87,8 @@ class Picture:
     figure: Figure
     height: int = 400
     timed: bool = False
+    command: str = ''
+    bag: str = ''
 
 
 @final
@@ -86,13 +97,15 @@ class TextSection:
     """
     Paragraphs under a heading; the terminal shows them only if `printed`.
 
-    With `bullets`, the paragraphs are the items of a list.
+    With `bullets`, the paragraphs are the items of a list. With `marked`, they contain the marks
+    of Markdown for *emphasis*, **strong emphasis** and `code`.
     """
 
     heading: str
     paragraphs: Sequence[str]
     bullets: bool = False
     printed: bool = False
+    marked: bool = False
 
 
 @final
@@ -105,7 +118,17 @@ class Grid:
     name: str = ''
 
 
-Block = Picture | TextTable | TextSection | Grid
+@final
+@dataclass(frozen=True, slots=True)
+class ReportSection:
+    """Blocks in one panel under a heading; a folded one opens on a click, on the page only."""
+
+    heading: str
+    blocks: 'Sequence[Block]'
+    folded: bool = False
+
+
+Block = Picture | TextTable | TextSection | Grid | ReportSection
 
 
 @final

@@ -1,6 +1,6 @@
 """Render a report as one self-contained HTML page."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 import re
 from typing import Final
@@ -8,10 +8,24 @@ from typing import Final
 from lta_report.formatting import MISSING, Tile
 from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page
-from lta_report.report import Block, Emphasis, Grid, Picture, Report, TextSection, TextTable
+from lta_report.report import (
+    Block,
+    CellColor,
+    Emphasis,
+    Grid,
+    Picture,
+    Report,
+    ReportSection,
+    TextSection,
+    TextTable,
+)
 
-# A cell that starts like a number, or is a dash or empty
-NUMBER: Final = re.compile(rf'[-+\N{{MINUS SIGN}}<>≤≥±~]?\s?[\d.∞{MISSING}]|-?$|none$|never\b')
+# A cell that starts like a number (but not like a heading, '1. Title'), or is a dash or empty
+NUMBER: Final = re.compile(
+    rf'(?!\d+\. )[-+\N{{MINUS SIGN}}<>≤≥±~]?\s?[\d.∞{MISSING}]|-?$|none$|never\b'
+)
+MARKS: Final = re.compile(r'\*\*(.+?)\*\*|\*(.+?)\*|`(.+?)`')  # strong, emphasis, code
+TAGS: Final = ('b', 'i', 'code')
 
 
 def render_report(report: Report) -> str:
@@ -43,7 +57,8 @@ def choose_tile_width(tiles: Sequence[Tile]) -> int:
 def has_pictures(blocks: Sequence[Block]) -> bool:
     """Return whether there is a picture among blocks."""
     return any(
-        isinstance(each, Picture) or (isinstance(each, Grid) and has_pictures(each.blocks))
+        isinstance(each, Picture)
+        or (isinstance(each, Grid | ReportSection) and has_pictures(each.blocks))
         for each in blocks
     )
 
@@ -54,7 +69,7 @@ def render_block(block: Block) -> str:
         case Picture():
             return render_section(
                 block.name, block.heading, block.caption, block.figure,
-                timed=block.timed, height=block.height,
+                timed=block.timed, height=block.height, more=render_picture_origin(block),
             )  # fmt: skip
         case TextTable():
             return render_table_section(block)
@@ -65,10 +80,34 @@ def render_block(block: Block) -> str:
             style = f'grid-template-columns: repeat({block.columns}, minmax(0, 1fr))'
             name = f' id="panel-{block.name}"' if block.name else ''
             return f'<div class="grid"{name} style="{style}">\n{inside}\n</div>'
+        case ReportSection():
+            inside = '\n'.join(map(render_block, block.blocks))
+            if block.folded:
+                summary = f'<summary>{escape(block.heading)}</summary>'
+                return f'<details class="group">{summary}\n{inside}</details>'
+            return render_panel(block.heading, inside, 'panel group')
+
+
+def render_panel(heading: str, body: str, kind: str = 'panel') -> str:
+    """Return a panel; without a heading if that is empty."""
+    words = escape(heading)
+    named = (f' aria-label="{words}"', f'<h2>{words}</h2>') if heading else ('', '')
+    return f'<section class="{kind}"{named[0]}>{named[1]}{body}</section>'
+
+
+def render_picture_origin(picture: Picture) -> str:
+    """Return the command of a picture and a link to the bag of its flight."""
+    parts = [f'<code>{escape(picture.command)}</code>'] if picture.command else []
+    if picture.bag:
+        bag = escape(picture.bag)
+        parts.append(f'bag: <a href="{bag}"><code>{bag}</code></a>')
+    return f'<p class="note">{" · ".join(parts)}</p>' if parts else ''
 
 
 def render_table_section(table: TextTable) -> str:
     """Return a table in its own panel; columns of words are left-aligned and may wrap."""
+    if not table.rows:
+        return render_panel(table.heading, '<p class="note">None.</p>')
     classes = ['' if is_numeric(column) else ' class="text"' for column in list_columns(table)]
     heads = ''.join(
         f'<th scope="col"{kind}>{escape(each)}</th>'
@@ -79,14 +118,14 @@ def render_table_section(table: TextTable) -> str:
         else f'<td colspan="{span}"></td>'
         for name, span in table.groups
     )  # fmt: skip
-    rows = [f'<tr>{render_cells(row, classes)}</tr>' for row in table.rows]
+    rows = [f'<tr>{render_cells(row, classes, table.colors)}</tr>' for row in table.rows]
     words = escape(table.heading)
     note = f'<p class="note">{escape(table.note)}</p>' if table.note else ''
-    return (
-        f'<section class="panel" aria-label="{words}"><h2>{words}</h2>'
+    return render_panel(
+        table.heading,
         f'<div class="wide"><table class="report"><caption class="hidden">{words}</caption>'
         f'<thead>{f"<tr>{top}</tr>" if top else ""}<tr>{heads}</tr></thead>'
-        f'<tbody>{"".join(rows)}</tbody></table></div>{note}</section>'
+        f'<tbody>{"".join(rows)}</tbody></table></div>{note}',
     )
 
 
@@ -100,26 +139,40 @@ def is_numeric(cells: Sequence[str]) -> bool:
     return all(NUMBER.match(cell) for cell in cells)
 
 
-def render_cells(row: Sequence[str], classes: Sequence[str]) -> str:
+def render_cells(
+    row: Sequence[str], classes: Sequence[str], colors: Mapping[str, CellColor]
+) -> str:
     """Return the cells of a row; the first one is its head."""
     first, *rest = row
     cells = ''.join(
-        f'<td{kind}>{render_text(cell)}</td>' for cell, kind in zip(rest, classes[1:], strict=True)
+        f'<td{kind}>{render_text(cell, colors.get(cell))}</td>'
+        for cell, kind in zip(rest, classes[1:], strict=True)
     )
     return f'<th scope="row">{render_text(first)}</th>{cells}'
 
 
-def render_text(cell: str) -> str:
+def render_text(cell: str, color: CellColor | None = None) -> str:
     """Return the text of a cell."""
+    if color:
+        return f'<span class="{color}">{escape(cell)}</span>'
     return f'<b>{escape(cell)}</b>' if isinstance(cell, Emphasis) else escape(cell)
 
 
 def render_text_section(section: TextSection) -> str:
     """Return paragraphs, or a list of points, in their own panel."""
-    words = escape(section.heading)
+    texts = map(render_markup if section.marked else escape, section.paragraphs)
     if section.bullets:
-        items = ''.join(f'<li>{escape(each)}</li>' for each in section.paragraphs)
-        body = f'<ul class="points">{items}</ul>'
+        body = f'<ul class="points">{"".join(f"<li>{each}</li>" for each in texts)}</ul>'
     else:
-        body = ''.join(f'<p class="note">{escape(each)}</p>' for each in section.paragraphs)
-    return f'<section class="panel" aria-label="{words}"><h2>{words}</h2>{body}</section>'
+        body = ''.join(f'<p class="note">{each}</p>' for each in texts)
+    return render_panel(section.heading, body)
+
+
+def render_markup(text: str) -> str:
+    """Return text with the marks of Markdown as HTML."""
+
+    def replace(match: re.Match[str]) -> str:
+        tag = TAGS[(match.lastindex or 1) - 1]
+        return f'<{tag}>{match[match.lastindex or 0]}</{tag}>'
+
+    return MARKS.sub(replace, escape(text))

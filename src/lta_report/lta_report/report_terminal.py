@@ -7,15 +7,18 @@ from lta_report.report import (
     Emphasis,
     Grid,
     Report,
+    ReportSection,
     TextSection,
     TextTable,
     transpose_table,
 )
+from lta_report.report_page import is_numeric
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 GAP = 2  # spaces between columns; 1 if the terminal is narrow
+NAME = 24  # characters to which long names wrap before a table is printed in parts
 
 
 def print_report(report: Report, console: Console) -> None:
@@ -36,7 +39,7 @@ def print_block(block: Block, console: Console) -> None:
                 '\n'.join(block.paragraphs), highlight=False, markup=False, soft_wrap=True
             )
             console.print()
-        case Grid():
+        case Grid() | ReportSection(folded=False):
             for each in block.blocks:
                 print_block(each, console)
         case _:
@@ -53,37 +56,38 @@ def print_table(table: TextTable, console: Console) -> None:
     elif measure_width(table, GAP) > console.width:
         gap = 1
         turned = transpose_table(table)
-        if measure_width(table, gap) > console.width >= measure_width(turned, gap):
+        fits = measure_width(table, gap) > console.width >= measure_width(turned, gap)
+        # Of a table with more rows than columns, the names wrap instead
+        if fits and len(table.rows) < len(table.heads):
             table = turned
-    # Where nothing else helps, names wrap too, and then the table is printed in parts
-    narrow = measure_width(table, gap) > console.width
-    for part in split_table(table, console.width, gap, narrow):
-        console.print(draw_table(part, gap, narrow))
+    for part in split_table(table, console.width, gap):
+        console.print(draw_table(part, gap, wraps=measure_width(part, gap) > console.width))
     if table.note:
         console.print(table.note, style='dim', highlight=False, markup=False, soft_wrap=True)
     console.print()
 
 
-def draw_table(table: TextTable, gap: int, narrow: bool) -> Table:
-    """Return a table for the terminal; only columns of words may wrap, names if it is narrow."""
+def draw_table(table: TextTable, gap: int, *, wraps: bool) -> Table:
+    """Return a table for the terminal; with `wraps`, columns of words and names may wrap."""
     drawn = Table(
         title=table.heading, title_justify='left', title_style='bold', box=None, pad_edge=False,
         padding=(0, gap, 0, 0),
     )  # fmt: skip
     for place, (head, *cells) in enumerate(zip(split_heads(table), *table.rows, strict=True)):
+        # A wrapped number is unreadable
+        words = place == 0 or not is_numeric(cells)
         drawn.add_column(
-            Text(head),
-            justify='left' if place == 0 else 'right',
-            no_wrap=not may_wrap(place, cells, narrow),
-        )
+            Text(head), justify='left' if words else 'right', overflow='fold',
+            no_wrap=not (wraps and words),
+        )  # fmt: skip
     for row in table.rows:
         drawn.add_row(*map(style_cell, row))
     return drawn
 
 
-def split_table(table: TextTable, width: int, gap: int, narrow: bool) -> list[TextTable]:
+def split_table(table: TextTable, width: int, gap: int) -> list[TextTable]:
     """Return the parts of a table that fit a width, each with the column of names."""
-    first, *sizes = measure_columns(table, narrow)
+    first, *sizes = measure_columns(table)
     parts, taken = [[0]], first
     for place, size in enumerate(sizes, start=1):
         if taken + gap + size > width and len(parts[-1]) > 1:
@@ -101,23 +105,22 @@ def split_table(table: TextTable, width: int, gap: int, narrow: bool) -> list[Te
     ]
 
 
-def measure_columns(table: TextTable, narrow: bool) -> list[int]:
-    """Return the smallest width of each column."""
+def measure_columns(table: TextTable) -> list[int]:
+    """Return the smallest width of each column: names and words may wrap, numbers may not."""
     widths = []
     for place, (head, *cells) in enumerate(zip(split_heads(table), *table.rows, strict=True)):
-        lines = [head, *(wrap(cells) if may_wrap(place, cells, narrow) else cells)]
-        widths.append(max(len(line) for cell in lines for line in cell.split('\n')))
+        own = measure_lines(cells)
+        if place == 0:
+            own = min(own, NAME)
+        elif not is_numeric(cells):
+            own = measure_lines([cell.replace(' ', '\n') for cell in cells])
+        widths.append(max(own, measure_lines([head])))
     return widths
 
 
-def may_wrap(place: int, cells: Sequence[str], narrow: bool) -> bool:
-    """Return whether a column has cells of several words; a wrapped number is unreadable."""
-    return (place > 0 or narrow) and any(' ' in cell for cell in cells)
-
-
-def wrap(cells: Sequence[str]) -> list[str]:
-    """Return cells with one word per line."""
-    return [cell.replace(' ', '\n') for cell in cells]
+def measure_lines(cells: Sequence[str]) -> int:
+    """Return the length of the longest line of some cells."""
+    return max((len(line) for cell in cells for line in cell.split('\n')), default=0)
 
 
 def style_cell(cell: str) -> Text:
@@ -135,12 +138,16 @@ def merge_groups(table: TextTable) -> TextTable:
 
 
 def split_heads(table: TextTable) -> list[str]:
-    """Return the heads with one word per line, so that columns are as narrow as their numbers."""
-    return wrap(table.heads)
+    """Return the heads, with one word per line where the cells are narrower than the head."""
+    cells = zip(*table.rows, strict=True) if table.rows else [()] * len(table.heads)
+    widths = [max(map(len, each), default=0) for each in cells]
+    return [
+        head if len(head) <= width else head.replace(' ', '\n')
+        for head, width in zip(table.heads, widths, strict=True)
+    ]
 
 
 def measure_width(table: TextTable, gap: int) -> int:
     """Return the number of characters of the widest line of a table."""
-    columns = zip(split_heads(table), *table.rows, strict=True)
-    widths = [max(len(line) for cell in each for line in cell.split('\n')) for each in columns]
+    widths = [measure_lines(each) for each in zip(split_heads(table), *table.rows, strict=True)]
     return sum(widths) + gap * (len(widths) - 1)

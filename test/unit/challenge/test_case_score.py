@@ -1,12 +1,19 @@
 """Cases are judged by hand-made answers and findings, and counted."""
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from lta_challenge.case_score import confusion_cell, score_case, ScoredCase
-from lta_challenge.page import render_page
+from lta_challenge.report import (
+    build_outside_table,
+    build_report,
+    format_headline,
+    format_markdown_page,
+    format_share,
+)
 from lta_challenge.score import ChallengeScore
-from lta_challenge.score_report import format_outside_kinds, format_share, render_markdown
 from lta_challenge.score_statistics import compute_score_figures, median_errors, shares_by_strength
 import pytest
 
@@ -133,25 +140,34 @@ def test_kinds_that_were_kept_from_discovery_have_lines_of_their_own() -> None:
         assert found[f'{alone}{when}: unexplained force reported'] == flagged
         assert found[f'{alone}{when}: an effect named'] == named
         assert found[f'{beside}{when}: both reported'] == both
-    lines = {line[0]: line[2:] for line in format_outside_kinds(cases)}
+    lines = {line[0]: line[2:] for line in build_outside_table(cases).rows}
     assert lines == {
         'tether': ['early', '3', '3', '0'],
         'leash': ['late', '1', '1', '0'],
         'tray': ['late', '1', '0', '1'],
     }
-    text = render_page(ChallengeScore({**ABOUT, 'cases': 8}, tuple(cases)), Path('somewhere'))
-    assert 'effect outside the library (late kinds): unexplained force reported' in text
+    report = build_report(scored(cases), Path('somewhere'))
+    assert [tile.value for tile in report.tiles] == ['1/1', '0/1', '0/0', '4/5', '1/2', '3/3']
+    refused = [replace(each, refused='too short') for each in cases[:2]]
+    assert format_headline(refused + cases[2:]) == (
+        'Discovery results for 8 cases with hidden effects, 2 of them refused'
+    )
 
 
 ABOUT = {
     'registry': 'abc', 'vehicle': 'gtmab', 'vehicle_digest': 'def', 'commit': 'c0ffee',
-    'row': 'base', 'kind': '', 'seed': 1, 'scored': 1, 'seconds': [60.0, 180.0],
+    'row': 'base', 'kind': '', 'seed': 1, 'cases': 8, 'scored': 1, 'seconds': [60.0, 180.0],
 }  # fmt: skip
+
+
+def scored(cases: list[ScoredCase], **about: object) -> ChallengeScore:
+    """Return a score of a challenge."""
+    return ChallengeScore({**ABOUT, **about}, tuple(cases))
 
 
 def test_the_page_says_what_it_scored() -> None:
     cases = [case({'motor_lag': 0.1}, {'linear_drag.surge': 0.03})]
-    text = render_markdown([(ABOUT, cases)])
+    text = format_markdown_page([scored(cases)])
     assert 'effects `abc`, vehicle `gtmab` `def`, commit `c0ffee`.' in text
     row = '| one hidden effect: a wrong one named | 1/1 = 100 % (21 to 100) | <= 2 % | no |'
     assert row in text
@@ -162,8 +178,8 @@ def test_the_page_says_what_it_scored() -> None:
 def test_a_page_has_the_challenges_of_a_row_together_and_the_rows_side_by_side() -> None:
     wrong = [case({'motor_lag': 0.1}, {'linear_drag.surge': 0.03})]
     clean = [case({}, {}, kind='clean', verdict='none')] * 3
-    other = {**ABOUT, 'kind': 'clean', 'seed': 7, 'scored': 3, 'commit': 'c0ffee, decaf'}
-    text = render_markdown([({**ABOUT, 'row': 'pose'}, wrong), (ABOUT, wrong), (other, clean)])
+    other = scored(clean, kind='clean', seed=7, scored=3, commit='c0ffee, decaf')
+    text = format_markdown_page([scored(wrong, row='pose'), scored(wrong), other])
     assert 'commit `c0ffee`, `decaf`.' in text
     assert '| figure | target | base | pose |' in text
     assert '| cases |  | 4 | 1 |' in text
@@ -176,3 +192,9 @@ def test_a_page_has_the_challenges_of_a_row_together_and_the_rows_side_by_side()
         '4 cases: 1 of all kinds (seed 1, flights of 60 to 180 s), '
         '3 clean (seed 7, flights of 60 to 180 s).'
     ) in text
+
+
+def test_pictures_are_of_one_challenge(call: Callable[..., tuple[int, Any]]) -> None:
+    status, said = call('challenge', 'score', 'one', 'other', '--pictures', 'figures')
+    assert status == 2
+    assert '--pictures needs one challenge folder' in said.err

@@ -9,10 +9,12 @@ from lta_report.report import (
     Grid,
     Picture,
     Report,
+    ReportSection,
     TextSection,
     TextTable,
     transpose_table,
 )
+from lta_report.report_markdown import render_markdown
 from lta_report.report_output import write_report
 from lta_report.report_page import choose_tile_width, is_numeric, render_report
 from lta_report.report_terminal import merge_groups, print_report, print_table
@@ -107,6 +109,7 @@ def test_columns_of_words_are_left_aligned_and_numbers_are_not():
 def test_cells_that_are_numbers(cell):
     assert is_numeric([cell])
     assert not is_numeric([cell, 'escaped'])
+    assert not is_numeric([cell, '2. Forces, drag and masses'])
 
 
 def test_nine_tiles_are_narrower_and_tiles_with_long_names_wider():
@@ -146,17 +149,6 @@ def test_a_wide_table_is_transposed_in_a_narrow_terminal_and_whole_in_a_file():
     assert len(file.strip().splitlines()) == 4
 
 
-def test_a_table_that_is_too_wide_either_way_is_printed_in_parts_with_every_number():
-    heads = ('mount', *(f'number{k} [m/s]' for k in range(12)))
-    rows = [(f'mount{n}', *(f'{10 * n + k}.25' for k in range(12))) for n in range(1, 13)]
-    lines = show(TextTable('Wide', heads, rows), 60, True).splitlines()
-    assert max(map(len, lines)) <= 60
-    for name, *numbers in rows:
-        found = [line.split() for line in lines if line.split()[:1] == [name]]
-        assert [number for _, *part in found for number in part] == numbers
-        assert len(found) > 1
-
-
 def test_long_names_wrap_in_a_narrow_terminal_before_anything_is_cut():
     name = 'loss of lift that the largest vertical command can carry'
     row = (name, '12.3 (11.0 to 14.0)', '1.5 (1 to 2)')
@@ -173,10 +165,31 @@ def test_an_emphasised_cell_is_bold():
     assert '<td><b>&lt;1</b></td>' in page
 
 
+def test_a_table_that_is_too_wide_either_way_is_printed_in_parts_with_every_number():
+    heads = ('mount', *(f'number{k} [m/s]' for k in range(12)))
+    rows = [(f'mount{n}', *(f'{10 * n + k}.25' for k in range(12))) for n in range(1, 13)]
+    lines = show(TextTable('Wide', heads, rows), 60, True).splitlines()
+    assert max(map(len, lines)) <= 60
+    for name, *numbers in rows:
+        found = [line.split() for line in lines if line.split()[:1] == [name]]
+        assert [number for _, *part in found for number in part] == numbers
+        assert len(found) > 1
+
+
 def test_a_table_keeps_the_names_of_its_groups_in_the_terminal():
     assert merge_groups(TABLE).heads == [
         'platform', 'uniform wind wind [m/s]', 'uniform wind reason'
     ]  # fmt: skip
+
+
+def test_long_names_fold_and_numbers_stay_whole_in_a_narrow_terminal():
+    name = 'ground_truth/odom/twist.twist.angular.y'
+    rows = [(name, '12.3 ADC counts', '-1.5 m/s2', 'always'), (name, MISSING, '9 m/s2', 'late')]
+    lines = show(TextTable('', ('channel', 'bias', 'RMS', 'when'), rows), 60, True).splitlines()
+    assert lines[1].split(maxsplit=1)[1] == '12.3 ADC counts -1.5 m/s2 always'
+    assert lines[3].endswith(f'{MISSING}    9 m/s2 late  ')
+    for first, rest in (lines[1:3], lines[3:5]):
+        assert first.split()[0] + rest.strip() == name
 
 
 def test_transposing_twice_gives_the_same_table():
@@ -194,3 +207,71 @@ def test_files_of_a_report(tmp_path):
     page.unlink()
     assert write_report(make_report(TABLE), tmp_path, page=False) is None
     assert [each.name for each in tmp_path.iterdir()] == ['hover.json']
+
+
+CLAIMS = TextTable(
+    '', ('claim', 'verdict'), [('thrust', 'agrees'), ('mass', 'differs')], printed=False,
+    colors={'agrees': 'good', 'differs': 'bad'},
+)  # fmt: skip
+FINDINGS = TextSection(
+    '', ('*Mass <m>.* It is `271 g`. **A row is missing.**',), True, marked=True
+)
+FIGURES = [
+    Picture(
+        name, name.capitalize(), f'The {name}.', Figure(), command='lta cfd', bag=f'bags/{name}'
+    )
+    for name in ('drag', 'lift')
+]
+SECTION = ReportSection('1. Forces', [CLAIMS, FINDINGS, ReportSection('All 3', [TABLE], True)])
+
+
+def test_a_section_is_one_panel_and_its_folded_part_opens_on_a_click():
+    page = render_report(make_report(SECTION, TextTable('Wrong', ('case',), [])))
+    assert '<section class="panel group" aria-label="1. Forces"><h2>1. Forces</h2>' in page
+    assert '<details class="group"><summary>All 3</summary>' in page
+    assert '<span class="bad">differs</span>' in page
+    assert '<i>Mass &lt;m&gt;.</i> It is <code>271 g</code>. <b>A row is missing.</b>' in page
+    assert '<h2>Wrong</h2><p class="note">None.</p>' in page
+    # The part of a section that the terminal shows
+    shown = show(make_report(ReportSection('1', [TABLE, CLAIMS])), 80, False)
+    assert 'gtmab' in shown
+    assert 'thrust' not in shown
+    assert 'gtmab' not in show(make_report(SECTION), 80, False)
+
+
+def test_a_picture_has_its_command_and_bag():
+    page = render_report(make_report(Grid(FIGURES)))
+    link = '<a href="bags/lift"><code>bags/lift</code></a>'
+    assert f'<p class="note"><code>lta cfd</code> · bag: {link}</p>' in page
+
+
+def test_blocks_as_markdown():
+    first = TextTable('Limits', TABLE.heads, TABLE.rows[:1], 'Static.')
+    blocks = [SECTION, Grid(FIGURES), TextTable('Wrong', ('case',), []), first]
+    assert (
+        render_markdown(blocks, 'images/paper')
+        == """## 1. Forces
+
+| claim | verdict |
+| --- | --- |
+| thrust | agrees |
+| mass | differs |
+
+- *Mass <m>.* It is `271 g`. **A row is missing.**
+
+![Drag](images/paper/drag.png)
+
+*Drag. The drag.*
+
+Commands for its pictures: `lta cfd`.
+
+Bags: `bags/drag`, `bags/lift`.
+
+## Limits
+
+| platform | wind [m/s] | reason |
+| --- | --- | --- |
+| gtmab | 1.09 | it <rises> early |
+
+Static."""
+    )

@@ -5,23 +5,14 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
-from lta_cli.options.output_options import (
-    check_picture_output,
-    parse_folder,
-    Pictures,
-    print_json_text,
-)
 from lta_cli.options.plain_console import plain_console
-from lta_config.command_line import format_lta_command, relative_path
+from lta_cli.options.study_command import study_command, StudyRun
 from lta_config.schema.paper_file import PaperRow
 from lta_report.progress_bar import ProgressBar
-from lta_report.report import TextTable
-from lta_report.results_folder import format_page_line, write_json
-from lta_report.screenshots import write_pictures
-from lta_studies.energy.tables import print_table
+from lta_report.report import Report, TextTable
+from lta_report.report_terminal import print_table
 from lta_studies.platforms.run import count_processors
-from lta_studies.reproduce import figures_file, lines, markdown
-from lta_studies.reproduce.page import write_page
+from lta_studies.reproduce.report import build_report, format_markdown_page
 from lta_studies.reproduce.row_store import StoredRow
 from lta_studies.reproduce.run import (
     read_stored_rows,
@@ -37,6 +28,7 @@ import typer
 LIST_HEADS = ('name', 'row', 'seeds', 'quick', 'claims', 'defects')
 
 
+@study_command('paper', resumes=True)
 def reproduce(
     names: Annotated[
         list[str] | None,
@@ -51,22 +43,14 @@ def reproduce(
             '--quick', help='Use few seeds and skip long experiments; takes under 3 minutes.'
         ),
     ] = False,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            help='Folder of the results; runs/paper or runs/paper-quick by default.',
-            parser=parse_folder,
-            metavar='FOLDER',
-        ),
-    ] = None,
     workers: Annotated[
         int | None,
         typer.Option(help='Number of worker processes; one per processor by default.', min=1),
     ] = None,
-    pictures: Pictures = None,
     as_markdown: Annotated[bool, typer.Option('--markdown', help='Print docs/paper.md.')] = False,
-    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
-) -> None:
+    *,
+    run: StudyRun,
+) -> Report:
     """
     Repeat every experiment of the seed paper; report what agrees, what differs, and why.
 
@@ -74,8 +58,9 @@ def reproduce(
     measured quantities, and the acceptance rule, fixed in advance. All rows use the same vehicle,
     gains, lamp and room; exceptions are listed.
 
-    Finished rows are stored, and repeating the command resumes. A change of the code or of a row's
-    file reruns the rows that it affects.
+    Finished rows are stored in the folder of the results, runs/paper (with --quick
+    runs/paper-quick) by default, and repeating the command resumes. A change of the code or of a
+    row's file reruns the rows that it affects.
 
     Writes a page, paper.json (SI units) and bags of the plotted flights.
 
@@ -83,41 +68,22 @@ def reproduce(
 
     Example: lta reproduce --quick
     """
-    # stdout holds only the JSON or the Markdown page
-    console = plain_console(stderr=json or as_markdown)
+    if as_markdown:
+        # stdout holds only the Markdown page
+        run.console = plain_console(stderr=True)
     rows = select_rows(names or [])
     if listed:
-        print_table(build_row_table(rows), console)
-        return
-    check_picture_output(pictures)
+        print_table(build_row_table(rows), run.console)
+        raise typer.Exit
     # No time in the name, so that repeating the command resumes
-    target = (out or Path('runs') / ('paper-quick' if quick else 'paper')).absolute()
+    folder = run.open_folder(Path('runs') / ('paper-quick' if quick else 'paper'))
     order = ReproductionRequest(
-        tuple(row.name for row in rows), quick, target, workers or count_processors()
+        tuple(row.name for row in rows), quick, folder, workers or count_processors()
     )
-    kepts = collect_row_results(order, rows, console)
-    told = write_json(figures_file.encode_figures(rows, kepts), target / 'paper.json')
-    # Command that repeats the run, shown on the page
-    words = ['reproduce', *(names or []), *(['--quick'] if quick else [])]
-    page = write_page(
-        rows, kepts, {'Repeat this study': format_lta_command(*words)}, target / 'report.html'
-    )
-    if pictures is not None:
-        write_pictures(page, pictures)
+    report = build_report(rows, collect_row_results(order, rows, run.console))
     if as_markdown:
-        sys.stdout.write(markdown.format_markdown_page(rows, kepts))
-    if json:
-        print_json_text(told, page)
-    print_table(
-        TextTable(
-            'Claims of the paper', lines.SUMMARY_HEADS, lines.build_summary_rows(rows, kepts)
-        ),
-        console,
-    )
-    console.print(lines.format_headline(rows, kepts), highlight=False, soft_wrap=True)
-    console.print(
-        format_page_line(relative_path(page)), highlight=False, markup=False, soft_wrap=True
-    )
+        sys.stdout.write(format_markdown_page(report))
+    return report
 
 
 def collect_row_results(

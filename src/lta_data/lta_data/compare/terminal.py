@@ -13,8 +13,9 @@ from lta_data.compare.sentences import (
     format_rate,
     format_verdict,
 )
+from lta_report.report import TextTable
+from lta_report.report_terminal import print_table
 from rich.console import Console
-from rich.table import Table
 
 ROWS: Final = 20
 DASH: Final = '-'
@@ -43,24 +44,19 @@ def print_comparison(comparison: ComparisonResult, console: Console, rows: int =
     for line in lines:
         console.print(line, highlight=False, markup=False, soft_wrap=True)
     if not comparison.is_identical:
-        console.print(build_ranking(comparison, rows))
+        print_table(build_ranking(comparison, rows), console)
 
 
-def build_ranking(comparison: ComparisonResult, rows: int) -> Table:
+def build_ranking(comparison: ComparisonResult, rows: int) -> TextTable:
     """Return the table of channels, those that diverge most and earliest first."""
     count = len(comparison.channels)
     more = f' (first {rows} of {count})' if count > rows else ''
-    table = Table(
-        title=f'Channels, the largest and earliest divergence first{more}', title_justify='left',
-        box=None, pad_edge=False,
-    )  # fmt: skip
-    table.add_column('channel', overflow='fold')
-    for head in ('diverges at', 'bias', 'RMS', 'NRMSE'):
-        table.add_column(head, justify='right', no_wrap=True)
+    lines = []
     for each in comparison.channels[:rows]:
         parts, bias, rms, _, nrmse, *_ = format_ranking_row(each)
-        table.add_row(each.name, parts, bias, rms, nrmse)
-    return table
+        lines.append([each.name, parts, bias, rms, nrmse])
+    heads = ('channel', 'diverges at', 'bias', 'RMS', 'NRMSE')
+    return TextTable(f'Channels, the largest and earliest divergence first{more}', heads, lines)
 
 
 def format_ranking_row(each: ChannelComparison) -> list[str]:

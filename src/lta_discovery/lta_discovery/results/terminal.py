@@ -19,8 +19,9 @@ from lta_discovery.page.formatting import (
 from lta_discovery.page.verdict_text import format_advice, format_headline
 from lta_discovery.results.discovery_json import common_horizon
 from lta_model.effects.protocol import AXES
+from lta_report.report import TextTable
+from lta_report.report_terminal import print_table
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
 BAR: Final = 32  # characters
@@ -45,7 +46,7 @@ def print_finding(finding: StudyResult, console: Console) -> None:
     for line in format_prediction_errors(finding):
         console.print(line, soft_wrap=True)
     if finding.where:
-        console.print(build_discrepancy_table(finding))
+        print_table(build_discrepancy_table(finding), console)
     for said in finding.unexplained:
         console.print(Text(f'Unexplained: {said}.'), soft_wrap=True)
     if finding.draught is not None:
@@ -77,15 +78,6 @@ def format_forecast_evidence(carried: TransferEvidence) -> str:
         f'each left out of the fit, are predicted better than by the vehicle file (error ratio '
         f'{min(ratios):.2f} to {max(ratios):.2f}).'
     )
-
-
-def _create_frameless_table(*heads: tuple[str, str]) -> Table:
-    """Return an empty table without frames."""
-    table = Table(box=None, pad_edge=False, header_style='dim')
-    for head, side in heads:
-        # Wrap rather than truncate: a truncated name cannot be looked up.
-        table.add_column(head, justify=side, overflow='fold')  # type: ignore[arg-type]
-    return table
 
 
 def format_effects(finding: StudyResult) -> Iterator[str]:
@@ -133,17 +125,16 @@ def _format_bars(one: ChannelErrors) -> Iterator[Text]:
         yield Text(f'  {label:22}{format_quantity(size, one.unit):>9}  ').append(bar, style)
 
 
-def build_discrepancy_table(finding: StudyResult) -> Table:
+def build_discrepancy_table(finding: StudyResult) -> TextTable:
     """Return the table of the largest discrepancies."""
-    table = _create_frameless_table(
-        ('where', 'left'), ('flight', 'left'), ('from', 'right'), ('to', 'right'),
-        ('when', 'left'), ('error / noise', 'right'),
-    )  # fmt: skip
     forces = [place for place in finding.where if place.channel in AXES]
     others = [place for place in finding.where if place.channel not in AXES]
-    for place in [*forces, *others][:MOST]:
-        table.add_row(
+    lines = [
+        [
             NAMES.get(place.channel, place.channel), place.flight, f'{place.from_s:.0f} s',
             f'{place.to_s:.0f} s', place.condition, f'{place.ratio_to_noise:.1f}',
-        )  # fmt: skip
-    return table
+        ]
+        for place in [*forces, *others][:MOST]
+    ]  # fmt: skip
+    heads = ('where', 'flight', 'from', 'to', 'when', 'error/noise')
+    return TextTable('Largest deviations from the model', heads, lines)

@@ -7,8 +7,15 @@ from lta_config.errors import BadInput
 from lta_config.files import list_shipped_names, validate_content
 from lta_config.quantity import Quantity
 from lta_config.schema.paper_file import AgreementRule, PaperMeasure, PaperRow
-from lta_studies.reproduce import figures_file, lines, row_store
+from lta_studies.reproduce import row_store
 from lta_studies.reproduce.registry import STUDIES
+from lta_studies.reproduce.report import (
+    build_claim_table,
+    build_paper_figure_table,
+    format_headline,
+    list_claim_findings,
+    to_json,
+)
 from lta_studies.reproduce.run import select_rows
 from lta_studies.reproduce.studies.indoors import PRINTED, rms_misfit
 from lta_studies.reproduce.study_result import average_over_seeds, MeasuredValue
@@ -80,10 +87,24 @@ def test_values_are_told_rounded_as_declared_with_their_interval():
 def test_a_gap_is_told_where_a_claim_differs_alone():
     def told_of(path):
         found = {'path': MeasuredValue(path), 'first': MeasuredValue('BAG')}
-        return lines.list_claim_findings(ROW, row_store.StoredRow(found, [], [], 1, 0.0))[0]
+        return list_claim_findings(ROW, row_store.StoredRow(found, [], [], 1, 0.0))
 
-    assert told_of(9.0) == ('The path is 7.3 m.', 'It took 9.0 m.', 'By BAG.')
-    assert told_of(7.0) == ('The path is 7.3 m.', 'It took 7.0 m.', '')
+    # The second claim agrees and has no remark; the third says why it cannot be tested
+    untested = '*A pressure.* No wind tunnel.'
+    assert told_of(9.0) == ['*The path is 7.3 m.* It took 9.0 m. **By BAG.**', untested]
+    assert told_of(7.0) == ['*The path is 7.3 m.* It took 7.0 m.', untested]
+
+
+def test_each_claim_has_a_row_with_its_verdict():
+    found = {'path': MeasuredValue(9.0, 8.0, 10.0, 3)}
+    table = build_claim_table(ROW, row_store.StoredRow(found, [], [], 3, 0.0))
+    dash = '\N{EN DASH}'
+    assert table.rows == [
+        ['The path is 7.3 m.', 'x', '7.3 m', 'within 10 %', '9.0 (8.0 to 10.0) m', '3', 'differs'],
+        ['BAG is first.', 'x (read from text)', dash, 'is BAG', dash, dash, 'left out of --quick'],
+        ['A pressure.', 'x (LaTeX comment)', dash, dash, dash, dash, 'cannot be tested here'],
+    ]
+    assert [table.colors[row[-1]] for row in table.rows] == ['bad', 'soft', 'soft']
 
 
 def test_means_have_students_interval():
@@ -140,7 +161,7 @@ def test_what_the_paper_leaves_for_later_is_no_claim_of_it():
             {'path': MeasuredValue(7.0), 'first': MeasuredValue('BAG')}, [], [], 1, 0.0
         )
     }
-    assert lines.format_headline([row], found).startswith(
+    assert format_headline([row], found).startswith(
         "Of the paper's 3 claims, 2 agree, 0 differ and 1 "
     )
     later = {**later, 'rule': {'least': '7 m'}}
@@ -149,10 +170,8 @@ def test_what_the_paper_leaves_for_later_is_no_claim_of_it():
 
 
 def test_nothing_is_told_of_a_measure_that_was_left_out():
-    notes = lines.list_claim_findings(
-        ROW, row_store.StoredRow({'first': MeasuredValue('BAG')}, [], [], 1, 0.0)
-    )
-    assert notes[0] == ('The path is 7.3 m.', '', '')
+    stored = row_store.StoredRow({'first': MeasuredValue('BAG')}, [], [], 1, 0.0)
+    assert list_claim_findings(ROW, stored) == ['*A pressure.* No wind tunnel.']
 
 
 def test_figures_come_back_from_their_file():
@@ -161,11 +180,11 @@ def test_figures_come_back_from_their_file():
         'way', 'The way', 'From above.', '{}', 'lta simulate', 'bags/way'
     )
     found = {'row': row_store.StoredRow(values, [drawn], [], 3, 2.04)}
-    again = kepts_in(figures_file.encode_figures([ROW], found))['row']
+    again = kepts_in(to_json([ROW], found))['row']
     assert again.values['path'][:2] == (9.0, 8.0)
     assert math.isnan(again.values['path'].high)
     assert again.values['first'].value == 'DGA'
-    assert again.pictures == [drawn._replace(figure='')]
+    assert again.pictures == [drawn]
     assert (again.seeds, again.seconds) == (3, 2.0)
 
 
@@ -173,15 +192,11 @@ def test_a_cause_is_told_with_what_sized_it_and_not_where_that_was_left_out():
     series = {'one': {'figure': 'Fig. 1', 'printed': 'a path', 'said': 'It takes {path}.'}}
     row = validate_content(PaperRow, {**CONTENT, 'series': series}, 'row')
     found = row_store.StoredRow({'path': MeasuredValue(7.04)}, [], [], 1, 0.0)
-    assert lines.build_paper_figure_rows([row], {'row': found}) == [
+    assert build_paper_figure_table([row], {'row': found}).rows == [
         ['1', 'Fig. 1', 'a path', 'It takes 7.0 m.']
     ]
-    assert (
-        lines.build_paper_figure_rows([row], {'row': row_store.StoredRow({}, [], [], 1, 0.0)})[0][
-            3
-        ]
-        == '\N{EN DASH}'
-    )
+    none = row_store.StoredRow({}, [], [], 1, 0.0)
+    assert build_paper_figure_table([row], {'row': none}).rows[0][3] == '\N{EN DASH}'
     wrong = {**CONTENT, 'series': {'one': {**series['one'], 'said': 'It takes {pth}.'}}}
     with pytest.raises(BadInput, match='but does not define it'):
         validate_content(PaperRow, wrong, 'row')

@@ -1,28 +1,18 @@
 """lta challenge score: score discovery on flights with hidden effects."""
 
 from pathlib import Path
-import sys
 from typing import Annotated
 
-from lta_challenge.page import write_page
 from lta_challenge.progress import challenge_bar, Jobs
-from lta_challenge.score import ChallengeScore, write_score
-from lta_challenge.score import score_challenge as score_challenge
-from lta_challenge.score_report import (
-    format_error_and_time,
-    format_median_errors,
-    format_outcome_table,
-    format_score_figures,
-    render_markdown,
-)
-from lta_cli.options.output_options import parse_folder
+from lta_challenge.report import build_report, format_markdown_page
+from lta_challenge.score import ChallengeScore, score_challenge
+from lta_cli.options.output_options import check_picture_output, Json, parse_folder, Pictures
 from lta_cli.options.plain_console import plain_console
+from lta_cli.options.study_command import Page, show_report, StudyRun
 from lta_config.errors import BadInput
 from lta_report.page_frame import write_file
-from lta_report.results_folder import format_page_line
+from lta_report.report_output import write_report
 from lta_studies.platforms.run import count_processors
-from rich.console import Console
-from rich.table import Table
 import typer
 
 
@@ -46,7 +36,9 @@ def score(
         ),
     ] = None,
     jobs: Jobs = None,
-    json: Annotated[bool, typer.Option('--json', help='Print the scores as JSON.')] = False,
+    page: Page = True,
+    pictures: Pictures = None,
+    json: Json = False,
 ) -> None:
     """
     Run discovery on the cases of challenges, then compare its results with the answers.
@@ -64,6 +56,9 @@ def score(
     # Otherwise the cases would count twice in the summary
     if len({place.resolve() for place in folders}) < len(folders):
         raise BadInput('The same challenge folder is given twice; give each folder only once.')
+    if pictures is not None and (len(folders) > 1 or not page):
+        raise BadInput('--pictures needs one challenge folder and its page; remove the others.')
+    check_picture_output(pictures)
     console = plain_console(stderr=json)
     done: list[ChallengeScore] = []
     for place in folders:
@@ -75,27 +70,10 @@ def score(
                 # The number of cases is known only after the challenge is read
                 lambda now, whole: bar.update_bar(completed=now, total=whole),
             )
-        text = write_score(scored, place)
-        if json:
-            sys.stdout.write(text)
-        _print_score(scored, console)
-        console.print(format_page_line(write_page(scored, place)), highlight=False, soft_wrap=True)
+        report = build_report(scored, place)
+        write_report(report, place, page=page, pictures=pictures)
+        show_report(report, StudyRun(console, place.absolute(), None, page), json)
         done.append(scored)
         if markdown is not None:
             # Write after each challenge: many challenges take hours.
-            write_file(render_markdown([(one.about, one.cases) for one in done]), markdown)
-
-
-def _print_score(scored: ChallengeScore, console: Console) -> None:
-    """Print the metrics and the confusion matrix."""
-    for heads, lines in (
-        (['figure', 'share', 'target', 'met'], format_score_figures(scored.cases)),
-        format_outcome_table(scored.cases),
-    ):
-        table = Table(*heads, box=None, pad_edge=False)
-        for line in lines:
-            table.add_row(*line)
-        console.print(table)
-    words = f'{format_median_errors(scored.cases)} {format_error_and_time(scored.cases)}'
-    # Soft wrap leaves line breaks to the terminal, so that the text can be copied
-    console.print(words, highlight=False, markup=False, soft_wrap=True)
+            write_file(format_markdown_page(done), markdown)
