@@ -51,7 +51,9 @@ def print_table(table: TextTable, console: Console) -> None:
     elif measure_width(table, GAP) > console.width:
         gap = 1
         turned = transpose_table(table)
-        if measure_width(table, gap) > console.width >= measure_width(turned, gap):
+        fits = measure_width(table, gap) > console.width >= measure_width(turned, gap)
+        # Of a table with more rows than columns, the names wrap instead
+        if fits and len(table.rows) < len(table.heads):
             table = turned
     narrow = console.width < measure_width(table, gap)
     printed = Table(
@@ -87,8 +89,13 @@ def merge_groups(table: TextTable) -> TextTable:
 
 
 def split_heads(table: TextTable) -> list[str]:
-    """Return the heads with one word per line, so that columns are as narrow as their numbers."""
-    return [head.replace(' ', '\n') for head in table.heads]
+    """Return the heads, with one word per line where the cells are narrower than the head."""
+    cells = zip(*table.rows, strict=True) if table.rows else [()] * len(table.heads)
+    widths = [max(map(len, each), default=0) for each in cells]
+    return [
+        head if len(head) <= width else head.replace(' ', '\n')
+        for head, width in zip(table.heads, widths, strict=True)
+    ]
 
 
 def measure_width(table: TextTable, gap: int) -> int:
