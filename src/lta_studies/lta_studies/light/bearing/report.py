@@ -35,11 +35,12 @@ METHOD: Final = (
     'of diodes cannot measure the elevation, so its estimate is the prior.'
 )
 TICKS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)  # degrees
-HEADS: Final = (
-    'place', 'diodes', 'range [m]', 'SNR',
-    'paper, median [°]', 'paper, 95 % quantile [°]', 'fit, median [°]', 'fit, 95 % quantile [°]',
-    'fit deviation [°]', 'holds [%]', 'elevation, median [°]', 'holds [%]', 'lost: paper, fit [%]',
+PLACE_HEADS: Final = ('place', 'diodes', 'range [m]')
+BEARING_HEADS: Final = (
+    'SNR', 'paper, median [°]', 'paper, 95 % quantile [°]', 'fit, median [°]',
+    'fit, 95 % quantile [°]', 'fit deviation [°]', 'holds [%]',
 )  # fmt: skip
+ELEVATION_HEADS: Final = ('elevation, median [°]', 'holds [%]', 'lost: paper, fit [%]')
 
 
 def build_report(results: Sequence[BearingTrialResult], request: BearingTrialRequest) -> Report:
@@ -55,6 +56,7 @@ def build_report(results: Sequence[BearingTrialResult], request: BearingTrialReq
         blocks=(
             Picture('errors', 'Error of the bearing', CAPTION, plot_errors(results), height=420),
             build_bearing_table(results),
+            build_elevation_table(results),
             Picture(
                 'honest', 'How often the interval contains the true bearing', HONEST,
                 plot_calibration(results), height=420,
@@ -98,19 +100,35 @@ def format_percent(part: float) -> str:
 
 
 def build_bearing_table(results: Sequence[BearingTrialResult]) -> TextTable:
-    """Return the table of both estimators."""
-    rows = []
-    for each in results:
-        s = each.score
-        rows.append([
-            each.place, str(each.count), format_range(each.range), f'{s.snr:.0f}',
-            format_degrees(s.paper), format_degrees(s.paper_most, 1),
-            format_degrees(s.ours), format_degrees(s.ours_most, 1),
-            format_degrees(s.deviation), format_percent(s.holds), format_degrees(s.elevation, 1),
-            format_percent(s.elevation_holds), f'{format_percent(s.paper_lost)}, '
-            f'{format_percent(s.ours_lost)}',
-        ])  # fmt: skip
-    return TextTable('Comparison of the estimators', HEADS, rows)
+    """Return the table of the bearings of both estimators."""
+    rows = [
+        [
+            *format_place(each), f'{s.snr:.0f}', format_degrees(s.paper),
+            format_degrees(s.paper_most, 1), format_degrees(s.ours),
+            format_degrees(s.ours_most, 1), format_degrees(s.deviation), format_percent(s.holds),
+        ]
+        for each, s in ((each, each.score) for each in results)
+    ]  # fmt: skip
+    return TextTable('Comparison of the estimators', (*PLACE_HEADS, *BEARING_HEADS), rows)
+
+
+def build_elevation_table(results: Sequence[BearingTrialResult]) -> TextTable:
+    """Return the table of elevations and of readings without an estimate."""
+    rows = [
+        [
+            *format_place(each), format_degrees(s.elevation, 1),
+            format_percent(s.elevation_holds),
+            f'{format_percent(s.paper_lost)}, {format_percent(s.ours_lost)}',
+        ]
+        for each, s in ((each, each.score) for each in results)
+    ]  # fmt: skip
+    heading = 'Elevation, and readings without an estimate'
+    return TextTable(heading, (*PLACE_HEADS, *ELEVATION_HEADS), rows)
+
+
+def format_place(result: BearingTrialResult) -> list[str]:
+    """Return the cells of place, number of diodes and range."""
+    return [result.place, str(result.count), format_range(result.range)]
 
 
 def format_headline(results: Sequence[BearingTrialResult]) -> str:

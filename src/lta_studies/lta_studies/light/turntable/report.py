@@ -102,6 +102,7 @@ def build_report(
         facts=facts,
         commands={'Repeat the study': again},
         closing=(closing,),
+        json_name='turntable.json',
     )  # fmt: skip
 
 
