@@ -7,7 +7,7 @@ from typing import Any, Final
 from lta_report.drawing import create_figure
 from lta_report.formatting import Tile
 from lta_report.palette import ESTIMATE, GRID, SETPOINT, SOFT, TIME, TRUTH
-from lta_report.report import Picture, Report, TextSection, TextTable
+from lta_report.report import Grid, Picture, Report, TextSection, TextTable
 from lta_studies.light.bearing.report import format_degrees
 from lta_studies.light.bearing.study import (
     CLAIMS,
@@ -88,11 +88,13 @@ def build_report(
         'blocks of ADC samples.',
         tiles=build_tiles(study, response),
         blocks=(
-            Picture('polar', 'Error by direction', POLAR, plot_polar_errors(study), height=420),
-            Picture(
-                'curve', 'Angular response of a diode', CURVE,
-                plot_response(readings, response, diodes), height=420,
-            ),
+            Grid((
+                Picture('polar', 'Error by direction', POLAR, plot_polar_errors(study)),
+                Picture(
+                    'curve', 'Angular response of a diode', CURVE,
+                    plot_response(readings, response, diodes),
+                ),
+            )),
             build_ring_table([study]),
             build_gain_table(response),
             build_claim_table(claims),
