@@ -1,5 +1,6 @@
-"""Format numbers with units, and define the tiles at the head of a page."""
+"""Format numbers with units and tables in Markdown, and define the tiles of a page."""
 
+from collections.abc import Iterable, Sequence
 from typing import Final, NamedTuple
 
 MISSING: Final = '\N{EN DASH}'
@@ -40,3 +41,9 @@ def format_amount(value: float | None, unit: str, digits: int = 2, factor: float
     # No space before a degree sign
     gap = '' if unit.startswith('°') else ' '
     return f'{format_number(value, digits, factor)}{gap}{unit}'
+
+
+def format_markdown_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table in Markdown."""
+    lines = [heads, ['---'] * len(heads), *rows]
+    return '\n'.join(f'| {" | ".join(cells)} |' for cells in lines)
