@@ -10,7 +10,6 @@ from lta_report.report import Report
 from lta_studies.light.bearing.places import build_flight_spec, PLACES
 from lta_studies.light.bearing.report import build_report, format_range
 from lta_studies.light.bearing.run import BearingTrialRequest, run_bearing_trials
-from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 import typer
 
 ANY = 'any'
@@ -80,8 +79,7 @@ def bearing(
             raise unknown_name_error('place', name, list(PLACES))
         # Check that the vehicle fits the scene before any work
         build_flight_spec(PLACES[name], vehicle, 1)
-    columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
-    with ProgressBar(run.console, *columns, begin='bearing', total=asked.pose_count) as bar:
+    with ProgressBar(run.console, begin='bearing', total=asked.pose_count) as bar:
         results = run_bearing_trials(asked, lambda: bar.update_bar(advance=1))
     return build_report(results, asked)
 

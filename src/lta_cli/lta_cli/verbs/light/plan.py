@@ -12,7 +12,6 @@ from lta_studies.light.plan.inputs import load_inputs
 from lta_studies.light.plan.mounts import list_mounts
 from lta_studies.light.plan.planner import plan_layout
 from lta_studies.light.plan.report import build_report, SCENARIO
-from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 import typer
 
 
@@ -76,8 +75,7 @@ def plan(
     floor = build_floor(content, receiver.vehicle, cell)
     # All possible lamp positions; the light of each is computed once
     mounts = list_mounts(content)
-    columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
-    with ProgressBar(run.console, *columns, begin='light of each place', total=len(mounts)) as bar:
+    with ProgressBar(run.console, begin='light of each place', total=len(mounts)) as bar:
         layout = plan_layout(
             content, receiver, floor, mounts, overlap, lamps,
             lambda: bar.update_bar(advance=1), lambda words: bar.update_bar(description=words),

@@ -8,7 +8,6 @@ from lta_report.report import Report
 from lta_studies.light.bearing.places import build_flight_spec, PLACES
 from lta_studies.light.bearing.study import COUNTS, DIRECTIONS, READINGS, study_rings
 from lta_studies.light.bearing.study_report import build_report
-from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 import typer
 
 
@@ -39,9 +38,8 @@ def light_study(
     for place in PLACES.values():
         # Check that the vehicle fits the scenes before any work
         build_flight_spec(place, vehicle, 1)
-    columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
     # Steps of the progress bar
     total = len(PLACES) * len(COUNTS) * DIRECTIONS
-    with ProgressBar(run.console, *columns, begin='study', total=total) as bar:
+    with ProgressBar(run.console, begin='study', total=total) as bar:
         rings = study_rings(vehicle, readings, seed, lambda: bar.update_bar(advance=1))
     return build_report(rings, vehicle, readings, seed)
