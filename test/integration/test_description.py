@@ -1,25 +1,68 @@
-"""The description node in a graph: its URDF reaches who comes late."""
+"""The description node in a graph: its URDF and its frames reach a viewer that comes late."""
 
 from xml.etree import ElementTree
 
+from lta_bridge.urdf import list_fixed_frames
+from lta_model.vehicle import load_vehicle
+from nav_msgs.msg import Odometry
+import pytest
 from rcl_interfaces.srv import ListParameters
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
+from visualization_msgs.msg import MarkerArray
 from waiting import PATIENCE
 
 from .peer import Peer, start
+
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 def test_a_viewer_that_comes_late_gets_the_urdf(domain_id):
     process = start('lta_bridge.nodes.description', '-p', 'vehicle:=gtmab')
     with Peer(domain_id) as peer:
         heard = []
-        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        peer.node.create_subscription(String, 'robot_description', heard.append, latched)
+        peer.node.create_subscription(String, 'robot_description', heard.append, LATCHED)
         peer.until(lambda: heard)
         assert ElementTree.fromstring(heard[0].data).get('name') == 'gtmab'
         # The URDF comes while the node is made; who answers a service works, and leaves in order.
         peer.ask(ListParameters, 'description/list_parameters')
+    process.terminate()
+    process.communicate(timeout=PATIENCE)
+    assert process.returncode == 0
+
+
+def test_transforms_follow_odom_and_the_vehicle_file(domain_id):
+    transforms = pytest.importorskip('tf2_msgs.msg', reason='this machine lacks a compiler')
+    words = ('-p', 'vehicle:=gtmab', '-p', 'scenario:=lamp_room', '-p', 'frame_prefix:=lta1/')
+    process = start('lta_bridge.nodes.description', *words)
+    with Peer(domain_id) as peer:
+        scenes = []
+        peer.node.create_subscription(MarkerArray, 'scene', scenes.append, LATCHED)
+        moving, still = [], []
+        peer.node.create_subscription(transforms.TFMessage, '/tf', moving.append, 100)
+        peer.node.create_subscription(transforms.TFMessage, '/tf_static', still.append, LATCHED)
+        odom = peer.publisher('odom')
+        pose = Odometry(child_frame_id='base_link')
+        pose.header.frame_id = 'odom'
+        pose.pose.pose.position.x, pose.pose.pose.orientation.w = 1.5, 1.0
+
+        peer.node.create_timer(0.02, lambda: odom.publish(pose))
+        peer.until(lambda: moving and still and scenes)
+        assert {'room', 'goal'} < {marker.ns for marker in scenes[0].markers}
+        (moved,) = moving[0].transforms
+        assert (moved.header.frame_id, moved.child_frame_id) == (
+            'lta1/odom', 'lta1/base_link',
+        )  # fmt: skip
+        assert moved.transform.translation.x == 1.5
+        fixed = {each.child_frame_id: each for each in still[0].transforms}
+        wanted = list_fixed_frames(load_vehicle('gtmab'))
+        assert set(fixed) == {f'lta1/{frame.name}' for frame in wanted} | {'lta1/odom'}
+        # The map is the same for all drones
+        assert fixed['lta1/odom'].header.frame_id == 'map'
+        for frame in wanted:
+            assert fixed[f'lta1/{frame.name}'].header.frame_id == f'lta1/{frame.parent}'
+            place = fixed[f'lta1/{frame.name}'].transform.translation
+            assert (place.x, place.y, place.z) == pytest.approx(frame.place)
     process.terminate()
     process.communicate(timeout=PATIENCE)
     assert process.returncode == 0

@@ -24,9 +24,10 @@ from lta_energy.monitoring.estimate import EnergyEstimate
 from lta_energy.monitoring.monitor import update_estimate
 from lta_energy.monitoring.report import report_energy
 from lta_report.drawing import build_line_trace, create_figure
-from lta_report.html_elements import render_section
-from lta_report.page_frame import assemble_page, write_file
+from lta_report.page_frame import write_file
 from lta_report.palette import RAW, SETPOINT, TRUTH
+from lta_report.report import Picture, Report
+from lta_report.report_page import render_report
 from lta_report.screenshots import write_picture
 
 KINDS = {
@@ -104,10 +105,8 @@ def draw(seeds, out):
         'deviation that the median cell tells (blue); the goal, 5 % (dashed).'
     )
     name = 'What the monitor knows of the charge'
-    first = render_section('charge', name, caption, figure)
-    empty = dict.fromkeys(('tiles', 'pictures', 'tables', 'method'), '')
-    text = assemble_page('energy.html', title=name, kicker='energy monitor', about='', first=first,
-                  facts={}, commands={}, **empty)  # fmt: skip
+    picture = Picture('charge', name, caption, figure)
+    text = render_report(Report('energy monitor', '', name, '', (), (picture,), {}))
     with tempfile.TemporaryDirectory() as folder:
         write_picture(write_file(text, Path(folder) / 'page.html'), out, 'charge')
 

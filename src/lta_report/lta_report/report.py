@@ -127,7 +127,7 @@ class Report:
         Key figures.
     blocks : sequence of Block
         Content in the order of the page.
-    data : mapping or sequence
+    data : mapping or list
         Content of the JSON file, in SI units.
     facts, commands, files : mapping of str to str
         Footer of the page: origin of the results, next steps, and whole files.
@@ -148,7 +148,7 @@ class Report:
     introduction: str
     tiles: Sequence[Tile]
     blocks: Sequence[Block]
-    data: Mapping[str, Any] | Sequence[Any]
+    data: Mapping[str, Any] | list[Any]
     facts: Mapping[str, str] = field(default_factory=dict)
     commands: Mapping[str, str] = field(default_factory=dict)
     files: Mapping[str, str] = field(default_factory=dict)

@@ -1,5 +1,7 @@
 """Print a report on a terminal."""
 
+from collections.abc import Sequence
+
 from lta_report.report import (
     Block,
     Emphasis,
@@ -42,7 +44,7 @@ def print_block(block: Block, console: Console) -> None:
 
 
 def print_table(table: TextTable, console: Console) -> None:
-    """Print a table: with narrower gaps or transposed where the terminal is narrow."""
+    """Print a table: with narrower gaps, transposed or in parts where the terminal is narrow."""
     table = merge_groups(table)
     gap = GAP
     if not console.is_terminal:
@@ -55,23 +57,70 @@ def print_table(table: TextTable, console: Console) -> None:
         # Of a table with more rows than columns, the names wrap instead
         if fits and len(table.rows) < len(table.heads):
             table = turned
-    narrow = console.width < measure_width(table, gap)
-    printed = Table(
+    narrow = measure_width(table, gap) > console.width
+    for part in split_table(table, console.width, gap):
+        console.print(draw_table(part, gap, narrow))
+    if table.note:
+        console.print(table.note, style='dim', highlight=False, markup=False, soft_wrap=True)
+    console.print()
+
+
+def draw_table(table: TextTable, gap: int, narrow: bool) -> Table:
+    """Return a table for the terminal; only words may wrap, and names if it is `narrow`."""
+    drawn = Table(
         title=table.heading, title_justify='left', title_style='bold', box=None, pad_edge=False,
         padding=(0, gap, 0, 0),
     )  # fmt: skip
     for place, (head, *cells) in enumerate(zip(split_heads(table), *table.rows, strict=True)):
-        # Only columns of words may wrap, names last; a wrapped number is unreadable
-        words = (place > 0 or narrow) and any(' ' in cell for cell in cells)
-        printed.add_column(
-            Text(head), justify='left' if place == 0 else 'right', no_wrap=not words
+        drawn.add_column(
+            Text(head),
+            justify='left' if place == 0 else 'right',
+            no_wrap=not has_words(cells) or (place == 0 and not narrow),
         )
     for row in table.rows:
-        printed.add_row(*map(style_cell, row))
-    console.print(printed)
-    if table.note:
-        console.print(table.note, style='dim', highlight=False, markup=False, soft_wrap=True)
-    console.print()
+        drawn.add_row(*map(style_cell, row))
+    return drawn
+
+
+def split_table(table: TextTable, width: int, gap: int) -> list[TextTable]:
+    """Return the parts of a table that fit a width, each with the column of names."""
+    names, *sizes = measure_columns(table)
+    # Long names wrap, so that numbers have at least half of the width
+    first = min(names, width // 2) if has_words([row[0] for row in table.rows]) else names
+    parts, taken = [[0]], first
+    for place, size in enumerate(sizes, start=1):
+        if taken + gap + size > width and len(parts[-1]) > 1:
+            parts.append([0])
+            taken = first
+        parts[-1].append(place)
+        taken += gap + size
+    return [
+        TextTable(
+            '' if number else table.heading,
+            [table.heads[place] for place in part],
+            [[row[place] for place in part] for row in table.rows],
+        )
+        for number, part in enumerate(parts)
+    ]
+
+
+def measure_columns(table: TextTable) -> list[int]:
+    """Return the smallest width of each column: words may wrap, numbers may not."""
+    widths = []
+    for place, (head, *cells) in enumerate(zip(split_heads(table), *table.rows, strict=True)):
+        lines = [head, *(wrap(cells) if place > 0 and has_words(cells) else cells)]
+        widths.append(max(len(line) for cell in lines for line in cell.split('\n')))
+    return widths
+
+
+def has_words(cells: Sequence[str]) -> bool:
+    """Return whether a column has cells of several words; a wrapped number is unreadable."""
+    return any(' ' in cell for cell in cells)
+
+
+def wrap(cells: Sequence[str]) -> list[str]:
+    """Return cells with one word per line."""
+    return [cell.replace(' ', '\n') for cell in cells]
 
 
 def style_cell(cell: str) -> Text:

@@ -5,14 +5,18 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from lta_bridge.live.frames import list_sensor_frames
-from lta_bridge.live.shapes import EllipsoidShape, PolylineShape
-from lta_bridge.nodes.description import to_fixed_transform, to_transform
+from lta_bridge.live.messages import build_marker_array, list_cone_triangles
+from lta_bridge.live.room_shapes import draw_static_scene
+from lta_bridge.live.shapes import BillboardText, CylinderShape, EllipsoidShape, PolylineShape
+from lta_bridge.nodes.description import build_start_frame, to_fixed_transform, to_transform
 from lta_bridge.urdf import build_urdf, convert_to_rods, list_fixed_frames, slice_into_discs
+from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from visualization_msgs.msg import Marker
 
 VEHICLES = sorted(path.stem for path in Path(__file__).parents[3].glob('config/vehicles/*.yaml'))
 
@@ -91,3 +95,46 @@ def test_transforms_say_parent_child_and_place():
     assert fixed.transform.translation.z == pytest.approx(frame.place[2])
     turn = fixed.transform.rotation
     assert (turn.x, turn.y, turn.z, turn.w) == pytest.approx(frame.turn)
+
+
+@pytest.mark.parametrize('name', ['lamp_room', 'warehouse', 'windy_field'])
+def test_every_shape_of_a_scene_is_one_marker(name):
+    entities = draw_static_scene(load_scenario(name))
+    markers = build_marker_array(entities).markers
+    assert len(markers) == sum(len(entity.shapes) for entity in entities)
+    assert len({(marker.ns, marker.id) for marker in markers}) == len(markers)
+    assert {marker.header.frame_id for marker in markers} == {'map'}
+    # RViz draws nothing without a size or a colour
+    assert all(max(m.scale.x, m.scale.y, m.scale.z) > 0.0 < m.color.a for m in markers)
+    shapes = [shape for entity in entities for shape in entity.shapes]
+    for marker, shape in zip(markers, shapes, strict=True):
+        if isinstance(shape, BillboardText):
+            assert (marker.type, marker.text) == (Marker.TEXT_VIEW_FACING, shape.text)
+        if isinstance(shape, PolylineShape):
+            assert [(p.x, p.y, p.z) for p in marker.points] == list(shape.points)
+        if isinstance(shape, EllipsoidShape):
+            size = marker.scale
+            assert (marker.type, (size.x, size.y, size.z)) == (Marker.SPHERE, shape.size)
+
+
+def test_the_mantle_of_a_cone():
+    """A point at the bottom, a circle of the radius at the top, and the area of the mantle."""
+    cone = CylinderShape((0.0, 0.0, 0.0), (1.0, 1.0, 2.0), (1.0, 1.0, 1.0, 1.0), bottom=0.0)
+    corners = np.array(list_cone_triangles(cone))
+    assert corners[corners[:, 2] < 0.0][:, :2] == pytest.approx(0.0)
+    rim = corners[corners[:, 2] > 0.0]
+    assert np.hypot(rim[:, 0], rim[:, 1]) == pytest.approx(0.5)
+    a, b, c = corners.reshape(-1, 3, 3).transpose(1, 0, 2)
+    area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
+    # Radius times slant height times pi; 24 flat sides have 1 % less
+    assert area == pytest.approx(math.pi * 0.5 * math.hypot(0.5, 2.0), rel=0.015)
+
+
+def test_odom_is_where_the_scenario_starts_the_drone():
+    scenario = load_scenario('lamp_room')
+    x, y = scenario.start.position.vector
+    frame = build_start_frame(scenario)
+    assert (frame.parent, frame.name, frame.place) == ('map', 'odom', (x, y, 0.0))
+    nose = Rotation.from_quat(frame.turn).apply([1.0, 0.0, 0.0])
+    heading = scenario.start.heading.si
+    assert nose == pytest.approx([math.cos(heading), math.sin(heading), 0.0])

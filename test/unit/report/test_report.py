@@ -145,6 +145,17 @@ def test_an_emphasised_cell_is_bold():
     assert '<td><b>&lt;1</b></td>' in page
 
 
+def test_a_table_that_is_too_wide_either_way_is_printed_in_parts_with_every_number():
+    heads = ('mount', *(f'number{k} [m/s]' for k in range(12)))
+    rows = [(f'mount{n}', *(f'{10 * n + k}.25' for k in range(12))) for n in range(1, 13)]
+    lines = show(TextTable('Wide', heads, rows), 60, True).splitlines()
+    assert max(map(len, lines)) <= 60
+    for name, *numbers in rows:
+        found = [line.split() for line in lines if line.split()[:1] == [name]]
+        assert [number for _, *part in found for number in part] == numbers
+        assert len(found) > 1
+
+
 def test_a_table_keeps_the_names_of_its_groups_in_the_terminal():
     assert merge_groups(TABLE).heads == [
         'platform', 'uniform wind wind [m/s]', 'uniform wind reason'

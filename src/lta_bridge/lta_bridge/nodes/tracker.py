@@ -84,8 +84,8 @@ class TrackerNode(GraphNode):
             )
         elif TFMessage is None:
             raise BadInput(
-                'frame:= reads /tf and so needs the package tf2_msgs, which is missing; install '
-                'ros-jazzy-tf2-msgs, or set pose:= to a topic of PoseStamped instead.'
+                'frame:= reads /tf and so needs the package tf2_msgs, which is missing; see "lta '
+                'doctor", or set pose:= to a topic of PoseStamped instead.'
             )
         else:
             self.create_subscription(TFMessage, '/tf', self._on_frames, DEPTH)

@@ -20,6 +20,7 @@ from lta_cli.doctor.software import (
     check_browser,
     check_dependency_imports,
     check_dependency_versions,
+    check_transform_messages,
     check_workspace_packages,
 )
 from rich.console import Console
@@ -33,6 +34,7 @@ CHECKS: dict[str, Callable[[], HardwareCheck]] = {
     'wheels': check_dependency_imports,
     'versions': check_dependency_versions,
     'packages': check_workspace_packages,
+    'transforms': check_transform_messages,
     'dds': check_message_exchange,
     'ports': check_ports,
     'disk': check_disk_space,

@@ -1,6 +1,7 @@
 """Check the software: wheels, their versions, the workspace, a browser."""
 
 from importlib import metadata
+from importlib.util import find_spec
 import os
 from pathlib import Path
 import re
@@ -87,6 +88,19 @@ def check_workspace_packages() -> HardwareCheck:
         return HardwareCheck('packages', 'fail', found, MAKE_AGAIN)
     return HardwareCheck(
         'packages', 'ok', f'{len(PACKAGES)} of {len(PACKAGES)} LTA packages in the ament index'
+    )
+
+
+def check_transform_messages() -> HardwareCheck:
+    """Check for the messages of /tf, which "make build" compiles."""
+    if find_spec('tf2_msgs') is not None:
+        return HardwareCheck('transforms', 'ok', 'tf2_msgs is installed')
+    return HardwareCheck(
+        'transforms',
+        'warn',
+        'the package tf2_msgs is missing; flights work, but nothing is published on /tf',
+        'Install a C++ compiler and the headers of Python (Debian, Ubuntu: sudo apt install g++ '
+        'python3-dev), then run "make build".',
     )
 
 

@@ -40,7 +40,7 @@ class StudyRun:
     console : Console
         For progress; it writes to stderr if the results are printed as JSON.
     folder : Path
-        Results folder, absolute. A study that resumes calls `open_folder` to set it.
+        Results folder, absolute. A study that resumes or names it calls `open_folder`.
     out : Path or None
         The folder that the user has chosen.
     page : bool
@@ -54,7 +54,7 @@ class StudyRun:
     page: bool
 
     def open_folder(self, default: Path) -> Path:
-        """Return the user's folder or a default one, in which the study stores finished work."""
+        """Set and return the results folder: the user's, or a default one."""
         self.folder = (self.out or default).absolute()
         return self.folder
 

@@ -2,34 +2,19 @@
 
 from typing import Annotated
 
-from lta_bridge.bag.writer import prepare_empty_folder
-from lta_cli.options.output_options import (
-    check_picture_output,
-    Json,
-    Out,
-    Pictures,
-    print_json_text,
-)
-from lta_cli.options.plain_console import plain_console
-from lta_config.command_line import format_lta_command, relative_path
+from lta_cli.options.study_command import study_command
+from lta_config.command_line import format_lta_command
 from lta_config.errors import BadInput
 from lta_config.quantity import describe_misfit, Quantity
 from lta_config.schema.cell_table import load_cell_table
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_report.results_folder import format_page_line, resolve_folder, write_json
-from lta_report.screenshots import write_pictures
-from lta_studies.energy.cells.page import TITLE, write_page
-from lta_studies.energy.cells.tables import (
-    build_array_table,
-    build_mass_budget_table,
-    build_ranking_table,
-    to_json,
-)
-from lta_studies.energy.tables import print_table
+from lta_report.report import Report
+from lta_studies.energy.cells.report import build_report
 from pydantic import ValidationError
 import typer
 
 
+@study_command('cells')
 def cells(
     table: Annotated[
         str,
@@ -41,10 +26,7 @@ def cells(
     vehicle: Annotated[
         str, typer.Option(help='Vehicle whose solar charger and electrical loads are used.')
     ] = 'gtmab',
-    out: Out = None,
-    pictures: Pictures = None,
-    json: Json = False,
-) -> None:
+) -> Report:
     """
     Compare solar cells by charging time, and the arrays that fit into a weight budget.
 
@@ -60,8 +42,6 @@ def cells(
 
     Example: lta cells --budget "50 g"
     """
-    console = plain_console(stderr=json)
-    check_picture_output(pictures)
     # Parse before any work, so that a wrong budget is reported at once
     mass, energy = parse_mass(budget), load_vehicle_file(vehicle).energy
     # Without a charger, the surplus of an array is undefined
@@ -69,24 +49,8 @@ def cells(
         raise BadInput(
             f"Vehicle '{vehicle}' has no charger for solar panels; choose another --vehicle."
         )
-    read = load_cell_table(table)
-    target = prepare_empty_folder(resolve_folder(out, 'cells'))
-    content = write_json(to_json(read, energy, mass), target / 'cells.json')
     again = format_lta_command('cells', table, '--budget', budget, '--vehicle', vehicle)
-    page = write_page(read, energy, mass, {'Repeat this study': again}, target / 'report.html')
-    if pictures is not None:
-        write_pictures(page, pictures)
-    if json:
-        print_json_text(content, page)
-    for each in (
-        build_ranking_table(read),
-        build_array_table(read, energy),
-        build_mass_budget_table(read, energy, mass),
-    ):
-        print_table(each, console)
-    console.print(
-        f'{TITLE}\n{format_page_line(relative_path(page))}', highlight=False, soft_wrap=True
-    )
+    return build_report(load_cell_table(table), energy, mass, {'Repeat this study': again})
 
 
 def parse_mass(text: str) -> float:

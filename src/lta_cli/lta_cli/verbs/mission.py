@@ -1,25 +1,20 @@
 """lta mission: simulate a solar-powered mission over days."""
 
-from dataclasses import asdict
 from typing import Annotated, Literal
 
-from lta_cli.options.output_options import check_picture_output, Json, Out, Pictures, print_json
-from lta_cli.options.plain_console import plain_console
-from lta_config.command_line import format_lta_command, relative_path
+from lta_cli.options.study_command import study_command, StudyRun
+from lta_config.command_line import format_lta_command
+from lta_config.schema.light_day_file import DAY
 from lta_report.progress_bar import ProgressBar
-from lta_report.report import transpose_table
-from lta_report.results_folder import format_page_line, resolve_folder, write_json
-from lta_report.screenshots import write_pictures
-from lta_studies.energy.tables import print_table
-from lta_studies.mission.page import build_mission_tables, format_headline, write_page
-from lta_studies.mission.run import flight_time_ratio, load_request, run_missions, SCHEDULES
+from lta_report.report import Report
+from lta_report.results_folder import resolve_folder
+from lta_studies.mission.report import build_report
+from lta_studies.mission.run import load_request, run_missions, SCHEDULES
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 import typer
 
-# s
-DAY = 86400.0
 
-
+@study_command('mission', resumes=True)
 def mission(
     name: Annotated[str, typer.Argument(help='Mission: a shipped name or a file.')] = 'greenhouse',
     days: Annotated[int, typer.Option(help='Days to simulate.', min=1, max=365)] = 1,
@@ -35,10 +30,9 @@ def mission(
             'between flights. all: simulate all three.'
         ),
     ] = 'all',
-    out: Out = None,
-    pictures: Pictures = None,
-    json: Json = False,
-) -> None:
+    *,
+    run: StudyRun,
+) -> Report:
     """
     Simulate a solar-powered mission: perch and charge, fly if energy allows, return before dark.
 
@@ -54,46 +48,22 @@ def mission(
 
     Example: lta mission greenhouse --days 2 --seeds 5
     """
-    console = plain_console(stderr=json)
-    check_picture_output(pictures)
     schedules = SCHEDULES if schedule == 'all' else (schedule,)
     # Consecutive seeds, each with its own clouds
-    order = load_request(name, days, range(seed, seed + seeds), schedules)
-    folder = resolve_folder(out, f'mission-{order.mission.name}')
+    request = load_request(name, days, range(seed, seed + seeds), schedules)
+    folder = run.open_folder(resolve_folder(None, f'mission-{request.mission.name}'))
     columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
     # The progress bar counts simulated seconds
     total = DAY * days * seeds * len(schedules)
-    with ProgressBar(console, *columns, begin='simulating', total=total) as bar:
-        lives = run_missions(order, folder, lambda gone: bar.update_bar(advance=gone))
-    content = {
-        'mission': order.mission.name,
-        'days': days,
-        # None if only one schedule was simulated
-        'gain': None if (more := flight_time_ratio(lives)) is None else more._asdict(),
-        'lives': [
-            {'schedule': each.schedule, 'seed': each.seed, **asdict(each.figures)}
-            for each in lives
-        ],
-    }
-    write_json(content, folder / 'mission.json')
-    again = format_lta_command(
-        'mission', name, '--days', str(days), '--seeds', str(seeds), '--seed', str(seed),
-        '--schedule', schedule,
-    )  # fmt: skip
+    with ProgressBar(run.console, *columns, begin='simulating', total=total) as bar:
+        results = run_missions(request, folder, lambda gone: bar.update_bar(advance=gone))
     commands = {
-        'Run it again': again,
+        'Run it again': format_lta_command(
+            'mission', name, '--days', str(days), '--seeds', str(seeds), '--seed', str(seed),
+            '--schedule', schedule,
+        ),
         'Fly between its beacons': format_lta_command(
-            'simulate', '--scenario', order.mission.scene, '--strategy', 'homing',
+            'simulate', '--scenario', request.mission.scene, '--strategy', 'homing'
         ),
     }  # fmt: skip
-    page = write_page(order, lives, commands, folder / 'report.html')
-    if pictures is not None:
-        write_pictures(page, pictures)
-    if json:
-        print_json(content, page)
-    schedules_table, ratios = build_mission_tables(order, lives)
-    # On a terminal, the few schedules are columns and the many figures rows
-    print_table(transpose_table(schedules_table), console)
-    print_table(ratios, console)
-    lines = [format_headline(order, lives), format_page_line(relative_path(page))]
-    console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)
+    return build_report(request, results, commands)

@@ -1,5 +1,6 @@
-"""Build the tables of a sweep for page and terminal."""
+"""Build the tables of a sweep and of the validation."""
 
+from collections.abc import Sequence
 import math
 
 from lta_report.report import TextTable
@@ -79,7 +80,7 @@ def build_rotor_table(sweep: TunnelSweep) -> TextTable:
     return TextTable('Rotors on', heads, rows, note)
 
 
-def build_sphere_table(results: list[SphereComparison]) -> TextTable:
+def build_sphere_table(results: Sequence[SphereComparison]) -> TextTable:
     """Return the table of the sphere, compared with measurements."""
     rows = [
         [

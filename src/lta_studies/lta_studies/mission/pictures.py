@@ -78,7 +78,7 @@ def draw_timeline(results: Sequence[MissionResult], light: IrradianceSeries) -> 
                     hovertemplate=name, showlegend=True, connectgaps=False,
                 )
             )  # fmt: skip
-    figure.update_yaxes(type='category')
+    figure.update_yaxes(type='category', automargin=True)
     figure.update_layout(hovermode='closest')
     return set_time_axis(figure, light)
 
@@ -139,7 +139,7 @@ def draw_energy_use(results: Sequence[MissionResult]) -> Figure:
                 marker={'color': colour}, hovertemplate='%{x:.2f} kJ', showlegend=True,
             )
         )  # fmt: skip
-    figure.update_layout(barmode='stack', legend={'orientation': 'h', 'y': 1.12})
+    figure.update_layout(barmode='stack', showlegend=True, legend={'orientation': 'h', 'y': 1.12})
     figure.update_xaxes(title_text='energy [kJ]')
     figure.update_yaxes(automargin=True)
     return figure

@@ -6,14 +6,14 @@ import shutil
 import sys
 
 from lta_config.files import share_folder
+from lta_report.report_terminal import print_table
 from lta_sim.cfd.flow_plan import plan_flows
 from lta_sim.cfd.sweep_table import drop_pressure_maps, read_sweep
 from lta_sim.cfd.tunnel_model import load_tunnel_model
 from lta_sim.cfd.validation import SphereComparison
-from lta_studies.cfd.pictures import draw_sphere_drag
 from lta_studies.cfd.progress import TunnelProgress
+from lta_studies.cfd.sphere_report import build_report
 from lta_studies.cfd.tables import build_drag_table, build_rotor_table
-from lta_studies.energy.tables import print_table
 import pytest
 from rich.console import Console
 
@@ -44,13 +44,14 @@ def test_what_dies_is_said_and_the_rest_is_kept(run, monkeypatch, tmp_path):
     status, said = run('--only', 'heave', '--only', 'surge')
     assert status == 0
     assert 'surge: simpleFoam diverged' in said.out
+    assert 'results failed).' in said.out
     assert list(read_sweep(tmp_path / 'done/gtmab.sweep.json').axes) == ['heave']
 
 
 @pytest.mark.parametrize('name', ['beavis', 'blimp2b', 'gtmab', 'sblimp', 'skye'])
 def test_no_number_is_cut_on_a_terminal_of_80_columns(name):
     sweep = read_sweep(share_folder() / 'aero' / f'{name}.sweep.json')
-    console = Console(width=80, record=True)
+    console = Console(width=80, record=True, force_terminal=True)
     for table in (build_drag_table(sweep), build_rotor_table(sweep)):
         print_table(table, console)
     said = [line.split() for line in console.export_text().splitlines()]
@@ -58,9 +59,10 @@ def test_no_number_is_cut_on_a_terminal_of_80_columns(name):
         assert all(' '.join(row).split() in said for row in table.rows)
 
 
-def test_nothing_solved_is_status_1(run, monkeypatch):
+def test_nothing_solved_is_status_1_with_the_analytic_part(run, monkeypatch, tmp_path):
     monkeypatch.setenv('FAKE_FAULT', 'heave mesh:killed')
     assert run('--only', 'heave')[0] == 1
+    assert (tmp_path / 'done/gtmab.aero.yaml').is_file()
 
 
 @pytest.mark.parametrize(
@@ -145,10 +147,10 @@ def test_a_worker_without_openfoam_is_one_sentence(cluster, run, monkeypatch, tm
 
 def test_every_setting_of_the_sphere_is_drawn():
     names = [f'transient, {cells} cells' for cells in range(5)]
-    drawn = draw_sphere_drag([
-        SphereComparison(name, 1, 1.0, 6.7e4, 0.48, 0.02, 0.41, 0.0, 1.0) for name in names
-    ])  # fmt: skip
-    assert [trace.name for trace in drawn.data][2:] == names
+    results = [SphereComparison(name, 1, 1.0, 6.7e4, 0.48, 0.02, 0.41, 0.0, 1.0) for name in names]
+    report = build_report(results, 6, {})
+    assert [trace.name for trace in report.blocks[0].figure.data][2:] == names
+    assert report.headline.endswith('1 of 6 results failed.')
 
 
 def test_the_bar_tells_who_runs_how_settled_and_how_far():

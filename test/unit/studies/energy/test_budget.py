@@ -9,10 +9,11 @@ from lta_cli.app import run_command_line
 from lta_config.constants import STANDARD_GRAVITY
 from lta_model.electrical.loads import power_demand
 from lta_model.vehicle import load_vehicle
+from lta_report.report import TextTable
 from lta_studies.energy import paper
 from lta_studies.energy.budget import run, tasks
-from lta_studies.energy.budget.page import build_task_table, render_page
 from lta_studies.energy.budget.power_causes import explain_hover_power
+from lta_studies.energy.budget.report import build_report
 from lta_studies.energy.course_flight import FlightTrack
 import numpy as np
 import pytest
@@ -132,9 +133,11 @@ def test_the_table_stands_beside_the_paper():
         'gtmab', 'multirotor', named, tasks.TaskPower('hovering', 0.983, 6.4),
         explain_hover_power(GTMAB, 0.72, paper.HOVER), GTMAB.loads,
     )  # fmt: skip
-    rows = {row[0]: row[1:] for row in build_task_table(made_up).rows}
+    report = build_report(made_up, {})
+    table = next(each for each in report.blocks if isinstance(each, TextTable))
+    rows = {row[0]: row[1:] for row in table.rows}
     assert rows['idle'][-2:] == ['97', '1.00']
     assert rows['hovering'][-2:] == ['1333', '0.54']
     assert rows['navigating, DGA'][-2:] == ['1523\N{EN DASH}1544', '1.00']
     assert rows['multirotor, hovering'][-2] == '3999'
-    assert '10 % of the power of a multirotor' in render_page(made_up, {})
+    assert '10 % of the power of a multirotor' in report.headline

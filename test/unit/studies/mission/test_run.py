@@ -1,4 +1,4 @@
-"""Lives of a mission side by side: Ctrl-C ends them all at once."""
+"""Lives of a mission side by side: Ctrl-C ends them all at once, and the headline counts."""
 
 import signal
 import sys
@@ -7,6 +7,8 @@ import time
 from types import SimpleNamespace
 
 from lta_studies.mission import run as running
+from lta_studies.mission.report import format_headline
+from lta_studies.mission.run import MissionResult
 import pytest
 from waiting import EVERY, PATIENCE, wait_until
 
@@ -65,3 +67,18 @@ def test_ctrl_c_ends_the_lives_that_are_being_lived(monkeypatch, tmp_path, inter
     assert not Long.ended
     assert active_count() == threads
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(('failures', 'end'), [(0, ''), (1, '; 1 failure in 40 flights')])
+def test_the_headline_counts_failures_of_the_schedule_by_light(failures, end):
+    own = SimpleNamespace(flown=7200.0, flights=40, failure_count=failures)
+    fixed = SimpleNamespace(flown=3600.0, flights=30, failure_count=9)
+    results = [
+        MissionResult('by light', 1, None, own),
+        MissionResult('duty cycle', 1, None, fixed),
+    ]
+    request = SimpleNamespace(mission=SimpleNamespace(name='greenhouse'), days=1)
+    assert format_headline(request, results) == (
+        'In the mission greenhouse the drone flies 120 minutes a day, '
+        f'2.00 times as many as with a fixed duty cycle{end}.'
+    )

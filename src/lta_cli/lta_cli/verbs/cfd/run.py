@@ -1,33 +1,26 @@
 """lta cfd run: compute the aero file of a vehicle from its shape."""
 
+from collections.abc import Sequence
 from enum import StrEnum
 from pathlib import Path
-import sys
 from typing import Annotated
 
-from lta_cli.options.output_options import check_picture_output, Out, Pictures
-from lta_cli.options.plain_console import plain_console
-from lta_config.command_line import format_lta_command, relative_path
+from lta_cli.options.study_command import study_command, StudyRun
+from lta_config.command_line import format_lta_command
 from lta_config.errors import unknown_name_error
 from lta_config.schema.mount_file import load_mount
 from lta_config.schema.tunnel_file import load_tunnel_file
-from lta_report.results_folder import (
-    check_creatable,
-    format_page_line,
-    resolve_folder,
-    stage_results,
-)
-from lta_report.screenshots import write_pictures
-from lta_sim.cfd.aero_text import format_aero_file
+from lta_report.report import Report
+from lta_report.results_folder import resolve_folder
 from lta_sim.cfd.flow_plan import Air, plan_flows, TunnelFlow
 from lta_sim.cfd.openfoam.case_runner import CaseRunner
 from lta_sim.cfd.openfoam.engine import FoamPrograms
 from lta_sim.cfd.slices import FlowSlice, read_flow_slice
 from lta_sim.cfd.solve import build_sweep, solve_sweep
-from lta_sim.cfd.sweep_table import drop_pressure_maps, format_sweep, TunnelSweep
+from lta_sim.cfd.sweep_table import TunnelSweep
 from lta_sim.cfd.tunnel_model import load_tunnel_model, TunnelModel
-from lta_studies.cfd.page import format_headline, write_page
 from lta_studies.cfd.progress import TunnelProgress
+from lta_studies.cfd.report import build_report
 from lta_studies.cfd.solvers import (
     Cache,
     check_solver_options,
@@ -36,8 +29,6 @@ from lta_studies.cfd.solvers import (
     resolve_cache_folder,
     Scheduler,
 )
-from lta_studies.cfd.tables import build_drag_table, build_rotor_table
-from lta_studies.energy.tables import print_table
 import typer
 
 AIR: Air = (1.2, 1.5e-5)  # kg/m3, m2/s: 20 degC
@@ -52,6 +43,7 @@ class Fidelity(StrEnum):
     reference = 'reference'
 
 
+@study_command('cfd')
 def run(
     name: Annotated[
         str,
@@ -87,10 +79,9 @@ def run(
         float | None,
         typer.Option('--memory', help='Memory limit in GB; all memory by default.', min=0.1),
     ] = None,
-    out: Out = None,
-    pictures: Pictures = None,
-    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
-) -> None:
+    *,
+    run: StudyRun,
+) -> Report:
     """
     Compute a vehicle's drag along and about six axes, with rotors off and on.
 
@@ -108,59 +99,39 @@ def run(
 
     Example: lta cfd run gtmab --only heave --only both_up
     """
-    console = plain_console(stderr=json)
-    check_picture_output(pictures)
     file, _ = load_tunnel_file(name)
     model = load_tunnel_model(name, load_mount(mount) if mount else None)
-    target = resolve_folder(out, f'{model.name}-cfd')
-    check_creatable(target)
-    wanted: list[TunnelFlow] = []
+    run.open_folder(resolve_folder(None, f'{model.name}-cfd'))
+    flows: list[TunnelFlow] = []
     if fidelity is not Fidelity.analytic:
         check_solver_options(jobs, scheduler)
-        known = plan_flows(model, fidelity, AIR)
-        # Names of axes and patterns depend on the vehicle, so Typer cannot check them
-        if strangers := [each for each in only or () if each not in {f.about for f in known}]:
-            raise unknown_name_error('axis or pattern', strangers[0], [f.about for f in known])
-        wanted = plan_flows(model, fidelity, AIR, only or ())
-    if wanted:
+        flows = select_flows(model, fidelity, only or ())
+    if flows:
         with (
-            TunnelProgress(console, wanted) as bar,
-            open_solver(wanted, bar, jobs, cache, scheduler, limit) as crew,
+            TunnelProgress(run.console, flows) as bar,
+            open_solver(flows, bar, jobs, cache, scheduler, limit) as crew,
         ):
-            found = solve_sweep(crew, model, wanted, AIR, bar.show_message)
+            found = solve_sweep(crew, model, flows, AIR, bar.show_message)
             sweep = build_sweep(
                 model, file.vehicle, fidelity, AIR, *found, engine=crew.solver_version()
             )
     else:
         sweep = build_sweep(model, file.vehicle, fidelity, AIR, {}, {}, {})
+    # The fields are in the cache folder; the sweep holds only coefficients and maps
+    slices = slice_flows(model, sweep, flows, resolve_cache_folder(cache)) if run.page else []
     words = ['cfd', 'run', name, '--fidelity', fidelity.value]
     words += [word for each in only or () for word in ('--only', each)]
-    # The command that repeats the run, shown on the page
     words += ['--mount', mount] if mount else []
-    with stage_results(target, 'report.html') as part:
-        # Pressure maps are large; only the blown file contains them
-        small = format_sweep(drop_pressure_maps(sweep))
-        (part / f'{model.name}.sweep.json').write_text(small, encoding='utf-8')
-        if sweep.blows:
-            (part / f'{model.name}.blown.json').write_text(format_sweep(sweep), encoding='utf-8')
-        (part / f'{model.name}.aero.yaml').write_text(format_aero_file(sweep), encoding='utf-8')
-        # The fields are in the cache folder; the sweep holds only coefficients and maps
-        drawn = slice_flows(model, sweep, wanted, resolve_cache_folder(cache))
-        write_page(
-            sweep, drawn, {'Solve it again': format_lta_command(*words)}, part / 'report.html'
-        )
-    if pictures is not None:
-        write_pictures(target / 'report.html', pictures)
-    if json:
-        sys.stdout.write(small)
-    print_table(build_drag_table(sweep), console)
-    if sweep.blows:
-        print_table(build_rotor_table(sweep), console)
-    lines = [format_headline(sweep), format_page_line(relative_path(target / 'report.html'))]
-    console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)
-    # Nothing was solved; the files still contain the analytic part
-    if wanted and not sweep.axes and not sweep.blows:
-        raise typer.Exit(1)
+    return build_report(sweep, slices, {'Solve it again': format_lta_command(*words)})
+
+
+def select_flows(model: TunnelModel, fidelity: str, only: Sequence[str]) -> list[TunnelFlow]:
+    """Return the flows of some axes and patterns, or all; raise `BadInput` if one is unknown."""
+    # Names of axes and patterns depend on the vehicle, so Typer cannot check them
+    known = [flow.about for flow in plan_flows(model, fidelity, AIR)]
+    if strangers := [each for each in only if each not in known]:
+        raise unknown_name_error('axis or pattern', strangers[0], known)
+    return plan_flows(model, fidelity, AIR, only)
 
 
 def slice_flows(

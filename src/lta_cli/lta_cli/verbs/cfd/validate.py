@@ -1,22 +1,12 @@
 """lta cfd validate: compare the drag of a sphere with measurements."""
 
-from dataclasses import asdict
-import sys
 from typing import Annotated
 
-from lta_cli.options.output_options import check_picture_output, Out, Pictures
-from lta_cli.options.plain_console import plain_console
+from lta_cli.options.study_command import study_command, StudyRun
 from lta_cli.verbs.cfd.run import AIR, Fidelity
-from lta_config.command_line import format_lta_command, relative_path
+from lta_config.command_line import format_lta_command
 from lta_config.errors import BadInput
-from lta_report.results_folder import (
-    check_creatable,
-    format_page_line,
-    resolve_folder,
-    stage_results,
-    write_json,
-)
-from lta_report.screenshots import write_pictures
+from lta_report.report import Report
 from lta_sim.cfd.validation import (
     build_sphere_model,
     compare_with_measurements,
@@ -24,12 +14,11 @@ from lta_sim.cfd.validation import (
 )
 from lta_studies.cfd.progress import TunnelProgress
 from lta_studies.cfd.solvers import Cache, check_solver_options, Jobs, open_solver, Scheduler
-from lta_studies.cfd.sphere_page import format_headline, write_page
-from lta_studies.cfd.tables import build_sphere_table
-from lta_studies.energy.tables import print_table
+from lta_studies.cfd.sphere_report import build_report
 import typer
 
 
+@study_command('cfd-sphere')
 def validate(
     fidelity: Annotated[
         Fidelity,
@@ -41,10 +30,9 @@ def validate(
     jobs: Jobs = None,
     cache: Cache = None,
     scheduler: Scheduler = None,
-    out: Out = None,
-    pictures: Pictures = None,
-    json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
-) -> None:
+    *,
+    run: StudyRun,
+) -> Report:
     """
     Validate the wind tunnel: a 1 m sphere against Morrison's formula and Achenbach's scatter.
 
@@ -56,36 +44,24 @@ def validate(
 
     Example: lta cfd validate --fidelity reference
     """
-    console = plain_console(stderr=json)
-    check_picture_output(pictures)
     if fidelity is Fidelity.analytic:
         raise BadInput(
             '--fidelity analytic solves no flow to validate; choose preview or reference.'
         )
     # Fail before any work if OpenFOAM or the scheduler is missing
     check_solver_options(jobs, scheduler)
-    target = resolve_folder(out, 'cfd-sphere')
-    check_creatable(target)
     # The reference includes the preview, to show the effect of the model
     levels = ('preview',) if fidelity is Fidelity.preview else ('preview', 'reference')
     model = build_sphere_model()
-    wanted = [flow for level in levels for flow in plan_validation_flows(model, level, AIR)]
+    flows = [flow for level in levels for flow in plan_validation_flows(model, level, AIR)]
     with (
-        TunnelProgress(console, wanted) as bar,
-        open_solver(wanted, bar, jobs, cache, scheduler) as crew,
+        TunnelProgress(run.console, flows) as bar,
+        open_solver(flows, bar, jobs, cache, scheduler) as crew,
     ):
-        found = compare_with_measurements(crew, model, wanted, AIR, bar.show_message)
+        results = compare_with_measurements(crew, model, flows, AIR, bar.show_message)
     # Every case failed; the progress display has listed the reasons
-    if not found:
+    if not results:
         raise typer.Exit(1)
-    with stage_results(target, 'report.html') as part:
-        text = write_json([asdict(each) for each in found], part / 'sphere.json')
-        again = format_lta_command('cfd', 'validate', '--fidelity', fidelity.value)
-        write_page(found, {'Solve it again': again}, part / 'report.html')
-    if pictures is not None:
-        write_pictures(target / 'report.html', pictures)
-    if json:
-        sys.stdout.write(text)
-    print_table(build_sphere_table(found), console)
-    lines = [format_headline(found), format_page_line(relative_path(target / 'report.html'))]
-    console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)
+    again = format_lta_command('cfd', 'validate', '--fidelity', fidelity.value)
+    count = sum(len(flow.speeds) for flow in flows)
+    return build_report(results, count, {'Solve it again': again})

@@ -2,31 +2,16 @@
 
 from typing import Annotated
 
-from lta_bridge.bag.writer import prepare_empty_folder
-from lta_cli.options.output_options import (
-    check_picture_output,
-    Json,
-    Out,
-    Pictures,
-    print_json_text,
-)
-from lta_cli.options.plain_console import plain_console
-from lta_config.command_line import format_lta_command, relative_path
-from lta_report.results_folder import format_page_line, resolve_folder, write_json
-from lta_report.screenshots import write_pictures
-from lta_studies.energy.budget.page import (
-    build_cause_table,
-    build_task_table,
-    describe_differences,
-    format_headline,
-    write_page,
-)
-from lta_studies.energy.budget.run import count_flights, measure_budget, to_json
+from lta_cli.options.study_command import study_command, StudyRun
+from lta_config.command_line import format_lta_command
+from lta_report.report import Report
+from lta_studies.energy.budget.report import build_report
+from lta_studies.energy.budget.run import count_flights, measure_budget
 from lta_studies.energy.progress import run_with_progress
-from lta_studies.energy.tables import print_table
 import typer
 
 
+@study_command('budget')
 def budget(
     vehicle: Annotated[str, typer.Option(help='Vehicle name or file.')] = 'gtmab',
     beside: Annotated[
@@ -35,10 +20,9 @@ def budget(
     seeds: Annotated[
         int, typer.Option(help='Number of flights of each vehicle.', min=1, max=100)
     ] = 3,
-    out: Out = None,
-    pictures: Pictures = None,
-    json: Json = False,
-) -> None:
+    *,
+    run: StudyRun,
+) -> Report:
     """
     Measure the power of each task: standing, take-off, hovering, flying, finding a lamp.
 
@@ -51,32 +35,16 @@ def budget(
 
     Example: lta energy budget --seeds 1
     """
-    console = plain_console(stderr=json)
-    check_picture_output(pictures)
-    target = prepare_empty_folder(resolve_folder(out, 'budget'))
-    found = run_with_progress(
-        lambda tick: measure_budget(vehicle, beside, seeds, tick), count_flights(seeds), console
+    result = run_with_progress(
+        lambda tick: measure_budget(vehicle, beside, seeds, tick),
+        count_flights(seeds),
+        run.console,
     )
-    content = write_json(to_json(found), target / 'budget.json')
-    # The page shows the command that repeats the study
     again = format_lta_command(
         'energy', 'budget', '--vehicle', vehicle, '--beside', beside, '--seeds', str(seeds)
     )
-    # Commands for the next steps, listed on the page
     commands = {
         'Repeat this study': again,
         'Hover on one battery cell': format_lta_command('energy', 'hover'),
     }
-    page = write_page(found, commands, target / 'report.html')
-    if pictures is not None:
-        write_pictures(page, pictures)
-    if json:
-        print_json_text(content, page)
-    for each in (build_task_table(found), build_cause_table(found)):
-        print_table(each, console)
-    lines = [
-        *describe_differences(found),
-        format_headline(found),
-        format_page_line(relative_path(page)),
-    ]
-    console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)
+    return build_report(result, commands)

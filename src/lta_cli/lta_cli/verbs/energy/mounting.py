@@ -2,32 +2,20 @@
 
 from typing import Annotated
 
-from lta_bridge.bag.writer import prepare_empty_folder
-from lta_cli.options.output_options import (
-    check_picture_output,
-    Json,
-    Out,
-    Pictures,
-    print_json_text,
-)
-from lta_cli.options.plain_console import plain_console
+from lta_cli.options.study_command import study_command, StudyRun
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.files import find_file, load_yaml
-from lta_report.report import transpose_table
-from lta_report.results_folder import format_page_line, resolve_folder, write_json
-from lta_report.screenshots import write_pictures
-from lta_studies.energy.mounting import verdict
-from lta_studies.energy.mounting.page import write_page
+from lta_report.report import Report
+from lta_studies.energy.mounting.report import build_report
 from lta_studies.energy.mounting.run import compare_mounts, MountingRequest
-from lta_studies.energy.mounting.tables import build_comparison_tables, to_json
+from lta_studies.energy.mounting.verdict import find_best_mount
 from lta_studies.energy.progress import run_with_progress
-from lta_studies.energy.tables import print_table
 import typer
-import yaml
 
 MOUNTS = ['side', 'bottom', 'top']
 
 
+@study_command('mounting')
 def mounting(
     mount: Annotated[
         list[str] | None,
@@ -48,10 +36,9 @@ def mounting(
     seeds: Annotated[
         int, typer.Option(help='Number of flights with each mount.', min=1, max=100)
     ] = 3,
-    out: Out = None,
-    pictures: Pictures = None,
-    json: Json = False,
-) -> None:  # fmt: skip
+    *,
+    run: StudyRun,
+) -> Report:  # fmt: skip
     """
     Compare solar panels mounted at the side, at the bottom and on top.
 
@@ -67,45 +54,20 @@ def mounting(
 
     Example: lta energy mounting --seeds 1
     """
-    console = plain_console(stderr=json)
-    check_picture_output(pictures)
     names = list(dict.fromkeys(mount or MOUNTS))
-    order = MountingRequest(
-        # cm to m; the raw file, because mounts replace one of its layers
-        load_yaml(find_file('vehicle', vehicle)),
-        names,
-        misplaced / 100.0,
-        seeds,
-    )
+    # cm to m; the raw file, because mounts replace one of its layers
+    content = load_yaml(find_file('vehicle', vehicle))
+    request = MountingRequest(content, names, misplaced / 100.0, seeds)
     # Number of flights, for the progress bar
-    todo = seeds * sum(map(len, order.build_vehicles().values()))
-    target = prepare_empty_folder(resolve_folder(out, 'mounting'))
-    found = run_with_progress(lambda tick: compare_mounts(order, tick), todo, console)
-    content = write_json(to_json(found), target / 'mounting.json')
-    # Variants in the vehicle's own hull, or in the fuller one if it cannot carry a mount
-    for each in (found.own or found.shared).values():
-        text = yaml.safe_dump(dict(each.fitted.content), sort_keys=False)
-        (target / f'{each.fitted.mount.name}.yaml').write_text(text, encoding='utf-8')
-    again = format_lta_command(
-        'energy', 'mounting', *(word for name in names for word in ('--mount', name)), '--vehicle',
-        vehicle, '--misplaced', f'{misplaced:g}', '--seeds', str(seeds),
-    )  # fmt: skip
-    best = relative_path(target / f'{verdict.find_best_mount(found)}.yaml')
+    todo = seeds * sum(map(len, request.build_vehicles().values()))
+    study = run_with_progress(lambda tick: compare_mounts(request, tick), todo, run.console)
+    best = relative_path(run.folder / f'{find_best_mount(study)}.yaml')
     commands = {
-        'Repeat this study': again,
+        'Repeat this study': format_lta_command(
+            'energy', 'mounting', *(word for name in names for word in ('--mount', name)),
+            '--vehicle', vehicle, '--misplaced', f'{misplaced:g}', '--seeds', str(seeds),
+        ),
         'Compare with the vehicle': format_lta_command('vehicle', 'diff', vehicle, best),
         'Fly it': format_lta_command('simulate', '--vehicle', best),
-    }
-    page = write_page(found, commands, target / 'report.html')
-    if pictures is not None:
-        write_pictures(page, pictures)
-    if json:
-        print_json_text(content, page)
-    for table in build_comparison_tables(found):
-        print_table(transpose_table(table), console)
-    lines = [
-        *verdict.format_findings(found),
-        verdict.format_headline(found),
-        format_page_line(relative_path(page)),
-    ]
-    console.print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)
+    }  # fmt: skip
+    return build_report(study, commands)

@@ -17,7 +17,6 @@ from lta_energy.harvest import HarvestCurve
 from lta_model.electrical.charger import ChargerModel
 from lta_model.electrical.panel import SolarArrayModel
 from lta_model.vehicle import Vehicle
-from lta_report.report import TextTable
 import numpy as np
 
 OWN: Final = 'as it is'
@@ -139,32 +138,6 @@ def compute_break_even_map(vehicle: Vehicle, cells: Sequence[str], budget: float
         panel = SolarArrayModel.from_cells(name, 1, number)
         arrays.append(CandidateArray(name, number, number * each, HarvestCurve(panel)))
     return BreakEvenMap(vehicle.file.name, vehicle.charger, list_task_loads(vehicle), arrays)
-
-
-def build_illuminance_table(result: BreakEvenMap) -> TextTable:
-    """Return the illuminances as a table."""
-    rows = [
-        [
-            f'{array.count} x {array.name}',
-            f'{1e3 * array.mass:.0f}',
-            lamp,
-            *(
-                format_klux(result.break_even_lux(array, lamp, load))
-                for load in result.loads.values()
-            ),
-        ]
-        for array in result.arrays
-        for lamp in LAMPS
-    ]
-    heads = [
-        'array', 'g', 'light',
-        *(f'{task}, {1e3 * load:.0f} mW' for task, load in result.loads.items()),
-    ]  # fmt: skip
-    note = (
-        'Illuminance on the level panel at which the charger output equals the power of the '
-        'task, in kilolux. For a beacon: illuminance while it is on.'
-    )
-    return TextTable('Break-even [klx]', heads, rows, note)
 
 
 def format_klux(lux: float) -> str:

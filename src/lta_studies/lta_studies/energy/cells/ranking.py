@@ -62,7 +62,7 @@ class CellReading:
         return self.row.charge.si * self.row.mass.si
 
 
-Figure = Callable[[CellReading], float]
+Criterion = Callable[[CellReading], float]
 
 
 def list_readings(table: CellTable) -> list[CellReading]:
@@ -79,12 +79,12 @@ def select_readings(entries: Sequence[CellReading], which: int) -> list[CellRead
     return [each for each in entries if each.cell.name == each.row.cells[which % each.readings]]
 
 
-def find_pareto_front(entries: Sequence[CellReading], figure: Figure) -> list[CellReading]:
+def find_pareto_front(entries: Sequence[CellReading], criterion: Criterion) -> list[CellReading]:
     """Return the Pareto front in mass per area and a criterion, lightest first."""
     best, front = float('inf'), []
     # From light to heavy: an entry is on the front if it improves on all lighter ones.
-    for each in sorted(entries, key=lambda entry: (entry.areal_mass, figure(entry))):
-        if figure(each) < best:
-            best = figure(each)
+    for each in sorted(entries, key=lambda entry: (entry.areal_mass, criterion(entry))):
+        if criterion(each) < best:
+            best = criterion(each)
             front.append(each)
     return front

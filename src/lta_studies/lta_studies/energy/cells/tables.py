@@ -51,13 +51,18 @@ def find_fronts_by_criterion(
     )
 
 
+def list_front_pairs(
+    entries: Sequence[CellReading],
+) -> list[tuple[list[CellReading], list[CellReading]]]:
+    """Return one pair of fronts for each reading of the ambiguous rows."""
+    count = max(each.readings for each in entries)
+    return [find_fronts_by_criterion(entries, which) for which in range(count)]
+
+
 def build_ranking_table(table: CellTable) -> TextTable:
     """Return the table of cells with both criteria and the fronts they are on."""
     found = list_readings(table)
-    fronts = [
-        find_fronts_by_criterion(found, which)
-        for which in range(max(each.readings for each in found))
-    ]
+    fronts = list_front_pairs(found)
     heads = ('cell', 'cm²', 'g/cm²', 's', 'sheet', 's/cm²', 's cm²', 'g s', 'front')
     rows = []
     for each in found:
@@ -177,9 +182,9 @@ def to_json(table: CellTable, energy: EnergyBlock, budget: float) -> dict[str, A
         'fronts': [
             {
                 name: [each.cell.name for each in front]
-                for name, front in zip(FRONTS, find_fronts_by_criterion(found, which), strict=True)
+                for name, front in zip(FRONTS, pair, strict=True)
             }
-            for which in range(max(each.readings for each in found))
+            for pair in list_front_pairs(found)
         ],
         'arrays': [
             {'cell': array.cell.name, 'series': array.series, 'parallel': array.parallel,

@@ -17,8 +17,8 @@ from lta_studies.energy.cells.arrays import (
     compute_net_powers,
     NetPower,
 )
-from lta_studies.energy.cells.page import draw_fronts, FAIR, PAPER
 from lta_studies.energy.cells.ranking import CellReading, list_readings, select_readings
+from lta_studies.energy.cells.report import draw_fronts, FAIR, PAPER
 from lta_studies.energy.cells.tables import (
     build_array_table,
     datasheet_charging_time,

@@ -10,7 +10,7 @@ from lta_energy.break_even_illuminance import charging_power, LAMPS
 from lta_energy.harvest import HarvestCurve
 from lta_model.vehicle import load_vehicle
 from lta_studies.energy import paper
-from lta_studies.energy.budget.page import (
+from lta_studies.energy.budget.report import (
     build_cause_table,
     build_task_table,
     draw_task_power,

@@ -7,7 +7,7 @@ from typing import Final
 from lta_config.command_line import format_lta_command
 from lta_config.files import find_file, load_yaml
 from lta_studies.energy.course_flight import stop_after
-from lta_studies.energy.mounting.page import (
+from lta_studies.energy.mounting.report import (
     draw_overturning,
     draw_straight_flights,
     draw_swings,

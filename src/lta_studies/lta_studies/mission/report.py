@@ -1,17 +1,13 @@
-"""Write the report of a mission as one self-contained HTML page."""
+"""Build the report of a mission."""
 
 from collections.abc import Mapping, Sequence
-from html import escape
-from pathlib import Path
-from typing import Final
+from dataclasses import asdict
+from typing import Any, Final
 
 from lta_bridge.provenance import read_commit
 from lta_energy.harvest import HarvestCurve
 from lta_report.formatting import Tile
-from lta_report.html_elements import render_section, render_tile
-from lta_report.page_frame import assemble_page, write_file
-from lta_report.report import TextTable
-from lta_studies.energy.tables import render_text_table
+from lta_report.report import Picture, Report, TextSection, TextTable
 from lta_studies.light.evaluation.intervals import BootstrapMean
 from lta_studies.mission import paper
 from lta_studies.mission.pictures import (
@@ -57,50 +53,56 @@ METHOD: Final = (
 )
 
 
-def write_page(
-    request: MissionRequest, results: Sequence[MissionResult], again: Mapping[str, str], out: Path
-) -> Path:
-    """Write the page and return its path; raise `BadInput` if that fails."""
-    return write_file(render_page(request, results, again), out)
-
-
-def render_page(
-    request: MissionRequest, results: Sequence[MissionResult], again: Mapping[str, str]
-) -> str:
-    """Return the HTML of the page; `again` holds follow-up commands."""
-    seed = request.seeds[0]
+def build_report(
+    request: MissionRequest, results: Sequence[MissionResult], commands: Mapping[str, str]
+) -> Report:
+    """Return the report of a mission; `commands` are the next steps."""
+    mission, seed = request.mission, request.seeds[0]
     # The plots show the first seed only; tiles and tables average over all.
     shown = [each for each in results if each.seed == seed]
     light = request.simulate_light(seed)
-    pictures = (
-        render_section('when', 'Timeline', WHEN, draw_timeline(shown, light)),
-        render_section('hours', 'Minutes flown', HOURS, draw_flight_hours(shown, light)),
-        render_section('books', 'Energy', BOOKS, draw_energy_use(shown)),
-    )
-    return assemble_page(
-        'energy.html',
-        title=escape(format_headline(request, results)),
-        kicker=escape(f'mission · {request.mission.name}'),
-        about=escape(request.mission.about),
-        tiles='\n'.join(render_tile(*each) for each in build_tiles(request, results)),
-        first=render_section(
-            'day',
-            f'Light and state of charge, seed {seed}',
-            DAY,
-            draw_charge(shown, light, request.mission.reserve.si),
+    return Report(
+        command='mission',
+        subject=mission.name,
+        headline=format_headline(request, results),
+        introduction=mission.about,
+        tiles=build_tiles(request, results),
+        blocks=(
+            Picture(
+                'day', f'Light and state of charge, seed {seed}', DAY,
+                draw_charge(shown, light, mission.reserve.si),
+            ),
+            Picture('when', 'Timeline', WHEN, draw_timeline(shown, light)),
+            Picture('hours', 'Minutes flown', HOURS, draw_flight_hours(shown, light)),
+            Picture('books', 'Energy', BOOKS, draw_energy_use(shown)),
+            *build_mission_tables(request, results),
+            TextSection('Meaning and method', METHOD),
         ),
-        pictures=''.join(pictures),
-        tables=''.join(render_text_table(each) for each in build_mission_tables(request, results)),
-        method=''.join(f'<p class="note">{escape(each)}</p>' for each in METHOD),
+        data=to_json(request, results),
         facts={
-            'mission': request.mission.name,
-            'vehicle': request.mission.vehicle,
+            'mission': mission.name,
+            'vehicle': mission.vehicle,
             'light': request.day.about,
             'seeds': ', '.join(map(str, request.seeds)),
             'commit': read_commit(),
         },
-        commands=again,
-    )
+        commands=commands,
+    )  # fmt: skip
+
+
+def to_json(request: MissionRequest, results: Sequence[MissionResult]) -> dict[str, Any]:
+    """Convert the figures of all missions to JSON, in SI units."""
+    # None if only one schedule was simulated
+    more = flight_time_ratio(results)
+    return {
+        'mission': request.mission.name,
+        'days': request.days,
+        'gain': None if more is None else more._asdict(),
+        'lives': [
+            {'schedule': each.schedule, 'seed': each.seed, **asdict(each.figures)}
+            for each in results
+        ],
+    }
 
 
 def format_headline(request: MissionRequest, results: Sequence[MissionResult]) -> str:
@@ -111,9 +113,13 @@ def format_headline(request: MissionRequest, results: Sequence[MissionResult]) -
     sentence = (
         f'In the mission {request.mission.name} the drone flies {own.value:.0f} minutes a day'
     )
-    if more is None:
-        return f'{sentence}.'
-    return f'{sentence}, {more.value:.2f} times as many as with a fixed duty cycle.'
+    if more is not None:
+        sentence += f', {more.value:.2f} times as many as with a fixed duty cycle'
+    alike = filter_by_schedule(results, first.schedule)
+    if failed := sum(each.figures.failure_count for each in alike):
+        count = sum(each.figures.flights for each in alike)
+        sentence += f'; {failed} failure{"s" if failed > 1 else ""} in {count} flights'
+    return f'{sentence}.'
 
 
 def build_tiles(request: MissionRequest, results: Sequence[MissionResult]) -> list[Tile]:

@@ -1,14 +1,12 @@
-"""Write the page of a wind-tunnel sweep: drag of the vehicle, and its rotors' net wrenches."""
+"""Build the report of a wind-tunnel sweep: drag of the vehicle, and its rotors' net wrenches."""
 
 from collections.abc import Mapping, Sequence
-from html import escape
-from pathlib import Path
+import json
 from typing import Final
 
 from lta_bridge.provenance import read_commit
 from lta_report.formatting import Tile
-from lta_report.html_elements import render_section, render_tile
-from lta_report.page_frame import assemble_page, write_file
+from lta_report.report import Picture, Report, TextSection
 from lta_sim.cfd.aero_fit import (
     ABOUT,
     ALONG,
@@ -17,13 +15,13 @@ from lta_sim.cfd.aero_fit import (
     select_solved_points,
     sum_processor_time,
 )
+from lta_sim.cfd.aero_text import format_aero_file
 from lta_sim.cfd.flow_plan import MIDDLE, SLOW
 from lta_sim.cfd.slices import FlowSlice
-from lta_sim.cfd.sweep_table import Axis, TunnelSweep
+from lta_sim.cfd.sweep_table import Axis, drop_pressure_maps, format_sweep, TunnelSweep
 from lta_sim.cfd.tunnel import MODELLED
 from lta_studies.cfd.pictures import draw_drag, draw_slice
 from lta_studies.cfd.tables import build_drag_table, build_rotor_table
-from lta_studies.energy.tables import render_text_table
 
 INTRODUCTION: Final = (
     'Drag of the vehicle along and about its three axes, and the net force of each rotor '
@@ -49,51 +47,50 @@ METHOD: Final = (
     'varies by more than 15 %, or if the momentum of the air differs from the force by more '
     'than 10 %. The results are not grid-converged.',
 )
+CAPTION: Final = 'Airspeed in the middle plane. Grey: solid parts.'
 
 
-def write_page(
-    sweep: TunnelSweep, slices: Sequence[FlowSlice], commands: Mapping[str, str], out: Path
-) -> Path:
-    """Write the page and return its path; raise `BadInput` if that fails."""
-    return write_file(render_page(sweep, slices, commands), out)
-
-
-def render_page(
+def build_report(
     sweep: TunnelSweep, slices: Sequence[FlowSlice], commands: Mapping[str, str]
-) -> str:
-    """Return the HTML of the page."""
-    pictures = [render_section('about', 'Turning', DRAWN, draw_drag(sweep, turning=True))]
-    pictures += [
-        render_section(
-            f'slice-{each.about}', format_slice_heading(each), CAPTION, draw_slice(each)
-        )
-        for each in slices
-    ]
-    tables = render_text_table(build_drag_table(sweep))
+) -> Report:
+    """Return the report of a sweep; `commands` are the next steps."""
+    warnings = [f'Warning: {each}.' for each in collect_warnings(sweep)]
+    # Pressure maps are large; only the blown file contains them
+    small = format_sweep(drop_pressure_maps(sweep))
+    outputs = {f'{sweep.name}.aero.yaml': format_aero_file(sweep)}
     if sweep.blows:
-        tables += render_text_table(build_rotor_table(sweep))
-    warned = [f'Warning: {each}.' for each in collect_warnings(sweep)]
-    notes = ''.join(f'<p class="note">{escape(each)}</p>' for each in [*warned, *METHOD])
-    return assemble_page(
-        'energy.html',
-        title=escape(format_headline(sweep)),
-        kicker=escape(f'cfd run · {sweep.name}'),
-        about=INTRODUCTION,
-        tiles='\n'.join(render_tile(*each) for each in build_tiles(sweep)),
-        first=render_section('along', 'Moving', DRAWN, draw_drag(sweep, turning=False)),
-        pictures='\n'.join(pictures),
-        tables=tables,
-        method=notes,
+        outputs[f'{sweep.name}.blown.json'] = format_sweep(sweep)
+    return Report(
+        command='cfd run',
+        subject=sweep.name,
+        headline=format_headline(sweep),
+        introduction=INTRODUCTION,
+        tiles=build_tiles(sweep),
+        blocks=(
+            Picture('along', 'Moving', DRAWN, draw_drag(sweep, turning=False)),
+            Picture('about', 'Turning', DRAWN, draw_drag(sweep, turning=True)),
+            *(
+                Picture(
+                    f'slice-{each.about}', format_slice_heading(each), CAPTION, draw_slice(each)
+                )
+                for each in slices
+            ),
+            build_drag_table(sweep),
+            *([build_rotor_table(sweep)] if sweep.blows else []),
+            TextSection('Meaning and method', (*warnings, *METHOD)),
+        ),
+        data=json.loads(small),
         facts={
             'engine': sweep.engine, 'fidelity': sweep.fidelity, 'geometry': sweep.geometry,
             'processor time': f'{sum_processor_time(sweep) / 60.0:.1f} min, without meshing',
             'commit': read_commit(),
         },
         commands=commands,
+        json_name=f'{sweep.name}.sweep.json',
+        outputs=outputs,
+        # Without any solved flow, the files still contain the analytic part
+        status=1 if sweep.refused and not sweep.axes and not sweep.blows else 0,
     )  # fmt: skip
-
-
-CAPTION: Final = 'Airspeed in the middle plane. Grey: solid parts.'
 
 
 def format_slice_heading(plane: FlowSlice) -> str:
@@ -104,10 +101,13 @@ def format_slice_heading(plane: FlowSlice) -> str:
 def format_headline(sweep: TunnelSweep) -> str:
     """Return the headline."""
     fits = fit_drag_by_axis(sweep)
+    failed = len(sweep.refused)
+    count = failed + len(sweep.blows) + len(sweep.coarse) + sum(map(len, sweep.axes.values()))
+    lost = f', {failed} of {count} results failed' if failed else ''
     return (
         f'{sweep.name} has a drag of {fits["surge"].drag_at(1.0):.3f} N in forward flight '
         f'and {fits["heave"].drag_at(1.0):.3f} N in vertical flight at 1 m/s '
-        f'({sweep.fidelity}).'
+        f'({sweep.fidelity}{lost}).'
     )
 
 

@@ -1,27 +1,24 @@
-"""Write the comparison of mounts as one self-contained HTML page."""
+"""Build the report of a comparison of mounts."""
 
 from collections.abc import Mapping
-from html import escape
 import math
-from pathlib import Path
 from typing import Final
 
 from lta_bridge.provenance import read_commit
 from lta_report.curves import Array
 from lta_report.drawing import build_line_trace, create_figure, EndLabel, label_ends, padded_range
 from lta_report.formatting import Tile
-from lta_report.html_elements import render_section, render_tile
-from lta_report.page_frame import assemble_page, write_file
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, TRUTH, WALL
+from lta_report.report import Picture, Report, TextSection
 from lta_studies.energy.mounting import verdict
 from lta_studies.energy.mounting.panel_light import LIGHTS
 from lta_studies.energy.mounting.run import MountingStudy, MountTrial
 from lta_studies.energy.mounting.straight_flight import AWAY, END, HELD, LIFT_OFF
-from lta_studies.energy.mounting.tables import build_comparison_tables
-from lta_studies.energy.tables import render_text_table
+from lta_studies.energy.mounting.tables import build_comparison_tables, to_json
 from lta_vehicle.figures.mass_budget import DEGREES
 import numpy as np
 from plotly.graph_objects import Bar, Figure
+import yaml
 
 COLOURS: Final = (ESTIMATE, TRUTH, GOOD, LAMP, SETPOINT)
 ABOUT: Final = (
@@ -57,40 +54,43 @@ METHOD: Final = (
 )
 
 
-def write_page(study: MountingStudy, commands: Mapping[str, str], out: Path) -> Path:
-    """Write the page and return its path; raise `BadInput` if that fails."""
-    return write_file(render_page(study, commands), out)
-
-
-def render_page(study: MountingStudy, commands: Mapping[str, str]) -> str:
-    """Return the HTML of the page."""
-    first, *pictures = (
-        render_section(
-            'straight', 'Straight flight at 0.1 m/s', STRAIGHT, draw_straight_flights(study)
+def build_report(study: MountingStudy, commands: Mapping[str, str]) -> Report:
+    """Return the report of a comparison of mounts; `commands` are the next steps."""
+    return Report(
+        command='energy mounting',
+        subject=study.vehicle,
+        headline=verdict.format_headline(study),
+        introduction=ABOUT,
+        tiles=build_tiles(study),
+        blocks=(
+            Picture(
+                'straight', 'Straight flight at 0.1 m/s', STRAIGHT, draw_straight_flights(study)
+            ),
+            Picture('light', 'Light on the panels', SHINE, draw_light_shares(study)),
+            Picture('swing', 'Swing after a release', SWUNG, draw_swings(study)),
+            Picture(
+                'over', 'Centre of gravity below, at and above the hull centre', OVER,
+                draw_overturning(study),
+            ),
+            *build_comparison_tables(study),
+            TextSection('Findings', verdict.format_findings(study), printed=True),
+            TextSection('Method', METHOD),
         ),
-        render_section('light', 'Light on the panels', SHINE, draw_light_shares(study)),
-        render_section('swing', 'Swing after a release', SWUNG, draw_swings(study)),
-        render_section(
-            'over',
-            'Centre of gravity below, at and above the hull centre',
-            OVER,
-            draw_overturning(study),
-        ),
-    )
-    notes = [*verdict.format_findings(study), *METHOD]
-    return assemble_page(
-        'energy.html',
-        title=escape(verdict.format_headline(study)),
-        kicker=escape(f'energy mounting · {study.vehicle}'),
-        about=ABOUT,
-        tiles='\n'.join(render_tile(*each) for each in build_tiles(study)),
-        first=first,
-        pictures=''.join(pictures),
-        tables=''.join(render_text_table(each) for each in build_comparison_tables(study)),
-        method=''.join(f'<p class="note">{escape(each)}</p>' for each in notes),
+        data=to_json(study),
         facts={'vehicle': study.vehicle, 'commit': read_commit()},
         commands=commands,
-    )
+        outputs=format_vehicle_files(study),
+    )  # fmt: skip
+
+
+def format_vehicle_files(study: MountingStudy) -> dict[str, str]:
+    """Return a vehicle file for each variant: in the vehicle's hull if that carries a mount."""
+    return {
+        f'{each.fitted.mount.name}.yaml': yaml.safe_dump(
+            dict(each.fitted.content), sort_keys=False
+        )
+        for each in (study.own or study.shared).values()
+    }
 
 
 def build_tiles(study: MountingStudy) -> list[Tile]:

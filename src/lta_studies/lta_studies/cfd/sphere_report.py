@@ -1,20 +1,17 @@
-"""Write the validation page: the sphere in the tunnel compared with measurements."""
+"""Build the report of the validation: the sphere in the tunnel compared with measurements."""
 
 from collections.abc import Mapping, Sequence
-from html import escape
-from pathlib import Path
+from dataclasses import asdict
 from typing import Final
 
 from lta_bridge.provenance import read_commit
 from lta_report.formatting import Tile
-from lta_report.html_elements import render_section, render_tile
-from lta_report.page_frame import assemble_page, write_file
+from lta_report.report import Picture, Report, TextSection
 from lta_sim.cfd.openfoam.engine import find_openfoam_version
 from lta_sim.cfd.tunnel import MODELLED
 from lta_sim.cfd.validation import SphereComparison
 from lta_studies.cfd.pictures import draw_sphere_drag
 from lta_studies.cfd.tables import build_sphere_table
-from lta_studies.energy.tables import render_text_table
 
 CAPTION: Final = (
     'Line: correlation of Morrison (2013). Band: 0.45 to 0.50, measured by Achenbach (1972) '
@@ -30,33 +27,31 @@ METHOD: Final = (
 )
 
 
-def write_page(
-    results: Sequence[SphereComparison], commands: Mapping[str, str], out: Path
-) -> Path:
-    """Write the page and return its path; raise `BadInput` if that fails."""
-    return write_file(render_page(results, commands), out)
-
-
-def render_page(results: Sequence[SphereComparison], commands: Mapping[str, str]) -> str:
-    """Return the HTML of the page."""
-    return assemble_page(
-        'energy.html',
-        title=escape(format_headline(results)),
-        kicker='cfd validate · sphere',
-        about=(
+def build_report(
+    results: Sequence[SphereComparison], count: int, commands: Mapping[str, str]
+) -> Report:
+    """Return the report of the validation; `count` results were planned."""
+    return Report(
+        command='cfd validate',
+        subject='sphere',
+        headline=format_headline(results, count),
+        introduction=(
             'Drag of a sphere of 1 m in the simulated wind tunnel, compared with measurements.'
         ),
-        tiles='\n'.join(render_tile(*each) for each in build_tiles(results)),
-        first=render_section('sphere', 'Drag coefficient', CAPTION, draw_sphere_drag(results)),
-        pictures='',
-        tables=render_text_table(build_sphere_table(list(results))),
-        method=''.join(f'<p class="note">{escape(each)}</p>' for each in METHOD),
+        tiles=build_tiles(results),
+        blocks=(
+            Picture('sphere', 'Drag coefficient', CAPTION, draw_sphere_drag(results)),
+            build_sphere_table(results),
+            TextSection('Meaning and method', METHOD),
+        ),
+        data=[asdict(each) for each in results],
         facts={'engine': find_openfoam_version(), 'commit': read_commit()},
         commands=commands,
+        json_name='sphere.json',
     )
 
 
-def format_headline(results: Sequence[SphereComparison]) -> str:
+def format_headline(results: Sequence[SphereComparison], count: int) -> str:
     """Return the headline."""
     parts = []
     for setting in dict.fromkeys(each.setting for each in results):
@@ -64,6 +59,8 @@ def format_headline(results: Sequence[SphereComparison]) -> str:
             (each for each in results if each.setting == setting), key=lambda e: abs(e.off)
         )
         parts.append(f'{setting} {100 * worst.off:+.0f} % at Re {worst.reynolds:.2g}')
+    if failed := count - len(results):
+        parts.append(f'{failed} of {count} results failed')
     return (
         f'Largest deviation of the drag of a sphere from the measured range: {"; ".join(parts)}.'
     )

@@ -1,8 +1,6 @@
-"""Write the comparison of cells and arrays as one self-contained HTML page."""
+"""Build the report of a comparison of solar cells and arrays."""
 
 from collections.abc import Mapping, Sequence
-from html import escape
-from pathlib import Path
 from typing import Final
 
 from lta_bridge.provenance import read_commit
@@ -10,23 +8,21 @@ from lta_config.schema.cell_table import CellTable
 from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_report.drawing import create_figure
 from lta_report.formatting import format_number, Tile
-from lta_report.html_elements import render_section, render_tile
-from lta_report.page_frame import assemble_page, write_file
 from lta_report.palette import ESTIMATE, SOFT, TRUTH
+from lta_report.report import Picture, Report, TextSection
 from lta_studies.energy.cells.arrays import build_all_arrays, compute_net_powers
-from lta_studies.energy.cells.ranking import CellReading, Figure, list_readings
+from lta_studies.energy.cells.ranking import CellReading, Criterion, list_readings
 from lta_studies.energy.cells.tables import (
     build_array_table,
     build_mass_budget_table,
     build_ranking_table,
-    find_fronts_by_criterion,
     GRAMS,
+    list_front_pairs,
     SQUARE,
+    to_json,
     WORDS,
 )
-from lta_studies.energy.tables import render_text_table
-from plotly.graph_objects import Figure as Picture
-from plotly.graph_objects import Scatter
+from plotly.graph_objects import Figure, Scatter
 
 TITLE: Final = 'Which solar cell is best in mass and charging time depends on the criterion.'
 PAPER: Final = (
@@ -57,44 +53,31 @@ METHOD: Final = (
 )
 
 
-def write_page(
-    table: CellTable, energy: EnergyBlock, budget: float, commands: Mapping[str, str], out: Path
-) -> Path:
-    """Write the page and return its path; raise `BadInput` if that fails."""
-    return write_file(render_page(table, energy, budget, commands), out)
-
-
-def render_page(
+def build_report(
     table: CellTable, energy: EnergyBlock, budget: float, commands: Mapping[str, str]
-) -> str:
-    """Return the HTML of the page; the budget is a mass. [kg]"""
+) -> Report:
+    """Return the report of a cell table; the budget is a mass. [kg]"""
     found = list_readings(table)
-    # One pair of fronts for each reading of the ambiguous rows
-    fronts = [
-        find_fronts_by_criterion(found, which) for which in range(max(e.readings for e in found))
-    ]
-    paper, fair = zip(*fronts, strict=True)
+    paper, fair = zip(*list_front_pairs(found), strict=True)
     by_area = draw_fronts(found, lambda each: each.charging_time_per_area / SQUARE, 's/cm²', paper)
     times_area = draw_fronts(
         found, lambda each: each.charging_time_times_area * SQUARE, 's cm²', fair
     )
-    return assemble_page(
-        'energy.html',
-        title=escape(TITLE),
-        kicker=escape(f'cells · {table.name}'),
-        about=escape(table.about),
-        tiles='\n'.join(render_tile(*each) for each in build_tiles(table, energy)),
-        first=render_section('paper', "The paper's criterion", PAPER, by_area),
-        pictures=render_section('fair', 'A fair criterion', FAIR, times_area),
-        tables=''.join(
-            render_text_table(each)
-            for each in (
-                build_ranking_table(table),
-                build_array_table(table, energy),
-                build_mass_budget_table(table, energy, budget),
-            )
+    return Report(
+        command='cells',
+        subject=table.name,
+        headline=TITLE,
+        introduction=table.about,
+        tiles=build_tiles(table, energy),
+        blocks=(
+            Picture('paper', "The paper's criterion", PAPER, by_area),
+            Picture('fair', 'A fair criterion', FAIR, times_area),
+            build_ranking_table(table),
+            build_array_table(table, energy),
+            build_mass_budget_table(table, energy, budget),
+            TextSection('Meaning and method', METHOD),
         ),
-        method=''.join(f'<p class="note">{escape(each)}</p>' for each in METHOD),
+        data=to_json(table, energy, budget),
         facts={'table': table.name, 'commit': read_commit()},
         commands=commands,
     )
@@ -116,25 +99,25 @@ def build_tiles(table: CellTable, energy: EnergyBlock) -> list[Tile]:
 
 def draw_fronts(
     entries: Sequence[CellReading],
-    figure: Figure,
+    criterion: Criterion,
     unit: str,
     fronts: Sequence[Sequence[CellReading]],
-) -> Picture:
+) -> Figure:
     """Plot a criterion of the cells against mass per area, with the Pareto fronts."""
-    drawn = create_figure()
+    figure = create_figure()
     for front, dash in zip(fronts, ('solid', '5px,4px'), strict=False):
-        drawn.add_trace(
+        figure.add_trace(
             Scatter(
-                x=[_areal_mass(each) for each in front], y=[figure(each) for each in front],
+                x=[_areal_mass(each) for each in front], y=[criterion(each) for each in front],
                 mode='lines', line={'color': TRUTH, 'width': 1.6, 'dash': dash},
                 hoverinfo='skip',
             )
         )  # fmt: skip
     # By identity: the fronts hold the same objects as `entries`.
     on = {id(each) for front in fronts for each in front}
-    drawn.add_trace(
+    figure.add_trace(
         Scatter(
-            x=[_areal_mass(each) for each in entries], y=[figure(each) for each in entries],
+            x=[_areal_mass(each) for each in entries], y=[criterion(each) for each in entries],
             mode='markers+text', text=[each.title for each in entries],
             textposition=[SIDES.get(each.row.maker, 'top center') for each in entries],
             textfont={'color': SOFT, 'size': 11},
@@ -144,15 +127,15 @@ def draw_fronts(
             hovertemplate=f'%{{text}}: %{{x:.3f}} g/cm², %{{y:.3g}} {unit}<extra></extra>',
         )
     )  # fmt: skip
-    drawn.update_layout(hovermode='closest')
-    drawn.update_xaxes(
+    figure.update_layout(hovermode='closest')
+    figure.update_xaxes(
         # On a logarithmic axis the range is in decades: 0.025 to 0.89 g/cm2.
         type='log',
         title_text='mass per area [g/cm²]',
         range=[-1.6, -0.05],
         dtick='D2',
     )
-    return drawn.update_yaxes(type='log', title_text=f'charging time [{unit}]', dtick='D2')
+    return figure.update_yaxes(type='log', title_text=f'charging time [{unit}]', dtick='D2')
 
 
 def _areal_mass(each: CellReading) -> float:

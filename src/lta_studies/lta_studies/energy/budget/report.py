@@ -1,21 +1,16 @@
-"""Write the power budget as one self-contained HTML page."""
+"""Build the report of a power budget."""
 
 from collections.abc import Mapping
-from html import escape
-from pathlib import Path
 from typing import Final
 
 from lta_bridge.provenance import read_commit
 from lta_energy import rotor
 from lta_report.drawing import create_figure, EndLabel, label_ends
 from lta_report.formatting import format_number, MISSING, Tile
-from lta_report.html_elements import render_section, render_tile
-from lta_report.page_frame import assemble_page, write_file
 from lta_report.palette import ESTIMATE, GOOD, INK, LAMP, RAW, SOFT, TRUTH
-from lta_report.report import TextTable
+from lta_report.report import Picture, Report, TextSection, TextTable
 from lta_studies.energy import paper
-from lta_studies.energy.budget.run import format_paper_values, PowerBudget
-from lta_studies.energy.tables import render_text_table
+from lta_studies.energy.budget.run import format_paper_values, PowerBudget, to_json
 import numpy as np
 from plotly.graph_objects import Bar, Figure, Scatter
 
@@ -35,39 +30,34 @@ MOTORS: Final = (
 )
 
 
-def write_page(result: PowerBudget, commands: Mapping[str, str], out: Path) -> Path:
-    """Write the page and return its path; raise `BadInput` if that fails."""
-    return write_file(render_page(result, commands), out)
-
-
-def render_page(result: PowerBudget, commands: Mapping[str, str]) -> str:
-    """Return the HTML of the page."""
-    return assemble_page(
-        'energy.html',
-        title=escape(format_headline(result)),
-        kicker=escape(f'energy budget · {result.vehicle}'),
-        about=(
+def build_report(result: PowerBudget, commands: Mapping[str, str]) -> Report:
+    """Return the report of a power budget; `commands` are the next steps."""
+    return Report(
+        command='energy budget',
+        subject=result.vehicle,
+        headline=format_headline(result),
+        introduction=(
             'Power of each task in simulated flights, compared with the paper (Huang et al. 2025).'
         ),
-        tiles='\n'.join(render_tile(*each) for each in build_tiles(result)),
-        first=render_section('tasks', 'Power by task', TASKS, draw_task_power(result)),
-        pictures=render_section(
-            'motors', 'Power of one rotor by duty and voltage', MOTORS, draw_rotor_power(result)
+        tiles=build_tiles(result),
+        blocks=(
+            Picture('tasks', 'Power by task', TASKS, draw_task_power(result)),
+            Picture(
+                'motors', 'Power of one rotor by duty and voltage', MOTORS,
+                draw_rotor_power(result),
+            ),
+            build_task_table(result),
+            build_cause_table(result),
+            TextSection('Meaning and method', describe_differences(result), printed=True),
         ),
-        tables=''.join(
-            render_text_table(each)
-            for each in (build_task_table(result), build_cause_table(result))
-        ),
-        method=''.join(
-            f'<p class="note">{escape(each)}</p>' for each in describe_differences(result)
-        ),
+        data=to_json(result),
         facts={
             'vehicle': result.vehicle,
             'compared with': result.standard,
             'commit': read_commit(),
         },
         commands=commands,
-    )
+    )  # fmt: skip
 
 
 def format_headline(result: PowerBudget) -> str:

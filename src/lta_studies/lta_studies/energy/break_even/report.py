@@ -1,20 +1,16 @@
-"""Write the break-even map as one self-contained HTML page."""
+"""Build the report of a break-even map."""
 
 from collections.abc import Mapping
-from html import escape
 import math
-from pathlib import Path
 from typing import Final
 
 from lta_bridge.provenance import read_commit
 from lta_energy.break_even_illuminance import LAMPS
 from lta_report.drawing import create_figure
 from lta_report.formatting import Tile
-from lta_report.html_elements import render_section, render_tile
-from lta_report.page_frame import assemble_page, write_file
 from lta_report.palette import ESTIMATE, GOOD, LAMP, TRUTH, WALL
-from lta_studies.energy.break_even.study import BreakEvenMap, build_illuminance_table, format_klux
-from lta_studies.energy.tables import render_text_table
+from lta_report.report import Picture, Report, TextSection, TextTable
+from lta_studies.energy.break_even.study import BreakEvenMap, format_klux
 from plotly.graph_objects import Figure, Scatter
 
 COLOURS: Final = (TRUTH, ESTIMATE, LAMP, GOOD)
@@ -39,23 +35,20 @@ METHOD: Final = (
 )
 
 
-def write_page(result: BreakEvenMap, commands: Mapping[str, str], out: Path) -> Path:
-    """Write the page and return its path; raise `BadInput` if that fails."""
-    return write_file(render_page(result, commands), out)
-
-
-def render_page(result: BreakEvenMap, commands: Mapping[str, str]) -> str:
-    """Return the HTML of the page."""
-    return assemble_page(
-        'energy.html',
-        title=escape(format_headline(result)),
-        kicker=escape(f'energy breakeven · {result.vehicle}'),
-        about=ABOUT,
-        tiles='\n'.join(render_tile(*each) for each in build_tiles(result)),
-        first=render_section('income', 'Power from the light', OWN, plot_charger_output(result)),
-        pictures='',
-        tables=render_text_table(build_illuminance_table(result)),
-        method=''.join(f'<p class="note">{escape(each)}</p>' for each in METHOD),
+def build_report(result: BreakEvenMap, commands: Mapping[str, str]) -> Report:
+    """Return the report of a break-even map; `commands` are the next steps."""
+    return Report(
+        command='energy breakeven',
+        subject=result.vehicle,
+        headline=format_headline(result),
+        introduction=ABOUT,
+        tiles=build_tiles(result),
+        blocks=(
+            Picture('income', 'Power from the light', OWN, plot_charger_output(result)),
+            build_illuminance_table(result),
+            TextSection('Meaning and method', METHOD),
+        ),
+        data=result.to_json(),
         facts={'vehicle': result.vehicle, 'commit': read_commit()},
         commands=commands,
     )
@@ -85,6 +78,32 @@ def build_tiles(result: BreakEvenMap) -> list[Tile]:
             )
         )
     return made
+
+
+def build_illuminance_table(result: BreakEvenMap) -> TextTable:
+    """Return the illuminances as a table."""
+    rows = [
+        [
+            f'{array.count} x {array.name}',
+            f'{1e3 * array.mass:.0f}',
+            lamp,
+            *(
+                format_klux(result.break_even_lux(array, lamp, load))
+                for load in result.loads.values()
+            ),
+        ]
+        for array in result.arrays
+        for lamp in LAMPS
+    ]
+    heads = [
+        'array', 'g', 'light',
+        *(f'{task}, {1e3 * load:.0f} mW' for task, load in result.loads.items()),
+    ]  # fmt: skip
+    note = (
+        'Illuminance on the level panel at which the charger output equals the power of the '
+        'task, in kilolux. For a beacon: illuminance while it is on.'
+    )
+    return TextTable('Break-even [klx]', heads, rows, note)
 
 
 def plot_charger_output(result: BreakEvenMap) -> Figure:
