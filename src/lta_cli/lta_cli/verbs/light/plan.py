@@ -6,6 +6,7 @@ from lta_cli.options.study_command import study_command, StudyRun
 from lta_config.command_line import format_lta_command, relative_path
 from lta_report.progress_bar import ProgressBar
 from lta_report.report import Report
+from lta_report.results_folder import resolve_folder
 from lta_studies.light.plan.floor import build_floor
 from lta_studies.light.plan.handover import plan_handover
 from lta_studies.light.plan.inputs import load_inputs
@@ -72,6 +73,7 @@ def plan(
     Example: lta light plan warehouse --overlap 2 --lamps 30
     """
     content, receiver = load_inputs(name, vehicle, margin, changes or ())
+    folder = run.open_folder(resolve_folder(None, f'{content.name}-lamps'))
     floor = build_floor(content, receiver.vehicle, cell)
     # All possible lamp positions; the light of each is computed once
     mounts = list_mounts(content)
@@ -88,6 +90,6 @@ def plan(
     words += [] if lamps is None else ['--lamps', str(lamps)]
     words += [word for change in changes or () for word in ('--set', change)]
     fly = format_lta_command(
-        'fly', '--vehicle', vehicle, '--scenario', str(relative_path(run.folder / SCENARIO))
+        'fly', '--vehicle', vehicle, '--scenario', str(relative_path(folder / SCENARIO))
     )
     return build_report(layout, handover, format_lta_command(*words), fly)
