@@ -295,12 +295,11 @@ def test_report_figures_and_docs_say_the_same(done):
 def test_failed_flights_count_in_headline_and_status(done):
     cells = dict(done.cells)
     cells[sets.INDOORS] = [replace(each, failed=1) for each in cells[sets.INDOORS]]
-    report = build_report(replace(done, cells=cells), drawn=False)
+    report = build_report(replace(done, cells=cells), with_pictures=False)
     assert report.headline.endswith('(share of the flights). 4 of 16 flights failed.')
     assert '16 of 12 flights, 4 of which could not be simulated' in report.subject
-    assert (report.status, build_report(replace(done, stopped=True), drawn=False).status) == (
-        1, 130,
-    )  # fmt: skip
+    stopped = build_report(replace(done, stopped=True), with_pictures=False)
+    assert (report.status, stopped.status) == (1, 130)
 
 
 def test_the_command_takes_sets_without_repeating_the_option(done, capsys, monkeypatch):

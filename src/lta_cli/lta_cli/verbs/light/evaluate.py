@@ -66,4 +66,4 @@ def evaluate(
     status = run_evaluation(request, run.console)
     if markdown:
         sys.stdout.write(format_scores_page(status))
-    return build_report(status, drawn=run.page)
+    return build_report(status, with_pictures=run.page)

@@ -44,8 +44,8 @@ METHOD: Final = (
 )
 
 
-def build_report(status: EvaluationStatus, *, drawn: bool = True) -> Report:
-    """Return the report of an evaluation; without `drawn` it has no pictures."""
+def build_report(status: EvaluationStatus, *, with_pictures: bool = True) -> Report:
+    """Return the report of an evaluation; its pictures are optional."""
     ablations = find_ablations(status)
     statement = describe_paper_order(status, ablations)
     return Report(
@@ -55,7 +55,7 @@ def build_report(status: EvaluationStatus, *, drawn: bool = True) -> Report:
         introduction=f'{describe_evaluation(status)} {statement}',
         tiles=build_tiles(status),
         blocks=(
-            *(build_pictures(status) if drawn else ()),
+            *(build_pictures(status) if with_pictures else ()),
             *build_tables(status, ablations, statement),
             TextSection('Method', (METHOD,)),
         ),
