@@ -18,14 +18,15 @@ import sys
 import tempfile
 from types import ModuleType
 
+from lta_config.cache_folder import find_cache_folder
+
 # Modification time of all kernels [s]: numba takes a changed time for a changed source
 EPOCH = 1_000_000_000
 
 
 def cache_root() -> Path:
-    """Return the folder of all kernels, by the XDG base directory specification."""
-    base = os.environ.get('XDG_CACHE_HOME') or str(Path.home() / '.cache')
-    return Path(base) / 'lta' / 'kernels'
+    """Return the folder of all kernels."""
+    return find_cache_folder('kernels')
 
 
 def kernel_folder(source: str, root: Path) -> Path:

@@ -22,6 +22,7 @@ import typer
 from typer.core import TyperGroup
 
 FOLDER: Final = Path(__file__).parent / 'verbs'
+WORDS: Final = 'lta.words'  # where the context of a command has the words of the command line
 STOPPED = 130  # exit status after Ctrl-C, as in shells and Typer: 128 + SIGINT
 # Errors of a path or disk that the user can fix; they are reported in one sentence, not as a
 # traceback, where the verb has no better message.
@@ -169,6 +170,11 @@ class OrderedGroup(TyperGroup):
         """Return the names of the registered verbs."""
         del ctx
         return [name for name in VERBS if name in self.commands]
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:  # noqa: ANN401 - as in Click
+        """Parse the command line, and keep its words for the page of a study."""
+        ctx.meta[WORDS] = tuple(args)
+        return super().parse_args(ctx, args)
 
 
 def build_app(words: Sequence[str] | None = None) -> typer.Typer:

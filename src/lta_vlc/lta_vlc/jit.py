@@ -3,7 +3,8 @@
 from collections.abc import Callable
 from typing import cast, TypeVar
 
-from numba import njit
+from lta_config.cache_folder import find_cache_folder
+from numba import config, njit
 
 Function = TypeVar('Function', bound=Callable[..., object])
 
@@ -14,4 +15,6 @@ def compile_kernel(function: Function) -> Function:
 
     Numba keeps it on disk until its own file changes, so what it calls must stand in that file.
     """
+    # Beside the sources, numba's default, is not writable where LTA is installed for all users
+    config.CACHE_DIR = str(find_cache_folder('functions'))  # type: ignore[attr-defined]
     return cast('Function', njit(error_model='numpy', fastmath=False, cache=True)(function))

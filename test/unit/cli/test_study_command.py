@@ -2,7 +2,9 @@
 
 import json
 
-from lta_cli.options.study_command import study_command, StudyRun
+from lta_bridge.provenance import read_commit
+from lta_cli.app import build_app
+from lta_cli.options.study_command import drop_output_options, study_command, StudyRun
 from lta_config.errors import BadInput
 from lta_report.report import Report, TextTable
 import pytest
@@ -99,3 +101,24 @@ def test_a_study_that_resumes_keeps_what_its_folder_has(tmp_path, monkeypatch):
         assert f'{count} runs.' in CliRunner().invoke(app).stdout
     content = json.loads((tmp_path / 'runs/counting-1/counting.json').read_text())
     assert content == {'runs': 2}
+
+
+def test_the_page_says_how_to_repeat_it_and_by_which_commit(tmp_path):
+    words = ['wind', 'multirotor', '--no-fly', '--height=1', '--out', str(tmp_path / 'out')]
+    done = CliRunner().invoke(build_app(), words)
+    assert done.exit_code == 0, done.output
+    page = (tmp_path / 'out/report.html').read_text()
+    assert 'lta wind multirotor --no-fly --height=1</code>' in page
+    assert f'<dd>{read_commit()}</dd>' in page
+
+
+@pytest.mark.parametrize(
+    'words',
+    [
+        ['--json', 'light', '--out', 'x', '--seeds', '3'],
+        ['light', '--out=x', '--seeds', '3', '--no-page'],
+        ['light', '--seeds', '3', '--pictures', 'y', '--out', 'x'],
+    ],
+)
+def test_a_repeated_command_writes_to_a_folder_of_its_own(words):
+    assert drop_output_options(words) == ['light', '--seeds', '3']

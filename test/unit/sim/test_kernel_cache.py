@@ -7,7 +7,7 @@ import subprocess
 import sys
 import textwrap
 
-from lta_config.compilation.kernel_cache import cache_root, is_cached, load_kernel, store_kernel
+from lta_config.compilation.kernel_cache import is_cached, load_kernel, store_kernel
 import pytest
 
 TINY = 'def answer():\n    return 42\n'
@@ -96,14 +96,6 @@ def test_an_edited_effect_never_runs_stale(tmp_path):
     assert push('1.0 * push') == 3.0
     assert push('5.0 * push') == 15.0
     assert len(list((tmp_path / 'cache' / 'lta' / 'kernels').iterdir())) == 2
-
-
-def test_the_cache_is_where_xdg_says(monkeypatch, tmp_path):
-    monkeypatch.setenv('XDG_CACHE_HOME', str(tmp_path))
-    assert cache_root() == tmp_path / 'lta' / 'kernels'
-    monkeypatch.delenv('XDG_CACHE_HOME')
-    monkeypatch.setenv('HOME', str(tmp_path))
-    assert cache_root() == tmp_path / '.cache' / 'lta' / 'kernels'
 
 
 def test_each_text_has_its_folder(tmp_path):

@@ -18,6 +18,7 @@ from lta_cli.doctor.machine import (
 )
 from lta_cli.doctor.software import (
     check_browser,
+    check_cache_folder,
     check_dependency_imports,
     check_dependency_versions,
     check_transform_messages,
@@ -35,6 +36,7 @@ CHECKS: dict[str, Callable[[], HardwareCheck]] = {
     'versions': check_dependency_versions,
     'packages': check_workspace_packages,
     'transforms': check_transform_messages,
+    'cache': check_cache_folder,
     'dds': check_message_exchange,
     'ports': check_ports,
     'disk': check_disk_space,

@@ -8,8 +8,10 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 
 from lta_bridge.hardware.check_result import HardwareCheck
+from lta_config.cache_folder import find_cache_folder
 
 MODULES = ('rclpy', 'sensor_msgs', 'numpy', 'scipy', 'numba', 'pydantic', 'yaml', 'mcap', 'plotly')
 PACKAGES = ('analysis', 'bridge', 'config', 'control', 'energy', 'graph', 'sim', 'vlc')
@@ -102,6 +104,19 @@ def check_transform_messages() -> HardwareCheck:
         'Install a C++ compiler and the headers of Python (Debian, Ubuntu: sudo apt install g++ '
         'python3-dev), then run "make build".',
     )
+
+
+def check_cache_folder() -> HardwareCheck:
+    """Check that compiled kernels can be kept."""
+    folder = find_cache_folder('kernels')
+    if folder.is_relative_to(tempfile.gettempdir()):
+        return HardwareCheck(
+            'cache', 'warn',
+            f'neither XDG_CACHE_HOME nor ~/.cache is writable; compiled kernels are in {folder} '
+            'and are lost with the temporary files',
+            'Set XDG_CACHE_HOME to a folder that you can write.',
+        )  # fmt: skip
+    return HardwareCheck('cache', 'ok', str(folder))
 
 
 def check_browser() -> HardwareCheck:

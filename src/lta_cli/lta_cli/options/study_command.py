@@ -1,16 +1,18 @@
 """Turn a function that returns a report into a command with the output options of all studies."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import wraps
 import inspect
 from pathlib import Path
 from typing import Annotated, Any, final, get_type_hints
 
+from lta_bridge.provenance import read_commit
+from lta_cli.app import WORDS
 from lta_cli.options.output_options import check_picture_output, Json, Out, Pictures, print_json
 from lta_cli.options.plain_console import plain_console
-from lta_config.command_line import relative_path
+from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
 from lta_report.report import Report
 from lta_report.report_output import PAGE, write_report
@@ -26,6 +28,8 @@ import typer
 
 Page = Annotated[bool, typer.Option('--page/--no-page', help='Write an HTML report.')]
 OPTIONS = {'out': Out, 'page': Page, 'pictures': Pictures, 'json': Json}
+FLAGS = ('--json', '--page', '--no-page')
+FOLDERS = ('--out', '--pictures')
 DEFAULTS = {'out': None, 'page': True, 'pictures': None, 'json': False}
 
 
@@ -82,6 +86,7 @@ def study_command(
 
         @wraps(study)
         def command(
+            context: typer.Context,
             *args: Any,  # noqa: ANN401 - the study's own options
             out: Path | None,
             page: bool,
@@ -96,14 +101,17 @@ def study_command(
             if not resumes:
                 check_creatable(run.folder)
             own = {'run': run} if 'run' in signature.parameters else {}
-            report = study(*args, **own, **options)
+            report = add_origin(study(*args, **own, **options), context.meta.get(WORDS, ()))
             with nullcontext(run.folder) if resumes else stage_results(run.folder, PAGE) as folder:
                 write_report(report, folder, page=page, pictures=pictures)
             show_report(report, run, json)
             if report.status:
                 raise typer.Exit(report.status)
 
-        hints = {**get_type_hints(study, include_extras=True), **OPTIONS, 'return': None}
+        hints = {
+            'context': typer.Context, **get_type_hints(study, include_extras=True), **OPTIONS,
+            'return': None,
+        }  # fmt: skip
         hints.pop('run', None)
         command.__annotations__ = hints
         command.__signature__ = add_options(signature)  # type: ignore[attr-defined]
@@ -115,7 +123,10 @@ def study_command(
 
 
 def add_options(signature: inspect.Signature) -> inspect.Signature:
-    """Return a signature with the output options instead of `run`."""
+    """Return a signature with the context and the output options instead of `run`."""
+    first = inspect.Parameter(
+        'context', inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=typer.Context
+    )
     own = [each for each in signature.parameters.values() if each.name != 'run']
     added = [
         inspect.Parameter(
@@ -123,7 +134,30 @@ def add_options(signature: inspect.Signature) -> inspect.Signature:
         )
         for name, kind in OPTIONS.items()
     ]
-    return signature.replace(parameters=[*own, *added], return_annotation=None)
+    return signature.replace(parameters=[first, *own, *added], return_annotation=None)
+
+
+def add_origin(report: Report, words: Sequence[str]) -> Report:
+    """Add the commit to the facts of a report, and the command that repeats it to the commands."""
+    commands = {'Repeat this study': format_lta_command(*drop_output_options(words))}
+    return replace(
+        report,
+        facts={**report.facts, 'commit': read_commit()},
+        commands={**(commands if words else {}), **report.commands},
+    )
+
+
+def drop_output_options(words: Sequence[str]) -> list[str]:
+    """Return the words of a command line without those that say where results go."""
+    kept, skip = list[str](), False
+    for word in words:
+        name = word.split('=')[0]
+        if skip or name in FLAGS or name in FOLDERS:
+            # The folder is the next word, unless it follows an equals sign
+            skip = not skip and word in FOLDERS
+            continue
+        kept.append(word)
+    return kept
 
 
 def show_report(report: Report, run: StudyRun, json: bool) -> None:

@@ -3,7 +3,6 @@
 from typing import Annotated
 
 from lta_cli.options.study_command import study_command
-from lta_config.command_line import format_lta_command
 from lta_config.errors import BadInput
 from lta_config.quantity import describe_misfit, Quantity
 from lta_config.schema.cell_table import load_cell_table
@@ -49,8 +48,7 @@ def cells(
         raise BadInput(
             f"Vehicle '{vehicle}' has no charger for solar panels; choose another --vehicle."
         )
-    again = format_lta_command('cells', table, '--budget', budget, '--vehicle', vehicle)
-    return build_report(load_cell_table(table), energy, mass, {'Repeat this study': again})
+    return build_report(load_cell_table(table), energy, mass)
 
 
 def parse_mass(text: str) -> float:

@@ -3,7 +3,6 @@
 from typing import Annotated, Literal
 
 from lta_cli.options.study_command import study_command, StudyRun
-from lta_config.command_line import format_lta_command
 from lta_config.schema.light_day_file import DAY
 from lta_report.progress_bar import ProgressBar
 from lta_report.report import Report
@@ -57,13 +56,4 @@ def mission(
     total = DAY * days * seeds * len(schedules)
     with ProgressBar(run.console, *columns, begin='simulating', total=total) as bar:
         results = run_missions(request, folder, lambda gone: bar.update_bar(advance=gone))
-    commands = {
-        'Run it again': format_lta_command(
-            'mission', name, '--days', str(days), '--seeds', str(seeds), '--seed', str(seed),
-            '--schedule', schedule,
-        ),
-        'Fly between its beacons': format_lta_command(
-            'simulate', '--scenario', request.mission.scene, '--strategy', 'homing'
-        ),
-    }  # fmt: skip
-    return build_report(request, results, commands)
+    return build_report(request, results)

@@ -1,10 +1,9 @@
 """Build the report of a wind-tunnel sweep: drag of the vehicle, and its rotors' net wrenches."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 import json
 from typing import Final
 
-from lta_bridge.provenance import read_commit
 from lta_report.formatting import Tile
 from lta_report.report import Picture, Report, TextSection
 from lta_sim.cfd.aero_fit import (
@@ -50,10 +49,8 @@ METHOD: Final = (
 CAPTION: Final = 'Airspeed in the middle plane. Grey: solid parts.'
 
 
-def build_report(
-    sweep: TunnelSweep, slices: Sequence[FlowSlice], commands: Mapping[str, str]
-) -> Report:
-    """Return the report of a sweep; `commands` are the next steps."""
+def build_report(sweep: TunnelSweep, slices: Sequence[FlowSlice]) -> Report:
+    """Return the report of a sweep."""
     warnings = [f'Warning: {each}.' for each in collect_warnings(sweep)]
     # Pressure maps are large; only the blown file contains them
     small = format_sweep(drop_pressure_maps(sweep))
@@ -83,9 +80,7 @@ def build_report(
         facts={
             'engine': sweep.engine, 'fidelity': sweep.fidelity, 'geometry': sweep.geometry,
             'processor time': f'{sum_processor_time(sweep) / 60.0:.1f} min, without meshing',
-            'commit': read_commit(),
         },
-        commands=commands,
         json_name=f'{sweep.name}.sweep.json',
         outputs=outputs,
         # Without any solved flow, the files still contain the analytic part

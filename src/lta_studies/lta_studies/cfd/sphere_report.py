@@ -1,10 +1,9 @@
 """Build the report of the validation: the sphere in the tunnel compared with measurements."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Final
 
-from lta_bridge.provenance import read_commit
 from lta_report.formatting import Tile
 from lta_report.report import Picture, Report, TextSection
 from lta_sim.cfd.openfoam.engine import find_openfoam_version
@@ -27,9 +26,7 @@ METHOD: Final = (
 )
 
 
-def build_report(
-    results: Sequence[SphereComparison], count: int, commands: Mapping[str, str]
-) -> Report:
+def build_report(results: Sequence[SphereComparison], count: int) -> Report:
     """Return the report of the validation; `count` results were planned."""
     return Report(
         command='cfd validate',
@@ -45,8 +42,7 @@ def build_report(
             TextSection('Meaning and method', METHOD),
         ),
         data=[asdict(each) for each in results],
-        facts={'engine': find_openfoam_version(), 'commit': read_commit()},
-        commands=commands,
+        facts={'engine': find_openfoam_version()},
         json_name='sphere.json',
     )
 

@@ -1,10 +1,10 @@
 """Build the report of a mission."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any, Final
 
-from lta_bridge.provenance import read_commit
+from lta_config.command_line import format_lta_command
 from lta_energy.harvest import HarvestCurve
 from lta_report.formatting import Tile
 from lta_report.report import Picture, Report, TextSection, TextTable
@@ -53,10 +53,8 @@ METHOD: Final = (
 )
 
 
-def build_report(
-    request: MissionRequest, results: Sequence[MissionResult], commands: Mapping[str, str]
-) -> Report:
-    """Return the report of a mission; `commands` are the next steps."""
+def build_report(request: MissionRequest, results: Sequence[MissionResult]) -> Report:
+    """Return the report of a mission."""
     mission, seed = request.mission, request.seeds[0]
     # The plots show the first seed only; tiles and tables average over all.
     shown = [each for each in results if each.seed == seed]
@@ -84,9 +82,12 @@ def build_report(
             'vehicle': mission.vehicle,
             'light': request.day.about,
             'seeds': ', '.join(map(str, request.seeds)),
-            'commit': read_commit(),
         },
-        commands=commands,
+        commands={
+            'Fly between its beacons': format_lta_command(
+                'simulate', '--scenario', request.mission.scene, '--strategy', 'homing'
+            )
+        },
     )  # fmt: skip
 
 

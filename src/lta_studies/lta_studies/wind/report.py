@@ -4,7 +4,6 @@ from collections.abc import Sequence
 import math
 from typing import Final
 
-from lta_bridge.provenance import read_commit
 from lta_config.command_line import format_lta_command
 from lta_model.vehicle import load_vehicle
 from lta_report.drawing import create_figure, EndLabel, label_ends
@@ -162,21 +161,13 @@ def build_provenance_table(request: WindStudyRequest) -> dict[str, str]:
         'seeds': ('1' if request.seeds == 1 else f'1 to {request.seeds}')
         if request.fly
         else 'none: nothing was flown',
-        'commit': read_commit(),
     }
 
 
 def list_commands(request: WindStudyRequest) -> dict[str, str]:
-    """Return commands that repeat the study and fly in such a wind."""
-    rough = [word for z in request.roughness for word in ('--roughness', f'{z:g}')]
-    how = ['--quick'] if request.quick else ['--seeds', str(request.seeds)]
-    how = how if request.fly else ['--no-fly']
+    """Return the command that flies in such a wind."""
     first = request.vehicles[0]
     return {
-        'Repeat the study': format_lta_command(
-            'wind', *request.vehicles, *rough, '--height', f'{request.height:g}', '--reference',
-            f'{request.reference:g}', '--scenario', request.scenario, *how,
-        ),
         'Fly in such a wind': format_lta_command(
             'simulate', '--vehicle', first, '--scenario', request.scenario, '--set',
             'scenario.air.profile.wind=3 m/s',

@@ -153,3 +153,22 @@ def test_a_domain_that_is_none_is_refused(monkeypatch, text):
     check = dds.check_ports()
     assert check.state == 'fail'
     assert text in check.found
+
+
+def test_a_cache_among_temporary_files_is_a_warning(monkeypatch, tmp_path):
+    monkeypatch.setenv('XDG_CACHE_HOME', str(tmp_path / 'cache'))
+    monkeypatch.setattr(software.tempfile, 'gettempdir', lambda: '/nowhere')
+    assert software.check_cache_folder().state == 'ok'
+    monkeypatch.setattr(software.tempfile, 'gettempdir', lambda: str(tmp_path))
+    check = software.check_cache_folder()
+    assert check.state == 'warn'
+    assert str(tmp_path / 'cache') in check.found
+    assert 'XDG_CACHE_HOME' in check.remedy
+
+
+def test_missing_messages_of_transforms_are_a_warning(monkeypatch):
+    monkeypatch.setattr(software, 'find_spec', lambda name: None)
+    check = software.check_transform_messages()
+    assert (check.state, 'make build' in check.remedy) == ('warn', True)
+    monkeypatch.setattr(software, 'find_spec', lambda name: name)
+    assert software.check_transform_messages().state == 'ok'

@@ -148,7 +148,7 @@ def test_a_worker_without_openfoam_is_one_sentence(cluster, run, monkeypatch, tm
 def test_every_setting_of_the_sphere_is_drawn():
     names = [f'transient, {cells} cells' for cells in range(5)]
     results = [SphereComparison(name, 1, 1.0, 6.7e4, 0.48, 0.02, 0.41, 0.0, 1.0) for name in names]
-    report = build_report(results, 6, {})
+    report = build_report(results, 6)
     assert [trace.name for trace in report.blocks[0].figure.data][2:] == names
     assert report.headline.endswith('1 of 6 results failed.')
 

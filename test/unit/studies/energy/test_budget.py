@@ -133,7 +133,7 @@ def test_the_table_stands_beside_the_paper():
         'gtmab', 'multirotor', named, tasks.TaskPower('hovering', 0.983, 6.4),
         explain_hover_power(GTMAB, 0.72, paper.HOVER), GTMAB.loads,
     )  # fmt: skip
-    report = build_report(made_up, {})
+    report = build_report(made_up)
     table = next(each for each in report.blocks if isinstance(each, TextTable))
     rows = {row[0]: row[1:] for row in table.rows}
     assert rows['idle'][-2:] == ['97', '1.00']

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Annotated
 
 from lta_cli.options.study_command import study_command, StudyRun
-from lta_config.command_line import format_lta_command
 from lta_config.errors import unknown_name_error
 from lta_config.schema.mount_file import load_mount
 from lta_config.schema.tunnel_file import load_tunnel_file
@@ -119,10 +118,7 @@ def run(
         sweep = build_sweep(model, file.vehicle, fidelity, AIR, {}, {}, {})
     # The fields are in the cache folder; the sweep holds only coefficients and maps
     slices = slice_flows(model, sweep, flows, resolve_cache_folder(cache)) if run.page else []
-    words = ['cfd', 'run', name, '--fidelity', fidelity.value]
-    words += [word for each in only or () for word in ('--only', each)]
-    words += ['--mount', mount] if mount else []
-    return build_report(sweep, slices, {'Solve it again': format_lta_command(*words)})
+    return build_report(sweep, slices)
 
 
 def select_flows(model: TunnelModel, fidelity: str, only: Sequence[str]) -> list[TunnelFlow]:

@@ -4,7 +4,6 @@ from typing import Annotated
 
 from lta_cli.options.study_command import study_command, StudyRun
 from lta_cli.verbs.cfd.run import AIR, Fidelity
-from lta_config.command_line import format_lta_command
 from lta_config.errors import BadInput
 from lta_report.report import Report
 from lta_sim.cfd.validation import (
@@ -62,6 +61,5 @@ def validate(
     # Every case failed; the progress display has listed the reasons
     if not results:
         raise typer.Exit(1)
-    again = format_lta_command('cfd', 'validate', '--fidelity', fidelity.value)
     count = sum(len(flow.speeds) for flow in flows)
-    return build_report(results, count, {'Solve it again': again})
+    return build_report(results, count)

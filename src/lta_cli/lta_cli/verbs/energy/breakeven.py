@@ -3,7 +3,6 @@
 from typing import Annotated
 
 from lta_cli.options.study_command import study_command
-from lta_config.command_line import format_lta_command
 from lta_model.vehicle import load_vehicle
 from lta_report.report import Report
 from lta_studies.energy.break_even.report import build_report
@@ -46,8 +45,4 @@ def breakeven(
     names = list(dict.fromkeys(cell or CELLS))
     # g to kg
     result = compute_break_even_map(load_vehicle(vehicle), names, 1e-3 * budget)
-    again = format_lta_command(
-        'energy', 'breakeven', '--vehicle', vehicle, '--budget', f'{budget:g}',
-        *(word for name in names for word in ('--cell', name)),
-    )  # fmt: skip
-    return build_report(result, {'Repeat this study': again})
+    return build_report(result)

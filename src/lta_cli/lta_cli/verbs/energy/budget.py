@@ -3,7 +3,6 @@
 from typing import Annotated
 
 from lta_cli.options.study_command import study_command, StudyRun
-from lta_config.command_line import format_lta_command
 from lta_report.report import Report
 from lta_studies.energy.budget.report import build_report
 from lta_studies.energy.budget.run import count_flights, measure_budget
@@ -40,11 +39,4 @@ def budget(
         count_flights(seeds),
         run.console,
     )
-    again = format_lta_command(
-        'energy', 'budget', '--vehicle', vehicle, '--beside', beside, '--seeds', str(seeds)
-    )
-    commands = {
-        'Repeat this study': again,
-        'Hover on one battery cell': format_lta_command('energy', 'hover'),
-    }
-    return build_report(result, commands)
+    return build_report(result)

@@ -3,7 +3,6 @@
 from typing import Annotated
 
 from lta_cli.options.study_command import study_command, StudyRun
-from lta_config.command_line import format_lta_command
 from lta_report.progress_bar import ProgressBar
 from lta_report.report import Report
 from lta_studies.energy import paper
@@ -40,11 +39,4 @@ def hover(
     # Two flights of the same length, one after the other
     with ProgressBar(run.console, total=2.0 * seconds) as bar:
         result = compare_hovering(vehicle, beside, seconds, lambda s: bar.update_bar(advance=s))
-    again = format_lta_command(
-        'energy', 'hover', '--vehicle', vehicle, '--beside', beside, '--seconds', f'{seconds:g}'
-    )
-    commands = {
-        'Repeat this study': again,
-        'Power of the other tasks': format_lta_command('energy', 'budget'),
-    }
-    return build_report(result, commands)
+    return build_report(result)

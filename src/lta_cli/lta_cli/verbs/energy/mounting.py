@@ -63,11 +63,7 @@ def mounting(
     study = run_with_progress(lambda tick: compare_mounts(request, tick), todo, run.console)
     best = relative_path(run.folder / f'{find_best_mount(study)}.yaml')
     commands = {
-        'Repeat this study': format_lta_command(
-            'energy', 'mounting', *(word for name in names for word in ('--mount', name)),
-            '--vehicle', vehicle, '--misplaced', f'{misplaced:g}', '--seeds', str(seeds),
-        ),
         'Compare with the vehicle': format_lta_command('vehicle', 'diff', vehicle, best),
         'Fly it': format_lta_command('simulate', '--vehicle', best),
-    }  # fmt: skip
+    }
     return build_report(study, commands)

@@ -7,13 +7,13 @@ A marker file records each finished step, so that an interrupted run resumes the
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 import fcntl
-import os
 from pathlib import Path
 import re
 import shutil
 import time
 from typing import Final, final
 
+from lta_config.cache_folder import find_cache_folder
 from lta_sim.cfd.openfoam.case import FoamCase, ProgramStep
 from lta_sim.cfd.openfoam.engine import CaseFailed, FoamPrograms
 
@@ -24,8 +24,7 @@ Progress = Callable[[FoamCase, ProgramStep, float, float], None]  # share of the
 
 def cache_folder() -> Path:
     """Return the default folder of solved cases."""
-    home = os.environ.get('XDG_CACHE_HOME') or Path.home() / '.cache'
-    return Path(home) / 'lta' / 'cfd'
+    return find_cache_folder('cfd')
 
 
 @final

@@ -1,10 +1,8 @@
 """Build the report of a break-even map."""
 
-from collections.abc import Mapping
 import math
 from typing import Final
 
-from lta_bridge.provenance import read_commit
 from lta_energy.break_even_illuminance import LAMPS
 from lta_report.drawing import create_figure
 from lta_report.formatting import Tile
@@ -35,8 +33,8 @@ METHOD: Final = (
 )
 
 
-def build_report(result: BreakEvenMap, commands: Mapping[str, str]) -> Report:
-    """Return the report of a break-even map; `commands` are the next steps."""
+def build_report(result: BreakEvenMap) -> Report:
+    """Return the report of a break-even map."""
     return Report(
         command='energy breakeven',
         subject=result.vehicle,
@@ -49,8 +47,7 @@ def build_report(result: BreakEvenMap, commands: Mapping[str, str]) -> Report:
             TextSection('Meaning and method', METHOD),
         ),
         data=result.to_json(),
-        facts={'vehicle': result.vehicle, 'commit': read_commit()},
-        commands=commands,
+        facts={'vehicle': result.vehicle},
     )
 
 

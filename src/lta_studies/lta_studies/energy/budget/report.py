@@ -1,9 +1,8 @@
 """Build the report of a power budget."""
 
-from collections.abc import Mapping
 from typing import Final
 
-from lta_bridge.provenance import read_commit
+from lta_config.command_line import format_lta_command
 from lta_energy import rotor
 from lta_report.drawing import create_figure, EndLabel, label_ends
 from lta_report.formatting import format_number, MISSING, Tile
@@ -30,8 +29,8 @@ MOTORS: Final = (
 )
 
 
-def build_report(result: PowerBudget, commands: Mapping[str, str]) -> Report:
-    """Return the report of a power budget; `commands` are the next steps."""
+def build_report(result: PowerBudget) -> Report:
+    """Return the report of a power budget."""
     return Report(
         command='energy budget',
         subject=result.vehicle,
@@ -54,9 +53,8 @@ def build_report(result: PowerBudget, commands: Mapping[str, str]) -> Report:
         facts={
             'vehicle': result.vehicle,
             'compared with': result.standard,
-            'commit': read_commit(),
         },
-        commands=commands,
+        commands={'Hover on one battery cell': format_lta_command('energy', 'hover')},
     )  # fmt: skip
 
 

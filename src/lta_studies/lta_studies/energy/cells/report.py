@@ -1,9 +1,8 @@
 """Build the report of a comparison of solar cells and arrays."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Final
 
-from lta_bridge.provenance import read_commit
 from lta_config.schema.cell_table import CellTable
 from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_report.drawing import create_figure
@@ -53,9 +52,7 @@ METHOD: Final = (
 )
 
 
-def build_report(
-    table: CellTable, energy: EnergyBlock, budget: float, commands: Mapping[str, str]
-) -> Report:
+def build_report(table: CellTable, energy: EnergyBlock, budget: float) -> Report:
     """Return the report of a cell table; the budget is a mass. [kg]"""
     found = list_readings(table)
     paper, fair = zip(*list_front_pairs(found), strict=True)
@@ -78,8 +75,7 @@ def build_report(
             TextSection('Meaning and method', METHOD),
         ),
         data=to_json(table, energy, budget),
-        facts={'table': table.name, 'commit': read_commit()},
-        commands=commands,
+        facts={'table': table.name},
     )
 
 

@@ -1,9 +1,8 @@
 """Build the report of a hover comparison."""
 
-from collections.abc import Mapping
 from typing import Any, Final
 
-from lta_bridge.provenance import read_commit
+from lta_config.command_line import format_lta_command
 from lta_report.drawing import build_line_trace, create_figure, EndLabel, label_ends, padded_range
 from lta_report.formatting import format_number, MISSING, Tile
 from lta_report.palette import ESTIMATE, SETPOINT, SOFT, TRUTH
@@ -22,8 +21,8 @@ CAPTION: Final = (
 CHARGE: Final = 'True state of charge of the same cells.'
 
 
-def build_report(result: HoverComparison, commands: Mapping[str, str]) -> Report:
-    """Return the report of a hover comparison; `commands` are the next steps."""
+def build_report(result: HoverComparison) -> Report:
+    """Return the report of a hover comparison."""
     return Report(
         command='energy hover',
         subject=f'{result.first.name} and {result.second.name}',
@@ -40,8 +39,8 @@ def build_report(result: HoverComparison, commands: Mapping[str, str]) -> Report
             TextSection('Meaning and method', describe_differences(result), printed=True),
         ),
         data=to_json(result),
-        facts={'vehicles': f'{result.first.name}, {result.second.name}', 'commit': read_commit()},
-        commands=commands,
+        facts={'vehicles': f'{result.first.name}, {result.second.name}'},
+        commands={'Power of the other tasks': format_lta_command('energy', 'budget')},
     )
 
 

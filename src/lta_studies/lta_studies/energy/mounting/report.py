@@ -4,7 +4,6 @@ from collections.abc import Mapping
 import math
 from typing import Final
 
-from lta_bridge.provenance import read_commit
 from lta_report.curves import Array
 from lta_report.drawing import build_line_trace, create_figure, EndLabel, label_ends, padded_range
 from lta_report.formatting import Tile
@@ -77,7 +76,7 @@ def build_report(study: MountingStudy, commands: Mapping[str, str]) -> Report:
             TextSection('Method', METHOD),
         ),
         data=to_json(study),
-        facts={'vehicle': study.vehicle, 'commit': read_commit()},
+        facts={'vehicle': study.vehicle},
         commands=commands,
         outputs=format_vehicle_files(study),
     )  # fmt: skip

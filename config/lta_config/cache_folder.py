@@ -1,0 +1,54 @@
+"""Find the folder for files that can be computed again, such as compiled kernels."""
+
+from collections.abc import Iterator
+import os
+from pathlib import Path
+import tempfile
+
+
+def find_cache_folder(name: str) -> Path:
+    """
+    Return the cache folder of a kind of files, created if missing.
+
+    By the XDG base directory specification: $XDG_CACHE_HOME/lta, by default ~/.cache/lta. If
+    neither is writable (no home, or a read-only one): a folder of this user among the temporary
+    files.
+    """
+    for base in list_cache_bases():
+        folder = base / 'lta' / name
+        if is_writable(folder):
+            return folder
+    return make_temporary_cache() / name
+
+
+def list_cache_bases() -> Iterator[Path]:
+    """Yield the folders in which a user's caches may be, the preferred one first."""
+    if chosen := os.environ.get('XDG_CACHE_HOME'):
+        yield Path(chosen)
+        return
+    try:
+        yield Path.home() / '.cache'
+    except RuntimeError:
+        # No HOME, and no entry in the password database
+        return
+
+
+def is_writable(folder: Path) -> bool:
+    """Return whether files can be created in a folder, creating it if missing."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
+
+
+def make_temporary_cache() -> Path:
+    """Return this user's folder among the temporary files; it lasts until they are removed."""
+    folder = Path(tempfile.gettempdir()) / f'lta-cache-{os.getuid()}'
+    folder.mkdir(mode=0o700, exist_ok=True)
+    found = folder.lstat()
+    # Compiled code is loaded from there: nobody else may be able to write it
+    if folder.is_symlink() or found.st_uid != os.getuid() or found.st_mode & 0o022:
+        return Path(tempfile.mkdtemp(prefix='lta-cache-'))
+    return folder
