@@ -2,11 +2,9 @@
 
 import math
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
-from lta_bridge.provenance import read_commit
 from lta_cli.options.study_command import study_command, StudyRun
-from lta_config.command_line import format_lta_command
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_data.bag.recorded_flight import open_flight
@@ -104,8 +102,7 @@ def light(
     fitted = fit_response(readings, diodes, zero)
     return build_report(
         found, readings, fitted, diodes, {'blocks': blocks, 'zero': zero, 'aligned': align},
-        facts={'bag': str(bag), 'vehicle': vehicle, 'commit': read_commit()},
-        again=format_rerun(bag, table, align, vehicle, frequency),
+        facts={'bag': str(bag), 'vehicle': vehicle},
         closing=format_response(fitted, zero, align),
     )  # fmt: skip
 
@@ -119,16 +116,3 @@ def format_response(response: TurntableResponse, zero: float, align: bool) -> st
         f'{1e2 * response.gain_spread:.1f} %. Zero offset of the turntable: '
         f'{math.degrees(zero):.2f}° ({done}).'
     )
-
-
-def format_rerun(
-    bag: Path, table: TurntableMotion, align: bool, vehicle: str, frequency: float
-) -> str:
-    """Return the command that repeats the study."""
-    words: list[Any] = ['hardware', 'light', bag, '--vehicle', vehicle]
-    words += ['--frequency', f'{frequency:g}', '--start', f'{math.degrees(table.start):g}']
-    if table.step:
-        words += ['--step', f'{math.degrees(table.step):g}', '--hold', f'{table.hold:g}']
-    elif table.rate:
-        words += ['--rate', f'{math.degrees(table.rate):g}']
-    return format_lta_command(*words, *(['--align'] if align else []))

@@ -3,7 +3,6 @@
 from typing import Annotated
 
 from lta_cli.options.study_command import study_command, StudyRun
-from lta_config.command_line import format_lta_command
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_report.report import Report
@@ -68,9 +67,4 @@ def link(
         # The density of the scene's air belongs to the vehicle model
         for each in track(read, 'light link', console=run.console, transient=True)
     ]
-    again = format_lta_command(
-        'light', 'link', *(word for name in scenes for word in ('--scenario', name)),
-        *(word for each in distances for word in ('--distance', f'{each:g}')), '--vehicle',
-        vehicle, '--altitude', f'{altitude:g}', '--blocks', str(blocks),
-    )  # fmt: skip
-    return build_report(links, vehicle, altitude, again)
+    return build_report(links, vehicle, altitude)

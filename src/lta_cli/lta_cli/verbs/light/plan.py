@@ -85,11 +85,7 @@ def plan(
         bar.update_bar(description='hand-overs')
         # Needs the whole layout: each lamp must be received where the flight to the last one ends
         handover = plan_handover(layout)
-    words = ['light', 'plan', name, '--vehicle', vehicle, '--overlap', str(overlap)]
-    words += ['--margin', f'{margin:g}', '--cell', f'{cell:g}']
-    words += [] if lamps is None else ['--lamps', str(lamps)]
-    words += [word for change in changes or () for word in ('--set', change)]
     fly = format_lta_command(
         'fly', '--vehicle', vehicle, '--scenario', str(relative_path(folder / SCENARIO))
     )
-    return build_report(layout, handover, format_lta_command(*words), fly)
+    return build_report(layout, handover, fly)

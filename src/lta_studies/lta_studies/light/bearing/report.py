@@ -4,8 +4,6 @@ from collections.abc import Sequence
 import math
 from typing import Final
 
-from lta_bridge.provenance import read_commit
-from lta_config.command_line import format_lta_command
 from lta_report.drawing import create_figure
 from lta_report.formatting import MISSING, Tile
 from lta_report.palette import ESTIMATE, SOFT, TIME, TRUTH, WALL
@@ -66,22 +64,9 @@ def build_report(results: Sequence[BearingTrialResult], request: BearingTrialReq
         data=to_json(results, request),
         facts={
             'vehicle': request.vehicle, 'seed': str(request.seed),
-            'readings': str(request.pose_count), 'commit': read_commit(),
+            'readings': str(request.pose_count),
         },
-        commands={'Repeat the study': format_lta_command(*format_command(request))},
     )  # fmt: skip
-
-
-def format_command(request: BearingTrialRequest) -> list[str]:
-    """Return the command line that repeats the study."""
-    words = ['light', 'bearing', '--vehicle', request.vehicle]
-    for place in request.places:
-        words += ['--place', place]
-    for count in request.counts:
-        words += ['--diodes', str(count)]
-    for distance in request.ranges:
-        words += ['--range', format_range(distance)]
-    return [*words, '--poses', str(request.poses), '--seed', str(request.seed)]
 
 
 def format_range(distance: float | None) -> str:

@@ -4,8 +4,6 @@ from collections.abc import Sequence
 import math
 from typing import Final
 
-from lta_bridge.provenance import read_commit
-from lta_config.command_line import format_lta_command
 from lta_report.drawing import create_figure
 from lta_report.formatting import Tile
 from lta_report.palette import GOOD, LAMP, TRUTH
@@ -75,13 +73,7 @@ def build_report(studies: Sequence[RingStudy], vehicle: str, readings: int, seed
             'vehicle': vehicle, 'readings': readings, 'seed': seed,
             'rings': [each.to_json() for each in studies], 'claims': judge_claims(studies),
         },
-        facts={'vehicle': vehicle, 'seed': str(seed), 'commit': read_commit()},
-        commands={
-            'Repeat the study': format_lta_command(
-                'light', 'study', '--vehicle', vehicle, '--readings', str(readings),
-                '--seed', str(seed),
-            )
-        },
+        facts={'vehicle': vehicle, 'seed': str(seed)},
         closing=(DEFECT,),
     )  # fmt: skip
 

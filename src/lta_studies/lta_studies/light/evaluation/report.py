@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
-from lta_bridge.provenance import read_commit
 from lta_config.command_line import format_lta_command, relative_path
 from lta_flight.sweep.statistics import ShareInterval
 from lta_report.formatting import Tile
@@ -241,7 +240,6 @@ def build_provenance_table(status: EvaluationStatus) -> dict[str, str]:
         'seeds': f'1 to {status.order.seeds}',
         'flights': describe_flights(status),
         'work': f'{status.work:.0f} s of processor time',
-        'commit': read_commit(),
     }
 
 
@@ -249,7 +247,8 @@ def suggest_commands(status: EvaluationStatus) -> dict[str, str]:
     """Return commands for the next steps."""
     names = [word for name in status.cells for word in ('--sets', name)]
     commands = {
-        'Resume or repeat': format_lta_command(
+        # With its folder, where a stopped evaluation resumes
+        'Repeat this study': format_lta_command(
             'light', 'evaluate', '--seeds', str(status.order.seeds),
             *([] if set(status.cells) == set(SETS) else names),
             '--out', relative_path(status.order.folder),

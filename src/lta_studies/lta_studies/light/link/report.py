@@ -4,7 +4,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from typing import Final
 
-from lta_bridge.provenance import read_commit
 from lta_config.command_line import format_lta_command
 from lta_report.drawing import create_figure
 from lta_report.formatting import Tile
@@ -38,8 +37,8 @@ PAPER: Final = (
 )
 
 
-def build_report(links: Sequence[LampLink], vehicle: str, altitude: float, again: str) -> Report:
-    """Return the report of a link budget; `again` is the command that repeats it."""
+def build_report(links: Sequence[LampLink], vehicle: str, altitude: float) -> Report:
+    """Return the report of a link budget."""
     return Report(
         command='light link',
         subject=vehicle,
@@ -56,9 +55,8 @@ def build_report(links: Sequence[LampLink], vehicle: str, altitude: float, again
         data={
             'vehicle': vehicle, 'altitude': altitude, 'links': [asdict(each) for each in links],
         },
-        facts={'vehicle': vehicle, 'commit': read_commit()},
+        facts={'vehicle': vehicle},
         commands={
-            'Repeat the study': again,
             'Fly in the first scenario': format_lta_command(
                 'simulate', '--scenario', links[0].scenario
             ),

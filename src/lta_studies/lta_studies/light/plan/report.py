@@ -4,7 +4,6 @@ from collections.abc import Sequence
 import math
 from typing import Final
 
-from lta_bridge.provenance import read_commit
 from lta_report.formatting import MISSING, Tile
 from lta_report.report import Block, Picture, Report, TextSection, TextTable
 from lta_studies.light.plan.gaps import CoverageGap, find_gaps
@@ -41,8 +40,8 @@ METHOD: Final = (
 )
 
 
-def build_report(layout: LampLayout, handover: LampHandover, again: str, next_step: str) -> Report:
-    """Return the report of a layout; `again` and `next_step` are commands."""
+def build_report(layout: LampLayout, handover: LampHandover, next_step: str) -> Report:
+    """Return the report of a layout; `next_step` is a command."""
     plan, height = layout.plan, picture_height(layout)
     scene = format_scenario(layout, handover)
     return Report(
@@ -75,7 +74,7 @@ def build_report(layout: LampLayout, handover: LampHandover, again: str, next_st
         ),
         data=encode_layout(layout, handover),
         facts=build_provenance_table(layout),
-        commands={'Repeat the plan': again, 'Fly in it': next_step},
+        commands={'Fly in it': next_step},
         files={'The scenario file': scene},
         closing=(format_lamp_count(layout),),
         outputs={SCENARIO: scene},
@@ -214,5 +213,4 @@ def build_provenance_table(layout: LampLayout) -> dict[str, str]:
         f'{plan.ambient.mains_amplitude.si:g} lx at {plan.ambient.mains_frequency.si:g} Hz',
         'light needed': f'{layout.least:.2g} lx on the diode, from a single lamp',
         'cells': f'{layout.floor.cell:g} m',
-        'commit': read_commit(),
     }

@@ -56,7 +56,6 @@ def build_report(
     data: Mapping[str, Any],
     *,
     facts: Mapping[str, str],
-    again: str,
     closing: str,
 ) -> Report:
     """
@@ -72,8 +71,6 @@ def build_report(
         Further content of the JSON file.
     facts : mapping of str to str
         Origin of the recording.
-    again : str
-        Command that repeats the study.
     closing : str
         Last line on the terminal.
 
@@ -102,7 +99,6 @@ def build_report(
         ),
         data={**study.to_json(), **data, 'response': response._asdict(), 'claims': claims},
         facts=facts,
-        commands={'Repeat the study': again},
         closing=(closing,),
         json_name='turntable.json',
     )  # fmt: skip
