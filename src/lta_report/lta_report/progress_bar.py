@@ -5,7 +5,14 @@ from types import TracebackType
 from typing import Any, Self
 
 from rich.console import Console
-from rich.progress import Progress, ProgressColumn, SpinnerColumn, TextColumn
+from rich.progress import (
+    BarColumn,
+    Progress,
+    ProgressColumn,
+    SpinnerColumn,
+    TextColumn,
+    TimeRemainingColumn,
+)
 
 
 class ProgressBar:
@@ -17,7 +24,7 @@ class ProgressBar:
     console : Console
         Output; nothing is shown if it is not a terminal.
     columns : ProgressColumn
-        Columns after the spinner.
+        Columns after the spinner; description, bar and remaining time by default.
     begin : str
         Initial description.
     total : float, optional
@@ -39,6 +46,9 @@ class ProgressBar:
         **fields: Any,  # noqa: ANN401 - as rich takes them
     ) -> None:
         self._console = console
+        columns = columns or (
+            TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn(),
+        )  # fmt: skip
         for column in columns:
             if isinstance(column, TextColumn):
                 column.markup = False  # may show the name of an untrusted file

@@ -16,7 +16,6 @@ from lta_studies.wind.limits import (
 )
 from lta_studies.wind.report import build_report
 from rich.console import Console
-from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 import typer
 
 ROUGHNESS = [0.03, 0.1, 0.3]  # m: grass, crops, bushes and low houses (unverified, from memory)
@@ -107,11 +106,10 @@ def wind(
 
 def find_limits(request: WindStudyRequest, console: Console) -> list[PlatformWindLimits]:
     """Return the limits of all platforms, with a progress bar."""
-    columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
     # The ticks of the search, and one for each finished platform
     total = count_ticks(request) + len(request.vehicles)
     found = []
-    with ProgressBar(console, *columns, begin='wind', total=total) as bar:
+    with ProgressBar(console, begin='wind', total=total) as bar:
         for name in request.vehicles:
             bar.update_bar(description=name)
             found.append(measure_limits(request, name, lambda: bar.update_bar(advance=1)))

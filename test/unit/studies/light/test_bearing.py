@@ -1,5 +1,6 @@
 """Judging bearings: poses, scores by hand, and both estimators through the whole chain."""
 
+from dataclasses import replace
 import json
 import math
 import sys
@@ -7,11 +8,18 @@ import sys
 from lta_cli import app
 from lta_config.errors import BadInput
 from lta_model.scenario import load_scenario
+from lta_report.formatting import MISSING
+from lta_report.report import TextTable
 from lta_studies.light.bearing.bench import BearingBench, BearingReading
 from lta_studies.light.bearing.places import build_flight_spec, PLACES
 from lta_studies.light.bearing.poses import BESIDE, CLEAR, draw_pose, NEAREST
-from lta_studies.light.bearing.run import BearingTrialRequest, run_bearing_trials
-from lta_studies.light.bearing.score import score_readings
+from lta_studies.light.bearing.report import build_report
+from lta_studies.light.bearing.run import (
+    BearingTrialRequest,
+    BearingTrialResult,
+    run_bearing_trials,
+)
+from lta_studies.light.bearing.score import BearingScore, score_readings
 from lta_studies.light.bearing.study import DISTANCE, list_directions, pose_for_lamp_direction
 import numpy as np
 import pytest
@@ -79,6 +87,24 @@ def test_the_fit_is_better_than_the_papers_mean_where_walls_reflect_and_knows_ho
     # 150 readings know a share of 90 % to 2.4 %.
     assert 0.82 <= found.score.holds <= 1.0
     assert found.score.ours_lost == 0.0
+
+
+def test_headline_tile_and_tables_of_a_score():
+    score = BearingScore(9, 7.5, 0.02, 0.1, 0.25, 0.01, 0.03, math.nan, 0.01, 0.9, 0.2, 0.1, 1.0)
+    result = BearingTrialResult('indoor', 8, 3.0, (), score)
+    request = BearingTrialRequest('gtmab', ('indoor',), (8,), (3.0,), 9, 1)
+    report = build_report([replace(result, count=4, range=None), result], request)
+    assert report.headline.startswith(
+        'Indoor, 8 diodes, at 3 m: the median bearing error is 0.57°'
+    )
+    assert [tile[:2] for tile in report.tiles] == [
+        ('indoor, 4, anywhere', '0.57'), ('indoor, 8, 3 m', '0.57'),
+    ]  # fmt: skip
+    bearing, elevation = (each for each in report.blocks if isinstance(each, TextTable))
+    assert bearing.rows[1] == [
+        'indoor', '8', '3', '8', '1.15', '5.7', '0.57', '1.7', '0.57', '90.0',
+    ]  # fmt: skip
+    assert elevation.rows[0] == ['indoor', '4', 'any', '11.5', '100.0', f'25.0, {MISSING}']
 
 
 def test_one_seed_is_one_result(bench):

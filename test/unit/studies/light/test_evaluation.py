@@ -16,6 +16,7 @@ from lta_config.schema.sweep_file import load_sweep
 from lta_flight.flight_spec import load_spec
 from lta_flight.sweep.job_runner import SweepRow
 from lta_flight.sweep.plan import SweepPlan
+from lta_report.report import TextTable
 from lta_studies.light.evaluation import (
     ground_roughness,
     path_order,
@@ -25,15 +26,14 @@ from lta_studies.light.evaluation import (
     wind,
 )
 from lta_studies.light.evaluation.cells import EvaluationCell
-from lta_studies.light.evaluation.findings import EvaluationFindings
 from lta_studies.light.evaluation.flights import (
     build_sweep_plan,
     count_flights_per_seed,
     iterate_tasks,
 )
 from lta_studies.light.evaluation.intervals import bootstrap_mean, bootstrap_ratio
-from lta_studies.light.evaluation.page import write_page
 from lta_studies.light.evaluation.paper import ORDER
+from lta_studies.light.evaluation.report import build_report
 from lta_studies.light.evaluation.run import EvaluationRequest, run_evaluation
 from lta_studies.light.evaluation.sets import FlightSet, SETS
 import numpy as np
@@ -272,22 +272,34 @@ def test_all_sets_fly_a_seed_before_any_flies_the_next():
     assert len(found) == 3 * sum(map(count_flights_per_seed, plans.values()))
 
 
-def test_page_figures_and_docs_say_the_same(done, tmp_path):
-    found = EvaluationFindings(done)
-    text = write_page(found).read_text(encoding='utf-8')
-    assert 'the lamp is reached by BAG 100 %' in text
-    for name in ('indoors', 'tracks', 'ablations'):
-        assert f'id="panel-{name}"' in text
-    content = found.to_dict()
-    json.dumps(content, allow_nan=False)
-    first = content['sets'][sets.INDOORS][0]
+def test_report_figures_and_docs_say_the_same(done):
+    report = build_report(done)
+    assert report.headline.endswith('the lamp is reached by BAG 100 % (share of the flights).')
+    assert [tile[:3] for tile in report.tiles] == [('BAG', '100', '%')]
+    pictures, ablations, *_ = report.blocks
+    assert [each.name for each in (*pictures.blocks, ablations)] == [
+        'indoors', 'tracks', 'ablations',
+    ]  # fmt: skip
+    json.dumps(report.data, allow_nan=False)
+    first = report.data['sets'][sets.INDOORS][0]
     assert (first['case'], first['strategy'], first['flights']) == ('as_flown', 'bag', 2)
     assert first['reached']['value'] == 1.0
-    page = scores_page.format_scores_page(found)
     path = f'{first["path_length"]["value"]:.1f} ({first["path_length"]["low"]:.1f}'
+    tables = {each.heading: each for each in report.blocks if isinstance(each, TextTable)}
+    assert tables['Near'].rows[0][4].startswith(path)
+    page = scores_page.format_scores_page(done)
     assert path in page
-    assert path in text
     assert '--seeds 2' in page
+
+
+def test_failed_flights_count_in_headline_and_status(done):
+    cells = dict(done.cells)
+    cells[sets.INDOORS] = [replace(each, failed=1) for each in cells[sets.INDOORS]]
+    report = build_report(replace(done, cells=cells), with_pictures=False)
+    assert report.headline.endswith('(share of the flights). 4 of 16 flights failed.')
+    assert '16 of 12 flights, 4 of which could not be simulated' in report.subject
+    stopped = build_report(replace(done, stopped=True), with_pictures=False)
+    assert (report.status, stopped.status) == (1, 130)
 
 
 def test_the_command_takes_sets_without_repeating_the_option(done, capsys, monkeypatch):

@@ -17,6 +17,8 @@ def test_the_link_by_distance(call, tmp_path):
     assert near['lux'] == pytest.approx(10_000.0 / math.pi / 9.0, rel=1e-3)
     assert far['read'] > far['lux'] + 0.9 * far['echo']
     assert near['snr'] > far['snr'] > 10.0
+    assert f'At 7 m the SNR is {far["snr"]:.0f} in lamp_room.' in said.err
+    assert f'{near["lux"]:.1f}' in said.err
     assert (tmp_path / 'out' / 'report.html').is_file()
     assert json.loads((tmp_path / 'out' / 'link.json').read_text())['links'] == found['links']
 

@@ -281,7 +281,8 @@ def test_the_command_writes_page_numbers_and_scenario(tmp_path):
     again = call(file, '--out', tmp_path / 'out')
     assert isinstance(again.exception, BadInput)
     printed = call(file, '--out', tmp_path / 'json', '--json')
-    assert json.loads(printed.stdout) == results
+    page = str(tmp_path / 'json' / 'report.html')
+    assert json.loads(printed.stdout) == {**results, 'page': page}
 
 
 def test_more_lamps_there_than_asked_for_is_bad_input(tmp_path):

@@ -8,7 +8,6 @@ from lta_report.report import Report
 from lta_studies.energy import paper
 from lta_studies.energy.hover.report import build_report
 from lta_studies.energy.hover.run import compare_hovering
-from rich.progress import BarColumn, TimeRemainingColumn
 import typer
 
 
@@ -38,6 +37,6 @@ def hover(
     Example: lta energy hover --seconds 60
     """
     # Two flights of the same length, one after the other
-    with ProgressBar(run.console, BarColumn(), TimeRemainingColumn(), total=2.0 * seconds) as bar:
+    with ProgressBar(run.console, total=2.0 * seconds) as bar:
         result = compare_hovering(vehicle, beside, seconds, lambda s: bar.update_bar(advance=s))
     return build_report(result)

@@ -2,21 +2,15 @@
 
 import math
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
-from lta_bridge.bag.writer import prepare_empty_folder
-from lta_bridge.provenance import read_commit
-from lta_cli.options.output_options import Json, Out, print_json
-from lta_cli.options.plain_console import plain_console
-from lta_cli.verbs.light.study import print_table
-from lta_config.command_line import format_lta_command, relative_path
+from lta_cli.options.study_command import study_command, StudyRun
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_data.bag.recorded_flight import open_flight
 from lta_report.progress_bar import ProgressBar
-from lta_report.results_folder import format_page_line, resolve_folder, write_json
-from lta_studies.light.bearing.study_page import build_ring_rows
-from lta_studies.light.turntable.page import build_claim_rows, build_diode_gain_rows, write_page
+from lta_report.report import Report
+from lta_studies.light.turntable.report import build_report
 from lta_studies.light.turntable.response import fit_response, TurntableResponse
 from lta_studies.light.turntable.turntable import (
     evaluate_turn,
@@ -30,6 +24,7 @@ from rich.progress import TextColumn
 import typer
 
 
+@study_command('turntable')
 def light(
     bag: Annotated[
         Path, typer.Argument(help='Bag recorded from the light board, with photodiode readings.')
@@ -67,9 +62,9 @@ def light(
         str | None,
         typer.Option(help='Robot namespace; needed if the bag contains several robots.'),
     ] = None,
-    out: Out = None,
-    json: Json = False,
-) -> None:
+    *,
+    run: StudyRun,
+) -> Report:
     """
     Repeat the paper's polar study with a recording of the real light board on a turntable.
 
@@ -81,7 +76,6 @@ def light(
 
     Example: lta hardware light bench_bag --step 22.5 --hold 6
     """
-    console = plain_console(stderr=json)
     # Step and hold belong together and exclude a constant rate
     if bool(step) != bool(hold) or (rate and step):
         raise BadInput(
@@ -93,7 +87,7 @@ def light(
     entry = load_vehicle_file(vehicle).sensors.diodes
     diodes = build_diode_array(entry)
     demodulation = DemodulationSettings(frequency=frequency)
-    with ProgressBar(console, TextColumn('reading light blocks {task.completed:.0f}')) as bar:
+    with ProgressBar(run.console, TextColumn('reading light blocks {task.completed:.0f}')) as bar:
         readings = evaluate_turn(
             flight,
             diodes,
@@ -106,28 +100,11 @@ def light(
     zero = zero_offset(readings)
     found, blocks = summarize_directions(readings, 'bench', zero if align else 0.0)
     fitted = fit_response(readings, diodes, zero)
-    target = prepare_empty_folder(resolve_folder(out, 'turntable'))
-    content = {
-        **found.to_json(), 'blocks': blocks, 'zero': zero, 'aligned': align,
-        'response': fitted._asdict(),
-        # The first row is the header
-        'claims': [list(each) for each in build_claim_rows(found)[1:]],
-    }  # fmt: skip
-    write_json(content, target / 'turntable.json')
-    page = write_page(
-        found, readings, fitted, diodes,
-        {'bag': str(bag), 'vehicle': vehicle, 'commit': read_commit()},
-        format_rerun(bag, table, align, vehicle, frequency), target / 'report.html',
+    return build_report(
+        found, readings, fitted, diodes, {'blocks': blocks, 'zero': zero, 'aligned': align},
+        facts={'bag': str(bag), 'vehicle': vehicle},
+        closing=format_response(fitted, zero, align),
     )  # fmt: skip
-    if json:
-        print_json(content, page)
-    print_table('Bearing errors over 16 directions', build_ring_rows([found]), console)
-    print_table("The paper's claims, checked", build_claim_rows(found), console)
-    print_table('Gains', build_diode_gain_rows(fitted), console)
-    console.print(format_response(fitted, zero, align), highlight=False, soft_wrap=True)
-    console.print(
-        format_page_line(relative_path(page)), highlight=False, markup=False, soft_wrap=True
-    )
 
 
 def format_response(response: TurntableResponse, zero: float, align: bool) -> str:
@@ -139,16 +116,3 @@ def format_response(response: TurntableResponse, zero: float, align: bool) -> st
         f'{1e2 * response.gain_spread:.1f} %. Zero offset of the turntable: '
         f'{math.degrees(zero):.2f}° ({done}).'
     )
-
-
-def format_rerun(
-    bag: Path, table: TurntableMotion, align: bool, vehicle: str, frequency: float
-) -> str:
-    """Return the command that repeats the study."""
-    words: list[Any] = ['hardware', 'light', bag, '--vehicle', vehicle]
-    words += ['--frequency', f'{frequency:g}', '--start', f'{math.degrees(table.start):g}']
-    if table.step:
-        words += ['--step', f'{math.degrees(table.step):g}', '--hold', f'{table.hold:g}']
-    elif table.rate:
-        words += ['--rate', f'{math.degrees(table.rate):g}']
-    return format_lta_command(*words, *(['--align'] if align else []))

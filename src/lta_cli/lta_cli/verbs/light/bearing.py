@@ -1,27 +1,21 @@
 """lta light bearing: compare the bearing errors of the paper's estimator and ours."""
 
 import math
-from pathlib import Path
 from typing import Annotated
 
-from lta_bridge.bag.writer import prepare_empty_folder
-from lta_cli.options.output_options import Json, parse_folder, print_json
-from lta_cli.options.plain_console import plain_console
-from lta_config.command_line import relative_path
+from lta_cli.options.study_command import study_command, StudyRun
 from lta_config.errors import BadInput, unknown_name_error
 from lta_report.progress_bar import ProgressBar
-from lta_report.results_folder import format_page_line, resolve_folder, write_json
-from lta_studies.light.bearing.page import build_bearing_rows, format_range, write_page
+from lta_report.report import Report
 from lta_studies.light.bearing.places import build_flight_spec, PLACES
-from lta_studies.light.bearing.run import BearingTrialRequest, run_bearing_trials, to_json
-from rich.console import Console
-from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
-from rich.table import Table
+from lta_studies.light.bearing.report import build_report, format_range
+from lta_studies.light.bearing.run import BearingTrialRequest, run_bearing_trials
 import typer
 
 ANY = 'any'
 
 
+@study_command('bearing')
 def bearing(
     vehicle: Annotated[
         str, typer.Option(help='Vehicle that carries the photodiodes, name or file.')
@@ -56,16 +50,9 @@ def bearing(
         ),
     ] = 500,
     seed: Annotated[int, typer.Option(help='Random seed.', min=0)] = 1,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            help='Folder of the results; runs/<time>-bearing by default.',
-            parser=parse_folder,
-            metavar='FOLDER',
-        ),
-    ] = None,
-    json: Json = False,
-) -> None:
+    *,
+    run: StudyRun,
+) -> Report:
     """
     Evaluate bearing estimation: the paper's weighted mean against our fit.
 
@@ -78,7 +65,6 @@ def bearing(
 
     Example: lta light bearing --place indoor --diodes 8 --range any --poses 10000
     """
-    console = plain_console(stderr=json)
     asked = BearingTrialRequest(
         vehicle,
         tuple(dict.fromkeys(place or PLACES)),
@@ -93,19 +79,9 @@ def bearing(
             raise unknown_name_error('place', name, list(PLACES))
         # Check that the vehicle fits the scene before any work
         build_flight_spec(PLACES[name], vehicle, 1)
-    target = prepare_empty_folder(resolve_folder(out, 'bearing'))
-    columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
-    with ProgressBar(console, *columns, begin='bearing', total=asked.pose_count) as bar:
-        found = run_bearing_trials(asked, lambda: bar.update_bar(advance=1))
-    content = to_json(found, asked)
-    write_json(content, target / 'bearing.json')
-    page = write_page(found, asked, target / 'report.html')
-    if json:
-        print_json(content, page)
-    print_table(build_bearing_rows(found), console)
-    console.print(
-        format_page_line(relative_path(page)), highlight=False, markup=False, soft_wrap=True
-    )
+    with ProgressBar(run.console, begin='bearing', total=asked.pose_count) as bar:
+        results = run_bearing_trials(asked, lambda: bar.update_bar(advance=1))
+    return build_report(results, asked)
 
 
 def parse_range(text: str) -> float | None:
@@ -122,16 +98,3 @@ def parse_range(text: str) -> float | None:
             f"--range '{text}' is not a distance; give 1 to 100 metres, or {format_range(None)}."
         )
     return distance
-
-
-def print_table(rows: list[tuple[str, ...]], console: Console) -> None:
-    """Print the table."""
-    printed = Table(
-        title='Bearing error at random poses: median and 95 % quantile',
-        title_justify='left', box=None, pad_edge=False, padding=(0, 1, 0, 0),
-    )  # fmt: skip
-    for k, name in enumerate(rows[0]):
-        printed.add_column(name, justify='left' if k == 0 else 'right', min_width=4)
-    for row in rows[1:]:
-        printed.add_row(*row)
-    console.print(printed)

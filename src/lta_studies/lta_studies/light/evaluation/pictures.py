@@ -22,8 +22,17 @@ SYMBOLS: Final[Mapping[str, str]] = {
 }  # fmt: skip
 Interval = BootstrapMean | ShareInterval
 APART: Final = 0.012  # share of the axis between the markers of two strategies
-WANTED: Final = {'dash': '4px,3px', 'color': SOFT, 'width': 1.2}
 LEGEND: Final = {'orientation': 'h', 'x': 0, 'y': 1.02, 'xanchor': 'left', 'yanchor': 'bottom'}
+LAYOUT: Final = {
+    'hovermode': 'closest', 'showlegend': True, 'legend': LEGEND, 'margin': {'r': 16, 't': 26},
+}  # fmt: skip
+
+
+def strategy_offset(strategy: str) -> int:
+    """Return the place of a strategy's markers beside those of the others; 0 is the middle."""
+    order = list(COLOURS).index(strategy) if strategy in COLOURS else len(COLOURS)
+    # Five strategies: the third stays in the middle.
+    return order - 2
 
 
 def strategy_color(strategy: str) -> str:
@@ -71,11 +80,8 @@ def plot_paper_comparison(cells: Sequence[EvaluationCell]) -> Figure:
             cell.reached_share,
         )
         for row, value in enumerate(shown, start=1):
-            figure.add_trace(
-                build_markers(cell.strategy, [name], [value], joined=False, legend=False),
-                row=row,
-                col=1,
-            )
+            markers = build_markers(cell.strategy, [name], [value], joined=False, legend=False)
+            figure.add_trace(markers, row=row, col=1)
     known = [cell.strategy for cell in cells if cell.strategy in paper.INDOORS]
     for row, part in enumerate(('path', 'time'), start=1):
         figure.add_trace(
@@ -93,9 +99,7 @@ def plot_paper_comparison(cells: Sequence[EvaluationCell]) -> Figure:
     figure.update_yaxes(title_text='time [s]', rangemode='tozero', row=2)
     set_share_axis(figure, 3)
     figure.update_xaxes(type='category')
-    return figure.update_layout(
-        hovermode='closest', showlegend=True, legend=LEGEND, margin={'r': 16, 't': 26}
-    )
+    return figure.update_layout(LAYOUT)
 
 
 def set_share_axis(figure: Figure, row: int) -> None:
@@ -116,11 +120,8 @@ def plot_along_axis(cells: Sequence[EvaluationCell], axis: EvaluationAxis) -> Fi
         for name, line in group_by_strategy(own).items():
             x = offset_marker_positions(line, places, axis, name)
             shares = [cell.reached_share for cell in line]
-            figure.add_trace(
-                build_markers(name, x, shares, joined=True, legend=name not in seen),
-                row=row,
-                col=1,
-            )
+            markers = build_markers(name, x, shares, joined=True, legend=name not in seen)
+            figure.add_trace(markers, row=row, col=1)
             seen.add(name)
         set_share_axis(figure, row)
         if family:
@@ -134,9 +135,7 @@ def plot_along_axis(cells: Sequence[EvaluationCell], axis: EvaluationAxis) -> Fi
             tickvals=list(range(len(places))),
             ticktext=['dark' if place == 0.0 else f'{place:,.0f}' for place in places],
         )
-    return figure.update_layout(
-        hovermode='closest', showlegend=True, legend=LEGEND, margin={'r': 16, 't': 26}
-    )
+    return figure.update_layout(LAYOUT)
 
 
 def add_ratios(
@@ -154,9 +153,8 @@ def add_ratios(
             continue
         ratios = [cell.ratio_to(best.get(cell.case)) for cell in line]
         x = offset_marker_positions(line, places, axis, name)
-        figure.add_trace(
-            build_markers(name, x, ratios, joined=False, legend=False), row=row, col=1
-        )
+        markers = build_markers(name, x, ratios, joined=False, legend=False)
+        figure.add_trace(markers, row=row, col=1)
         # Only NaN differs from itself.
         worst = max([worst, *(each.value for each in ratios if each.value == each.value)])
     figure.add_hline(y=1.0, line={'color': SOFT, 'width': 1}, row=row, col=1)
@@ -183,11 +181,9 @@ def offset_marker_positions(
     line: Sequence[EvaluationCell], places: Sequence[float], axis: EvaluationAxis, name: str
 ) -> list[float]:
     """Return the x positions of a strategy's cells, shifted so that markers do not overlap."""
-    order = list(COLOURS).index(name) if name in COLOURS else len(COLOURS)
     # Axes over decades show evenly spaced categories, as dark (0 lx) has no logarithm.
     span = len(places) - 1.0 if axis.decades else places[-1] - places[0]
-    # Five strategies: the third stays in the middle.
-    shift = APART * (order - 2) * (span or 1.0)
+    shift = APART * strategy_offset(name) * (span or 1.0)
     return [(places.index(cell.place) if axis.decades else cell.place) + shift for cell in line]
 
 
@@ -196,8 +192,7 @@ def plot_factors(cells: Sequence[EvaluationCell]) -> Figure:
     figure = create_figure(2, [0.62, 0.38])
     cases = list(dict.fromkeys(cell.case for cell in cells))
     for name, line in group_by_strategy(cells).items():
-        order = list(COLOURS).index(name) if name in COLOURS else len(COLOURS)
-        x = [cases.index(cell.case) + 0.09 * (order - 2) for cell in line]
+        x = [cases.index(cell.case) + 0.09 * strategy_offset(name) for cell in line]
         paths = [cell.mean('path_length') for cell in line]
         figure.add_trace(build_markers(name, x, paths, joined=False, legend=True), row=1, col=1)
         shares = [cell.reached_share for cell in line]
@@ -208,9 +203,7 @@ def plot_factors(cells: Sequence[EvaluationCell]) -> Figure:
         tickvals=list(range(len(cases))), range=[-0.5, len(cases) - 0.5],
         ticktext=[wrap_text(labels.label_factor(case)) for case in cases],
     )  # fmt: skip
-    return figure.update_layout(
-        hovermode='closest', showlegend=True, legend=LEGEND, margin={'r': 16, 't': 26, 'b': 64}
-    )
+    return figure.update_layout(LAYOUT).update_layout(margin={'b': 64})
 
 
 def wrap_text(text: str, width: int = 16) -> str:

@@ -1,55 +1,52 @@
 """Write docs/navigation_scores.md with all results of the evaluation."""
 
+from lta_report.formatting import format_markdown_table
+from lta_report.report import TextTable
 from lta_studies.light.evaluation import tables
-from lta_studies.light.evaluation.findings import EvaluationFindings
-from lta_studies.light.evaluation.page import METHOD
+from lta_studies.light.evaluation.report import (
+    describe_cautions,
+    describe_flights,
+    describe_paper_order,
+    find_ablations,
+    METHOD,
+)
+from lta_studies.light.evaluation.run import EvaluationStatus
 from lta_studies.light.evaluation.sets import find_flight_set, INDOORS, SETS, WINDS
-from lta_studies.light.evaluation.tables import format_markdown_table
 
 
-def format_scores_page(findings: EvaluationFindings) -> str:
+def format_scores_page(status: EvaluationStatus) -> str:
     """Return the page as Markdown."""
-    some = '' if len(findings.cells) == len(SETS) else f' --sets {" ".join(findings.cells)}'
-    command = f'lta light evaluate --seeds {findings.seeds}{some} --markdown'
+    sets = status.cells
+    some = '' if len(sets) == len(SETS) else f' --sets {" ".join(sets)}'
+    command = f'lta light evaluate --seeds {status.order.seeds}{some} --markdown'
+    ablations = find_ablations(status)
+    statement = describe_paper_order(status, ablations)
+    targets = tables.build_target_table(sets)
     parts = [
         '# Scores of navigation',
-        f'Written by `{command}`: {findings.flight_count_text}. What the sets are and how to read '
-        f'them: '
-        '[navigation.md](navigation.md).',
+        f'Written by `{command}`: {describe_flights(status)}. What the sets are and how to read '
+        'them: [navigation.md](navigation.md).',
         '![Path, time and success of each strategy](images/evaluate.png)',
         '## Compared with the paper',
-        format_markdown_table(
-            tables.PAPER_HEADS, tables.build_paper_rows(findings.cells.get(INDOORS, []))
-        ).rstrip(),
-        *(
-            format_markdown_table(
-                tables.OUTDOOR_HEADS, tables.build_wind_rows(findings.cells[name])
-            ).rstrip()
-            for name in findings.cells
-            if name == WINDS
-        ),
-        *findings.cautions,
+        format_table(tables.build_paper_table(sets.get(INDOORS, []))),
+        *([format_table(tables.build_wind_table(sets[WINDS]))] if WINDS in sets else []),
+        *describe_cautions(status),
         '## What causes the order of path lengths',
-        findings.statement,
+        statement,
+        *([format_table(tables.build_order_table(ablations, statement))] if ablations else []),
+        *(['## Targets of our strategy', format_table(targets)] if targets.rows else []),
+        '## Every figure',
+        METHOD,
     ]
-    if findings.ablations:
-        parts.append(
-            format_markdown_table(
-                tables.ORDER_HEADS, tables.build_path_order_rows(findings.ablations)
-            ).rstrip()
-        )
-    wanted = tables.build_target_rows(findings.cells, findings.own_strategy)
-    if wanted:
-        parts += [
-            '## Targets of our strategy',
-            format_markdown_table(tables.TARGET_HEADS, wanted).rstrip(),
-        ]
-    parts += ['## Every figure', METHOD]
-    for name, cells in findings.cells.items():
+    for name, cells in sets.items():
         part = find_flight_set(name)
-        head = f'### {part.title}\n\n{part.about} Sweep `{part.file}`.'
         parts += [
-            head,
-            format_markdown_table(tables.HEADS, tables.build_set_rows(name, cells)).rstrip(),
+            f'### {part.title}\n\n{part.about} Sweep `{part.file}`.',
+            format_table(tables.build_set_table(name, cells)),
         ]
     return '\n\n'.join(parts) + '\n'
+
+
+def format_table(table: TextTable) -> str:
+    """Return a table in Markdown, without its heading."""
+    return format_markdown_table(table.heads, table.rows)

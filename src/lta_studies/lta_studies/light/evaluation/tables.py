@@ -1,38 +1,37 @@
-"""Build the tables of the evaluation, for page and docs."""
+"""Build the tables of the evaluation, for page, terminal and docs."""
 
 from collections.abc import Mapping, Sequence
 import math
 from typing import Final
 
 from lta_report.formatting import format_number, MISSING
+from lta_report.report import TextTable
 from lta_studies.light.evaluation import labels, paper, pilot
 from lta_studies.light.evaluation.cells import EvaluationCell, select_pilot_cells
 from lta_studies.light.evaluation.path_order import PathOrder
 from lta_studies.light.evaluation.sets import find_flight_set, INDOORS
 from lta_studies.light.evaluation.wind import ALLOWED
 
-HEADS: Final = ('case', 'strategy', 'flights', 'reached', 'path [m]', 'time [s]', 'path / pilot')
+SET_HEADS: Final = (
+    'case', 'strategy', 'flights', 'reached', 'path [m]', 'time [s]', 'path / pilot',
+)  # fmt: skip
 PAPER_HEADS: Final = ('strategy', 'path here [m]', 'paper', 'time here [s]', 'paper')
-OUTDOOR_HEADS: Final = ('wind at 10 m', 'strategy', 'reached here', 'paper')
+WIND_HEADS: Final = ('wind at 10 m', 'strategy', 'reached here', 'paper')
 ORDER_HEADS: Final = (
-    'changed',
-    *map(labels.label_strategy, paper.ORDER),
-    'order of the paper',
-    'draws',
-)
+    'changed', *map(labels.label_strategy, paper.ORDER), 'order of the paper', 'draws',
+)  # fmt: skip
 TARGET_HEADS: Final = ('case', 'reached', 'at least', 'path / pilot', 'at most', 'met')
+OURS: Final = 'homing'
 SHARE_WANTED: Final = 0.95
 RATIO_WANTED: Final = 1.1
 
-Lines = list[list[str]]
 
-
-def build_set_rows(name: str, cells: Sequence[EvaluationCell]) -> Lines:
-    """Return a row for each case and strategy of a set."""
-    axis, best = find_flight_set(name).axis, select_pilot_cells(cells)
-    return [
+def build_set_table(name: str, cells: Sequence[EvaluationCell]) -> TextTable:
+    """Return the table of a set, with a row for each case and strategy."""
+    part, best = find_flight_set(name), select_pilot_cells(cells)
+    rows = [
         [
-            labels.label_case(cell, axis),
+            labels.label_case(cell, part.axis),
             labels.label_strategy(cell.strategy),
             str(len(cell.rows)) + (f' (+{cell.failed} failed)' if cell.failed else ''),
             labels.format_share(cell.reached_share),
@@ -43,12 +42,13 @@ def build_set_rows(name: str, cells: Sequence[EvaluationCell]) -> Lines:
         ]
         for cell in cells
     ]  # fmt: skip
+    return TextTable(part.title, SET_HEADS, rows, printed=False)
 
 
-def build_paper_rows(cells: Sequence[EvaluationCell]) -> Lines:
-    """Return rows that compare the indoor flights with the paper's."""
+def build_paper_table(cells: Sequence[EvaluationCell]) -> TextTable:
+    """Return the table that compares the indoor flights with the paper's."""
     own = {cell.strategy: cell for cell in cells}
-    return [
+    rows = [
         [
             labels.label_strategy(name),
             labels.format_mean(own[name].mean('path_length')), f'{flown.path:g}',
@@ -57,11 +57,12 @@ def build_paper_rows(cells: Sequence[EvaluationCell]) -> Lines:
         for name, flown in paper.INDOORS.items()
         if name in own
     ]  # fmt: skip
+    return TextTable('Comparison with the paper, indoors', PAPER_HEADS, rows)
 
 
-def build_wind_rows(cells: Sequence[EvaluationCell]) -> Lines:
-    """Return rows that compare success in the paper's winds."""
-    return [
+def build_wind_table(cells: Sequence[EvaluationCell]) -> TextTable:
+    """Return the table that compares success in the paper's winds."""
+    rows = [
         [
             f'{cell.place:g} m/s',
             labels.label_strategy(cell.strategy),
@@ -72,11 +73,12 @@ def build_wind_rows(cells: Sequence[EvaluationCell]) -> Lines:
         # Only the paper's winds and strategies
         if cell.place in paper.OUTDOORS and cell.strategy in paper.ORDER
     ]
+    return TextTable("Comparison with the paper, in the paper's winds", WIND_HEADS, rows)
 
 
-def build_path_order_rows(orders: Sequence[PathOrder]) -> Lines:
-    """Return a row with the order of paths for each ablation."""
-    return [
+def build_order_table(orders: Sequence[PathOrder], statement: str) -> TextTable:
+    """Return the table of the order of paths, with a row for each ablation."""
+    rows = [
         [
             labels.label_factor(each.case),
             *(labels.format_mean(each.paths[name]) for name in paper.ORDER),
@@ -85,16 +87,18 @@ def build_path_order_rows(orders: Sequence[PathOrder]) -> Lines:
         ]
         for each in orders
     ]
+    heading = "What causes the paper's order"
+    return TextTable(heading, ORDER_HEADS, rows, statement, printed=False)
 
 
-def build_target_rows(findings: Mapping[str, Sequence[EvaluationCell]], ours: str) -> Lines:
-    """Return a row for each piloted case: whether our strategy meets its targets."""
-    made = []
-    for name, cells in findings.items():
+def build_target_table(sets: Mapping[str, Sequence[EvaluationCell]]) -> TextTable:
+    """Return the table of targets: whether our strategy meets them in each piloted case."""
+    rows = []
+    for name, cells in sets.items():
         part, best = find_flight_set(name), select_pilot_cells(cells)
         for cell in cells:
             # The targets apply in wind that the vehicle can fly against, relative to the pilot.
-            if cell.strategy != ours or not part.piloted or cell.wind > ALLOWED:
+            if cell.strategy != OURS or not part.piloted or cell.wind > ALLOWED:
                 continue
             reached, ratio = cell.reached_share, cell.ratio_to(best.get(cell.case))
             met = reached.value >= SHARE_WANTED and ratio.value <= RATIO_WANTED
@@ -103,16 +107,10 @@ def build_target_rows(findings: Mapping[str, Sequence[EvaluationCell]], ours: st
                 if name == INDOORS
                 else f'{part.title}: {labels.label_case(cell, part.axis)}'
             )
-            made.append(
+            rows.append(
                 [
                     title, labels.format_share(reached), f'{100 * SHARE_WANTED:.0f} %',
                     labels.format_mean(ratio, 2), f'{RATIO_WANTED:g}', 'yes' if met else 'no',
                 ]
             )  # fmt: skip
-    return made
-
-
-def format_markdown_table(heads: Sequence[str], body: Lines) -> str:
-    """Return a Markdown table."""
-    rows = [heads, ['---'] * len(heads), *body]
-    return '\n'.join(f'| {" | ".join(cells)} |' for cells in rows) + '\n'
+    return TextTable('Targets of our strategy', TARGET_HEADS, rows)

@@ -17,7 +17,7 @@ from lta_studies.light.link.link_budget import (
     LinkPoint,
     simulate_block,
 )
-from lta_studies.light.link.page import LUX, plot_lux, plot_snr, SNR
+from lta_studies.light.link.report import LUX, plot_lux, plot_snr, SNR
 from lta_studies.light.plan.floor import build_floor
 from lta_studies.light.plan.inputs import load_inputs
 from lta_studies.light.plan.mounts import list_mounts

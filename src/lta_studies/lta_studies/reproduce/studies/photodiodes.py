@@ -18,7 +18,7 @@ from lta_studies.light.bearing.study import (
     RingStudy,
     study_ring,
 )
-from lta_studies.light.bearing.study_page import COLOURS, METHOD
+from lta_studies.light.bearing.study_report import COLOURS, METHOD
 from lta_studies.reproduce.study_result import (
     average_over_seeds,
     MeasuredValue,

@@ -1,20 +1,15 @@
-"""Write the study of the number of photodiodes as one self-contained HTML page."""
+"""Build the report on the number of photodiodes."""
 
 from collections.abc import Sequence
-from html import escape
 import math
-from pathlib import Path
 from typing import Final
 
-from lta_bridge.provenance import read_commit
-from lta_config.command_line import format_lta_command
 from lta_report.drawing import create_figure
 from lta_report.formatting import Tile
-from lta_report.html_elements import render_section, render_tile
-from lta_report.page_frame import assemble_page, write_file
 from lta_report.palette import GOOD, LAMP, TRUTH
-from lta_studies.light.bearing.page import format_degrees, render_table
+from lta_report.report import Picture, Report, TextSection, TextTable
 from lta_studies.light.bearing.places import PLACES
+from lta_studies.light.bearing.report import format_degrees
 from lta_studies.light.bearing.study import (
     count_accurate_directions,
     COUNTS,
@@ -28,7 +23,7 @@ import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
 COLOURS: Final = dict(zip(COUNTS, (LAMP, TRUTH, GOOD), strict=True))
-HEAD: Final = (
+HEADS: Final = (
     'place', 'diodes', 'SNR', 'paper: median [°]', 'worst [°]', 'below 2°', 'fit: median [°]',
     'worst [°]', 'below 2°',
 )  # fmt: skip
@@ -52,52 +47,49 @@ METHOD: Final = (
 )
 
 
-def write_page(
-    studies: Sequence[RingStudy], vehicle: str, readings: int, seed: int, out: Path
-) -> Path:
-    """Write the page and return its path; raise `BadInput` if that fails."""
-    # The headline uses the paper's main setup.
+def build_report(studies: Sequence[RingStudy], vehicle: str, readings: int, seed: int) -> Report:
+    """Return the report of a study of all rings."""
+    # The headline uses the paper's main setup
     eight = next(each for each in studies if (each.place, each.count) == ('indoor', 8))
-    pictures = [
-        render_section(
-            place,
-            f'{place.capitalize()}: {PLACES[place].about}',
-            CAPTION,
-            plot_errors(studies, place),
-        )
-        for place in PLACES
-    ]
-    return write_file(
-        assemble_page(
-            'study.html',
-            title=escape(
-                'Indoors with eight diodes, the median bearing error is '
-                f'{format_degrees(median_error(eight.ours))}° for our fit and '
-                f'{format_degrees(median_error(eight.paper))}° for the weighted mean of the '
-                'paper.'
-            ),
-            kicker='light · study of the number of photodiodes',
-            about=escape(f'{DIRECTIONS} directions to the lamp, {readings} readings in each.'),
-            tiles='\n'.join(render_tile(*each) for each in build_tiles(studies)),
-            table=render_table(build_ring_rows(studies)),
-            claims=render_table(build_claim_rows(studies)),
-            notes=''.join(f'<p class="note">{escape(each)}</p>' for each in (METHOD, DEFECT)),
-            pictures='\n'.join(pictures),
-            facts={'vehicle': vehicle, 'seed': str(seed), 'commit': read_commit()},
-            commands={
-                'Repeat the study': format_lta_command(
-                    'light', 'study', '--vehicle', vehicle, '--readings', str(readings),
-                    '--seed', str(seed),
+    return Report(
+        command='light study',
+        subject='number of photodiodes',
+        headline=f'Indoors with eight diodes, {format_median_errors(eight)}.',
+        introduction=f'{DIRECTIONS} directions to the lamp, {readings} readings in each.',
+        tiles=build_tiles(studies),
+        blocks=(
+            *(
+                Picture(
+                    place, f'{place.capitalize()}: {PLACES[place].about}', CAPTION,
+                    plot_errors(studies, place), height=420,
                 )
-            },
+                for place in PLACES
+            ),
+            build_ring_table(studies),
+            build_claim_table(judge_claims(studies)),
+            TextSection('Method', (METHOD, DEFECT)),
         ),
-        out,
+        data={
+            'vehicle': vehicle, 'readings': readings, 'seed': seed,
+            'rings': [each.to_json() for each in studies], 'claims': judge_claims(studies),
+        },
+        facts={'vehicle': vehicle, 'seed': str(seed)},
+        closing=(DEFECT,),
     )  # fmt: skip
 
 
-def build_claim_rows(studies: Sequence[RingStudy]) -> list[tuple[str, str, str]]:
-    """Return the table of claims; the first row is the head."""
-    return [('the paper, indoors', 'its estimator', 'the fit'), *judge_claims(studies)]
+def format_median_errors(ring: RingStudy) -> str:
+    """Return the part of a headline with the median errors of both estimators."""
+    return (
+        f'the median bearing error is {format_degrees(median_error(ring.ours))}° for our fit and '
+        f'{format_degrees(median_error(ring.paper))}° for the weighted mean of the paper'
+    )
+
+
+def build_claim_table(claims: Sequence[Sequence[str]]) -> TextTable:
+    """Return the table of the paper's claims."""
+    heads = ('the paper, indoors', 'its estimator', 'the fit')
+    return TextTable('Statements of the paper, checked', heads, claims)
 
 
 def median_error(errors: Sequence[float]) -> float:
@@ -105,16 +97,16 @@ def median_error(errors: Sequence[float]) -> float:
     return float(np.median(errors))
 
 
-def build_ring_rows(studies: Sequence[RingStudy]) -> list[tuple[str, ...]]:
-    """Return the table as text; the first row is the head."""
-    rows: list[tuple[str, ...]] = [HEAD]
+def build_ring_table(studies: Sequence[RingStudy]) -> TextTable:
+    """Return the table of errors over all directions."""
+    rows = []
     for each in studies:
         cells = [each.place, str(each.count), f'{each.snr:.0f}']
         for errors in (each.paper, each.ours):
             below = f'{count_accurate_directions(errors, math.radians(2.0))} of {DIRECTIONS}'
             cells += [format_degrees(median_error(errors)), format_degrees(max(errors)), below]
-        rows.append(tuple(cells))
-    return rows
+        rows.append(cells)
+    return TextTable(f'Bearing errors over {DIRECTIONS} directions', HEADS, rows)
 
 
 def build_tiles(studies: Sequence[RingStudy]) -> list[Tile]:

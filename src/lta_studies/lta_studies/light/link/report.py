@@ -1,20 +1,18 @@
-"""Write the link budget as one self-contained HTML page."""
+"""Build the report of the link budget."""
 
 from collections.abc import Callable, Sequence
-from html import escape
-from pathlib import Path
+from dataclasses import asdict
 from typing import Final
 
-from lta_bridge.provenance import read_commit
 from lta_config.command_line import format_lta_command
 from lta_report.drawing import create_figure
 from lta_report.formatting import Tile
-from lta_report.html_elements import render_section, render_tile
-from lta_report.page_frame import assemble_page, write_file
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, SOFT, TRUTH, WALL
+from lta_report.report import Picture, Report, TextSection, TextTable
 from lta_studies.light.link.link_budget import LampLink, LinkPoint
 from plotly.graph_objects import Figure, Scatter
 
+HEADS: Final = ('distance [m]', 'direct [lx]', 'read [lx]', 'echo [lx]', 'steady [lx]', 'SNR')
 COLOURS: Final = (TRUTH, ESTIMATE, GOOD, LAMP, SETPOINT)
 PAPER_DISTANCE: Final = 7.0  # m
 PAPER_LUX: Final = (20.0, 90.0)  # range read from "several tens of lux"
@@ -33,31 +31,37 @@ METHOD: Final = (
     'square of the distance, the surfaces of the scene reflect it, and the hull shades the '
     'diodes below it.'
 )
+PAPER: Final = (
+    'For comparison: the seed paper reports several tens of lux at 7 m from the lamp, and a high '
+    'SNR.'
+)
 
 
-def write_page(links: Sequence[LampLink], again: str, vehicle: str, out: Path) -> Path:
-    """Write the page and return its path; raise `BadInput` if that fails."""
-    return write_file(render_page(links, again, vehicle), out)
-
-
-def render_page(links: Sequence[LampLink], again: str, vehicle: str) -> str:
-    """Return the HTML of the page; `again` is the command that repeats it."""
-    first = links[0].scenario
-    return assemble_page(
-        'light_link.html',
-        title=escape(format_headline(links)),
-        kicker=escape(f'light link · {vehicle}'),
-        about='Illuminance and signal-to-noise ratio of a lamp against the distance from it.',
-        tiles='\n'.join(render_tile(*each) for each in build_tiles(links)),
-        lux=render_section('lux', 'Light on the diodes', LUX, plot_lux(links)),
-        snr=render_section('snr', 'Signal-to-noise ratio', SNR, plot_snr(links)),
-        table=''.join(render_link_table(each) for each in links),
-        method=escape(METHOD),
-        facts={'vehicle': vehicle, 'commit': read_commit()},
-        commands={
-            'Repeat the study': again,
-            'Fly in the first scenario': format_lta_command('simulate', '--scenario', first),
+def build_report(links: Sequence[LampLink], vehicle: str, altitude: float) -> Report:
+    """Return the report of a link budget."""
+    return Report(
+        command='light link',
+        subject=vehicle,
+        headline=format_headline(links),
+        introduction='Illuminance and signal-to-noise ratio of a lamp against the distance from '
+        'it.',
+        tiles=build_tiles(links),
+        blocks=(
+            Picture('lux', 'Light on the diodes', LUX, plot_lux(links)),
+            Picture('snr', 'Signal-to-noise ratio', SNR, plot_snr(links)),
+            *map(build_link_table, links),
+            TextSection('Method', (METHOD,)),
+        ),
+        data={
+            'vehicle': vehicle, 'altitude': altitude, 'links': [asdict(each) for each in links],
         },
+        facts={'vehicle': vehicle},
+        commands={
+            'Fly in the first scenario': format_lta_command(
+                'simulate', '--scenario', links[0].scenario
+            ),
+        },
+        closing=(PAPER,),
     )  # fmt: skip
 
 
@@ -138,27 +142,15 @@ def plot_links(
     return figure
 
 
-HEADS: Final = ('distance [m]', 'direct [lx]', 'read [lx]', 'echo [lx]', 'steady [lx]', 'SNR')
-
-
-def format_link_row(at: LinkPoint) -> list[str]:
-    """Format one row of the table."""
-    snr = f'{at.snr:.1f}' + (' clipped' if at.clipped else '')
-    numbers = (at.lux, at.read, at.echo, at.steady)
-    return [f'{at.distance:g}', *(f'{number:.1f}' for number in numbers), snr]
-
-
-def render_link_table(link: LampLink) -> str:
-    """Return the HTML table of one scene."""
-    head = ''.join(f'<th scope="col">{each}</th>' for each in HEADS)
-    rows = []
-    for at in link.at:
-        first, *rest = format_link_row(at)
-        own = ''.join(f'<td>{escape(cell)}</td>' for cell in rest)
-        rows.append(f'<tr><th scope="row">{escape(first)}</th>{own}</tr>')
-    caption = f'{link.scenario}, feedback resistor of {link.feedback / 1e3:g} kohm'
-    return (
-        f'<h3>{escape(caption)}</h3><p class="note">{escape(link.about)}</p><table>'
-        f'<caption class="hidden">{escape(caption)}</caption>'
-        f'<thead><tr>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>'
-    )
+def build_link_table(link: LampLink) -> TextTable:
+    """Return the table of one scene by distance."""
+    rows = [
+        [
+            f'{at.distance:g}',
+            *(f'{number:.1f}' for number in (at.lux, at.read, at.echo, at.steady)),
+            f'{at.snr:.1f}' + (' clipped' if at.clipped else ''),
+        ]
+        for at in link.at
+    ]
+    heading = f'{link.scenario}, feedback resistor of {link.feedback / 1e3:g} kohm'
+    return TextTable(heading, HEADS, rows, link.about)

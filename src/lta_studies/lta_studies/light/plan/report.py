@@ -1,21 +1,20 @@
-"""Write the layout as one self-contained HTML page."""
+"""Build the report of a lamp layout."""
 
 from collections.abc import Sequence
-from html import escape
 import math
-from pathlib import Path
 from typing import Final
 
-from lta_bridge.provenance import read_commit
 from lta_report.formatting import MISSING, Tile
-from lta_report.html_elements import render_section, render_tile
-from lta_report.page_frame import assemble_page, write_file
+from lta_report.report import Block, Picture, Report, TextSection, TextTable
 from lta_studies.light.plan.gaps import CoverageGap, find_gaps
 from lta_studies.light.plan.handover import LampHandover
 from lta_studies.light.plan.joint_snr import PURE
+from lta_studies.light.plan.json_output import encode_layout
 from lta_studies.light.plan.layout import LampLayout
 from lta_studies.light.plan.pictures import plot_coverage, plot_handovers
+from lta_studies.light.plan.scenario_file import format_scenario
 
+SCENARIO: Final = 'scenario.yaml'
 PAPER: Final = 150.0  # m2 per lamp, seed paper
 MOST_GAPS: Final = 12
 HEIGHTS: Final = (360.0, 900.0)  # px of a picture
@@ -41,43 +40,44 @@ METHOD: Final = (
 )
 
 
-def write_page(
-    layout: LampLayout, handover: LampHandover, again: str, scene: str, next_step: str, out: Path
-) -> Path:
-    """Write the page and return its path; raise `BadInput` if that fails."""
-    return write_file(render_page(layout, handover, again, scene, next_step), out)
-
-
-def render_page(
-    layout: LampLayout, handover: LampHandover, again: str, scene: str, next_step: str
-) -> str:
-    """Return the HTML of the page; `again` and `next_step` are commands, `scene` is a file."""
-    plan, gaps = layout.plan, find_gaps(layout)
-    return assemble_page(
-        'light_plan.html',
-        title=escape(format_headline(layout)),
-        kicker=escape(f'light plan · {plan.name}'),
-        about=escape(plan.about),
-        tiles='\n'.join(render_tile(*each) for each in build_tiles(layout, handover)),
-        height=f'{picture_height(layout):.0f}',
-        pictures=render_section(
-            'coverage', 'Coverage at flight altitude', COVERED, plot_coverage(layout),
-        )
-        + render_section(
-            'handover', 'Hand-overs and a route', HANDED, plot_handovers(layout, handover),
+def build_report(layout: LampLayout, handover: LampHandover, next_step: str) -> Report:
+    """Return the report of a layout; `next_step` is a command."""
+    plan, height = layout.plan, picture_height(layout)
+    scene = format_scenario(layout, handover)
+    return Report(
+        command='light plan',
+        subject=plan.name,
+        headline=format_headline(layout),
+        introduction=plan.about,
+        tiles=build_tiles(layout, handover),
+        blocks=(
+            Picture(
+                'coverage', 'Coverage at flight altitude', COVERED, plot_coverage(layout),
+                height=height,
+            ),
+            Picture(
+                'handover', 'Hand-overs and a route', HANDED, plot_handovers(layout, handover),
+                height=height,
+            ),
+            build_lamp_table(layout, handover),
+            build_gap_block(find_gaps(layout)),
+            TextSection(
+                'Detection criterion, frequencies and simplifications',
+                (
+                    METHOD.format(
+                        needed=layout.ear.required_snr, margin=layout.ear.margin, pure=PURE,
+                        cell=layout.floor.cell,
+                    ),
+                    describe_separation(layout),
+                ),
+            ),
         ),
-        lamps=render_lamps(layout, handover),
-        law=escape(describe_separation(layout)),
-        gaps=render_gaps(gaps),
-        method=escape(
-            METHOD.format(
-                needed=layout.ear.required_snr, margin=layout.ear.margin, pure=PURE,
-                cell=layout.floor.cell,
-            )
-        ),
+        data=encode_layout(layout, handover),
         facts=build_provenance_table(layout),
-        commands={'Repeat the plan': again, 'Fly in it': next_step},
+        commands={'Fly in it': next_step},
         files={'The scenario file': scene},
+        closing=(format_lamp_count(layout),),
+        outputs={SCENARIO: scene},
     )  # fmt: skip
 
 
@@ -125,36 +125,39 @@ def build_tiles(layout: LampLayout, handover: LampHandover) -> list[Tile]:
     ]  # fmt: skip
 
 
-def picture_height(layout: LampLayout) -> float:
+def picture_height(layout: LampLayout) -> int:
     """Return the height of a plot of the floor on a desktop. [px]"""
     corners = layout.plan.outline.corners
     across, up = corners.max(axis=0) - corners.min(axis=0)
     # 60 px for the axis below the plot
-    return min(max(float(up / across) * WIDTH + 60.0, HEIGHTS[0]), HEIGHTS[1])
+    return round(min(max(float(up / across) * WIDTH + 60.0, HEIGHTS[0]), HEIGHTS[1]))
 
 
-def render_lamps(layout: LampLayout, handover: LampHandover) -> str:
-    """Return the table of the lamps."""
-    heads = ('x [m]', 'y [m]', 'z [m]', 'frequency [Hz]', 'received over [m²]')
-    names = [lamp.name for lamp in layout.lamps]
-    lines = []
+def format_lamp_count(layout: LampLayout) -> str:
+    """Return a sentence on the number of lamps and on hand-overs."""
+    count, two = len(layout.lamps), float((layout.received_count >= 2).mean())
+    return (
+        f'{count} lamps (at least {layout.bound} are needed), one per '
+        f'{layout.floor.area / count:.0f} m² of floor; two or more lamps are detected on '
+        f'{format_percent(two)} % of the floor.'
+    )
+
+
+def build_lamp_table(layout: LampLayout, handover: LampHandover) -> TextTable:
+    """Return the table of the lamps, which are numbered from 1 as in the plots."""
+    heads = ('lamp', 'x [m]', 'y [m]', 'z [m]', 'frequency [Hz]', 'received over [m²]', 'faces',
+             'hands over to')  # fmt: skip
+    rows = []
     for k, lamp in enumerate(layout.lamps):
         area = float(layout.is_received[k].sum()) * layout.floor.cell**2
-        numbers = [*(f'{part:.1f}' for part in lamp.mount.position), f'{lamp.frequency:g}']
-        cells = ''.join(f'<td>{cell}</td>' for cell in (*numbers, f'{area:.0f}'))
-        # Lamps are numbered from 1, as in the plots.
         others = [str(j + 1) for i, j in handover.edges if i == k]
-        to = ', '.join(others) or MISSING
-        there = ', existing' if lamp.mount.name else ''
-        words = (format_facing(lamp.mount.axis) + there, to)
-        cells += ''.join(f'<td class="text">{escape(word)}</td>' for word in words)
-        lines.append(f'<tr><th scope="row"><b>{k + 1}</b> {escape(names[k])}</th>{cells}</tr>')
-    own = ''.join(f'<th scope="col">{head}</th>' for head in ('lamp', *heads))
-    own += ''.join(f'<th scope="col" class="text">{w}</th>' for w in ('faces', 'hands over to'))
-    return (
-        '<table class="lamps"><caption class="hidden">The lamps</caption>'
-        f'<thead><tr>{own}</tr></thead><tbody>{"".join(lines)}</tbody></table>'
-    )
+        rows.append([
+            f'{k + 1} {lamp.name}', *(f'{part:.1f}' for part in lamp.mount.position),
+            f'{lamp.frequency:g}', f'{area:.0f}',
+            format_facing(lamp.mount.axis) + (', existing' if lamp.mount.name else ''),
+            ', '.join(others) or MISSING,
+        ])  # fmt: skip
+    return TextTable('Lamps, their frequencies and hand-overs', heads, rows)
 
 
 def format_facing(axis: tuple[float, float, float]) -> str:
@@ -178,23 +181,23 @@ def describe_separation(layout: LampLayout) -> str:
     )
 
 
-def render_gaps(gaps: Sequence[CoverageGap]) -> str:
-    """Return the table of the gaps, or a note that there are none."""
+def build_gap_block(gaps: Sequence[CoverageGap]) -> Block:
+    """Return the table of the largest gaps, or a sentence that there are none."""
     if not gaps:
-        return '<p class="note">None: the whole floor where the hull fits is covered.</p>'
-    heads = ''.join(f'<th scope="col">{h}</th>' for h in ('gap', 'area [m²]', 'x [m]', 'y [m]'))
-    lines = ''.join(
-        f'<tr><th scope="row">{k}</th><td>{gap.area:.2f}</td>'
-        f'<td>{gap.west:.1f} to {gap.east:.1f}</td><td>{gap.south:.1f} to {gap.north:.1f}</td>'
-        f'<td class="text">{escape(gap.why)}</td></tr>'
+        return TextSection('Gaps', ('None: the whole floor where the hull fits is covered.',))
+    rows = [
+        [
+            str(k), f'{gap.area:.2f}', f'{gap.west:.1f} to {gap.east:.1f}',
+            f'{gap.south:.1f} to {gap.north:.1f}', gap.why,
+        ]
         for k, gap in enumerate(gaps[:MOST_GAPS], start=1)
-    )
+    ]  # fmt: skip
     more = len(gaps) - MOST_GAPS
-    rest = f'<p class="note">and {more} smaller ones, in plan.json.</p>' if more > 0 else ''
-    return (
-        '<table class="lamps"><caption class="hidden">The gaps</caption><thead><tr>'
-        f'{heads}<th scope="col" class="text">why</th></tr></thead><tbody>{lines}</tbody></table>'
-        + rest
+    return TextTable(
+        f'Gaps, {sum(gap.area for gap in gaps):.1f} m² in total',
+        ('gap', 'area [m²]', 'x [m]', 'y [m]', 'why'),
+        rows,
+        f'and {more} smaller ones, in plan.json.' if more > 0 else '',
     )
 
 
@@ -210,5 +213,4 @@ def build_provenance_table(layout: LampLayout) -> dict[str, str]:
         f'{plan.ambient.mains_amplitude.si:g} lx at {plan.ambient.mains_frequency.si:g} Hz',
         'light needed': f'{layout.least:.2g} lx on the diode, from a single lamp',
         'cells': f'{layout.floor.cell:g} m',
-        'commit': read_commit(),
     }

@@ -1,26 +1,20 @@
-"""Write the report on bearing accuracy as one self-contained HTML page."""
+"""Build the report on bearing accuracy."""
 
 from collections.abc import Sequence
-from html import escape
 import math
-from pathlib import Path
 from typing import Final
 
-from lta_bridge.provenance import read_commit
-from lta_config.command_line import format_lta_command
 from lta_report.drawing import create_figure
-from lta_report.formatting import Tile
-from lta_report.html_elements import render_section, render_tile
-from lta_report.page_frame import assemble_page, write_file
+from lta_report.formatting import MISSING, Tile
 from lta_report.palette import ESTIMATE, SOFT, TIME, TRUTH, WALL
+from lta_report.report import Picture, Report, TextSection, TextTable
 from lta_studies.light.bearing.places import PLACES
-from lta_studies.light.bearing.run import BearingTrialRequest, BearingTrialResult
+from lta_studies.light.bearing.run import BearingTrialRequest, BearingTrialResult, to_json
 from lta_studies.light.bearing.score import extract_column, interval_coverage
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 from scipy.special import ndtri
 
-MISSING: Final = '\N{EN DASH}'
 CAPTION: Final = (
     'Dots: median error of the bearing. Lines above them: up to the 95 % quantile. Orange: '
     'the weighted mean of the paper (Huang et al. 2025). Blue: our fit.'
@@ -39,60 +33,40 @@ METHOD: Final = (
     'of diodes cannot measure the elevation, so its estimate is the prior.'
 )
 TICKS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)  # degrees
-HEAD: Final = (
-    'place', 'diodes', 'range [m]', 'SNR',
-    'paper, median [°]', 'paper, 95 % quantile [°]', 'fit, median [°]', 'fit, 95 % quantile [°]',
-    'fit deviation [°]', 'holds [%]', 'elevation, median [°]', 'holds [%]', 'lost: paper, fit [%]',
+PLACE_HEADS: Final = ('place', 'diodes', 'range [m]')
+BEARING_HEADS: Final = (
+    'SNR', 'paper, median [°]', 'paper, 95 % quantile [°]', 'fit, median [°]',
+    'fit, 95 % quantile [°]', 'fit deviation [°]', 'holds [%]',
 )  # fmt: skip
+ELEVATION_HEADS: Final = ('elevation, median [°]', 'holds [%]', 'lost: paper, fit [%]')
 
 
-def write_page(
-    results: Sequence[BearingTrialResult], request: BearingTrialRequest, out: Path
-) -> Path:
-    """Write the page and return its path; raise `BadInput` if that fails."""
-    return write_file(render_page(results, request), out)
-
-
-def render_page(results: Sequence[BearingTrialResult], request: BearingTrialRequest) -> str:
-    """Return the HTML of the page."""
+def build_report(results: Sequence[BearingTrialResult], request: BearingTrialRequest) -> Report:
+    """Return the report of a bearing study."""
     places = ' · '.join(f'{name}: {PLACES[name].about}' for name in request.places)
-    return assemble_page(
-        'bearing.html',
-        title=escape(format_headline(results)),
-        kicker='light · bearing',
-        about=escape(
-            f'{places}. {request.poses} random poses for each place, number of diodes and range.'
+    return Report(
+        command='light bearing',
+        subject=request.vehicle,
+        headline=format_headline(results),
+        introduction=f'{places}. {request.poses} random poses for each place, number of diodes '
+        'and range.',
+        tiles=build_tiles(results),
+        blocks=(
+            Picture('errors', 'Error of the bearing', CAPTION, plot_errors(results), height=420),
+            build_bearing_table(results),
+            build_elevation_table(results),
+            Picture(
+                'honest', 'How often the interval contains the true bearing', HONEST,
+                plot_calibration(results), height=420,
+            ),
+            TextSection('Method', (METHOD,)),
         ),
-        tiles='\n'.join(render_tile(*each) for each in build_tiles(results)),
-        table=render_table(build_bearing_rows(results)),
-        notes=f'<p class="note">{escape(METHOD)}</p>',
-        picture=render_section('errors', 'Error of the bearing', CAPTION, plot_errors(results)),
-        honest=render_section(
-            'honest',
-            'How often the interval contains the true bearing',
-            HONEST,
-            plot_calibration(results),
-        ),
+        data=to_json(results, request),
         facts={
-            'vehicle': request.vehicle,
-            'seed': str(request.seed),
+            'vehicle': request.vehicle, 'seed': str(request.seed),
             'readings': str(request.pose_count),
-            'commit': read_commit(),
         },
-        commands={'Repeat the study': format_lta_command(*format_command(request))},
-    )
-
-
-def format_command(request: BearingTrialRequest) -> list[str]:
-    """Return the command line that repeats the study."""
-    words = ['light', 'bearing', '--vehicle', request.vehicle]
-    for place in request.places:
-        words += ['--place', place]
-    for count in request.counts:
-        words += ['--diodes', str(count)]
-    for distance in request.ranges:
-        words += ['--range', format_range(distance)]
-    return [*words, '--poses', str(request.poses), '--seed', str(request.seed)]
+    )  # fmt: skip
 
 
 def format_range(distance: float | None) -> str:
@@ -110,20 +84,36 @@ def format_percent(part: float) -> str:
     return f'{100.0 * part:.1f}' if math.isfinite(part) else MISSING
 
 
-def build_bearing_rows(results: Sequence[BearingTrialResult]) -> list[tuple[str, ...]]:
-    """Return the table as text; the first row is the head."""
-    rows: list[tuple[str, ...]] = [HEAD]
-    for each in results:
-        s = each.score
-        rows.append((
-            each.place, str(each.count), format_range(each.range), f'{s.snr:.0f}',
-            format_degrees(s.paper), format_degrees(s.paper_most, 1),
-            format_degrees(s.ours), format_degrees(s.ours_most, 1),
-            format_degrees(s.deviation), format_percent(s.holds), format_degrees(s.elevation, 1),
-            format_percent(s.elevation_holds), f'{format_percent(s.paper_lost)}, '
-            f'{format_percent(s.ours_lost)}',
-        ))  # fmt: skip
-    return rows
+def build_bearing_table(results: Sequence[BearingTrialResult]) -> TextTable:
+    """Return the table of the bearings of both estimators."""
+    rows = [
+        [
+            *format_place(each), f'{s.snr:.0f}', format_degrees(s.paper),
+            format_degrees(s.paper_most, 1), format_degrees(s.ours),
+            format_degrees(s.ours_most, 1), format_degrees(s.deviation), format_percent(s.holds),
+        ]
+        for each, s in ((each, each.score) for each in results)
+    ]  # fmt: skip
+    return TextTable('Comparison of the estimators', (*PLACE_HEADS, *BEARING_HEADS), rows)
+
+
+def build_elevation_table(results: Sequence[BearingTrialResult]) -> TextTable:
+    """Return the table of elevations and of readings without an estimate."""
+    rows = [
+        [
+            *format_place(each), format_degrees(s.elevation, 1),
+            format_percent(s.elevation_holds),
+            f'{format_percent(s.paper_lost)}, {format_percent(s.ours_lost)}',
+        ]
+        for each, s in ((each, each.score) for each in results)
+    ]  # fmt: skip
+    heading = 'Elevation, and readings without an estimate'
+    return TextTable(heading, (*PLACE_HEADS, *ELEVATION_HEADS), rows)
+
+
+def format_place(result: BearingTrialResult) -> list[str]:
+    """Return the cells of place, number of diodes and range."""
+    return [result.place, str(result.count), format_range(result.range)]
 
 
 def format_headline(results: Sequence[BearingTrialResult]) -> str:
@@ -152,21 +142,6 @@ def build_tiles(results: Sequence[BearingTrialResult]) -> list[Tile]:
         )
         for each in results[:8]
     ]
-
-
-def render_table(rows: Sequence[Sequence[str]]) -> str:
-    """Return an HTML table; the first row is the head."""
-    head = ''.join(f'<th scope="col">{escape(cell)}</th>' for cell in rows[0])
-    lines = ''.join(
-        f'<tr><th scope="row">{escape(row[0])}</th>'
-        + ''.join(f'<td>{escape(cell)}</td>' for cell in row[1:])
-        + '</tr>'
-        for row in rows[1:]
-    )
-    return (
-        '<table class="limits"><caption class="hidden">Errors of the bearing</caption>'
-        f'<thead><tr>{head}</tr></thead><tbody>{lines}</tbody></table>'
-    )
 
 
 def plot_errors(results: Sequence[BearingTrialResult]) -> Figure:

@@ -1,17 +1,14 @@
-"""Write the polar study of a real light board as one self-contained HTML page."""
+"""Build the report on a real light board on a turntable."""
 
 from collections.abc import Mapping
-from html import escape
 import math
-from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from lta_report.drawing import create_figure
 from lta_report.formatting import Tile
-from lta_report.html_elements import render_section, render_tile
-from lta_report.page_frame import assemble_page, write_file
 from lta_report.palette import ESTIMATE, GRID, SETPOINT, SOFT, TIME, TRUTH
-from lta_studies.light.bearing.page import format_degrees, render_table
+from lta_report.report import Grid, Picture, Report, TextSection, TextTable
+from lta_studies.light.bearing.report import format_degrees
 from lta_studies.light.bearing.study import (
     CLAIMS,
     DIRECTIONS,
@@ -19,7 +16,12 @@ from lta_studies.light.bearing.study import (
     list_directions,
     RingStudy,
 )
-from lta_studies.light.bearing.study_page import build_ring_rows, median_error
+from lta_studies.light.bearing.study_report import (
+    build_claim_table,
+    build_ring_table,
+    format_median_errors,
+    median_error,
+)
 from lta_studies.light.turntable.response import TurntableResponse
 from lta_studies.light.turntable.turntable import TurntableReadings
 from lta_vlc.diodes import DiodeArray
@@ -46,65 +48,71 @@ METHOD: Final = (
 POINTS: Final = 91  # of the fitted curve, every 2 degrees
 
 
-def write_page(
+def build_report(
     study: RingStudy,
     readings: TurntableReadings,
     response: TurntableResponse,
     diodes: DiodeArray,
+    data: Mapping[str, Any],
+    *,
     facts: Mapping[str, str],
-    again: str,
-    out: Path,
-) -> Path:
-    """Write the page and return its path; raise `BadInput` if that fails."""
-    return write_file(
-        assemble_page(
-            'study.html',
-            title=escape(
-                'On the turntable, the median bearing error is '
-                f'{format_degrees(median_error(study.ours))}° for our fit and '
-                f'{format_degrees(median_error(study.paper))}° for the weighted mean of the '
-                'paper.'
-            ),
-            kicker='hardware · light board on a turntable',
-            about=escape(
-                f'{study.count} diodes, {DIRECTIONS} directions, {len(readings.direction)} '
-                'blocks of ADC samples.'
-            ),
-            tiles='\n'.join(render_tile(*each) for each in build_tiles(study, response)),
-            table=render_table(build_ring_rows([study]))
-            + render_table(build_diode_gain_rows(response)),
-            claims=render_table(build_claim_rows(study)),
-            notes=f'<p class="note">{escape(METHOD)}</p>',
-            pictures='\n'.join([
-                render_section('polar', 'Error by direction', POLAR, plot_polar_errors(study)),
-                render_section('curve', 'Angular response of a diode', CURVE,
-                        plot_response(readings, response, diodes)),
-            ]),
-            facts=facts,
-            commands={'Repeat the study': again},
+    closing: str,
+) -> Report:
+    """
+    Return the report of a turn.
+
+    Parameters
+    ----------
+    study, readings, response : RingStudy, TurntableReadings, TurntableResponse
+        Results of the turn.
+    diodes : DiodeArray
+        Diodes of the vehicle file.
+    data : mapping
+        Further content of the JSON file.
+    facts : mapping of str to str
+        Origin of the recording.
+    closing : str
+        Last line on the terminal.
+
+    """
+    # Only claims on rings with as many diodes as this board
+    claims = [judge_claim(claim, study) for claim in CLAIMS if claim.count == study.count]
+    return Report(
+        command='hardware light',
+        subject='light board on a turntable',
+        headline=f'On the turntable, {format_median_errors(study)}.',
+        introduction=f'{study.count} diodes, {DIRECTIONS} directions, {len(readings.direction)} '
+        'blocks of ADC samples.',
+        tiles=build_tiles(study, response),
+        blocks=(
+            Grid((
+                Picture('polar', 'Error by direction', POLAR, plot_polar_errors(study)),
+                Picture(
+                    'curve', 'Angular response of a diode', CURVE,
+                    plot_response(readings, response, diodes),
+                ),
+            )),
+            build_ring_table([study]),
+            build_gain_table(response),
+            build_claim_table(claims),
+            TextSection('Method', (METHOD,)),
         ),
-        out,
+        data={**study.to_json(), **data, 'response': response._asdict(), 'claims': claims},
+        facts=facts,
+        closing=(closing,),
+        json_name='turntable.json',
     )  # fmt: skip
 
 
-def build_claim_rows(study: RingStudy) -> list[tuple[str, ...]]:
-    """Return the table of the paper's claims on such a ring; the first row is the head."""
-    rows: list[tuple[str, ...]] = [('the paper, indoors', 'its estimator', 'the fit')]
-    # Only claims on rings with as many diodes as this board
-    rows += [judge_claim(claim, study) for claim in CLAIMS if claim.count == study.count]
-    return rows
-
-
-def build_diode_gain_rows(response: TurntableResponse) -> list[tuple[str, ...]]:
-    """Return the table of diode gains; the first row is the head."""
-    rows: list[tuple[str, ...]] = [('diode', 'gain', 'standard deviation')]
-    rows += [
-        (str(k), f'{gain:.3f}', f'{deviation:.3f}')
+def build_gain_table(response: TurntableResponse) -> TextTable:
+    """Return the table of diode gains."""
+    rows = [
+        [str(k), f'{gain:.3f}', f'{deviation:.3f}']
         for k, (gain, deviation) in enumerate(
             zip(response.gains, response.gain_deviations, strict=True), start=1
         )
     ]
-    return rows
+    return TextTable('Gains', ('diode', 'gain', 'standard deviation'), rows)
 
 
 def build_tiles(study: RingStudy, response: TurntableResponse) -> list[Tile]:
