@@ -7,6 +7,7 @@ from typing import Annotated
 
 from lta_cli.options.output_options import parse_folder, print_json
 from lta_cli.options.plain_console import plain_console
+from lta_cli.options.worker_options import RetryFailed, Scheduler, WorkerCount
 from lta_config.errors import BadInput
 from lta_flight.batch.fly import Device
 from lta_flight.sweep.job_runner import FAILED
@@ -31,17 +32,8 @@ def sweep(
             metavar='FOLDER',
         ),
     ] = None,
-    workers: Annotated[
-        int | None,
-        typer.Option(help='Number of worker processes; one per processor by default.', min=1),
-    ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(
-            metavar='ADDRESS',
-            help='Fly on a Dask cluster; address of its scheduler, such as tcp://10.0.0.1:8786.',
-        ),
-    ] = None,
+    workers: WorkerCount = None,
+    scheduler: Scheduler = None,
     device: Annotated[
         Device | None,
         typer.Option(
@@ -55,7 +47,7 @@ def sweep(
             help='With --device: fly open loop with a constant duty from -1 to 1 for each rotor.',
         ),
     ] = None,
-    retry: Annotated[bool, typer.Option('--retry-failed', help='Repeat failed flights.')] = False,
+    retry: RetryFailed = False,
     page: Annotated[bool, typer.Option(help='Write an HTML report of the sweep.')] = True,
     json: Annotated[bool, typer.Option('--json', help='Print the summary as JSON.')] = False,
 ) -> None:
@@ -137,7 +129,7 @@ def sweep_to_dict(done: SweepRun) -> dict[str, object]:
         'reached_low': share.low,
         'reached_high': share.high,
         'flown': done.flown,
-        'workers_lost': done.deaths,
+        'workers_lost': done.lost,
         # Zero if all flights were already stored
         'rate': done.flown / done.wall if done.wall else 0.0,
         'table': str(done.table),
@@ -154,9 +146,9 @@ def print_summary(done: SweepRun, console: Console) -> None:
         lines.append(f'{done.flown} flights in {done.wall:.0f} s: {rate:.2f} flights/s.')
     else:
         lines.append('All flights were already stored; nothing was flown.')
-    if done.deaths:
+    if done.lost:
         lines.append(
-            f'{done.deaths} worker processes ended unexpectedly; their flights were repeated or '
+            f'{done.lost} worker processes ended unexpectedly; their flights were repeated or '
             'count as failed. Fly failed ones again with --retry-failed.'
         )
     failures = Counter(row.sentence for row in done.rows if row.outcome == FAILED)

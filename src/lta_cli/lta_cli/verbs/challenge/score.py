@@ -5,7 +5,6 @@ import sys
 from typing import Annotated
 
 from lta_challenge.page import write_page
-from lta_challenge.progress import challenge_bar, Jobs
 from lta_challenge.score import ChallengeScore, write_score
 from lta_challenge.score import score_challenge as score_challenge
 from lta_challenge.score_report import (
@@ -17,10 +16,11 @@ from lta_challenge.score_report import (
 )
 from lta_cli.options.output_options import parse_folder
 from lta_cli.options.plain_console import plain_console
+from lta_cli.options.worker_options import RetryFailed, WorkerCount
 from lta_config.errors import BadInput
 from lta_report.page_frame import write_file
 from lta_report.results_folder import format_page_line
-from lta_studies.platforms.run import count_processors
+from lta_report.study import StudyOptions
 from rich.console import Console
 from rich.table import Table
 import typer
@@ -45,7 +45,8 @@ def score(
             metavar='FILE',
         ),
     ] = None,
-    jobs: Jobs = None,
+    workers: WorkerCount = None,
+    retry: RetryFailed = False,
     json: Annotated[bool, typer.Option('--json', help='Print the scores as JSON.')] = False,
 ) -> None:
     """
@@ -67,14 +68,7 @@ def score(
     console = plain_console(stderr=json)
     done: list[ChallengeScore] = []
     for place in folders:
-        with challenge_bar(console, 'studying', 1) as bar:
-            scored = score_challenge(
-                place,
-                jobs or count_processors(),
-                most,
-                # The number of cases is known only after the challenge is read
-                lambda now, whole: bar.update_bar(completed=now, total=whole),
-            )
+        scored = score_challenge(place, StudyOptions(workers, retry_failed=retry), console, most)
         text = write_score(scored, place)
         if json:
             sys.stdout.write(text)

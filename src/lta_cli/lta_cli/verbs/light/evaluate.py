@@ -7,9 +7,11 @@ from typing import Annotated
 from lta_bridge.bag.writer import prepare_empty_folder
 from lta_cli.options.output_options import parse_folder, print_json_text
 from lta_cli.options.plain_console import plain_console
+from lta_cli.options.worker_options import RetryFailed, Scheduler, WorkerCount
 from lta_report.browser import find_chromium
 from lta_report.results_folder import format_page_line, write_json
 from lta_report.screenshots import write_pictures
+from lta_report.study import StudyOptions
 from lta_studies.light.evaluation import scores_page
 from lta_studies.light.evaluation.findings import EvaluationFindings
 from lta_studies.light.evaluation.flights import MOST
@@ -40,11 +42,9 @@ def evaluate(
             metavar='FOLDER',
         ),
     ] = None,
-    workers: Annotated[
-        int | None,
-        typer.Option(help='Number of worker processes; one per processor by default.', min=1),
-    ] = None,
-    retry: Annotated[bool, typer.Option('--retry-failed', help='Repeat failed flights.')] = False,
+    workers: WorkerCount = None,
+    scheduler: Scheduler = None,
+    retry: RetryFailed = False,
     pictures: Annotated[
         Path | None,
         typer.Option(
@@ -83,7 +83,8 @@ def evaluate(
         prepare_empty_folder(pictures)
     # No time in the name, so that repeating the command resumes
     target = (out or Path('runs') / 'light-evaluate').absolute()
-    order = EvaluationRequest(tuple(sets or SETS), seeds, target, workers, retry)
+    options = StudyOptions(workers, scheduler, retry)
+    order = EvaluationRequest(tuple(sets or SETS), seeds, target, options)
     done = run_evaluation(order, console)
     found = EvaluationFindings(done)
     content = write_json(found.to_dict(), order.folder / 'evaluation.json')

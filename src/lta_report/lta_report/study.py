@@ -1,0 +1,149 @@
+"""
+Run a study: one function on many items, in parallel, with resume and progress.
+
+A study declares its items, a function at the top of a module, and the format of its store. Items
+that failed count as done until the study is repeated with --retry-failed.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import final, Generic, TypeVar
+
+from lta_config.errors import BadInput
+from lta_report.study_progress import StudyProgress
+from lta_report.study_store import StudyStore
+from lta_report.workers import ItemFailure, open_workers, Workers
+from rich.console import Console
+
+Item = TypeVar('Item')
+Result = TypeVar('Result')
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class StudyOptions:
+    """The options --workers, --scheduler and --retry-failed of a study."""
+
+    workers: int | None = None
+    scheduler: str | None = None
+    retry_failed: bool = False
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class StudyOutcome(Generic[Result]):
+    """
+    The outcome of a study.
+
+    Attributes
+    ----------
+    results : mapping
+        Results by key, in the order of the items; failed items are missing.
+    failures : mapping
+        Failed items by key.
+    finished, lost : int
+        Items of this run, and workers that died in it.
+    unit : str
+        What the items are, such as 'flights'.
+
+    """
+
+    results: Mapping[str, Result]
+    failures: Mapping[str, ItemFailure]
+    finished: int
+    lost: int
+    unit: str
+
+    def require_all(self) -> list[Result]:
+        """Return all results; raise `BadInput` if an item failed."""
+        if self.failures:
+            key, failure = next(iter(self.failures.items()))
+            raise BadInput(
+                f'{len(self.failures)} of {len(self.results) + len(self.failures)} {self.unit} '
+                f'failed. {key}: {failure.reason} Finished {self.unit} are stored; repeat the '
+                'command with --retry-failed to repeat the failed ones.'
+            )
+        return list(self.results.values())
+
+
+def run_items(
+    items: Iterable[Item],
+    workers: Workers[Item, Result],
+    save: Callable[[Item, Result | ItemFailure], str],
+    progress: StudyProgress,
+) -> int:
+    """
+    Run items and save each outcome at once, so that Ctrl-C loses only what is running.
+
+    Parameters
+    ----------
+    items : iterable
+        The items.
+    workers : Workers
+        Not started yet.
+    save : callable
+        Stores an outcome and returns the word under which the progress bar counts it, or ''.
+    progress : StudyProgress
+        Progress bar.
+
+    Returns
+    -------
+    int
+        Number of items.
+
+    """
+    count = 0
+    with progress, workers:
+        for item, outcome in workers.run(items):
+            progress.count_item(save(item, outcome), workers.lost)
+            count += 1
+    return count
+
+
+def run_study(
+    function: Callable[[Item], Result],
+    items: Sequence[Item],
+    find_key: Callable[[Item], str],
+    store: StudyStore[Result],
+    options: StudyOptions,
+    console: Console,
+    unit: str,
+) -> StudyOutcome[Result]:
+    """
+    Run the items that the store lacks and return the outcome of all.
+
+    Parameters
+    ----------
+    function : callable
+        Returns the result of an item; must be picklable.
+    items : sequence
+        All items of the study.
+    find_key : callable
+        Returns the key of an item in the store.
+    store : StudyStore
+        Finished items.
+    options : StudyOptions
+        Workers or scheduler.
+    console : Console
+        Terminal of the progress bar.
+    unit : str
+        What the items are, such as 'flights'.
+
+    """
+    keys = [find_key(item) for item in items]
+    todo = [item for item, key in zip(items, keys, strict=True) if key not in store]
+
+    def save(item: Item, outcome: Result | ItemFailure) -> str:
+        store.add(find_key(item), outcome)
+        return 'failed' if isinstance(outcome, ItemFailure) else ''
+
+    progress = StudyProgress(console, len(items), len(items) - len(todo), unit)
+    workers = open_workers(function, options.workers, options.scheduler, progress.show_part)
+    finished = run_items(todo, workers, save, progress)
+    return StudyOutcome(
+        {key: store.results[key] for key in keys if key in store.results},
+        {key: store.failures[key] for key in keys if key in store.failures},
+        finished,
+        workers.lost,
+        unit,
+    )
