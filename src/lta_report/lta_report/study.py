@@ -7,6 +7,7 @@ that failed count as done until the study is repeated with --retry-failed.
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import final, Generic, TypeVar
 
 from lta_config.errors import BadInput
@@ -45,6 +46,8 @@ class StudyOutcome(Generic[Result]):
         Items of this run, and workers that died in it.
     unit : str
         What the items are, such as 'flights'.
+    folder : Path
+        Folder of the store.
 
     """
 
@@ -53,6 +56,7 @@ class StudyOutcome(Generic[Result]):
     finished: int
     lost: int
     unit: str
+    folder: Path
 
     def require_all(self) -> list[Result]:
         """Return all results; raise `BadInput` if an item failed."""
@@ -60,8 +64,8 @@ class StudyOutcome(Generic[Result]):
             key, failure = next(iter(self.failures.items()))
             raise BadInput(
                 f'{len(self.failures)} of {len(self.results) + len(self.failures)} {self.unit} '
-                f'failed. {key}: {failure.reason} Finished {self.unit} are stored; repeat the '
-                'command with --retry-failed to repeat the failed ones.'
+                f"failed. {key}: {failure.reason} The others are stored in '{self.folder}'; run "
+                'the command again with --retry-failed to repeat the failed ones there.'
             )
         return list(self.results.values())
 
@@ -108,6 +112,7 @@ def run_study(
     options: StudyOptions,
     console: Console,
     unit: str,
+    describe: Callable[[Item, Result], str] | None = None,
 ) -> StudyOutcome[Result]:
     """
     Run the items that the store lacks and return the outcome of all.
@@ -128,6 +133,8 @@ def run_study(
         Terminal of the progress bar.
     unit : str
         What the items are, such as 'flights'.
+    describe : callable, optional
+        Returns a line that a terminal shows when an item is finished.
 
     """
     keys = [find_key(item) for item in items]
@@ -135,7 +142,12 @@ def run_study(
 
     def save(item: Item, outcome: Result | ItemFailure) -> str:
         store.add(find_key(item), outcome)
-        return 'failed' if isinstance(outcome, ItemFailure) else ''
+        if isinstance(outcome, ItemFailure):
+            return 'failed'
+        # In a log file, the bar itself prints lines
+        if describe is not None and console.is_terminal:
+            progress.show_message(describe(item, outcome))
+        return ''
 
     progress = StudyProgress(console, len(items), len(items) - len(todo), unit)
     workers = open_workers(function, options.workers, options.scheduler, progress.show_part)
@@ -146,4 +158,5 @@ def run_study(
         finished,
         workers.lost,
         unit,
+        store.folder,
     )

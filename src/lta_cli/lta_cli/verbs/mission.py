@@ -5,18 +5,15 @@ from typing import Annotated, Literal
 
 from lta_cli.options.output_options import check_picture_output, Json, Out, Pictures, print_json
 from lta_cli.options.plain_console import plain_console
+from lta_cli.options.worker_options import RetryFailed, Scheduler, WorkerCount
 from lta_config.command_line import format_lta_command, relative_path
-from lta_report.progress_bar import ProgressBar
 from lta_report.results_folder import format_page_line, resolve_folder, write_json
 from lta_report.screenshots import write_pictures
+from lta_report.study import StudyOptions
 from lta_studies.energy.tables import print_table, transpose_table
 from lta_studies.mission.page import build_mission_tables, format_headline, write_page
 from lta_studies.mission.run import flight_time_ratio, load_request, run_missions, SCHEDULES
-from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 import typer
-
-# s
-DAY = 86400.0
 
 
 def mission(
@@ -34,6 +31,9 @@ def mission(
             'between flights. all: simulate all three.'
         ),
     ] = 'all',
+    workers: WorkerCount = None,
+    scheduler: Scheduler = None,
+    retry: RetryFailed = False,
     out: Out = None,
     pictures: Pictures = None,
     json: Json = False,
@@ -59,11 +59,7 @@ def mission(
     # Consecutive seeds, each with its own clouds
     order = load_request(name, days, range(seed, seed + seeds), schedules)
     folder = resolve_folder(out, f'mission-{order.mission.name}')
-    columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
-    # The progress bar counts simulated seconds
-    total = DAY * days * seeds * len(schedules)
-    with ProgressBar(console, *columns, begin='simulating', total=total) as bar:
-        lives = run_missions(order, folder, lambda gone: bar.update_bar(advance=gone))
+    lives = run_missions(order, folder, StudyOptions(workers, scheduler, retry), console)
     content = {
         'mission': order.mission.name,
         'days': days,

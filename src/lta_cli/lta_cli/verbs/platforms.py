@@ -9,23 +9,22 @@ from lta_bridge.bag.writer import prepare_empty_folder
 from lta_bridge.provenance import read_commit
 from lta_cli.options.output_options import Out
 from lta_cli.options.plain_console import plain_console
+from lta_cli.options.worker_options import RetryFailed, Scheduler, WorkerCount
 from lta_config.command_line import format_lta_command
 from lta_config.schema.comparison_file import load_comparison
 from lta_report.browser import find_chromium
 from lta_report.results_folder import format_page_line, resolve_folder, write_json
 from lta_report.screenshots import write_pictures
+from lta_report.study import StudyOptions
 from lta_studies.platforms.page import ComparisonReport, write_page
 from lta_studies.platforms.run import (
-    check_comparison,
-    count_processors,
-    fly_all,
+    build_entries,
+    fly_comparison,
     list_jobs,
-    PlatformResult,
     result_to_json,
 )
 from lta_studies.platforms.summary import describe_reversals
 from lta_studies.platforms.verdict import format_headline
-from rich.progress import track
 import typer
 
 
@@ -39,10 +38,9 @@ def platforms(
             help='Number of flights of each platform; by default as in the comparison file.', min=1
         ),
     ] = None,
-    workers: Annotated[
-        int | None,
-        typer.Option(help='Number of worker processes; one per processor by default.', min=1),
-    ] = None,
+    workers: WorkerCount = None,
+    scheduler: Scheduler = None,
+    retry: RetryFailed = False,
     out: Out = None,
     pictures: Annotated[
         Path | None,
@@ -62,6 +60,8 @@ def platforms(
     file of setpoints over time with a tolerance band. Everything is checked before the first
     flight.
 
+    Finished flights are stored, and repeating the command with the same --out resumes.
+
     Writes flights.json (SI units) and a page: plots, metrics with their spread over the seeds,
     the effect of each ablation, and each platform's static margin.
 
@@ -75,18 +75,11 @@ def platforms(
         prepare_empty_folder(pictures)
     comparison = load_comparison(file)
     # Every vehicle, gains file and manoeuvre is loaded before the first flight
-    check_comparison(file, comparison)
+    entries = build_entries(file, comparison)
     todo = list_jobs(file, comparison, seeds or comparison.seeds)
     created = datetime.now().astimezone().isoformat(timespec='seconds')
-    target = prepare_empty_folder(resolve_folder(out, comparison.name))
-    # An iterator: results arrive as the flights finish
-    coming = fly_all(todo, workers or count_processors())
-    rows: list[PlatformResult] = list(
-        track(coming, 'flying', len(todo), console=console, disable=not console.is_terminal)
-    )
-    # Workers finish in any order; the results must not depend on it
-    order = {job: index for index, job in enumerate(todo)}
-    rows.sort(key=lambda row: order[row.job])
+    target = resolve_folder(out, comparison.name)
+    rows = fly_comparison(entries, todo, target, StudyOptions(workers, scheduler, retry), console)
     content = write_json([result_to_json(row) for row in rows], target / 'flights.json')
     # Provenance, shown at the end of the page
     origin = {

@@ -12,25 +12,21 @@ from lta_cli.options.output_options import (
     print_json_text,
 )
 from lta_cli.options.plain_console import plain_console
+from lta_cli.options.worker_options import RetryFailed, WorkerCount
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.schema.paper_file import PaperRow
-from lta_report.progress_bar import ProgressBar
 from lta_report.results_folder import format_page_line, write_json
 from lta_report.screenshots import write_pictures
+from lta_report.study import StudyOptions
 from lta_studies.energy.tables import print_table, TextTable
-from lta_studies.platforms.run import count_processors
 from lta_studies.reproduce import figures_file, lines, markdown
 from lta_studies.reproduce.page import write_page
-from lta_studies.reproduce.row_store import StoredRow
 from lta_studies.reproduce.run import (
-    read_stored_rows,
+    reproduce_rows,
     ReproductionRequest,
     seed_count,
     select_rows,
-    study_all,
 )
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
 import typer
 
 LIST_HEADS = ('name', 'row', 'seeds', 'quick', 'claims', 'defects')
@@ -58,10 +54,8 @@ def reproduce(
             metavar='FOLDER',
         ),
     ] = None,
-    workers: Annotated[
-        int | None,
-        typer.Option(help='Number of worker processes; one per processor by default.', min=1),
-    ] = None,
+    workers: WorkerCount = None,
+    retry: RetryFailed = False,
     pictures: Pictures = None,
     as_markdown: Annotated[bool, typer.Option('--markdown', help='Print docs/paper.md.')] = False,
     json: Annotated[bool, typer.Option('--json', help='Print the results as JSON.')] = False,
@@ -92,9 +86,9 @@ def reproduce(
     # No time in the name, so that repeating the command resumes
     target = (out or Path('runs') / ('paper-quick' if quick else 'paper')).absolute()
     order = ReproductionRequest(
-        tuple(row.name for row in rows), quick, target, workers or count_processors()
+        tuple(row.name for row in rows), quick, target, StudyOptions(workers, retry_failed=retry)
     )
-    kepts = collect_row_results(order, rows, console)
+    kepts = reproduce_rows(order, rows, console)
     told = write_json(figures_file.encode_figures(rows, kepts), target / 'paper.json')
     # Command that repeats the run, shown on the page
     words = ['reproduce', *(names or []), *(['--quick'] if quick else [])]
@@ -117,27 +111,6 @@ def reproduce(
     console.print(
         format_page_line(relative_path(page)), highlight=False, markup=False, soft_wrap=True
     )
-
-
-def collect_row_results(
-    order: ReproductionRequest, rows: Sequence[PaperRow], console: Console
-) -> dict[str, StoredRow]:
-    """Return the results of all rows: stored ones, and new ones for the rest."""
-    kepts = read_stored_rows(order, rows)
-    todo = [row for row in rows if row.name not in kepts]
-    columns = (
-        TextColumn('{task.description}'), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
-    )  # fmt: skip
-    with ProgressBar(console, *columns, begin='the paper', total=len(rows)) as bar:
-        # Stored rows count as done
-        bar.update_bar(advance=len(kepts))
-        for name, kept in study_all(order, todo):
-            kepts[name] = kept
-            bar.update_bar(advance=1, description=name)
-            # In a log file, the bar itself prints lines
-            if console.is_terminal:
-                bar.show_message(f'{name}: {kept.seconds:.0f} s')
-    return kepts
 
 
 def build_row_table(rows: Sequence[PaperRow]) -> TextTable:

@@ -5,7 +5,7 @@ from typing import Any
 
 from lta_config.schema.paper_file import PaperRow
 from lta_studies.reproduce import lines
-from lta_studies.reproduce.row_store import encode_values, StoredRow
+from lta_studies.reproduce.stored_row import encode_values, StoredRow
 from lta_studies.reproduce.verdict import judge_claims
 
 

@@ -5,7 +5,7 @@ from typing import Final
 
 from lta_config.schema.paper_file import find_measure_names, PaperClaim, PaperRow
 from lta_report.formatting import MISSING
-from lta_studies.reproduce.row_store import StoredRow
+from lta_studies.reproduce.stored_row import StoredRow
 from lta_studies.reproduce.verdict import (
     ClaimVerdict,
     count_verdicts,

@@ -6,7 +6,7 @@ from typing import Final
 from lta_config.schema.paper_file import PaperRow
 from lta_studies.reproduce import lines
 from lta_studies.reproduce.lines import Kepts, Lines
-from lta_studies.reproduce.row_store import StoredRow
+from lta_studies.reproduce.stored_row import StoredRow
 
 HEAD: Final = """# The paper, reproduced
 

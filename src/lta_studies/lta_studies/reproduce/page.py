@@ -14,7 +14,7 @@ from lta_report.page_frame import assemble_page, write_file
 from lta_studies.energy.tables import render_text_table
 from lta_studies.reproduce import lines
 from lta_studies.reproduce.lines import Kepts, Lines
-from lta_studies.reproduce.row_store import StoredPicture, StoredRow
+from lta_studies.reproduce.stored_row import StoredPicture, StoredRow
 from lta_studies.reproduce.verdict import ClaimVerdict
 from plotly.io import from_json
 
