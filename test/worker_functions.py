@@ -14,7 +14,8 @@ def die_at(folder, item):
     """Square a number, but die at 2, and at 1 the first time only."""
     mark = Path(folder) / 'died'
     if item == 2 or (item == 1 and not mark.exists()):
-        mark.touch()
+        if item == 1:
+            mark.touch()
         os.kill(os.getpid(), signal.SIGKILL)
     return item**2
 

@@ -47,6 +47,7 @@ class StudyProgress(ProgressBar):
         )
         self._unit, self._done, self._part, self._lost = unit, done, 0.0, 0
         self._counts: Counter[str] = Counter()
+        self._detail = ''
         self._shown = -LOOK  # in the past, so that the first item is shown at once
 
     def __exit__(
@@ -68,6 +69,11 @@ class StudyProgress(ProgressBar):
             self._counts[word] += 1
         self._update_sometimes()
 
+    def show_detail(self, words: str) -> None:
+        """Show words after the counts."""
+        self._detail = words
+        self._update_sometimes()
+
     def show_part(self, part: float) -> None:
         """Show the finished share of the current items, added up."""
         self._part = part
@@ -83,6 +89,8 @@ class StudyProgress(ProgressBar):
         words = [f'{count} {word}' for word, count in sorted(self._counts.items())]
         if self._lost:
             words.append(f'{self._lost} workers lost')
+        if self._detail:
+            words.append(self._detail)
         self.update_bar(completed=self._done + self._part, detail=', '.join(words))
         if self.speed and self.speed >= 0.1:
             self.update_bar(rate=f'{self.speed:.1f} {self._unit}/s')

@@ -19,7 +19,7 @@ from lta_report.study import StudyOptions
 from lta_studies.platforms.page import ComparisonReport, write_page
 from lta_studies.platforms.run import (
     build_entries,
-    fly_comparison,
+    fly_jobs,
     list_jobs,
     result_to_json,
 )
@@ -79,7 +79,7 @@ def platforms(
     todo = list_jobs(file, comparison, seeds or comparison.seeds)
     created = datetime.now().astimezone().isoformat(timespec='seconds')
     target = resolve_folder(out, comparison.name)
-    rows = fly_comparison(entries, todo, target, StudyOptions(workers, scheduler, retry), console)
+    rows = fly_jobs(entries, todo, target, StudyOptions(workers, scheduler, retry), console)
     content = write_json([result_to_json(row) for row in rows], target / 'flights.json')
     # Provenance, shown at the end of the page
     origin = {

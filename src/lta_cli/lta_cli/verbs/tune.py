@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 from lta_cli.options.output_options import Json, parse_folder, print_json
 from lta_cli.options.plain_console import plain_console
+from lta_cli.options.worker_options import WorkerCount
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.parameter_override import parse_quantity
 from lta_report.json_value import replace_nonfinite
@@ -111,7 +112,7 @@ def tune(
         ),
     ] = None,
     seed: Annotated[int, typer.Option(help='Random seed.', min=0, max=2**31 - 1)] = 1,
-    workers: Annotated[int, typer.Option(help='Number of worker processes.', min=1)] = 2,
+    workers: WorkerCount = None,
     out: Annotated[
         Path | None,
         typer.Option(help='Gains file to write; FOLDER/gains.yaml by default.', metavar='FILE'),

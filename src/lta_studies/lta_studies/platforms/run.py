@@ -213,7 +213,7 @@ def summarize_flight(job: PlatformJob, flight: ManeuverFlight) -> PlatformResult
     )  # fmt: skip
 
 
-def fly_comparison(
+def fly_jobs(
     entries: ComparisonEntries,
     jobs: list[PlatformJob],
     folder: Path,

@@ -24,7 +24,7 @@ from lta_studies.platforms.metrics import compute_tracking_metrics
 from lta_studies.platforms.page import ComparisonReport, write_page
 from lta_studies.platforms.run import (
     build_entries,
-    fly_comparison,
+    fly_jobs,
     list_jobs,
     PlatformJob,
     replace_speeds,
@@ -260,9 +260,9 @@ def test_a_parameter_that_is_none_is_refused():
 
 def test_every_entry_can_be_built():
     entries = build_entries('platforms', COMPARISON)
-    assert len(entries.entrants) == len(
-        COMPARISON.contestants | COMPARISON.ablations | COMPARISON.limits
-    )
+    assert {name for _, name in entries.entrants} == {
+        *COMPARISON.contestants, *COMPARISON.ablations, *COMPARISON.limits
+    }  # fmt: skip
     every = list_jobs('platforms', COMPARISON, 2)
     assert len(every) == len(set(every))
     assert {job.seed for job in every} == {1, 2}
@@ -275,7 +275,7 @@ def test_a_flight_that_is_stored_is_not_flown_again(tmp_path):
     with StudyStore(tmp_path, STORE, entries.identity) as store:
         store.add(job.key, row)
     before = (tmp_path / STORE.kind.file).read_bytes()
-    (again,) = fly_comparison(entries, [job], tmp_path, StudyOptions(workers=1), Console())
+    (again,) = fly_jobs(entries, [job], tmp_path, StudyOptions(workers=1), Console())
     assert (tmp_path / STORE.kind.file).read_bytes() == before
     assert result_to_json(again) == result_to_json(row)
     for name in ('flown', 'asked', 'duties'):

@@ -7,6 +7,7 @@ from typing import Annotated
 
 from lta_cli.options.output_options import check_picture_output, Out, Pictures
 from lta_cli.options.plain_console import plain_console
+from lta_cli.options.worker_options import Scheduler, WorkerCount
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import unknown_name_error
 from lta_config.schema.mount_file import load_mount
@@ -31,10 +32,8 @@ from lta_studies.cfd.progress import TunnelProgress
 from lta_studies.cfd.solvers import (
     Cache,
     check_solver_options,
-    Jobs,
     open_solver,
     resolve_cache_folder,
-    Scheduler,
 )
 from lta_studies.cfd.tables import build_drag_table, build_rotor_table
 from lta_studies.energy.tables import print_table
@@ -80,7 +79,7 @@ def run(
             'file, or a file of your own.'
         ),
     ] = None,
-    jobs: Jobs = None,
+    workers: WorkerCount = None,
     cache: Cache = None,
     scheduler: Scheduler = None,
     limit: Annotated[
@@ -116,7 +115,7 @@ def run(
     check_creatable(target)
     wanted: list[TunnelFlow] = []
     if fidelity is not Fidelity.analytic:
-        check_solver_options(jobs, scheduler)
+        check_solver_options(workers, scheduler)
         known = plan_flows(model, fidelity, AIR)
         # Names of axes and patterns depend on the vehicle, so Typer cannot check them
         if strangers := [each for each in only or () if each not in {f.about for f in known}]:
@@ -125,7 +124,7 @@ def run(
     if wanted:
         with (
             TunnelProgress(console, wanted) as bar,
-            open_solver(wanted, bar, jobs, cache, scheduler, limit) as crew,
+            open_solver(wanted, bar, workers, cache, scheduler, limit) as crew,
         ):
             found = solve_sweep(crew, model, wanted, AIR, bar.show_message)
             sweep = build_sweep(

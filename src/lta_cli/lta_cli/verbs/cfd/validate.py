@@ -6,6 +6,7 @@ from typing import Annotated
 
 from lta_cli.options.output_options import check_picture_output, Out, Pictures
 from lta_cli.options.plain_console import plain_console
+from lta_cli.options.worker_options import Scheduler, WorkerCount
 from lta_cli.verbs.cfd.run import AIR, Fidelity
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
@@ -23,7 +24,7 @@ from lta_sim.cfd.validation import (
     plan_validation_flows,
 )
 from lta_studies.cfd.progress import TunnelProgress
-from lta_studies.cfd.solvers import Cache, check_solver_options, Jobs, open_solver, Scheduler
+from lta_studies.cfd.solvers import Cache, check_solver_options, open_solver
 from lta_studies.cfd.sphere_page import format_headline, write_page
 from lta_studies.cfd.tables import build_sphere_table
 from lta_studies.energy.tables import print_table
@@ -38,7 +39,7 @@ def validate(
             'transient solver.'
         ),
     ] = Fidelity.preview,
-    jobs: Jobs = None,
+    workers: WorkerCount = None,
     cache: Cache = None,
     scheduler: Scheduler = None,
     out: Out = None,
@@ -63,7 +64,7 @@ def validate(
             '--fidelity analytic solves no flow to validate; choose preview or reference.'
         )
     # Fail before any work if OpenFOAM or the scheduler is missing
-    check_solver_options(jobs, scheduler)
+    check_solver_options(workers, scheduler)
     target = resolve_folder(out, 'cfd-sphere')
     check_creatable(target)
     # The reference includes the preview, to show the effect of the model
@@ -72,7 +73,7 @@ def validate(
     wanted = [flow for level in levels for flow in plan_validation_flows(model, level, AIR)]
     with (
         TunnelProgress(console, wanted) as bar,
-        open_solver(wanted, bar, jobs, cache, scheduler) as crew,
+        open_solver(wanted, bar, workers, cache, scheduler) as crew,
     ):
         found = compare_with_measurements(crew, model, wanted, AIR, bar.show_message)
     # Every case failed; the progress display has listed the reasons

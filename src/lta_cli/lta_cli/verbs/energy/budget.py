@@ -14,6 +14,7 @@ from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import format_lta_command, relative_path
 from lta_report.results_folder import format_page_line, resolve_folder, write_json
 from lta_report.screenshots import write_pictures
+from lta_report.study_progress import StudyProgress
 from lta_studies.energy.budget.page import (
     build_cause_table,
     build_task_table,
@@ -22,7 +23,6 @@ from lta_studies.energy.budget.page import (
     write_page,
 )
 from lta_studies.energy.budget.run import count_flights, measure_budget, to_json
-from lta_studies.energy.progress import run_with_progress
 from lta_studies.energy.tables import print_table
 import typer
 
@@ -54,9 +54,8 @@ def budget(
     console = plain_console(stderr=json)
     check_picture_output(pictures)
     target = prepare_empty_folder(resolve_folder(out, 'budget'))
-    found = run_with_progress(
-        lambda tick: measure_budget(vehicle, beside, seeds, tick), count_flights(seeds), console
-    )
+    with StudyProgress(console, count_flights(seeds), unit='flights') as progress:
+        found = measure_budget(vehicle, beside, seeds, progress.count_item)
     content = write_json(to_json(found), target / 'budget.json')
     # The page shows the command that repeats the study
     again = format_lta_command(

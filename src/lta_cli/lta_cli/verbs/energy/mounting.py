@@ -15,11 +15,11 @@ from lta_config.command_line import format_lta_command, relative_path
 from lta_config.files import find_file, load_yaml
 from lta_report.results_folder import format_page_line, resolve_folder, write_json
 from lta_report.screenshots import write_pictures
+from lta_report.study_progress import StudyProgress
 from lta_studies.energy.mounting import verdict
 from lta_studies.energy.mounting.page import write_page
 from lta_studies.energy.mounting.run import compare_mounts, MountingRequest
 from lta_studies.energy.mounting.tables import build_comparison_tables, to_json
-from lta_studies.energy.progress import run_with_progress
 from lta_studies.energy.tables import print_table, transpose_table
 import typer
 import yaml
@@ -79,7 +79,8 @@ def mounting(
     # Number of flights, for the progress bar
     todo = seeds * sum(map(len, order.build_vehicles().values()))
     target = prepare_empty_folder(resolve_folder(out, 'mounting'))
-    found = run_with_progress(lambda tick: compare_mounts(order, tick), todo, console)
+    with StudyProgress(console, todo, unit='flights') as progress:
+        found = compare_mounts(order, progress.count_item)
     content = write_json(to_json(found), target / 'mounting.json')
     # Variants in the vehicle's own hull, or in the fuller one if it cannot carry a mount
     for each in (found.own or found.shared).values():
