@@ -24,8 +24,8 @@ from lta_challenge.trial import run_trial
 from lta_config.errors import BadInput
 from lta_report.line_log import LogKind
 from lta_report.results_folder import write_json
-from lta_report.study import run_study, StudyOptions
-from lta_report.study_store import StoreFormat, StudyStore
+from lta_report.study import Study, StudyOptions
+from lta_report.study_store import StoreFormat
 from pydantic import TypeAdapter
 from rich.console import Console
 
@@ -111,17 +111,16 @@ def score_challenge(
     """
     about, now = read_challenge(folder), collect_versions()
     count = min(int(about['cases']), most or int(about['cases']))
-    identity = about['answers_sha256']
 
     def find_key(number: int) -> str:
         # Results of other effects or another vehicle file are computed again
         return ' '.join((f'{number:04d}', *now.values()))
 
-    with StudyStore(folder / RESULTS, STORE, identity, options.retry_failed) as store:
-        numbers = range(count)
-        _check_complete(folder, [n for n in numbers if find_key(n) not in store], about)
-        study = partial(_run_case, folder)
-        outcome = run_study(study, numbers, find_key, store, options, console, 'cases')
+    study = Study(partial(_run_case, folder), find_key, STORE, 'cases')
+    outcome = study.run(
+        range(count), folder / RESULTS, about['answers_sha256'], options, console,
+        lambda todo: _check_complete(folder, todo, about),
+    )  # fmt: skip
     answers = read_answers(folder / SEALED)
     results = outcome.require_all()
     cases = [score_case(n, answers[str(n)], found) for n, found in enumerate(results)]

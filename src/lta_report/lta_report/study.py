@@ -12,7 +12,7 @@ from typing import final, Generic, TypeVar
 
 from lta_config.errors import BadInput
 from lta_report.study_progress import StudyProgress
-from lta_report.study_store import StudyStore
+from lta_report.study_store import StoreFormat, StudyStore
 from lta_report.workers import ItemFailure, open_workers, Workers
 from rich.console import Console
 
@@ -104,59 +104,92 @@ def run_items(
     return count
 
 
-def run_study(
-    function: Callable[[Item], Result],
-    items: Sequence[Item],
-    find_key: Callable[[Item], str],
-    store: StudyStore[Result],
-    options: StudyOptions,
-    console: Console,
-    unit: str,
-    describe: Callable[[Item, Result], str] | None = None,
-) -> StudyOutcome[Result]:
+@final
+@dataclass(frozen=True, slots=True)
+class Study(Generic[Item, Result]):
     """
-    Run the items that the store lacks and return the outcome of all.
+    What a study consists of.
 
-    Parameters
+    Attributes
     ----------
     function : callable
         Returns the result of an item; must be picklable.
-    items : sequence
-        All items of the study.
     find_key : callable
         Returns the key of an item in the store.
-    store : StudyStore
-        Finished items.
-    options : StudyOptions
-        Workers or scheduler.
-    console : Console
-        Terminal of the progress bar.
+    form : StoreFormat
+        How results are stored.
     unit : str
         What the items are, such as 'flights'.
     describe : callable, optional
         Returns a line that a terminal shows when an item is finished.
 
     """
-    keys = [find_key(item) for item in items]
-    todo = [item for item, key in zip(items, keys, strict=True) if key not in store]
 
-    def save(item: Item, outcome: Result | ItemFailure) -> str:
-        store.add(find_key(item), outcome)
-        if isinstance(outcome, ItemFailure):
-            return 'failed'
-        # In a log file, the bar itself prints lines
-        if describe is not None and console.is_terminal:
-            progress.show_message(describe(item, outcome))
-        return ''
+    function: Callable[[Item], Result]
+    find_key: Callable[[Item], str]
+    form: StoreFormat[Result]
+    unit: str
+    describe: Callable[[Item, Result], str] | None = None
 
-    progress = StudyProgress(console, len(items), len(items) - len(todo), unit)
-    workers = open_workers(function, options.workers, options.scheduler, progress.show_part)
-    finished = run_items(todo, workers, save, progress)
-    return StudyOutcome(
-        {key: store.results[key] for key in keys if key in store.results},
-        {key: store.failures[key] for key in keys if key in store.failures},
-        finished,
-        workers.lost,
-        unit,
-        store.folder,
-    )
+    def run(
+        self,
+        items: Sequence[Item],
+        folder: Path,
+        identity: str,
+        options: StudyOptions,
+        console: Console,
+        check: Callable[[Sequence[Item]], None] = lambda _: None,
+    ) -> StudyOutcome[Result]:
+        """
+        Run the items that are not stored yet, and return the outcome of all.
+
+        Parameters
+        ----------
+        items : sequence
+            All items of the study.
+        folder : Path
+            Folder of the store.
+        identity : str
+            Hash of everything that determines the results, except what the keys tell.
+        options : StudyOptions
+            Workers or scheduler, and whether to repeat failed items.
+        console : Console
+            Terminal of the progress bar.
+        check : callable
+            Raises `BadInput` if items that are not stored cannot be run.
+
+        Raises
+        ------
+        BadInput
+            If the folder belongs to something else, or the workers cannot start.
+
+        """
+        progress = StudyProgress(console, len(items), unit=self.unit)
+        # Before the folder is created: the scheduler may not answer
+        workers = open_workers(
+            self.function, options.workers, options.scheduler, progress.show_part
+        )
+        keys = [self.find_key(item) for item in items]
+        with StudyStore(folder, self.form, identity, options.retry_failed) as store:
+            todo = [item for item, key in zip(items, keys, strict=True) if key not in store]
+            check(todo)
+            progress.skip_items(len(items) - len(todo))
+
+            def save(item: Item, outcome: Result | ItemFailure) -> str:
+                store.add(self.find_key(item), outcome)
+                if isinstance(outcome, ItemFailure):
+                    return 'failed'
+                # In a log file, the bar itself prints lines
+                if self.describe is not None and console.is_terminal:
+                    progress.show_message(self.describe(item, outcome))
+                return ''
+
+            finished = run_items(todo, workers, save, progress)
+        return StudyOutcome(
+            {key: store.results[key] for key in keys if key in store.results},
+            {key: store.failures[key] for key in keys if key in store.failures},
+            finished,
+            workers.lost,
+            self.unit,
+            folder,
+        )

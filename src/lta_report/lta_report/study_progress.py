@@ -60,6 +60,10 @@ class StudyProgress(ProgressBar):
         self._update()
         super().__exit__(kind, error, trace)
 
+    def skip_items(self, count: int) -> None:
+        """Count items as finished before the work begins."""
+        self._done += count
+
     def count_item(self, word: str = '', lost: int = 0) -> None:
         """Count an item under a word; `lost` is the number of workers that died so far."""
         self._done += 1

@@ -96,8 +96,6 @@ class StudyStore(AbstractContextManager['StudyStore[Any]', None], Generic[Result
         Results by key; a later line of the file replaces an earlier one.
     failures : dict
         Failed items by key.
-    folder : Path
-        Results folder.
 
     Raises
     ------
@@ -118,7 +116,7 @@ class StudyStore(AbstractContextManager['StudyStore[Any]', None], Generic[Result
                 f"'{folder}' contains files that do not belong to a {form.kind.word}; choose "
                 'another folder.'
             )
-        self.folder, self._form = folder, form
+        self._form = form
         self._log = LineLog(folder, form.kind, identity, form.from_line)
         self.results: dict[Any, Result] = {}
         self.failures: dict[Any, ItemFailure] = {}

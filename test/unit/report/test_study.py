@@ -4,11 +4,12 @@ from dataclasses import dataclass
 import io
 import json
 import math
+import sys
 from typing import NamedTuple
 
 from lta_config.errors import BadInput
 from lta_report.line_log import LogKind
-from lta_report.study import run_study, StudyOptions
+from lta_report.study import Study, StudyOptions
 from lta_report.study_progress import StudyProgress
 from lta_report.study_store import StoreFormat, StudyStore
 from lta_report.workers import ItemFailure
@@ -22,10 +23,9 @@ QUIET = Console(file=io.StringIO())
 
 
 def count(folder, function, items, identity='mine', **options):
-    with StudyStore(
-        folder, NUMBERS, identity, retry_failed=options.pop('retry_failed', False)
-    ) as store:
-        return run_study(function, items, str, store, StudyOptions(**options), QUIET, 'numbers')
+    return Study(function, str, NUMBERS, 'numbers').run(
+        items, folder, identity, StudyOptions(**options), QUIET
+    )
 
 
 def test_results_come_in_the_order_of_the_items(tmp_path):
@@ -91,6 +91,24 @@ def test_the_folder_of_something_else_is_refused(tmp_path):
     with pytest.raises(BadInput, match='contains files that do not belong to a count; choose'):
         count(tmp_path, abs, [1], workers=1)
     assert not (tmp_path / 'numbers.jsonl').exists()
+
+
+def test_a_cluster_that_is_not_there_leaves_no_folder(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, 'distributed', None)
+    with pytest.raises(BadInput, match='-r requirements-dask'):
+        count(tmp_path / 'out', abs, [1], scheduler='tcp://127.0.0.1:1')
+    assert not (tmp_path / 'out').exists()
+
+
+def test_items_that_cannot_be_run_are_refused_before_the_first(tmp_path):
+    def refuse(todo):
+        raise BadInput(f'{todo} cannot be run.')
+
+    count(tmp_path, abs, [1], workers=1)
+    with pytest.raises(BadInput, match=r'^\[2\] cannot be run'):
+        Study(abs, str, NUMBERS, 'numbers').run(
+            [1, 2], tmp_path, 'mine', StudyOptions(workers=1), QUIET, refuse
+        )
 
 
 class Spread(NamedTuple):

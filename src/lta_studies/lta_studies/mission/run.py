@@ -12,8 +12,8 @@ from lta_config.schema.mission_file import load_mission, MissionFile
 from lta_energy.irradiance import IrradianceSeries, simulate_irradiance
 from lta_energy.mission_log import MissionLog
 from lta_report.line_log import LogKind
-from lta_report.study import run_study, StudyOptions
-from lta_report.study_store import StoreFormat, StudyStore
+from lta_report.study import Study, StudyOptions
+from lta_report.study_store import StoreFormat
 from lta_report.workers import report_progress
 from lta_studies.light.evaluation.intervals import bootstrap_mean, bootstrap_ratio, BootstrapMean
 from lta_studies.mission.figures import MissionFigures, summarize_mission
@@ -135,10 +135,8 @@ def run_missions(
 
     """
     jobs = [MissionJob(schedule, seed) for seed in request.seeds for schedule in request.schedules]
-    with StudyStore(folder, STORE, request.digest, options.retry_failed) as store:
-        logs = run_study(
-            request.simulate, jobs, attrgetter('key'), store, options, console, 'missions'
-        ).require_all()
+    study = Study(request.simulate, attrgetter('key'), STORE, 'missions')
+    logs = study.run(jobs, folder, request.digest, options, console).require_all()
     beacons = len(request.mission.round)
     return [
         MissionResult(*job, log, summarize_mission(log, beacons))

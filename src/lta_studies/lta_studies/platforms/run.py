@@ -18,8 +18,8 @@ from lta_flight.closed_loop import ClosedLoop
 from lta_model.scenario import load_scenario, Scenario
 from lta_report.json_value import StoredArray
 from lta_report.line_log import LogKind
-from lta_report.study import run_study, StudyOptions
-from lta_report.study_store import StoreFormat, StudyStore
+from lta_report.study import Study, StudyOptions
+from lta_report.study_store import StoreFormat
 from lta_studies.platforms.entrants import build_entrant
 from lta_studies.platforms.flight import Entrant, fly_maneuver, ManeuverFlight, prepare_flight
 from lta_studies.platforms.metrics import TrackingMetrics
@@ -229,10 +229,8 @@ def fly_jobs(
         If the folder belongs to something else, or a flight failed.
 
     """
-    with StudyStore(folder, STORE, entries.identity, options.retry_failed) as store:
-        return run_study(
-            entries.fly, jobs, attrgetter('key'), store, options, console, 'flights'
-        ).require_all()
+    study = Study(entries.fly, attrgetter('key'), STORE, 'flights')
+    return study.run(jobs, folder, entries.identity, options, console).require_all()
 
 
 def result_to_json(row: PlatformResult) -> dict[str, Any]:

@@ -11,8 +11,8 @@ from typing import Final, final
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.schema.paper_file import load_paper_row, load_paper_rows, PaperRow
 from lta_report.line_log import LogKind
-from lta_report.study import run_study, StudyOptions
-from lta_report.study_store import StoreFormat, StudyStore
+from lta_report.study import Study, StudyOptions
+from lta_report.study_store import StoreFormat
 from lta_studies.reproduce.registry import STUDIES
 from lta_studies.reproduce.sources import hash_sources
 from lta_studies.reproduce.stored_row import build_stored_row, hash_row, StoredRow
@@ -93,10 +93,10 @@ def reproduce_rows(
     # Computed before the studies: a file edited meanwhile must invalidate the result.
     keys = {row.name: compute_row_key(row, order.quick) for row in rows}
     names = list(keys)
+    study = Study(
+        partial(study_row, order.quick, order.folder), keys.__getitem__, STORE, 'rows',
+        lambda name, row: f'{name}: {row.seconds:.0f} s',
+    )  # fmt: skip
     # The keys contain the hash of everything that determines a row.
-    with StudyStore(order.folder, STORE, 'rows', order.options.retry_failed) as store:
-        outcome = run_study(
-            partial(study_row, order.quick, order.folder), names, keys.__getitem__, store,
-            order.options, console, 'rows', lambda name, row: f'{name}: {row.seconds:.0f} s',
-        )  # fmt: skip
+    outcome = study.run(names, order.folder, 'rows', order.options, console)
     return dict(zip(names, outcome.require_all(), strict=True))
