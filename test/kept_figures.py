@@ -1,6 +1,6 @@
 """Rows of the paper from the figures that a run kept: docs/paper.md is held to them."""
 
-from lta_studies.reproduce.row_store import decode_values, StoredPicture, StoredRow
+from lta_studies.reproduce.stored_row import decode_values, StoredPicture, StoredRow
 
 
 def kepts_in(found):

@@ -15,10 +15,12 @@ from pathlib import Path
 
 from kept_figures import kepts_in
 from lta_report.report_page import render_report
+from lta_report.study import StudyOptions
 from lta_studies.reproduce.report import build_report, format_markdown_page, IMAGES
-from lta_studies.reproduce.run import ReproductionRequest, select_rows, study_all
+from lta_studies.reproduce.run import reproduce_rows, ReproductionRequest, select_rows
 from lta_studies.reproduce.verdict import judge_claims
 import pytest
+from rich.console import Console
 
 HERE = Path(__file__).parent
 TOLD = json.loads((HERE / 'paper_quick.json').read_text(encoding='utf-8'))
@@ -44,7 +46,13 @@ def studied(tmp_path_factory):
     def studied(rows):
         todo = [row for row in rows if row.name not in kept]
         kept.update(
-            study_all(ReproductionRequest(tuple(row.name for row in todo), True, folder, 1), todo)
+            reproduce_rows(
+                ReproductionRequest(
+                    tuple(row.name for row in todo), True, folder, StudyOptions(workers=1)
+                ),
+                todo,
+                Console(quiet=True),
+            )
         )
         return {row.name: kept[row.name] for row in rows}
 

@@ -5,11 +5,13 @@ from pathlib import Path
 
 from lta_challenge.make import ChallengeRequest, generate_challenge
 from lta_challenge.report import build_report
-from lta_challenge.score import ChallengeScore, score_challenge
+from lta_challenge.score import ChallengeScore, RESULTS, score_challenge, STORE
 from lta_challenge.score_statistics import CLEAR
+from lta_config.processor_cores import count_cores
 from lta_report.report_output import write_report
-from lta_studies.platforms.run import count_processors
+from lta_report.study import StudyOptions
 import pytest
+from rich.console import Console
 
 pytestmark = pytest.mark.long
 
@@ -22,10 +24,8 @@ SECONDS = (60.0, 60.0)  # of a flight: the least that a challenge has by default
 def scored(tmp_path_factory: pytest.TempPathFactory) -> tuple[ChallengeScore, Path]:
     """Make and score a challenge."""
     folder = tmp_path_factory.mktemp('challenge') / 'hidden'
-    generate_challenge(
-        ChallengeRequest(20, MANY, 'base', None, SECONDS), folder, count_processors()
-    )
-    return score_challenge(folder, count_processors()), folder
+    generate_challenge(ChallengeRequest(20, MANY, 'base', None, SECONDS), folder, count_cores())
+    return score_challenge(folder, StudyOptions(), Console()), folder
 
 
 def test_every_case_is_answered(scored: tuple[ChallengeScore, Path]) -> None:
@@ -51,9 +51,11 @@ def test_a_study_is_as_good_as_the_oracle(scored: tuple[ChallengeScore, Path]) -
 
 def test_a_second_run_only_counts(scored: tuple[ChallengeScore, Path]) -> None:
     first, folder = scored
-    done: list[tuple[int, int]] = []
-    again = score_challenge(folder, 1, tell=lambda now, whole: done.append((now, whole)))
-    assert done == [(len(first.cases), len(first.cases))]
+    store = folder / RESULTS / STORE.kind.file
+    before = store.read_bytes()
+    again = score_challenge(folder, StudyOptions(), Console())
+    assert store.read_bytes() == before
+    assert len(before.splitlines()) == 1 + len(first.cases)
     assert again.cases == first.cases
     page = write_report(build_report(again, folder), folder)
     told = json.loads((folder / 'score.json').read_text(encoding='utf-8'))

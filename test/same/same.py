@@ -14,19 +14,21 @@ the one that wrote them; on any other, --against says whether something changed.
 """
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 import csv
+from functools import partial
 import os
 from pathlib import Path
 import subprocess
 import sys
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from commands import COMMANDS, FLIGHTS, ROOT, run_command
 from fingerprint import describe_machine
 from lta_config.errors import BadInput
-from lta_flight.sweep.run import count_cores
-from lta_report.worker_pool import run_in_workers
+from lta_config.processor_cores import count_cores
+from lta_report.workers import ItemFailure, LocalWorkers
 from rich.progress import track
 from simulations import list_flights, simulate_flight
 from studies import forget_cases, make_cases, study
@@ -46,12 +48,26 @@ def merge(parts: Iterator[Table], count: int, title: str) -> Table:
     return rows
 
 
+def run_in_workers(
+    function: Callable[..., Table], each: Sequence[tuple[Any, ...]], jobs: int
+) -> Iterator[Table]:
+    """Yield the parts of a table, as they finish."""
+    with LocalWorkers(partial(call, function), jobs) as workers:
+        for _, part in workers.run(each):
+            if isinstance(part, ItemFailure):
+                raise BadInput(part.reason)
+            yield part
+
+
+def call(function: Callable[..., Table], arguments: tuple[Any, ...]) -> Table:
+    """Call a function."""
+    return function(*arguments)
+
+
 def compute_simulations(jobs: int, _again: bool) -> Table:
     """Return the hash of each flight."""
     flights = list(list_flights())
-    return merge(
-        run_in_workers(simulate_flight, flights, jobs, '--jobs'), len(flights), 'simulations'
-    )
+    return merge(run_in_workers(simulate_flight, flights, jobs), len(flights), 'simulations')
 
 
 def compute_commands(jobs: int, again: bool) -> Table:
@@ -71,7 +87,7 @@ def run_commands(jobs: int, title: str) -> Table:
         for one, line in FLIGHTS.items():
             rows |= run_command(one, line, folder)
         each = [(one, line, folder) for one, line in COMMANDS.items()]
-        return rows | merge(run_in_workers(run_command, each, jobs, '--jobs'), len(each), title)
+        return rows | merge(run_in_workers(run_command, each, jobs), len(each), title)
 
 
 def compute_studies(jobs: int, again: bool) -> Table:
@@ -79,7 +95,7 @@ def compute_studies(jobs: int, again: bool) -> Table:
     if again:
         forget_cases()
     cases = [(folder,) for folder in make_cases(jobs)]
-    return merge(run_in_workers(study, cases, jobs, '--jobs'), len(cases), 'studies')
+    return merge(run_in_workers(study, cases, jobs), len(cases), 'studies')
 
 
 TABLES = {

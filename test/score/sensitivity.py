@@ -28,6 +28,7 @@ from lta_challenge.case_score import score_case, ScoredCase
 from lta_challenge.make import case_folder, ChallengeRequest, generate_challenge
 from lta_challenge.trial import study_case
 from lta_cli.reference.thresholds import DECLARED, KEPT, list_thresholds, Threshold
+from lta_config.processor_cores import count_cores
 from rich.progress import track
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -119,7 +120,7 @@ def main() -> None:
     asked = argparse.ArgumentParser(description=__doc__)
     asked.add_argument('--cases', type=int, default=12)
     asked.add_argument('--only', default='', help='the beginning of what is measured')
-    asked.add_argument('--jobs', type=int, default=len(os.sched_getaffinity(0)))
+    asked.add_argument('--jobs', type=int, default=count_cores())
     asked.add_argument('--child', type=Path, help=argparse.SUPPRESS)
     given = asked.parse_args()
     if given.child:

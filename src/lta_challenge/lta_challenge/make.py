@@ -2,9 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 import json
 from pathlib import Path
+import shutil
 from typing import Any, Final, final
 
 from lta_bridge.provenance import read_commit
@@ -21,7 +22,7 @@ from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
 from lta_model.vehicle import load_vehicle
 from lta_report.results_folder import check_creatable, stage_results, write_json
-from lta_report.worker_pool import run_in_workers
+from lta_report.workers import ItemFailure, LocalWorkers
 
 NAME: Final = 'challenge.json'
 VEHICLE: Final = 'gtmab'
@@ -79,12 +80,12 @@ def draw_case(order: ChallengeRequest, number: int) -> ChallengeCase:
     ).generate_case()
 
 
-def _generate_case(
-    order: ChallengeRequest, number: int, folder: Path
-) -> tuple[int, dict[str, Any]]:
-    """Generate and record one case; return its number and answer."""
+def _generate_case(order: ChallengeRequest, folder: Path, number: int) -> dict[str, Any]:
+    """Generate and record one case; return its answer."""
     about, case = load_challenge_vehicle(), draw_case(order, number)
     place = folder / case_folder(number)
+    # A worker may have died over it
+    shutil.rmtree(place, ignore_errors=True)
     place.mkdir(parents=True)
     vehicle = find_file('vehicle', VEHICLE).read_text(encoding='utf-8')
     # Discovery gets the unchanged vehicle file
@@ -92,14 +93,14 @@ def _generate_case(
     metadata = {'challenge': str(order.seed), 'case': str(number), 'row': order.row}
     for flight in case.flights:
         write_bag(place / flight.name, flight.streams, about.vehicle.rotor_names, metadata)
-    return number, case.answer
+    return case.answer
 
 
 def generate_challenge(
     order: ChallengeRequest,
     folder: Path,
-    jobs: int = 1,
-    tell: Callable[[int], None] = lambda _: None,
+    workers: int = 1,
+    on_case: Callable[[], None] = lambda: None,
 ) -> Path:
     """
     Generate a challenge; return the path of its description.
@@ -110,34 +111,36 @@ def generate_challenge(
         What to generate. A case depends on seed, number, row, kind and flight lengths only.
     folder : Path
         New or empty folder.
-    jobs : int
-        Number of processes.
-    tell : callable
-        Called with the number of finished cases after each case.
+    workers : int
+        Number of worker processes.
+    on_case : callable
+        Called after each finished case.
 
     Raises
     ------
     BadInput
-        If the folder is not empty, or the row is unknown.
+        If the folder is not empty, the row is unknown, or a case cannot be generated.
 
     """
     find_challenge_row(order.row)
     check_creatable(folder)
     # The folder appears only when complete: an interrupted run leaves no partial challenge
     with stage_results(folder, NAME) as part:
-        _generate_cases(order, part, jobs, tell)
+        _generate_cases(order, part, workers, on_case)
     return folder / NAME
 
 
 def _generate_cases(
-    order: ChallengeRequest, part: Path, jobs: int, tell: Callable[[int], None]
+    order: ChallengeRequest, part: Path, workers: int, on_case: Callable[[], None]
 ) -> None:
     """Generate all cases in parallel, then write the answers and the description."""
     answers: dict[str, Any] = {}
-    cases = [(order, number, part) for number in range(order.count)]
-    for number, answer in run_in_workers(_generate_case, cases, jobs, '--jobs'):
-        answers[str(number)] = answer
-        tell(len(answers))
+    with LocalWorkers(partial(_generate_case, order, part), workers) as pool:
+        for number, answer in pool.run(range(order.count)):
+            if isinstance(answer, ItemFailure):
+                raise BadInput(f'Case {number} cannot be generated. {answer.reason}')
+            answers[str(number)] = answer
+            on_case()
     digest = write_answers(answers, part / SEALED)
     about = {
         'schema': SCHEMA,

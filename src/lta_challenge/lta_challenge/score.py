@@ -1,8 +1,8 @@
 """Score a challenge: run discovery on its cases and compare with the answers."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-import json
+from functools import partial
 from pathlib import Path
 from typing import Any, Final, final
 
@@ -22,10 +22,18 @@ from lta_challenge.score_statistics import (
 )
 from lta_challenge.trial import run_trial
 from lta_config.errors import BadInput
-from lta_report.results_folder import write_json
-from lta_report.worker_pool import run_in_workers
+from lta_report.line_log import LogKind
+from lta_report.study import Study, StudyOptions
+from lta_report.study_store import StoreFormat
+from pydantic import TypeAdapter
+from rich.console import Console
 
-RESULTS: Final = 'results'
+RESULTS: Final = 'results'  # folder of the store
+STORE: Final = StoreFormat(
+    LogKind('cases.jsonl', 'challenge', 'challenge', 'lta challenge make --out'),
+    TypeAdapter(dict[str, Any]),
+    shares_folder=True,
+)
 
 
 @final
@@ -52,25 +60,12 @@ def collect_versions() -> dict[str, str]:
     return {'registry': compute_registry_digest(), 'vehicle_digest': vehicle_digest('gtmab')}
 
 
-def _load_result(path: Path, now: dict[str, str]) -> dict[str, Any] | None:
-    """Return a complete, up-to-date stored result; None if there is none."""
-    try:
-        found: dict[str, Any] = json.loads(path.read_text(encoding='utf-8'))
-    except (OSError, ValueError):
-        return None
-    # A result without its oracle was interrupted
-    whole = 'oracle' in found or found.get('refused')
-    return found if whole and found.get('stamp') == now else None
-
-
-def _run_case(folder: Path, number: int, now: dict[str, str]) -> int:
-    """Run discovery on one case and store the result."""
-    answer = read_answers(folder / SEALED)[str(number)]
-    place = folder / RESULTS / f'{number:04d}.json'
-    # `run_trial` writes the finding before it uses the answer
-    found = run_trial(folder / case_folder(number), answer, place)
-    write_json({**found, 'stamp': now, 'commit': read_commit()}, place)
-    return number
+def _run_case(folder: Path, number: int) -> dict[str, Any]:
+    """Run discovery on one case."""
+    found = run_trial(
+        folder / case_folder(number), lambda: read_answers(folder / SEALED)[str(number)]
+    )
+    return {**found, 'commit': read_commit()}
 
 
 def _check_complete(folder: Path, todo: Sequence[int], about: dict[str, Any]) -> None:
@@ -90,10 +85,7 @@ def _check_complete(folder: Path, todo: Sequence[int], about: dict[str, Any]) ->
 
 
 def score_challenge(
-    folder: Path,
-    jobs: int = 1,
-    most: int | None = None,
-    tell: Callable[[int, int], None] = lambda _done, _all: None,
+    folder: Path, options: StudyOptions, console: Console, most: int | None = None
 ) -> ChallengeScore:
     """
     Score a challenge; resume an interrupted run.
@@ -102,40 +94,36 @@ def score_challenge(
     ----------
     folder : Path
         Folder of the challenge.
-    jobs : int
-        Number of processes.
+    options : StudyOptions
+        Number of workers, and whether to repeat failed cases.
+    console : Console
+        Terminal of the progress bar.
     most : int, optional
         Score only the first cases; all by default.
-    tell : callable
-        Called with the numbers of finished and of all cases.
 
     Raises
     ------
     BadInput
-        If there is no challenge, a case is missing, or the answers were changed.
+        If there is no challenge, a case is missing or failed, or the answers were changed.
 
     """
     about, now = read_challenge(folder), collect_versions()
     count = min(int(about['cases']), most or int(about['cases']))
-    results = folder / RESULTS
-    # Results of other effects or another vehicle file are computed again
-    todo = [n for n in range(count) if _load_result(results / f'{n:04d}.json', now) is None]
-    _check_complete(folder, todo, about)
-    results.mkdir(exist_ok=True)
-    done = count - len(todo)
-    tell(done, count)
-    asked = [(folder, number, now) for number in todo]
-    for _ in run_in_workers(_run_case, asked, jobs, '--jobs', goes_on=True):
-        done += 1
-        tell(done, count)
+
+    def find_key(number: int) -> str:
+        # Results of other effects or another vehicle file are computed again
+        return ' '.join((f'{number:04d}', *now.values()))
+
+    study = Study(partial(_run_case, folder), find_key, STORE, 'cases')
+    outcome = study.run(
+        range(count), folder / RESULTS, about['answers_sha256'], options, console,
+        lambda todo: _check_complete(folder, todo, about),
+    )  # fmt: skip
     answers = read_answers(folder / SEALED)
-    cases, commits = list[ScoredCase](), dict[str, None]()
-    for number in range(count):
-        found = _load_result(results / f'{number:04d}.json', now)
-        assert found is not None
-        cases.append(score_case(number, answers[str(number)], found))
-        # A dictionary keeps the order of the commits and removes duplicates
-        commits[found['commit']] = None
+    results = outcome.require_all()
+    cases = [score_case(n, answers[str(n)], found) for n, found in enumerate(results)]
+    # A dictionary keeps the order of the commits and removes duplicates
+    commits = dict.fromkeys(found['commit'] for found in results)
     return ChallengeScore(
         {**about, **now, 'scored': count, 'commit': ', '.join(commits)}, tuple(cases)
     )

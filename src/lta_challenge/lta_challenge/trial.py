@@ -1,6 +1,6 @@
 """Run discovery on one case, and fit the oracle that knows the hidden structure."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 import time
@@ -22,7 +22,6 @@ from lta_discovery.replay.linearized_flight import LinearizationPoint, zero_unkn
 from lta_discovery.run import DiscoveryRequest, study_usable_flights
 from lta_discovery.study import DiscoveryStudy
 from lta_model.vehicle import load_vehicle
-from lta_report.results_folder import write_json
 import numpy as np
 
 BEGIN: Final = 1.3  # noise floors; initial estimate of the unexplained force
@@ -30,18 +29,16 @@ BEGIN: Final = 1.3  # noise floors; initial estimate of the unexplained force
 FAULTS: Final = (BadInput, ArithmeticError, ValueError, LookupError)
 
 
-def run_trial(folder: Path, answer: Mapping[str, Any], out: Path) -> dict[str, Any]:
+def run_trial(folder: Path, read_answer: Callable[[], Mapping[str, Any]]) -> dict[str, Any]:
     """
-    Study one case, write the result, and only then use its answer for the oracle.
+    Study one case, and only then read its answer for the oracle.
 
     Parameters
     ----------
     folder : Path
         Folder of the case.
-    answer : mapping
-        Answer of the case.
-    out : Path
-        File of the result.
+    read_answer : callable
+        Returns the answer of the case.
 
     Returns
     -------
@@ -50,14 +47,13 @@ def run_trial(folder: Path, answer: Mapping[str, Any], out: Path) -> dict[str, A
 
     """
     found, made = study_case(folder)
-    # Store the finding before the answer is used, so that it cannot influence the study
-    write_json(found, out)
     if made is not None:
+        # Read after the study, so that the answer cannot influence it
+        answer = read_answer()
         try:
             found |= {'oracle': fit_oracle(made, answer)}
         except FAULTS as fault:
             found |= {'oracle': {}, 'oracle_fault': str(fault)}
-        write_json(found, out)
     return found
 
 

@@ -7,8 +7,9 @@ Most of the work is compiled code that releases the GIL.
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from multiprocessing import parent_process
-import os
 from typing import TypeVar
+
+from lta_config.processor_cores import count_cores
 
 Given = TypeVar('Given')
 Result = TypeVar('Result')
@@ -21,8 +22,7 @@ def map_parallel(work: Callable[[Given], Result], items: Sequence[Given]) -> lis
     Child processes use a single thread, to leave the other processors to their siblings. NumPy's
     error state is per thread: `work` has to set its own, and must not change shared data.
     """
-    # `sched_getaffinity` respects the cores that a container grants
-    threads = 1 if parent_process() is not None else len(os.sched_getaffinity(0))
+    threads = 1 if parent_process() is not None else count_cores()
     threads = min(threads, len(items))
     if threads < 2:
         return [work(one) for one in items]

@@ -3,9 +3,17 @@
 from collections.abc import Mapping
 from dataclasses import asdict, is_dataclass
 import math
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import BeforeValidator, PlainSerializer
+
+# A field of a stored result that holds an array in single precision, or None
+StoredArray = Annotated[
+    Any,
+    BeforeValidator(lambda value: None if value is None else np.array(value, np.float32)),
+    PlainSerializer(lambda value: None if value is None else value.tolist()),
+]
 
 
 def replace_nonfinite(value: Any) -> Any:  # noqa: ANN401 - what JSON holds

@@ -138,9 +138,11 @@ class LineLog(Generic[Piece]):
             f'another folder with {self._kind.option}.'
         )
 
-    def append(self, content: Mapping[str, Any]) -> None:
-        """Write an item, which then survives the end of this process."""
-        self._write_line(_encode_line(content))
+    def append(self, content: Mapping[str, Any]) -> bytes:
+        """Write an item, which then survives the end of this process; return its line."""
+        line = _encode_line(content)
+        self._write_line(line)
+        return line
 
     def _write_line(self, line: bytes) -> None:
         try:
@@ -159,5 +161,5 @@ class LineLog(Generic[Piece]):
 
 
 def _encode_line(content: Mapping[str, Any]) -> bytes:
-    # NaN would not be valid JSON for other programs
-    return json.dumps(content, allow_nan=False).encode() + b'\n'
+    # NaN and infinity become constants, which Python and pandas read
+    return json.dumps(content).encode() + b'\n'

@@ -10,11 +10,11 @@ there were no air.
 
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-import os
 import time
 
 from added_mass import AIR_DENSITY, FORCE, HALF_HEIGHT, MASS, RADIUS
 from bench import Figure
+from lta_config.processor_cores import count_cores
 import mujoco
 
 STEPS = 20_000
@@ -86,7 +86,7 @@ def single(integrator: str) -> float:
 
 def batched(integrator: str) -> float:
     """Return the pace of one vehicle a core, together. [1/s]"""
-    cores = len(os.sched_getaffinity(0))
+    cores = count_cores()
     model = mujoco.MjModel.from_xml_string(vehicle(integrator))
     flights = [flight(model) for _ in range(cores)]
     with ThreadPoolExecutor(cores) as pool:

@@ -19,8 +19,10 @@ from lta_challenge.score import score_challenge
 from lta_challenge.truth_vehicle import build_truth_model
 from lta_config.errors import BadInput
 from lta_data.bag.recorded_flight import open_flight
+from lta_report.study import StudyOptions
 import numpy as np
 import pytest
+from rich.console import Console
 
 SHORT = (20.0, 24.0)
 
@@ -157,14 +159,14 @@ def test_a_challenge_of_which_something_is_gone_is_not_scored(tmp_path: Path) ->
     assert sorted(one.name for one in folder.iterdir()) == [NAME, 'case_0000', 'challenge.json']
     shutil.rmtree(folder / 'case_0000')
     with pytest.raises(BadInput, match='is missing'):
-        score_challenge(folder)
+        score_challenge(folder, StudyOptions(workers=1), Console())
     write_answers({'0': {'hidden': []}}, folder / NAME)
     with pytest.raises(BadInput, match='changed after it was created'):
-        score_challenge(folder)
+        score_challenge(folder, StudyOptions(workers=1), Console())
 
 
 def test_a_challenge_that_is_stopped_leaves_nothing(tmp_path: Path) -> None:
-    def stop(_: int) -> None:
+    def stop() -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):

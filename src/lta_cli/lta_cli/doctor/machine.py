@@ -7,6 +7,7 @@ import shutil
 import sys
 
 from lta_bridge.hardware.check_result import grade_value, HardwareCheck, MEGABYTE
+from lta_config.processor_cores import count_cores
 
 OLDEST_PYTHON, NEWEST_PYTHON = (3, 11), (3, 14)  # as in the Makefile; a test compares
 
@@ -50,8 +51,7 @@ def check_disk_space(runs: Path = Path('runs')) -> HardwareCheck:
 
 def check_processor_cores() -> HardwareCheck:
     """Check the processor cores that this process may use."""
-    # Cores that a container or taskset allows, not those of the machine
-    count = len(os.sched_getaffinity(0))
+    count = count_cores()
     found = f'{count} cores, load {os.getloadavg()[0]:.1f}'
     remedy = 'A flight runs seven nodes and is slow on one core; use two cores or more.'
     return grade_value('cores', count, 2, 1, found, remedy)

@@ -3,13 +3,12 @@
 from typing import Annotated, Literal
 
 from lta_cli.options.study_command import study_command, StudyRun
-from lta_config.schema.light_day_file import DAY
-from lta_report.progress_bar import ProgressBar
+from lta_cli.options.worker_options import RetryFailed, Scheduler, WorkerCount
 from lta_report.report import Report
 from lta_report.results_folder import resolve_folder
+from lta_report.study import StudyOptions
 from lta_studies.mission.report import build_report
 from lta_studies.mission.run import load_request, run_missions, SCHEDULES
-from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 import typer
 
 
@@ -29,6 +28,9 @@ def mission(
             'between flights. all: simulate all three.'
         ),
     ] = 'all',
+    workers: WorkerCount = None,
+    scheduler: Scheduler = None,
+    retry: RetryFailed = False,
     *,
     run: StudyRun,
 ) -> Report:
@@ -51,9 +53,5 @@ def mission(
     # Consecutive seeds, each with its own clouds
     request = load_request(name, days, range(seed, seed + seeds), schedules)
     folder = run.open_folder(resolve_folder(None, f'mission-{request.mission.name}'))
-    columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
-    # The progress bar counts simulated seconds
-    total = DAY * days * seeds * len(schedules)
-    with ProgressBar(run.console, *columns, begin='simulating', total=total) as bar:
-        results = run_missions(request, folder, lambda gone: bar.update_bar(advance=gone))
+    results = run_missions(request, folder, StudyOptions(workers, scheduler, retry), run.console)
     return build_report(request, results)

@@ -5,12 +5,13 @@ from typing import Annotated
 
 from lta_bridge.provenance import read_commit
 from lta_cli.options.study_command import study_command, StudyRun
+from lta_cli.options.worker_options import RetryFailed, Scheduler, WorkerCount
 from lta_config.command_line import format_lta_command
 from lta_config.schema.comparison_file import load_comparison
 from lta_report.report import Report
+from lta_report.study import StudyOptions
 from lta_studies.platforms.report import build_report
-from lta_studies.platforms.run import check_comparison, count_processors, fly_all, list_jobs
-from rich.progress import track
+from lta_studies.platforms.run import build_entries, fly_jobs, list_jobs
 import typer
 
 
@@ -25,10 +26,9 @@ def platforms(
             help='Number of flights of each platform; by default as in the comparison file.', min=1
         ),
     ] = None,
-    workers: Annotated[
-        int | None,
-        typer.Option(help='Number of worker processes; one per processor by default.', min=1),
-    ] = None,
+    workers: WorkerCount = None,
+    scheduler: Scheduler = None,
+    retry: RetryFailed = False,
     *,
     run: StudyRun,
 ) -> Report:
@@ -40,6 +40,8 @@ def platforms(
     file of setpoints over time with a tolerance band. Everything is checked before the first
     flight.
 
+    Finished flights are stored, and repeating the command with the same --out resumes.
+
     Writes flights.json (SI units) and a page: plots, metrics with their spread over the seeds,
     the effect of each ablation, and each platform's static margin.
 
@@ -49,17 +51,12 @@ def platforms(
     """
     comparison = load_comparison(file)
     # Every vehicle, gains file and manoeuvre is loaded before the first flight
-    check_comparison(file, comparison)
+    entries = build_entries(file, comparison)
     count = seeds or comparison.seeds
     todo = list_jobs(file, comparison, count)
     created = datetime.now().astimezone().isoformat(timespec='seconds')
-    # An iterator: results arrive as the flights finish
-    coming = fly_all(todo, workers or count_processors())
-    shown = run.console.is_terminal
-    rows = list(track(coming, 'flying', len(todo), console=run.console, disable=not shown))
-    # Workers finish in any order; the results must not depend on it
-    order = {job: index for index, job in enumerate(todo)}
-    rows.sort(key=lambda row: order[row.job])
+    options = StudyOptions(workers, scheduler, retry)
+    rows = fly_jobs(entries, todo, run.folder, options, run.console)
     facts = {
         'comparison': file, 'seeds': str(count), 'flights': str(len(rows)),
         'commit': read_commit(), 'created': created,

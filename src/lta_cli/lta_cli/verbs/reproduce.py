@@ -7,22 +7,18 @@ from typing import Annotated
 
 from lta_cli.options.plain_console import plain_console
 from lta_cli.options.study_command import study_command, StudyRun
+from lta_cli.options.worker_options import RetryFailed, WorkerCount
 from lta_config.schema.paper_file import PaperRow
-from lta_report.progress_bar import ProgressBar
 from lta_report.report import Report, TextTable
 from lta_report.report_terminal import print_table
-from lta_studies.platforms.run import count_processors
+from lta_report.study import StudyOptions
 from lta_studies.reproduce.report import build_report, format_markdown_page
-from lta_studies.reproduce.row_store import StoredRow
 from lta_studies.reproduce.run import (
-    read_stored_rows,
+    reproduce_rows,
     ReproductionRequest,
     seed_count,
     select_rows,
-    study_all,
 )
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
 import typer
 
 LIST_HEADS = ('name', 'row', 'seeds', 'quick', 'claims', 'defects')
@@ -43,10 +39,8 @@ def reproduce(
             '--quick', help='Use few seeds and skip long experiments; takes under 3 minutes.'
         ),
     ] = False,
-    workers: Annotated[
-        int | None,
-        typer.Option(help='Number of worker processes; one per processor by default.', min=1),
-    ] = None,
+    workers: WorkerCount = None,
+    retry: RetryFailed = False,
     as_markdown: Annotated[bool, typer.Option('--markdown', help='Print docs/paper.md.')] = False,
     *,
     run: StudyRun,
@@ -77,34 +71,12 @@ def reproduce(
         raise typer.Exit
     # No time in the name, so that repeating the command resumes
     folder = run.open_folder(Path('runs') / ('paper-quick' if quick else 'paper'))
-    order = ReproductionRequest(
-        tuple(row.name for row in rows), quick, folder, workers or count_processors()
-    )
-    report = build_report(rows, collect_row_results(order, rows, run.console))
+    options = StudyOptions(workers, retry_failed=retry)
+    order = ReproductionRequest(tuple(row.name for row in rows), quick, folder, options)
+    report = build_report(rows, reproduce_rows(order, rows, run.console))
     if as_markdown:
         sys.stdout.write(format_markdown_page(report))
     return report
-
-
-def collect_row_results(
-    order: ReproductionRequest, rows: Sequence[PaperRow], console: Console
-) -> dict[str, StoredRow]:
-    """Return the results of all rows: stored ones, and new ones for the rest."""
-    kepts = read_stored_rows(order, rows)
-    todo = [row for row in rows if row.name not in kepts]
-    columns = (
-        TextColumn('{task.description}'), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
-    )  # fmt: skip
-    with ProgressBar(console, *columns, begin='the paper', total=len(rows)) as bar:
-        # Stored rows count as done
-        bar.update_bar(advance=len(kepts))
-        for name, kept in study_all(order, todo):
-            kepts[name] = kept
-            bar.update_bar(advance=1, description=name)
-            # In a log file, the bar itself prints lines
-            if console.is_terminal:
-                bar.show_message(f'{name}: {kept.seconds:.0f} s')
-    return kepts
 
 
 def build_row_table(rows: Sequence[PaperRow]) -> TextTable:

@@ -4,6 +4,7 @@ import math
 from typing import Annotated
 
 from lta_cli.options.study_command import study_command, StudyRun
+from lta_cli.options.worker_options import RetryFailed, Scheduler, WorkerCount
 from lta_config.errors import BadInput
 from lta_flight.batch.fly import Device
 from lta_flight.sweep.report import build_report
@@ -18,17 +19,8 @@ def sweep(
         str,
         typer.Argument(help='Sweep file, or the name of a shipped one, such as heaviness.'),
     ],
-    workers: Annotated[
-        int | None,
-        typer.Option(help='Number of worker processes; one per processor by default.', min=1),
-    ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(
-            metavar='ADDRESS',
-            help='Fly on a Dask cluster; address of its scheduler, such as tcp://10.0.0.1:8786.',
-        ),
-    ] = None,
+    workers: WorkerCount = None,
+    scheduler: Scheduler = None,
     device: Annotated[
         Device | None,
         typer.Option(
@@ -42,7 +34,7 @@ def sweep(
             help='With --device: fly open loop with a constant duty from -1 to 1 for each rotor.',
         ),
     ] = None,
-    retry: Annotated[bool, typer.Option('--retry-failed', help='Repeat failed flights.')] = False,
+    retry: RetryFailed = False,
     *,
     run: StudyRun,
 ) -> Report:

@@ -3,6 +3,7 @@
 from typing import Annotated
 
 from lta_cli.options.study_command import study_command, StudyRun
+from lta_cli.options.worker_options import WorkerCount
 from lta_config.command_line import format_lta_command
 from lta_config.parameter_override import parse_quantity
 from lta_report.report import Report
@@ -77,7 +78,7 @@ def tune(
         ),
     ] = None,
     seed: Annotated[int, typer.Option(help='Random seed.', min=0, max=2**31 - 1)] = 1,
-    workers: Annotated[int, typer.Option(help='Number of worker processes.', min=1)] = 2,
+    workers: WorkerCount = None,
     *,
     run: StudyRun,
 ) -> Report:

@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
-import os
 from types import ModuleType
 from typing import Any, Literal
 
 from lta_config.compilation.flat import TupleLayout
 from lta_config.compilation.kernel_cache import load_kernel
+from lta_config.processor_cores import count_cores
 from lta_config.topics import load_topic_table
 from lta_control.strategies import STRATEGIES
 from lta_flight.batch.batch_flight import BatchFlight, build_schedule
@@ -118,8 +118,7 @@ def _fly_on_cores(
 ) -> Array:
     """Fly on all CPU cores; a thread takes a few flights at a time."""
     out = np.empty((len(seeds), len(FIGURES)))
-    # The processors that this process may use, which a container may limit
-    cores = len(os.sched_getaffinity(0))
+    cores = count_cores()
 
     def fly_chunk(begin: int) -> None:
         part = slice(begin, begin + PIECE)

@@ -6,7 +6,7 @@ sample the lamp's signal without ADC blocks (`lta_flight.batch`). They agree in 
 seed by seed. Flights that differ only in their seed are built once.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import islice
 import math
 import time
@@ -58,7 +58,7 @@ class BatchWorkers:
     def __init__(self, base: FlightSpec, device: Device, duties: tuple[float, ...] = ()) -> None:
         self._base, self._device, self._duties = base, device, duties
         self._table = load_topic_table()
-        self.deaths = 0
+        self.lost = 0
         vehicle, *_ = build_vehicle_scenario_stack(base)
         if duties and len(duties) != len(vehicle.rotors):
             raise BadInput(
@@ -84,16 +84,17 @@ class BatchWorkers:
     ) -> None:
         """Do nothing; there are no processes to stop."""
 
-    def run_jobs(self, jobs: Iterator[SweepJob]) -> Iterator[SweepRow]:
-        """Yield the rows of all jobs, batch by batch."""
+    def run(self, items: Iterable[SweepJob]) -> Iterator[tuple[SweepJob, SweepRow]]:
+        """Yield all jobs with their rows, batch by batch."""
+        jobs = iter(items)
         while batch := list(islice(jobs, BATCH[self._device])):
             yield from self._fly_batch(batch)
 
     def _build_flight(self, spec: FlightSpec) -> BatchFlight:
         return build_flight(*build_vehicle_scenario_stack(spec), self._table, self._duties)
 
-    def _fly_batch(self, jobs: list[SweepJob]) -> Iterator[SweepRow]:
-        """Yield the rows of one batch; a flight that cannot be built has failed."""
+    def _fly_batch(self, jobs: list[SweepJob]) -> Iterator[tuple[SweepJob, SweepRow]]:
+        """Yield the jobs of one batch with their rows; those that cannot be built have failed."""
         begun = time.monotonic()
         places: dict[str, int | str] = {}
         made: list[BatchFlight] = []
@@ -110,7 +111,7 @@ class BatchWorkers:
             place = places[name]
             # The stored reason why this kind of flight cannot be built
             if isinstance(place, str):
-                yield build_failed_row(job, place)
+                yield job, build_failed_row(job, place)
                 continue
             which.append(place)
             seeds.append(job.seed)
@@ -121,7 +122,8 @@ class BatchWorkers:
         # All flights run at once, so each gets an equal share of the time
         wall = (time.monotonic() - begun) / len(jobs)
         for job, place, numbers in zip(flyable, which, flown.tolist(), strict=True):
-            yield build_sweep_row(job, made[place], dict(zip(FIGURES, numbers, strict=True)), wall)
+            outputs = dict(zip(FIGURES, numbers, strict=True))
+            yield job, build_sweep_row(job, made[place], outputs, wall)
 
 
 def build_sweep_row(

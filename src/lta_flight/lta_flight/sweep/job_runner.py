@@ -1,9 +1,10 @@
 """Fly one job of a sweep and return its row; errors are stored in the row."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
+from operator import attrgetter
 import time
-from typing import Any, final
+from typing import Any, Final, final
 
 from lta_config.errors import BadInput
 from lta_flight.closed_loop import ClosedLoop
@@ -12,6 +13,10 @@ from lta_flight.loop_view import LoopView
 from lta_flight.report.results import compute_results
 from lta_flight.sweep.plan import convert_to_si, SweepJob
 from lta_report.json_value import replace_nonfinite
+from lta_report.line_log import LogKind
+from lta_report.study_store import StoreFormat, StudyStore
+from lta_report.workers import ItemFailure
+from pydantic import TypeAdapter
 
 FAILED = 'failed'
 
@@ -47,16 +52,27 @@ class SweepRow:
     wall: float = 0.0
     figures: dict[str, Any] = field(default_factory=dict)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the row ready for JSON."""
-        # Not `asdict`, whose deep copy takes as long as a short flight in a batch
-        return {item.name: getattr(self, item.name) for item in fields(self)}
+
+# Each line is a row; the row of a failed flight has its values too
+STORE: Final[StoreFormat[SweepRow]] = StoreFormat(
+    LogKind('flights.jsonl', 'sweep', 'sweep', '--out'),
+    TypeAdapter(SweepRow),
+    find_key=attrgetter('index'),
+    is_failed=lambda row: row.outcome == FAILED,
+)
 
 
 def build_failed_row(job: SweepJob, sentence: str, wall: float = 0.0) -> SweepRow:
     """Return the row of a flight that could not be flown."""
     values = {path: convert_to_si(value) for path, value in job.values.items()}
     return SweepRow(job.index, job.seed, values, FAILED, sentence, wall)
+
+
+def store_row(store: StudyStore[SweepRow], job: SweepJob, outcome: SweepRow | ItemFailure) -> str:
+    """Store the row of a job and return its outcome."""
+    row = build_failed_row(job, outcome.reason) if isinstance(outcome, ItemFailure) else outcome
+    store.add(row.index, row)
+    return row.outcome
 
 
 def fly_job(base: FlightSpec, job: SweepJob) -> SweepRow:

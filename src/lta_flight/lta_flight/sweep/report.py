@@ -231,9 +231,9 @@ def describe_run(done: SweepRun) -> list[str]:
         lines.append(f'{done.flown} flights in {done.wall:.0f} s: {rate:.2f} flights/s.')
     elif done.failure is None:
         lines.append('All flights were already stored; nothing was flown.')
-    if done.deaths:
+    if done.lost:
         lines.append(
-            f'{done.deaths} worker processes ended unexpectedly; their flights were repeated or '
+            f'{done.lost} worker processes ended unexpectedly; their flights were repeated or '
             'count as failed. Fly failed ones again with --retry-failed.'
         )
     failures = Counter(row.sentence for row in done.rows if row.outcome == FAILED)
@@ -256,7 +256,7 @@ def to_json(done: SweepRun) -> dict[str, Any]:
         'reached_low': share.low,
         'reached_high': share.high,
         'flown': done.flown,
-        'workers_lost': done.deaths,
+        'workers_lost': done.lost,
         # Zero if all flights were already stored
         'rate': done.flown / done.wall if done.wall else 0.0,
         'table': str(done.table),

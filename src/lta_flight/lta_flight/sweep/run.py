@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from functools import partial
 import hashlib
-import os
 from pathlib import Path
 import time
 from typing import final
@@ -15,12 +14,12 @@ from lta_config.schema.sweep_file import load_sweep
 from lta_flight.batch.fly import Device
 from lta_flight.sweep import table
 from lta_flight.sweep.batch_workers import BatchWorkers
-from lta_flight.sweep.cluster import SweepCluster
-from lta_flight.sweep.job_runner import fly_job, SweepRow
-from lta_flight.sweep.log import SweepLog
-from lta_flight.sweep.plan import SweepPlan
-from lta_flight.sweep.progress import SweepProgress
-from lta_flight.sweep.workers import LocalWorkers, SweepWorkers
+from lta_flight.sweep.job_runner import fly_job, STORE, store_row, SweepRow
+from lta_flight.sweep.plan import SweepJob, SweepPlan
+from lta_report.study import run_items
+from lta_report.study_progress import StudyProgress
+from lta_report.study_store import StudyStore
+from lta_report.workers import open_workers, Workers
 from rich.console import Console
 
 
@@ -66,7 +65,7 @@ class SweepRun:
         All flights, including those of earlier runs.
     folder, table : Path
         The results.
-    flown, deaths : int
+    flown, lost : int
         Flights and lost workers of this run.
     wall : float
         Duration of this run's flights. [s]
@@ -81,14 +80,9 @@ class SweepRun:
     folder: Path
     table: Path
     flown: int
-    deaths: int
+    lost: int
     wall: float
     failure: KeyboardInterrupt | BadInput | None = None
-
-
-def count_cores() -> int:
-    """Return the number of processors that this process may use."""
-    return len(os.sched_getaffinity(0))
 
 
 def sweep_once(order: SweepRequest, console: Console) -> SweepRun:
@@ -110,41 +104,33 @@ def sweep_once(order: SweepRequest, console: Console) -> SweepRun:
     identity = order.compute_sweep_hash(plan)
     # The name contains the identity, so the same command resumes its own sweep
     folder = (order.out or Path('runs') / f'sweep-{file.name}-{identity[:8]}').absolute()
-    far: SweepWorkers | None = None
-    if order.device is not None:
-        far = BatchWorkers(plan.base, order.device, order.duties)
-        # Before the first flight: a batch supports fewer features than a single flight
-        far.check(plan)
-    elif order.scheduler is not None:
-        far = SweepCluster(plan.base, order.scheduler)
-    with SweepLog(folder, identity, order.retry) as log:
-        before = len(log.rows)
-        # A batch or a cluster replaces the local workers
-        crew: SweepWorkers = far or LocalWorkers(
-            partial(fly_job, plan.base),
-            # No more workers than flights are left
-            min(order.workers or count_cores(), max(1, plan.count - before)),
-        )
+    # Before the folder is created: a batch or a cluster may not be usable
+    workers = create_workers(order, plan)
+    with StudyStore(folder, STORE, identity, order.retry) as store:
+        done = set(store.results)
+        progress = StudyProgress(console, plan.count, len(done), 'flights')
         begun, failure = time.monotonic(), None
         try:
-            fly_missing(plan, log, crew, console)
+            run_items(plan.iterate_jobs(done), workers, partial(store_row, store), progress)
         except (KeyboardInterrupt, BadInput) as error:
             failure = error
         finally:
             wall = time.monotonic() - begun
-            # Also after Ctrl-C, from the flights in the log
-            path = write_sweep_table(plan, log.sorted_rows, folder, order)
-        flown, rows = len(log.rows) - before, log.sorted_rows
-        return SweepRun(order, plan, rows, folder, path, flown, crew.deaths, wall, failure)
+            rows = [store.results[index] for index in sorted(store.results)]
+            # Also after Ctrl-C, from the flights in the store
+            path = write_sweep_table(plan, rows, folder, order)
+        flown = len(rows) - len(done)
+        return SweepRun(order, plan, rows, folder, path, flown, workers.lost, wall, failure)
 
 
-def fly_missing(plan: SweepPlan, log: SweepLog, workers: SweepWorkers, console: Console) -> None:
-    """Fly all flights that are not in the log."""
-    done = set(log.rows)
-    with SweepProgress(console, plan.count, len(done)) as progress, workers:
-        for row in workers.run_jobs(plan.iterate_jobs(done)):
-            log.add(row)
-            progress.count_flight(row, workers.deaths)
+def create_workers(order: SweepRequest, plan: SweepPlan) -> Workers[SweepJob, SweepRow]:
+    """Return the workers that fly a sweep; a batch checks all values of the sweep."""
+    if order.device is None:
+        return open_workers(partial(fly_job, plan.base), order.workers, order.scheduler)
+    batch = BatchWorkers(plan.base, order.device, order.duties)
+    # Before the first flight: a batch supports fewer features than a single flight
+    batch.check(plan)
+    return batch
 
 
 def write_sweep_table(

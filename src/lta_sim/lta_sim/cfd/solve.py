@@ -29,7 +29,7 @@ HAND: Final = FlowQuality(spread=0.0, window=0.0, cells=0, seconds=0.0)
 
 def check_memory(
     flows: Sequence[TunnelFlow], jobs: int, limit: float,
-    remedy: str = 'use --jobs 1, a coarser fidelity, or more --memory',
+    remedy: str = 'use --workers 1, a coarser fidelity, or more --memory',
 ) -> None:  # fmt: skip
     """Raise `BadInput` before any work if the meshes would exceed a limit. [bytes]"""
     largest = max((flow.case.cells for flow in flows), default=0)

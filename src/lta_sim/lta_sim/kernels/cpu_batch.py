@@ -7,12 +7,12 @@ arithmetic for several vehicles at once, but may not reorder it.
 
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
-import os
 from string import Template
 from types import ModuleType
 
 from lta_config.compilation.compiler import OWN
 from lta_config.compilation.kernel_cache import load_kernel
+from lta_config.processor_cores import count_cores
 from lta_model.effects import EFFECTS
 from lta_sim.kernels.columns import ColumnAccess
 from lta_sim.kernels.compose import KernelTarget, render_kernel_source
@@ -135,8 +135,7 @@ def advance_many(
     starts = np.arange(0, count, kernel.WIDTH)
     # An effect runs for a whole block if any of its vehicles has it on
     on = np.maximum.reduceat(vehicles.on, starts, axis=0)
-    # Respects CPU sets (taskset, containers), unlike os.cpu_count
-    cores = len(os.sched_getaffinity(0))
+    cores = count_cores()
     # More pieces than cores, so that a delayed core does not hold up the rest.
     pieces = min(len(moving), 4 * cores)
     with ThreadPoolExecutor(cores) as pool:

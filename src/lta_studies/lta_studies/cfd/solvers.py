@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-import os
 from pathlib import Path
 from typing import Annotated
 
 from lta_config.errors import BadInput
+from lta_config.processor_cores import count_cores
 from lta_sim.cfd.flow_plan import TunnelFlow
 from lta_sim.cfd.flow_solvers import FlowSolver, ThreadedFlowSolver
 from lta_sim.cfd.openfoam.case_runner import cache_folder, CaseRunner
@@ -16,12 +16,6 @@ from lta_studies.cfd.cluster import DaskFlowSolver
 from lta_studies.cfd.progress import TunnelProgress
 import typer
 
-Jobs = Annotated[
-    int | None,
-    typer.Option(
-        help='Number of flows solved at the same time; one per core by default.', min=1, max=256
-    ),
-]
 Cache = Annotated[
     Path | None,
     typer.Option(
@@ -31,33 +25,23 @@ Cache = Annotated[
         )
     ),
 ]
-Scheduler = Annotated[
-    str | None,
-    typer.Option(
-        metavar='ADDRESS',
-        help=(
-            'Address of a Dask scheduler, such as tcp://10.0.0.1:8786; its workers then '
-            'solve the flows.'
-        ),
-    ),
-]
 
 
-def check_solver_options(jobs: int | None, scheduler: str | None) -> None:
+def check_solver_options(workers: int | None, scheduler: str | None) -> None:
     """Raise `BadInput` for options that cannot solve a flow."""
     if scheduler is None:
         require_openfoam()
-    elif jobs is not None:
+    elif workers is not None:
         # An ignored option would be misleading.
         raise BadInput(
-            '--jobs has no effect with --scheduler, where the threads of the Dask workers '
-            'determine how many flows are solved at the same time; leave --jobs out.'
+            '--workers has no effect with --scheduler, where the threads of the Dask workers '
+            'determine how many flows are solved at the same time; leave --workers out.'
         )
 
 
 @contextmanager
 def open_solver(
-    flows: Sequence[TunnelFlow], bar: TunnelProgress, jobs: int | None, cache: Path | None,
+    flows: Sequence[TunnelFlow], bar: TunnelProgress, workers: int | None, cache: Path | None,
     scheduler: str | None, limit: float | None = None,
 ) -> Iterator[FlowSolver]:  # fmt: skip
     """
@@ -69,7 +53,7 @@ def open_solver(
         All flows of the command.
     bar : TunnelProgress
         Progress bar.
-    jobs : int, optional
+    workers : int, optional
         Flows at a time on this machine.
     cache : Path, optional
         Cache folder of solved flows.
@@ -87,7 +71,7 @@ def open_solver(
             cluster.check_memory(flows)
             yield cluster
         return
-    folder, side_by_side = resolve_cache_folder(cache), jobs or len(os.sched_getaffinity(0))
+    folder, side_by_side = resolve_cache_folder(cache), workers or count_cores()
     # The limit is an option in GB; memory is counted in bytes.
     check_memory(flows, side_by_side, 1e9 * limit if limit else machine_memory())
     bar.skip_solved(CaseRunner(folder, FoamPrograms(), bar.update_case_progress))

@@ -1,13 +1,12 @@
-"""Summarize a mission log in numbers, and convert it to and from JSON."""
+"""Summarize a mission log in numbers."""
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
-from typing import Any, Final, final
+from dataclasses import dataclass
+from typing import Final, final
 
-from lta_energy.circuit import EnergyTotals
 from lta_energy.irradiance import IrradianceSeries
-from lta_energy.mission_log import ASLEEP, MissionFlight, MissionLog
+from lta_energy.mission_log import ASLEEP, MissionLog
 
 FAILED: Final = {
     'empty': 'empty in flight',
@@ -116,20 +115,3 @@ def flight_minutes_by_hour(diary: MissionLog, light: IrradianceSeries) -> list[f
         # A flight counts in the hour in which it starts; the last hour takes one at the very end.
         hours[min(int(flight.start / 3600.0), len(hours) - 1)] += flight.duration / 60.0
     return hours
-
-
-def to_json(diary: MissionLog) -> dict[str, Any]:
-    """Convert a mission log to JSON."""
-    return asdict(diary)
-
-
-def from_json(content: Mapping[str, Any]) -> MissionLog:
-    """Convert the output of `to_json` to a mission log."""
-    flights = [
-        # JSON turned the named tuples into lists; field 4 of a flight is `spent`.
-        MissionFlight._make(each)._replace(spent=EnergyTotals._make(each[4]))
-        for each in content['flights']
-    ]
-    return MissionLog(
-        **{**content, 'flights': flights, 'spent': EnergyTotals._make(content['spent'])}
-    )

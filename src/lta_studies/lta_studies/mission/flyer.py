@@ -17,7 +17,6 @@ from lta_energy.circuit import EnergyTotals
 from lta_energy.irradiance import IrradianceSeries, PanelIrradiance
 from lta_energy.mission import Departure, Landing
 from lta_energy.mission_log import MissionFlight
-from lta_model.electrical.charger import resting_flow
 from lta_studies.mission.leg_state import (
     DONE,
     DWELL,
@@ -92,14 +91,6 @@ class MissionFlyer:
         made = scenes.build_beacon_flight(mission.perch, light.at(0.0), 1.0)
         self._pilot = LegPilot(made, self._leg)
         self._speed = scenes.policy.mission.speed
-
-    def compile_kernel(self) -> None:
-        """Compile the flight kernel; takes up to a minute if it is not cached on disk."""
-        made = self._scenes.build_beacon_flight(self._mission.perch, self._light.at(0.0), 1.0)
-        # A leg that is over at once: the call compiles, but does not fly.
-        ground = self._pilot.ground_state((0.0, 0.0, 0.0), 0.0, resting_flow(1.0), 1.0, 0)
-        over = ground._replace(outcome=DONE)
-        self._pilot.fly_leg(self._pilot.pack_constants(made), self._leg, over, 0)
 
     def fly_round_trip(self, departure: Departure) -> Landing:
         """Fly the round and back."""

@@ -1,29 +1,43 @@
-"""Simulate a mission under several schedules and seeds on all cores; resumes if stopped."""
+"""Simulate a mission under several schedules and seeds; resumes if stopped."""
 
-from collections.abc import Callable, Sequence
-from concurrent.futures import as_completed, CancelledError, ThreadPoolExecutor
+from collections.abc import Sequence
 from dataclasses import dataclass
 import hashlib
-import json
-import os
+from operator import attrgetter
 from pathlib import Path
-from threading import Event
 from typing import Final, final, NamedTuple
 
-from lta_config.errors import BadInput
 from lta_config.schema.light_day_file import DAY, LightDay, load_light_day
 from lta_config.schema.mission_file import load_mission, MissionFile
 from lta_energy.irradiance import IrradianceSeries, simulate_irradiance
 from lta_energy.mission_log import MissionLog
-from lta_report.results_folder import write_json
+from lta_report.line_log import LogKind
+from lta_report.study import Study, StudyOptions
+from lta_report.study_store import StoreFormat
+from lta_report.workers import report_progress
 from lta_studies.light.evaluation.intervals import bootstrap_mean, bootstrap_ratio, BootstrapMean
-from lta_studies.mission.figures import from_json, MissionFigures, summarize_mission, to_json
-from lta_studies.mission.flyer import MissionFlyer
+from lta_studies.mission.figures import MissionFigures, summarize_mission
 from lta_studies.mission.scene import MissionScene
 from lta_studies.mission.simulate_mission import AWARE, build_simulation, DOZING, NAIVE
+from pydantic import TypeAdapter
+from rich.console import Console
 
 SCHEDULES: Final = (AWARE, NAIVE, DOZING)
-KEPT: Final = 'lives_of.json'  # identifies the mission of a results folder
+STORE: Final = StoreFormat(
+    LogKind('missions.jsonl', 'mission', 'mission', '--out'), TypeAdapter(MissionLog)
+)
+
+
+class MissionJob(NamedTuple):
+    """One mission to simulate."""
+
+    schedule: str
+    seed: int
+
+    @property
+    def key(self) -> str:
+        """Name in the store."""
+        return f'{self.schedule}, seed {self.seed}'
 
 
 class MissionResult(NamedTuple):
@@ -76,8 +90,15 @@ class MissionRequest:
             each.model_dump_json()
             for each in (self.mission, self.day, self.scenes.vehicle.file, self.scenes.scenario)
         ]
-        # Seeds and schedules name the result files instead, so more can be added to a folder.
+        # Seeds and schedules are in the keys instead, so more can be added to a folder.
         return hashlib.sha256('\n'.join([*parts, str(self.days)]).encode()).hexdigest()[:16]
+
+    def simulate(self, job: MissionJob) -> MissionLog:
+        """Simulate one mission; workers call this."""
+        simulation, _ = build_simulation(
+            self.mission, self.day, self.scenes, job.schedule, self.days, job.seed
+        )
+        return simulation.run(lambda now: report_progress(now / (DAY * self.days)))
 
 
 def load_request(
@@ -91,112 +112,36 @@ def load_request(
 
 
 def run_missions(
-    request: MissionRequest, folder: Path, on_progress: Callable[[float], None]
+    request: MissionRequest, folder: Path, options: StudyOptions, console: Console
 ) -> list[MissionResult]:
     """
-    Simulate all missions; load those that an earlier run left in the folder.
-
-    Ctrl-C or an error cancels the running simulations at their next progress report.
+    Simulate the missions that are not stored in the folder; return the results of all.
 
     Parameters
     ----------
     request : MissionRequest
-        Options.
+        The missions.
     folder : Path
-        Folder for the results; each is written when it is complete.
-    on_progress : callable
-        Called with the simulated seconds since its last call.
+        Folder for the results; each is stored when it is complete.
+    options : StudyOptions
+        Workers or scheduler.
+    console : Console
+        Terminal of the progress bar.
+
+    Raises
+    ------
+    BadInput
+        If the folder belongs to something else, or a simulation failed.
 
     """
-    claim_results_folder(request, folder)
-    jobs = [(schedule, seed) for seed in request.seeds for schedule in request.schedules]
-    # Threads suffice: the compiled kernel releases the GIL (`nogil`).
-    cores = len(os.sched_getaffinity(0))
-    found: dict[tuple[str, int], MissionLog] = {}
-    stopping = Event()
-
-    def report_progress(gone: float) -> None:
-        # A thread cannot be killed; it stops at its next progress report.
-        if stopping.is_set():
-            raise CancelledError
-        on_progress(gone)
-
-    if not all(result_path(folder, *job).exists() for job in jobs):
-        # Compile in the main thread: Ctrl-C cannot stop the compiler in another one.
-        compile_flight(request)
-    with ThreadPoolExecutor(cores) as pool:
-        running = {
-            pool.submit(load_or_simulate, request, folder, *job, report_progress): job
-            for job in jobs
-        }
-        try:
-            for done in as_completed(running):
-                found[running[done]] = done.result()
-        except BaseException:
-            stopping.set()  # leaving the pool waits for its threads even with wait=False
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+    jobs = [MissionJob(schedule, seed) for seed in request.seeds for schedule in request.schedules]
+    study = Study(request.simulate, attrgetter('key'), STORE, 'missions')
+    logs = study.run(jobs, folder, request.digest, options, console).require_all()
     beacons = len(request.mission.round)
     return [
-        MissionResult(*job, found[job], summarize_mission(found[job], beacons)) for job in jobs
+        MissionResult(*job, log, summarize_mission(log, beacons))
+        for job, log in zip(jobs, logs, strict=True)
     ]
-
-
-def claim_results_folder(request: MissionRequest, folder: Path) -> None:
-    """Mark a results folder with its mission; raise `BadInput` if it belongs to another."""
-    note = folder / KEPT
-    if note.exists():
-        stored = json.loads(note.read_text(encoding='utf-8')).get('digest')
-        if stored != request.digest:
-            raise BadInput(
-                f"'{folder}' holds another mission's results; choose another folder with --out."
-            )
-        return
-    if folder.exists() and any(folder.iterdir()):
-        raise BadInput(f"'{folder}' is not empty; choose another folder with --out.")
-    folder.mkdir(parents=True, exist_ok=True)
-    write_json({'name': request.mission.name, 'digest': request.digest}, note)
-
-
-def result_path(folder: Path, schedule: str, seed: int) -> Path:
-    """Return the file of a result."""
-    # 'duty cycle, asleep' becomes 'duty_cycle_asleep'.
-    return folder / f'{schedule.replace(",", "").replace(" ", "_")}_{seed}.json'
-
-
-def compile_flight(request: MissionRequest) -> None:
-    """Compile the flight kernel."""
-    light = request.simulate_light(request.seeds[0])
-    MissionFlyer(request.mission, request.scenes, light, request.seeds[0]).compile_kernel()
-
-
-def load_or_simulate(
-    request: MissionRequest,
-    folder: Path,
-    schedule: str,
-    seed: int,
-    on_progress: Callable[[float], None],
-) -> MissionLog:
-    """Return one mission log, from its file if it exists."""
-    path = result_path(folder, schedule, seed)
-    if path.exists():
-        # A loaded result counts as a whole mission in the progress bar. [s]
-        on_progress(DAY * request.days)
-        return from_json(json.loads(path.read_text(encoding='utf-8')))
-    simulation, _ = build_simulation(
-        request.mission, request.day, request.scenes, schedule, request.days, seed
-    )
-    last = 0.0
-
-    def report_progress(now: float) -> None:
-        nonlocal last
-        # The bar counts simulated seconds over all missions, so report differences.
-        on_progress(now - last)
-        last = now
-
-    diary = simulation.run(report_progress)
-    write_json(to_json(diary), path)
-    return diary
 
 
 def filter_by_schedule(results: Sequence[MissionResult], schedule: str) -> list[MissionResult]:

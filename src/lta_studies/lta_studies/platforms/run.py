@@ -1,24 +1,31 @@
 """
-Fly all flights of a comparison in worker processes.
+Fly all flights of a comparison by workers.
 
 The flights are independent and seeded, so their order does not matter.
 """
 
-from collections.abc import Iterator
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import cache
-import os
-from typing import Any, final
+import hashlib
+from operator import attrgetter
+from pathlib import Path
+from typing import Any, Final, final, NamedTuple
 
 from lta_config.schema.comparison_file import ComparisonFile, load_comparison
 from lta_config.schema.maneuver_file import load_maneuver_file, ManeuverFile
 from lta_flight.closed_loop import ClosedLoop
-from lta_model.scenario import load_scenario
-from lta_report.worker_pool import run_in_workers
+from lta_model.scenario import load_scenario, Scenario
+from lta_report.json_value import StoredArray
+from lta_report.line_log import LogKind
+from lta_report.study import Study, StudyOptions
+from lta_report.study_store import StoreFormat
 from lta_studies.platforms.entrants import build_entrant
-from lta_studies.platforms.flight import fly_maneuver, ManeuverFlight, prepare_flight
+from lta_studies.platforms.flight import Entrant, fly_maneuver, ManeuverFlight, prepare_flight
 from lta_studies.platforms.metrics import TrackingMetrics
 import numpy as np
+from pydantic import TypeAdapter
+from rich.console import Console
 
 CONTESTANT, ABLATION, LIMIT = 'contestant', 'ablation', 'limit'
 SHOWN = 10  # decimation of the traces for plots
@@ -36,6 +43,12 @@ class PlatformJob:
     seed: int
     speed: float | None = None  # replaces the speed of the manoeuvre [m/s]
 
+    @property
+    def key(self) -> str:
+        """Name in the store."""
+        speed = '' if self.speed is None else f' at {self.speed} m/s'
+        return f'{self.kind} {self.name}, {self.manoeuvre}{speed}, seed {self.seed}'
+
 
 @final
 @dataclass(frozen=True, slots=True)
@@ -49,9 +62,53 @@ class PlatformResult:
     tilt: float
     lost: str
     speed: float  # along the course, mean of the last quarter [m/s]
-    flown: Any = None  # time, altitude, heading, speed; ndarray or None
-    asked: Any = None
-    duties: Any = None
+    flown: StoredArray = None  # time, altitude, heading, speed
+    asked: StoredArray = None
+    duties: StoredArray = None
+
+
+STORE: Final = StoreFormat(
+    LogKind('flights.jsonl', 'comparison', 'comparison', '--out'), TypeAdapter(PlatformResult)
+)
+
+
+class ComparisonEntries(NamedTuple):
+    """
+    Everything that the flights of a comparison depend on, besides the seed.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        Scenario of all flights.
+    entrants : mapping
+        Entrants by kind and name.
+    manoeuvres : mapping
+        Manoeuvres by name.
+
+    """
+
+    scenario: Scenario
+    entrants: Mapping[tuple[str, str], Entrant]
+    manoeuvres: Mapping[str, ManeuverFile]
+
+    @property
+    def identity(self) -> str:
+        """Hash of everything that determines the flights, except seeds and speeds."""
+        parts = [self.scenario.model_dump_json()]
+        for name, each in sorted(self.entrants.items()):
+            parts += [
+                *name, each.vehicle.file.model_dump_json(), each.law.name,
+                each.gains.model_dump_json(), str(each.release),
+            ]  # fmt: skip
+        for manoeuvre, file in sorted(self.manoeuvres.items()):
+            parts += [manoeuvre, file.model_dump_json()]
+        return hashlib.sha256('\n'.join(parts).encode()).hexdigest()
+
+    def fly(self, job: PlatformJob) -> PlatformResult:
+        """Fly one job."""
+        return fly_entrant(
+            self.entrants[job.kind, job.name], self.scenario, self.manoeuvres[job.manoeuvre], job
+        )
 
 
 def list_jobs(file: str, comparison: ComparisonFile, seeds: int) -> list[PlatformJob]:
@@ -74,14 +131,14 @@ def list_jobs(file: str, comparison: ComparisonFile, seeds: int) -> list[Platfor
 
 
 @cache
-def _load_files(file: str) -> tuple[ComparisonFile, Any]:
+def _load_files(file: str) -> tuple[ComparisonFile, Scenario]:
     comparison = load_comparison(file)
     return comparison, load_scenario(comparison.scenario)
 
 
 @cache
-# Cached in each worker, as all seeds and manoeuvres share the entrant.
-def _build_entrant(file: str, kind: str, name: str) -> Any:  # noqa: ANN401 - an Entrant
+# Cached, as all seeds and manoeuvres share the entrant.
+def _build_entrant(file: str, kind: str, name: str) -> Entrant:
     comparison, scenario = _load_files(file)
     density = scenario.air.density
     if kind == CONTESTANT:
@@ -90,11 +147,14 @@ def _build_entrant(file: str, kind: str, name: str) -> Any:  # noqa: ANN401 - an
     return build_entrant(comparison.contestants[change.of], density, change)
 
 
-def check_comparison(file: str, comparison: ComparisonFile) -> None:
+def build_entries(file: str, comparison: ComparisonFile) -> ComparisonEntries:
     """Build every entry and load every manoeuvre; raise `BadInput` if one is invalid."""
-    for job in list_jobs(file, comparison, 1):
-        _build_entrant(job.file, job.kind, job.name)
-        load_maneuver_file(job.manoeuvre)
+    jobs = list_jobs(file, comparison, 1)
+    return ComparisonEntries(
+        _load_files(file)[1],
+        {(job.kind, job.name): _build_entrant(file, job.kind, job.name) for job in jobs},
+        {job.manoeuvre: load_maneuver_file(job.manoeuvre) for job in jobs},
+    )
 
 
 def replace_speeds(manoeuvre: ManeuverFile, speed: float | None) -> ManeuverFile:
@@ -111,12 +171,20 @@ def replace_speeds(manoeuvre: ManeuverFile, speed: float | None) -> ManeuverFile
 
 
 def fly_job(job: PlatformJob) -> PlatformResult:
-    """Fly one job."""
-    _, scenario = _load_files(job.file)
-    manoeuvre = replace_speeds(load_maneuver_file(job.manoeuvre), job.speed)
-    flight = fly_maneuver(
-        _build_entrant(job.file, job.kind, job.name), scenario, manoeuvre, job.seed
+    """Load the files of one job and fly it."""
+    return fly_entrant(
+        _build_entrant(job.file, job.kind, job.name),
+        _load_files(job.file)[1],
+        load_maneuver_file(job.manoeuvre),
+        job,
     )
+
+
+def fly_entrant(
+    entrant: Entrant, scenario: Scenario, manoeuvre: ManeuverFile, job: PlatformJob
+) -> PlatformResult:
+    """Fly one job."""
+    flight = fly_maneuver(entrant, scenario, replace_speeds(manoeuvre, job.speed), job.seed)
     return summarize_flight(job, flight)
 
 
@@ -145,14 +213,24 @@ def summarize_flight(job: PlatformJob, flight: ManeuverFlight) -> PlatformResult
     )  # fmt: skip
 
 
-def fly_all(todo: list[PlatformJob], workers: int) -> Iterator[PlatformResult]:
-    """Yield the results as they finish; one worker runs in this process."""
-    return run_in_workers(fly_job, [(job,) for job in todo], workers, '--workers')
+def fly_jobs(
+    entries: ComparisonEntries,
+    jobs: list[PlatformJob],
+    folder: Path,
+    options: StudyOptions,
+    console: Console,
+) -> list[PlatformResult]:
+    """
+    Fly the jobs that are not stored in the folder and return the results of all, in order.
 
+    Raises
+    ------
+    BadInput
+        If the folder belongs to something else, or a flight failed.
 
-def count_processors() -> int:
-    """Return the number of available processors."""
-    return len(os.sched_getaffinity(0))
+    """
+    study = Study(entries.fly, attrgetter('key'), STORE, 'flights')
+    return study.run(jobs, folder, entries.identity, options, console).require_all()
 
 
 def result_to_json(row: PlatformResult) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from lta_studies.light.evaluation.cells import build_cells, EvaluationCell
 from lta_studies.light.evaluation.flights import (
     build_standalone_job,
     build_sweep_plan,
-    fly_task,
+    fly_standalone_job,
     STRATEGY,
 )
 from lta_studies.light.evaluation.intervals import BootstrapMean
@@ -94,7 +94,8 @@ def fly_group(
         )
     )
     # One after the other: the rows of the reproduction already run in parallel.
-    rows = [fly_task(build_standalone_job(plan, plan.build_job(k), k)) for k in range(plan.count)]
+    jobs = map(plan.build_job, range(plan.count))
+    rows = [fly_standalone_job(build_standalone_job(plan, job)) for job in jobs]
     return FlightGroup(plan, build_cells(part, plan, rows))
 
 

@@ -16,10 +16,10 @@ from lta_studies.reproduce.studies import (
     photodiodes,
     platforms,
 )
-from lta_studies.reproduce.study_result import Study
+from lta_studies.reproduce.study_result import RowStudy
 
 # In the order of the paper
-STUDIES: Final[dict[str, Study]] = {
+STUDIES: Final[dict[str, RowStudy]] = {
     'platforms': platforms.run_study,
     'forces': forces.run_study,
     'closed_loop': closed_loop.run_study,

@@ -19,7 +19,7 @@ from lta_report.report import (
     TextTable,
 )
 from lta_report.report_markdown import render_markdown
-from lta_studies.reproduce.row_store import encode_values, StoredPicture, StoredRow
+from lta_studies.reproduce.stored_row import encode_values, StoredPicture, StoredRow
 from lta_studies.reproduce.verdict import (
     ClaimVerdict,
     count_verdicts,

@@ -1,28 +1,31 @@
 """Run the studies of the rows; store each result so that a later run can resume."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 import shutil
 import time
-from typing import final
+from typing import Final, final
 
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.schema.paper_file import load_paper_row, load_paper_rows, PaperRow
-from lta_report.worker_pool import run_in_workers
+from lta_report.line_log import LogKind
+from lta_report.study import Study, StudyOptions
+from lta_report.study_store import StoreFormat
 from lta_studies.reproduce.registry import STUDIES
-from lta_studies.reproduce.row_store import (
-    build_stored_row,
-    hash_row,
-    read_row,
-    StoredRow,
-    write_row,
-)
 from lta_studies.reproduce.sources import hash_sources
+from lta_studies.reproduce.stored_row import build_stored_row, hash_row, StoredRow
 from lta_studies.reproduce.study_result import RowStudyRequest
+from pydantic import TypeAdapter
+from rich.console import Console
 
-ROWS = 'rows'  # folder of the stored rows
 BAGS = 'bags'
+STORE: Final = StoreFormat(
+    LogKind('rows.jsonl', 'paper', 'reproduction', '--out'),
+    TypeAdapter(StoredRow),
+    shares_folder=True,
+)
 
 
 @final
@@ -33,11 +36,7 @@ class ReproductionRequest:
     names: tuple[str, ...]
     quick: bool
     folder: Path
-    workers: int
-
-    def row_path(self, name: str) -> Path:
-        """Return the file of a stored row."""
-        return self.folder / ROWS / f'{name}.json'
+    options: StudyOptions = field(default_factory=StudyOptions)
 
 
 def select_rows(names: Sequence[str]) -> list[PaperRow]:
@@ -55,20 +54,11 @@ def seed_count(row: PaperRow, quick: bool) -> int:
 
 
 def compute_row_key(row: PaperRow, quick: bool) -> str:
-    """Return the hash of the current inputs of a row."""
-    return hash_row(row, seed_count(row, quick), quick, hash_sources(row.name))
+    """Return the key of a row in the store: its name and the hash of its current inputs."""
+    return row.name + ' ' + hash_row(row, seed_count(row, quick), quick, hash_sources(row.name))
 
 
-def read_stored_rows(order: ReproductionRequest, rows: Sequence[PaperRow]) -> dict[str, StoredRow]:
-    """Return the stored rows that are up to date."""
-    found = {
-        row.name: read_row(order.row_path(row.name), compute_row_key(row, order.quick))
-        for row in rows
-    }
-    return {name: stored for name, stored in found.items() if stored is not None}
-
-
-def study_row(name: str, quick: bool, folder: Path) -> StoredRow:
+def study_row(quick: bool, folder: Path, name: str) -> StoredRow:
     """Study one row; raise `BadInput` if its measures differ from those of its file."""
     row = load_paper_row(name)
     begun = time.monotonic()
@@ -88,20 +78,25 @@ def study_row(name: str, quick: bool, folder: Path) -> StoredRow:
     return build_stored_row(found, seeds, time.monotonic() - begun)
 
 
-def study_all(
-    order: ReproductionRequest, todo: Sequence[PaperRow]
-) -> Iterator[tuple[str, StoredRow]]:
-    """Study rows in worker processes; store each row before yielding it."""
-    tasks = [(row.name, order.quick, order.folder) for row in todo]
-    # Hashed before the studies: a file edited meanwhile must invalidate the result.
-    keys = {row.name: compute_row_key(row, order.quick) for row in todo}
-    for name, stored in run_in_workers(
-        _study_with_name, tasks, order.workers, '--workers', goes_on=True
-    ):
-        write_row(order.row_path(name), keys[name], stored)
-        yield name, stored
+def reproduce_rows(
+    order: ReproductionRequest, rows: Sequence[PaperRow], console: Console
+) -> dict[str, StoredRow]:
+    """
+    Study the rows whose current results are not stored; return the results of all.
 
+    Raises
+    ------
+    BadInput
+        If a study failed.
 
-def _study_with_name(name: str, quick: bool, folder: Path) -> tuple[str, StoredRow]:
-    """Study one row and return it with its name."""
-    return name, study_row(name, quick, folder)
+    """
+    # Computed before the studies: a file edited meanwhile must invalidate the result.
+    keys = {row.name: compute_row_key(row, order.quick) for row in rows}
+    names = list(keys)
+    study = Study(
+        partial(study_row, order.quick, order.folder), keys.__getitem__, STORE, 'rows',
+        lambda name, row: f'{name}: {row.seconds:.0f} s',
+    )  # fmt: skip
+    # The keys contain the hash of everything that determines a row.
+    outcome = study.run(names, order.folder, 'rows', order.options, console)
+    return dict(zip(names, outcome.require_all(), strict=True))

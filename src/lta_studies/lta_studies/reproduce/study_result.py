@@ -72,7 +72,7 @@ class RowStudyRequest:
     folder: Path
 
 
-Study = Callable[[RowStudyRequest], RowStudyResult]
+RowStudy = Callable[[RowStudyRequest], RowStudyResult]
 
 
 def average_over_seeds(values: Sequence[float]) -> MeasuredValue:

@@ -7,10 +7,10 @@ from typing import final
 
 from lta_control.cascade import CascadeGains
 from lta_flight.sweep.statistics import ShareInterval, wilson_interval
-from lta_report.worker_pool import WorkerPool
+from lta_report.workers import Workers
+from lta_studies.tune.evaluation import evaluate_jobs, EvaluationJob
 from lta_studies.tune.metrics import ResponseMetrics
 from lta_studies.tune.step_response import SetpointStep, STEPS, TuningCase, TuningScene
-from lta_studies.tune.workers import evaluate_jobs, EvaluationJob
 import numpy as np
 from scipy.special import stdtrit
 
@@ -119,7 +119,7 @@ def fly_comparison(
     scene: TuningScene,
     both: tuple[CascadeGains, CascadeGains],
     cases: Sequence[TuningCase],
-    workers: WorkerPool,
+    workers: Workers[EvaluationJob, ResponseMetrics],
 ) -> tuple[GainEvaluation, GainEvaluation]:
     """Fly the old and the new gains in the same cases."""
     # One task list for both sides, so that no worker waits between them.

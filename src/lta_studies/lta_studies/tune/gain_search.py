@@ -10,8 +10,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
+from lta_report.study_store import StudyStore
 from lta_studies.tune.cma_es import CmaEsSearch, Vector
-from lta_studies.tune.evaluation_log import EvaluationLog
+from lta_studies.tune.evaluation import CandidateCosts
 from lta_studies.tune.parameters import TunableParameter
 import numpy as np
 
@@ -56,7 +57,7 @@ def robust_cost(costs: Sequence[float]) -> float:
 def search_gains(
     numbers: Sequence[TunableParameter],
     fly: Fly,
-    book: EvaluationLog,
+    store: StudyStore[CandidateCosts],
     budget: int,
     seed: int,
     tell: Callable[[int, float], None] = lambda count, best: None,
@@ -70,8 +71,8 @@ def search_gains(
         Parameters to search, with their start values.
     fly : callable
         Returns the cost of each test flight of a candidate.
-    book : EvaluationLog
-        Earlier evaluations; new ones are appended.
+    store : StudyStore
+        Earlier evaluations; new ones are added.
     budget : int
         Number of candidates, including the start.
     seed : int
@@ -80,7 +81,7 @@ def search_gains(
         Progress callback: number of candidates flown, lowest cost so far.
 
     """
-    judge = _CandidateEvaluator(numbers, fly, book, tell)
+    judge = _CandidateEvaluator(numbers, fly, store, tell)
     stopped = False
     try:
         start = np.log([number.value for number in numbers])
@@ -110,12 +111,12 @@ class _CandidateEvaluator:
         self,
         numbers: Sequence[TunableParameter],
         fly: Fly,
-        book: EvaluationLog,
+        store: StudyStore[CandidateCosts],
         tell: Callable[[int, float], None],
     ) -> None:
         self._paths = [number.path for number in numbers]
         self._ends = np.log([number.search_bounds() for number in numbers])
-        self._fly, self._book, self._tell = fly, book, tell
+        self._fly, self._store, self._tell = fly, store, tell
         self.best: tuple[float, dict[str, float]] | None = None
         self.history: list[float] = []
 
@@ -124,7 +125,7 @@ class _CandidateEvaluator:
         inside = [np.clip(point, self._ends[:, 0], self._ends[:, 1]) for point in points]
         values = [dict(zip(self._paths, np.exp(p).tolist(), strict=True)) for p in inside]
         costs = []
-        evaluations = _fly_candidates(values, self._fly, self._book, len(self.history))
+        evaluations = _fly_candidates(values, self._fly, self._store)
         for value, cases in zip(values, evaluations, strict=True):
             cost = robust_cost(cases)
             costs.append(cost)
@@ -138,14 +139,12 @@ class _CandidateEvaluator:
 
 
 def _fly_candidates(
-    values: Sequence[dict[str, float]], fly: Fly, book: EvaluationLog, place: int
+    values: Sequence[dict[str, float]], fly: Fly, store: StudyStore[CandidateCosts]
 ) -> Iterator[list[float]]:
-    """Yield the costs of candidates; take them from the log where possible."""
-    for k, value in enumerate(values):
-        numbers = list(value.values())
-        costs = book.find_costs(place + k, numbers)
-        if costs is None:
-            # Log each candidate before the next is flown, so that an interrupt loses one.
-            costs = fly(value)
-            book.add(numbers, costs)
-        yield costs
+    """Yield the costs of candidates; take them from the store where possible."""
+    for value in values:
+        numbers = tuple(value.values())
+        if numbers not in store:
+            # Stored before the next is flown, so that an interrupt loses one.
+            store.add(numbers, CandidateCosts(numbers, fly(value)))
+        yield store.results[numbers].costs

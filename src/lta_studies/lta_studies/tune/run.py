@@ -11,10 +11,18 @@ from lta_config.files import find_file as find_file
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_control.cascade import CascadeGains
 from lta_control.gains_file import load_gains
-from lta_report.worker_pool import WorkerPool
+from lta_report.study_progress import StudyProgress
+from lta_report.study_store import StudyStore
+from lta_report.workers import open_workers, Workers
 from lta_studies.tune import step_response
 from lta_studies.tune.compare import draw_cases, fly_comparison, GainEvaluation
-from lta_studies.tune.evaluation_log import EvaluationLog, hash_search
+from lta_studies.tune.evaluation import (
+    evaluate_gains,
+    evaluate_jobs,
+    EvaluationJob,
+    hash_search,
+    STORE,
+)
 from lta_studies.tune.gain_search import GainSearchResult, search_gains
 from lta_studies.tune.gains_file import round_gain, write_gains
 from lta_studies.tune.helium_limit import (
@@ -22,11 +30,10 @@ from lta_studies.tune.helium_limit import (
     HeliumLimit,
     rotor_lift_loss_limit,
 )
+from lta_studies.tune.metrics import ResponseMetrics
 from lta_studies.tune.parameters import replace_parameters, select_parameters, TunableParameter
-from lta_studies.tune.progress import TuneProgress
 from lta_studies.tune.stability_margins import compute_loop_margins, CRUISE, LoopMargins
 from lta_studies.tune.step_response import TuningCase, TuningScene
-from lta_studies.tune.workers import create_workers, evaluate_jobs, EvaluationJob
 from rich.console import Console
 
 LAW = 'cascade'  # the only control law that can be tuned
@@ -49,7 +56,7 @@ class TuningRequest:
     draws: int = 20
     seed: int = 1
     numbers: tuple[str, ...] = ()
-    workers: int = 2
+    workers: int | None = None
     folder: Path | None = None
     command: str = 'lta tune'
 
@@ -156,27 +163,35 @@ def tune_once(order: TuningRequest, console: Console) -> TuningResult:
     folder = (
         order.folder or Path('runs') / f'tune-{vehicle_name(order)}-{hash_search(about)[:8]}'
     ).absolute()
+    flights = order.budget * len(cases)
+    console.print(
+        f'{order.budget} candidates with {len(cases)} test flights each: {flights} flights.',
+        highlight=False,
+    )
     with (
-        EvaluationLog(folder, hash_search(about)) as book,
-        TuneProgress(console, order.budget, len(cases)) as progress,
-        create_workers(order.workers) as workers,
+        StudyStore(folder, STORE, hash_search(about)) as store,
+        StudyProgress(console, order.budget, unit='candidates') as progress,
+        open_workers(evaluate_gains, order.workers) as workers,
     ):
+
+        def show_candidate(count: int, best: float) -> None:
+            progress.show_detail(f'{count * len(cases)} flights, best cost {best:.3f}')
+            progress.count_item()
+
         flown = partial(evaluate_candidate, scene, old, cases, workers)
-        found = search_gains(
-            numbers, flown, book, order.budget, order.seed, progress.show_candidate
-        )
+        found = search_gains(numbers, flown, store, order.budget, order.seed, show_candidate)
         # The rounded gains of the file are also the ones that are compared.
         best = {path: round_gain(value) for path, value in found.numbers.items()}
         new = replace_parameters(old, best)
         file = folder / GAINS_NAME
         write_gains(new, format_gains_comment(order, name, found, len(cases)), file)
-        progress.show_stage(f'flying {order.draws} new random flights with old and new gains')
+        progress.show_detail(f'flying {order.draws} new random flights with old and new gains')
         fresh = draw_cases(order.least, order.most, order.draws, order.seed)
-        flights = fly_comparison(scene, (old, new), fresh, workers)
-        progress.show_stage('margins and limits')
+        both = fly_comparison(scene, (old, new), fresh, workers)
+        progress.show_detail('margins and limits')
         before, after = (
             evaluate_gain_set(scene, gains, own, order)
-            for gains, own in zip((old, new), flights, strict=True)
+            for gains, own in zip((old, new), both, strict=True)
         )
     losses = tuple(case.loss for case in cases)
     return TuningResult(order, name, found, tuple(numbers), before, after, losses, file, folder)
@@ -186,7 +201,7 @@ def evaluate_candidate(
     scene: TuningScene,
     start: CascadeGains,
     cases: Sequence[TuningCase],
-    workers: WorkerPool,
+    workers: Workers[EvaluationJob, ResponseMetrics],
     candidate: Mapping[str, float],
 ) -> list[float]:
     """Return the cost of each test flight of a candidate."""

@@ -1,10 +1,10 @@
 """A sweep survives its workers and itself, and leaves a table with units and a page."""
 
 from collections import Counter
+from functools import partial
 import io
 from itertools import islice
 import json
-from multiprocessing import get_context
 import os
 from pathlib import Path
 import signal
@@ -14,16 +14,14 @@ import sys
 from lta_config.errors import BadInput
 from lta_config.schema.sweep_file import load_sweep
 from lta_flight.sweep import run as run_module
-from lta_flight.sweep import workers as crew_module
-from lta_flight.sweep.cluster import SweepCluster
-from lta_flight.sweep.job_runner import build_failed_row, fly_job, SweepRow
-from lta_flight.sweep.log import KIND, SweepLog
+from lta_flight.sweep.job_runner import build_failed_row, fly_job, STORE, store_row, SweepRow
 from lta_flight.sweep.plan import SweepJob, SweepPlan
 from lta_flight.sweep.report import build_report
 from lta_flight.sweep.run import sweep_once, SweepRequest
 from lta_flight.sweep.statistics import group_by_parameter, wilson_interval
-from lta_flight.sweep.workers import LocalWorkers
 from lta_report.report import Picture
+from lta_report.study_store import StudyStore
+from lta_report.workers import DaskWorkers, ItemFailure
 from pyarrow import parquet
 import pytest
 from rich.console import Console
@@ -33,30 +31,6 @@ import yaml
 HEAVY = 'vehicle.trim.heaviness'
 SHORT = {'scenario.goal.time_limit': '0.2 s'}
 QUIET = Console(file=io.StringIO())
-
-
-class Here:
-    """A crew of this process alone: a worker imports a second's worth before it flies."""
-
-    deaths = 0
-
-    def __init__(self, fly, size):
-        self._fly = fly
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        pass
-
-    def run_jobs(self, jobs):
-        return map(self._fly, jobs)
-
-
-@pytest.fixture
-def here(monkeypatch):
-    """Fly without workers, for tests that are not about them."""
-    monkeypatch.setattr(run_module, 'LocalWorkers', Here)
 
 
 @pytest.fixture
@@ -83,7 +57,7 @@ def run(file, folder, **options):
 def test_a_sweep_is_flown_kept_and_not_flown_again(sweep, tmp_path):
     file, folder = sweep(), tmp_path / 'out'
     done = run(file, folder)
-    assert (done.flown, done.deaths) == (8, 0)
+    assert (done.flown, done.lost) == (8, 0)
     assert [row.index for row in done.rows] == list(range(8))
     assert Counter(row.outcome for row in done.rows) == {'timeout': 8}
     again = run(file, folder)
@@ -101,10 +75,10 @@ def test_a_row_is_the_flight_itself(sweep, tmp_path):
     assert row.values == {HEAVY: pytest.approx(2e-3, rel=1e-15)}
 
 
-def test_a_torn_line_is_flown_again(sweep, tmp_path, here):
+def test_a_torn_line_is_flown_again(sweep, tmp_path):
     file, folder = sweep(), tmp_path / 'out'
     whole = run(file, folder).rows
-    log = folder / KIND.file
+    log = folder / STORE.kind.file
     lines = log.read_bytes().splitlines(keepends=True)
     log.write_bytes(b''.join(lines[:5]) + lines[5][:40])
     done = run(file, folder)
@@ -112,7 +86,7 @@ def test_a_torn_line_is_flown_again(sweep, tmp_path, here):
     assert [row.figures for row in done.rows] == [row.figures for row in whole]
 
 
-def test_another_sweep_is_not_mixed_in(sweep, tmp_path, here):
+def test_another_sweep_is_not_mixed_in(sweep, tmp_path):
     folder = tmp_path / 'out'
     run(sweep(1), folder)
     with pytest.raises(
@@ -126,12 +100,7 @@ def test_another_sweep_is_not_mixed_in(sweep, tmp_path, here):
         run(sweep(1), tmp_path / 'full')
 
 
-def test_two_sweeps_do_not_write_to_one_log(tmp_path):
-    with SweepLog(tmp_path, 'a'), pytest.raises(BadInput, match='Another sweep is writing to'):
-        SweepLog(tmp_path, 'a')
-
-
-def test_a_flight_that_cannot_be_flown_is_kept_with_its_reason(sweep, tmp_path, here):
+def test_a_flight_that_cannot_be_flown_is_kept_with_its_reason(sweep, tmp_path):
     """Each of the two values is fine alone: a start near the wall, and a room that ends there."""
     vary = {
         'scenario.start.position': ['[-3.5, 0] m', '[-4.5, 0] m'],
@@ -154,46 +123,26 @@ def test_a_flight_that_cannot_be_flown_is_kept_with_its_reason(sweep, tmp_path, 
     assert report.status == 1
 
 
-def lethal(base, job):
-    """Fly, but die over flight 2; over flight 1 the first time only."""
-    mark = Path(os.environ['LTA_TEST_FOLDER']) / 'died'
-    if job.index == 2 or (job.index == 1 and not mark.exists()):
-        if job.index == 1:
-            mark.touch()
-        os.kill(os.getpid(), signal.SIGKILL)
-    return SweepRow(job.index, job.seed, {}, 'reached', 'reached its goal')
+def test_a_flight_that_no_worker_finished_is_a_failed_row(tmp_path):
+    job = SweepJob(2, 7, {HEAVY: {'value': 2.5, 'unit': 'g'}})
+    with StudyStore(tmp_path / 'out', STORE, 'mine') as store:
+        assert store_row(store, job, ItemFailure('It died.')) == 'failed'
+    with StudyStore(tmp_path / 'out', STORE, 'mine') as store:
+        assert store.results == {2: SweepRow(2, 7, {HEAVY: 0.0025}, 'failed', 'It died.')}
+    with StudyStore(tmp_path / 'out', STORE, 'mine', retry_failed=True) as store:
+        assert 2 not in store
 
 
-def lethal_work(connection, base):
-    while (job := connection.recv()) is not None:
-        connection.send(lethal(base, job))
-
-
-def test_a_worker_that_dies_costs_no_result(tmp_path, monkeypatch):
-    """Its flight goes to another worker; a flight that kills two is given up, and said."""
-    monkeypatch.setenv('LTA_TEST_FOLDER', str(tmp_path))
-    monkeypatch.setattr(crew_module, 'run_worker', lethal_work)
-    monkeypatch.setattr(crew_module, 'get_context', lambda _: get_context('fork'))
-    jobs = [SweepJob(k, k, {}) for k in range(6)]
-    with LocalWorkers(None, 2) as crew:
-        rows = {row.index: row for row in crew.run_jobs(iter(jobs))}
-    assert crew.deaths == 3
-    assert sorted(rows) == list(range(6))
-    assert [rows[k].outcome for k in (0, 1, 3, 4, 5)] == ['reached'] * 5
-    assert rows[2].outcome == 'failed'
-    assert rows[2].sentence == '2 worker processes ended during this flight, the last by SIGKILL.'
-
-
-def stillborn(connection, base):
-    os._exit(7)
-
-
-def test_workers_that_never_fly_end_the_sweep(monkeypatch):
-    monkeypatch.setattr(crew_module, 'run_worker', stillborn)
-    monkeypatch.setattr(crew_module, 'get_context', lambda _: get_context('fork'))
-    jobs = (SweepJob(k, k, {}) for k in range(100))
-    with LocalWorkers(None, 1) as crew, pytest.raises(BadInput, match='exit status 7'):
-        list(crew.run_jobs(jobs))
+def test_the_lines_of_the_store_are_the_rows(tmp_path):
+    row = SweepRow(0, 1, {HEAVY: 1e-3}, 'reached', 'It did.', 0.25, {'end': 1.5, 'power': None})
+    with StudyStore(tmp_path, STORE, 'mine') as store:
+        store.add(0, row)
+    first, line = map(json.loads, (tmp_path / 'flights.jsonl').read_text().splitlines())
+    assert first == {'sweep': 'mine'}
+    assert line == {
+        'index': 0, 'seed': 1, 'values': {HEAVY: 1e-3}, 'outcome': 'reached',
+        'sentence': 'It did.', 'wall': 0.25, 'figures': {'end': 1.5, 'power': None},
+    }  # fmt: skip
 
 
 SCRIPT = """
@@ -204,7 +153,7 @@ from lta_flight.sweep.report import find_status
 from lta_flight.sweep.run import sweep_once, SweepRequest
 from rich.console import Console
 if __name__ == '__main__':
-    order = SweepRequest(sys.argv[1], Path(sys.argv[2]), workers=1)
+    order = SweepRequest(sys.argv[1], Path(sys.argv[2]), workers=2)
     sys.exit(find_status(sweep_once(order, Console())))
 """
 
@@ -237,7 +186,7 @@ def test_a_sweep_that_is_stopped_goes_on_where_it_was(sweep, tmp_path, number):
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     try:
-        log = folder / KIND.file
+        log = folder / STORE.kind.file
         wait_until(
             lambda: log.exists() and log.read_bytes().count(b'\n') >= 6, 'five flights in the log'
         )
@@ -267,7 +216,7 @@ def test_a_sweep_that_is_stopped_goes_on_where_it_was(sweep, tmp_path, number):
     assert [row.index for row in done.rows] == list(range(40))
 
 
-def test_the_table_has_units_and_meanings(sweep, tmp_path, here):
+def test_the_table_has_units_and_meanings(sweep, tmp_path):
     vary = {HEAVY: ['1 g', '2 g'], 'scenario.air.wind': ['[0, 0, 0] m/s'], 'mission.speed': [0.4]}
     done = run(sweep(1, vary=vary), tmp_path / 'out')
     table = parquet.read_table(done.table)
@@ -298,7 +247,7 @@ def list_pictures(blocks):
     }
 
 
-def test_the_report_shows_every_parameter(sweep, tmp_path, here):
+def test_the_report_shows_every_parameter(sweep, tmp_path):
     vary = {HEAVY: {'uniform': {'low': '1 g', 'high': '3 g'}}, 'scenario.lamp.flux': ['1 lm']}
     report = build_report(run(sweep(vary=vary, samples=12, seeds={'first': 3}), tmp_path / 'out'))
     pictures = list_pictures(report.blocks)
@@ -319,12 +268,12 @@ def test_the_report_shows_every_parameter(sweep, tmp_path, here):
 def test_a_stopped_sweep_is_reported_as_far_as_it_came(sweep, tmp_path, monkeypatch, failure):
     """Of four flights, two are flown."""
 
-    class Stopping(Here):
-        def run_jobs(self, jobs):
-            yield from map(self._fly, islice(jobs, 2))
-            raise failure
+    def stop(items, workers, save, progress):
+        for job in islice(items, 2):
+            save(job, SweepRow(job.index, job.seed, {HEAVY: 1e-3}, 'timeout', 'ran out of time'))
+        raise failure
 
-    monkeypatch.setattr(run_module, 'LocalWorkers', Stopping)
+    monkeypatch.setattr(run_module, 'run_items', stop)
     report = build_report(run(sweep(2), tmp_path / 'out'))
     assert report.headline.startswith('0 of 2 flights (of 4 planned) reached their goal')
     assert report.status == (130 if isinstance(failure, KeyboardInterrupt) else 2)
@@ -365,7 +314,7 @@ def test_a_failed_flight_tells_its_values_in_si():
 def test_a_cluster_without_dask_is_one_sentence(monkeypatch):
     monkeypatch.setitem(sys.modules, 'distributed', None)
     with pytest.raises(BadInput, match='-r requirements-dask'):
-        SweepCluster(None, 'tcp://127.0.0.1:1')
+        DaskWorkers(None, 'tcp://127.0.0.1:1')
 
 
 def test_a_cluster_that_is_not_there_leaves_no_folder(monkeypatch, tmp_path, sweep):
@@ -383,9 +332,10 @@ def test_a_cluster_flies_what_this_machine_flies(sweep):
     options = {'processes': False, 'n_workers': 2, 'threads_per_worker': 1}
     with (
         distributed.LocalCluster(**options, dashboard_address=None) as cluster,
-        SweepCluster(plan.base, cluster.scheduler_address) as crew,
+        DaskWorkers(partial(fly_job, plan.base), cluster.scheduler_address) as workers,
     ):
-        rows = sorted(crew.run_jobs(plan.iterate_jobs({1})), key=lambda row: row.index)
+        found = workers.run(plan.iterate_jobs({1}))
+        rows = sorted((row for _, row in found), key=lambda row: row.index)
     assert [row.index for row in rows] == [0, 2, 3]
     assert [row.figures for row in rows] == [
         fly_job(plan.base, plan.build_job(k)).figures for k in (0, 2, 3)

@@ -27,7 +27,7 @@ def run(fake, call, monkeypatch, tmp_path):
 
 
 def test_a_run_leaves_a_page_a_sweep_and_an_aero_file(run, tmp_path):
-    status, said = run('--only', 'heave', '--only', 'up_left', '--jobs', 1)
+    status, said = run('--only', 'heave', '--only', 'up_left', '--workers', 1)
     assert status == 0
     assert 'has a drag of' in said.out
     assert sorted(path.name for path in (tmp_path / 'done').iterdir()) == [
@@ -70,7 +70,7 @@ def test_nothing_solved_is_status_1_with_the_analytic_part(run, monkeypatch, tmp
     [
         (('--only', 'heavy'), "'heavy'"),
         (('--memory', '0.1', '--only', 'heave'), 'need about'),
-        (('--scheduler', 'tcp://127.0.0.1:1', '--jobs', '2'), 'leave --jobs out'),
+        (('--scheduler', 'tcp://127.0.0.1:1', '--workers', '2'), 'leave --workers out'),
     ],
 )
 def test_bad_input_is_one_sentence_and_leaves_no_folder(run, tmp_path, words, said):

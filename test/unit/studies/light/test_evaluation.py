@@ -17,6 +17,7 @@ from lta_flight.flight_spec import load_spec
 from lta_flight.sweep.job_runner import SweepRow
 from lta_flight.sweep.plan import SweepPlan
 from lta_report.report import TextTable
+from lta_report.study import StudyOptions
 from lta_studies.light.evaluation import (
     ground_roughness,
     path_order,
@@ -41,6 +42,7 @@ import pytest
 from rich.console import Console
 import yaml
 
+ONE = StudyOptions(workers=1)
 QUIET = Console(file=io.StringIO())
 LONG = ('uniform', 'range', 'winds', 'roughness', 'ambient')  # built as the others are
 NEAR = {
@@ -204,7 +206,8 @@ def done(shipped, tmp_path_factory):
     """An evaluation of two seeds, flown once by one process."""
     folder = tmp_path_factory.mktemp('evaluation') / 'out'
     return run_evaluation(
-        EvaluationRequest((sets.INDOORS, sets.ABLATIONS), 2, folder, workers=1), QUIET
+        EvaluationRequest((sets.INDOORS, sets.ABLATIONS), 2, folder, ONE),
+        QUIET,
     )
 
 
@@ -231,10 +234,7 @@ def test_what_was_flown_is_not_flown_again_and_more_seeds_only_add(done, monkeyp
     class Here:
         """A crew that flies nothing, and says what it should."""
 
-        deaths = 0
-
-        def __init__(self, *_):
-            pass
+        lost = 0
 
         def __enter__(self):
             return self
@@ -242,15 +242,16 @@ def test_what_was_flown_is_not_flown_again_and_more_seeds_only_add(done, monkeyp
         def __exit__(self, *_):
             pass
 
-        def run_jobs(self, jobs):
-            for job in jobs:
+        def run(self, tasks):
+            for task in tasks:
+                job = task.job
                 flown.append(job)
-                yield SweepRow(job.index, job.seed, dict(job.values), 'timeout', 'made up')
+                yield task, SweepRow(job.index, job.seed, dict(job.values), 'timeout', 'made up')
                 if len(flown) == 4:
                     raise KeyboardInterrupt
 
-    monkeypatch.setattr('lta_studies.light.evaluation.run.LocalWorkers', Here)
-    more = EvaluationRequest(done.order.sets, 3, done.order.folder, workers=1)
+    monkeypatch.setattr('lta_studies.light.evaluation.run.open_workers', lambda *_: Here())
+    more = EvaluationRequest(done.order.sets, 3, done.order.folder, ONE)
     stopped = run_evaluation(more, QUIET)
     assert stopped.stopped
     assert {job.seed for job in flown} == {3}

@@ -1,72 +1,84 @@
-"""Lives of a mission side by side: Ctrl-C ends them all at once, and the headline counts."""
+"""Missions side by side: each is simulated once, and the headline counts failures."""
 
-import signal
-import sys
-from threading import active_count, main_thread
-import time
 from types import SimpleNamespace
 
+from lta_config.errors import BadInput
+from lta_energy.circuit import EnergyTotals
+from lta_energy.mission_log import MissionFlight, MissionLog
+from lta_report.study import StudyOptions
+from lta_report.study_store import StudyStore
 from lta_studies.mission import run as running
 from lta_studies.mission.report import format_headline
-from lta_studies.mission.run import MissionResult
+from lta_studies.mission.run import load_request, MissionResult, run_missions, STORE
+from lta_studies.mission.simulate_mission import AWARE, NAIVE
 import pytest
-from waiting import EVERY, PATIENCE, wait_until
+from rich.console import Console
+
+ONE = StudyOptions(workers=1)
 
 
-class Long:
-    """A life longer than anybody waits, stretch by stretch."""
-
-    ended = False
-
-    def run(self, told):
-        for _ in range(round(PATIENCE / EVERY)):
-            told(1.0)
-            time.sleep(EVERY)
-        Long.ended = True
+def build_log(seed):
+    spent = EnergyTotals(*map(float, range(len(EnergyTotals._fields))))
+    flight = MissionFlight(10.0, 60.0 + seed, 2, 5.5, spent, 0.9, 0.8, 0.79, 3.7, 'home')
+    return MissionLog([flight], [0.0, 60.0], [1.0, 0.9], [1.0, 0.9], [0.0, 0.01], [0, 2], spent)
 
 
 @pytest.fixture
-def interrupted():
-    """Return a function that raises KeyboardInterrupt where this thread waits, as Ctrl-C does."""
-    heard = []
+def simulated(monkeypatch):
+    """Let every mission be over at once; return the list of those that were simulated."""
+    done = []
 
-    def stop(*_):
-        raise KeyboardInterrupt
+    class Short:
+        def __init__(self, seed):
+            self.seed = seed
 
-    def hear(gone):
-        if not heard:
-            heard.append(gone)
-            wait_until(waits, 'the wait for the lives')
-            signal.pthread_kill(main_thread().ident, signal.SIGALRM)
+        def run(self, on_progress):
+            if self.seed == 3:
+                raise KeyboardInterrupt
+            on_progress(43200.0)
+            return build_log(self.seed)
 
-    before = signal.signal(signal.SIGALRM, stop)
-    yield hear
-    signal.signal(signal.SIGALRM, before)
-    assert heard
+    def build(_mission, _day, _scenes, schedule, days, seed):
+        done.append((schedule, days, seed))
+        return Short(seed), None
 
-
-def waits():
-    """Tell whether the first thread waits for the others to come to something."""
-    frame = sys._current_frames()[main_thread().ident]
-    while frame is not None and frame.f_code.co_name != 'as_completed':
-        frame = frame.f_back
-    return frame is not None
+    monkeypatch.setattr(running, 'build_simulation', build)
+    return done
 
 
-def test_ctrl_c_ends_the_lives_that_are_being_lived(monkeypatch, tmp_path, interrupted):
-    monkeypatch.setattr(running, 'claim_results_folder', lambda *_: None)
-    monkeypatch.setattr(running, 'compile_flight', lambda *_: None)
-    monkeypatch.setattr(running, 'build_simulation', lambda *_: (Long(), None))
-    mission = SimpleNamespace(round=('aisle',))
-    order = SimpleNamespace(
-        mission=mission, day=None, scenes=None, days=1, seeds=(1, 2), schedules=('by light',)
-    )
-    threads = active_count()
+def run(folder, seeds, days=1):
+    request = load_request('greenhouse', days, seeds, (AWARE, NAIVE))
+    return run_missions(request, folder, ONE, Console(quiet=True))
+
+
+def test_a_stopped_study_goes_on_and_more_seeds_can_be_added(tmp_path, simulated):
     with pytest.raises(KeyboardInterrupt):
-        running.run_missions(order, tmp_path, interrupted)
-    assert not Long.ended
-    assert active_count() == threads
-    assert not list(tmp_path.iterdir())
+        run(tmp_path / 'out', [1, 3])
+    results = run(tmp_path / 'out', [1, 2])
+    assert [(each.schedule, each.seed) for each in results] == [
+        (AWARE, 1), (NAIVE, 1), (AWARE, 2), (NAIVE, 2)
+    ]  # fmt: skip
+    assert simulated == [
+        (AWARE, 1, 1), (NAIVE, 1, 1), (AWARE, 1, 3), (AWARE, 1, 2), (NAIVE, 1, 2)
+    ]  # fmt: skip
+    assert [each.figures.flown for each in results] == [61.0, 61.0, 62.0, 62.0]
+
+
+def test_the_folder_of_another_mission_is_refused(tmp_path, simulated):
+    run(tmp_path / 'out', [1])
+    with pytest.raises(BadInput, match='is the log of a mission with other settings; choose'):
+        run(tmp_path / 'out', [1], days=2)
+    with pytest.raises(BadInput, match='contains files that do not belong to a mission'):
+        run(tmp_path, [1])
+
+
+def test_a_log_is_stored_whole(tmp_path):
+    log = build_log(1)
+    with StudyStore(tmp_path, STORE, 'mine') as store:
+        store.add('a', log)
+    with StudyStore(tmp_path, STORE, 'mine') as store:
+        assert store.results['a'] == log
+        assert isinstance(store.results['a'].flights[0].spent, EnergyTotals)
 
 
 @pytest.mark.parametrize(('failures', 'end'), [(0, ''), (1, '; 1 failure in 40 flights')])

@@ -15,22 +15,27 @@ from lta_model.limits import level_speed
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_report.report import Emphasis
+from lta_report.study import StudyOptions
+from lta_report.study_store import StudyStore
 from lta_sim.readings import FlightOutcome
 from lta_studies.platforms.entrants import build_entrant
 from lta_studies.platforms.flight import fly_maneuver
 from lta_studies.platforms.metrics import compute_tracking_metrics
 from lta_studies.platforms.report import build_report
 from lta_studies.platforms.run import (
-    check_comparison,
+    build_entries,
+    fly_jobs,
     list_jobs,
     PlatformJob,
     replace_speeds,
     result_to_json,
+    STORE,
     summarize_flight,
 )
 from lta_studies.platforms.summary import compute_lift_margin, describe_reversals, estimate_mean
 import numpy as np
 import pytest
+from rich.console import Console
 import yaml
 
 pytestmark = pytest.mark.usefixtures('plain_laws')
@@ -254,10 +259,34 @@ def test_a_parameter_that_is_none_is_refused():
 
 
 def test_every_entry_can_be_built():
-    check_comparison('platforms', COMPARISON)
+    entries = build_entries('platforms', COMPARISON)
+    assert {name for _, name in entries.entrants} == {
+        *COMPARISON.contestants, *COMPARISON.ablations, *COMPARISON.limits
+    }  # fmt: skip
     every = list_jobs('platforms', COMPARISON, 2)
     assert len(every) == len(set(every))
     assert {job.seed for job in every} == {1, 2}
+
+
+def test_a_flight_that_is_stored_is_not_flown_again(tmp_path):
+    job = PlatformJob('platforms', 'contestant', 'gtmab', 'climb', 1)
+    row = summarize_flight(job, flown('gtmab', 'climb'))
+    entries = build_entries('platforms', COMPARISON)
+    with StudyStore(tmp_path, STORE, entries.identity) as store:
+        store.add(job.key, row)
+    before = (tmp_path / STORE.kind.file).read_bytes()
+    (again,) = fly_jobs(entries, [job], tmp_path, StudyOptions(workers=1), Console())
+    assert (tmp_path / STORE.kind.file).read_bytes() == before
+    assert result_to_json(again) == result_to_json(row)
+    for name in ('flown', 'asked', 'duties'):
+        ours, theirs = getattr(again, name), getattr(row, name)
+        assert ours.dtype == theirs.dtype
+        assert np.array_equal(ours, theirs, equal_nan=True)
+
+
+def test_a_job_has_its_own_key():
+    jobs = list_jobs('platforms', COMPARISON, 2)
+    assert len({job.key for job in jobs}) == len(jobs)
 
 
 @pytest.mark.long

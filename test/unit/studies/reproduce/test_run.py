@@ -2,9 +2,9 @@
 
 from io import StringIO
 
-from lta_cli.verbs.reproduce import collect_row_results
+from lta_report.study import StudyOptions
 from lta_studies.reproduce import run
-from lta_studies.reproduce.run import ReproductionRequest, select_rows
+from lta_studies.reproduce.run import reproduce_rows, ReproductionRequest, select_rows
 from lta_studies.reproduce.sources import hash_sources, iterate_sources, trace_imports
 from lta_studies.reproduce.study_result import MeasuredValue, RowStudyResult
 import pytest
@@ -62,8 +62,10 @@ def studied(monkeypatch):
 def shown(folder, terminal):
     """Return what a console was told while the rows were gathered, and the rows."""
     console = Console(file=StringIO(), force_terminal=terminal, width=100)
-    kepts = collect_row_results(
-        ReproductionRequest(NAMES, True, folder, 1), select_rows(NAMES), console
+    kepts = reproduce_rows(
+        ReproductionRequest(NAMES, True, folder, StudyOptions(workers=1)),
+        select_rows(NAMES),
+        console,
     )
     return console.file.getvalue(), kepts
 
@@ -115,5 +117,5 @@ def test_bags_of_flights_that_may_fly_otherwise_now_are_taken_away(tmp_path, mon
         return RowStudyResult({'sheet_factor': MeasuredValue(2.0)}, [])
 
     monkeypatch.setitem(run.STUDIES, 'cells', study)
-    run.study_row('cells', True, tmp_path)
+    run.study_row(True, tmp_path, 'cells')
     assert not old.exists()

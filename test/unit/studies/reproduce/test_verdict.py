@@ -7,7 +7,9 @@ from lta_config.errors import BadInput
 from lta_config.files import list_shipped_names, validate_content
 from lta_config.quantity import Quantity
 from lta_config.schema.paper_file import AgreementRule, PaperMeasure, PaperRow
-from lta_studies.reproduce import row_store
+from lta_report.report import TextTable
+from lta_report.study_store import StudyStore
+from lta_studies.reproduce import stored_row
 from lta_studies.reproduce.registry import STUDIES
 from lta_studies.reproduce.report import (
     build_claim_table,
@@ -16,7 +18,7 @@ from lta_studies.reproduce.report import (
     list_claim_findings,
     to_json,
 )
-from lta_studies.reproduce.run import select_rows
+from lta_studies.reproduce.run import select_rows, STORE
 from lta_studies.reproduce.studies.indoors import PRINTED, rms_misfit
 from lta_studies.reproduce.study_result import average_over_seeds, MeasuredValue
 from lta_studies.reproduce.verdict import ClaimVerdict, format_value, is_satisfied, judge_claim
@@ -87,7 +89,7 @@ def test_values_are_told_rounded_as_declared_with_their_interval():
 def test_a_gap_is_told_where_a_claim_differs_alone():
     def told_of(path):
         found = {'path': MeasuredValue(path), 'first': MeasuredValue('BAG')}
-        return list_claim_findings(ROW, row_store.StoredRow(found, [], [], 1, 0.0))
+        return list_claim_findings(ROW, stored_row.StoredRow(found, [], [], 1, 0.0))
 
     # The second claim agrees and has no remark; the third says why it cannot be tested
     untested = '*A pressure.* No wind tunnel.'
@@ -97,7 +99,7 @@ def test_a_gap_is_told_where_a_claim_differs_alone():
 
 def test_each_claim_has_a_row_with_its_verdict():
     found = {'path': MeasuredValue(9.0, 8.0, 10.0, 3)}
-    table = build_claim_table(ROW, row_store.StoredRow(found, [], [], 3, 0.0))
+    table = build_claim_table(ROW, stored_row.StoredRow(found, [], [], 3, 0.0))
     dash = '\N{EN DASH}'
     assert table.rows == [
         ['The path is 7.3 m.', 'x', '7.3 m', 'within 10 %', '9.0 (8.0 to 10.0) m', '3', 'differs'],
@@ -114,28 +116,23 @@ def test_means_have_students_interval():
     assert math.isnan(average_over_seeds([1.0]).low)
 
 
-def test_a_row_is_kept_whole_and_only_for_what_decides_it(tmp_path):
-    place = tmp_path / 'rows' / 'row.json'
-    found = row_store.StoredRow(
-        {'path': MeasuredValue(7.0, seeds=2), 'first': MeasuredValue('BAG')}, [], [], 2, 1.5
-    )
-    row_store.write_row(place, 'hash', found)
-    again = row_store.read_row(place, 'hash')
-    assert again.values['first'].value == 'BAG'
-    assert again.values['path'].seeds == 2
-    assert math.isnan(again.values['path'].low)
-    assert row_store.read_row(place, 'another') is None
-    place.write_text('{"identity": "ha')
-    assert row_store.read_row(place, 'hash') is None
+def test_a_row_is_stored_whole(tmp_path):
+    values = {'path': MeasuredValue(7.0, seeds=2), 'first': MeasuredValue('BAG')}
+    picture = stored_row.StoredPicture('path', 'Path', 'The path.', '{}', 'lta fly', '')
+    row = stored_row.StoredRow(values, [picture], [TextTable('T', ['a'], [['b']])], 2, 1.5)
+    with StudyStore(tmp_path, STORE, 'rows') as store:
+        store.add('row', row)
+    with StudyStore(tmp_path, STORE, 'rows') as store:
+        assert repr(store.results['row']) == repr(row)
 
 
 def test_a_changed_row_file_or_effort_is_another_row():
     names = {
-        row_store.hash_row(ROW, 1, True, 'code'),
-        row_store.hash_row(ROW, 2, True, 'code'),
-        row_store.hash_row(ROW, 1, False, 'code'),
-        row_store.hash_row(ROW, 1, True, 'other'),
-        row_store.hash_row(ROW.model_copy(update={'title': 'Other'}), 1, True, 'code'),
+        stored_row.hash_row(ROW, 1, True, 'code'),
+        stored_row.hash_row(ROW, 2, True, 'code'),
+        stored_row.hash_row(ROW, 1, False, 'code'),
+        stored_row.hash_row(ROW, 1, True, 'other'),
+        stored_row.hash_row(ROW.model_copy(update={'title': 'Other'}), 1, True, 'code'),
     }
     assert len(names) == 5
 
@@ -157,7 +154,7 @@ def test_what_the_paper_leaves_for_later_is_no_claim_of_it():
     assert judge_claim(row.claims['later'], {'path': MeasuredValue(1.0)}) is ClaimVerdict.BEYOND
     assert judge_claim(row.claims['later'], {}) is ClaimVerdict.BEYOND
     found = {
-        'row': row_store.StoredRow(
+        'row': stored_row.StoredRow(
             {'path': MeasuredValue(7.0), 'first': MeasuredValue('BAG')}, [], [], 1, 0.0
         )
     }
@@ -170,16 +167,16 @@ def test_what_the_paper_leaves_for_later_is_no_claim_of_it():
 
 
 def test_nothing_is_told_of_a_measure_that_was_left_out():
-    stored = row_store.StoredRow({'first': MeasuredValue('BAG')}, [], [], 1, 0.0)
+    stored = stored_row.StoredRow({'first': MeasuredValue('BAG')}, [], [], 1, 0.0)
     assert list_claim_findings(ROW, stored) == ['*A pressure.* No wind tunnel.']
 
 
 def test_figures_come_back_from_their_file():
     values = {'path': MeasuredValue(9.0, 8.0, math.inf, 3), 'first': MeasuredValue('DGA')}
-    drawn = row_store.StoredPicture(
+    drawn = stored_row.StoredPicture(
         'way', 'The way', 'From above.', '{}', 'lta simulate', 'bags/way'
     )
-    found = {'row': row_store.StoredRow(values, [drawn], [], 3, 2.04)}
+    found = {'row': stored_row.StoredRow(values, [drawn], [], 3, 2.04)}
     again = kepts_in(to_json([ROW], found))['row']
     assert again.values['path'][:2] == (9.0, 8.0)
     assert math.isnan(again.values['path'].high)
@@ -191,11 +188,11 @@ def test_figures_come_back_from_their_file():
 def test_a_cause_is_told_with_what_sized_it_and_not_where_that_was_left_out():
     series = {'one': {'figure': 'Fig. 1', 'printed': 'a path', 'said': 'It takes {path}.'}}
     row = validate_content(PaperRow, {**CONTENT, 'series': series}, 'row')
-    found = row_store.StoredRow({'path': MeasuredValue(7.04)}, [], [], 1, 0.0)
+    found = stored_row.StoredRow({'path': MeasuredValue(7.04)}, [], [], 1, 0.0)
     assert build_paper_figure_table([row], {'row': found}).rows == [
         ['1', 'Fig. 1', 'a path', 'It takes 7.0 m.']
     ]
-    none = row_store.StoredRow({}, [], [], 1, 0.0)
+    none = stored_row.StoredRow({}, [], [], 1, 0.0)
     assert build_paper_figure_table([row], {'row': none}).rows[0][3] == '\N{EN DASH}'
     wrong = {**CONTENT, 'series': {'one': {**series['one'], 'said': 'It takes {pth}.'}}}
     with pytest.raises(BadInput, match='but does not define it'):

@@ -7,10 +7,12 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
 from lta_control.gains_file import load_gains
-from lta_studies.tune import helium_limit, workers
+from lta_report.study_store import StudyStore
+from lta_report.workers import LocalWorkers
+from lta_studies.tune import evaluation, helium_limit
 from lta_studies.tune.cma_es import CmaEsSearch
 from lta_studies.tune.compare import compare_costs, compute_quartiles, GainEvaluation
-from lta_studies.tune.evaluation_log import EvaluationLog
+from lta_studies.tune.evaluation import evaluate_jobs, STORE
 from lta_studies.tune.gain_search import robust_cost, search_gains
 from lta_studies.tune.gains_file import format_gains, write_gains
 from lta_studies.tune.lamp_flight import fly_to_lamp, LampFlightResult
@@ -24,6 +26,7 @@ from lta_studies.tune.parameters import (
 from lta_studies.tune.step_response import fly_steps, SetpointStep, TuningCase, TuningScene
 import numpy as np
 import pytest
+import worker_functions
 
 
 class Inner(Settings):
@@ -79,8 +82,8 @@ def toy_costs(candidate):
 
 def tuned(folder, budget=61, fly=toy_costs):
     two = [TunableParameter('kd', 0.3, 0.0, 100.0), TunableParameter('kp', 1.0, 0.9, 1.1)]
-    with EvaluationLog(folder, 'toy') as book:
-        return search_gains(two, fly, book, budget, 1)
+    with StudyStore(folder, STORE, 'toy') as store:
+        return search_gains(two, fly, store, budget, 1)
 
 
 def test_a_toy_plant_is_tuned(tmp_path):
@@ -93,8 +96,13 @@ def test_a_toy_plant_is_tuned(tmp_path):
 
 
 def test_a_stopped_search_goes_on_where_it_was(tmp_path):
-    whole = tuned(tmp_path / 'whole')
-    flown = []
+    every, flown = [], []
+
+    def fly(candidate):
+        every.append(candidate)
+        return toy_costs(candidate)
+
+    whole = tuned(tmp_path / 'whole', fly=fly)
 
     def stop(candidate):
         if len(flown) == 17:
@@ -115,15 +123,17 @@ def test_a_stopped_search_goes_on_where_it_was(tmp_path):
         return toy_costs(candidate)
 
     assert tuned(tmp_path / 'part', fly=go_on) == whole
-    assert len(again) == 61 - 16
+    assert again == every[16:]
 
 
-def test_two_searches_do_not_write_to_one_book(tmp_path):
+def test_metrics_come_in_the_order_of_the_jobs_and_a_failure_stops_the_search():
+    with LocalWorkers(worker_functions.square_late, 2) as workers:
+        assert evaluate_jobs([0, 3, 1, 2], workers) == [0, 9, 1, 4]
     with (
-        EvaluationLog(tmp_path, 'a'),
-        pytest.raises(BadInput, match='Another search is writing to'),
+        LocalWorkers(worker_functions.fail_at_odd, 1) as workers,
+        pytest.raises(BadInput, match=r'^A test flight failed\. 3 is not even\. Finished'),
     ):
-        EvaluationLog(tmp_path, 'a')
+        evaluate_jobs([2, 3], workers)
 
 
 def test_the_worst_counts_as_much_as_the_mean():
@@ -236,7 +246,7 @@ def test_gains_that_may_ask_for_less_hold_less(monkeypatch):
 def test_the_verb_tunes(call, tmp_path, monkeypatch):
     monkeypatch.setattr(helium_limit, 'TRIED', 1)
     monkeypatch.setattr(helium_limit, 'HALVINGS', 0)
-    monkeypatch.setattr(workers, 'fly_to_lamp', lambda *_: LampFlightResult(True, 0.3))
+    monkeypatch.setattr(evaluation, 'fly_to_lamp', lambda *_: LampFlightResult(True, 0.3))
     folder = tmp_path / 't'
     words = ('--budget=2', '--draws=2', '--cases=1', '--workers=1', '--number=climb.kp', '--json')
     status, said = call('tune', 'gtmab', '--most=0 g', *words, f'--out={folder}')

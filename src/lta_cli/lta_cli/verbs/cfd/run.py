@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Annotated
 
 from lta_cli.options.study_command import study_command, StudyRun
+from lta_cli.options.worker_options import Scheduler, WorkerCount
 from lta_config.errors import unknown_name_error
 from lta_config.schema.mount_file import load_mount
 from lta_config.schema.tunnel_file import load_tunnel_file
@@ -23,10 +24,8 @@ from lta_studies.cfd.report import build_report
 from lta_studies.cfd.solvers import (
     Cache,
     check_solver_options,
-    Jobs,
     open_solver,
     resolve_cache_folder,
-    Scheduler,
 )
 import typer
 
@@ -71,7 +70,7 @@ def run(
             'file, or a file of your own.'
         ),
     ] = None,
-    jobs: Jobs = None,
+    workers: WorkerCount = None,
     cache: Cache = None,
     scheduler: Scheduler = None,
     limit: Annotated[
@@ -103,12 +102,12 @@ def run(
     run.open_folder(resolve_folder(None, f'{model.name}-cfd'))
     flows: list[TunnelFlow] = []
     if fidelity is not Fidelity.analytic:
-        check_solver_options(jobs, scheduler)
+        check_solver_options(workers, scheduler)
         flows = select_flows(model, fidelity, only or ())
     if flows:
         with (
             TunnelProgress(run.console, flows) as bar,
-            open_solver(flows, bar, jobs, cache, scheduler, limit) as crew,
+            open_solver(flows, bar, workers, cache, scheduler, limit) as crew,
         ):
             found = solve_sweep(crew, model, flows, AIR, bar.show_message)
             sweep = build_sweep(

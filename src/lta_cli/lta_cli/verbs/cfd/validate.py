@@ -3,6 +3,7 @@
 from typing import Annotated
 
 from lta_cli.options.study_command import study_command, StudyRun
+from lta_cli.options.worker_options import Scheduler, WorkerCount
 from lta_cli.verbs.cfd.run import AIR, Fidelity
 from lta_config.errors import BadInput
 from lta_report.report import Report
@@ -12,7 +13,7 @@ from lta_sim.cfd.validation import (
     plan_validation_flows,
 )
 from lta_studies.cfd.progress import TunnelProgress
-from lta_studies.cfd.solvers import Cache, check_solver_options, Jobs, open_solver, Scheduler
+from lta_studies.cfd.solvers import Cache, check_solver_options, open_solver
 from lta_studies.cfd.sphere_report import build_report
 import typer
 
@@ -26,7 +27,7 @@ def validate(
             'transient solver.'
         ),
     ] = Fidelity.preview,
-    jobs: Jobs = None,
+    workers: WorkerCount = None,
     cache: Cache = None,
     scheduler: Scheduler = None,
     *,
@@ -48,14 +49,14 @@ def validate(
             '--fidelity analytic solves no flow to validate; choose preview or reference.'
         )
     # Fail before any work if OpenFOAM or the scheduler is missing
-    check_solver_options(jobs, scheduler)
+    check_solver_options(workers, scheduler)
     # The reference includes the preview, to show the effect of the model
     levels = ('preview',) if fidelity is Fidelity.preview else ('preview', 'reference')
     model = build_sphere_model()
     flows = [flow for level in levels for flow in plan_validation_flows(model, level, AIR)]
     with (
         TunnelProgress(run.console, flows) as bar,
-        open_solver(flows, bar, jobs, cache, scheduler) as crew,
+        open_solver(flows, bar, workers, cache, scheduler) as crew,
     ):
         results = compare_with_measurements(crew, model, flows, AIR, bar.show_message)
     # Every case failed; the progress display has listed the reasons

@@ -3,13 +3,14 @@
 from typing import Annotated, Final
 
 from lta_challenge.make import ChallengeRequest, generate_challenge
-from lta_challenge.progress import challenge_bar, Jobs
 from lta_challenge.rows import parse_case_kind
 from lta_cli.options.output_options import Out
 from lta_cli.options.plain_console import plain_console
+from lta_cli.options.worker_options import WorkerCount
 from lta_config.errors import BadInput
+from lta_config.processor_cores import count_cores
 from lta_report.results_folder import resolve_folder
-from lta_studies.platforms.run import count_processors
+from lta_report.study_progress import StudyProgress
 import typer
 
 SHORTEST: Final = 30.0  # s; the initial transient of a flight is not usable
@@ -39,7 +40,7 @@ def make(
         tuple[float, float],
         typer.Option(help='Shortest and longest duration of the flights, two numbers in seconds.'),
     ] = (60.0, 180.0),
-    jobs: Jobs = None,
+    workers: WorkerCount = None,
     out: Out = None,
 ) -> None:
     """
@@ -69,8 +70,6 @@ def make(
         seed, n, row, None if kind is None else parse_case_kind(kind), seconds
     )
     place = resolve_folder(out, f'challenge-{seed}')
-    with challenge_bar(console, 'flying', n) as bar:
-        generate_challenge(
-            order, place, jobs or count_processors(), lambda done: bar.update_bar(completed=done)
-        )
+    with StudyProgress(console, n, unit='cases') as progress:
+        generate_challenge(order, place, workers or count_cores(), progress.count_item)
     console.print(f'{n} cases in {place}', highlight=False, soft_wrap=True)

@@ -3,16 +3,16 @@
 from pathlib import Path
 from typing import Annotated
 
-from lta_challenge.progress import challenge_bar, Jobs
 from lta_challenge.report import build_report, format_markdown_page
 from lta_challenge.score import ChallengeScore, score_challenge
 from lta_cli.options.output_options import check_picture_output, Json, parse_folder, Pictures
 from lta_cli.options.plain_console import plain_console
 from lta_cli.options.study_command import Page, show_report, StudyRun
+from lta_cli.options.worker_options import RetryFailed, WorkerCount
 from lta_config.errors import BadInput
 from lta_report.page_frame import write_file
 from lta_report.report_output import write_report
-from lta_studies.platforms.run import count_processors
+from lta_report.study import StudyOptions
 import typer
 
 
@@ -35,7 +35,8 @@ def score(
             metavar='FILE',
         ),
     ] = None,
-    jobs: Jobs = None,
+    workers: WorkerCount = None,
+    retry: RetryFailed = False,
     page: Page = True,
     pictures: Pictures = None,
     json: Json = False,
@@ -62,14 +63,7 @@ def score(
     console = plain_console(stderr=json)
     done: list[ChallengeScore] = []
     for place in folders:
-        with challenge_bar(console, 'studying', 1) as bar:
-            scored = score_challenge(
-                place,
-                jobs or count_processors(),
-                most,
-                # The number of cases is known only after the challenge is read
-                lambda now, whole: bar.update_bar(completed=now, total=whole),
-            )
+        scored = score_challenge(place, StudyOptions(workers, retry_failed=retry), console, most)
         report = build_report(scored, place)
         write_report(report, place, page=page, pictures=pictures)
         show_report(report, StudyRun(console, place.absolute(), None, page), json)

@@ -4,9 +4,9 @@ from typing import Annotated
 
 from lta_cli.options.study_command import study_command, StudyRun
 from lta_report.report import Report
+from lta_report.study_progress import StudyProgress
 from lta_studies.energy.budget.report import build_report
 from lta_studies.energy.budget.run import count_flights, measure_budget
-from lta_studies.energy.progress import run_with_progress
 import typer
 
 
@@ -34,9 +34,6 @@ def budget(
 
     Example: lta energy budget --seeds 1
     """
-    result = run_with_progress(
-        lambda tick: measure_budget(vehicle, beside, seeds, tick),
-        count_flights(seeds),
-        run.console,
-    )
+    with StudyProgress(run.console, count_flights(seeds), unit='flights') as progress:
+        result = measure_budget(vehicle, beside, seeds, progress.count_item)
     return build_report(result)

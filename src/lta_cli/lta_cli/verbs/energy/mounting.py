@@ -6,10 +6,10 @@ from lta_cli.options.study_command import study_command, StudyRun
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.files import find_file, load_yaml
 from lta_report.report import Report
+from lta_report.study_progress import StudyProgress
 from lta_studies.energy.mounting.report import build_report
 from lta_studies.energy.mounting.run import compare_mounts, MountingRequest
 from lta_studies.energy.mounting.verdict import find_best_mount
-from lta_studies.energy.progress import run_with_progress
 import typer
 
 MOUNTS = ['side', 'bottom', 'top']
@@ -60,7 +60,8 @@ def mounting(
     request = MountingRequest(content, names, misplaced / 100.0, seeds)
     # Number of flights, for the progress bar
     todo = seeds * sum(map(len, request.build_vehicles().values()))
-    study = run_with_progress(lambda tick: compare_mounts(request, tick), todo, run.console)
+    with StudyProgress(run.console, todo, unit='flights') as progress:
+        study = compare_mounts(request, progress.count_item)
     best = relative_path(run.folder / f'{find_best_mount(study)}.yaml')
     commands = {
         'Compare with the vehicle': format_lta_command('vehicle', 'diff', vehicle, best),

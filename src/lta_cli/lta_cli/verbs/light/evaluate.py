@@ -6,7 +6,9 @@ from typing import Annotated
 
 from lta_cli.options.plain_console import plain_console
 from lta_cli.options.study_command import study_command, StudyRun
+from lta_cli.options.worker_options import RetryFailed, Scheduler, WorkerCount
 from lta_report.report import Report
+from lta_report.study import StudyOptions
 from lta_studies.light.evaluation.flights import MOST
 from lta_studies.light.evaluation.report import build_report
 from lta_studies.light.evaluation.run import EvaluationRequest, run_evaluation
@@ -26,11 +28,9 @@ def evaluate(
             metavar='A B', help=f'Sets of cases to fly: {", ".join(SETS)}; all by default.'
         ),
     ] = None,
-    workers: Annotated[
-        int | None,
-        typer.Option(help='Number of worker processes; one per processor by default.', min=1),
-    ] = None,
-    retry: Annotated[bool, typer.Option('--retry-failed', help='Repeat failed flights.')] = False,
+    workers: WorkerCount = None,
+    scheduler: Scheduler = None,
+    retry: RetryFailed = False,
     markdown: Annotated[
         bool,
         typer.Option('--markdown', help='Also print the Markdown page docs/navigation_scores.md.'),
@@ -62,7 +62,9 @@ def evaluate(
         run.console = plain_console(stderr=True)
     # No time in the name, so that repeating the command resumes
     folder = run.open_folder(Path('runs') / 'light-evaluate')
-    request = EvaluationRequest(tuple(sets or SETS), seeds, folder, workers, retry)
+    request = EvaluationRequest(
+        tuple(sets or SETS), seeds, folder, StudyOptions(workers, scheduler, retry)
+    )
     status = run_evaluation(request, run.console)
     if markdown:
         sys.stdout.write(format_scores_page(status))

@@ -149,7 +149,7 @@ def explain_failure(program: str, code: int, tail: Sequence[str]) -> str:
     # 9 is SIGKILL, which the kernel sends when memory runs out.
     if 'bad_alloc' in text or code in (-9, 137):
         return (
-            f'{program} was killed or ran out of memory; use --jobs 1 or a coarser '
+            f'{program} was killed or ran out of memory; use --workers 1 or a coarser '
             'fidelity, and start again to resume.'
         )
     if code < 0 and FATAL not in text:

@@ -77,14 +77,18 @@ def iterate_tasks(plans: dict[str, SweepPlan], seeds: int) -> Iterator[Evaluatio
                 )
 
 
-def build_standalone_job(plan: SweepPlan, job: SweepJob, place: int) -> SweepJob:
+def build_standalone_job(plan: SweepPlan, job: SweepJob) -> SweepJob:
     """Return a self-contained job, as the workers fly jobs of all sets."""
     base = plan.base
-    case = {**base.names, STRATEGY: base.strategy, **base.replaced, **job.case}
-    return replace(job, index=place, case=case)
+    return replace(job, case={**base.names, STRATEGY: base.strategy, **base.replaced, **job.case})
 
 
-def fly_task(job: SweepJob) -> SweepRow:
+def fly_task(task: EvaluationTask) -> SweepRow:
+    """Fly a task whose job is self-contained."""
+    return fly_standalone_job(task.job)
+
+
+def fly_standalone_job(job: SweepJob) -> SweepRow:
     """Fly a self-contained job."""
     return run_job(job, lambda: prepare_flight(job))
 

@@ -2,17 +2,17 @@
 
 from collections.abc import Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 import time
 from typing import final
 
-from lta_flight.sweep.job_runner import SweepRow
-from lta_flight.sweep.log import SweepLog
+from lta_flight.sweep.job_runner import STORE, store_row, SweepRow
 from lta_flight.sweep.plan import SweepPlan
-from lta_flight.sweep.progress import SweepProgress
-from lta_flight.sweep.run import count_cores
-from lta_flight.sweep.workers import LocalWorkers
+from lta_report.study import run_items, StudyOptions
+from lta_report.study_progress import StudyProgress
+from lta_report.study_store import StudyStore
+from lta_report.workers import ItemFailure, open_workers
 from lta_studies.light.evaluation.cells import build_cells, EvaluationCell
 from lta_studies.light.evaluation.flights import (
     build_standalone_job,
@@ -35,8 +35,7 @@ class EvaluationRequest:
     sets: tuple[str, ...]
     seeds: int
     folder: Path
-    workers: int | None = None
-    retry: bool = False
+    options: StudyOptions = field(default_factory=StudyOptions)
 
 
 @final
@@ -87,27 +86,40 @@ def run_evaluation(order: EvaluationRequest, console: Console) -> EvaluationStat
     # All sets are checked before the first flight.
     plans = build_sweep_plans(order.sets)
     begun = time.monotonic()
+    options = order.options
     with ExitStack() as stack:
-        logs = {
+        stores = {
             name: stack.enter_context(
-                SweepLog(order.folder / FLIGHTS / name, plan.identity, order.retry)
+                StudyStore(
+                    order.folder / FLIGHTS / name, STORE, plan.identity, options.retry_failed
+                )
             )
             for name, plan in plans.items()
         }
+
+        def save(task: EvaluationTask, outcome: SweepRow | ItemFailure) -> str:
+            return store_row(stores[task.part], task.job, outcome)
+
         todo = [
             task for task in iterate_tasks(dict(plans), order.seeds)
-            if task.job.index not in logs[task.part].rows
+            if task.job.index not in stores[task.part]
         ]  # fmt: skip
         total = order.seeds * sum(map(count_flights_per_seed, plans.values()))
         stopped = False
         try:
-            fly_tasks(todo, plans, logs, (total, order.workers or count_cores()), console)
+            run_items(
+                (
+                    replace(task, job=build_standalone_job(plans[task.part], task.job))
+                    for task in todo
+                ),
+                open_workers(fly_task, options.workers, options.scheduler),
+                save,
+                StudyProgress(console, total, total - len(todo), 'flights'),
+            )
         except KeyboardInterrupt:
             stopped = True  # report the flights so far
-        known = sum(
-            len(filter_by_seed(log, plans[name], order.seeds)) for name, log in logs.items()
-        )
-    rows = {name: filter_by_seed(log, plans[name], order.seeds) for name, log in logs.items()}
+    rows = {name: filter_by_seed(stores[name], plan, order.seeds) for name, plan in plans.items()}
+    known = sum(map(len, rows.values()))
     return EvaluationStatus(
         order, plans, {name: build_cells(name, plans[name], rows[name]) for name in plans},
         # Flights known now minus those known before: flown in this run
@@ -116,25 +128,8 @@ def run_evaluation(order: EvaluationRequest, console: Console) -> EvaluationStat
     )  # fmt: skip
 
 
-def fly_tasks(
-    todo: list[EvaluationTask],
-    plans: Mapping[str, SweepPlan],
-    logs: Mapping[str, SweepLog],
-    size: tuple[int, int],
-    console: Console,
-) -> None:
-    """Fly tasks into the logs of their sets; `size` is the total and the number of workers."""
-    total, workers = size
-    # Jobs are numbered over all sets; the log gets back the index within its own set.
-    jobs = (build_standalone_job(plans[task.part], task.job, k) for k, task in enumerate(todo))
-    pool = LocalWorkers(fly_task, min(workers, max(1, len(todo))))
-    with SweepProgress(console, total, total - len(todo)) as progress, pool:
-        for row in pool.run_jobs(jobs):
-            task = todo[row.index]
-            logs[task.part].add(replace(row, index=task.job.index))
-            progress.count_flight(row, pool.deaths)
-
-
-def filter_by_seed(log: SweepLog, plan: SweepPlan, seeds: int) -> list[SweepRow]:
-    """Return the flights of the requested seeds; a log may hold more."""
-    return [row for row in log.sorted_rows if row.index % plan.file.draws_per_point < seeds]
+def filter_by_seed(store: StudyStore[SweepRow], plan: SweepPlan, seeds: int) -> list[SweepRow]:
+    """Return the flights of the requested seeds; a store may hold more."""
+    return [
+        store.results[k] for k in sorted(store.results) if k % plan.file.draws_per_point < seeds
+    ]

@@ -49,7 +49,7 @@ def fly_again(
         if seed not in cell.rows:
             continue
         row = cell.rows[seed]
-        loop = prepare_flight(build_standalone_job(plan, plan.build_job(row.index), row.index))
+        loop = prepare_flight(build_standalone_job(plan, plan.build_job(row.index)))
         view = LoopView(loop)
         for _ in loop.iterate_steps():
             view.record_step()

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Final
 
 from lta_config.command_line import format_lta_command
+from lta_report.study import StudyOptions
 from lta_studies.light.bearing.bench import BearingBench
 from lta_studies.light.bearing.places import build_flight_spec, PLACES
 from lta_studies.light.bearing.study import READINGS, RingStudy, study_ring
@@ -33,6 +34,7 @@ from lta_studies.reproduce.study_result import (
     RowStudyResult,
     StudyPicture,
 )
+from rich.console import Console
 
 BOTH: Final = ('bag', 'homing')
 WINDS: Final = {  # cases: mean plus one deviation is 60 or 90 % of the top airspeed
@@ -108,8 +110,8 @@ def study_mission(folder: Path, seeds: int) -> tuple[dict[str, MeasuredValue], S
     """Simulate days in a greenhouse: gain of the light-aware schedule, and beacons visited."""
     # One day per seed; each seed draws its own clouds.
     order = load_request(MISSION, 1, range(1, seeds + 1), (AWARE, NAIVE))
-    folder.mkdir(parents=True, exist_ok=True)
-    results = run_missions(order, folder, lambda _: None)
+    # In this process, as the rows already run in parallel.
+    results = run_missions(order, folder, StudyOptions(workers=1), Console(quiet=True))
     ours = [each.figures for each in filter_by_schedule(results, AWARE)]
     more = flight_time_ratio(results)
     # Both schedules were simulated, so the ratio exists.

@@ -1,17 +1,15 @@
-"""Store the results of a row between runs as JSON: values, pictures and tables."""
+"""Define the results of a row that are stored between runs: values, pictures and tables."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 import hashlib
 import json
 import math
-from pathlib import Path
 from typing import Any, final, NamedTuple
 
 from lta_config.schema.paper_file import PaperRow
 from lta_report.json_value import replace_nonfinite
 from lta_report.report import TextTable
-from lta_report.results_folder import write_json
 from lta_studies.reproduce.study_result import MeasuredValue, RowStudyResult
 
 
@@ -52,39 +50,6 @@ def build_stored_row(result: RowStudyResult, seeds: int, seconds: float) -> Stor
         for p in result.pictures
     ]
     return StoredRow(result.values, pictures, result.tables, seeds, seconds)
-
-
-def write_row(place: Path, name: str, stored: StoredRow) -> None:
-    """Write a row atomically, together with the hash of its inputs."""
-    content = {
-        'identity': name,
-        'values': encode_values(stored.values),
-        'pictures': [each._asdict() for each in stored.pictures],
-        'tables': [asdict(each) for each in stored.tables],
-        'seeds': stored.seeds,
-        'seconds': stored.seconds,
-    }
-    place.parent.mkdir(parents=True, exist_ok=True)
-    write_json(content, place)
-
-
-def read_row(place: Path, name: str) -> StoredRow | None:
-    """Read the row stored under a hash; None if there is none."""
-    try:
-        content = json.loads(place.read_text(encoding='utf-8'))
-    # A missing or damaged file only means that the row is studied again.
-    except (OSError, ValueError):
-        return None
-    # Stored by an older version of the code or with other options
-    if content.get('identity') != name:
-        return None
-    return StoredRow(
-        values=decode_values(content['values']),
-        pictures=[StoredPicture(**each) for each in content['pictures']],
-        tables=[TextTable(**each) for each in content['tables']],
-        seeds=content['seeds'],
-        seconds=content['seconds'],
-    )
 
 
 def encode_values(values: Mapping[str, MeasuredValue]) -> dict[str, list[Any]]:
