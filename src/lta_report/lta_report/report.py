@@ -38,7 +38,7 @@ class TextTable:
         Cells of each row; an `Emphasis` is bold.
     note : str
         Remark below the table.
-    groups : sequence of (str, int)
+    groups : tuple of (str, int)
         Heads above the heads, each with the number of columns that it spans; none by default.
     printed : bool
         Whether the terminal shows the table.
@@ -51,7 +51,7 @@ class TextTable:
     heads: Sequence[str]
     rows: Sequence[Sequence[str]]
     note: str = ''
-    groups: Sequence[tuple[str, int]] = ()
+    groups: tuple[tuple[str, int], ...] = ()
     printed: bool = True
     colors: Mapping[str, CellColor] = field(default_factory=dict)
 

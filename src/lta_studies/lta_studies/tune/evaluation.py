@@ -83,7 +83,7 @@ class CandidateCosts:
 
 # Exact floats as keys are right: JSON restores them, and the same seed draws the same candidates.
 STORE: Final = StoreFormat(
-    LogKind('search.jsonl', 'tune', 'search', '--folder'),
+    LogKind('search.jsonl', 'tune', 'search', '--out'),
     TypeAdapter(CandidateCosts),
     find_key=attrgetter('numbers'),
     shares_folder=True,

@@ -148,7 +148,7 @@ def build_limit_table(
         ):
             row += [format_speed(static), format_flyable_wind(flown)]
         rows.append(row)
-    groups = [('', 5), *((name, 2) for name in grounds)]
+    groups = (('', 5), *((name, 2) for name in grounds))
     return TextTable('Limits by platform', heads, rows, groups=groups)
 
 
