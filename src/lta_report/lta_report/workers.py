@@ -14,6 +14,7 @@ from multiprocessing import get_context, parent_process, resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 import os
+from pickle import PicklingError
 import signal
 from threading import Thread
 from types import TracebackType
@@ -94,7 +95,7 @@ def serve_items(connection: Connection, function: Callable[[Any], Any]) -> None:
             outcome = attempt(function, connection.recv())
             try:
                 connection.send((None, outcome))
-            except (AttributeError, TypeError, ValueError) as error:  # as pickle raises
+            except (AttributeError, PicklingError, TypeError, ValueError) as error:
                 connection.send((None, ItemFailure(f'The result cannot be sent: {error}')))
 
 

@@ -19,11 +19,12 @@ from lta_data.compare.comparison import compare_flights, ComparisonRequest, coun
 from lta_data.compare.frame_alignment import Frames
 from lta_data.compare.json_data import comparison_to_dict
 from lta_data.compare.page import NAME, write_page
-from lta_data.compare.progress import CompareProgress
 from lta_data.compare.terminal import print_comparison
 from lta_data.compare.time_alignment import Align
+from lta_report.progress_bar import ProgressBar
 from lta_report.results_folder import format_page_line, resolve_folder, write_json
 from lta_report.screenshots import write_pictures
+from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 import typer
 
 # Group 1: number, group 2: optional unit
@@ -128,8 +129,12 @@ def compare(
     # A default folder has the time in its name and is always new
     if out is not None and out.exists():
         prepare_empty_folder(out.absolute())  # fail before the work, not after
-    with CompareProgress(console, count_ticks(one, other, asked)) as progress:
-        found = compare_flights(one, other, asked, progress.tick)
+    columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
+    total = count_ticks(one, other, asked)
+    with ProgressBar(console, *columns, begin='opening', total=total) as bar:
+        found = compare_flights(
+            one, other, asked, lambda step: bar.update_bar(description=step, advance=1)
+        )
     # Units of channels are known only after the comparison
     check_units(tolerance or (), found.channels)
     target = prepare_empty_folder(resolve_folder(out, 'compare'))

@@ -42,8 +42,8 @@ def mission(
     schedules run on the same days: ours, which uses the light forecast and the estimated charge,
     and a fixed duty cycle that either stays awake or sleeps between flights.
 
-    Writes a page, mission.json (SI units) and a log of each run. To resume a stopped run, repeat
-    the command with the same --out.
+    Writes a page, mission.json (SI units), and missions.jsonl with the log of each run. To resume
+    a stopped run, repeat the command with the same --out.
 
     Exit status 0: done. 2: bad input. 130: Ctrl-C.
 
