@@ -11,7 +11,6 @@ from pathlib import Path
 import sys
 from typing import Any
 
-from launch import LaunchContext
 from launch.action import Action
 from launch.actions import RegisterEventHandler, Shutdown
 from launch.event_handlers import OnProcessExit
@@ -21,6 +20,8 @@ from launch.utilities import perform_substitutions
 from lta_config.errors import BadInput
 from lta_graph.child_process import signal_name
 from lta_graph.launch_file import list_arguments, load_plan
+
+from launch import LaunchContext
 
 CHECKS = 'lta.launch_checks'  # entry points: functions that take a LaunchPlan and raise BadInput
 PLANNED = 'lta_planned'  # name of the shared set in the launch context
