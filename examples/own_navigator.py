@@ -10,6 +10,7 @@ docs/tutorials/your_node.md explains it.
 from collections import deque
 import math
 
+from builtin_interfaces.msg import Time as Stamp
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, TwistStamped
 from nav_msgs.msg import Odometry
 import rclpy
@@ -26,14 +27,15 @@ SEARCH = 0.6  # rad to turn at a time while no lamp is seen
 UNKNOWN = -1.0  # in covariance[0]: no lamp is seen
 
 
-def to_ns(stamp):
+def to_ns(stamp: Stamp) -> int:
+    """Return a stamp in nanoseconds."""
     return Time.from_msg(stamp).nanoseconds
 
 
 class OwnNavigator(Node):
     """Publish a setpoint for each estimate of the lamp."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         super().__init__('own_navigator')
         self.declare_parameter('lockstep', False)
         lockstep = self.get_parameter('lockstep').value
@@ -43,23 +45,25 @@ class OwnNavigator(Node):
         self.pose = self.create_publisher(PoseStamped, 'setpoint/pose', qos)
         self.velocity = self.create_publisher(TwistStamped, 'setpoint/velocity', qos)
         self.beacon = self.create_publisher(Float64, 'light/beacon', qos)
-        self.estimates = deque()
-        self.odoms = deque(maxlen=1000)
+        self.estimates: deque[PoseWithCovarianceStamped] = deque()
+        self.odoms: deque[Odometry] = deque(maxlen=1000)
         self.create_subscription(
             PoseWithCovarianceStamped, 'light/estimate', self.on_estimate, qos
         )
         self.create_subscription(Odometry, 'odom', self.on_odom, qos)
 
-    def on_estimate(self, message):
+    def on_estimate(self, message: PoseWithCovarianceStamped) -> None:
+        """Take an estimate of the lamp."""
         self.estimates.append(message)
         self.answer()
 
-    def on_odom(self, message):
+    def on_odom(self, message: Odometry) -> None:
+        """Take a state of the drone."""
         self.odoms.append(message)
         self.answer()
 
-    def answer(self):
-        """Answer each estimate with the state at the end of its block, in whatever order they come."""
+    def answer(self) -> None:
+        """Answer each estimate by the state at the end of its block, whichever comes first."""
         while self.estimates:
             end_ns = to_ns(self.estimates[0].header.stamp) + BLOCK_NS
             state = next((m for m in self.odoms if to_ns(m.header.stamp) >= end_ns), None)
@@ -67,7 +71,8 @@ class OwnNavigator(Node):
                 return
             self.publish_setpoint(self.estimates.popleft(), state)
 
-    def publish_setpoint(self, estimate, state):
+    def publish_setpoint(self, estimate: PoseWithCovarianceStamped, state: Odometry) -> None:
+        """Turn to the lamp, then fly to it."""
         q = state.pose.pose.orientation
         yaw = math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
         seen = estimate.pose.covariance[0] != UNKNOWN
@@ -86,12 +91,12 @@ class OwnNavigator(Node):
         self.beacon.publish(Float64(data=0.0))  # the demodulator's own frequency
 
 
-def main():
+def main() -> None:
+    """Run the node until the drone has gone."""
     rclpy.init()
     node = OwnNavigator()
     begun = False
     try:
-        # Leave when the drone has gone
         while not begun or node.count_publishers('light/estimate'):
             rclpy.spin_once(node, timeout_sec=0.5)
             begun = begun or bool(node.odoms)
