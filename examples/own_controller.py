@@ -82,7 +82,7 @@ class OwnController(Node):
         """Answer a state with duties."""
         self.begun = True
         command = JointState(name=ROTORS, effort=[0.0] * len(ROTORS))
-        # The stamp says which state is answered; without a fresh one the simulator stops the motors
+        # The stamp says which state is answered; without a fresh one the motors stop
         command.header.stamp = message.header.stamp
         known = message.pose.covariance[0] != UNKNOWN
         if known and self.wanted is not None and not self.is_stale(message):
