@@ -88,6 +88,13 @@ class TopicTable(StrictModel):
         """The control period. [ns]"""
         return to_nanoseconds(self.control_period)
 
+    @cached_property
+    def roles(self) -> list[str]:
+        """The roles that publish or must be waited for, in alphabetical order."""
+        periodic = [topic for topic in self.topics.values() if topic.period_ns]
+        found = {topic.source for topic in periodic}
+        return sorted(found.union(*(topic.subscribers for topic in periodic)))
+
     def published_by(self, role: str) -> list[str]:
         """Return the topics that a role publishes."""
         return [name for name, topic in self.topics.items() if topic.source == role]

@@ -17,5 +17,8 @@ setup(
     maintainer_email='maintainers@users.noreply.github.com',
     description='Fly in one process, as a ROS graph or in sweeps, and write report pages.',
     license='Apache-2.0',
-    entry_points={'console_scripts': []},
+    entry_points={
+        'console_scripts': [],
+        'lta.launch_checks': ['preflight = lta_flight.preflight:check_plan'],
+    },
 )

@@ -17,5 +17,9 @@ setup(
     maintainer_email='maintainers@users.noreply.github.com',
     description='Connection, lockstep synchronisation, monitoring and launching of the LTA nodes.',
     license='Apache-2.0',
-    entry_points={'console_scripts': []},
+    entry_points={
+        'console_scripts': [],
+        # Not imported here: `ros2 launch` of a full ROS 2 adds the action `supervise`
+        'launch.frontend.launch_extension': ['lta_graph = lta_graph.ros.launch_extension'],
+    },
 )

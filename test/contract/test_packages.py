@@ -44,7 +44,7 @@ NAMES = {
 # packages of it are too old (pydantic) or not there (mcap).
 ROSDEP = {'numpy': 'python3-numpy', 'scipy': 'python3-scipy', 'yaml': 'python3-yaml'}
 ROS = re.compile(
-    r'(rclpy|ament_index_python|builtin_interfaces|rcl_interfaces|\w+_msgs|std_srvs)$'
+    r'(rclpy|launch|ament_index_python|builtin_interfaces|rcl_interfaces|\w+_msgs|std_srvs)$'
 )
 FENCED = re.compile(r'(rclpy|builtin_interfaces|rcl_interfaces|\w+_msgs|std_srvs)(\.|$)')
 BEYOND = re.compile(r'lta_graph\.ros(\.|$)|lta_\w+\.(nodes|messages)(\.|$)')

@@ -83,7 +83,9 @@ def test_each_has_a_live_view_of_its_own_where_one_is_asked_for():
 
 
 def test_the_end_of_either_simulator_ends_the_launch_for_each_waits_for_the_other():
-    ending = [item for item in load_plan(PAIR, {}).processes if item.on_exit_shutdown]
+    plan = load_plan(PAIR, {})
+    assert all(item.on_exit_shutdown for item in plan.processes)
+    ending = [item for item in plan.processes if item.planned]
     assert [(item.namespace, item.name) for item in ending] == [
         ('/lta1', 'simulator'),
         ('/lta2', 'simulator'),

@@ -283,7 +283,8 @@ def test_the_launch_file_starts_every_node_under_its_name(source):
         assert process.name == process.executable
         assert process.namespace == '/lta1'
         assert FILES[process.name].parts[-4] == process.package
-    assert [p.name for p in plan.processes if p.on_exit_shutdown] == [SOURCES[source]]
+    assert [p.name for p in plan.processes if not p.on_exit_shutdown] == ['live']
+    assert [p.name for p in plan.processes if p.planned] == [SOURCES[source]]
 
 
 @pytest.mark.usefixtures('installed')

@@ -1,5 +1,6 @@
 """The real `lta` command as a process, its nodes, and the watch over what it leaves behind."""
 
+from collections.abc import Sequence
 from contextlib import suppress
 import os
 from pathlib import Path
@@ -34,12 +35,14 @@ def processes(mark: str) -> dict[int, str]:
 class Started:
     """A running command: its lines with the time at which they came, and its nodes."""
 
-    def __init__(self, mark: str, arguments: tuple[str, ...]) -> None:
+    def __init__(
+        self, mark: str, arguments: tuple[str, ...], program: Sequence[str | Path], **more: str
+    ) -> None:
         self._mark = mark
         self.lines: list[tuple[float, str]] = []
         self.popen = subprocess.Popen(
-            [ROOT / 'lta', *arguments],
-            env={**os.environ, MARK: mark},
+            [*program, *arguments],
+            env={**os.environ, **more, MARK: mark},
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
@@ -104,8 +107,11 @@ class Lta:
                 timeout=PATIENCE,
             )
 
-    def start(self, *arguments: object) -> Started:
-        self._started.append(Started(self.mark, tuple(map(str, arguments))))
+    def start(
+        self, *arguments: object, program: Sequence[str | Path] = (ROOT / 'lta',), **more: str
+    ) -> Started:
+        """Start the command, or another program, with further environment variables."""
+        self._started.append(Started(self.mark, tuple(map(str, arguments)), program, **more))
         return self._started[-1]
 
     @property

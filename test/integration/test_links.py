@@ -12,6 +12,7 @@ from rclpy.node import Node
 from waiting import wait_until
 
 TOPICS = [name for name, row in load_topic_table().topics.items() if row.period_ns]
+ROLES = load_topic_table().roles
 
 
 @pytest.fixture
@@ -35,9 +36,9 @@ def told(robot: str, **readers: int) -> DiagnosticArray:
 def await_loose(links: ReaderLinks, own: dict[str, int], wanted: list[str]) -> None:
     """Wait until just these topics are loose."""
     wait_until(
-        lambda: links.find_unready_topics(own) == wanted,
+        lambda: links.find_unready_topics(own, ROLES) == wanted,
         str(wanted),
-        lambda: links.find_unready_topics(own),
+        lambda: links.find_unready_topics(own, ROLES),
     )
 
 
@@ -57,5 +58,6 @@ def test_a_topic_is_loose_until_its_writer_has_found_every_reader_of_the_graph(n
         out.publish(told('lta1', wind=1))
         await_loose(links, {'imu': 0}, [])
         node.destroy_subscription(reader)
-        assert links.find_unready_topics({}) == ['imu']
+        assert links.find_unready_topics({}, ROLES) == ['imu']
+        assert links.find_unready_topics({}, ['estimator']) == []
     assert not list(node.subscriptions)

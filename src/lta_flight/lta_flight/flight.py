@@ -115,7 +115,7 @@ def fly_once(order: FlightRequest, watcher: FlightObserver) -> FlightRun:
         # After all checks, so that a refused flight leaves no folder
         prepare_empty_folder(folder)
         report_live_views(plan, watcher.show_message)
-        with Launcher(plan, on_line=lambda _name, _line: None, optional=spare) as launcher:
+        with Launcher(plan, on_line=lambda _name, _line: None) as launcher:
             supervise_flight(launcher, listener, watcher, spare)
     return collect_result(folder, launcher, watcher, spare)
 

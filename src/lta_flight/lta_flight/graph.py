@@ -3,19 +3,17 @@
 from collections.abc import Callable
 from contextlib import ExitStack
 
-from lta_bridge.crazyflie.safety import LEAVE
 from lta_flight.domain_lock import DomainLock
 from lta_flight.stall_monitor import StallMonitor
 from lta_flight.viewers import find_viewers, report_live_views, require_free_live_ports
 from lta_graph.child_process import ProcessExit
 from lta_graph.launch_file import LaunchPlan
-from lta_graph.launcher import GRACE, Launcher
+from lta_graph.launcher import Launcher
 from lta_graph.process_watch import OnLine
 from lta_graph.ros.listener import DiagnosticsListener
 
 LOOK = 0.1  # wall seconds between polls of the processes and the diagnostics
 TELLERS = (('lta_sim', 'simulator'), ('lta_bridge', 'player'))  # executables with a /clock
-LANDS = ('lta_bridge', 'crazyflie_bridge')  # may have to land before it can exit
 
 
 def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> ProcessExit:
@@ -46,9 +44,7 @@ def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> 
         spare = find_viewers(plan)
         require_free_live_ports(plan)
         report_live_views(plan, say)
-        launcher = stack.enter_context(
-            Launcher(plan, on_line, grace=shutdown_grace(plan), optional=spare)
-        )
+        launcher = stack.enter_context(Launcher(plan, on_line))
         while (outcome := launcher.outcome) is None:
             facts = listener.poll(LOOK)
             # Other packages' nodes do not report on /diagnostics, which is not a fault
@@ -59,16 +55,10 @@ def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> 
             silent = listener.find_silent_nodes(heard) if listener.is_settled(running) else []
             lookout.report_stalled_nodes(facts, silent, unheard)
             for end in launcher.poll():
-                say(f'{end.sentence}.')
+                say(f'{end.sentence}.' if end.ends_run else f'{end.sentence}; the run continues.')
                 if not end.success and end.name not in spare:
                     listener.publish_error(f'{end.sentence}.')
         return outcome
-
-
-def shutdown_grace(plan: LaunchPlan) -> float:
-    """Return how long the processes may take to exit, including a landing. [s]"""
-    lands = any((each.package, each.executable) == LANDS for each in plan.processes)
-    return GRACE + (LEAVE if lands else 0.0)
 
 
 def list_simulated_robots(plan: LaunchPlan) -> list[str]:

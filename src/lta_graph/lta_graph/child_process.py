@@ -36,8 +36,10 @@ class ProcessExit:
         Exit status; the negative signal number if a signal ended it.
     stdout, stderr : tuple of str
         Last lines of output.
+    ends_run : bool
+        Whether it ends the run (`on_exit: shutdown`).
     success : bool
-        Whether this is the planned end of the run: status 0 of an `on_exit: shutdown` process.
+        Whether it is a planned end of the run, with status 0.
     stopped : bool
         Whether the launcher stopped it.
 
@@ -47,6 +49,7 @@ class ProcessExit:
     status: int
     stdout: tuple[str, ...]
     stderr: tuple[str, ...]
+    ends_run: bool
     success: bool
     stopped: bool
 
@@ -132,7 +135,8 @@ class ChildProcess:
             status=status,
             stdout=tuple(self.kept['stdout']),
             stderr=tuple(self.kept['stderr']),
-            success=status == 0 and self.process.on_exit_shutdown,
+            ends_run=self.process.on_exit_shutdown,
+            success=status == 0 and self.process.on_exit_shutdown and self.process.planned,
             stopped=stopped,
         )
 

@@ -1,8 +1,9 @@
 """
 Define strict models of the supported actions of ROS 2 YAML launch files.
 
-Names and types follow ROS 2 Jazzy's parser, so a file that is valid here also runs under
-`ros2 launch`. As there, most values must be text, so numbers need quotes.
+They are the subset that the launch files of LTA use; names and types follow ROS 2 Jazzy's parser,
+so a file that is valid here also runs under `ros2 launch`. As there, most values must be text, so
+numbers need quotes.
 """
 
 from typing import Annotated, Any, Literal
@@ -20,7 +21,6 @@ def _check_quoted(value: Any) -> Any:  # noqa: ANN401 - whatever the file held
 
 Text = Annotated[str, BeforeValidator(_check_quoted)]
 Scalar = bool | int | float | str
-PARAMETER_TYPES: dict[str, type[Scalar]] = {'str': str, 'int': int, 'float': float, 'bool': bool}
 
 
 class ConditionalAction(StrictModel):
@@ -65,32 +65,42 @@ class Let(ConditionalAction):
     value: Text
 
 
-class Include(ConditionalAction):
+class Include(StrictModel):
     """Run another launch file with arguments."""
 
     file: Text
     arg: Annotated[list[NamedSubstitution], Field(min_length=1)] | None = None
 
 
-class GroupAction(ConditionalAction):
-    """Run actions in their own scope, unless `scoped: false`."""
+class GroupAction(StrictModel):
+    """Run actions in their own scope; in the file this is a list."""
 
-    scoped: bool = True
     children: list[Any]
 
 
-class PushRosNamespace(ConditionalAction):
+class PushRosNamespace(StrictModel):
     """Put the following nodes of the scope into a namespace."""
 
     namespace: Text
+
+
+class Supervise(StrictModel):
+    """
+    Check the arguments before anything starts, and fail the run if a node dies.
+
+    `planned` are the names of the nodes, separated by spaces, whose end with status 0 is the
+    planned end of the run. `lta_graph.ros.launch_extension` is the same action for `ros2 launch`.
+    """
+
+    planned: Text
 
 
 class Param(StrictModel):
     """A parameter with its value, a prefix with nested parameters, or a parameter file."""
 
     name: Text | None = None
-    value: Any = None
-    type: Literal['str', 'int', 'float', 'bool'] | None = None
+    value: Scalar | None = None
+    type: Literal['str', 'float'] | None = None
     param: Annotated[list['Param'], Field(min_length=1)] | None = None
     from_: Annotated[Text | None, Field(alias='from')] = None
 
@@ -106,20 +116,7 @@ class Param(StrictModel):
             raise ValueError('has a "type" but no "value"; remove the type')
         if any(nested.from_ is not None for nested in self.param or []):
             raise ValueError('has "from" in a nested parameter; move it to "param" of the node')
-        items = self.value if isinstance(self.value, list) else [self.value]
-        for item in [] if self.value is None else items:
-            if not isinstance(item, bool | int | float | str):
-                raise ValueError(
-                    f'has the value {item!r}, but must be a number, true, false or text'
-                )
         return self
-
-
-class Remap(StrictModel):
-    """Use another name for a topic or service."""
-
-    from_: Annotated[Text, Field(alias='from')]
-    to: Text
 
 
 class NodeAction(ConditionalAction):
@@ -127,20 +124,16 @@ class NodeAction(ConditionalAction):
 
     pkg: Text
     exec: Text
-    name: Text | None = None
-    namespace: Text | None = None
+    name: Text
     param: Annotated[list[Param], Field(min_length=1)] | None = None
-    remap: Annotated[list[Remap], Field(min_length=1)] | None = None
     args: Text = ''
-    ros_args: Text = ''
-    # Accepted for `ros2 launch`; our launcher prints the output of all nodes
-    output: Literal['screen', 'log', 'both', 'own_log', 'full'] = 'log'
+    # For `ros2 launch`; our launcher always prints the output of all nodes
+    output: Literal['screen'] = 'screen'
     on_exit: Literal['shutdown'] | None = None
-    # Not supported: the exit of a process ends the run
-    respawn: Literal[False] = False
+    sigterm_timeout: Annotated[float, Field(ge=0.0)] | None = None
 
 
-Action = Arg | Let | Include | GroupAction | PushRosNamespace | NodeAction
+Action = Arg | Let | Include | GroupAction | PushRosNamespace | Supervise | NodeAction
 
 ACTIONS: dict[str, type[Action]] = {
     'arg': Arg,
@@ -148,7 +141,6 @@ ACTIONS: dict[str, type[Action]] = {
     'include': Include,
     'group': GroupAction,
     'push_ros_namespace': PushRosNamespace,
-    # ROS accepts both spellings
-    'push-ros-namespace': PushRosNamespace,
+    'supervise': Supervise,
     'node': NodeAction,
 }

@@ -1,19 +1,21 @@
 """
 Read ROS 2 YAML launch files into a plan of processes, without the `launch` package.
 
-The same files run under `ros2 launch`: names, types, scopes and substitutions are those of ROS 2
-Jazzy (see `launch_actions`, `launch_substitutions`). This reader is stricter: arguments must be
-declared by the file that receives them, and an unknown key or action is an error.
+This is the subset that the launch files of LTA use. The same files run under `ros2 launch`, with
+the same meaning: names, types, scopes and substitutions are those of ROS 2 Jazzy (see
+`launch_actions`, `launch_substitutions`), except for the action `supervise`, which
+`lta_graph.ros.launch_extension` adds there. Arguments must be declared by the file that receives
+them.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, final
 
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.files import load_yaml
-from lta_config.validation_errors import format_error
+from lta_config.validation_errors import format_error, locate_problem
 from lta_graph.launch_actions import (
     Action,
     ACTIONS,
@@ -24,6 +26,7 @@ from lta_graph.launch_actions import (
     Let,
     NodeAction,
     PushRosNamespace,
+    Supervise,
 )
 from lta_graph.launch_node import build_node_process, join_namespaces, LaunchProcess
 from lta_graph.launch_substitutions import expand_substitutions, LaunchContext
@@ -90,7 +93,13 @@ def load_plan(path: Path, arguments: Mapping[str, str]) -> LaunchPlan:
     """
     walk = _PlanBuilder()
     walk.include_file(Path(path), arguments)
-    return LaunchPlan(tuple(walk.processes))
+    planned = walk.planned
+    return LaunchPlan(
+        tuple(
+            replace(item, planned=planned is None or item.name in planned)
+            for item in walk.processes
+        )
+    )
 
 
 def _build_argument(arg: Arg) -> LaunchArgument:
@@ -126,20 +135,32 @@ def _parse_action(entry: Any, path: Path) -> Action:  # noqa: ANN401 - what the 
         )
     ((name, content),) = entry.items()
     if name not in ACTIONS:
-        raise BadInput(f'{path}: {unknown_name_error("action", str(name), list(ACTIONS))}')
-    if name == 'group' and isinstance(content, list):
+        raise BadInput(
+            f"{path}: The action '{name}' is unknown to lta launch, which supports only "
+            f'{", ".join(ACTIONS)}; correct the name, or start the file with "ros2 launch".'
+        )
+    if name == 'group':
         content = {'children': content}
     try:
         action = ACTIONS[name].model_validate(content)
     except ValidationError as error:
-        raise BadInput(f'{path}: {name}: {format_error(error)}') from None
+        raise BadInput(f'{path}: {name}: {_format_action_error(error)}') from None
     if isinstance(action, GroupAction):
-        # Parse children now, so that an error is found even if the condition skips the group.
         children = _parse_actions(action.children, path)
         if any(isinstance(child, Arg) for child in children):
             raise BadInput(f"{path}: an 'arg' is in a group; move it to the top of the file.")
         return action.model_copy(update={'children': children})
     return action
+
+
+def _format_action_error(error: ValidationError) -> str:
+    first = error.errors()[0]
+    if first['type'] != 'extra_forbidden':
+        return format_error(error)
+    return (
+        f"The key '{locate_problem(first)}' is unknown to lta launch; correct its spelling, or "
+        'start the file with "ros2 launch" if ROS 2 has it.'
+    )
 
 
 class _LocatedError(BadInput):
@@ -152,6 +173,7 @@ class _PlanBuilder:
 
     def __init__(self) -> None:
         self.processes: list[LaunchProcess] = []
+        self.planned: set[str] | None = None
         self._variables: dict[str, str] = {}
         self._open: list[Path] = []
 
@@ -205,11 +227,13 @@ class _PlanBuilder:
                 # A scope ends by restoring all variables, the pushed namespace among them
                 before = dict(self._variables)
                 self._run_actions(action.children)
-                if action.scoped:
-                    self._variables = before
+                self._variables = before
             case Include():
                 given = {item.name: self._substitute(item.value) for item in action.arg or []}
                 self.include_file(Path(self._substitute(action.file)), given)
+            case Supervise():
+                names = self._substitute(action.planned).split()
+                self.planned = (self.planned or set()) | set(names)
             case NodeAction():
                 pushed = self._variables.get(NAMESPACE, '')
                 self.processes.append(build_node_process(action, self._build_context(), pushed))

@@ -10,7 +10,7 @@ from typing import final
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
 from lta_config.topics import is_name
-from lta_graph.launch_actions import NodeAction, Param, PARAMETER_TYPES, Scalar
+from lta_graph.launch_actions import NodeAction, Param, Scalar
 from lta_graph.launch_substitutions import (
     expand_substitutions,
     has_substitution,
@@ -37,6 +37,10 @@ class LaunchProcess:
         Command line after the executable.
     on_exit_shutdown : bool
         Whether the exit of this process ends the run.
+    planned : bool
+        Whether its exit with status 0 is a planned end of the run.
+    sigterm_timeout : float or None
+        Time to exit after SIGINT; None for the launcher's own. [s]
 
     """
 
@@ -46,42 +50,33 @@ class LaunchProcess:
     namespace: str
     arguments: tuple[str, ...]
     on_exit_shutdown: bool
+    planned: bool = True
+    sigterm_timeout: float | None = None
 
 
-def build_node_process(node: NodeAction, context: LaunchContext, pushed: str) -> LaunchProcess:
+def build_node_process(node: NodeAction, context: LaunchContext, namespace: str) -> LaunchProcess:
     """
     Return the process that a `node` action starts.
 
-    `pushed` is the namespace of the scope, absolute or empty.
+    `namespace` is that of the scope, absolute or empty.
     """
-    executable = expand_substitutions(node.exec, context)
-    arguments = split_command_line(node.args, context)
-    ros = split_command_line(node.ros_args, context)
-    name = None if node.name is None else expand_substitutions(node.name, context)
-    if name is not None:
-        if not is_name(name):
-            raise BadInput(f"'{name}' is not a valid node name; use letters, digits and _.")
-        # `__node` and `__ns` are the special remapping rules of rcl
-        ros += ['-r', f'__node:={name}']
-    own = '' if node.namespace is None else expand_substitutions(node.namespace, context)
-    namespace = join_namespaces(pushed, own)
+    name = expand_substitutions(node.name, context)
+    if not is_name(name):
+        raise BadInput(f"'{name}' is not a valid node name; use letters, digits and _.")
+    # `__node` and `__ns` are the special remapping rules of rcl
+    ros = ['--ros-args', '-r', f'__node:={name}']
     if namespace:
         ros += ['-r', f'__ns:={namespace}']
     for param in node.param or []:
         ros += format_parameter_arguments(param, context)
-    for remap in node.remap or []:
-        source, target = (expand_substitutions(t, context) for t in (remap.from_, remap.to))
-        rule = f'{source}:={target}'
-        ros += ['-r', rule]
-    if ros:
-        arguments += ['--ros-args', *ros]
     return LaunchProcess(
         package=expand_substitutions(node.pkg, context),
-        executable=executable,
-        name=name or executable,
+        executable=expand_substitutions(node.exec, context),
+        name=name,
         namespace=namespace or '/',
-        arguments=tuple(arguments),
+        arguments=(*split_command_line(node.args, context), *ros),
         on_exit_shutdown=node.on_exit == 'shutdown',
+        sigterm_timeout=node.sigterm_timeout,
     )
 
 
@@ -115,24 +110,13 @@ def format_parameter_arguments(param: Param, context: LaunchContext) -> list[str
 
 def iterate_parameters(
     param: Param, context: LaunchContext, prefix: str = ''
-) -> Iterator[tuple[str, Scalar | list[Scalar]]]:
+) -> Iterator[tuple[str, Scalar]]:
     """Yield the dotted name and the value of every parameter of an entry."""
     name = prefix + expand_substitutions(param.name or '', context)
     for nested in param.param or []:
         yield from iterate_parameters(nested, context, f'{name}.')
-    if param.value is None:
-        return
-    if not isinstance(param.value, list):
+    if param.value is not None:
         yield name, convert_to_ros_type(name, param.value, param.type, context)
-        return
-    items = [convert_to_ros_type(name, item, param.type, context) for item in param.value]
-    # An empty list fails as well: rcl cannot infer its element type
-    if len({type(item) for item in items}) != 1:
-        raise BadInput(
-            f'The parameter {name} is the list {items}, but a ROS list must have at least one '
-            'value, and all of one type; write for example [1.0, 2.5] instead of [1, 2.5].'
-        )
-    yield name, items
 
 
 def convert_to_ros_type(
@@ -144,13 +128,14 @@ def convert_to_ros_type(
     Literal values keep their type. The result of a substitution is parsed as YAML, so that
     `$(var speed)` can be a number, unless `type` is given.
     """
-    if not isinstance(scalar, str) or (kind is None and not has_substitution(scalar)):
-        value: object = (
-            expand_substitutions(scalar, context) if isinstance(scalar, str) else scalar
-        )
-    else:
-        value = _parse_yaml_value(expand_substitutions(scalar, context), kind)
-    expected = (bool, int, float, str) if kind is None else (PARAMETER_TYPES[kind],)
+    value: object = scalar
+    if isinstance(scalar, str):
+        value = expand_substitutions(scalar, context)
+        if kind == 'float':
+            value = _parse_float(value)
+        elif kind is None and has_substitution(scalar):
+            value = _parse_yaml_value(value)
+    expected = {None: (bool, int, float, str), 'str': (str,), 'float': (float,)}[kind]
     # An exact type, because isinstance would accept a bool as an int
     if type(value) not in expected:
         wanted = 'a number, true, false or text' if kind is None else f'of type {kind}'
@@ -158,14 +143,14 @@ def convert_to_ros_type(
     return value  # type: ignore[return-value]
 
 
-def _parse_yaml_value(text: str, kind: str | None) -> object:
-    if kind == 'str':
+def _parse_float(text: str) -> object:
+    try:
+        return float(text)
+    except ValueError:
         return text
-    if kind in ('int', 'float'):
-        try:
-            return PARAMETER_TYPES[kind](text)
-        except ValueError:
-            return text
+
+
+def _parse_yaml_value(text: str) -> object:
     try:
         return parse_yaml(text, 'The value')
     # Text that is not valid YAML, such as 'a: b: c', stays text as in ROS

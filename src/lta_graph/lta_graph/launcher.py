@@ -7,7 +7,7 @@ launcher is killed, the kernel sends SIGINT to its processes, and a guard kills 
 it.
 """
 
-from collections.abc import Collection
+from collections import deque
 from contextlib import suppress
 from queue import Empty
 import signal
@@ -25,12 +25,12 @@ from lta_graph.child_process import (
 )
 from lta_graph.interrupts import hold_interrupts
 from lta_graph.launch_file import LaunchPlan
+from lta_graph.launch_node import LaunchProcess
 from lta_graph.process_watch import OnLine, ProcessWatch
 from lta_graph.watchdog import ProcessGuard
 
 GRACE = 8.0  # seconds from SIGINT to SIGTERM: the recorder must close its bag
 TERM_GRACE = 2.0  # seconds from SIGTERM to SIGKILL
-SPARE_GRACE = 1.0  # seconds from SIGINT to SIGKILL for an optional process: nothing to finish
 GROUP_PATIENCE = 1.0  # seconds; without an init that reaps orphans (containers) groups never empty
 PERIOD = 0.02  # seconds between checks while stopping
 
@@ -50,10 +50,7 @@ class Launcher:
     on_line : callable
         Called from another thread with the label of a process and each line of its output.
     grace : float
-        Time from SIGINT to SIGTERM. [s]
-    optional : collection of str
-        Labels of processes that may exit during the run, such as a viewer; they do not delay the
-        stop either.
+        Time from SIGINT to SIGTERM of a process without `sigterm_timeout`. [s]
 
     Attributes
     ----------
@@ -68,10 +65,8 @@ class Launcher:
         on_line: OnLine,
         *,
         grace: float = GRACE,
-        optional: Collection[str] = (),
     ) -> None:
         self.ended: list[ProcessExit] = []
-        self._spare = frozenset(optional)
         self._plan = plan
         self._on_line = on_line
         self._grace = grace
@@ -104,11 +99,14 @@ class Launcher:
         """
         The exit that ended the run; None while it continues.
 
-        Any process that exits by itself ends the run, except optional ones. `success` is whether
-        the exit was planned.
+        As under `ros2 launch`, this is the exit of an `on_exit: shutdown` process, or of the last
+        process of all. `success` is whether it was planned.
         """
-        ending = (item for item in self.ended if item.name not in self._spare)
-        return next((item for item in ending if not item.stopped), None)
+        unasked = [item for item in self.ended if not item.stopped]
+        ending = [item for item in unasked if item.ends_run]
+        if not ending and len(unasked) == len(self._children):
+            ending = unasked[-1:]
+        return next(iter(ending), None)
 
     def start(self) -> None:
         """
@@ -128,7 +126,8 @@ class Launcher:
         try:
             with hold_interrupts() as presses:
                 # The guard waits as long as an orderly stop may take
-                self._guard = ProcessGuard(self._grace + TERM_GRACE)
+                longest = max(map(self._stop_grace, self._plan.processes), default=self._grace)
+                self._guard = ProcessGuard(longest + TERM_GRACE)
                 for process, words in zip(self._plan.processes, commands, strict=True):
                     # Ctrl-C during the start: start no more, `stop` ends the others
                     if presses:
@@ -174,42 +173,37 @@ class Launcher:
 
     def stop(self) -> None:
         """
-        Stop all processes: SIGINT, then SIGTERM, then SIGKILL; optional ones get less time.
+        Stop all processes: SIGINT, then SIGTERM, then SIGKILL.
 
         Returns when all are gone. Ctrl-C moves on to the next signal immediately and is raised as
         KeyboardInterrupt at the end.
         """
         with hold_interrupts() as presses:
             self._stopping.set()
-            stages = (
-                (signal.SIGINT, self._grace),
-                (signal.SIGTERM, TERM_GRACE),
-                (signal.SIGKILL, float('inf')),
-            )
-            for number, grace in stages:
-                if not self.running:
-                    break
-                for child in self._children:
-                    child.send_signal(number)
-                self._wait_for_exits(grace, presses)
+            # For each process, the signals to come and the seconds before each
+            left = {child: deque(self._list_stop_signals(child)) for child in self._children}
+            since = dict.fromkeys(left, time.monotonic())
+            seen = len(presses)
+            while self.running:
+                now, pressed, seen = time.monotonic(), len(presses) > seen, len(presses)
+                for child, signals in left.items():
+                    if signals and (pressed or now - since[child] >= signals[0][0]):
+                        _, number = signals.popleft()
+                        child.send_signal(number)
+                        since[child] = now
+                time.sleep(PERIOD)
             self._reap_processes()
 
-    def _wait_for_exits(self, grace: float, presses: list[int]) -> None:
-        began = time.monotonic()
-        before = len(presses)
-        # Nothing follows SIGKILL, so a further Ctrl-C must not end that wait.
-        while self.running and (passed := time.monotonic() - began) < grace:
-            if len(presses) > before and grace < float('inf'):
-                return
-            # A viewer that ignores SIGINT must not delay the stop
-            if passed > SPARE_GRACE:
-                self._kill_optional_processes()
-            time.sleep(PERIOD)
+    def _list_stop_signals(self, child: ChildProcess) -> list[tuple[float, signal.Signals]]:
+        return [
+            (0.0, signal.SIGINT),
+            (self._stop_grace(child.process), signal.SIGTERM),
+            (TERM_GRACE, signal.SIGKILL),
+        ]
 
-    def _kill_optional_processes(self) -> None:
-        for child in self._children:
-            if child.name in self._spare and not child.has_exited():
-                child.send_signal(signal.SIGKILL)
+    def _stop_grace(self, process: LaunchProcess) -> float:
+        """Return the time from SIGINT to SIGTERM. [s]"""
+        return self._grace if process.sigterm_timeout is None else process.sigterm_timeout
 
     def _reap_processes(self) -> None:
         # The start was interrupted before the thread existed, but its processes have pipes to

@@ -3,6 +3,8 @@
 from lta_config.settings import setting, Settings
 from lta_model.start_offset import FAR
 
+DEFAULT = 'default'  # value of `wait_for`
+
 
 class SimulatorSettings(Settings):
     """Parameters of the simulator node."""
@@ -30,6 +32,13 @@ class SimulatorSettings(Settings):
         unit='m',
         low=-FAR,
         high=FAR,
+        fixed=True,
+    )
+    wait_for: str = setting(
+        DEFAULT,
+        'Nodes to wait for before the flight starts, by their roles in the topic table and '
+        'separated by spaces; empty: none. "default": in lockstep every node that reads an output '
+        'of the simulator by the topic table, in real time none.',
         fixed=True,
     )
     record: bool = setting(

@@ -8,7 +8,7 @@ import pytest
 
 
 def ended(name, *stdout):
-    return ProcessExit(name, 0, stdout, (), True, False)
+    return ProcessExit(name, 0, stdout, (), ends_run=True, success=True, stopped=False)
 
 
 def test_the_last_line_of_the_simulator_counts():

@@ -5,11 +5,9 @@ from lta_cli.verbs import launch
 from lta_config.files import find_file
 from lta_flight import stall_monitor
 from lta_flight.domain_lock import format_holders
-from lta_flight.graph import shutdown_grace
 from lta_flight.stall_monitor import FLIGHT, REPEATED, StallMonitor
 from lta_graph.health import HealthFact, HealthLevel
 from lta_graph.launch_file import load_plan
-from lta_graph.launcher import GRACE
 import pytest
 
 
@@ -199,8 +197,10 @@ def test_a_full_disk_is_said_before_the_recorder_has_left(clock):
     assert said == ['recorder: The disk is full: make room.']
 
 
-def test_a_real_drone_gets_the_time_to_land_and_a_simulated_one_none():
+def test_a_real_drone_gets_the_time_to_land_and_the_recorder_sees_it():
     path = find_file('launch file', 'fly', '.launch.yaml')
-    assert shutdown_grace(load_plan(path, {'source': 'sim'})) == GRACE
+    plan = load_plan(path, {'source': 'crazyflie'})
+    times = {item.name: item.sigterm_timeout for item in plan.processes}
     # It lands, then the keeper of its link has 5 s to close it.
-    assert shutdown_grace(load_plan(path, {'source': 'crazyflie'})) > LEAVE + 5.0
+    assert min(times.pop('crazyflie_bridge'), times.pop('recorder')) > LEAVE + 5.0
+    assert set(times.values()) == {None}

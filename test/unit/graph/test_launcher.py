@@ -53,7 +53,7 @@ def test_the_last_twenty_lines_of_each_stream_survive_a_crash(fleet):
 
 
 @pytest.mark.parametrize(
-    ('status', 'ends_run', 'success', 'sentence'),
+    ('status', 'planned', 'success', 'sentence'),
     [
         (0, True, True, 'simulator ended'),
         (0, False, False, 'simulator ended'),
@@ -61,10 +61,8 @@ def test_the_last_twenty_lines_of_each_stream_survive_a_crash(fleet):
         (2, False, False, 'simulator ended with status 2'),
     ],
 )
-def test_only_status_0_of_the_process_that_ends_the_run_is_success(
-    fleet, status, ends_run, success, sentence
-):
-    fleet.add('simulator', f'raise SystemExit({status})', ends_run=ends_run)
+def test_only_status_0_of_a_planned_end_is_success(fleet, status, planned, success, sentence):
+    fleet.add('simulator', f'raise SystemExit({status})', planned=planned)
     fleet.add('recorder', POLITE)
     with fleet.launcher() as launcher:
         run_to_end(launcher)
@@ -78,10 +76,10 @@ def test_only_status_0_of_the_process_that_ends_the_run_is_success(
     ]
 
 
-def test_without_a_spare_process_the_run_goes_on(fleet):
-    fleet.add('viewer', 'raise SystemExit(2)')
+def test_without_a_process_that_ends_nothing_the_run_goes_on(fleet):
+    fleet.add('viewer', 'raise SystemExit(2)', on_exit_shutdown=False)
     fleet.add('simulator', FOREVER)
-    with fleet.launcher(spare=('viewer',)) as launcher:
+    with fleet.launcher() as launcher:
         (ended,) = launcher.wait(PATIENCE)
         assert (ended.name, ended.status, ended.stopped) == ('viewer', 2, False)
         assert launcher.outcome is None
@@ -90,6 +88,19 @@ def test_without_a_spare_process_the_run_goes_on(fleet):
         os.kill(victim, signal.SIGKILL)
         run_to_end(launcher)
         assert launcher.outcome.name == 'simulator'
+
+
+def test_a_run_of_processes_that_end_nothing_ends_with_the_last(fleet):
+    fleet.add('first', '', on_exit_shutdown=False)
+    fleet.add('last', FOREVER, on_exit_shutdown=False)
+    with fleet.launcher() as launcher:
+        (ended,) = launcher.wait(PATIENCE)
+        assert (ended.name, launcher.outcome) == ('first', None)
+        fleet.await_line('last', 'up')
+        (victim,) = fleet.pids()
+        os.kill(victim, signal.SIGKILL)
+        run_to_end(launcher)
+        assert (launcher.outcome.name, launcher.outcome.success) == ('last', False)
 
 
 def test_a_flood_of_output_neither_blocks_nor_hides_a_death(fleet, tmp_path):

@@ -1,5 +1,6 @@
 """Tiny processes for a launcher to supervise."""
 
+from dataclasses import replace
 import os
 from pathlib import Path
 import signal
@@ -51,15 +52,16 @@ class Fleet:
         self.lines: list[tuple[str, str]] = []
         self.processes: list[LaunchProcess] = []
 
-    def add(self, name: str, code: str, *, ends_run: bool = False, args: tuple[str, ...] = ()):
+    def add(self, name: str, code: str, *, args: tuple[str, ...] = (), **more: object):
         path = self.folder / name
         path.write_text(f'#!{sys.executable} -IS\n{code}', encoding='utf-8')
         path.chmod(0o755)
-        self.processes.append(LaunchProcess('fleet', name, name, '/', args, ends_run))
+        process = LaunchProcess('fleet', name, name, '/', args, on_exit_shutdown=True)
+        self.processes.append(replace(process, **more))
 
-    def launcher(self, grace: float = PATIENCE, spare: tuple[str, ...] = ()) -> Launcher:
+    def launcher(self, grace: float = PATIENCE) -> Launcher:
         plan = LaunchPlan(tuple(self.processes))
-        return Launcher(plan, lambda *line: self.lines.append(line), grace=grace, optional=spare)
+        return Launcher(plan, lambda *line: self.lines.append(line), grace=grace)
 
     def await_line(self, *line: str) -> None:
         wait_until(lambda: line in self.lines, f'the line {line}', lambda: self.lines)

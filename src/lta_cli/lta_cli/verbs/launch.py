@@ -38,9 +38,10 @@ def launch(
     """
     Start a graph from a ROS 2 YAML launch file and monitor it.
 
-    Reports nodes that exit or hang. If a node exits unexpectedly, all others are stopped and the
-    exit status is 1, or 2 if the node rejected its input. With an installed ROS 2 (ros2 run
-    lta_cli lta launch ...) this runs the real "ros2 launch"; ./lta never does.
+    Reports nodes that exit or hang. If an essential node (on_exit: shutdown) exits unexpectedly,
+    all others are stopped and the exit status is 1, or 2 if the node rejected its input. Only the
+    part of ROS 2's launch format that the files of LTA use is supported. With an installed ROS 2
+    (ros2 run lta_cli lta launch ...) this runs the real "ros2 launch"; ./lta never does.
 
     Example: lta launch fly seed:=2 time:=lockstep bag:=/tmp/flight
     """
@@ -51,11 +52,11 @@ def launch(
     pairs = parse_arguments(given or [])
     # Validate the arguments first, also for the real ros2 launch
     plan = load_plan(path, pairs)
+    check_plan(plan)
     # Another environment may have a ros2 command that does not belong to the wheels
     if os.environ.get('LTA_UNDERLAY') != WHEELS and shutil.which('ros2'):
         # Replaces this process, so signals and the exit status are those of ros2 launch
         os.execvp('ros2', ['ros2', 'launch', str(path), *(given or [])])
-    check_plan(plan)
     outcome = run_graph(plan, print_node_line, print_event)
     # The last line of the node states what was wrong with its input
     if is_refusal(outcome):

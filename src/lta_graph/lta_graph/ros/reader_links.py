@@ -7,7 +7,7 @@ node reports in /diagnostics how many readers each output has matched, and the n
 flight compares that with the graph.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from types import TracebackType
 from typing import final, Self
 
@@ -40,6 +40,7 @@ class ReaderLinks:
     def __init__(self, node: Node, table: TopicTable) -> None:
         self._node = node
         self._robot = node.get_namespace().strip('/')
+        self._table = table
         self._topics = [name for name, row in table.topics.items() if row.period_ns]
         self._found: dict[str, int] = {}
         self._subscription = node.create_subscription(
@@ -68,19 +69,26 @@ class ReaderLinks:
                     k: int(v) for k, v in counts.items() if v.isdecimal() and len(v) < DIGITS
                 }
 
-    def find_unready_topics(self, own: Mapping[str, int]) -> list[str]:
+    def find_unready_topics(self, own: Mapping[str, int], awaited: Collection[str]) -> list[str]:
         """
-        Return the topics without a known publisher, or whose readers have not all matched.
+        Return the topics of awaited nodes that do not report, or whose readers have not matched.
 
         Parameters
         ----------
         own : mapping of str to int
             Matched readers of the node's own outputs, by topic.
+        awaited : collection of str
+            Roles that must report. The topics of others count only if they are reported.
 
         """
         short = self.find_unmatched_topics(own)
         reported = self._found | dict(own)
-        return [name for name in self._topics if name not in reported or name in short]
+        silent = {
+            name
+            for name in self._topics
+            if name not in reported and self._table[name].source in awaited
+        }
+        return [name for name in self._topics if name in silent or name in short]
 
     def find_unmatched_topics(self, own: Mapping[str, int]) -> list[str]:
         """

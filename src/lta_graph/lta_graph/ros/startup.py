@@ -1,6 +1,6 @@
 """Wait until all nodes of a graph are ready, before a flight or a replay begins."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 import time
 
 from lta_config.errors import BadInput
@@ -43,17 +43,19 @@ def wait_until_complete(
         time.sleep(LOOK)
 
 
-def wait_until_settled(node: GraphNode, patience: float) -> None:
+def wait_until_settled(node: GraphNode, awaited: Collection[str], patience: float) -> None:
     """
-    Wait until the graph has not changed for `SETTLED`, and all endpoints have matched.
+    Wait until the graph has not changed for `SETTLED`, and the known endpoints have matched.
 
-    A user's own node does not report its readers. Then the flight begins after `patience` and
-    warns in the task `start` which topics may not reach all readers.
+    After `patience` the flight begins anyway, and warns in the task `start` which topics may not
+    reach all readers.
 
     Parameters
     ----------
     node : GraphNode
         The waiting node; a stop signal ends the wait.
+    awaited : collection of str
+        Roles that must report their readers. A user's own node does not, and is not waited for.
     patience : float
         Longest wait in wall time. [s]
 
@@ -65,7 +67,8 @@ def wait_until_settled(node: GraphNode, patience: float) -> None:
     with ReaderLinks(node, node.table) as links:
         while node.running and time.monotonic() - since < SETTLED:
             time.sleep(LOOK)
-            loose, now = links.find_unready_topics(node.count_readers()), count_endpoints(node)
+            loose = links.find_unready_topics(node.count_readers(), awaited)
+            now = count_endpoints(node)
             if time.monotonic() > deadline:
                 words = (
                     f'begun before all subscribers of {", ".join(loose)} were found; the first '

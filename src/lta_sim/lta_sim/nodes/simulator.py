@@ -16,6 +16,7 @@ import sys
 import time
 
 from builtin_interfaces.msg import Time
+from lta_config.errors import unknown_name_error
 from lta_config.topic_selection import is_selected
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
@@ -30,7 +31,7 @@ from lta_model.scenario import load_scenario
 from lta_model.start_offset import offset_start
 from lta_model.vehicle import load_vehicle
 from lta_sim.readings import FlightOutcome, SensorReadings
-from lta_sim.simulator_settings import SimulatorSettings
+from lta_sim.simulator_settings import DEFAULT, SimulatorSettings
 from lta_sim.world import World
 from rclpy.clock import Clock, ClockType
 from rclpy.subscription import Subscription
@@ -60,6 +61,7 @@ class Simulator(GraphNode):
         if not self._settings.clock:
             names.remove('/clock')
         self._outputs = {name: self.create_output(name) for name in names}
+        self._awaited = self._list_awaited_roles()
         inputs = self.table.read_by('vehicle')
         self.subscribe_inputs(inputs, trigger='motors', on_step=self._on_motors)
         self._peers = PeerListener(self, self._settings.peers.split(), self._on_peer_update)
@@ -84,7 +86,7 @@ class Simulator(GraphNode):
             self, self._find_missing_subscribers, PATIENCE * (1 + len(self._peers.names))
         )
         if not self.lockstep:
-            wait_until_settled(self, PATIENCE)
+            wait_until_settled(self, self._awaited, PATIENCE)
         self._began = self._anchor = time.monotonic()
         self.begun = True
         self._publish_step()
@@ -92,12 +94,23 @@ class Simulator(GraphNode):
             self._pacer.reset()
         super().run()
 
+    def _list_awaited_roles(self) -> set[str]:
+        """Return the roles of the nodes to wait for; raise `BadInput` for an unknown one."""
+        names = self._settings.wait_for.split()
+        if names == [DEFAULT]:
+            readers = {role for name in self._outputs for role in self.table[name].subscribers}
+            return readers if self.lockstep else set()
+        for name in names:
+            if name not in self.table.roles:
+                raise unknown_name_error('role in wait_for', name, [DEFAULT, *self.table.roles])
+        return set(names)
+
     def _find_missing_subscribers(self) -> list[str]:
-        """Return the nodes that have not subscribed to the outputs yet."""
+        """Return the awaited nodes that have not subscribed to the outputs yet."""
         waiting: set[str] = set()
         words, robot = self._settings.topics, self.get_namespace().strip('/')
         for name, publisher in self._outputs.items():
-            readers = set(self.table[name].subscribers)
+            readers = self._awaited & set(self.table[name].subscribers)
             # Every other simulator of the launch listens to this one's pulse
             if name == PULSE:
                 readers |= {f'{peer}/vehicle' for peer in self._peers.names}

@@ -1,0 +1,40 @@
+"""Each node of a flight can be left out for somebody's own, and the simulator waits for the rest."""
+
+from pathlib import Path
+
+from lta_flight.preflight import parse_parameters
+from lta_graph.launch_file import load_plan
+import pytest
+
+FLY = Path(__file__).resolve().parents[2] / 'config/launch/fly.launch.yaml'
+AWAITED = ['estimator', 'controller', 'demodulator', 'navigator', 'energy_monitor']
+pytestmark = pytest.mark.usefixtures('installed')
+
+
+def flown(**given):
+    """Return the parameters of each process by its name."""
+    return {p.name: parse_parameters(p.arguments) for p in load_plan(FLY, given).processes}
+
+
+def test_in_real_time_the_simulator_waits_for_what_is_started():
+    assert flown()['simulator']['wait_for'].split() == AWAITED
+
+
+@pytest.mark.parametrize('name', AWAITED)
+def test_what_is_left_out_is_not_waited_for(name):
+    plan = flown(**{name: 'false'})
+    assert set(flown()) - set(plan) == {name}
+    assert plan['simulator']['wait_for'].split() == [each for each in AWAITED if each != name]
+
+
+@pytest.mark.parametrize('name', AWAITED)
+def test_in_lockstep_somebody_must_take_its_place(name):
+    plan = flown(**{name: 'false', 'time': 'lockstep'})
+    assert name not in plan
+    assert plan['simulator']['wait_for'] == 'default'
+
+
+def test_the_simulator_can_be_left_out_and_the_rest_stays():
+    plan = flown(simulator='false')
+    assert set(flown()) - set(plan) == {'simulator'}
+    assert {name for name in plan if name != 'recorder'} == set(AWAITED)

@@ -1,0 +1,77 @@
+"""Other people's nodes in plain rclpy: alone with the simulator, and in place of ours."""
+
+import json
+from pathlib import Path
+import time
+
+import pytest
+from sensor_msgs.msg import Imu, JointState
+
+from .command import ROOT
+from .peer import Peer
+
+ROTORS = ['up_left', 'up_right', 'forward_left', 'forward_right']
+EXAMPLES = ROOT / 'examples'
+WAITED = 2.0  # s by which a foreign node may delay the start
+
+
+def test_the_simulator_flies_alone_by_anybodys_motors(lta, hear, domain_id):
+    words = ('--ros-args', '-r', '__ns:=/lta1')
+    simulator = lta.start('run', 'lta_sim', 'simulator', *words)
+    with Peer(domain_id) as peer:
+        motors = peer.node.create_publisher(JointState, 'motors', 10)
+
+        def climb(message: Imu) -> None:
+            command = JointState(name=ROTORS, effort=[0.6, 0.6, 0.0, 0.0])
+            command.header.stamp = message.header.stamp
+            motors.publish(command)
+
+        heights: list[float] = []
+        peer.hear('imu', climb)
+        peer.hear('ground_truth/odom', lambda m: heights.append(m.pose.pose.position.z))
+        peer.until(lambda: len(heights) > 300)  # three seconds
+        assert max(heights) > heights[0] + 0.2
+    simulator.interrupt()
+    simulator.end()
+
+
+def test_an_unknown_role_is_refused(lta):
+    result = lta.run('run', 'lta_sim', 'simulator', '--ros-args', '-p', 'wait_for:=estimater')
+    assert result.returncode == 2
+    assert "Unknown role in wait_for 'estimater'; known: controller, def" in result.stderr
+    assert result.stderr.count('\n') == 1
+
+
+def fly(lta, flying, out: Path, *words: str) -> tuple[float, str]:
+    """Return the seconds to the first step, and the outcome."""
+    began = time.monotonic()
+    launch = lta.start('launch', 'fly', f'bag:={out}', *words)
+    flying(0.1)
+    took = time.monotonic() - began
+    assert launch.end() == 0, launch.text
+    (line,) = [line for _, line in launch.lines if '"outcome"' in line]
+    return took, json.loads(line.partition(' ')[2])['outcome']
+
+
+def own(lta, name: str, *words: str):
+    return lta.start('run', EXAMPLES / f'own_{name}.py', '--ros-args', '-r', '__ns:=/lta1', *words)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize('mode', ['lockstep', 'realtime'])
+@pytest.mark.parametrize('name', ['navigator', 'controller'])
+def test_a_node_in_plain_rclpy_reaches_the_lamp(lta, flying, tmp_path, name, mode):
+    node = own(lta, name, '-p', f'lockstep:={str(mode == "lockstep").lower()}')
+    _, outcome = fly(lta, flying, tmp_path / 'bag', f'{name}:=false', f'time:={mode}')
+    assert outcome == 'reached'
+    assert node.end() == 0  # by itself
+
+
+@pytest.mark.long
+def test_a_foreign_node_does_not_delay_the_start(lta, flying, scenario, tmp_path):
+    room = f'scenario:={scenario(time_limit="1 s")}'
+    fly(lta, flying, tmp_path / 'warm', room)
+    stock, _ = fly(lta, flying, tmp_path / 'stock', room)
+    own(lta, 'controller')
+    foreign, _ = fly(lta, flying, tmp_path / 'foreign', room, 'controller:=false')
+    assert foreign < stock + WAITED
