@@ -75,10 +75,8 @@ def fly(folder):
     )
     with BagWriter(folder / 'whole', {}) as writer:
         recorder = LoopRecorder(writer, loop, TABLE, 'lta1')
-        for _ in range(STEPS):
-            loop.decide()
+        for _ in loop.iterate_until(lambda: world.steps == STEPS):
             recorder.record_step()
-            loop.simulate_control_period()
     told = collect_provenance('gtmab', 'lamp_room', 'gtmab', strategy='bag', seed=str(SEED))
     for name in ('commit', 'platform', 'created', 'config_sha256'):
         del told[name]

@@ -8,7 +8,7 @@ Values that the graph sends as messages are rounded as the messages would
 """
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 import math
 from typing import final
@@ -99,6 +99,9 @@ class ClosedLoop:
     nominal_vehicle : Vehicle or None
         The vehicle as the drone knows it; by default from the true vehicle's file in standard air,
         as in the nodes.
+    motion_only : bool
+        Whether to read the estimator's sensors only, which is faster and enough for the cascade
+        on a prescribed course.
 
     Attributes
     ----------
@@ -121,8 +124,10 @@ class ClosedLoop:
         table: TopicTable,
         policy: FlightStack,
         nominal_vehicle: Vehicle | None = None,
+        motion_only: bool = False,
     ) -> None:
         self.world = world
+        self._motion_only = motion_only
         self.policy = policy
         self._table = table
         self._plan = world.scenario.course
@@ -179,6 +184,13 @@ class ClosedLoop:
                 return
             self.simulate_control_period()
 
+    def iterate_until(self, is_over: Callable[[], bool]) -> Iterator[None]:
+        """Fly until a condition holds; yield after each decision, before it is flown."""
+        while not is_over():
+            self.decide()
+            yield
+            self.simulate_control_period()
+
     def simulate_control_period(self) -> None:
         """Simulate one control period with the newest command."""
         pilot = self.autopilot
@@ -187,11 +199,13 @@ class ClosedLoop:
 
     def decide(self) -> None:
         """Sense and decide, without advancing the simulation."""
-        readings = self.readings = self.world.sense()
+        world = self.world
+        readings = self.readings = world.sense_motion() if self._motion_only else world.sense()
         course = self.policy.course
         if course is not None:
-            self.asked = self.setpoint = asked = course(self.world.elapsed)
-            self.autopilot.set_setpoint(asked)
+            self.asked = self.setpoint = asked = course(world.elapsed)
+            if asked is not None:
+                self.autopilot.set_setpoint(asked)
         # A new setpoint takes effect one step later, as its message would
         elif self.asked is not self.setpoint and self.asked is not None:
             self.setpoint = asked = self.asked
@@ -201,6 +215,9 @@ class ClosedLoop:
                 message_rounding.build_setpoint(asked.altitude, level, asked.speed)
             )
         self._estimate_and_control(readings)
+        if self._motion_only:
+            return
+        self._reckoned.append(self.autopilot.dead_reckoning)
         if readings.block is not None and course is None:
             self._navigate(*readings.block)
         if readings.battery is not None:
@@ -222,7 +239,6 @@ class ClosedLoop:
             )
             # The estimator must know the duties that act, not those commanded
             self.autopilot.record_applied_duties(self.duties)
-        self._reckoned.append(self.autopilot.dead_reckoning)
 
     def measured_state(self) -> CascadeMeasurement | None:
         """Return the state that the controller uses; None until the estimator is ready."""
