@@ -8,6 +8,7 @@ reserve uses the true charge; and values are not rounded by messages.
 
 import math
 
+from lta_config.constants import STANDARD_GRAVITY
 from lta_control.attitude import yaw_from_quaternion
 from lta_control.cascade import Setpoint, wrap_angle
 from lta_control.onboard import OnboardMemory, SensorInputs
@@ -26,13 +27,13 @@ from lta_model.electrical.loads import power_demand
 from lta_model.light.lambertian import direct_light
 from lta_model.light.panel_light import daylight_on_panel, lamp_light_on_panel
 from lta_model.light.scene_geometry import daylight_illuminance, is_in_room
+from lta_model.sensors.imu import specific_force_at
 from lta_model.state import RIGID
 from lta_model.stiffness import SPEED_LIMIT
 from lta_sim.compiled_sensors import (
     SensorErrors,
     simulate_imu_reading,
     simulate_pressure_reading,
-    specific_force_at,
     START,
 )
 from lta_sim.counter_rng import draw_uniforms
@@ -137,9 +138,10 @@ def sensor_specific_force(
     constants: FlightConstants, state: State, rate: State, held: bool
 ) -> Vector:
     """Return the specific force at the IMU; a held drone does not accelerate. [m/s2]"""
+    place = constants.sensors.imu_place
     if held:
-        return specific_force_at(constants.sensors, state, HELD_RATE)
-    return specific_force_at(constants.sensors, state, rate)
+        return specific_force_at(state, HELD_RATE, place, STANDARD_GRAVITY)
+    return specific_force_at(state, rate, place, STANDARD_GRAVITY)
 
 
 def with_setpoint(memory: OnboardMemory, setpoint: Setpoint) -> OnboardMemory:
