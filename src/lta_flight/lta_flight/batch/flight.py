@@ -13,11 +13,9 @@ from lta_control.attitude import yaw_from_quaternion
 from lta_control.cascade import Setpoint, wrap_angle
 from lta_control.onboard import OnboardMemory, SensorInputs
 from lta_control.per_rotor import PerRotor
-from lta_control.reserve import FlightPermission
 from lta_control.sighting import DeadReckonedMotion, LampDirection, sight_from_direction
 from lta_control.strategies.protocol import LightMeasurement
 from lta_flight.batch.constants_and_tally import (
-    BatchPower,
     FlightConstants,
     FlightTally,
     Vector,
@@ -29,7 +27,7 @@ from lta_model.light.panel_light import daylight_on_panel, lamp_light_on_panel
 from lta_model.light.scene_geometry import daylight_illuminance, is_in_room
 from lta_model.sensors.imu import specific_force_at
 from lta_model.state import RIGID
-from lta_model.stiffness import SPEED_LIMIT
+from lta_model.stiffness import has_diverged
 from lta_sim.compiled_sensors import (
     SensorErrors,
     simulate_imu_reading,
@@ -241,21 +239,6 @@ def sight_from_fit(
     )
 
 
-def permission_by_charge(power: BatchPower, charge: float) -> FlightPermission:
-    """Return what the energy allows by the true state of charge."""
-    return FlightPermission.RESERVE if charge <= power.reserve else FlightPermission.FLY
-
-
-def is_plausible(state: State) -> bool:
-    """Return whether velocity and rates are below `SPEED_LIMIT`; if not, they diverged."""
-    return (
-        # Velocity is state[7:10] and rates are state[10:13]; NaN compares false
-        abs(state[7]) < SPEED_LIMIT and abs(state[8]) < SPEED_LIMIT
-        and abs(state[9]) < SPEED_LIMIT and abs(state[10]) < SPEED_LIMIT
-        and abs(state[11]) < SPEED_LIMIT and abs(state[12]) < SPEED_LIMIT
-    )  # fmt: skip
-
-
 def update_tally(
     constants: FlightConstants,
     tally: FlightTally,
@@ -278,7 +261,7 @@ def update_tally(
     elif z > constants.place[2] + LIFTED:
         lift_off = elapsed
     return FlightTally(
-        outcome if is_plausible(state) else RAN_AWAY,
+        RAN_AWAY if has_diverged(state) else outcome,
         progress,
         lift_off,
         tally.search_start,

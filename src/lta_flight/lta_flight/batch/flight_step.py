@@ -17,6 +17,7 @@ from lta_control.mission import initial_mission, mission_step
 from lta_control.onboard import guidance_altitude, onboard_step, OnboardMemory, reckon_motion
 from lta_control.per_rotor import NONE, PerRotor
 from lta_control.phases import Mission
+from lta_control.reserve import permission_at_reserve
 from lta_control.sighting import DeadReckonedMotion
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_flight.batch.constants_and_tally import FlightConstants
@@ -27,7 +28,6 @@ from lta_flight.batch.flight import (
     initial_supply,
     is_lamp_detected,
     panel_irradiance,
-    permission_by_charge,
     Pose,
     read_sensors,
     sensor_specific_force,
@@ -341,7 +341,7 @@ def navigate(
         memory.mission,
         sight,
         guidance_altitude(memory.onboard),
-        permission_by_charge(constants.power, memory.supply.flow.charge),
+        permission_at_reserve(memory.supply.flow.charge <= constants.power.reserve),
         len(constants.route),
         constants.reserve,
     )
