@@ -7,7 +7,8 @@ back to the cascade, so that no integral winds up while a rotor is at its limit.
 
 from typing import NamedTuple
 
-from lta_control.allocation import allocate, Rotors, Scratch, thrusts_to_duties
+from lta_control.allocation import deliver_wrench, Rotors, Scratch
+from lta_control.attitude import Quaternion, up_in_body
 from lta_control.cascade import (
     cascade_step,
     CascadeGains,
@@ -88,12 +89,12 @@ def deliver_demand(
     """
     # Surge, heave and yaw only: sway, roll and pitch are not controlled.
     wrench = (demand.surge, 0.0, demand.heave, 0.0, 0.0, demand.yaw)
-    thrusts, given = allocate(rotors, wrench, thrusts, scratch)
+    duties, thrusts, given = deliver_wrench(rotors, wrench, thrusts, scratch)
     # Delivered minus demanded, for the anti-windup of the next step
     shortfall = WrenchDemand(
         given[0] - demand.surge, given[2] - demand.heave, given[5] - demand.yaw
     )
-    return thrusts_to_duties(rotors, thrusts, scratch), ControlMemory(cascade, thrusts, shortfall)
+    return duties, ControlMemory(cascade, thrusts, shortfall)
 
 
 def has_landed(measured: CascadeMeasurement, setpoint: Setpoint, standing_height: float) -> bool:
@@ -104,6 +105,15 @@ def has_landed(measured: CascadeMeasurement, setpoint: Setpoint, standing_height
     """
     down = measured.altitude < standing_height + FOOT and abs(measured.climb) < STILL
     return down and setpoint.altitude <= standing_height
+
+
+def has_overturned(attitude: Quaternion, uprightness: float) -> bool:
+    """
+    Return whether the drone tilts so far that its motors stop; False if its attitude is NaN.
+
+    `uprightness` is the cosine of the largest tilt.
+    """
+    return up_in_body(attitude)[2] < uprightness
 
 
 def step_duration(last_ns: int | None, now_ns: int, period_ns: int) -> float:

@@ -10,9 +10,9 @@ import math
 from typing import NamedTuple
 
 from lta_control.allocation import Rotors, Scratch
-from lta_control.attitude import up_in_body, Vector
+from lta_control.attitude import Vector
 from lta_control.cascade import CascadeGains, CascadeMeasurement, Setpoint
-from lta_control.control import control_step, ControlMemory, has_landed
+from lta_control.control import control_step, ControlMemory, has_landed, has_overturned
 from lta_control.estimator import (
     estimator_step,
     EstimatorInputs,
@@ -141,8 +141,8 @@ def _must_stop(
         (measured.yaw_rate, measured.speed, measured.sway)
     )
     if known:
-        upright = up_in_body(estimate.attitude)[2] >= drone.uprightness
-        return not upright or (memory.guided and not _is_finite(memory.setpoint))
+        overturned = has_overturned(estimate.attitude, drone.uprightness)
+        return overturned or (memory.guided and not _is_finite(memory.setpoint))
     # Unknown values stop the motors only once the drone flies by setpoints
     return memory.guided
 
