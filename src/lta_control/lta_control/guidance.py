@@ -14,7 +14,7 @@ from lta_control.mission import course_step, mission_step, MissionSettings
 from lta_control.phases import Mission
 from lta_control.reserve import decide_permission, ReserveReport, ReserveResponseSettings
 from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy
-from lta_vlc.beacon_request import NO_WISH
+from lta_vlc.settings import NO_WISH
 
 
 @final

@@ -28,7 +28,7 @@ from lta_energy.monitoring.monitor import update_estimate
 from lta_energy.monitoring.power_system import PowerSystem
 from lta_energy.monitoring.reading import MeterReading, TravelState
 from lta_flight.flight_stack import build_autopilot, FlightStack
-from lta_model.diode_ring import DiodeRing
+from lta_model.sensors.photodiode import DiodeRing
 from lta_model.vehicle import Vehicle
 from lta_sim.readings import FlightOutcome, SensorReadings
 from lta_sim.world import World
