@@ -104,6 +104,8 @@ class FlightInputs(NamedTuple):
     ----------
     numbers : ndarray
         Parameters of the vehicle's model, its body and its inverse inertia.
+    recorded : ndarray, shape (n, 6)
+        Recorded wind [m/s] and its rate [m/s2] in each control period; none without a record.
     errors : SensorErrors
         Constant sensor errors of this flight.
     seed : int
@@ -114,6 +116,7 @@ class FlightInputs(NamedTuple):
     """
 
     numbers: Array
+    recorded: Array
     errors: SensorErrors
     seed: int
     payload: float
@@ -252,15 +255,19 @@ def compute_surroundings(
     memory: FlightMemory,
     inputs: FlightInputs,
 ) -> State:
-    """Return the inputs of the model: wind, turbulence noise, heat and voltage."""
+    """Return the inputs of the model: wind, turbulence noise, heat, voltage and rate of wind."""
     noise, warmth = (0.0, 0.0, 0.0), 0.0
     # Computed only for effects that use it, to save time in every step
     if kernel.turbulence:
         noise = draw_white_noise(inputs.seed, memory.step, schedule.period)
     if kernel.superheat:
         warmth = hull_irradiance(constants, memory.state)
-    wind = steady_wind_at(constants.wind, memory.state[0])
-    return wind + noise + (warmth, memory.supply.flow.voltage, 0.0, 0.0, 0.0)
+    wind, rate = steady_wind_at(constants.wind, memory.state[0]), (0.0, 0.0, 0.0)
+    record, step = inputs.recorded, memory.step
+    if step < record.shape[0]:
+        wind = (wind[0] + record[step, 0], wind[1] + record[step, 1], wind[2] + record[step, 2])
+        rate = (record[step, 3], record[step, 4], record[step, 5])
+    return wind + noise + (warmth, memory.supply.flow.voltage) + rate
 
 
 def sense_and_control(

@@ -1,6 +1,5 @@
 """
-Look up the types of messages, and validate them: finite numbers, consistent lengths, continuous
-stamps.
+Find the class of messages, and validate them: finite numbers, lengths and continuous stamps.
 
 An invalid message is counted for /diagnostics and passed on nevertheless, because in lockstep some
 node waits for the answer to it. `InboxStep.valid` leaves out messages with invalid content.

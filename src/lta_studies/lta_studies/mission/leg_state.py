@@ -105,11 +105,14 @@ def fly_leg(
     leg: LegPlan,
     before: LegState,
     numbers: NDArray[np.float64],
+    recorded: NDArray[np.float64],
     seed: int,
     work: WorkArrays,
 ) -> LegState:
-    """Fly one leg; `numbers` are those of the vehicle's model."""
-    inputs = FlightInputs(numbers, draw_errors(constants.sensors, seed), seed, leg.payload)
+    """Fly one leg; `numbers` are those of the vehicle's model, `recorded` is empty."""
+    inputs = FlightInputs(
+        numbers, recorded, draw_errors(constants.sensors, seed), seed, leg.payload
+    )
     flight = _resume_flight(constants, before.flight, inputs)
     now = before._replace(flight=flight)
     while now.outcome == FLYING:
