@@ -56,6 +56,7 @@ CALLERS = {
     'mission_step': {f'{CONTROL}/guidance.py', f'{FLIGHT}/batch/flight_step.py'},
     'course_step': {f'{CONTROL}/guidance.py'},
     'choose_setpoint': {f'{CONTROL}/nodes/navigator.py', f'{FLIGHT}/closed_loop.py'},
+    'decide_permission': {f'{CONTROL}/guidance.py'},
     'apply_reserve': {f'{CONTROL}/mission.py'},
     'permission_at_reserve': {f'{CONTROL}/reserve.py', f'{FLIGHT}/batch/flight_step.py'},
     'allocate': {f'{CONTROL}/allocation.py'},

@@ -12,7 +12,12 @@ from lta_config.course import Course
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.mission import course_step, mission_step, MissionSettings
 from lta_control.phases import Mission
-from lta_control.reserve import decide_permission, ReserveReport, ReserveResponseSettings
+from lta_control.reserve import (
+    decide_permission,
+    FlightPermission,
+    ReserveReport,
+    ReserveResponseSettings,
+)
 from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy
 from lta_vlc.settings import NO_WISH
 
@@ -34,11 +39,13 @@ class Guidance:
     ----------
     mission : Mission
         State of the mission, which a course does not change.
+    permission : FlightPermission
+        What the energy allowed after the newest light block.
 
     """
 
     def __init__(self, course: Course | None, route: Sequence[tuple[str, float]]) -> None:
-        self.mission = Mission()
+        self.mission, self.permission = Mission(), FlightPermission.DOWN
         self._course, self._route = course, route
         self._begun_ns: int | None = None
 
@@ -74,7 +81,7 @@ class Guidance:
         """
         # Without a known energy the drone does not take off
         altitude = math.nan if measured is None or report is None else measured.altitude
-        order = decide_permission(reserve, report, stamp_ns)
+        order = self.permission = decide_permission(reserve, report, stamp_ns)
         if self._course is not None:
             self._begun_ns = stamp_ns if self._begun_ns is None else self._begun_ns
             time = (stamp_ns - self._begun_ns) * 1e-9

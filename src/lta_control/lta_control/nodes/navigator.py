@@ -16,7 +16,6 @@ from lta_control.messages import (
 from lta_control.mission import MissionSettings
 from lta_control.phases import Phase
 from lta_control.reserve import (
-    decide_permission,
     explain_restriction,
     FlightPermission,
     ReserveReport,
@@ -99,7 +98,7 @@ class Navigator(GraphNode):
             settings, settings.reserve, self._strategy, step.stamp_ns, self._build_sight(step),
             measured, self._word,
         )  # fmt: skip
-        order = decide_permission(settings.reserve, self._word, step.stamp_ns)
+        order = self._guidance.permission
         if self._course is not None:
             self._report_mission('course', order, step.stamp_ns)
         else:
