@@ -11,7 +11,7 @@ The second way solves the flow of each at 0.5 m/s by OpenFOAM (a minute or two e
 
 import sys
 
-from lta_model.gas import AIR_DENSITY, HELIUM_DENSITY
+from lta_config.constants import AIR_DENSITY, HELIUM_DENSITY
 from lta_sim.cfd.analytic import drag_force
 from lta_sim.cfd.flow_plan import TunnelFlow
 from lta_sim.cfd.flow_solvers import ThreadedFlowSolver

@@ -5,7 +5,10 @@ Each is far above what a real file needs, and low enough for a machine with 4 GB
 command ends with one sentence. docs/security.md explains the limits.
 """
 
+from pathlib import Path
 from typing import Final
+
+from lta_config.errors import BadInput
 
 # YAML files
 YAML_BYTES: Final = 1_000_000  # hand-written files are far smaller
@@ -31,3 +34,11 @@ READER_MEMORY: Final = 1 << 31  # bytes that a third-party reader may allocate
 # Shapes
 STL_BYTES: Final = 150_000_000  # text; a binary file of as many triangles has a fifth
 STL_TRIANGLES: Final = 500_000
+
+
+def check_log_size(path: Path) -> None:
+    """Raise BadInput for a log above the size limit."""
+    if path.stat().st_size > LOG_BYTES:
+        raise BadInput(
+            f"'{path}' is larger than {LOG_BYTES} bytes, the limit of an import; split the log."
+        )

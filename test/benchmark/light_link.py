@@ -20,7 +20,7 @@ from typing import NamedTuple
 from bench import Figure
 from lta_config.topics import load_topic_table
 from lta_emulation.teensy.emulated_board import Cable, EmulatedBoard
-from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.qos import select_profile
 from lta_vlc.messages import to_block
 import numpy as np

@@ -27,7 +27,7 @@ from lta_config.topics import load_topic_table
 from lta_data.bag.reader import read_bag
 from lta_flight.flight import FlightRequest, fly_once
 from lta_flight.simulate import simulate_once, SimulationRequest
-from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.qos import select_profile
 import rclpy
 from rclpy.executors import SingleThreadedExecutor

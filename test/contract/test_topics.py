@@ -21,7 +21,7 @@ from lta_control.nodes.estimator import EstimatorParameters
 from lta_control.nodes.navigator import NavigatorParameters
 from lta_energy.nodes.energy_monitor import EnergyMonitorParameters
 from lta_graph.launch_file import list_arguments, load_plan
-from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.node import GraphSettings
 from lta_graph.ros.parameters import build_descriptor, iterate_fields
 from lta_graph.ros.qos import select_profile

@@ -15,7 +15,7 @@ import time
 from typing import Any, Self
 
 from lta_config.topics import load_topic_table
-from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.qos import select_profile
 from rcl_interfaces.srv import SetParameters
 import rclpy

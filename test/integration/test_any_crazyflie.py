@@ -14,7 +14,7 @@ from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_config.schema.crazyflie_file import REQUIRED
 from lta_config.topics import load_topic_table
 from lta_emulation.crazyflie.firmware_build import APP, ARMING, AS_SOLD
-from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.message_validation import find_message_type
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest

@@ -12,7 +12,7 @@ from lta_config.topics import load_topic_table
 from lta_emulation.crazyflie.body import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
 from lta_emulation.crazyflie.server import CrazyflieServer
-from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.stamps import from_stamp
 from lta_model.vehicle import load_vehicle
 import pytest

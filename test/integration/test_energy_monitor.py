@@ -12,7 +12,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Point, Pose, PoseWithCovariance
 from lta_config.files import find_file
 from lta_config.topics import load_topic_table
-from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import from_stamp, to_stamp
 import pytest

@@ -7,7 +7,7 @@ import subprocess
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_data.bag.reader import read_bag
-from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.stamps import to_stamp
 import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy

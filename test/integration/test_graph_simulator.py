@@ -4,7 +4,7 @@ from contextlib import ExitStack
 from types import SimpleNamespace
 
 from lta_graph.health import HealthLevel
-from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.stamps import to_stamp
 from lta_model.sensors.pressure import PressureSettings
 from lta_model.sensors.range import RangeSettings

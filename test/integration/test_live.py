@@ -13,7 +13,7 @@ from lta_bridge.live.server import LiveServer
 from lta_config.topics import load_topic_table
 from lta_config.views import load_views, parse_series
 from lta_data.bag.reader import read_bag
-from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import to_stamp
 from ports import free_port

@@ -7,7 +7,7 @@ import signal
 
 from domain import free_domain
 from lta_graph.health import HealthLevel
-from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.publisher_conflict import OTHERS
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import to_stamp

@@ -15,7 +15,7 @@ from lta_bridge.playback.message_iterator import shift_stamp
 from lta_data.bag.reader import read_bag
 from lta_flight.progress import FlightProgress
 from lta_flight.simulate import simulate_once, SimulationRequest
-from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import from_stamp
 import pytest

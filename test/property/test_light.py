@@ -4,12 +4,11 @@ import math
 
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from lta_model.diode_ring import DiodeRing, spread_azimuths
 from lta_model.light.ambient import Ambient
 from lta_model.light.field import LightField, PlaneIlluminance
 from lta_model.light.lamp import BeaconLamp, direct_illuminance
 from lta_model.light.modulation import phase_in_cycles, SquareWave
-from lta_model.sensors.photodiode import PhotodiodeArray
+from lta_model.sensors.photodiode import DiodeRing, PhotodiodeArray, spread_azimuths
 from lta_model.sensors.photodiode_adc import PhotodiodeBoard
 from lta_vlc.bearing import estimate_bearing
 from lta_vlc.demodulation import demodulate_beacon, Peaks, plan_bins

@@ -33,20 +33,19 @@ from lta_flight.closed_loop import ClosedLoop, round_axes, to_lamp_position
 from lta_flight.flight_stack import FlightStack
 from lta_flight.messages import LoopRecorder
 from lta_flight.replay.verdict import compare_with_recording
-from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_model.scenario import load_scenario
 from lta_model.start_offset import offset_start
 from lta_model.vehicle import load_vehicle
 from lta_sim.world import World
-from lta_vlc.beacon_request import NO_WISH
 from lta_vlc.bearing import estimate_bearing
 from lta_vlc.diodes import build_diode_array
 from lta_vlc.direction import DirectionFinder
 from lta_vlc.lamp import estimate_lamp_position, LampPrior
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks, to_block
 from lta_vlc.receiver import BeaconReceiver
-from lta_vlc.settings import DemodulationSettings
+from lta_vlc.settings import DemodulationSettings, NO_WISH
 import numpy as np
 import pytest
 from rclpy.serialization import deserialize_message
@@ -75,10 +74,8 @@ def fly(folder):
     )
     with BagWriter(folder / 'whole', {}) as writer:
         recorder = LoopRecorder(writer, loop, TABLE, 'lta1')
-        for _ in range(STEPS):
-            loop.decide()
+        for _ in loop.iterate_until(lambda: world.steps == STEPS):
             recorder.record_step()
-            loop.simulate_control_period()
     told = collect_provenance('gtmab', 'lamp_room', 'gtmab', strategy='bag', seed=str(SEED))
     for name in ('commit', 'platform', 'created', 'config_sha256'):
         del told[name]

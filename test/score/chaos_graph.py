@@ -17,7 +17,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from endless import endless
 from lta_config.topics import load_topic_table
 from lta_emulation.emulated_hardware import EmulatedHardware, serve_hardware
-from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.message_validation import find_message_type
 from peer import Peer
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_srvs.srv import SetBool

@@ -22,7 +22,7 @@ from chaos_hook.sitecustomize import EXCEPTION, MEMORY, SLOW_DISK, STALL
 from chaos_spoilt import spoil, SPOILT
 from fault_kinds import CUT_OFF, LANDS, SLACK, STALE
 from lta_config.topics import robot_topic
-from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.message_validation import find_message_type
 from rcl_interfaces.srv import DescribeParameters, ListParameters
 
 ALL: Final = ('lockstep', 'realtime', 'hardware')

@@ -14,7 +14,7 @@ from typing import Any, Final
 from chaos_graph import alive, Graph, inputs, NODES, TABLE
 from chaos_kinds import KINDS, limit
 from fault_kinds import LANDS, SLACK
-from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.qos import select_profile
 from peer import Peer
 from std_srvs.srv import SetBool

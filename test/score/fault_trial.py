@@ -23,7 +23,7 @@ from lta_config.topics import load_topic_table
 from lta_data.bag.reader import read_bag
 from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_emulation.emulated_hardware import build_simulated_body
-from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.message_validation import find_message_type
 from outcome import Outcome, tried
 from peer import Peer, start
 from std_srvs.srv import SetBool, Trigger

@@ -24,8 +24,11 @@ from lta_config.files import find_file
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.planning.candidate_maneuvers import AltitudeRange, build_maneuver
 from lta_discovery.planning.class_derivation import compute_registry_digest
-from lta_discovery.planning.flight_choice import NextFlightPlanner, ParameterHypothesis
-from lta_discovery.planning.hypothesis_file import format_hypothesis
+from lta_discovery.planning.flight_choice import (
+    format_hypothesis,
+    NextFlightPlanner,
+    ParameterHypothesis,
+)
 from lta_discovery.planning.rehearsal import (
     prepare_linearizer,
     Sensors,

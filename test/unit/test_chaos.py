@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import load_topic_table, robot_topic
-from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.stamps import from_stamp
 from lta_model.scenario import load_scenario
 import numpy as np

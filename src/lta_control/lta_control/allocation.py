@@ -90,6 +90,14 @@ def create_working_array() -> list[float]:
     return [0.0] * SCRATCH
 
 
+def deliver_wrench(
+    rotors: Rotors, wrench: Wrench, start: PerRotor, scratch: Scratch
+) -> tuple[PerRotor, PerRotor, Wrench]:
+    """Return duties, thrusts and produced wrench for a wanted one; arguments as in `allocate`."""
+    thrusts, given = allocate(rotors, wrench, start, scratch)
+    return thrusts_to_duties(rotors, thrusts, scratch), thrusts, given
+
+
 def allocate(
     rotors: Rotors, wrench: Wrench, start: PerRotor, scratch: Scratch
 ) -> tuple[PerRotor, Wrench]:

@@ -38,7 +38,7 @@ PLACE, SPEED = (
     MEMORY.part_slice('estimate.position').start,
     MEMORY.part_slice('measured.speed').start,
 )
-GUIDED = MEMORY.part_slice('guided').start
+GUIDED, STOPPED = MEMORY.part_slice('guided').start, MEMORY.part_slice('stopped').start
 
 
 def build_drone_constants(
@@ -106,6 +106,11 @@ class Autopilot:
     def duties(self) -> tuple[float, ...]:
         """Duties by rotor."""
         return tuple(self._memory[DUTIES].tolist()[: self._count])
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the motors have stopped for good."""
+        return bool(self._memory[STOPPED])
 
     @property
     def heading(self) -> float:

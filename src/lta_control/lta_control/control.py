@@ -7,7 +7,8 @@ back to the cascade, so that no integral winds up while a rotor is at its limit.
 
 from typing import NamedTuple
 
-from lta_control.allocation import allocate, Rotors, Scratch, thrusts_to_duties
+from lta_control.allocation import deliver_wrench, Rotors, Scratch
+from lta_control.attitude import Quaternion, up_in_body
 from lta_control.cascade import (
     cascade_step,
     CascadeGains,
@@ -47,7 +48,21 @@ def control_step(
     `surge_drag` is the linear [N s/m] and quadratic [N s2/m2] drag along body x, `dt` the time
     since the last step [s], `scratch` the working array of `allocate`.
     """
-    demand, cascade = cascade_step(
+    demand, cascade = compute_demand(gains, rotors, surge_drag, memory, measured, setpoint, dt)
+    return deliver_demand(rotors, demand, cascade, memory.thrusts, scratch)
+
+
+def compute_demand(
+    gains: CascadeGains,
+    rotors: Rotors,
+    surge_drag: tuple[float, float],
+    memory: ControlMemory,
+    measured: CascadeMeasurement,
+    setpoint: Setpoint,
+    dt: float,
+) -> tuple[WrenchDemand, CascadeMemory]:
+    """Return the demand of the cascade and its memory; arguments as in `control_step`."""
+    return cascade_step(
         gains,
         surge_drag,
         rotors.lowest_heave,
@@ -58,7 +73,6 @@ def control_step(
         memory.shortfall,
         dt,
     )
-    return deliver_demand(rotors, demand, cascade, memory.thrusts, scratch)
 
 
 def deliver_demand(
@@ -75,12 +89,12 @@ def deliver_demand(
     """
     # Surge, heave and yaw only: sway, roll and pitch are not controlled.
     wrench = (demand.surge, 0.0, demand.heave, 0.0, 0.0, demand.yaw)
-    thrusts, given = allocate(rotors, wrench, thrusts, scratch)
+    duties, thrusts, given = deliver_wrench(rotors, wrench, thrusts, scratch)
     # Delivered minus demanded, for the anti-windup of the next step
     shortfall = WrenchDemand(
         given[0] - demand.surge, given[2] - demand.heave, given[5] - demand.yaw
     )
-    return thrusts_to_duties(rotors, thrusts, scratch), ControlMemory(cascade, thrusts, shortfall)
+    return duties, ControlMemory(cascade, thrusts, shortfall)
 
 
 def has_landed(measured: CascadeMeasurement, setpoint: Setpoint, standing_height: float) -> bool:
@@ -91,6 +105,15 @@ def has_landed(measured: CascadeMeasurement, setpoint: Setpoint, standing_height
     """
     down = measured.altitude < standing_height + FOOT and abs(measured.climb) < STILL
     return down and setpoint.altitude <= standing_height
+
+
+def has_overturned(attitude: Quaternion, uprightness: float) -> bool:
+    """
+    Return whether the drone tilts so far that its motors stop; False if its attitude is NaN.
+
+    `uprightness` is the cosine of the largest tilt.
+    """
+    return up_in_body(attitude)[2] < uprightness
 
 
 def step_duration(last_ns: int | None, now_ns: int, period_ns: int) -> float:

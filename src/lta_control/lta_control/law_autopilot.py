@@ -13,10 +13,10 @@ from typing import Any, final, NamedTuple
 
 from lta_config.compilation.flat import Array, compile_core, TupleLayout
 from lta_control.allocation import SCRATCH, Scratch
-from lta_control.attitude import Quaternion, up_in_body, Vector, yaw_from_quaternion
+from lta_control.attitude import Quaternion, Vector, yaw_from_quaternion
 from lta_control.autopilot import ESTIMATE
 from lta_control.cascade import CascadeMeasurement, Setpoint
-from lta_control.control import has_landed, TILT_LIMIT
+from lta_control.control import has_landed, has_overturned, TILT_LIMIT
 from lta_control.estimator import (
     estimator_step,
     EstimatorInputs,
@@ -192,8 +192,7 @@ class LawAutopilot:
         setpoint = self._setpoint
         # In the order of `LawInputs`
         numbers = (*motion.position, *motion.attitude, *motion.velocity, *motion.rates, *setpoint)
-        upright = up_in_body(motion.attitude)[2]
-        if not math.isfinite(sum(numbers)) or upright < self._upright:
+        if not math.isfinite(sum(numbers)) or has_overturned(motion.attitude, self._upright):
             self.stopped = True
         if self.stopped or has_landed(_motion_to_measurement(motion), setpoint, self._standing):
             # Reset the integrals, so that nothing winds up on the ground.

@@ -5,8 +5,9 @@ import math
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, TwistStamped
 from lta_control import message_rounding
-from lta_control.attitude import Quaternion, up_in_body, yaw_from_quaternion
+from lta_control.attitude import Quaternion, yaw_from_quaternion
 from lta_control.cascade import CascadeMeasurement, Setpoint
+from lta_control.control import has_overturned
 from lta_control.estimator import EstimatorInputs, MotionEstimate
 from lta_control.laws.protocol import ControlMotion
 from lta_control.per_rotor import pad_to_slots, PerRotor
@@ -140,7 +141,7 @@ def to_motion(message: Odometry) -> ControlMotion:
 
 def is_overturned(message: Odometry, limit: float) -> bool:
     """Return whether the vehicle tilts more than a limit [rad]; False if its attitude is NaN."""
-    return up_in_body(to_attitude(message))[2] < math.cos(limit)
+    return has_overturned(to_attitude(message), math.cos(limit))
 
 
 def to_setpoint(pose: PoseStamped, velocity: TwistStamped) -> Setpoint:

@@ -10,9 +10,9 @@ import math
 from typing import NamedTuple
 
 from lta_control.allocation import Rotors, Scratch
-from lta_control.attitude import up_in_body, Vector
+from lta_control.attitude import Vector
 from lta_control.cascade import CascadeGains, CascadeMeasurement, Setpoint
-from lta_control.control import control_step, ControlMemory, has_landed
+from lta_control.control import control_step, ControlMemory, has_landed, has_overturned
 from lta_control.estimator import (
     estimator_step,
     EstimatorInputs,
@@ -82,14 +82,7 @@ def onboard_step(
     `memory` is that of the last step with the latest setpoint, `scratch` the working array of
     `allocate`.
     """
-    estimate = memory.estimate
-    if _is_finite(readings.rates) and _is_finite(readings.force):
-        inputs = EstimatorInputs(
-            readings.rates, readings.force, readings.range, readings.pressure, memory.duties
-        )
-        estimate = estimator_step(drone.estimator, drone.body, estimate, inputs, drone.dt)
-    height, speed = estimate.altitude.height, air_relative_velocity(estimate)
-    measured = build_measurement(estimate.attitude, height, speed, estimate.rates)
+    estimate, measured = estimate_motion(drone, memory, readings)
     stopped = memory.stopped or _must_stop(drone, memory, estimate, measured)
     # The controller restarts from its initial state whenever the motors are off.
     control, duties = drone.fresh, NONE
@@ -108,6 +101,20 @@ def onboard_step(
     return OnboardMemory(
         estimate, measured, memory.guided, memory.setpoint, control, duties, stopped
     )
+
+
+def estimate_motion(
+    drone: DroneConstants, memory: OnboardMemory, readings: SensorInputs
+) -> tuple[MotionEstimate, CascadeMeasurement]:
+    """Return the estimate after one more set of readings, and the input of the cascade."""
+    estimate = memory.estimate
+    if _is_finite(readings.rates) and _is_finite(readings.force):
+        inputs = EstimatorInputs(
+            readings.rates, readings.force, readings.range, readings.pressure, memory.duties
+        )
+        estimate = estimator_step(drone.estimator, drone.body, estimate, inputs, drone.dt)
+    height, speed = estimate.altitude.height, air_relative_velocity(estimate)
+    return estimate, build_measurement(estimate.attitude, height, speed, estimate.rates)
 
 
 def reckon_motion(memory: OnboardMemory) -> DeadReckonedMotion:
@@ -134,8 +141,8 @@ def _must_stop(
         (measured.yaw_rate, measured.speed, measured.sway)
     )
     if known:
-        upright = up_in_body(estimate.attitude)[2] >= drone.uprightness
-        return not upright or (memory.guided and not _is_finite(memory.setpoint))
+        overturned = has_overturned(estimate.attitude, drone.uprightness)
+        return overturned or (memory.guided and not _is_finite(memory.setpoint))
     # Unknown values stop the motors only once the drone flies by setpoints
     return memory.guided
 

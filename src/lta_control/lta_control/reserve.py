@@ -113,7 +113,12 @@ def decide_permission(
     """Return what the energy allows; without a fresh report the drone must land. [ns]"""
     if word is None or is_stale(settings, word, now_ns) or word.urgent:
         return FlightPermission.DOWN
-    return FlightPermission.RESERVE if word.reserve else FlightPermission.FLY
+    return permission_at_reserve(word.reserve)
+
+
+def permission_at_reserve(reserve: bool) -> FlightPermission:
+    """Return what the energy allows, by whether the reserve is reached."""
+    return FlightPermission.RESERVE if reserve else FlightPermission.FLY
 
 
 def is_stale(settings: ReserveResponseSettings, word: ReserveReport, now_ns: int) -> bool:

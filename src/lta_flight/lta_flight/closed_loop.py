@@ -8,7 +8,7 @@ Values that the graph sends as messages are rounded as the messages would
 """
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 import math
 from typing import final
@@ -18,21 +18,20 @@ from lta_config.topics import TopicTable
 from lta_control import message_rounding
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.estimator import MotionEstimate
+from lta_control.guidance import Guidance
 from lta_control.law_autopilot import LawAutopilot
-from lta_control.mission import course_step, mission_step
 from lta_control.phases import Mission
-from lta_control.reserve import decide_permission, FlightPermission, ReserveReport
+from lta_control.reserve import ReserveReport
 from lta_control.sighting import build_sight, DeadReckonedMotion, LampPosition
 from lta_energy.monitoring.estimate import EnergyEstimate as Known
 from lta_energy.monitoring.monitor import update_estimate
 from lta_energy.monitoring.power_system import PowerSystem
 from lta_energy.monitoring.reading import MeterReading, TravelState
 from lta_flight.flight_stack import build_autopilot, FlightStack
-from lta_model.diode_ring import DiodeRing
+from lta_model.sensors.photodiode import DiodeRing
 from lta_model.vehicle import Vehicle
 from lta_sim.readings import FlightOutcome, SensorReadings
 from lta_sim.world import World
-from lta_vlc.beacon_request import NO_WISH
 from lta_vlc.bearing import Bearing, estimate_bearing
 from lta_vlc.demodulation import DemodulatedBlock, Peaks
 from lta_vlc.diodes import build_diode_array
@@ -99,6 +98,9 @@ class ClosedLoop:
     nominal_vehicle : Vehicle or None
         The vehicle as the drone knows it; by default from the true vehicle's file in standard air,
         as in the nodes.
+    motion_only : bool
+        Whether to read the estimator's sensors only, which is faster and enough for the cascade
+        on a prescribed course.
 
     Attributes
     ----------
@@ -108,8 +110,6 @@ class ClosedLoop:
         The newest light block, and the navigator's setpoint after it; None before the first one.
     setpoint : Setpoint or None
         The setpoint of the controller.
-    beacon : float
-        Frequency that the navigator requests next; 0 for the demodulator's own. [Hz]
     energy : EnergyObservation or None
         The newest energy update.
 
@@ -121,11 +121,14 @@ class ClosedLoop:
         table: TopicTable,
         policy: FlightStack,
         nominal_vehicle: Vehicle | None = None,
+        motion_only: bool = False,
     ) -> None:
         self.world = world
+        self._motion_only = motion_only
         self.policy = policy
         self._table = table
         self._plan = world.scenario.course
+        self._guidance = Guidance(self._plan, world.scenario.route_beacons)
         self._reversible = world.vehicle.reversible
         self._block = table['photodiodes'].period_ns * 1e-9
         # Control steps in half a light block: bearings belong to the middle of their block
@@ -151,11 +154,19 @@ class ClosedLoop:
         self.light: LightObservation | None = None
         self.asked: Setpoint | None = None
         self.setpoint: Setpoint | None = None
-        self.beacon = NO_WISH
         self.energy: EnergyObservation | None = None
-        self.mission = Mission()
         # [0] is the dead-reckoned motion half a block ago, [-1] the newest
         self._reckoned: deque[DeadReckonedMotion] = deque(maxlen=self._half_block + 1)
+
+    @property
+    def mission(self) -> Mission:
+        """The state of the mission."""
+        return self._guidance.mission
+
+    @property
+    def beacon(self) -> float:
+        """Frequency that the navigator requests next; 0 for the demodulator's own. [Hz]"""
+        return self._guidance.beacon
 
     @property
     def estimate(self) -> MotionEstimate:
@@ -179,6 +190,13 @@ class ClosedLoop:
                 return
             self.simulate_control_period()
 
+    def iterate_until(self, is_over: Callable[[], bool]) -> Iterator[None]:
+        """Fly until a condition holds; yield after each decision, before it is flown."""
+        while not is_over():
+            self.decide()
+            yield
+            self.simulate_control_period()
+
     def simulate_control_period(self) -> None:
         """Simulate one control period with the newest command."""
         pilot = self.autopilot
@@ -187,11 +205,13 @@ class ClosedLoop:
 
     def decide(self) -> None:
         """Sense and decide, without advancing the simulation."""
-        readings = self.readings = self.world.sense()
+        world = self.world
+        readings = self.readings = world.sense_motion() if self._motion_only else world.sense()
         course = self.policy.course
         if course is not None:
-            self.asked = self.setpoint = asked = course(self.world.elapsed)
-            self.autopilot.set_setpoint(asked)
+            self.asked = self.setpoint = asked = course(world.elapsed)
+            if asked is not None:
+                self.autopilot.set_setpoint(asked)
         # A new setpoint takes effect one step later, as its message would
         elif self.asked is not self.setpoint and self.asked is not None:
             self.setpoint = asked = self.asked
@@ -201,6 +221,9 @@ class ClosedLoop:
                 message_rounding.build_setpoint(asked.altitude, level, asked.speed)
             )
         self._estimate_and_control(readings)
+        if self._motion_only:
+            return
+        self._reckoned.append(self.autopilot.dead_reckoning)
         if readings.block is not None and course is None:
             self._navigate(*readings.block)
         if readings.battery is not None:
@@ -222,7 +245,6 @@ class ClosedLoop:
             )
             # The estimator must know the duties that act, not those commanded
             self.autopilot.record_applied_duties(self.duties)
-        self._reckoned.append(self.autopilot.dead_reckoning)
 
     def measured_state(self) -> CascadeMeasurement | None:
         """Return the state that the controller uses; None until the estimator is ready."""
@@ -244,28 +266,14 @@ class ClosedLoop:
         lamp = None if where is None else to_lamp_position(where)
         scale = self.world.diode_scale
         sight = build_sight(lamp, self._axes, amplitudes, self._reckoned[0], self._block, scale)
-        measured, energy = self.measured_state(), self.energy
-        # Without an energy estimate the navigator does not take off
-        altitude = math.nan if measured is None or energy is None else measured.altitude
-        order = self._energy_permission(stamp_ns)
-        if self._plan is not None:
-            time = (stamp_ns - self._table.start_ns) * 1e-9
-            self.asked = course_step(self._plan, time, sight.heading, altitude, order)
-            return
-        policy, route = self.policy, self.world.scenario.route_beacons
-        self.asked, self.mission = mission_step(
-            policy.mission, policy.strategy, self.mission, sight, altitude, order,
-            max(len(route), 1), policy.reserve.rule,
+        policy, report = self.policy, None
+        if self.energy is not None:
+            known = self.energy.estimate
+            report = ReserveReport(stamp_ns, known.reserve, known.is_landing_urgent)
+        self.asked = self._guidance.choose_setpoint(
+            policy.mission, policy.reserve, policy.strategy, stamp_ns, sight,
+            self.measured_state(), report,
         )  # fmt: skip
-        self.beacon = route[self.mission.asked][1] if route else NO_WISH
-
-    def _energy_permission(self, stamp_ns: int) -> FlightPermission:
-        """Return the permission that the last energy estimate gives."""
-        if self.energy is None:
-            return FlightPermission.DOWN
-        estimate = self.energy.estimate
-        word = ReserveReport(stamp_ns, estimate.reserve, estimate.is_landing_urgent)
-        return decide_permission(self.policy.reserve, word, stamp_ns)
 
     def _travel_state(self) -> TravelState | None:
         """Return distance from the start and speed as in odom; None without an estimate."""

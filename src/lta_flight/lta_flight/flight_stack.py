@@ -28,7 +28,8 @@ class FlightStack:
     All algorithms and settings of the drone.
 
     `law` is the control law, with `gains` of its own class. `course` gives the setpoint as a
-    function of time and replaces the navigator, which then ignores the light.
+    function of time [s], None before the first one. It replaces the navigator, which then ignores
+    the light.
     """
 
     strategy: NavigationStrategy
@@ -41,7 +42,7 @@ class FlightStack:
     reserve: ReserveResponseSettings = field(default_factory=ReserveResponseSettings)
     tilt_limit: float = TILT_LIMIT  # the motors stop beyond it [rad]
     law: ControlLaw = LAWS['cascade']
-    course: Callable[[float], Setpoint] | None = None
+    course: Callable[[float], Setpoint | None] | None = None
 
 
 def build_autopilot(policy: FlightStack, vehicle: Vehicle, dt: float) -> Autopilot | LawAutopilot:

@@ -1,10 +1,12 @@
-"""Collect the health of a node: one status per task, for /diagnostics."""
+"""Collect the health of a node, one status per task, for /diagnostics; the age of its data."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
 import math
-from typing import final
+from typing import Final, final
+
+AHEAD: Final = 0.3  # s; a stamp further ahead of our clock means that a clock was changed
 
 
 class HealthLevel(IntEnum):
@@ -64,3 +66,17 @@ class Health:
     def facts(self) -> list[HealthFact]:
         """All facts, in the order in which their tasks were first reported."""
         return list(self._facts.values())
+
+
+def stamp_age(stamp_ns: int | None, now_ns: int) -> float:
+    """
+    Return the age [s] of data stamped `stamp_ns` at graph time `now_ns` [ns].
+
+    The age is infinite if there is no stamp, or if it is far in the future: otherwise such data
+    would stay the newest long after its sender died.
+    """
+    if stamp_ns is None:
+        return math.inf
+    # Small negative ages come from the delay between clocks
+    passed = 1e-9 * (now_ns - stamp_ns)
+    return passed if passed >= -AHEAD else math.inf

@@ -9,10 +9,7 @@ but not identical to the single flight of the same seed.
 import math
 from typing import NamedTuple
 
-from lta_config.constants import STANDARD_GRAVITY
 from lta_model.effects.air.turbulence import stationary_memory
-from lta_model.rigid_body import rotation_matrix
-from lta_model.sensors.imu import imu_specific_force
 from lta_model.sensors.pressure import air_pressure
 from lta_model.sensors.range import height_and_tilt, noise_deviation, RESOLUTION
 from lta_sim.counter_rng import draw_normals, draw_uniforms
@@ -105,23 +102,6 @@ def simulate_axis_reading(imu: ImuAxes, axis: int, truth: float, normal: float) 
     value = imu.gain[axis] * truth + imu.offset[axis] + imu.noise[axis] * normal
     told, end = round_to_step(value, imu.step[axis]), imu.full_scale[axis]
     return min(max(told, -end), end)
-
-
-def specific_force_at(
-    sensors: SensorDatasheets, state: tuple[float, ...], rate: tuple[float, ...]
-) -> Vector:
-    """Return the true specific force at the sensor, from a state and its derivative. [m/s2]"""
-    turn = rotation_matrix((state[3], state[4], state[5], state[6]))
-    return imu_specific_force(
-        (state[7], state[8], state[9]),
-        (state[10], state[11], state[12]),
-        (rate[7], rate[8], rate[9]),
-        (rate[10], rate[11], rate[12]),
-        # Third row of the rotation matrix: the map's z axis in body axes
-        (turn[6], turn[7], turn[8]),
-        sensors.imu_place,
-        STANDARD_GRAVITY,
-    )
 
 
 def simulate_imu_reading(

@@ -80,14 +80,16 @@ class WindRecord:
             )
         return cls(rows[:, 0] - rows[0, 0], np.ascontiguousarray(rows[:, 1:]))
 
-    def average_wind_over_span(self, begin: float, end: float) -> tuple[Array, Array]:
-        """Return the mean wind [m/s] and its mean rate [m/s2] over a time span [s]."""
+    def average_wind_over_span(
+        self, begin: float | Array, end: float | Array
+    ) -> tuple[Array, Array]:
+        """Return the mean wind [m/s] and its mean rate [m/s2] over time spans [s], by axis."""
         middle, first, last = (
             self._interpolate_wind(t) for t in (0.5 * (begin + end), begin, end)
         )
         return middle, (last - first) / (end - begin)
 
-    def _interpolate_wind(self, time: float) -> Array:
+    def _interpolate_wind(self, time: float | Array) -> Array:
         return np.array([np.interp(time, self.time, column) for column in self.wind.T])
 
 

@@ -310,9 +310,8 @@ class World:
         pose = self._pose()
         if 'illuminance' in self._due:
             self.supply.set_irradiance(self._light.panel_light(pose)[1])
-        stiffness.check_divergence(
-            self.vehicle.file.name, self.state[7:RIGID].tolist(), self.elapsed
-        )
+        if stiffness.has_diverged(self.state.tolist()):
+            raise stiffness.build_divergence_error(self.vehicle.file.name, self.elapsed)
         self._craft.evaluate_state()
         self.supply.feed_loads(self._craft.thrusts[: self._rotors].tolist(), self._period)
         self._enter_step(self.steps + 1)

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import math
 from typing import final
 
-from lta_model.diode_ring import DiodeRing
+from lta_model.sensors.photodiode import DiodeRing
 from lta_vlc.demodulation import Peaks
 
 # Sensor noise is far above this; a shorter vector is rounding around a perfectly even ring.

@@ -6,7 +6,7 @@ import math
 from lta_graph.health import HealthFact, HealthLevel
 from lta_vlc.demodulation import DemodulatedBlock
 from lta_vlc.faults import DiodeFault
-from lta_vlc.presence import BeaconPresence
+from lta_vlc.tracker import BeaconPresence
 
 WANTED = 'light'  # diagnostics task of the wanted beacon
 

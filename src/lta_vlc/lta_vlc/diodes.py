@@ -7,7 +7,7 @@ from typing import final
 
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_diodes import PhotodiodesBlock as DiodesEntry
-from lta_model.diode_ring import DiodeRing, spread_azimuths
+from lta_model.sensors.photodiode import DiodeRing, spread_azimuths
 
 Axis = tuple[float, float, float]
 

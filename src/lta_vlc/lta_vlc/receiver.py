@@ -4,13 +4,11 @@ from functools import lru_cache
 import math
 
 from lta_config.errors import BadInput
-from lta_vlc.beacon_request import NO_WISH
 from lta_vlc.demodulation import demodulate_block, DemodulatedBlock
-from lta_vlc.presence import BeaconPresence
-from lta_vlc.settings import DemodulationSettings
+from lta_vlc.settings import DemodulationSettings, NO_WISH
 from lta_vlc.spectral.bins import BeaconBins, plan_beacon_bins
 from lta_vlc.spectral.separation import check_beacons, mains_flicker_frequencies
-from lta_vlc.tracker import FrequencyTracker, tracking_range
+from lta_vlc.tracker import BeaconPresence, FrequencyTracker, tracking_range
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -1,12 +1,14 @@
-"""Track the frequency of one beacon over blocks, for lamps with clock error or drift."""
+"""Track a beacon over blocks: its frequency, for lamps with clock error or drift, and presence."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import final
+from typing import final, NamedTuple
 
 PULL = 0.25  # gain of the low-pass filter on the measured frequency
 REACH = 0.05  # largest clock error that is tracked, relative to the frequency
 PATIENCE = 20  # blocks without the beacon after which the search returns to the nominal
+FOUND = 2  # blocks in a row with the beacon after which it is found
+LOST = 5  # blocks in a row without it after which it is lost
 
 
 @final
@@ -52,3 +54,21 @@ def tracking_range(
     ways = [0.5 * abs(other - beacon) - apart for other in beacons if other != beacon]
     ways += [abs(other - beacon) - apart for other in flicker]
     return max(0.0, min([REACH * beacon, *ways]))
+
+
+class BeaconPresence(NamedTuple):
+    """Whether a beacon is present, and the number of consecutive blocks that contradict it."""
+
+    found: bool = False
+    against: int = 0
+
+    def update_presence(self, detected: bool, blocks: int = 1) -> 'BeaconPresence':
+        """Return the presence after blocks with or without the beacon."""
+        # Confirmed: the count of contradicting blocks restarts
+        if detected == self.found:
+            return BeaconPresence(self.found)
+        against = self.against + blocks
+        enough = FOUND if detected else LOST
+        return (
+            BeaconPresence(detected) if against >= enough else BeaconPresence(self.found, against)
+        )

@@ -5,8 +5,7 @@ import struct
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_bridge.live.address import build_app_url, check_port_available
-from lta_bridge.live.feed import FASTEST, TopicThrottle
-from lta_bridge.live.rate_limiter import RateLimiter
+from lta_bridge.live.feed import FASTEST, RateLimiter, TopicThrottle
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
 import pytest

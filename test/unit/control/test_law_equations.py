@@ -7,18 +7,11 @@ The allocation has its own tests: here it is a stand-in, which keeps what is ask
 import math
 
 from lta_config.constants import STANDARD_GRAVITY
+from lta_control import allocation
 from lta_control.allocation import create_working_array, thrusts_to_duties
 from lta_control.cascade import Setpoint
 from lta_control.gains_file import load_law_gains
-from lta_control.laws import (
-    find_control_law,
-    glide,
-    lateral,
-    omnidirectional,
-    open_loop,
-    quadrotor,
-    velocity,
-)
+from lta_control.laws import find_control_law, glide, lateral
 from lta_control.laws.protocol import ControlMotion, LawInputs
 from lta_model.vehicle import load_vehicle
 import numpy as np
@@ -101,8 +94,7 @@ def asked(monkeypatch):
         wrenches.append((wrench, start))
         return thrusts(rotors), GIVEN
 
-    for module in (omnidirectional, open_loop, quadrotor, velocity):
-        monkeypatch.setattr(module, 'allocate', allocate)
+    monkeypatch.setattr(allocation, 'allocate', allocate)
     return wrenches
 
 

@@ -236,6 +236,34 @@ def test_it_hovers_at_the_altitude_it_is_told():
     assert np.ptp(heights[-1000:]) < 0.02
 
 
+def test_a_course_flies_the_same_without_the_light_and_the_meters():
+    scenario, table = load_scenario('hall'), load_topic_table()
+    vehicle = load_vehicle('gtmab', scenario.air.density)
+
+    def setpoint_at(time):
+        return Setpoint(1.0, 0.5, 0.3) if time >= 2.5 else None
+
+    tracks = []
+    for motion_only in (False, True):
+        policy = FlightStack(
+            find_navigation_strategy('bag'), load_gains('gtmab'), course=setpoint_at
+        )
+        world = World(vehicle, scenario, table, 1)
+        loop = ClosedLoop(world, table, policy, motion_only=motion_only)
+        rows = [
+            (*world.state.tolist(), *loop.duties)
+            for _ in loop.iterate_until(lambda world=world: world.elapsed >= 6.0)
+        ]
+        assert (loop.energy is None) == motion_only
+        tracks.append(np.array(rows))
+    full, fast = tracks
+    assert (full == fast).all()
+    duties = fast[:, -4:]
+    assert not duties[:250].any()  # no setpoint yet
+    assert duties[251].any()
+    assert fast[-1, 2] > fast[0, 2] + 0.1
+
+
 @pytest.mark.parametrize(('gain', 'calm'), [(None, True), (0.0, False)])
 def test_the_forward_rotors_keep_the_hull_from_swinging(gain, calm):
     """The last 20 s of a minute of cruise; without their help it swings up by itself."""

@@ -2,7 +2,7 @@
 
 import math
 
-from lta_graph.age import AHEAD, stamp_age
+from lta_graph.health import AHEAD, stamp_age
 import pytest
 
 NOW = 10**18

@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from lta_config.topics import load_topic_table
 from lta_graph.health import HealthLevel
 from lta_graph.rejections import LONGEST, RejectionCount
-from lta_graph.ros.message_types import find_message_type
 from lta_graph.ros.message_validation import (
     find_fault,
+    find_message_type,
     JUMP_NS,
     LARGEST,
     LENGTHS,

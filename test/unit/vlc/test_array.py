@@ -2,7 +2,7 @@
 
 import math
 
-from lta_model.diode_ring import DiodeRing, spread_azimuths
+from lta_model.sensors.photodiode import DiodeRing, spread_azimuths
 from lta_vlc.bearing import estimate_bearing, weighted_mean_bearing
 from lta_vlc.demodulation import demodulate_beacon, Peaks, plan_bins
 from lta_vlc.diodes import build_even_ring

@@ -3,11 +3,10 @@
 import math
 
 from lta_config.errors import BadInput
-from lta_vlc.beacon_request import NO_WISH
 from lta_vlc.demodulation import demodulate_block
 from lta_vlc.faults import DiodeFault
 from lta_vlc.receiver import BeaconReceiver
-from lta_vlc.settings import DemodulationSettings
+from lta_vlc.settings import DemodulationSettings, NO_WISH
 import numpy as np
 import pytest
 

@@ -1,7 +1,6 @@
 """A beacon's expected frequency and its presence from block to block, by hand."""
 
-from lta_vlc.presence import BeaconPresence
-from lta_vlc.tracker import FrequencyTracker, tracking_range
+from lta_vlc.tracker import BeaconPresence, FrequencyTracker, tracking_range
 import pytest
 
 

@@ -11,13 +11,13 @@ from typing import Final, final, NamedTuple
 
 from lta_bridge.crazyflie import duties_packet, readings, safety
 from lta_bridge.crazyflie.device_clock import DeviceClock
+from lta_bridge.crazyflie.duties_packet import find_rotor_indices
 from lta_bridge.crazyflie.link import CrazyflieLink, LogPacket
 from lta_bridge.crazyflie.round_trips import RoundTrips
 from lta_bridge.crazyflie.safety import SafetyStage
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
-from lta_bridge.crazyflie.wiring import find_rotor_indices
 from lta_config.schema.crazyflie_file import CrazyflieFile
-from lta_graph.age import stamp_age
+from lta_graph.health import stamp_age
 from lta_graph.rejections import RejectionCount
 
 RATE: Final = 50.0  # Hz, tick rate; the firmware needs setpoints at 10 Hz or more

@@ -5,9 +5,11 @@ Encode and decode the packet with motor duties for the app on the drone (port 13
 motors if no newer packet arrives within the time-out. `firmware/crazyflie/` parses it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 import struct
 from typing import NamedTuple
+
+from lta_config.errors import BadInput
 
 MARK = 0x4C  # first byte of every packet
 FULL = 32767  # integer of full duty
@@ -52,3 +54,22 @@ def unpack_duties(data: bytes) -> DutiesPacket | None:
 def is_newer(sequence: int, than: int) -> bool:
     """Return whether a sequence number follows another, modulo 256."""
     return 0 < (sequence - than) & 0xFF < 128
+
+
+def find_rotor_indices(motors: Mapping[str, str], names: Sequence[str]) -> tuple[int, ...]:
+    """
+    Return the index of the rotor of each motor, M1 to M4.
+
+    Raises
+    ------
+    BadInput
+        If a motor is wired to a rotor that the vehicle does not have.
+
+    """
+    for motor, rotor in motors.items():
+        if rotor not in names:
+            raise BadInput(
+                f'The Crazyflie file assigns motor {motor} to the rotor {rotor}, which the '
+                f'vehicle does not have; choose one of {", ".join(names)}.'
+            )
+    return tuple(names.index(rotor) for rotor in motors.values())

@@ -4,9 +4,30 @@ from collections.abc import Callable
 import time
 from typing import final
 
-from lta_bridge.live.rate_limiter import RateLimiter
 from lta_bridge.log_time_assigner import LogTimeAssigner, read_stamp
 from lta_config.topics import TopicTable
+
+
+@final
+class RateLimiter:
+    """
+    Limit events to a mean rate. [Hz]
+
+    Events at exactly this rate all pass despite jitter: one may be early by half an interval, and
+    the next interval counts from when it was due.
+    """
+
+    def __init__(self, rate: float) -> None:
+        self._interval = 1.0 / rate
+        self._due = -float('inf')
+
+    def try_acquire(self, now: float) -> bool:
+        """Return whether an event at a wall time passes; count it if so. [s]"""
+        if now < self._due - 0.5 * self._interval:
+            return False
+        self._due = max(self._due, now - 0.5 * self._interval) + self._interval
+        return True
+
 
 FASTEST = 60.0  # Hz of wall time: a usual screen rate
 HEAVY = {'sensor_msgs/msg/Image': 10.0}  # Hz, limits of large messages; a light block has 16 kB

@@ -1,10 +1,10 @@
-"""Convert ROS messages for the live view's scene, and its shapes to the markers of RViz."""
+"""Convert the shapes of a scene to the markers of RViz."""
 
 from collections.abc import Iterable
 import math
 from typing import Final
 
-from geometry_msgs.msg import Point, Vector3Stamped
+from geometry_msgs.msg import Point
 from lta_bridge.live.shapes import (
     ArrowShape,
     BillboardText,
@@ -19,30 +19,11 @@ from lta_bridge.live.shapes import (
     Three,
     Turn,
 )
-from nav_msgs.msg import Odometry
-from sensor_msgs.msg import JointState
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
 SIDES: Final = 24  # of a cone
 ONES: Final[Three] = (1.0, 1.0, 1.0)
-
-
-def to_pose(message: Odometry) -> tuple[Three, Turn]:
-    """Return position [m] and attitude (x y z w)."""
-    p, q = message.pose.pose.position, message.pose.pose.orientation
-    return (p.x, p.y, p.z), (q.x, q.y, q.z, q.w)
-
-
-def to_duties(message: JointState) -> dict[str, float]:
-    """Return the duty of each actuator that has one. [1]"""
-    return dict(zip(message.name, message.effort, strict=False))
-
-
-def to_vector(message: Vector3Stamped) -> Three:
-    """Return the vector."""
-    v = message.vector
-    return v.x, v.y, v.z
 
 
 def build_marker_array(entities: Iterable[ShapeEntity]) -> MarkerArray:

@@ -11,27 +11,29 @@ import time
 from typing import Any, Final
 
 from foxglove.messages import FrameTransforms, SceneUpdate
+from geometry_msgs.msg import Vector3Stamped
 from lta_bridge.bag.schemas import generate_definition
 from lta_bridge.live.address import LOCAL, PORT
 from lta_bridge.live.encoding import encode_frame_transforms, encode_scene_update
-from lta_bridge.live.feed import TopicThrottle
-from lta_bridge.live.messages import to_duties, to_pose, to_vector
-from lta_bridge.live.rate_limiter import RateLimiter
+from lta_bridge.live.feed import RateLimiter, TopicThrottle
 from lta_bridge.live.scene import LiveScene, SceneState
 from lta_bridge.live.server import LiveServer
+from lta_bridge.live.shapes import Three, Turn
 from lta_bridge.log_time_assigner import read_stamp
 from lta_config.settings import setting, Settings
 from lta_config.topics import robot_topic
 from lta_graph.health import HealthLevel
-from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
 from lta_graph.ros.spin import spin_node
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
+from nav_msgs.msg import Odometry
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
+from sensor_msgs.msg import JointState
 
 import foxglove
 
@@ -185,6 +187,23 @@ class LiveViewNode(GraphNode):
         """Disconnect all viewers."""
         self._server.close()
         super().close()
+
+
+def to_pose(message: Odometry) -> tuple[Three, Turn]:
+    """Return position [m] and attitude (x y z w)."""
+    p, q = message.pose.pose.position, message.pose.pose.orientation
+    return (p.x, p.y, p.z), (q.x, q.y, q.z, q.w)
+
+
+def to_duties(message: JointState) -> dict[str, float]:
+    """Return the duty of each actuator that has one. [1]"""
+    return dict(zip(message.name, message.effort, strict=False))
+
+
+def to_vector(message: Vector3Stamped) -> Three:
+    """Return the vector."""
+    v = message.vector
+    return v.x, v.y, v.z
 
 
 def main(args: list[str] | None = None) -> None:

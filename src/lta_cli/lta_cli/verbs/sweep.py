@@ -55,8 +55,8 @@ def sweep(
     --device flies thousands of closed loops at once, after one compilation of up to a minute for
     each strategy. It models the received lamp signal by geometry and noise instead of ADC blocks,
     so flights agree in distribution, not seed by seed. A batch reports no cruise data and no
-    estimator errors. It supports every strategy, routes and several lamps, but no recorded wind,
-    no courses, only the control law cascade, and no effects on measurements.
+    estimator errors. It supports every strategy, routes and several lamps, but no courses, only
+    the control law cascade, and no effects on measurements.
 
     Exit status 0: all flights were flown. 1: some failed. 2: bad input, nothing was flown; or the
     workers failed. 130: Ctrl-C.

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
-from lta_control.allocation import allocate, Rotors, Scratch, thrusts_to_duties
+from lta_control.allocation import deliver_wrench, Rotors, Scratch
 from lta_control.attitude import Vector
 from lta_control.cascade import drag_force
 from lta_control.laws.frames import (
@@ -126,8 +126,8 @@ def step(
     kp, kd = gains.attitude_kp, gains.attitude_kd
     p, q, r = motion.rates
     wrench = (fx, fy, fz, kp * tx - kd * p, kp * ty - kd * q, kp * tz - kd * r)
-    thrusts, _ = allocate(constants.rotors, wrench, memory.thrusts, scratch)
-    command = LawCommand(thrusts_to_duties(constants.rotors, thrusts, scratch), UNMOVED)
+    duties, thrusts, _ = deliver_wrench(constants.rotors, wrench, memory.thrusts, scratch)
+    command = LawCommand(duties, UNMOVED)
     return OmnidirectionalLawMemory(command, True, (gx, gy), (ix, iy, iz), thrusts)
 
 

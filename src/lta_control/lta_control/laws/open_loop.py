@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
-from lta_control.allocation import allocate, Rotors, Scratch, thrusts_to_duties
+from lta_control.allocation import deliver_wrench, Rotors, Scratch
 from lta_control.cascade import drag_force, wrap_angle
 from lta_control.laws.frames import clamp_symmetric
 from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
@@ -88,8 +88,8 @@ def step(
         0.0,
         drag_force(constants.yaw[0], constants.yaw[1], turn),
     )
-    thrusts, _ = allocate(constants.rotors, wrench, memory.thrusts, scratch)
-    command = LawCommand(thrusts_to_duties(constants.rotors, thrusts, scratch), UNMOVED)
+    duties, thrusts, _ = deliver_wrench(constants.rotors, wrench, memory.thrusts, scratch)
+    command = LawCommand(duties, UNMOVED)
     return OpenLoopLawMemory(
         command, True, altitude + dt * climb, wrap_angle(heading + dt * turn), thrusts
     )

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting
-from lta_control.allocation import allocate, Rotors, Scratch, thrusts_to_duties
+from lta_control.allocation import deliver_wrench, Rotors, Scratch
 from lta_control.attitude import up_in_body, Vector, yaw_from_quaternion
 from lta_control.cascade import wrap_angle
 from lta_control.laws.climbing import ClimbGains, lift_step
@@ -142,8 +142,8 @@ def step(
     # Moment = inertia times wanted angular acceleration
     mz = constants.inertia[2] * gains.yaw_rate_kp * (wanted - motion.rates[2])
     wrench = (0.0, 0.0, thrust, mx, my, mz)
-    thrusts, given = allocate(constants.rotors, wrench, memory.thrusts, scratch)
-    command = LawCommand(thrusts_to_duties(constants.rotors, thrusts, scratch), UNMOVED)
+    duties, thrusts, given = deliver_wrench(constants.rotors, wrench, memory.thrusts, scratch)
+    command = LawCommand(duties, UNMOVED)
     return QuadrotorLawMemory(
         command, True, climb, east, north, motion.rates, slopes, given[2] - thrust, thrusts
     )

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting
-from lta_control.allocation import allocate, Rotors, Scratch, thrusts_to_duties
+from lta_control.allocation import deliver_wrench, Rotors, Scratch
 from lta_control.attitude import Vector
 from lta_control.cascade import drag_force
 from lta_control.laws.climbing import ClimbGains, lift_step
@@ -94,11 +94,11 @@ def step(
     force = (fx + dx, fy + dy, up + constants.weight)
     bx, by, bz = to_body(motion.attitude, force)
     wrench = (bx, by, bz, 0.0, 0.0, -gains.yaw_damping * motion.rates[2])
-    thrusts, given = allocate(constants.rotors, wrench, memory.thrusts, scratch)
+    duties, thrusts, given = deliver_wrench(constants.rotors, wrench, memory.thrusts, scratch)
     # Back to the world frame, in which the integrals live.
     gx, gy, gz = to_world(motion.attitude, (given[0], given[1], given[2]))
     missing = (gx - force[0], gy - force[1], gz - force[2])
-    command = LawCommand(thrusts_to_duties(constants.rotors, thrusts, scratch), UNMOVED)
+    command = LawCommand(duties, UNMOVED)
     return VelocityLawMemory(command, climb, east, north, missing, thrusts)
 
 

@@ -23,8 +23,7 @@ from lta_control.messages import (
     to_setpoint,
 )
 from lta_control.vehicle_parameters import build_rotors, surge_drag_coefficients
-from lta_graph.age import stamp_age
-from lta_graph.health import HealthLevel
+from lta_graph.health import HealthLevel, stamp_age
 from lta_graph.inbox import InboxStep
 from lta_graph.ros.command_mux import CommandMux
 from lta_graph.ros.node import GraphNode

@@ -1,10 +1,10 @@
 """Navigator node: convert the light estimate to heading, altitude and speed."""
 
 from collections import deque
-import math
 
 from lta_config.settings import setting
-from lta_control.cascade import Setpoint
+from lta_control.cascade import CascadeMeasurement, Setpoint
+from lta_control.guidance import Guidance
 from lta_control.messages import (
     from_setpoint,
     to_cascade_measurement,
@@ -13,10 +13,9 @@ from lta_control.messages import (
     to_lamp,
     update_reserve_report,
 )
-from lta_control.mission import course_step, mission_step, MissionSettings
-from lta_control.phases import Mission, Phase
+from lta_control.mission import MissionSettings
+from lta_control.phases import Phase
 from lta_control.reserve import (
-    decide_permission,
     explain_restriction,
     FlightPermission,
     ReserveReport,
@@ -34,7 +33,6 @@ from lta_graph.ros.process import run_node
 from lta_graph.ros.stamps import find_nearest_message
 from lta_model.light.gain_selection import compute_gain_scale
 from lta_model.scenario import load_course, load_route
-from lta_vlc.beacon_request import NO_WISH
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Float64
 
@@ -70,8 +68,7 @@ class Navigator(GraphNode):
             self._scale = compute_gain_scale(
                 self._settings.value.scenario, self._settings.value.vehicle
             )
-        self._begun_ns: int | None = None
-        self._mission = Mission()
+        self._guidance = Guidance(self._course, self._route)
         check_reserve(self._settings.value.reserve, self._strategy)
         self._word: ReserveReport | None = None  # latest energy report; None: stay on the ground
         light = self.table['photodiodes']
@@ -88,32 +85,24 @@ class Navigator(GraphNode):
             return  # light may arrive before an estimate; in lockstep every node answers
         estimate = step.last_message('light/estimate')
         measured = to_cascade_measurement(self._history[-1]) if self._history else None
-        altitude = math.nan if measured is None or self._word is None else measured.altitude
-        setpoint = self._compute_setpoint(step, altitude)
+        setpoint = self._compute_setpoint(step, measured)
         pose, velocity = from_setpoint(estimate.header.stamp, setpoint)
         self._pose.publish(pose)
         self._velocity.publish(velocity)
-        self._beacon.publish(Float64(data=self._requested_frequency))
+        self._beacon.publish(Float64(data=self._guidance.beacon))
 
-    @property
-    def _requested_frequency(self) -> float:
-        """The beacon frequency to listen for next. [Hz]"""
-        return self._route[self._mission.asked][1] if self._route else NO_WISH
-
-    def _compute_setpoint(self, step: InboxStep, altitude: float) -> Setpoint:
+    def _compute_setpoint(self, step: InboxStep, measured: CascadeMeasurement | None) -> Setpoint:
         """Return the setpoint, and report the mission's state."""
-        sight, settings = self._build_sight(step), self._settings.value
-        order = decide_permission(settings.reserve, self._word, step.stamp_ns)
-        if self._course is not None:
-            self._begun_ns = step.stamp_ns if self._begun_ns is None else self._begun_ns
-            time = (step.stamp_ns - self._begun_ns) * 1e-9
-            self._report_mission('course', order, step.stamp_ns)
-            return course_step(self._course, time, sight.heading, altitude, order)
-        setpoint, self._mission = mission_step(
-            settings, self._strategy, self._mission, sight, altitude, order,
-            max(len(self._route), 1), settings.reserve.rule,
+        settings = self._settings.value
+        setpoint = self._guidance.choose_setpoint(
+            settings, settings.reserve, self._strategy, step.stamp_ns, self._build_sight(step),
+            measured, self._word,
         )  # fmt: skip
-        self._report_lamp(order, step.stamp_ns)
+        order = self._guidance.permission
+        if self._course is not None:
+            self._report_mission('course', order, step.stamp_ns)
+        else:
+            self._report_lamp(order, step.stamp_ns)
         return setpoint
 
     def _report_mission(self, doing: str, order: FlightPermission, now_ns: int) -> None:
@@ -122,14 +111,14 @@ class Navigator(GraphNode):
             self.health.report('mission', HealthLevel.OK, doing)
             return
         why = explain_restriction(self._settings.value.reserve, self._word, now_ns)
-        resting = self._mission.phase is Phase.REST and self._course is None
+        resting = self._guidance.mission.phase is Phase.REST and self._course is None
         text = f'no take-off: {why}' if resting else f'{doing}: {why}'
         level = HealthLevel.ERROR if order is FlightPermission.DOWN else HealthLevel.WARN
         self.health.report('mission', level, text)
 
     def _report_lamp(self, order: FlightPermission, now_ns: int) -> None:
         """Report what the drone is doing, and at which lamp."""
-        mission = self._mission
+        mission = self._guidance.mission
         if not self._route or order is not FlightPermission.FLY:
             self._report_mission(str(mission.phase), order, now_ns)
             return

@@ -11,7 +11,7 @@ from lta_data.compare.coarse_lag import SharedQuantity
 from lta_data.compare.compared_flight import ComparedFlight
 from lta_data.compare.motion_start import estimate_start_offset
 from lta_data.compare.sampling import Array, interpolate_signal, SampledSignal, sort_samples
-from lta_data.importers.clocks import have_separate_clocks
+from lta_data.importers.log_provenance import have_separate_clocks
 import numpy as np
 
 Align = Literal['auto', 'clock', 'motion', 'none']

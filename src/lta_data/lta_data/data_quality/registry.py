@@ -1,7 +1,7 @@
 """Register the checks by kind of finding, and run them."""
 
 from dataclasses import dataclass
-from typing import Final, final
+from typing import Final, final, Protocol
 
 from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.checks import (
@@ -17,12 +17,24 @@ from lta_data.data_quality.checks import (
     stamps,
     units,
 )
-from lta_data.data_quality.finding import QualityFinding
+from lta_data.data_quality.finding import CheckVerdict, QualityFinding
 from lta_data.data_quality.limits import QualityLimits
-from lta_data.data_quality.protocol import QualityCheck
 from lta_data.data_quality.recording import ChannelRecording
 from lta_data.data_quality.roles import vector_name
 import numpy as np
+
+
+class QualityCheck(Protocol):
+    """
+    One check of a recording.
+
+    A check is pure: it changes nothing, reads no file, and reports what it cannot judge.
+    """
+
+    def __call__(self, evidence: CheckContext) -> CheckVerdict:
+        """Return the findings and what could not be judged."""
+        ...
+
 
 CHECKS: Final[dict[str, QualityCheck]] = {
     constant_channels.KIND: constant_channels.find_constant_channels,

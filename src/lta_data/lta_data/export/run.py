@@ -10,10 +10,27 @@ from lta_bridge.bag.writer import prepare_empty_folder
 from lta_config.atomic_file import replace_atomically
 from lta_config.errors import BadInput, unknown_name_error
 from lta_data.bag.recording import IMAGE, RobotRecording
+from lta_data.bag.table import build_arrow_field
 from lta_data.export.csv_file import write_csv, write_units
 from lta_data.export.mat_file import write_mat
-from lta_data.export.parquet_file import write_parquet
 from lta_data.export.source import build_table_source, build_topic_source, ExportSource
+import pyarrow as arrow
+from pyarrow import parquet
+
+
+def write_parquet(source: ExportSource, path: Path) -> Iterator[int]:
+    """Write a file and yield the number of rows after each part."""
+    fields = [
+        build_arrow_field(name, kind, source.units) for name, kind in source.declared.items()
+    ]
+    about = {'topic': source.name, 'type': source.kind}
+    schema = arrow.schema(fields, metadata=about)
+    with parquet.ParquetWriter(path, schema, compression='zstd') as file:
+        for part in source.parts():
+            arrays = [arrow.array(values) for values in part.values()]
+            file.write_table(arrow.table(arrays, schema=schema))
+            yield len(arrays[0])
+
 
 FORMATS: Final[dict[str, Callable[[ExportSource, Path], Iterator[int]]]] = {
     'parquet': write_parquet,

@@ -1,8 +1,10 @@
 """Describe the origin of an imported bag: source file, mapping and kind of data."""
 
+from collections.abc import Mapping
 from datetime import datetime, UTC
 import hashlib
 from pathlib import Path
+from typing import Final
 
 from lta_bridge.provenance import read_commit
 from lta_config.files import find_file
@@ -10,6 +12,17 @@ from lta_config.schema.import_file import ImportMapping
 from lta_config.version import VERSION
 
 BLOCK = 1 << 20  # bytes
+CLOCK: Final = 'clock'  # provenance key of logs whose stamps share no clock with others
+
+
+def have_separate_clocks(a: Mapping[str, str], b: Mapping[str, str]) -> bool:
+    """
+    Return whether two recordings have separate clocks, so that equal stamps mean nothing.
+
+    One source imported twice counts as one clock.
+    """
+    sources = a.get('source_sha256'), b.get('source_sha256')
+    return CLOCK in a and CLOCK in b and sources[0] != sources[1]
 
 
 def build_provenance(

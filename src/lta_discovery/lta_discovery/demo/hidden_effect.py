@@ -153,8 +153,7 @@ def fly_hidden(hidden: DemoEffect, seed: int, seconds: float, folder: Path) -> P
     dither, until = np.zeros(len(loop.duties)), SETTLED
     with BagWriter(folder, told) as writer:
         recorder = LoopRecorder(writer, loop, table, ROBOT)
-        while world.elapsed < seconds:
-            loop.decide()
+        for _ in loop.iterate_until(lambda: world.elapsed >= seconds):
             if world.elapsed >= until:
                 until = world.elapsed + rng.uniform(*EACH)
                 dither = rng.uniform(-DITHER, DITHER, len(dither))
@@ -166,7 +165,6 @@ def fly_hidden(hidden: DemoEffect, seed: int, seconds: float, folder: Path) -> P
                     loop.readings, truth=add_tracker_noise(loop.readings.truth, rng)
                 )
             recorder.record_step()
-            loop.simulate_control_period()
     return folder
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any, Final, final, NamedTuple
 
 from lta_config.errors import BadInput, unknown_name_error
+from lta_config.vehicle_edit import set_yaml_value
 from lta_discovery.fit.evidence import PieceReducer, ReducedFlight, wrench_floor
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters
@@ -21,7 +22,6 @@ from lta_discovery.planning.candidate_maneuvers import (
     PlannedManeuver,
 )
 from lta_discovery.planning.flight_safety import flight_extent, list_objections
-from lta_discovery.planning.hypothesis_file import format_hypothesis
 from lta_discovery.planning.rehearsal import (
     prepare_linearizer,
     Sensors,
@@ -32,6 +32,7 @@ from lta_discovery.planning.rehearsal import (
 from lta_discovery.planning.separability import PairSeparability
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
+from lta_discovery.results.learned_file import list_changed_quantities
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec
 from lta_model.scenario import Scenario
 from lta_model.vehicle import Vehicle
@@ -241,3 +242,20 @@ class NextFlightPlanner:
         pairs = PairSeparability([*self.flown, reduced, reduced], self.knobs)
         a, b = (self._names.index(one.knob.name) for one in (true, other))
         return pairs.compare_pair(a, b).expected_log_bayes(true.value)
+
+
+def format_hypothesis(text: str, vehicle: Vehicle, nominal: NominalVehicle) -> str:
+    """
+    Return the text of a vehicle file with hypothetical effects.
+
+    Raises
+    ------
+    BadInput
+        If the format has no place for a parameter, or the vehicle is impossible.
+
+    """
+    for one in list_changed_quantities(
+        text, vehicle, NominalVehicle.from_vehicle(vehicle), nominal, {}, 'supposed'
+    ):
+        text = set_yaml_value(text, one.place.split('.'), one.as_yaml)
+    return text

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 import math
 from typing import Any, final
 
-from lta_bridge.crazyflie.wiring import find_rotor_indices
+from lta_bridge.crazyflie.duties_packet import find_rotor_indices
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.schema.crazyflie_file import CrazyflieFile
 from lta_config.topics import TopicTable

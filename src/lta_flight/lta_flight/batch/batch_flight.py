@@ -1,7 +1,10 @@
 """Represent one flight of a batch as numbers: the constants of its model and loop."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+import math
+from pathlib import Path
 from typing import Any, cast, final
 
 from lta_config.compilation.flat import settings_to_tuples
@@ -34,9 +37,13 @@ from lta_sim.light_link import build_light_link
 from lta_sim.scene_model import build_scene_model, vehicle_reach
 from lta_sim.supply_step import SupplyComponents
 from lta_sim.termination import build_goal
+from lta_sim.wind_record import WindRecord
 from lta_vlc.diodes import build_diode_array
 from lta_vlc.direction import build_direction_prior, build_fit_inputs
+import numpy as np
+from numpy.typing import NDArray
 
+Array = NDArray[np.float64]
 UNHEARD = ('pose', 'pose_time', 'clock')  # channels that do not influence a flight
 
 
@@ -60,6 +67,8 @@ class BatchFlight:
         How it navigates; flights of one strategy share a text.
     name : str
         Name of the vehicle.
+    recorded : ndarray, shape (n, 6)
+        Recorded wind [m/s] and its rate [m/s2] in each control period; none without a record.
 
     """
 
@@ -69,6 +78,7 @@ class BatchFlight:
     craft: FlightConstants
     name: str
     strategy: NavigationStrategy
+    recorded: Array = field(default_factory=lambda: np.empty((0, 6)), compare=False)
 
 
 def build_schedule(table: TopicTable) -> BatchSchedule:
@@ -111,11 +121,6 @@ def build_model(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> Ve
         raise BadInput(
             '--device supports flying to a lamp, but not along a course; leave --device out.'
         )
-    if scenario.wind_file is not None:
-        raise BadInput(
-            f'--device does not support recorded wind, which the scenario {scenario.name} has; '
-            'leave --device out.'
-        )
     model = build_scene_model(vehicle, scenario)
     for name in model.given:
         effect = EFFECTS[name]
@@ -157,7 +162,26 @@ def build_flight(
         mass_place=(place.get('x', 0.0), place.get('y', 0.0), place.get('z', 0.0)),
         duties=pad_to_slots(duties),
     )
-    return flight_from_constants(model, craft, vehicle, policy.strategy)
+    flight = flight_from_constants(model, craft, vehicle, policy.strategy)
+    path = scenario.wind_file
+    if path is None:
+        return flight
+    recorded = tabulate_wind(path, scenario.goal.time_limit.si, table.control_ns)
+    return replace(flight, recorded=recorded)
+
+
+@lru_cache(maxsize=8)
+def tabulate_wind(path: Path, limit: float, control_ns: int) -> Array:
+    """
+    Return recorded wind and its rate in each control period, shape (n, 6). [m/s, m/s2]
+
+    Flights of one scene share the array. `limit` is the time limit [s].
+    """
+    period = control_ns * 1e-9
+    count = math.ceil(limit / period) + 1
+    begin = np.arange(count, dtype=np.float64) * control_ns * 1e-9
+    wind, rate = WindRecord.read(path, limit).average_wind_over_span(begin, begin + period)
+    return np.vstack([wind, rate]).T.copy()
 
 
 def flight_from_constants(

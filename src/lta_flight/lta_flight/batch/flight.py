@@ -8,15 +8,14 @@ reserve uses the true charge; and values are not rounded by messages.
 
 import math
 
+from lta_config.constants import STANDARD_GRAVITY
 from lta_control.attitude import yaw_from_quaternion
 from lta_control.cascade import Setpoint, wrap_angle
 from lta_control.onboard import OnboardMemory, SensorInputs
 from lta_control.per_rotor import PerRotor
-from lta_control.reserve import FlightPermission
 from lta_control.sighting import DeadReckonedMotion, LampDirection, sight_from_direction
 from lta_control.strategies.protocol import LightMeasurement
 from lta_flight.batch.constants_and_tally import (
-    BatchPower,
     FlightConstants,
     FlightTally,
     Vector,
@@ -26,13 +25,13 @@ from lta_model.electrical.loads import power_demand
 from lta_model.light.lambertian import direct_light
 from lta_model.light.panel_light import daylight_on_panel, lamp_light_on_panel
 from lta_model.light.scene_geometry import daylight_illuminance, is_in_room
+from lta_model.sensors.imu import specific_force_at
 from lta_model.state import RIGID
-from lta_model.stiffness import SPEED_LIMIT
+from lta_model.stiffness import has_diverged
 from lta_sim.compiled_sensors import (
     SensorErrors,
     simulate_imu_reading,
     simulate_pressure_reading,
-    specific_force_at,
     START,
 )
 from lta_sim.counter_rng import draw_uniforms
@@ -137,9 +136,10 @@ def sensor_specific_force(
     constants: FlightConstants, state: State, rate: State, held: bool
 ) -> Vector:
     """Return the specific force at the IMU; a held drone does not accelerate. [m/s2]"""
+    place = constants.sensors.imu_place
     if held:
-        return specific_force_at(constants.sensors, state, HELD_RATE)
-    return specific_force_at(constants.sensors, state, rate)
+        return specific_force_at(state, HELD_RATE, place, STANDARD_GRAVITY)
+    return specific_force_at(state, rate, place, STANDARD_GRAVITY)
 
 
 def with_setpoint(memory: OnboardMemory, setpoint: Setpoint) -> OnboardMemory:
@@ -239,21 +239,6 @@ def sight_from_fit(
     )
 
 
-def permission_by_charge(power: BatchPower, charge: float) -> FlightPermission:
-    """Return what the energy allows by the true state of charge."""
-    return FlightPermission.RESERVE if charge <= power.reserve else FlightPermission.FLY
-
-
-def is_plausible(state: State) -> bool:
-    """Return whether velocity and rates are below `SPEED_LIMIT`; if not, they diverged."""
-    return (
-        # Velocity is state[7:10] and rates are state[10:13]; NaN compares false
-        abs(state[7]) < SPEED_LIMIT and abs(state[8]) < SPEED_LIMIT
-        and abs(state[9]) < SPEED_LIMIT and abs(state[10]) < SPEED_LIMIT
-        and abs(state[11]) < SPEED_LIMIT and abs(state[12]) < SPEED_LIMIT
-    )  # fmt: skip
-
-
 def update_tally(
     constants: FlightConstants,
     tally: FlightTally,
@@ -276,7 +261,7 @@ def update_tally(
     elif z > constants.place[2] + LIFTED:
         lift_off = elapsed
     return FlightTally(
-        outcome if is_plausible(state) else RAN_AWAY,
+        RAN_AWAY if has_diverged(state) else outcome,
         progress,
         lift_off,
         tally.search_start,

@@ -39,11 +39,12 @@ def fly(
     strategy: NavigationStrategy,
     constants: FlightConstants,
     numbers: NDArray[np.float64],
+    recorded: NDArray[np.float64],
     seed: int,
     work: WorkArrays,
 ) -> tuple[float, ...]:
     """Fly one vehicle to the end of its flight; return its `FIGURES`."""
-    inputs = FlightInputs(numbers, draw_errors(constants.sensors, seed), seed, 0.0)
+    inputs = FlightInputs(numbers, recorded, draw_errors(constants.sensors, seed), seed, 0.0)
     state = kernel.add_effects(draw_initial_state(constants, seed), seed)
     memory = begin_flight(
         strategy,

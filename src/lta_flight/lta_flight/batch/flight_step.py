@@ -17,6 +17,7 @@ from lta_control.mission import initial_mission, mission_step
 from lta_control.onboard import guidance_altitude, onboard_step, OnboardMemory, reckon_motion
 from lta_control.per_rotor import NONE, PerRotor
 from lta_control.phases import Mission
+from lta_control.reserve import permission_at_reserve
 from lta_control.sighting import DeadReckonedMotion
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_flight.batch.constants_and_tally import FlightConstants
@@ -27,7 +28,6 @@ from lta_flight.batch.flight import (
     initial_supply,
     is_lamp_detected,
     panel_irradiance,
-    permission_by_charge,
     Pose,
     read_sensors,
     sensor_specific_force,
@@ -104,6 +104,8 @@ class FlightInputs(NamedTuple):
     ----------
     numbers : ndarray
         Parameters of the vehicle's model, its body and its inverse inertia.
+    recorded : ndarray, shape (n, 6)
+        Recorded wind [m/s] and its rate [m/s2] in each control period; none without a record.
     errors : SensorErrors
         Constant sensor errors of this flight.
     seed : int
@@ -114,6 +116,7 @@ class FlightInputs(NamedTuple):
     """
 
     numbers: Array
+    recorded: Array
     errors: SensorErrors
     seed: int
     payload: float
@@ -252,15 +255,19 @@ def compute_surroundings(
     memory: FlightMemory,
     inputs: FlightInputs,
 ) -> State:
-    """Return the inputs of the model: wind, turbulence noise, heat and voltage."""
+    """Return the inputs of the model: wind, turbulence noise, heat, voltage and rate of wind."""
     noise, warmth = (0.0, 0.0, 0.0), 0.0
     # Computed only for effects that use it, to save time in every step
     if kernel.turbulence:
         noise = draw_white_noise(inputs.seed, memory.step, schedule.period)
     if kernel.superheat:
         warmth = hull_irradiance(constants, memory.state)
-    wind = steady_wind_at(constants.wind, memory.state[0])
-    return wind + noise + (warmth, memory.supply.flow.voltage, 0.0, 0.0, 0.0)
+    wind, rate = steady_wind_at(constants.wind, memory.state[0]), (0.0, 0.0, 0.0)
+    record, step = inputs.recorded, memory.step
+    if step < record.shape[0]:
+        wind = (wind[0] + record[step, 0], wind[1] + record[step, 1], wind[2] + record[step, 2])
+        rate = (record[step, 3], record[step, 4], record[step, 5])
+    return wind + noise + (warmth, memory.supply.flow.voltage) + rate
 
 
 def sense_and_control(
@@ -341,7 +348,7 @@ def navigate(
         memory.mission,
         sight,
         guidance_altitude(memory.onboard),
-        permission_by_charge(constants.power, memory.supply.flow.charge),
+        permission_at_reserve(memory.supply.flow.charge <= constants.power.reserve),
         len(constants.route),
         constants.reserve,
     )

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Seeds = NDArray[np.int64]
+Rows = NDArray[np.intp]
 Device = Literal['cpu-batch', 'gpu']
 PIECE = 8  # flights per task of a thread; small, because their lengths differ
 
@@ -108,13 +109,26 @@ def fly_many(
         models = [flights[k].model for k in alike.tolist()]
         fixed = np.array([[*m.parameters[parameters], *m.body, *m.inverse] for m in models])
         constants = np.array([flights[k].numbers for k in alike.tolist()])
+        winds, spans = _stack_winds([flights[k] for k in alike.tolist()])
+        arrays = fixed[rows], constants[rows], winds, spans[rows], named[inside]
         run = _fly_on_gpu if device == 'gpu' else _fly_on_cores
-        out[inside] = run(kernel, fixed, constants, rows, named[inside])
+        out[inside] = run(kernel, *arrays)
     return out
 
 
+def _stack_winds(flights: Sequence[BatchFlight]) -> tuple[Array, Rows]:
+    """Return the recorded winds below each other, and first and last row of each flight."""
+    # Most flights share their wind
+    tables = {id(each.recorded): each.recorded for each in flights}
+    ends = np.cumsum([len(table) for table in tables.values()]).tolist()
+    places = {key: (end - len(tables[key]), end) for key, end in zip(tables, ends, strict=True)}
+    # A GPU takes no empty array, hence the row of zeros
+    winds = np.vstack([*tables.values(), np.zeros((1, 6))])
+    return winds, np.array([places[id(each.recorded)] for each in flights])
+
+
 def _fly_on_cores(
-    kernel: ModuleType, fixed: Array, constants: Array, rows: NDArray[np.intp], seeds: Seeds
+    kernel: ModuleType, fixed: Array, constants: Array, winds: Array, spans: Rows, seeds: Seeds
 ) -> Array:
     """Fly on all CPU cores; a thread takes a few flights at a time."""
     out = np.empty((len(seeds), len(FIGURES)))
@@ -122,7 +136,7 @@ def _fly_on_cores(
 
     def fly_chunk(begin: int) -> None:
         part = slice(begin, begin + PIECE)
-        kernel.fly_some(fixed[rows[part]], constants[rows[part]], seeds[part], out[part])
+        kernel.fly_some(fixed[part], constants[part], winds, spans[part], seeds[part], out[part])
 
     # Threads suffice, because the compiled flight releases the GIL
     with ThreadPoolExecutor(cores) as pool:
@@ -131,17 +145,18 @@ def _fly_on_cores(
 
 
 def _fly_on_gpu(
-    kernel: ModuleType, fixed: Array, constants: Array, rows: NDArray[np.intp], seeds: Seeds
+    kernel: ModuleType, fixed: Array, constants: Array, winds: Array, spans: Rows, seeds: Seeds
 ) -> Array:
     """Fly on a GPU with one thread per vehicle."""
     cuda = require_cuda()
     there = [
         # Column-major, so that neighbouring threads read neighbouring numbers
         cuda.to_device(np.asfortranarray(part))
-        for part in (fixed[rows], constants[rows], np.empty((len(seeds), len(FIGURES))))
+        for part in (fixed, constants, spans, np.empty((len(seeds), len(FIGURES))))
     ]
     # Number of blocks, rounded up, and threads per block
     kernel.fly_some[-(-len(seeds) // THREADS), THREADS](
-        there[0], there[1], cuda.to_device(np.ascontiguousarray(seeds)), there[2]
-    )
-    return np.ascontiguousarray(there[2].copy_to_host())
+        there[0], there[1], cuda.to_device(winds), there[2],
+        cuda.to_device(np.ascontiguousarray(seeds)), there[3],
+    )  # fmt: skip
+    return np.ascontiguousarray(there[3].copy_to_host())

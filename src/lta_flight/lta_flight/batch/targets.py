@@ -102,14 +102,16 @@ CPU = CompileTarget(
     INLINE.replace('njit(', 'njit(forceinline=True, '),
     f'''
 {ENTRY.replace('cache=True', 'nogil=True, cache=True')}
-def fly_some(fixed, constants, seeds, out):
+def fly_some(fixed, constants, winds, spans, seeds, out):
     """Fly some vehicles, a row each."""
     work = $work(
         np.empty({SCRATCH}), np.empty(($rows, $diodes)), np.empty(($rows, $diodes)),
         np.empty($pencils),
     )
     for i in range(seeds.shape[0]):
-        results = $fly($constants, fixed[i], seeds[i], work)
+        results = $fly(
+            $constants, fixed[i], winds[spans[i, 0] : spans[i, 1]], seeds[i], work
+        )
         for k in range(out.shape[1]):
             out[i, k] = results[k]
 ''',
@@ -120,7 +122,7 @@ GPU = CompileTarget(
     '@cuda.jit(device=True)',
     f'''
 @cuda.jit
-def fly_some(fixed, constants, seeds, out):
+def fly_some(fixed, constants, winds, spans, seeds, out):
     """Fly vehicle i in thread i."""
     i = cuda.grid(1)
     if i < seeds.shape[0]:
@@ -130,7 +132,9 @@ def fly_some(fixed, constants, seeds, out):
             cuda.local.array(($rows, $diodes), float64),
             cuda.local.array($pencils, float64),
         )
-        results = $fly($constants, fixed[i], seeds[i], work)
+        results = $fly(
+            $constants, fixed[i], winds[spans[i, 0] : spans[i, 1]], seeds[i], work
+        )
         for k in range(out.shape[1]):
             out[i, k] = results[k]
 ''',

@@ -1,5 +1,5 @@
 """
-Validate messages: finite numbers, consistent lengths and continuous stamps.
+Find the class of messages, and validate them: finite numbers, lengths and continuous stamps.
 
 An invalid message is counted for /diagnostics and passed on nevertheless, because in lockstep some
 node waits for the answer to it. `InboxStep.valid` leaves out messages with invalid content.
@@ -7,6 +7,7 @@ node waits for the answer to it. `InboxStep.valid` leaves out messages with inva
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
+from importlib import import_module
 import math
 from operator import attrgetter
 from typing import Any, Final, final
@@ -34,6 +35,11 @@ NUMBERS: Final[Mapping[str, tuple[str, ...]]] = {
 Numbers = Callable[[Any], Sequence[float]]
 LARGEST: Final = 1e9  # in the unit of any field; no sensor measures more
 JUMP_NS: Final = 2_000_000_000  # largest step between two stamps of a periodic topic
+
+
+def find_message_type(topic: Topic) -> Any:  # noqa: ANN401 - a generated class
+    """Return the Python class of a topic's messages."""
+    return getattr(import_module(f'{topic.package}.msg'), topic.message)
 
 
 def _iterate_number_paths(value: object, path: str) -> Iterator[str]:

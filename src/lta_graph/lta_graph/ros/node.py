@@ -16,8 +16,7 @@ from lta_config.settings import setting, Settings
 from lta_config.topics import load_topic_table
 from lta_graph.health import Health, HealthLevel
 from lta_graph.inbox import Inbox, InboxStep
-from lta_graph.ros.message_types import find_message_type
-from lta_graph.ros.message_validation import MESSAGES, MessageValidator
+from lta_graph.ros.message_validation import find_message_type, MESSAGES, MessageValidator
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.publisher_conflict import PublisherConflict
 from lta_graph.ros.qos import select_profile

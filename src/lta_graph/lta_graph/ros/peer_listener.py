@@ -8,7 +8,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_config.errors import BadInput
 from lta_config.topics import is_name, robot_topic
 from lta_graph.peers import Peers
-from lta_graph.ros.message_types import find_message_type
+from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.node import GraphNode, PATIENCE
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import from_stamp

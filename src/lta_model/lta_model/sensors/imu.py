@@ -178,22 +178,30 @@ def _apply_errors(truth: Sequence[float] | Array, errors: Array, chance: Array) 
         chance[i] = end if value > end else -end if value < -end else value
 
 
-def _write_truth(state: Array, rate: Array, place: Array, truth: Array) -> None:
-    """Write true specific force and rates at the sensor; `place` ends with gravity."""
+def specific_force_at(
+    state: Sequence[float] | Array, rate: Sequence[float] | Array, place: Vector, gravity: float
+) -> Vector:
+    """Return the true specific force at the sensor, from a state and its derivative. [m/s^2]"""
     # State layout: quaternion 3:7, velocity 7:10, rates 10:13
     turn = rotation_matrix((state[3], state[4], state[5], state[6]))
-    w = (state[10], state[11], state[12])
-    truth[0], truth[1], truth[2] = imu_specific_force(
+    return imu_specific_force(
         (state[7], state[8], state[9]),
-        w,
+        (state[10], state[11], state[12]),
         (rate[7], rate[8], rate[9]),
         (rate[10], rate[11], rate[12]),
         # Third row: the vertical in the body frame
         (turn[6], turn[7], turn[8]),
-        (place[0], place[1], place[2]),
-        place[3],
+        place,
+        gravity,
     )
-    truth[3], truth[4], truth[5] = w
+
+
+def _write_truth(state: Array, rate: Array, place: Array, truth: Array) -> None:
+    """Write true specific force and rates at the sensor; `place` ends with gravity."""
+    truth[0], truth[1], truth[2] = specific_force_at(
+        state, rate, (place[0], place[1], place[2]), place[3]
+    )
+    truth[3], truth[4], truth[5] = state[10], state[11], state[12]
 
 
 def _write_reading(

@@ -16,15 +16,30 @@ Source: OPT101 data sheet, Texas Instruments SBBS002; the exponent is from memor
 responsivity by angle, to be measured. Not modelled: the amplifier's output swing.
 """
 
+from dataclasses import dataclass
 from functools import cached_property
 import math
 from typing import Annotated, final
 
 from lta_config.files import StrictModel
-from lta_model.diode_ring import spread_azimuths
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class DiodeRing:
+    """Horizontal diode axes in the body frame: components along x (forward) and y (left)."""
+
+    cosines: tuple[float, ...]
+    sines: tuple[float, ...]
+
+
+def spread_azimuths(count: int) -> tuple[float, ...]:
+    """Return the azimuths of `count` diodes spread evenly, the first forward. [rad]"""
+    return tuple(2.0 * math.pi * i / count for i in range(count))
+
 
 Array = NDArray[np.float64]
 ELEMENTARY_CHARGE = 1.602176634e-19  # C, exact in SI

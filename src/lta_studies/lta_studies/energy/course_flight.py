@@ -72,8 +72,7 @@ def fly_until(loop: ClosedLoop, until: Callable[[ClosedLoop], bool]) -> FlightTr
     """Fly until a condition holds and return the recorded flight."""
     world, rows = loop.world, []
     loads = world.vehicle.loads
-    while not until(loop):
-        loop.decide()
+    for _ in loop.iterate_until(lambda: until(loop)):
         state = world.state.tolist()
         quaternion = (state[3], state[4], state[5], state[6])
         u, v, _ = to_world(quaternion, (state[7], state[8], state[9]))
@@ -84,7 +83,6 @@ def fly_until(loop: ClosedLoop, until: Callable[[ClosedLoop], bool]) -> FlightTr
             (world.elapsed, state[2], math.hypot(u, v), pitch_angle(quaternion), power,
              world.supply.cell_voltage_and_current[0], world.charge)
         )  # fmt: skip
-        loop.simulate_control_period()
     # The copy makes each column contiguous.
     return FlightTrack(*np.array(rows).T.copy())
 

@@ -82,7 +82,7 @@ def generate_leg_source(
         f'    constants = {constants.render_expression("c")}',
         f'    leg = {leg.render_expression("g")}',
         f'    before = {memory.render_expression("m")}',
-        f'    after = {name}(constants, leg, before, fixed, seed, work)',
+        f'    after = {name}(constants, leg, before, fixed, np.empty((0, 6)), seed, work)',
         *(f'    m[{k}] = after.{path}' for k, path in enumerate(memory.paths)),
     ]
     return write_flight_source(

@@ -14,7 +14,7 @@ from lta_control.per_rotor import NONE
 from lta_control.phases import Phase
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_flight.batch.constants_and_tally import FlightConstants
-from lta_flight.batch.flight import build_command, is_plausible, unreachable_pose
+from lta_flight.batch.flight import build_command, unreachable_pose
 from lta_flight.batch.flight_step import (
     flight_step,
     FlightInputs,
@@ -24,6 +24,7 @@ from lta_flight.batch.flight_step import (
 )
 from lta_flight.batch.targets import BatchSchedule
 from lta_model.electrical.battery import integrate_charge
+from lta_model.stiffness import has_diverged
 from lta_sim.compiled_sensors import draw_errors, simulate_range_reading
 from lta_sim.termination import is_indoors
 import numpy as np
@@ -104,11 +105,14 @@ def fly_leg(
     leg: LegPlan,
     before: LegState,
     numbers: NDArray[np.float64],
+    recorded: NDArray[np.float64],
     seed: int,
     work: WorkArrays,
 ) -> LegState:
-    """Fly one leg; `numbers` are those of the vehicle's model."""
-    inputs = FlightInputs(numbers, draw_errors(constants.sensors, seed), seed, leg.payload)
+    """Fly one leg; `numbers` are those of the vehicle's model, `recorded` is empty."""
+    inputs = FlightInputs(
+        numbers, recorded, draw_errors(constants.sensors, seed), seed, leg.payload
+    )
     flight = _resume_flight(constants, before.flight, inputs)
     now = before._replace(flight=flight)
     while now.outcome == FLYING:
@@ -175,7 +179,7 @@ def assess_leg(
         return EMPTY
     if not is_indoors(constants.goal, state[0], state[1], state[2]):
         return ESCAPED
-    if flight.onboard.stopped or not is_plausible(state):
+    if flight.onboard.stopped or has_diverged(state):
         return STOPPED
     # A landing goes on below the reserve, so it is assessed before the charge.
     if leg.kind == LAND:

@@ -97,6 +97,11 @@ class MissionScene:
                 f'{mission.vehicle} has another; choose another vehicle in the mission '
                 'file.'
             )
+        if self.scenario.wind_file is not None:
+            raise BadInput(
+                f'Missions do not support recorded wind, which the scenario {self.scenario.name} '
+                'has; remove air.recorded from it.'
+            )
         self._table = load_topic_table()
         # The model needs only one lamp; the links of the others are built per leg.
         alone = {mission.perch: self.scenario.lamps[mission.perch]}

@@ -10,7 +10,6 @@ from lta_config.settings import Settings
 from lta_config.topics import load_topic_table
 from lta_control.attitude import up_in_body, yaw_from_quaternion
 from lta_control.cascade import Setpoint, wrap_angle
-from lta_control.law_autopilot import LawAutopilot
 from lta_control.laws.frames import to_world
 from lta_control.laws.protocol import ControlLaw
 from lta_control.strategies import find_navigation_strategy
@@ -107,23 +106,19 @@ def fly_maneuver(
 ) -> ManeuverFlight:
     """Fly a manoeuvre and rate it."""
     loop = prepare_flight(entrant, scenario, manoeuvre, seed)
-    world, course = loop.world, loop.policy.course
-    assert course is not None
+    world = loop.world
+    course = build_course(manoeuvre, world.state.item(2))
     flown, duties, tilts = [], [], []
     # Record the state between decision and command, when both refer to the same time.
-    while world.elapsed <= manoeuvre.until.si:
-        loop.decide()
+    for _ in loop.iterate_until(lambda: world.elapsed > manoeuvre.until.si):
         state = world.state.tolist()
         flown.append((world.elapsed, *_read_truth(state, course(world.elapsed).heading)))
         # Clamped, because rounding can leave the cosine outside [-1, 1].
         tilts.append(math.acos(max(-1.0, min(1.0, up_in_body(_extract_quaternion(state))[2]))))
         duties.append(loop.duties)
-        loop.simulate_control_period()
-    pilot = loop.autopilot
-    # The cascade keeps the flag in its memory, other laws in the autopilot.
-    stopped = pilot.stopped if isinstance(pilot, LawAutopilot) else pilot.memory.stopped
+    response, stopped = np.array(flown), loop.autopilot.stopped
     return _evaluate_flight(
-        manoeuvre, course, np.array(flown), np.array(duties), np.array(tilts), stopped
+        manoeuvre, course, response, np.array(duties), np.array(tilts), stopped
     )
 
 

@@ -52,10 +52,8 @@ def record_flight(
     try:
         with BagWriter(folder / 'bag', origin) as writer:
             recorder = LoopRecorder(writer, loop, load_topic_table(), ROBOT)
-            while not until(loop):
-                loop.decide()
+            for _ in loop.iterate_until(lambda: until(loop)):
                 recorder.record_step()
-                loop.simulate_control_period()
     # A full disk is a problem of the user's input (the folder), not of the program.
     except StorageFault as fault:
         raise BadInput(str(fault)) from None

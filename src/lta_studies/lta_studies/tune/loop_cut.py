@@ -14,17 +14,15 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_config.topics import load_topic_table
 from lta_control.allocation import create_working_array
 from lta_control.autopilot import Autopilot, build_drone_constants
-from lta_control.cascade import cascade_step, CascadeGains, Setpoint, WrenchDemand
-from lta_control.control import deliver_demand
-from lta_control.estimator import estimator_step, EstimatorInputs, EstimatorSettings
-from lta_control.message_rounding import air_relative_velocity, build_measurement
-from lta_control.onboard import DroneConstants, OnboardMemory
+from lta_control.cascade import CascadeGains, Setpoint, WrenchDemand
+from lta_control.control import compute_demand, deliver_demand
+from lta_control.estimator import EstimatorSettings
+from lta_control.onboard import DroneConstants, estimate_motion, OnboardMemory, SensorInputs
 from lta_control.per_rotor import pad_to_slots, SLOTS
 from lta_model.effects import initial_memory
 from lta_model.model import VehicleModel
-from lta_model.rigid_body import rotation_matrix
 from lta_model.sensors import range
-from lta_model.sensors.imu import imu_specific_force
+from lta_model.sensors.imu import specific_force_at
 from lta_model.sensors.pressure import air_pressure, PressureSettings
 from lta_model.state import pack_state
 from lta_model.stiffness import STEP_NS
@@ -79,7 +77,7 @@ class LoopCut:
 
     def simulate_sensors(
         self, state: Array, past: Array, model: VehicleModel | None = None
-    ) -> EstimatorInputs:
+    ) -> SensorInputs:
         """
         Return noise-free sensor readings.
 
@@ -98,29 +96,15 @@ class LoopCut:
         orders = self._rotor_command(past[self._whole])
         # The accelerometer needs the linear and angular acceleration of the state.
         rate = kernel.state_derivative(state, model or self._model, orders).tolist()
-        ix, iy, iz = sensors.imu_position.vector
-        # Quaternion, body velocity and body rates
-        x, y, z, w, u, v, h, p, q, r = numbers[3:13]
-        turn = rotation_matrix((x, y, z, w))
-        force = imu_specific_force(
-            (u, v, h),
-            (p, q, r),
-            (rate[7], rate[8], rate[9]),
-            (rate[10], rate[11], rate[12]),
-            # The bottom row of body-to-world: the world's up axis in the body frame.
-            (turn[6], turn[7], turn[8]),
-            (ix, iy, iz),
-            STANDARD_GRAVITY,
-        )
-        rx, ry, rz = sensors.range_position.vector
-        height, up = range.height_and_tilt(numbers, (rx, ry, rz))
-        return EstimatorInputs(
-            (p, q, r),
-            force,
+        imu, below = sensors.imu_position.vector, sensors.range_position.vector
+        height, up = range.height_and_tilt(numbers, (below[0], below[1], below[2]))
+        place = (imu[0], imu[1], imu[2])
+        return SensorInputs(
+            (numbers[10], numbers[11], numbers[12]),
+            specific_force_at(numbers, rate, place, STANDARD_GRAVITY),
             # The range sensor measures along the tilted body axis.
             height / up,
-            air_pressure(self._floor, numbers[2] + iz),
-            pad_to_slots(past[0].tolist()),
+            air_pressure(self._floor, numbers[2] + imu[2]),
         )
 
     def advance_vehicle(
@@ -155,19 +139,16 @@ class LoopCut:
         The rotors get `imposed` if given, else the demand of the cascade.
         """
         drone = self.drone
-        readings = self.simulate_sensors(state, past)
-        estimate = estimator_step(drone.estimator, drone.body, memory.estimate, readings, drone.dt)
-        height, speed = estimate.altitude.height, air_relative_velocity(estimate)
-        measured = build_measurement(estimate.attitude, height, speed, estimate.rates)
-        demand, cascade = cascade_step(
+        # The estimator knows the command of the period before
+        before = memory._replace(duties=pad_to_slots(past[0].tolist()))
+        estimate, measured = estimate_motion(drone, before, self.simulate_sensors(state, past))
+        demand, cascade = compute_demand(
             drone.gains,
+            drone.rotors,
             drone.surge_drag,
-            drone.rotors.lowest_heave,
-            drone.rotors.sink,
-            memory.control.cascade,
+            memory.control,
             measured,
             memory.setpoint,
-            memory.control.shortfall,
             drone.dt,
         )
         duties, control = deliver_demand(
@@ -196,10 +177,7 @@ class LoopCut:
             # No setpoint before the bias calibration on the ground has ended.
             if tick * self.period > REST:
                 autopilot.set_setpoint(setpoint)
-            readings = self.simulate_sensors(state, past, self._still)
-            duties = autopilot.step(
-                readings.rates, readings.force, readings.range, readings.pressure
-            )
+            duties = autopilot.step(*self.simulate_sensors(state, past, self._still))
             # Every age gets the present command, which removes the delay.
             past[:, : len(duties)] = duties
             state = self.advance_vehicle(state, past, self._still)

@@ -1,9 +1,8 @@
 """
 Fly the step test that gains are rated by: take-off, then altitude, heading and speed steps.
 
-The flight uses the simulated world with sensor noise, and the drone's estimator and controller as
-in `lta_flight.closed_loop`. Setpoints are prescribed, so the light link is not used. The drone
-assumes the vehicle of its file; the true one has lost lift (`net_lift`), like after a helium loss.
+Setpoints are prescribed, so the light link is not used. The drone assumes the vehicle of its file;
+the true one has lost lift (`net_lift`), like after a helium loss.
 """
 
 from collections.abc import Sequence
@@ -16,10 +15,10 @@ from lta_config.files import find_file, load_yaml, validate_content
 from lta_config.parameter_override import parse_quantity, replace_parameter
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_config.topics import load_topic_table
-from lta_control import message_rounding
-from lta_control.autopilot import Autopilot, build_drone_constants
 from lta_control.cascade import CascadeGains, Setpoint
-from lta_control.estimator import EstimatorSettings
+from lta_control.strategies import find_navigation_strategy
+from lta_flight.closed_loop import ClosedLoop
+from lta_flight.flight_stack import FlightStack
 from lta_model.scenario import load_scenario, Scenario
 from lta_model.state import QUATERNION, VELOCITY
 from lta_model.vehicle import Vehicle
@@ -147,43 +146,43 @@ def fly_steps(
 ) -> StepResponse:
     """Fly one test flight; the same case gives all gains the same noise."""
     table = load_topic_table()
-    world = World(scene.build_true_vehicle(case.loss), scene.scenario, table, case.seed)
     dt = table.control_ns * 1e-9
-    autopilot = Autopilot(
-        build_drone_constants(scene.nominal_vehicle, EstimatorSettings(), gains, dt)
+    setpoints = list_setpoints(steps, dt)
+    policy = FlightStack(
+        find_navigation_strategy('bag'), gains, course=lambda time: setpoints[round(time / dt)]
     )
-    reach = world.range_settings.minimum, world.range_settings.maximum
-    # Keyed by control period, because sums of `dt` would miss the start times by rounding.
-    changes = {round(step.start / dt): step for step in steps}
-    setpoint = {'altitude': FLYING_ALTITUDE, 'heading': 0.0, 'speed': 0.0}
+    world = World(scene.build_true_vehicle(case.loss), scene.scenario, table, case.seed)
+    loop = ClosedLoop(world, table, policy, scene.nominal_vehicle, motion_only=True)
     samples: list[tuple[float, ...]] = []
-    work, last = 0.0, autopilot.duties
-    for tick in range(round(steps[-1].end / dt)):
-        if step := changes.get(tick):
-            setpoint['heading' if step.channel == 'course' else step.channel] = step.after
-        if tick * dt >= TAKE_OFF:
-            autopilot.set_setpoint(Setpoint(**setpoint))
-        readings = world.sense_motion()
-        # NaN marks a period without a new reading.
-        distance = message_rounding.newest_range(readings.ranges, reach)
-        pressure = math.nan if readings.pressure is None else readings.pressure
-        duties = autopilot.step(readings.rates, readings.force, distance, pressure)
+    work, last = 0.0, loop.duties
+    for _ in loop.iterate_until(lambda: world.steps == len(setpoints)):
         # Mean change of duty per rotor, summed over the EVERY periods of a sample
-        work += sum(abs(a - b) for a, b in zip(duties, last, strict=True)) / len(duties)
-        last = duties
-        if tick % EVERY == 0:
-            samples.append((tick * dt, *_measure_state(world.state), work))
+        work += sum(abs(a - b) for a, b in zip(loop.duties, last, strict=True)) / len(last)
+        last = loop.duties
+        if world.steps % EVERY == 0:
+            samples.append((world.steps * dt, *_measure_state(world.state), work))
             work = 0.0
-        world.advance(duties)
     time, altitude, yaw, speed, drift, tilt, spent = np.array(samples).T
     heading = np.unwrap(yaw)
     # Relative to the start, and unwrapped, so that it does not jump at 180 degrees.
     heading -= heading[0]
-    stopped = autopilot.memory.stopped
-    course = heading + drift
+    course, stopped = heading + drift, loop.autopilot.stopped
     return StepResponse(
         time, altitude, heading, speed, course, tilt, spent / (EVERY * dt), stopped
     )
+
+
+def list_setpoints(steps: Sequence[SetpointStep], dt: float) -> list[Setpoint | None]:
+    """Return the setpoint of each control period `dt` [s]; None before take-off."""
+    # Keyed by control period, because sums of `dt` would miss the start times by rounding.
+    changes = {round(step.start / dt): step for step in steps}
+    setpoint, setpoints = Setpoint(FLYING_ALTITUDE, 0.0, 0.0), list[Setpoint | None]()
+    for tick in range(round(steps[-1].end / dt)):
+        if step := changes.get(tick):
+            channel = 'heading' if step.channel == 'course' else step.channel
+            setpoint = setpoint._replace(**{channel: step.after})
+        setpoints.append(setpoint if tick * dt >= TAKE_OFF else None)
+    return setpoints
 
 
 def _measure_state(state: Array) -> tuple[float, float, float, float, float]:

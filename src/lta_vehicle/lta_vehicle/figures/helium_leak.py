@@ -11,9 +11,9 @@ A foil balloon has the surface pi^2 r^2 of the mylar shape (Paulsen 1994).
 
 import math
 
+from lta_config.constants import HELIUM_TO_AIR
 from lta_config.schema.vehicle_body import HullBlock
 from lta_model import hull as hulls
-from lta_model.gas import HELIUM_TO_AIR
 
 BAND = (0.2e-3, 0.9e-3)  # m3/(m2 day)
 SOURCE = (

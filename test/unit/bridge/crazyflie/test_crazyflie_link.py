@@ -11,12 +11,12 @@ from types import SimpleNamespace
 from lta_bridge.crazyflie import duties_packet
 from lta_bridge.crazyflie.cflib_link import CflibLink
 from lta_bridge.crazyflie.connection_manager import ConnectionManager, enforce_parameters
+from lta_bridge.crazyflie.duties_packet import find_rotor_indices
 from lta_bridge.crazyflie.link import LinkFailed, LinkLost, LogPacket, MalformedPacket
 from lta_bridge.crazyflie.links import create_link
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.crazyflie.override import required_compensation
 from lta_bridge.crazyflie.packet_check import find_packet_fault
-from lta_bridge.crazyflie.wiring import find_rotor_indices
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_config.schema.crazyflie_file import (

@@ -15,9 +15,13 @@ from lta_discovery.planning.candidate_maneuvers import (
     build_maneuver,
     list_maneuvers,
 )
-from lta_discovery.planning.flight_choice import NextFlightPlanner, ParameterHypothesis, WANTED
+from lta_discovery.planning.flight_choice import (
+    format_hypothesis,
+    NextFlightPlanner,
+    ParameterHypothesis,
+    WANTED,
+)
 from lta_discovery.planning.flight_safety import flight_extent, list_objections
-from lta_discovery.planning.hypothesis_file import format_hypothesis
 from lta_discovery.planning.measurement_advice import suggest_measurement
 from lta_discovery.planning.next_flight import (
     add_confusable,

@@ -42,7 +42,7 @@ def advanced(flight, fed):
     memory = begin_flight(
         flight.strategy, OnboardMemory(), state, (0.0,) * 11, STILL.dark, store, 1.0
     )
-    inputs = FlightInputs(np.zeros(1), draw_errors(constants.sensors, 1), 1, 0.0)
+    inputs = FlightInputs(np.zeros(1), np.empty((0, 6)), draw_errors(constants.sensors, 1), 1, 0.0)
     after = advance_vehicle(
         STILL, build_schedule(TABLE), constants, memory, inputs, (0.0,) * ACTUATORS
     )

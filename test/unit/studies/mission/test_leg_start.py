@@ -1,10 +1,14 @@
 """The state in which a mission's flight starts, and the schedule of its legs."""
 
+from dataclasses import replace
+
 from lta_config.errors import BadInput
+from lta_config.schema.mission_file import load_mission
 from lta_flight.batch.targets import BatchSchedule
 from lta_model.electrical.charger import resting_flow
 from lta_model.state import RIGID
 from lta_sim.compiled_sensors import draw_turbulence_memory
+from lta_studies.mission import scene
 from lta_studies.mission.leg_codegen import coarse_schedule
 from lta_studies.mission.legs import LegPilot
 import pytest
@@ -32,3 +36,16 @@ def test_a_leg_has_the_same_control_period_in_longer_steps():
 def test_a_period_that_is_not_whole_in_longer_steps_is_refused(control, every):
     with pytest.raises(BadInput, match='must be whole multiples of that'):
         coarse_schedule(BatchSchedule(control, every, 2, 10))
+
+
+def test_a_mission_in_recorded_wind_is_refused(monkeypatch, tmp_path):
+    path = tmp_path / 'wind.csv'
+    path.write_text('t,u,v,w\n0,1,0,0\n90000,1,0,0\n')
+    mission = load_mission('warehouse')
+    spec = scene.build_flight_spec(mission)
+    content = spec.contents['scenario']
+    windy = {**content, 'air': {**content['air'], 'recorded': str(path)}}
+    made = replace(spec, contents={**spec.contents, 'scenario': windy})
+    monkeypatch.setattr(scene, 'build_flight_spec', lambda _: made)
+    with pytest.raises(BadInput, match='recorded wind, which the scenario warehouse_patrol has'):
+        scene.MissionScene(mission)

@@ -20,12 +20,12 @@ from typing import final, NamedTuple
 import zlib
 
 from lta_config.errors import BadInput
+from lta_config.limits import check_log_size
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_config.topics import load_topic_table
-from lta_data.importers.clocks import CLOCK
+from lta_data.importers.log_provenance import CLOCK
 from lta_data.importers.log_table import LogTable
 from lta_data.importers.protocol import InMemoryLog
-from lta_data.importers.readers.size_limit import check_log_size
 import numpy as np
 
 MAGIC = 0xBC

@@ -15,7 +15,7 @@ from lta_config.limits import LINE_BYTES
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_config.schema.import_file import TextFormat
 from lta_config.topics import load_topic_table
-from lta_data.importers.clocks import CLOCK
+from lta_data.importers.log_provenance import CLOCK
 from lta_data.importers.log_table import LogTable, Times
 from lta_data.importers.protocol import PassThroughMessage, RawTopic, Reached
 from lta_data.importers.readers.line_stream import decompress_stream, open_text_lines

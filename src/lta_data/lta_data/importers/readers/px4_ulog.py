@@ -13,11 +13,11 @@ from typing import Any
 
 from lta_config.bounded_memory import limit_memory
 from lta_config.errors import BadInput
+from lta_config.limits import check_log_size
 from lta_config.schema.import_file import ImportMapping as MappingFile
-from lta_data.importers.clocks import CLOCK
+from lta_data.importers.log_provenance import CLOCK
 from lta_data.importers.log_table import LogTable, Times
 from lta_data.importers.protocol import InMemoryLog
-from lta_data.importers.readers.size_limit import check_log_size
 import numpy as np
 from pyulog import ULog
 from pyulog.exceptions import ULogException

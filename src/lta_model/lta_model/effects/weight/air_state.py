@@ -11,8 +11,8 @@ new density. A slack one (1) follows the pressure and temperature of the air, it
 (1.7 % at 5 K), and humidity.
 """
 
+from lta_config.constants import AIR_PRESSURE, AIR_TEMPERATURE
 from lta_model.effects.protocol import BodyEffect, EffectParameter, RigidBody, Values
-from lta_model.gas import AIR_PRESSURE, AIR_TEMPERATURE
 
 PARAMETERS = (
     EffectParameter(

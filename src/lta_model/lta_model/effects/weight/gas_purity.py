@@ -9,8 +9,8 @@ the volume is constant, and the air is at the hull centre. Not modelled: the ine
 as a solid it would be r^2 / 5 for each axis, but a gas turns only partly with its hull.
 """
 
+from lta_config.constants import HELIUM_TO_AIR
 from lta_model.effects.protocol import BodyEffect, EffectParameter, RigidBody, Values
-from lta_model.gas import HELIUM_TO_AIR
 
 PARAMETERS = (
     EffectParameter(

@@ -14,8 +14,8 @@ the hull centre. Not modelled: its inertia, r^2 / 5 for each axis if solid; a ga
 partly.
 """
 
+from lta_config.constants import AIR_PRESSURE, AIR_TEMPERATURE
 from lta_model.effects.protocol import BodyEffect, EffectParameter, RigidBody, Values
-from lta_model.gas import AIR_PRESSURE, AIR_TEMPERATURE
 
 PARAMETERS = (
     EffectParameter(

@@ -22,9 +22,8 @@ emittance 0.05), so warming = 0.017 K m2/W; gas 296 J/K and film 152 J/K (116.8 
 Not modelled: forced convection by wind, stirring of the gas, one-sided sun, a change of T.
 """
 
-from lta_config.constants import STANDARD_GRAVITY
+from lta_config.constants import AIR_TEMPERATURE, STANDARD_GRAVITY
 from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
-from lta_model.gas import AIR_TEMPERATURE
 from lta_model.state import DISPLACED, IRRADIANCE
 
 PARAMETERS = (
