@@ -14,11 +14,24 @@ from lta_config.version import VERSION
 DASK: Final = 'distributed'
 PATIENCE: Final = 10.0  # s to reach the scheduler
 LOGGERS: Final = ('distributed', 'distributed.client', 'tornado.application')
+TLS: Final = 'DASK_DISTRIBUTED__COMM__TLS__'  # Dask's settings, as environment variables
 UNKNOWN: Final = 'unknown'
 
 
 class ClusterSoftware(NamedTuple):
-    """Versions that must agree within a cluster; `lta` and `commit` are '' without LTA."""
+    """
+    Versions that must agree within a cluster.
+
+    Attributes
+    ----------
+    lta, commit : str
+        Version and commit of LTA; '' if it is not installed. A commit can be 'unknown'.
+    python : str
+        Such as '3.11'.
+    dask : str
+        Version of dask.distributed.
+
+    """
 
     lta: str
     commit: str
@@ -32,9 +45,11 @@ class ClusterSoftware(NamedTuple):
 
     def __str__(self) -> str:
         """Return all versions in one line."""
-        commit = '' if self.commit == UNKNOWN else f' (commit {self.commit})'
-        lta = f'LTA {self.lta}{commit}' if self.lta else 'no LTA'
-        return f'{lta}, Python {self.python} and Dask {self.dask}'
+        # Twelve digits of a commit tell it apart; a suffix says that its files have changed
+        digits, _, changed = self.commit.partition('-')
+        known = f' (commit {"-".join(filter(None, (digits[:12], changed)))})'
+        commit = '' if self.commit == UNKNOWN else known
+        return f'LTA {self.lta}{commit}, Python {self.python} and Dask {self.dask}'
 
 
 def import_dask() -> Any:  # noqa: ANN401 - Dask has no types
@@ -130,8 +145,12 @@ def open_client(address: str, patience: float, remedy: str, security: object = N
             warnings.simplefilter('ignore')
             # Not the default client, which would capture Dask calls of the user's own code
             return dask.Client(address, timeout=patience, set_as_default=False, security=security)
-    # Dask raises TypeError for tls:// without certificates
-    except (OSError, ValueError, TypeError) as error:
+    except TypeError:  # Dask's error for tls:// without certificates
+        raise BadInput(
+            f"The Dask scheduler at '{address}' needs certificates; set {TLS}CA_FILE, "
+            f'{TLS}CLIENT__CERT and {TLS}CLIENT__KEY to their files, as "lta cluster up" prints.'
+        ) from None
+    except (OSError, ValueError) as error:
         raise BadInput(
             f"No Dask scheduler answers at '{address}' within {patience:.0f} s "
             f'({flatten_error(error)}); {remedy}.'
@@ -155,12 +174,15 @@ def check_software(client: Any) -> None:  # noqa: ANN401 - Dask has no types
     for name, theirs in read_cluster_software(client).items():
         if ours.matches(theirs):
             continue
-        remedy = (
-            'install the same versions on all machines of the cluster, and start it again'
-            if theirs.lta
-            else 'install the wheel of LTA there, or start it with "lta cluster"'
+        if not theirs.lta:
+            raise BadInput(
+                f'The {name} has no LTA, and this machine has {ours}; install the wheel of LTA '
+                'there, or start it with "lta cluster up" or "lta cluster join".'
+            )
+        raise BadInput(
+            f'The {name} has {theirs}, and this machine has {ours}; install the same versions on '
+            'all machines of the cluster, and start it again.'
         )
-        raise BadInput(f'The {name} has {theirs}, but this machine has {ours}; {remedy}.')
 
 
 def read_software() -> ClusterSoftware:

@@ -13,6 +13,7 @@ from lta_cli.options.cluster_options import (
 )
 from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import format_lta_command
+from lta_report.cluster import TLS
 from lta_report.cluster_server import PORT, serve_cluster, TlsFiles
 import typer
 
@@ -65,10 +66,9 @@ def format_sweep_command(address: str, tls: TlsFiles | None) -> str:
     command = format_lta_command('sweep', 'heaviness', '--scheduler', address)
     if tls is None:
         return command
-    prefix = 'DASK_DISTRIBUTED__COMM__TLS__'
     return (
-        f'{prefix}CA_FILE={tls.authority} {prefix}CLIENT__CERT={tls.certificate} '
-        f'{prefix}CLIENT__KEY={tls.key} {command}'
+        f'{TLS}CA_FILE={tls.authority} {TLS}CLIENT__CERT={tls.certificate} '
+        f'{TLS}CLIENT__KEY={tls.key} {command}'
     )
 
 
