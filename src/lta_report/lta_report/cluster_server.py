@@ -164,6 +164,20 @@ def check_encryption(host: str, tls: TlsFiles | None) -> None:
         )
 
 
+def check_port(host: str, port: int) -> None:
+    """Raise `BadInput` if a scheduler cannot listen at an address."""
+    with socket.socket() as probe:
+        # As Dask does, to reuse the port of a scheduler that has just ended
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((host, port))
+        except OSError as error:
+            raise BadInput(
+                f'Cannot listen on port {port} of {host} ({error.strerror}); choose another '
+                '--port, or end the program that uses it.'
+            ) from None
+
+
 def build_security(tls: TlsFiles | None) -> Any:  # noqa: ANN401 - Dask has no types
     """Return Dask's security settings; raise `BadInput` for unusable certificates."""
     if tls is None:
@@ -198,12 +212,13 @@ class ClusterServer:
         self._dask = import_dask()
         import_module('dask.config').set(SETTINGS)
         silence_logs()
-        self._loop = asyncio.new_event_loop()
         self._servers: list[Any] = []
 
     def __enter__(self) -> 'ClusterServer':
         """Start the event loop."""
-        Thread(target=self._loop.run_forever, daemon=True).start()
+        self._loop = asyncio.new_event_loop()
+        self._thread = Thread(target=self._loop.run_forever, daemon=True)
+        self._thread.start()
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -211,10 +226,13 @@ class ClusterServer:
         with suppress(TimeoutError):
             self._run(asyncio.wait_for(self._close(), CLOSING))
         self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join()
+        self._loop.close()
 
     def start_scheduler(self, host: str, port: int, tls: TlsFiles | None) -> str:
         """Start a scheduler and return its address; raise `BadInput` if it cannot listen."""
         check_encryption(host, tls)
+        check_port(host, port)
         options = {
             'host': host,
             'port': port,
@@ -222,13 +240,7 @@ class ClusterServer:
             'security': build_security(tls),
             **WEB,
         }
-        try:
-            scheduler = self._run(self._start(self._dask.Scheduler, options, 1))[0]
-        except OSError as error:
-            raise BadInput(
-                f'Cannot listen on port {port} of {host} ({error.strerror or error}); choose '
-                'another --port, or end the program that uses it.'
-            ) from None
+        scheduler = self._run(self._start(self._dask.Scheduler, options, 1))[0]
         return str(scheduler.address)
 
     def start_workers(self, address: str, options: WorkerOptions) -> None:
