@@ -39,7 +39,7 @@ def sweep(
         str | None,
         typer.Option(
             metavar='ADDRESS',
-            help='Fly on a Dask cluster; address of its scheduler, such as tcp://10.0.0.1:8786.',
+            help='Fly on a Dask cluster; address of its scheduler, such as tcp://127.0.0.1:8786.',
         ),
     ] = None,
     device: Annotated[

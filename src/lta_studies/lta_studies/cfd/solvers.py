@@ -36,7 +36,7 @@ Scheduler = Annotated[
     typer.Option(
         metavar='ADDRESS',
         help=(
-            'Address of a Dask scheduler, such as tcp://10.0.0.1:8786; its workers then '
+            'Address of a Dask scheduler, such as tls://10.0.0.1:8786; its workers then '
             'solve the flows.'
         ),
     ),
