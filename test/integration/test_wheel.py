@@ -1,12 +1,16 @@
 """The wheel of all that needs no ROS, tried in an environment that has nothing else."""
 
+from contextlib import ExitStack
 import json
 from pathlib import Path
 import subprocess
 import sys
 
+from distributed import Client
 from lta_config.version import VERSION
+from ports import free_port
 import pytest
+from waiting import PATIENCE
 
 ROOT = Path(__file__).resolve().parents[2]
 SWEEP = """schema: 1
@@ -29,7 +33,14 @@ def test_the_wheel_in_an_empty_environment(tmp_path):
     (wheel,) = tmp_path.glob('lta_cores-*.whl')
     venv = tmp_path / 'venv'
     subprocess.run([sys.executable, '-m', 'venv', venv], check=True)
-    pip = [venv / 'bin/pip', 'install', '--quiet', '--constraint', ROOT / 'constraints.txt', wheel]
+    pip = [
+        venv / 'bin/pip',
+        'install',
+        '--quiet',
+        '--constraint',
+        ROOT / 'constraints.txt',
+        f'{wheel}[cluster]',
+    ]
     installed = subprocess.run(pip, capture_output=True, text=True)
     assert installed.returncode == 0, installed.stderr[-2000:]
 
@@ -46,6 +57,7 @@ def test_the_wheel_in_an_empty_environment(tmp_path):
     (tmp_path / 'two.yaml').write_text(SWEEP)
     swept = json.loads(lta('sweep', 'two.yaml', '--no-page', '--json').stdout)
     assert Path(tmp_path, swept['table']).is_file()
+    assert fly_on_cluster(venv, lta, tmp_path) == swept['outcomes']
     log = tmp_path / 'log.csv'
     log.write_text('# timestamp tx ty tz qx qy qz qw\n1.0 0 0 1 0 0 0 1\n2.0 1 0 1 0 0 0 1\n')
     lta('import', log.name, '--mapping', 'tum', '--out', 'imported')
@@ -54,3 +66,24 @@ def test_the_wheel_in_an_empty_environment(tmp_path):
         refused = lta(*words, status=2).stderr
         assert 'needs ROS 2' in refused
         assert len(refused.splitlines()) == 1
+
+
+def fly_on_cluster(venv, lta, folder):
+    """Fly the sweep on workers that the wheel alone has started; return the outcomes."""
+    address = f'tcp://127.0.0.1:{free_port()}'
+    clean = {'HOME': str(folder), 'PATH': f'{venv}/bin:/usr/bin:/bin'}
+    commands = (
+        ('lta', 'cluster', 'up', '--workers', '1', '--port', address.rpartition(':')[2]),
+        ('lta', 'cluster', 'join', address, '--workers', '1'),
+        ('dask', 'worker', address, '--nthreads', '1', '--no-dashboard'),
+    )
+    with ExitStack() as running:
+        for program, *words in commands:
+            process = running.enter_context(subprocess.Popen(
+                [venv / 'bin' / program, *words], env=clean, stderr=subprocess.DEVNULL
+            ))  # fmt: skip
+            running.callback(process.terminate)
+        client = running.enter_context(Client(address, timeout=PATIENCE, set_as_default=False))
+        client.wait_for_workers(3, timeout=PATIENCE)
+        words = ('--out', 'far', '--scheduler', address, '--no-page', '--json')
+        return json.loads(lta('sweep', 'two.yaml', *words).stdout)['outcomes']

@@ -15,6 +15,13 @@ ROOT = Path(os.environ['LTA_ROOT'])
 OF_ROS = ('ros-', 'colcon-', 'setuptools')  # what a workspace needs, and no wheel
 NOT_INSTALLED = ('package.xml', 'resource')
 
+
+def read_requirements(name: str) -> list[str]:
+    """Return the lines of a requirements file that a wheel needs."""
+    lines = (ROOT / name).read_text(encoding='utf-8').splitlines()
+    return [line for line in lines if line and not line.startswith(('#', *OF_ROS))]
+
+
 sources = {'lta_config': ROOT / 'config'}
 sources |= {path.parent.name: path.parent for path in sorted(ROOT.glob('src/*/package.xml'))}
 facts = [
@@ -45,12 +52,11 @@ setup(
             [os.path.relpath(ROOT / 'config' / path) for path in facts if path.parent == folder],
         )
         for folder in folders
-    ],
-    install_requires=[
-        line
-        for line in (ROOT / 'requirements.txt').read_text(encoding='utf-8').splitlines()
-        if line and not line.startswith(('#', *OF_ROS))
-    ],
+    ]
+    + [('share/lta_config', ['commit'])],
+    install_requires=read_requirements('requirements.txt'),
+    # As lta_cores-...whl[cluster]
+    extras_require={'cluster': read_requirements('requirements-dask.txt')},
     entry_points={'console_scripts': ['lta = lta_cli.command:main']},
     zip_safe=False,
 )

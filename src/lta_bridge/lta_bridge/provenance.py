@@ -12,11 +12,16 @@ from lta_config.files import find_file, share_folder
 from lta_config.version import VERSION
 
 CODE = (':/src', ':/config')  # folders that affect results, unlike documentation
+COMMIT_FILE = 'commit'  # written by tools/wheel.sh
 LIBRARIES = ('numpy', 'scipy', 'numba', 'mcap', 'ros-jazzy-rclpy')
 
 
 def read_commit() -> str:
-    """Return the commit of the running workspace, or 'unknown'; '-dirty' if code changed."""
+    """Return the commit of the workspace or wheel, or 'unknown'; '-dirty' if code changed."""
+    noted = share_folder() / COMMIT_FILE
+    if noted.is_file():
+        # A wheel is outside its repository, and may be installed inside another one
+        return noted.read_text(encoding='utf-8').strip()
     try:
         name = _run_git('describe', '--always', '--abbrev=40')
         changed = _run_git('status', '--porcelain', '--untracked-files=no', '--', *CODE)

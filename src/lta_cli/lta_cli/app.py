@@ -125,6 +125,13 @@ CFD: Final = VerbGroup(
         'refit': Verb('cfd.refit', 'refit'),
     },
 )
+CLUSTER: Final = VerbGroup(
+    'Run a Dask cluster on which sweeps fly: on this machine, or on several.',
+    {
+        'up': Verb('cluster.up', 'up'),
+        'join': Verb('cluster.join', 'join'),
+    },
+)
 HARDWARE: Final = VerbGroup(
     'Check connected drones and light boards, test one motor, evaluate turntable recordings.',
     {
@@ -142,6 +149,7 @@ VERBS: Final[dict[str, Verb | VerbGroup]] = {
     'run': Verb('run', 'run', {'ignore_unknown_options': True, 'allow_interspersed_args': False}),
     'mission': Verb('mission', 'mission'),
     'sweep': Verb('sweep', 'sweep'),
+    'cluster': CLUSTER,
     'tune': Verb('tune', 'tune'),
     'wind': Verb('wind', 'wind'),
     'platforms': Verb('platforms', 'platforms'),

@@ -1,12 +1,68 @@
-"""Connect to a Dask cluster; the only importer of the optional package dask.distributed."""
+"""Connect to a Dask cluster of the same LTA; only importer of the optional dask.distributed."""
 
+from collections.abc import Callable
 from importlib import import_module
-from typing import Any, Final
+import logging
+import platform
+from typing import Any, Final, NamedTuple
+import warnings
 
+from lta_bridge.provenance import read_commit
 from lta_config.errors import BadInput
+from lta_config.version import VERSION
 
 DASK: Final = 'distributed'
 PATIENCE: Final = 10.0  # s to reach the scheduler
+LOGGERS: Final = ('distributed', 'distributed.client', 'tornado.application')
+TLS: Final = 'DASK_DISTRIBUTED__COMM__TLS__'  # Dask's settings, as environment variables
+UNKNOWN: Final = 'unknown'
+
+
+class ClusterSoftware(NamedTuple):
+    """
+    Versions that must agree within a cluster.
+
+    Attributes
+    ----------
+    lta, commit : str
+        Version and commit of LTA; '' if it is not installed. A commit can be 'unknown'.
+    python : str
+        Such as '3.11'.
+    dask : str
+        Version of dask.distributed.
+
+    """
+
+    lta: str
+    commit: str
+    python: str
+    dask: str
+
+    def matches(self, other: 'ClusterSoftware') -> bool:
+        """Return whether both give the same results; an unknown commit matches any."""
+        commits = {self.commit, other.commit} - {UNKNOWN}
+        return len(commits) < 2 and self._replace(commit='') == other._replace(commit='')
+
+    def __str__(self) -> str:
+        """Return all versions in one line."""
+        # Twelve digits of a commit tell it apart; a suffix says that its files have changed
+        digits, _, changed = self.commit.partition('-')
+        known = f' (commit {"-".join(filter(None, (digits[:12], changed)))})'
+        commit = '' if self.commit == UNKNOWN else known
+        return f'LTA {self.lta}{commit}, Python {self.python} and Dask {self.dask}'
+
+
+def import_dask() -> Any:  # noqa: ANN401 - Dask has no types
+    """Return the module dask.distributed, or raise `BadInput` if it is not installed."""
+    try:
+        # Optional, so most installations do not have it
+        return import_module(DASK)
+    except ImportError:
+        raise BadInput(
+            'A Dask cluster needs the package dask.distributed, which is not installed; run '
+            '"pip install distributed", in a source tree ".venv/bin/pip install -c '
+            'constraints.txt -r requirements-dask.txt".'
+        ) from None
 
 
 def connect_cluster(address: str) -> tuple[Any, Any]:
@@ -16,30 +72,169 @@ def connect_cluster(address: str) -> tuple[Any, Any]:
     Parameters
     ----------
     address : str
-        Such as tcp://10.0.0.1:8786.
+        Such as tcp://127.0.0.1:8786. Dask's configuration names the certificates for tls://.
 
     Raises
     ------
     BadInput
-        If dask.distributed is not installed, or no scheduler answers.
+        If dask.distributed is not installed, no scheduler with workers answers, or the scheduler
+        or a worker has another version of LTA, Python or Dask.
 
     """
+    dask = import_dask()
+    client = open_client(address, PATIENCE, 'start one with "lta cluster up"')
     try:
-        # Optional, so most installations do not have it
-        dask: Any = import_module(DASK)
-    except ImportError:
-        raise BadInput(
-            'A Dask cluster needs the package dask.distributed, which is not installed; '
-            'run "pip install -r requirements-dask.txt".'
-        ) from None
-    try:
-        # Not the default client, which would capture Dask calls of the user's own code
-        client: Any = dask.Client(address, timeout=PATIENCE, set_as_default=False)
         # A scheduler without workers would accept jobs and never run them
         client.wait_for_workers(1, timeout=PATIENCE)
+        check_software(client)
+    except OSError as error:
+        client.close()
+        raise BadInput(
+            f"The Dask scheduler at '{address}' has no workers ({flatten_error(error)}); start "
+            f'some with "lta cluster join {address}".'
+        ) from None
+    except BadInput:
+        client.close()
+        raise
+    explain_losses(client, address)
+    return dask, client
+
+
+def explain_losses(client: Any, address: str) -> None:  # noqa: ANN401 - Dask has no types
+    """Let all calls of a client raise `BadInput` if the cluster loses its work or itself."""
+    sync = client.sync
+
+    # All blocking calls of a client and of its futures come through here
+    def sync_or_explain(*given: Any, **options: Any) -> Any:  # noqa: ANN401 - Dask has no types
+        try:
+            return sync(*given, **options)
+        except TimeoutError:
+            raise
+        # Dask cancels all work whose scheduler, or whose data on workers, is gone
+        except (OSError, import_dask().CancelledError):
+            raise BadInput(
+                f"The Dask cluster at '{address}' has lost its scheduler or all of its workers; "
+                'finished work is stored: start the cluster again and repeat the command to '
+                'resume.'
+            ) from None
+
+    client.sync = sync_or_explain
+
+
+def open_client(address: str, patience: float, remedy: str, security: object = None) -> Any:  # noqa: ANN401 - Dask has no types
+    """
+    Return a client of a scheduler; raise `BadInput` if none answers.
+
+    Parameters
+    ----------
+    address : str
+        Of the scheduler.
+    patience : float
+        Time to retry. [s]
+    remedy : str
+        What to do if none answers, for the message.
+    security : distributed.Security, optional
+        Certificates; by default those of Dask's configuration.
+
+    """
+    dask = import_dask()
+    silence_logs()
+    try:
+        with warnings.catch_warnings():
+            # Dask's table of versions; `check_software` says it in one sentence
+            warnings.simplefilter('ignore')
+            # Not the default client, which would capture Dask calls of the user's own code
+            return dask.Client(address, timeout=patience, set_as_default=False, security=security)
+    except TypeError:  # Dask's error for tls:// without certificates
+        raise BadInput(
+            f"The Dask scheduler at '{address}' needs certificates; set {TLS}CA_FILE, "
+            f'{TLS}CLIENT__CERT and {TLS}CLIENT__KEY to their files, as "lta cluster up" prints.'
+        ) from None
     except (OSError, ValueError) as error:
         raise BadInput(
-            f"No Dask scheduler with workers answers at '{address}' "
-            f'({" ".join(str(error).split())}); start "dask scheduler" and "dask worker".'
+            f"No Dask scheduler answers at '{address}' within {patience:.0f} s "
+            f'({flatten_error(error)}); {remedy}.'
         ) from None
-    return dask, client
+
+
+def silence_logs() -> None:
+    """Keep Dask from printing the traceback of each lost connection; our errors say it."""
+    for name in LOGGERS:
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+
+
+def flatten_error(error: BaseException) -> str:
+    """Return the message of an error in one line."""
+    return ' '.join(str(error).split())
+
+
+def check_software(client: Any) -> None:  # noqa: ANN401 - Dask has no types
+    """Raise `BadInput` if the scheduler or a worker does not run this software."""
+    ours = read_software()
+    for name, theirs in read_cluster_software(client).items():
+        if ours.matches(theirs):
+            continue
+        if not theirs.lta:
+            raise BadInput(
+                f'The {name} has no LTA, and this machine has {ours}; install the wheel of LTA '
+                'there, or start it with "lta cluster up" or "lta cluster join".'
+            )
+        raise BadInput(
+            f'The {name} has {theirs}, and this machine has {ours}; install the same versions on '
+            'all machines of the cluster, and start it again.'
+        )
+
+
+def read_software() -> ClusterSoftware:
+    """Return the versions of this process."""
+    dask = import_dask().__version__
+    return ClusterSoftware(VERSION, read_commit(), shorten_python(platform.python_version()), dask)
+
+
+def read_cluster_software(client: Any) -> dict[str, ClusterSoftware]:  # noqa: ANN401 - Dask has no types
+    """Return the versions of the scheduler and of all workers, by name."""
+    # Dask's own request: it does not pickle a function, so it works between different Pythons
+    versions = client.get_versions()
+    packages = {
+        f'scheduler {client.scheduler.address}': versions['scheduler']['packages'],
+        **{f'worker {name}': each['packages'] for name, each in versions['workers'].items()},
+    }
+    pythons = {shorten_python(each['python']) for each in packages.values()}
+    found: dict[str, tuple[str, str]] = {}
+    if pythons == {shorten_python(platform.python_version())}:
+        read_lta = build_lta_reader()
+        found = {
+            f'scheduler {client.scheduler.address}': client.run_on_scheduler(read_lta),
+            **{f'worker {name}': each for name, each in client.run(read_lta).items()},
+        }
+    return {
+        name: ClusterSoftware(
+            # Unasked if the Pythons differ, which is reported already
+            *found.get(name, (VERSION, UNKNOWN)),
+            shorten_python(each['python']),
+            each['distributed'],
+        )
+        for name, each in packages.items()
+    }
+
+
+def shorten_python(version: str) -> str:
+    """Return '3.11' for '3.11.7' and '3.11.7.final.0'."""
+    return '.'.join(version.split('.')[:2])
+
+
+def build_lta_reader() -> Callable[[], tuple[str, str]]:
+    """Return a function that returns the LTA version and commit, '' if it is not installed."""
+
+    # Nested, so that Dask sends its code and not its name, which a worker without LTA cannot find
+    def read_lta() -> tuple[str, str]:
+        from importlib import import_module
+
+        try:
+            version: str = import_module('lta_config.version').VERSION
+            commit: str = import_module('lta_bridge.provenance').read_commit()
+        except ImportError:
+            return '', ''
+        return version, commit
+
+    return read_lta

@@ -325,7 +325,7 @@ class DaskWorkers(Generic[Item, Result]):
     function : callable
         A function that can be pickled; it is sent to each worker once.
     address : str
-        Address of the scheduler, such as tcp://10.0.0.1:8786.
+        Address of the scheduler, such as tcp://127.0.0.1:8786.
 
     Raises
     ------

@@ -14,7 +14,7 @@ Scheduler = Annotated[
     str | None,
     typer.Option(
         metavar='ADDRESS',
-        help='Use a Dask cluster; address of its scheduler, such as tcp://10.0.0.1:8786.',
+        help='Use a Dask cluster; address of its scheduler, such as tcp://127.0.0.1:8786.',
     ),
 ]
 RetryFailed = Annotated[

@@ -116,6 +116,8 @@ class DaskFlowSolver:
             except CaseFailed as error:
                 # A failed flow is a result too; the others go on.
                 yield flow, error
+            except BadInput as error:  # the cluster is lost, in one sentence
+                yield flow, CaseFailed(str(error))
             except Exception as error:  # a lost worker can raise anything
                 reason = ' '.join(str(error).split())
                 yield (

@@ -1,0 +1,1 @@
+"""The verbs of `lta cluster`, and the options that they share."""
