@@ -1,0 +1,57 @@
+"""Guidance after each light block: mission or course, by what is known of motion and energy."""
+
+from lta_config.course import Course
+from lta_control.cascade import CascadeMeasurement, Setpoint
+from lta_control.guidance import Guidance
+from lta_control.mission import MissionSettings
+from lta_control.phases import Phase
+from lta_control.reserve import FlightPermission, ReserveReport, ReserveResponseSettings
+from lta_control.strategies import find_navigation_strategy
+from lta_control.strategies.protocol import LightMeasurement
+
+SECOND = 1_000_000_000
+SETTINGS, RESERVE = MissionSettings(), ReserveResponseSettings()
+BAG = find_navigation_strategy('bag')
+SEEN = LightMeasurement(seen=True, bearing=0.4, heading=1.0, amplitudes=(0.0,) * 8, interval=0.1)
+MEASURED = CascadeMeasurement(0.42, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def choose(guidance, stamp_ns=0, measured=MEASURED, report=ReserveReport(0, False, False)):  # noqa: B008 - immutable
+    return guidance.choose_setpoint(SETTINGS, RESERVE, BAG, stamp_ns, SEEN, measured, report)
+
+
+def test_it_takes_off_only_with_a_known_motion_and_energy():
+    guidance = Guidance(None, ())
+    assert guidance.permission is FlightPermission.DOWN
+    for unknown in ({'measured': None}, {'report': None}, {'stamp_ns': 2 * SECOND}):
+        assert choose(guidance, **unknown) == Setpoint(0.0, 1.0, 0.0)
+        assert guidance.mission.phase is Phase.REST
+    assert choose(guidance) == Setpoint(0.5, 1.0, 0.0)
+    assert guidance.mission.phase is Phase.CLIMB
+    assert guidance.permission is FlightPermission.FLY
+
+
+def test_it_lands_at_the_reserve():
+    guidance = Guidance(None, ())
+    choose(guidance)
+    choose(guidance, report=ReserveReport(0, True, False))
+    assert guidance.permission is FlightPermission.RESERVE
+    assert guidance.mission.phase is Phase.LAND
+
+
+def test_a_course_begins_with_the_first_block():
+    row = {'at': '2 s', 'altitude': '1 m', 'heading': '0.5 rad', 'speed': '0.4 m/s'}
+    guidance = Guidance(Course.model_validate({'between': 'step', 'rows': [row]}), ())
+    for second, setpoint in ((100, (0.0, 0.5, 0.0)), (102, (1.0, 0.5, 0.4))):
+        report = ReserveReport(second * SECOND, False, False)
+        assert choose(guidance, second * SECOND, report=report) == setpoint
+    assert guidance.mission.phase is Phase.REST
+
+
+def test_it_listens_to_the_lamp_of_its_leg():
+    route = (('gate', 120.0), ('dock', 180.0))
+    assert Guidance(None, ()).beacon == 0.0
+    guidance = Guidance(None, route)
+    assert guidance.beacon == 120.0
+    guidance.mission = guidance.mission._replace(asked=1)
+    assert guidance.beacon == 180.0
