@@ -25,7 +25,7 @@ class ClusterSoftware(NamedTuple):
     Attributes
     ----------
     lta, commit : str
-        Version and commit of LTA; '' if it is not installed. A commit can be 'unknown'.
+        Version and commit of LTA; '' if it is not installed, or 'unknown'.
     python : str
         Such as '3.11'.
     dask : str
@@ -39,9 +39,11 @@ class ClusterSoftware(NamedTuple):
     dask: str
 
     def matches(self, other: 'ClusterSoftware') -> bool:
-        """Return whether both give the same results; an unknown commit matches any."""
+        """Return whether both give the same results; what is unknown matches any."""
+        versions = {self.lta, other.lta} - {UNKNOWN}
         commits = {self.commit, other.commit} - {UNKNOWN}
-        return len(commits) < 2 and self._replace(commit='') == other._replace(commit='')
+        # The rest: Python and Dask
+        return len(versions) < 2 and len(commits) < 2 and self[2:] == other[2:]
 
     def __str__(self) -> str:
         """Return all versions in one line."""
@@ -49,7 +51,8 @@ class ClusterSoftware(NamedTuple):
         digits, _, changed = self.commit.partition('-')
         known = f' (commit {"-".join(filter(None, (digits[:12], changed)))})'
         commit = '' if self.commit == UNKNOWN else known
-        return f'LTA {self.lta}{commit}, Python {self.python} and Dask {self.dask}'
+        lta = '' if self.lta == UNKNOWN else f'LTA {self.lta}{commit}, '
+        return f'{lta}Python {self.python} and Dask {self.dask}'
 
 
 def import_dask() -> Any:  # noqa: ANN401 - Dask has no types
@@ -209,8 +212,8 @@ def read_cluster_software(client: Any) -> dict[str, ClusterSoftware]:  # noqa: A
         }
     return {
         name: ClusterSoftware(
-            # Unasked if the Pythons differ, which is reported already
-            *found.get(name, (VERSION, UNKNOWN)),
+            # Not asked if the Pythons differ, which is reason enough
+            *found.get(name, (UNKNOWN, UNKNOWN)),
             shorten_python(each['python']),
             each['distributed'],
         )

@@ -19,6 +19,7 @@ from lta_report.cluster import check_software, import_dask, open_client, silence
 
 Result = TypeVar('Result')
 
+CONFIG: Final = 'dask.config'  # optional, as all of Dask
 PORT: Final = 8786  # Dask's default
 PATIENCE: Final = 60.0  # s for a scheduler to start, or to come back
 CLOSING: Final = 10.0  # s for the workers to end
@@ -210,7 +211,7 @@ class ClusterServer:
 
     def __init__(self) -> None:
         self._dask = import_dask()
-        import_module('dask.config').set(SETTINGS)
+        import_module(CONFIG).set(SETTINGS)
         silence_logs()
         self._servers: list[Any] = []
 

@@ -54,7 +54,7 @@ def test_the_same_software_is_accepted(commit):
         (FakeClient(('1.1.0', 'a' * 40)), f'worker tcp://w has LTA 1.1.0 (commit {"a" * 12}), Py'),
         (FakeClient(('1.0.0', 'b' * 40)), f'worker tcp://w has LTA 1.0.0 (commit {"b" * 12}), Py'),
         (FakeClient(('1.0.0', 'a' * 40 + '-dirty')), f'(commit {"a" * 12}-dirty), Python 3.11'),
-        (FakeClient(packages={'python': '3.12.1.final.0'}), 'w has LTA 1.0.0, Python 3.12 '),
+        (FakeClient(packages={'python': '3.12.1.final.0'}), 'worker tcp://w has Python 3.12 and'),
         (FakeClient(packages={'distributed': '2025.1.0'}), 'Python 3.11 and Dask 2025.1.0'),
         (FakeClient(('', '')), 'The worker tcp://w has no LTA'),
         (FakeClient(scheduler=('', '')), 'The scheduler tcp://s has no LTA'),
