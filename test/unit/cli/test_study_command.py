@@ -4,7 +4,12 @@ import json
 
 from lta_bridge.provenance import read_commit
 from lta_cli.app import build_app
-from lta_cli.options.study_command import drop_output_options, study_command, StudyRun
+from lta_cli.options.study_command import (
+    add_origin,
+    drop_output_options,
+    study_command,
+    StudyRun,
+)
 from lta_config.errors import BadInput
 from lta_report.report import Report, TextTable
 import pytest
@@ -101,6 +106,18 @@ def test_a_study_that_resumes_keeps_what_its_folder_has(tmp_path, monkeypatch):
         assert f'{count} runs.' in CliRunner().invoke(app).stdout
     content = json.loads((tmp_path / 'runs/counting-1/counting.json').read_text())
     assert content == {'runs': 2}
+
+
+def test_a_study_that_resumes_is_repeated_in_its_folder(tmp_path):
+    report = Report('counting', '', 'Done.', '', [], [], {}, commands={'Fly': 'lta fly'})
+    words = ['counting', '--out', 'old', '--json']
+    found = add_origin(report, words, tmp_path / 'kept').commands
+    assert found == {
+        'Resume or repeat this study': f'lta counting --out {tmp_path / "kept"}',
+        'Fly': 'lta fly',
+    }
+    # A report that was not made by a command line has no command that repeats it
+    assert add_origin(report, (), None).commands == {'Fly': 'lta fly'}
 
 
 def test_the_page_says_how_to_repeat_it_and_by_which_commit(tmp_path):

@@ -109,7 +109,10 @@ def study_command(
             if not resumes:
                 check_creatable(run.folder)
             own = {'run': run} if 'run' in signature.parameters else {}
-            report = add_origin(study(*args, **own, **options), context.meta.get(WORDS, ()))
+            report = study(*args, **own, **options)
+            report = add_origin(
+                report, context.meta.get(WORDS, ()), run.folder if resumes else None
+            )
             with nullcontext(run.folder) if resumes else stage_results(run.folder, PAGE) as folder:
                 write_report(report, folder, page=page, pictures=pictures)
             show_report(report, run, json)
@@ -145,13 +148,21 @@ def add_options(signature: inspect.Signature, options: Mapping[str, object]) -> 
     return signature.replace(parameters=[first, *own, *added], return_annotation=None)
 
 
-def add_origin(report: Report, words: Sequence[str]) -> Report:
-    """Add the commit to the facts of a report, and the command that repeats it to the commands."""
-    commands = {'Repeat this study': format_lta_command(*drop_output_options(words))}
+def add_origin(report: Report, words: Sequence[str], folder: Path | None) -> Report:
+    """
+    Add the commit to the facts of a report, and the command that repeats it to the commands.
+
+    `words` are those of the command line. A study that resumes continues in its `folder`.
+    """
+    kept = drop_output_options(words)
+    if folder is not None:
+        kept += ['--out', str(relative_path(folder))]
+    name = 'Repeat this study' if folder is None else 'Resume or repeat this study'
+    commands = {name: format_lta_command(*kept)} if words else {}
     return replace(
         report,
         facts={**report.facts, 'commit': read_commit()},
-        commands={**(commands if words else {}), **report.commands},
+        commands={**commands, **report.commands},
     )
 
 

@@ -3,10 +3,8 @@
 from datetime import datetime
 from typing import Annotated
 
-from lta_bridge.provenance import read_commit
 from lta_cli.options.study_command import study_command, StudyRun
 from lta_cli.options.worker_options import RetryFailed, Scheduler, WorkerCount
-from lta_config.command_line import format_lta_command
 from lta_config.schema.comparison_file import load_comparison
 from lta_report.report import Report
 from lta_report.study import StudyOptions
@@ -59,7 +57,6 @@ def platforms(
     rows = fly_jobs(entries, todo, run.folder, options, run.console)
     facts = {
         'comparison': file, 'seeds': str(count), 'flights': str(len(rows)),
-        'commit': read_commit(), 'created': created,
+        'created': created,
     }  # fmt: skip
-    again = format_lta_command('platforms', file, '--seeds', str(count))
-    return build_report(comparison, rows, facts, {'Repeat the comparison': again})
+    return build_report(comparison, rows, facts)

@@ -211,9 +211,6 @@ def suggest_commands(done: SweepRun) -> dict[str, str]:
     # The path is typed in the folder where the command was run
     table = relative_path(done.table)
     commands = {
-        'Resume or repeat the sweep': format_lta_command(
-            'sweep', done.order.file, *options, '--out', relative_path(done.folder)
-        ),
         'Read the table': f'python -c "import pandas; print(pandas.read_parquet(\'{table}\'))"',
     }
     if lost := list_lost_flights(done.rows):

@@ -55,9 +55,8 @@ def build_report(
     comparison: ComparisonFile,
     rows: Sequence[PlatformResult],
     facts: Mapping[str, str],
-    commands: Mapping[str, str],
 ) -> Report:
-    """Return the report of a comparison; `facts` are its origin, `commands` the next steps."""
+    """Return the report of a comparison; `facts` are its origin."""
     content = yaml.safe_dump(comparison.model_dump(exclude_none=True), sort_keys=False)
     return Report(
         command='platforms',
@@ -75,7 +74,6 @@ def build_report(
         data=[result_to_json(row) for row in rows],
         json_name='flights.json',
         facts=facts,
-        commands=commands,
         files={'Comparison file': content},
         closing=describe_reversals(comparison, rows),
     )  # fmt: skip

@@ -4,7 +4,6 @@ from collections.abc import Iterator, Sequence
 import math
 from typing import Final
 
-from lta_bridge.provenance import read_commit
 from lta_config.command_line import format_lta_command, relative_path
 from lta_report.formatting import format_number, Tile
 from lta_report.report import Grid, Picture, Report
@@ -149,7 +148,6 @@ def build_provenance_table(tuned: TuningResult) -> dict[str, str]:
         # 1000 is `compare.FRESH`.
         'seeds': f'{order.seed} to {order.seed + len(tuned.losses) - 1} in the search, '
         'from 1000 in the comparison',
-        'commit': read_commit(),
     }
 
 

@@ -311,7 +311,7 @@ def test_the_report_says_what_each_change_turns():
     ]
     told = describe_reversals(few, rows)
     assert 'changes the result of climb (1 of 1 flights held, 0 with the change)' in told[0]
-    report = build_report(few, rows, {}, {})
+    report = build_report(few, rows, {})
     changes, inputs, margins = report.blocks[-3:]
     reversal = changes.rows[0]
     assert reversal[2:] == [

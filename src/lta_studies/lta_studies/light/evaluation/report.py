@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
-from lta_config.command_line import format_lta_command, relative_path
+from lta_config.command_line import format_lta_command
 from lta_flight.sweep.statistics import ShareInterval
 from lta_report.formatting import Tile
 from lta_report.json_value import replace_nonfinite
@@ -245,18 +245,11 @@ def build_provenance_table(status: EvaluationStatus) -> dict[str, str]:
 
 def suggest_commands(status: EvaluationStatus) -> dict[str, str]:
     """Return commands for the next steps."""
-    names = [word for name in status.cells for word in ('--sets', name)]
     commands = {
-        # With its folder, where a stopped evaluation resumes
-        'Repeat this study': format_lta_command(
-            'light', 'evaluate', '--seeds', str(status.order.seeds),
-            *([] if set(status.cells) == set(SETS) else names),
-            '--out', relative_path(status.order.folder),
-        ),
         'Fly only one set': format_lta_command(
             'sweep', find_flight_set(next(iter(status.cells))).file
         ),
-    }  # fmt: skip
+    }
     if ABLATIONS in status.cells:
         commands['Fly only the ablations'] = format_lta_command(
             'sweep', find_flight_set(ABLATIONS).file
