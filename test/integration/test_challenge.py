@@ -7,7 +7,7 @@ from lta_challenge.make import ChallengeRequest, generate_challenge
 from lta_challenge.report import build_report
 from lta_challenge.score import ChallengeScore, RESULTS, score_challenge, STORE
 from lta_challenge.score_statistics import CLEAR
-from lta_config.processor_cores import count_cores
+from lta_config.machine import count_cores
 from lta_report.report_output import write_report
 from lta_report.study import StudyOptions
 import pytest

@@ -27,7 +27,7 @@ from typing import Any
 from commands import COMMANDS, FLIGHTS, ROOT, run_command
 from fingerprint import describe_machine
 from lta_config.errors import BadInput
-from lta_config.processor_cores import count_cores
+from lta_config.machine import count_cores
 from lta_report.workers import ItemFailure, LocalWorkers
 from rich.progress import track
 from simulations import list_flights, simulate_flight

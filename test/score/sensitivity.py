@@ -28,7 +28,7 @@ from lta_challenge.case_score import score_case, ScoredCase
 from lta_challenge.make import case_folder, ChallengeRequest, generate_challenge
 from lta_challenge.trial import study_case
 from lta_cli.reference.thresholds import DECLARED, KEPT, list_thresholds, Threshold
-from lta_config.processor_cores import count_cores
+from lta_config.machine import count_cores
 from rich.progress import track
 
 ROOT = Path(__file__).resolve().parents[2]

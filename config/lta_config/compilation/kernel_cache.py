@@ -18,7 +18,7 @@ import sys
 import tempfile
 from types import ModuleType
 
-from lta_config.cache_folder import find_cache_folder
+from lta_config.machine import find_cache_folder
 
 # Modification time of all kernels [s]: numba takes a changed time for a changed source
 EPOCH = 1_000_000_000

@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from multiprocessing import parent_process
 from typing import TypeVar
 
-from lta_config.processor_cores import count_cores
+from lta_config.machine import count_cores
 
 Given = TypeVar('Given')
 Result = TypeVar('Result')

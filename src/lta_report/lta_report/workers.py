@@ -21,7 +21,7 @@ from types import TracebackType
 from typing import Any, Final, final, Generic, NamedTuple, Protocol, Self, TypeVar
 
 from lta_config.errors import BadInput
-from lta_config.processor_cores import count_cores
+from lta_config.machine import count_cores
 from lta_report.cluster import connect_cluster
 
 Item = TypeVar('Item')

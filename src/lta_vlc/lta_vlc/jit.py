@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import cast, TypeVar
 
-from lta_config.cache_folder import find_cache_folder
+from lta_config.machine import find_cache_folder
 from numba import config, njit
 
 Function = TypeVar('Function', bound=Callable[..., object])

@@ -14,7 +14,7 @@ import time
 
 from added_mass import AIR_DENSITY, FORCE, HALF_HEIGHT, MASS, RADIUS
 from bench import Figure
-from lta_config.processor_cores import count_cores
+from lta_config.machine import count_cores
 import mujoco
 
 STEPS = 20_000

@@ -8,7 +8,7 @@ import pytest
 
 @pytest.fixture(autouse=True)
 def _a_browser(monkeypatch):
-    monkeypatch.setattr('lta_cli.options.output_options.find_chromium', lambda: 'chromium')
+    monkeypatch.setattr('lta_cli.options.common_options.find_chromium', lambda: 'chromium')
 
 
 def test_the_pictures_of_the_page_are_taken_if_asked_for(tmp_path, monkeypatch, call):

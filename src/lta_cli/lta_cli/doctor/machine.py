@@ -7,7 +7,7 @@ import shutil
 import sys
 
 from lta_bridge.hardware.check_result import grade_value, HardwareCheck, MEGABYTE
-from lta_config.processor_cores import count_cores
+from lta_config.machine import count_cores
 
 OLDEST_PYTHON, NEWEST_PYTHON = (3, 11), (3, 14)  # as in the Makefile; a test compares
 

@@ -11,7 +11,7 @@ import sys
 import tempfile
 
 from lta_bridge.hardware.check_result import HardwareCheck
-from lta_config.cache_folder import find_cache_folder
+from lta_config.machine import find_cache_folder
 
 MODULES = ('rclpy', 'sensor_msgs', 'numpy', 'scipy', 'numba', 'pydantic', 'yaml', 'mcap', 'plotly')
 PACKAGES = ('analysis', 'bridge', 'config', 'control', 'energy', 'graph', 'sim', 'vlc')

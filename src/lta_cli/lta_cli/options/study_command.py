@@ -10,15 +10,15 @@ from typing import Annotated, Any, final, get_type_hints
 
 from lta_bridge.provenance import read_commit
 from lta_cli.app import WORDS
-from lta_cli.options.output_options import (
+from lta_cli.options.common_options import (
     check_picture_output,
     Json,
     Out,
     Pictures,
+    plain_console,
     print_json,
     ResumedOut,
 )
-from lta_cli.options.plain_console import plain_console
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
 from lta_report.report import Report

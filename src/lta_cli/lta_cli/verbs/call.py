@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from lta_cli.options.plain_console import plain_console
+from lta_cli.options.common_options import plain_console
 from lta_config.topics import robot_topic
 from lta_graph.ros import service_call
 import typer

@@ -8,8 +8,13 @@ import re
 from typing import Annotated
 
 from lta_bridge.bag.writer import prepare_empty_folder
-from lta_cli.options.output_options import check_picture_output, parse_folder, Pictures, print_json
-from lta_cli.options.plain_console import plain_console
+from lta_cli.options.common_options import (
+    check_picture_output,
+    parse_folder,
+    Pictures,
+    plain_console,
+    print_json,
+)
 from lta_config.errors import BadInput
 from lta_config.quantity import UNITS
 from lta_data.bag.bag_folder import find_bag

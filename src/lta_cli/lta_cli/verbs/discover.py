@@ -3,8 +3,13 @@
 from pathlib import Path
 from typing import Annotated
 
-from lta_cli.options.output_options import check_picture_output, Out, Pictures, print_json
-from lta_cli.options.plain_console import plain_console
+from lta_cli.options.common_options import (
+    check_picture_output,
+    Out,
+    Pictures,
+    plain_console,
+    print_json,
+)
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
 from lta_discovery.demo.demo import run_discovery_demo

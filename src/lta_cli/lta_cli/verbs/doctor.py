@@ -5,8 +5,7 @@ from dataclasses import asdict
 from typing import Annotated
 
 from lta_cli.doctor import exit_status, iterate_check_results, print_checks
-from lta_cli.options.output_options import print_json
-from lta_cli.options.plain_console import plain_console
+from lta_cli.options.common_options import plain_console, print_json
 import typer
 
 

@@ -3,7 +3,7 @@
 import sys
 from typing import Annotated
 
-from lta_cli.options.plain_console import plain_console
+from lta_cli.options.common_options import plain_console
 from lta_cli.reference.effects_page import KINDS, render_page
 from lta_model.effects import EFFECTS, get_effect
 from lta_model.effects.summary import describe_effect

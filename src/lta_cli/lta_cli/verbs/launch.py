@@ -6,7 +6,7 @@ import shutil
 import sys
 from typing import Annotated
 
-from lta_cli.options.plain_console import plain_console
+from lta_cli.options.common_options import plain_console
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_flight.flight import is_refusal

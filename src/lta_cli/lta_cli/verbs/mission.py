@@ -2,8 +2,8 @@
 
 from typing import Annotated, Literal
 
+from lta_cli.options.common_options import RetryFailed, Scheduler, WorkerCount
 from lta_cli.options.study_command import study_command, StudyRun
-from lta_cli.options.worker_options import RetryFailed, Scheduler, WorkerCount
 from lta_report.report import Report
 from lta_report.results_folder import resolve_folder
 from lta_report.study import StudyOptions

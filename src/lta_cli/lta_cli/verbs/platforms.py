@@ -3,8 +3,8 @@
 from datetime import datetime
 from typing import Annotated
 
+from lta_cli.options.common_options import RetryFailed, Scheduler, WorkerCount
 from lta_cli.options.study_command import study_command, StudyRun
-from lta_cli.options.worker_options import RetryFailed, Scheduler, WorkerCount
 from lta_config.schema.comparison_file import load_comparison
 from lta_report.report import Report
 from lta_report.study import StudyOptions

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 from lta_bridge.bag.writer import prepare_empty_folder
-from lta_cli.options.plain_console import plain_console
+from lta_cli.options.common_options import plain_console
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import select_robot

@@ -5,9 +5,8 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
-from lta_cli.options.plain_console import plain_console
+from lta_cli.options.common_options import plain_console, RetryFailed, WorkerCount
 from lta_cli.options.study_command import study_command, StudyRun
-from lta_cli.options.worker_options import RetryFailed, WorkerCount
 from lta_config.schema.paper_file import PaperRow
 from lta_report.report import Report, TextTable
 from lta_report.report_terminal import print_table

@@ -2,8 +2,7 @@
 
 from typing import Annotated
 
-from lta_cli.options.output_options import Json, Out, print_json
-from lta_cli.options.plain_console import plain_console
+from lta_cli.options.common_options import Json, Out, plain_console, print_json
 from lta_cli.verbs.fly import flight_to_dict, format_outcome, print_files
 from lta_control.strategies import STRATEGIES
 from lta_flight.progress import FlightProgress

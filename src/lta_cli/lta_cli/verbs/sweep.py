@@ -3,8 +3,8 @@
 import math
 from typing import Annotated
 
+from lta_cli.options.common_options import RetryFailed, Scheduler, WorkerCount
 from lta_cli.options.study_command import study_command, StudyRun
-from lta_cli.options.worker_options import RetryFailed, Scheduler, WorkerCount
 from lta_config.errors import BadInput
 from lta_flight.batch.fly import Device
 from lta_flight.sweep.report import build_report

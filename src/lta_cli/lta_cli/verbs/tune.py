@@ -2,8 +2,8 @@
 
 from typing import Annotated
 
+from lta_cli.options.common_options import WorkerCount
 from lta_cli.options.study_command import study_command, StudyRun
-from lta_cli.options.worker_options import WorkerCount
 from lta_config.command_line import format_lta_command
 from lta_config.parameter_override import parse_quantity
 from lta_report.report import Report

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from lta_config.compilation.flat import TupleLayout
 from lta_config.compilation.kernel_cache import load_kernel
-from lta_config.processor_cores import count_cores
+from lta_config.machine import count_cores
 from lta_config.topics import load_topic_table
 from lta_control.strategies import STRATEGIES
 from lta_flight.batch.batch_flight import BatchFlight, build_schedule

@@ -12,7 +12,7 @@ from types import ModuleType
 
 from lta_config.compilation.compiler import OWN
 from lta_config.compilation.kernel_cache import load_kernel
-from lta_config.processor_cores import count_cores
+from lta_config.machine import count_cores
 from lta_model.effects import EFFECTS
 from lta_sim.kernels.columns import ColumnAccess
 from lta_sim.kernels.compose import KernelTarget, render_kernel_source

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated
 
 from lta_config.errors import BadInput
-from lta_config.processor_cores import count_cores
+from lta_config.machine import count_cores
 from lta_sim.cfd.flow_plan import TunnelFlow
 from lta_sim.cfd.flow_solvers import FlowSolver, ThreadedFlowSolver
 from lta_sim.cfd.openfoam.case_runner import cache_folder, CaseRunner

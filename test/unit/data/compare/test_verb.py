@@ -47,7 +47,7 @@ def test_the_command_writes_page_and_figures_and_tells_by_its_status(
 
 def test_the_pictures_of_the_page_are_taken_if_asked_for(tmp_path, monkeypatch, capsys):
     taken = []
-    monkeypatch.setattr('lta_cli.options.output_options.find_chromium', lambda: 'chromium')
+    monkeypatch.setattr('lta_cli.options.common_options.find_chromium', lambda: 'chromium')
     monkeypatch.setattr('lta_cli.verbs.compare.write_pictures', lambda *given: taken.append(given))
     bag, out, pictures = write_motion(tmp_path / 'a', until=5.0), tmp_path / 'out', tmp_path / 'p'
     assert run(monkeypatch, bag, bag, '--out', out, '--pictures', pictures) == 0

@@ -1,15 +1,33 @@
 """lta bag export: export a recording to Parquet, CSV or MATLAB."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, final
 
-from lta_cli.options.output_options import parse_folder, print_json
-from lta_cli.options.plain_console import plain_console
+from lta_cli.options.common_options import parse_folder, plain_console, print_json
 from lta_data.bag.recording import open_recording
-from lta_data.export.progress import ExportProgress
 from lta_data.export.run import export_recording, ExportRequest, ExportResult, FORMATS
+from lta_report.progress_bar import ProgressBar
 from lta_report.results_folder import resolve_folder
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, TextColumn
 import typer
+
+
+@final
+class ExportProgress(ProgressBar):
+    """Progress bar of an export, with the current topic."""
+
+    def __init__(self, console: Console) -> None:
+        columns = (
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn('{task.description}'),
+        )
+        super().__init__(console, *columns, begin='reading')
+
+    def show_topic(self, topic: str, done: int, total: int) -> None:
+        """Show the topic that is being written."""
+        self.update_bar(description=topic, completed=done, total=total)
 
 
 def export(

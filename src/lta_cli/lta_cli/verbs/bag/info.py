@@ -4,7 +4,7 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
-from lta_cli.options.plain_console import plain_console
+from lta_cli.options.common_options import plain_console
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.info import print_bag_info, summarize_bag
 import typer

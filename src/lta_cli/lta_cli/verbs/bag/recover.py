@@ -7,8 +7,7 @@ import sys
 from typing import Annotated
 
 from lta_bridge.bag.storage import StorageFault
-from lta_cli.options.output_options import parse_folder
-from lta_cli.options.plain_console import plain_console
+from lta_cli.options.common_options import parse_folder, plain_console
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.recover import recover_bag
 from lta_report.progress_bar import ProgressBar

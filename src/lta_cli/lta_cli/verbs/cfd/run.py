@@ -5,8 +5,8 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
+from lta_cli.options.common_options import Scheduler, WorkerCount
 from lta_cli.options.study_command import study_command, StudyRun
-from lta_cli.options.worker_options import Scheduler, WorkerCount
 from lta_config.errors import unknown_name_error
 from lta_config.schema.mount_file import load_mount
 from lta_config.schema.tunnel_file import load_tunnel_file

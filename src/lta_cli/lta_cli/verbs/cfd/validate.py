@@ -2,8 +2,8 @@
 
 from typing import Annotated
 
+from lta_cli.options.common_options import Scheduler, WorkerCount
 from lta_cli.options.study_command import study_command, StudyRun
-from lta_cli.options.worker_options import Scheduler, WorkerCount
 from lta_cli.verbs.cfd.run import AIR, Fidelity
 from lta_config.errors import BadInput
 from lta_report.report import Report

@@ -4,11 +4,9 @@ from typing import Annotated, Final
 
 from lta_challenge.make import ChallengeRequest, generate_challenge
 from lta_challenge.rows import parse_case_kind
-from lta_cli.options.output_options import Out
-from lta_cli.options.plain_console import plain_console
-from lta_cli.options.worker_options import WorkerCount
+from lta_cli.options.common_options import Out, plain_console, WorkerCount
 from lta_config.errors import BadInput
-from lta_config.processor_cores import count_cores
+from lta_config.machine import count_cores
 from lta_report.results_folder import resolve_folder
 from lta_report.study_progress import StudyProgress
 import typer

@@ -5,10 +5,16 @@ from typing import Annotated
 
 from lta_challenge.report import build_report, format_markdown_page
 from lta_challenge.score import ChallengeScore, score_challenge
-from lta_cli.options.output_options import check_picture_output, Json, parse_folder, Pictures
-from lta_cli.options.plain_console import plain_console
+from lta_cli.options.common_options import (
+    check_picture_output,
+    Json,
+    parse_folder,
+    Pictures,
+    plain_console,
+    RetryFailed,
+    WorkerCount,
+)
 from lta_cli.options.study_command import Page, show_report, StudyRun
-from lta_cli.options.worker_options import RetryFailed, WorkerCount
 from lta_config.errors import BadInput
 from lta_report.page_frame import write_file
 from lta_report.report_output import write_report

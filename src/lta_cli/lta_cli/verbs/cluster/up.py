@@ -11,7 +11,7 @@ from lta_cli.options.cluster_options import (
     TlsKey,
     Workers,
 )
-from lta_cli.options.plain_console import plain_console
+from lta_cli.options.common_options import plain_console
 from lta_config.command_line import format_lta_command
 from lta_report.cluster import TLS
 from lta_report.cluster_server import PORT, serve_cluster, TlsFiles

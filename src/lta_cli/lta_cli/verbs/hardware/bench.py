@@ -12,8 +12,7 @@ from lta_bridge.crazyflie.links import create_link
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.hardware.drone import DEADLINE
 from lta_bridge.hardware.motor import interrupt_on_signals, MotorBench, MotorTurnResult
-from lta_cli.options.output_options import print_json
-from lta_cli.options.plain_console import plain_console
+from lta_cli.options.common_options import plain_console, print_json
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.schema.crazyflie_file import find_crazyflie, MOTORS
 from lta_model.vehicle import load_vehicle

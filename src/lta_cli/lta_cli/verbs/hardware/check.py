@@ -7,8 +7,7 @@ from lta_bridge.devices import format_udev_rules, RULES_FILE
 from lta_bridge.hardware.check import HardwareCheckRequest, run_hardware_check
 from lta_bridge.hardware.results_formatting import format_diode_rows, format_stream_rows, to_json
 from lta_cli.doctor import exit_status, print_checks
-from lta_cli.options.output_options import print_json
-from lta_cli.options.plain_console import plain_console
+from lta_cli.options.common_options import plain_console, print_json
 from lta_report.progress_bar import ProgressBar
 from lta_vlc.settings import DemodulationSettings
 from rich.console import Console

@@ -4,9 +4,8 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
-from lta_cli.options.plain_console import plain_console
+from lta_cli.options.common_options import plain_console, RetryFailed, Scheduler, WorkerCount
 from lta_cli.options.study_command import study_command, StudyRun
-from lta_cli.options.worker_options import RetryFailed, Scheduler, WorkerCount
 from lta_report.report import Report
 from lta_report.study import StudyOptions
 from lta_studies.light.evaluation.flights import MOST

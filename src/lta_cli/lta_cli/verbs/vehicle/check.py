@@ -2,16 +2,14 @@
 
 import sys
 
-from lta_cli.options.output_options import Json, print_json
-from lta_cli.options.plain_console import plain_console
+from lta_cli.options.common_options import Json, plain_console, print_json, VehicleName
 from lta_config.files import find_file
 from lta_vehicle.validation import validate_vehicle_file
-from lta_vehicle.vehicle_argument import Named
 from lta_vehicle.views import terminal
 import typer
 
 
-def check(name: Named, json: Json = False) -> None:
+def check(name: VehicleName, json: Json = False) -> None:
     """
     Report all errors and warnings of a vehicle file.
 

@@ -2,19 +2,17 @@
 
 from typing import Annotated
 
-from lta_cli.options.output_options import Json, print_json
-from lta_cli.options.plain_console import plain_console
+from lta_cli.options.common_options import Json, plain_console, print_json, VehicleName
 from lta_config.errors import BadInput
 from lta_model.vehicle import load_vehicle
 from lta_vehicle.difference import compare_vehicles, load_vehicle_variant
-from lta_vehicle.vehicle_argument import Named
 from lta_vehicle.views import terminal
 from lta_vehicle.views.json_output import encode_difference
 import typer
 
 
 def diff(
-    name: Named,
+    name: VehicleName,
     other: Annotated[
         str | None,
         typer.Argument(

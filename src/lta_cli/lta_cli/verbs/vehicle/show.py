@@ -3,15 +3,13 @@
 from pathlib import Path
 from typing import Annotated
 
-from lta_cli.options.output_options import Json, print_json
-from lta_cli.options.plain_console import plain_console
+from lta_cli.options.common_options import Json, plain_console, print_json, VehicleName
 from lta_control.gains_file import load_gains
 from lta_model.vehicle import load_vehicle
 from lta_studies.tune.helium_limit import find_tolerable_helium_loss
 from lta_studies.tune.run import select_start_gains
 from lta_vehicle.figures.sheet import build_sheet
 from lta_vehicle.validation import find_warnings
-from lta_vehicle.vehicle_argument import Named
 from lta_vehicle.views import terminal
 from lta_vehicle.views.json_output import encode_sheet
 from lta_vehicle.views.page import write_page
@@ -20,7 +18,7 @@ import typer
 
 
 def show(
-    name: Named,
+    name: VehicleName,
     out: Annotated[Path | None, typer.Option(help='HTML page to write.')] = None,
     gains: Annotated[
         bool,

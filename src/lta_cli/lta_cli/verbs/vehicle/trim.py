@@ -3,8 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
-from lta_cli.options.output_options import Json, print_json
-from lta_cli.options.plain_console import plain_console
+from lta_cli.options.common_options import Json, plain_console, print_json
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_data.bag.bag_folder import find_bag

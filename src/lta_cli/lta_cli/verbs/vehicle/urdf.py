@@ -5,15 +5,14 @@ import sys
 from typing import Annotated
 
 from lta_bridge.urdf import build_urdf
-from lta_cli.options.plain_console import plain_console
+from lta_cli.options.common_options import plain_console, VehicleName
 from lta_model.vehicle import load_vehicle
 from lta_report.page_frame import write_file
-from lta_vehicle.vehicle_argument import Named
 import typer
 
 
 def urdf(
-    name: Named,
+    name: VehicleName,
     out: Annotated[
         Path | None, typer.Option(help='URDF file to write; printed by default.')
     ] = None,

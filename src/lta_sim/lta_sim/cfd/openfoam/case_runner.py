@@ -13,7 +13,7 @@ import shutil
 import time
 from typing import Final, final
 
-from lta_config.cache_folder import find_cache_folder
+from lta_config.machine import find_cache_folder
 from lta_sim.cfd.openfoam.case import FoamCase, ProgramStep
 from lta_sim.cfd.openfoam.engine import CaseFailed, FoamPrograms
 

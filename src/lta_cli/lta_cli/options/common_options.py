@@ -1,4 +1,4 @@
-"""Define the output options of all commands: --json, --out and --pictures."""
+"""Define the options that commands share: the vehicle, where results go, and who computes them."""
 
 from collections.abc import Mapping
 import json
@@ -8,8 +8,15 @@ from typing import Annotated, Any
 
 from lta_bridge.bag.writer import prepare_empty_folder
 from lta_report.browser import find_chromium
+from rich.console import Console
 import typer
 
+VehicleName = Annotated[
+    str,
+    typer.Argument(
+        metavar='VEHICLE', help='Name of a shipped vehicle, or path of a vehicle file.'
+    ),
+]
 # JSON goes to stdout, tables then go to stderr
 Json = Annotated[bool, typer.Option('--json', help='Print the results as JSON.')]
 
@@ -57,6 +64,22 @@ Pictures = Annotated[
         help='Write each figure as PNG to this folder; needs Chromium.', metavar='FOLDER'
     ),
 ]
+WorkerCount = Annotated[
+    int | None,
+    typer.Option(
+        '--workers', help='Number of worker processes; one per processor by default.', min=1
+    ),
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        metavar='ADDRESS',
+        help='Use a Dask cluster; address of its scheduler, such as tcp://127.0.0.1:8786.',
+    ),
+]
+RetryFailed = Annotated[
+    bool, typer.Option('--retry-failed', help='Repeat what failed in an earlier run.')
+]
 
 
 def check_picture_output(folder: Path | None) -> None:
@@ -65,3 +88,13 @@ def check_picture_output(folder: Path | None) -> None:
         find_chromium()  # raises BadInput if there is none
         # Also raises BadInput if the folder is not empty
         prepare_empty_folder(folder)
+
+
+def plain_console(stderr: bool = False) -> Console:
+    """
+    Return a console that does not interpret markup.
+
+    Names in recordings and files may contain text that rich takes for a style, and an unknown
+    style raises an error.
+    """
+    return Console(stderr=stderr, markup=False, emoji=False)

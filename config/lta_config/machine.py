@@ -1,9 +1,15 @@
-"""Find the folder for files that can be computed again, such as compiled kernels."""
+"""Find out what this machine offers: processor cores, and a folder for a cache."""
 
 from collections.abc import Iterator
 import os
 from pathlib import Path
 import tempfile
+
+
+def count_cores() -> int:
+    """Return the number of processor cores that this process may use."""
+    # Respects the limits of containers and taskset, unlike os.cpu_count
+    return len(os.sched_getaffinity(0))
 
 
 def find_cache_folder(name: str) -> Path:

@@ -4,7 +4,7 @@ from pathlib import Path
 import stat
 import tempfile
 
-from lta_config.cache_folder import find_cache_folder
+from lta_config.machine import find_cache_folder
 import pytest
 
 
