@@ -1,4 +1,4 @@
-"""Each node of a flight can be left out for another one, and the simulator waits for the rest."""
+"""Each node can be left out for somebody's own, and the simulator waits for the rest."""
 
 from pathlib import Path
 

@@ -4,8 +4,10 @@ import json
 from pathlib import Path
 import time
 
+from lta_graph.ros.listener import DiagnosticsListener
 import pytest
 from sensor_msgs.msg import Imu, JointState
+from waiting import wait_until
 
 from .command import ROOT
 from .peer import Peer
@@ -15,7 +17,7 @@ EXAMPLES = ROOT / 'examples'
 WAITED = 2.0  # s by which a foreign node may delay the start
 
 
-def test_the_simulator_flies_alone_by_anybodys_motors(lta, hear, domain_id):
+def test_the_simulator_flies_alone_by_anybodys_motors(lta, domain_id):
     words = ('--ros-args', '-r', '__ns:=/lta1')
     simulator = lta.start('run', 'lta_sim', 'simulator', *words)
     with Peer(domain_id) as peer:
@@ -42,11 +44,18 @@ def test_an_unknown_role_is_refused(lta):
     assert result.stderr.count('\n') == 1
 
 
-def fly(lta, flying, out: Path, *words: str) -> tuple[float, str]:
+def fly(lta, out: Path, *words: str) -> tuple[float, str]:
     """Return the seconds to the first step, and the outcome."""
     began = time.monotonic()
     launch = lta.start('launch', 'fly', f'bag:={out}', *words)
-    flying(0.1)
+    # A listener of its own, which has heard of no other flight
+    with DiagnosticsListener() as listener:
+
+        def has_begun() -> bool:
+            fact = listener.facts.get('simulator: flight')
+            return fact is not None and float(fact.values['time_s']) > 0.0
+
+        wait_until(has_begun, 'flight', lambda: launch.text, step=lambda: listener.poll(0.02))
     took = time.monotonic() - began
     assert launch.end() == 0, launch.text
     (line,) = [line for _, line in launch.lines if '"outcome"' in line]
@@ -60,18 +69,18 @@ def own(lta, name: str, *words: str):
 @pytest.mark.long
 @pytest.mark.parametrize('mode', ['lockstep', 'realtime'])
 @pytest.mark.parametrize('name', ['navigator', 'controller'])
-def test_a_node_in_plain_rclpy_reaches_the_lamp(lta, flying, tmp_path, name, mode):
+def test_a_node_in_plain_rclpy_reaches_the_lamp(lta, tmp_path, name, mode):
     node = own(lta, name, '-p', f'lockstep:={str(mode == "lockstep").lower()}')
-    _, outcome = fly(lta, flying, tmp_path / 'bag', f'{name}:=false', f'time:={mode}')
+    _, outcome = fly(lta, tmp_path / 'bag', f'{name}:=false', f'time:={mode}')
     assert outcome == 'reached'
     assert node.end() == 0  # by itself
 
 
 @pytest.mark.long
-def test_a_foreign_node_does_not_delay_the_start(lta, flying, scenario, tmp_path):
+def test_a_foreign_node_does_not_delay_the_start(lta, scenario, tmp_path):
     room = f'scenario:={scenario(time_limit="1 s")}'
-    fly(lta, flying, tmp_path / 'warm', room)
-    stock, _ = fly(lta, flying, tmp_path / 'stock', room)
+    fly(lta, tmp_path / 'warm', room)
+    stock, _ = fly(lta, tmp_path / 'stock', room)
     own(lta, 'controller')
-    foreign, _ = fly(lta, flying, tmp_path / 'foreign', room, 'controller:=false')
+    foreign, _ = fly(lta, tmp_path / 'foreign', room, 'controller:=false')
     assert foreign < stock + WAITED

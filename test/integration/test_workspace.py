@@ -4,6 +4,7 @@ The workspace as `colcon build` installs it: copied, not linked, and started as 
 Whatever executables the packages declare are found here by themselves: nothing to add for a node.
 """
 
+import ast
 from collections.abc import Iterator
 import json
 import os
@@ -137,8 +138,13 @@ def declared() -> list[tuple[str, str]]:
     found = []
     for setup in (ROOT / 'config' / 'setup.py', *sorted(ROOT.glob('src/*/setup.py'))):
         package = 'lta_config' if setup.parent == ROOT / 'config' else setup.parent.name
-        lines = setup.read_text(encoding='utf-8').split("'")
-        names = [text.split(' = ')[0] for text in lines if ' = ' in text and ':' in text]
+        tree = ast.parse(setup.read_text(encoding='utf-8'))
+        (points,) = (
+            ast.literal_eval(node.value)
+            for node in ast.walk(tree)
+            if isinstance(node, ast.keyword) and node.arg == 'entry_points'
+        )
+        names = [text.split(' = ')[0] for text in points['console_scripts']]
         found += [(package, name) for name in names]
     return found
 

@@ -55,7 +55,8 @@ def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> 
             silent = listener.find_silent_nodes(heard) if listener.is_settled(running) else []
             lookout.report_stalled_nodes(facts, silent, unheard)
             for end in launcher.poll():
-                say(f'{end.sentence}.' if end.ends_run else f'{end.sentence}; the run continues.')
+                going_on = '; the run continues' if launcher.outcome is None else ''
+                say(f'{end.sentence}{going_on}.')
                 if not end.success and end.name not in spare:
                     listener.publish_error(f'{end.sentence}.')
         return outcome

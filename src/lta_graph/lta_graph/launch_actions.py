@@ -50,6 +50,11 @@ class Arg(StrictModel):
     description: Text = ''
     choice: Annotated[list[ArgumentChoice], Field(min_length=1)] | None = None
 
+    @property
+    def choices(self) -> tuple[str, ...]:
+        """The allowed values; empty if any text is allowed."""
+        return tuple(choice.value for choice in self.choice or [])
+
 
 class NamedSubstitution(StrictModel):
     """A name and the text it stands for."""

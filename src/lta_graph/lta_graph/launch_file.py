@@ -37,29 +37,6 @@ NAMESPACE = 'ros_namespace'  # launch variable that ROS also uses for the pushed
 
 @final
 @dataclass(frozen=True, slots=True)
-class LaunchArgument:
-    """
-    A launch argument that a file declares.
-
-    Attributes
-    ----------
-    name, description : str
-        As written.
-    default : str or None
-        As written, before substitution; None if the argument is required.
-    choices : tuple of str
-        The allowed values; empty if any text is allowed.
-
-    """
-
-    name: str
-    description: str
-    default: str | None
-    choices: tuple[str, ...]
-
-
-@final
-@dataclass(frozen=True, slots=True)
 class LaunchPlan:
     """The processes that a launch file starts."""
 
@@ -76,13 +53,13 @@ class LaunchPlan:
         return f'{process.namespace}/{process.name}'.strip('/') if several else process.name
 
 
-def list_arguments(path: Path) -> list[LaunchArgument]:
+def list_arguments(path: Path) -> list[Arg]:
     """
     Return the arguments that a launch file declares, in order.
 
     Raises `BadInput` if the file is not a launch file.
     """
-    return [_build_argument(action) for action in _read_actions(path) if isinstance(action, Arg)]
+    return [action for action in _read_actions(path) if isinstance(action, Arg)]
 
 
 def load_plan(path: Path, arguments: Mapping[str, str]) -> LaunchPlan:
@@ -100,11 +77,6 @@ def load_plan(path: Path, arguments: Mapping[str, str]) -> LaunchPlan:
             for item in walk.processes
         )
     )
-
-
-def _build_argument(arg: Arg) -> LaunchArgument:
-    choices = tuple(choice.value for choice in arg.choice or [])
-    return LaunchArgument(arg.name, arg.description, arg.default, choices)
 
 
 def _read_actions(path: Path) -> list[Action]:
@@ -249,7 +221,7 @@ class _PlanBuilder:
         return (value in ('true', '1')) == (action.if_ is not None)
 
     def _declare_argument(self, arg: Arg) -> None:
-        choices = [choice.value for choice in arg.choice or []]
+        choices = arg.choices
         if arg.name not in self._variables:
             if arg.default is None:
                 about = f' ({arg.description.rstrip(".")})' if arg.description else ''

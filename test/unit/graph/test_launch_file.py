@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from lta_config.errors import BadInput
-from lta_graph.launch_file import LaunchArgument, list_arguments, load_plan
+from lta_graph.launch_file import list_arguments, load_plan
 from lta_graph.launch_node import format_ros_yaml
 from lta_graph.launch_substitutions import expand_substitutions, LaunchContext, split_command_line
 import pytest
@@ -170,10 +170,11 @@ launch:
 - arg: {name: robot, default: "$(var world)_$(var strategy)"}
 - node: {pkg: p, exec: e, name: $(var robot)}
 """)
-    assert list_arguments(path) == [
-        LaunchArgument('world', 'Where to fly.', None, ()),
-        LaunchArgument('strategy', '', 'bag', ('bag', 'des')),
-        LaunchArgument('robot', '', '$(var world)_$(var strategy)', ()),
+    found = list_arguments(path)
+    assert [(item.name, item.description, item.default, item.choices) for item in found] == [
+        ('world', 'Where to fly.', None, ()),
+        ('strategy', '', 'bag', ('bag', 'des')),
+        ('robot', '', '$(var world)_$(var strategy)', ()),
     ]
     assert plan_of(path, world='room')[0].name == 'room_bag'
     assert plan_of(path, world='room', strategy='des')[0].name == 'room_des'

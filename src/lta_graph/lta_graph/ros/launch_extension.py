@@ -92,9 +92,9 @@ def check_launch(context: LaunchContext) -> None:
 def fail_run(event: ProcessExited, context: LaunchContext, planned: set[str]) -> None:
     """Raise if the exit of a process ends the run unplanned, which makes the status 1."""
     ends_run = any(isinstance(item, Shutdown) for item in event.action.get_sub_entities())
-    name = event.action.node_name.rpartition('/')[2]
-    status = event.returncode
+    full_name, status = event.action.node_name, event.returncode
+    name = full_name.rpartition('/')[2]
     if context.is_shutdown or not ends_run or (status == 0 and name in planned):
         return
     how = f'ended with status {status}' if status >= 0 else f'was killed by {signal_name(-status)}'
-    raise BadInput(f'{name} {how}, which ends the run.')
+    raise BadInput(f'{full_name} {how}, which ends the run.')
