@@ -23,7 +23,7 @@ from lta_report.screenshots import (
     resize_window,
 )
 from lta_studies.light.evaluation.sets import FlightSet, SETS
-from lta_studies.tune import helium_limit, workers
+from lta_studies.tune import evaluation, helium_limit
 from lta_studies.tune.lamp_flight import LampFlightResult
 import pytest
 import yaml
@@ -157,7 +157,7 @@ def tune(folder, call):
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(helium_limit, 'TRIED', 1)
         patched.setattr(helium_limit, 'HALVINGS', 0)
-        patched.setattr(workers, 'fly_to_lamp', lambda *_: LampFlightResult(True, 0.3))
+        patched.setattr(evaluation, 'fly_to_lamp', lambda *_: LampFlightResult(True, 0.3))
         words = ('--budget=2', '--draws=2', '--cases=1', '--workers=1', '--number=climb.kp')
         call('tune', 'gtmab', '--most=0 g', *words, '--out', folder / 'out')
     (folder / 'out' / 'report.html').rename(folder / 'report.html')

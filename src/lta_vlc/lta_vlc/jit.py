@@ -15,6 +15,11 @@ def compile_kernel(function: Function) -> Function:
 
     Numba keeps it on disk until its own file changes, so what it calls must stand in that file.
     """
+    before = config.CACHE_DIR  # type: ignore[attr-defined]
     # Beside the sources, numba's default, is not writable where LTA is installed for all users
     config.CACHE_DIR = str(find_cache_folder('functions'))  # type: ignore[attr-defined]
-    return cast('Function', njit(error_model='numpy', fastmath=False, cache=True)(function))
+    try:
+        return cast('Function', njit(error_model='numpy', fastmath=False, cache=True)(function))
+    finally:
+        # Other kernels are cached in their own folders
+        config.CACHE_DIR = before  # type: ignore[attr-defined]
