@@ -82,9 +82,16 @@ def test_each_has_a_live_view_of_its_own_where_one_is_asked_for():
     assert ports['live_port1'] != ports['live_port2']
 
 
+def test_the_frames_of_each_have_its_name():
+    found = nodes(PAIR, robot2='other')
+    assert found['lta1/description']['frame_prefix'] == 'lta1/'
+    assert found['other/description']['frame_prefix'] == 'other/'
+    assert found['other/description']['offset_y'] == -2.0
+
+
 def test_the_end_of_either_simulator_ends_the_launch_for_each_waits_for_the_other():
     plan = load_plan(PAIR, {})
-    assert all(item.on_exit_shutdown for item in plan.processes)
+    assert {item.name for item in plan.processes if not item.on_exit_shutdown} == {'description'}
     ending = [item for item in plan.processes if item.planned]
     assert [(item.namespace, item.name) for item in ending] == [
         ('/lta1', 'simulator'),

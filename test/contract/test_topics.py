@@ -20,6 +20,7 @@ from lta_control.nodes.controller import ControllerSettings
 from lta_control.nodes.estimator import EstimatorParameters
 from lta_control.nodes.navigator import NavigatorParameters
 from lta_energy.nodes.energy_monitor import EnergyMonitorParameters
+from lta_flight.preflight import parse_parameters
 from lta_graph.launch_file import list_arguments, load_plan
 from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.node import GraphSettings
@@ -244,6 +245,7 @@ BEGUN_WITH = {
         'snapshot_size', 'queue_size',
     },
     'live': {'port'},
+    'description': {'offset_x', 'offset_y'},
     'teensy_bridge': {'peaks', 'patience', 'autostart'},
     'tracker': {'origin', 'body', 'delay'},
     'teleop': {
@@ -276,7 +278,7 @@ def nodes_of_launch():
 @pytest.mark.usefixtures('installed')
 @pytest.mark.parametrize('source', SOURCES)
 def test_the_launch_file_starts_every_node_under_its_name(source):
-    plan = load_plan(LAUNCH, {'source': source, 'live': 'true'})
+    plan = load_plan(LAUNCH, {'source': source, 'live': 'true', 'description': 'false'})
     others = {name for key, name in SOURCES.items() if key != source}
     assert [process.name for process in plan.processes] == [n for n in NODES if n not in others]
     for process in plan.processes:
@@ -285,6 +287,28 @@ def test_the_launch_file_starts_every_node_under_its_name(source):
         assert FILES[process.name].parts[-4] == process.package
     assert [p.name for p in plan.processes if not p.on_exit_shutdown] == ['live']
     assert [p.name for p in plan.processes if p.planned] == [SOURCES[source]]
+
+
+@pytest.mark.usefixtures('installed')
+def test_the_description_is_published_in_real_time_and_does_not_end_a_flight():
+    def described(**given):
+        plan = load_plan(LAUNCH, given)
+        found = [process for process in plan.processes if process.name == 'description']
+        assert not any(process.on_exit_shutdown for process in found)
+        return [parse_parameters(process.arguments) for process in found]
+
+    (given,) = described(offset_y='-2.0', frame_prefix='lta1/')
+    assert set(given) <= {
+        key
+        for settings in (DescriptionSettings(), GraphSettings())
+        for key, _, _ in iterate_fields(settings)
+    } | {'use_sim_time'}
+    assert (given['scenario'], given['offset_y']) == ('lamp_room', -2.0)
+    # Where a real or a replayed drone starts is not known
+    assert described(source='crazyflie')[0]['scenario'] == ''
+    assert described(source='replay', replay='x')[0]['scenario'] == ''
+    assert described(time='lockstep') == described(description='false') == []
+    assert len(described(time='lockstep', description='true')) == 1
 
 
 @pytest.mark.usefixtures('installed')
@@ -313,7 +337,9 @@ def test_every_text_of_the_launch_file_stays_a_text():
     texts = {'vehicle': '1', 'scenario': 'yes', 'bag': '2026-11-20'}
     found = set()
     for process in load_plan(LAUNCH, {**texts, 'seed': '7', 'live': 'true'}).processes:
-        defaults = {key: value for key, _, value in iterate_fields(NODES[process.name]())}
+        defaults = {
+            key: value for key, _, value in iterate_fields({**NODES, **BESIDE}[process.name]())
+        }
         values = [word for word in process.arguments if re.match(r'\w+:=', word)]
         for key, value in (word.split(':=', 1) for word in values):
             read = yaml.safe_load(value)

@@ -11,17 +11,18 @@ from lta_graph.launch_file import LaunchPlan
 from lta_graph.launch_node import LaunchProcess
 
 LIVE = ('lta_bridge', 'live')
+DESCRIPTION = ('lta_bridge', 'description')
 LAYOUT = 'foxglove/lta.json'  # in the folder of LTA's own data
 
 
-def _is_viewer(process: LaunchProcess) -> bool:
+def _is_live_view(process: LaunchProcess) -> bool:
     return (process.package, process.executable) == LIVE
 
 
 def _list_live_views(plan: LaunchPlan) -> list[tuple[LaunchProcess, object, object]]:
     """Return the live views with host and port, except those configured by a file."""
     found = []
-    for process in filter(_is_viewer, plan.processes):
+    for process in filter(_is_live_view, plan.processes):
         given = parse_parameters(process.arguments)
         # A parameter file may set another port, which is not known here
         if 'port' in given or FILE_OPTION not in process.arguments:
@@ -30,8 +31,12 @@ def _list_live_views(plan: LaunchPlan) -> list[tuple[LaunchProcess, object, obje
 
 
 def find_viewers(plan: LaunchPlan) -> frozenset[str]:
-    """Return the labels of the viewer processes."""
-    return frozenset(plan.label(process) for process in plan.processes if _is_viewer(process))
+    """Return the labels of the processes that only serve viewers."""
+    return frozenset(
+        plan.label(process)
+        for process in plan.processes
+        if (process.package, process.executable) in (LIVE, DESCRIPTION)
+    )
 
 
 def require_free_live_ports(plan: LaunchPlan) -> None:

@@ -133,8 +133,8 @@ def test_the_mantle_of_a_cone():
 def test_odom_is_where_the_scenario_starts_the_drone():
     scenario = load_scenario('lamp_room')
     x, y = scenario.start.position.vector
-    frame = build_start_frame(scenario)
-    assert (frame.parent, frame.name, frame.place) == ('map', 'odom', (x, y, 0.0))
+    frame = build_start_frame(scenario, (0.5, -2.0))
+    assert (frame.parent, frame.name, frame.place) == ('map', 'odom', (x + 0.5, y - 2.0, 0.0))
     nose = Rotation.from_quat(frame.turn).apply([1.0, 0.0, 0.0])
     heading = scenario.start.heading.si
     assert nose == pytest.approx([math.cos(heading), math.sin(heading), 0.0])

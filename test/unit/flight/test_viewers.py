@@ -20,10 +20,12 @@ def plan(port='8765', namespaces=('/lta1',)):
     )
 
 
-def test_only_the_live_view_is_a_viewer_by_what_the_plan_calls_it():
+def test_the_live_view_and_the_description_serve_viewers_only():
     assert find_viewers(plan()) == {'live'}
     assert find_viewers(plan(namespaces=('/a', '/b'))) == {'a/live', 'b/live'}
     assert find_viewers(LaunchPlan(plan().processes[:1])) == frozenset()
+    describing = LaunchProcess('lta_bridge', 'description', 'description', '/lta1', (), False)
+    assert find_viewers(LaunchPlan((describing,))) == {'description'}
 
 
 def test_people_are_told_where_to_look():

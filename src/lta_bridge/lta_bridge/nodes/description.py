@@ -22,6 +22,7 @@ from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
 from lta_model.scenario import load_scenario, Scenario
+from lta_model.start_offset import FAR
 from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -47,6 +48,14 @@ class DescriptionSettings(Settings):
     scenario: str = setting(
         '', 'Scenario, name or file, whose room is drawn; none by default.', fixed=True
     )
+    offset_x: float = setting(
+        0.0, "Offset of the start from the scenario's along map x.", unit='m',
+        low=-FAR, high=FAR, fixed=True,
+    )  # fmt: skip
+    offset_y: float = setting(
+        0.0, "Offset of the start from the scenario's along map y.", unit='m',
+        low=-FAR, high=FAR, fixed=True,
+    )  # fmt: skip
     frame_prefix: str = setting(
         '', 'Prefix of all frames but map, such as lta1/, for several drones.', fixed=True
     )
@@ -74,7 +83,8 @@ class DescriptionNode(GraphNode):
         self._static = self.create_publisher(TFMessage, '/tf_static', LATCHED)
         frames = list_fixed_frames(vehicle)
         if scenario is not None:
-            frames.append(build_start_frame(scenario))
+            offset = settings.offset_x, settings.offset_y
+            frames.append(build_start_frame(scenario, offset))
         still = [self._add_prefix(to_fixed_transform(frame)) for frame in frames]
         self._static.publish(TFMessage(transforms=still))
         self.subscribe_topic(settings.pose, self._on_pose)
@@ -95,9 +105,9 @@ class DescriptionNode(GraphNode):
         return transform
 
 
-def build_start_frame(scenario: Scenario) -> SceneFrame:
-    """Return the frame in which the drone counts: its pose at the start of a scenario."""
-    x, y = scenario.start.position.vector
+def build_start_frame(scenario: Scenario, offset: tuple[float, float]) -> SceneFrame:
+    """Return the frame of the drone's odometry: its pose at the start, moved by an offset. [m]"""
+    x, y = (a + b for a, b in zip(scenario.start.position.vector, offset, strict=True))
     half = 0.5 * scenario.start.heading.si
     return SceneFrame(MAP, 'odom', (x, y, 0.0), (0.0, 0.0, math.sin(half), math.cos(half)))
 
