@@ -41,18 +41,17 @@ class Guidance:
         State of the mission, which a course does not change.
     permission : FlightPermission
         What the energy allowed after the newest light block.
+    beacon : float
+        Beacon frequency to listen to next; 0 for the demodulator's own, as before the first light
+        block. [Hz]
 
     """
 
     def __init__(self, course: Course | None, route: Sequence[tuple[str, float]]) -> None:
         self.mission, self.permission = Mission(), FlightPermission.DOWN
+        self.beacon = NO_WISH
         self._course, self._route = course, route
         self._begun_ns: int | None = None
-
-    @property
-    def beacon(self) -> float:
-        """Beacon frequency to listen to next; 0 for the demodulator's own. [Hz]"""
-        return self._route[self.mission.asked][1] if self._route else NO_WISH
 
     def choose_setpoint(
         self,
@@ -85,9 +84,12 @@ class Guidance:
         if self._course is not None:
             self._begun_ns = stamp_ns if self._begun_ns is None else self._begun_ns
             time = (stamp_ns - self._begun_ns) * 1e-9
-            return course_step(self._course, time, sight.heading, altitude, order)
-        setpoint, self.mission = mission_step(
-            settings, strategy, self.mission, sight, altitude, order,
-            max(len(self._route), 1), reserve.rule,
-        )  # fmt: skip
+            setpoint = course_step(self._course, time, sight.heading, altitude, order)
+        else:
+            setpoint, self.mission = mission_step(
+                settings, strategy, self.mission, sight, altitude, order,
+                max(len(self._route), 1), reserve.rule,
+            )  # fmt: skip
+        if self._route:
+            self.beacon = self._route[self.mission.asked][1]
         return setpoint

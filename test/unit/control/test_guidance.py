@@ -48,10 +48,16 @@ def test_a_course_begins_with_the_first_block():
     assert guidance.mission.phase is Phase.REST
 
 
-def test_it_listens_to_the_lamp_of_its_leg():
+def test_it_listens_to_the_lamp_of_its_leg_after_the_first_block():
+    """Before it, the demodulator listens to its own frequency, as in the graph."""
     route = (('gate', 120.0), ('dock', 180.0))
-    assert Guidance(None, ()).beacon == 0.0
     guidance = Guidance(None, route)
+    assert guidance.beacon == 0.0
+    choose(guidance, 100 * SECOND, report=ReserveReport(100 * SECOND, False, False))
     assert guidance.beacon == 120.0
     guidance.mission = guidance.mission._replace(asked=1)
-    assert guidance.beacon == 180.0
+    choose(guidance, 101 * SECOND, report=ReserveReport(101 * SECOND, False, False))
+    assert guidance.beacon == route[guidance.mission.asked][1]
+    alone = Guidance(None, ())
+    choose(alone, 100 * SECOND, report=ReserveReport(100 * SECOND, False, False))
+    assert alone.beacon == 0.0
