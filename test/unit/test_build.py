@@ -98,3 +98,10 @@ def test_a_compiler_that_fails_is_reported_and_changes_nothing(messages, tmp_pat
     assert done.returncode == 1
     assert 'no stdlib.h' in done.stderr
     assert installed.stat().st_ino == before
+
+
+def test_the_messages_are_installed_where_they_can_be_compiled(messages):
+    """Tests of /tf are skipped without them, which must not hide that they fail to build."""
+    if messages.find_missing():
+        pytest.skip('this machine lacks a compiler')
+    assert importlib.util.find_spec('tf2_msgs.msg._tf_message') is not None
