@@ -7,16 +7,17 @@ root=$(cd "$(dirname "$0")/.." && pwd -P)
 stamp=$root/install/.lta
 cd "$root"
 
-# Messages that no wheel has. Without a compiler the graph flies without them (lta doctor).
+# Messages that no wheel has. The graph flies without them (lta doctor), so no failure ends the build.
 messages=$(cat tools/messages.py tools/messages/*/package.xml tools/messages/*/msg/*.msg .venv/.lta |
     sed 's/^test /run /' | sha256sum | cut -d ' ' -f 1)
 if [ "$(cat .venv/.messages 2>/dev/null || :)" != "$messages" ]; then
     status=0
-    AMENT_PREFIX_PATH=$root/.venv .venv/bin/python tools/messages.py tools/messages/* || status=$?
+    env -u PYTHONPATH AMENT_PREFIX_PATH="$root/.venv" \
+        .venv/bin/python tools/messages.py tools/messages/* || status=$?
     case $status in
     0) echo "$messages" >.venv/.messages ;;
-    3) ;;
-    *) exit 2 ;;
+    3) ;; # it has said what is missing
+    *) echo 'messages: not built, as said above; without them nothing is published on /tf.' >&2 ;;
     esac
 fi
 

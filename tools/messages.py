@@ -5,11 +5,12 @@ Generate and compile message packages that no wheel has, and install them into .
 
 Each folder has a package.xml and msg/*.msg. The generators are those of ROS 2, which come with its
 wheels; they write C and C++, so a compiler and the headers of Python are needed. Exit status 3:
-one of them is missing, and nothing was changed.
+one of them is missing; 1: it failed. Then nothing was changed.
 """
 
-from collections.abc import Iterable
-from contextlib import redirect_stdout
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, redirect_stdout
+import fcntl
 from importlib import metadata
 import io
 import os
@@ -176,25 +177,48 @@ class MessagePackage:
         )
 
     def install(self) -> None:
-        """Copy libraries, Python package and interface files to .venv."""
-        shutil.copytree(self.built / 'lib', VENV / 'lib', dirs_exist_ok=True)
-        target = SITE / self.name
-        shutil.rmtree(target, ignore_errors=True)
-        shutil.copytree(self.built / 'python' / self.name, target)
-        shutil.copytree(self.source / 'py/msg', target / 'msg',
-                        ignore=shutil.ignore_patterns('*.c'))  # fmt: skip
-        (target / '__init__.py').touch()
+        """Copy libraries, interface files and Python package to .venv, what is imported last."""
+        copy_files(self.built / 'lib', VENV / 'lib')
         share = VENV / 'share' / self.name
-        shutil.copytree(self.folder, share, dirs_exist_ok=True)
-        shutil.copytree(self.source / 'c/tmp/msg', share / 'msg', dirs_exist_ok=True)
+        copy_files(self.folder, share)
+        copy_files(self.source / 'c/tmp/msg', share / 'msg')
         index = VENV / 'share/ament_index/resource_index'
         interfaces = sorted(f'msg/{path.name}' for path in (share / 'msg').iterdir())
         (index / 'packages' / self.name).write_text('')
         (index / 'rosidl_interfaces' / self.name).write_text('\n'.join(interfaces))
+        with TemporaryDirectory(dir=SITE) as near:
+            made = Path(near, self.name)
+            shutil.copytree(self.built / 'python' / self.name, made)
+            shutil.copytree(self.source / 'py/msg', made / 'msg',
+                            ignore=shutil.ignore_patterns('*.c'))  # fmt: skip
+            (made / '__init__.py').touch()
+            shutil.rmtree(SITE / self.name, ignore_errors=True)
+            made.rename(SITE / self.name)
+
+
+def copy_files(source: Path, target: Path) -> None:
+    """Copy a folder into another; a process that has loaded an old library keeps it."""
+
+    def copy(file: str, place: str) -> None:
+        shutil.copy(file, f'{place}.new')
+        Path(f'{place}.new').replace(place)
+
+    shutil.copytree(source, target, copy_function=copy, dirs_exist_ok=True)
+
+
+@contextmanager
+def lock_environment() -> Iterator[None]:
+    """Wait until no other build installs into .venv."""
+    folder = os.open(SITE, os.O_RDONLY)
+    try:
+        fcntl.flock(folder, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(folder)
 
 
 def run(command: list[object]) -> None:
-    """Run a command; on failure print its messages and end."""
+    """Run a command; on failure print its messages and exit."""
     done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False)
     if done.returncode:
         sys.exit(f'{done.stderr}\n{command[0]} failed; see above.')
@@ -210,12 +234,16 @@ def main() -> None:
     sys.stdout.write(f'messages: {names} (ten seconds) ...\n')
     sys.stdout.flush()
     use_each_entry_point_once()
-    for folder in folders:
-        with TemporaryDirectory() as work:
-            package = MessagePackage(folder, Path(work))
-            package.generate()
-            package.compile()
-            package.install()
+    try:
+        for folder in folders:
+            with TemporaryDirectory() as work:
+                package = MessagePackage(folder, Path(work))
+                package.generate()
+                package.compile()
+                with lock_environment():
+                    package.install()
+    except OSError as error:
+        sys.exit(f'messages: {names} not built: {error}.')
 
 
 if __name__ == '__main__':

@@ -1,8 +1,10 @@
 """Find out what this machine offers: processor cores, and a folder for a cache."""
 
 from collections.abc import Iterator
+from contextlib import suppress
 import os
 from pathlib import Path
+import stat
 import tempfile
 
 
@@ -52,9 +54,11 @@ def is_writable(folder: Path) -> bool:
 def make_temporary_cache() -> Path:
     """Return this user's folder among the temporary files; it lasts until they are removed."""
     folder = Path(tempfile.gettempdir()) / f'lta-cache-{os.getuid()}'
-    folder.mkdir(mode=0o700, exist_ok=True)
+    with suppress(FileExistsError):
+        folder.mkdir(mode=0o700)
     found = folder.lstat()
     # Compiled code is loaded from there: nobody else may be able to write it
-    if folder.is_symlink() or found.st_uid != os.getuid() or found.st_mode & 0o022:
-        return Path(tempfile.mkdtemp(prefix='lta-cache-'))
-    return folder
+    private = found.st_uid == os.getuid() and not found.st_mode & 0o022
+    if stat.S_ISDIR(found.st_mode) and private:
+        return folder
+    return Path(tempfile.mkdtemp(prefix='lta-cache-'))

@@ -82,3 +82,35 @@ def test_through_both_bridges_it_finds_the_lamp_and_comes_down(
     for topic in ('imu', 'range', 'battery', 'light/estimate', 'setpoint/pose'):
         assert int(counts[f'/lta1/{topic}']) > 50
     assert (counts['/lta1/photodiodes'] == '0') == finds_peaks
+
+
+@pytest.mark.long
+@pytest.mark.parametrize('ending', ['Ctrl-C', 'navigator', 'controller'])
+def test_the_launch_lands_its_drone_before_it_ends(
+    lta, hear, domain_id, near, tmp_path: Path, ending
+):
+    """Whether by Ctrl-C or because a node died; the drone is not one of its processes."""
+    port, light = free_port(UDP), tmp_path / 'light_board'
+    drone = lta.start(
+        'run', 'lta_emulation', 'emulated_hardware', '--vehicle', 'gtmab', '--scenario', near,
+        '--port', str(port), '--light-port', light,
+    )  # fmt: skip
+    graph = lta.start(
+        'launch', 'fly', 'source:=crazyflie', f'uri:=udp://127.0.0.1:{port}', 'command:=motors',
+        f'scenario:={near}', 'light_board:=true', f'light_port:={light}', 'light_patience:=60.0',
+        'record:=false',
+    )  # fmt: skip
+    ready = READY | HEARD
+    hear(lambda facts: all(n in facts and facts[n].message == word for n, word in ready.items()))
+    with Peer(domain_id) as pilot:
+        pilot.arm_until(lambda: 'The drone took off' in drone.text)
+    assert 'The drone landed' not in drone.text
+    if ending == 'Ctrl-C':
+        graph.interrupt()
+    else:
+        os.kill(graph.node(ending), signal.SIGKILL)
+    hear(lambda facts: facts['crazyflie_bridge: safety'].message.startswith('disarmed'))
+    drone.said('The drone landed')
+    assert graph.end() == (130 if ending == 'Ctrl-C' else 1), graph.text
+    drone.interrupt()
+    drone.end()

@@ -132,3 +132,14 @@ def test_a_wrong_argument_is_one_sentence_and_starts_nothing(ros2_launch, word, 
     (line,) = [line for line in run.text.splitlines() if 'Caught exception' in line]
     assert sentence in line
     assert 'process started' not in run.text
+
+
+def test_a_program_of_an_including_file_may_end(ros2_launch, scenario, tmp_path):
+    room = scenario(time_limit='2 s')
+    path = tmp_path / 'lab.launch.yaml'
+    path.write_text(
+        f'launch:\n  - include: {{file: {FLY}}}\n  - executable: {{cmd: "true"}}\n', 'utf-8'
+    )
+    run = ros2_launch(path, 'time:=lockstep', f'scenario:={room}', f'bag:={tmp_path / "bag"}')
+    assert run.end() == 0, run.text
+    assert (tmp_path / 'bag/metadata.yaml').exists()

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
+from lta_bridge.crazyflie.safety import LEAVE
 from lta_config.constants import AIR_DENSITY
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml, validate_content
@@ -18,6 +19,8 @@ from lta_vlc.settings import DemodulationSettings
 
 OURS = 'lta_'
 CONTROLLER, DEMODULATOR, NAVIGATOR = 'controller', 'demodulator', 'navigator'
+BRIDGE = ('lta_bridge', 'crazyflie_bridge')
+LANDING = LEAVE + 5.0  # s to land and then to close the link
 FILE_OPTION = '--params-file'
 SEEDS = range(2**31)  # non-negative int32
 
@@ -26,7 +29,8 @@ def check_plan(plan: LaunchPlan) -> None:
     """
     Reject a vehicle, scenario, strategy or seed that our nodes would reject.
 
-    Also reject a lamp outside the demodulator's search window, which no node can detect alone.
+    Also reject what no node can detect alone: a lamp outside the demodulator's search window, and
+    a bridge that would be stopped before it has landed its drone.
 
     Raises
     ------
@@ -39,6 +43,20 @@ def check_plan(plan: LaunchPlan) -> None:
             for given in split_by_robot(parse_parameters(process.arguments)):
                 check_parameters(given, controls=process.executable == CONTROLLER)
     check_launched_demodulators(plan)
+    check_landing_time(plan)
+
+
+def check_landing_time(plan: LaunchPlan) -> None:
+    """Reject a bridge that does not get the time to land its drone after Ctrl-C."""
+    for process in plan.processes:
+        given = process.sigterm_timeout
+        if (process.package, process.executable) == BRIDGE and (given or 0.0) < LANDING:
+            found = 'no sigterm_timeout' if given is None else f'a sigterm_timeout of {given:g} s'
+            raise BadInput(
+                f'The node {plan.label(process)} has {found}, but lands its drone for up to '
+                f'{LANDING:g} s after Ctrl-C; give it at least "sigterm_timeout: {LANDING:.1f}" '
+                'in the launch file.'
+            )
 
 
 def check_parameters(values: Mapping[str, object], controls: bool) -> None:

@@ -40,13 +40,17 @@ def test_a_user_without_an_entry_in_the_password_database(nothing_writable, monk
     assert find_cache_folder('kernels').is_relative_to(nothing_writable)
 
 
-@pytest.mark.parametrize('kind', ['open', 'link'])
+@pytest.mark.parametrize('kind', ['open', 'link', 'broken link', 'file'])
 def test_a_folder_that_others_can_write_is_not_used(nothing_writable, tmp_path_factory, kind):
     """Compiled code from it would run with this user's rights."""
     first = find_cache_folder('kernels').parent
     if kind == 'open':
         first.chmod(0o777)
+    elif kind == 'file':
+        first.rmdir()
+        first.touch()
     else:
         first.rmdir()
-        first.symlink_to(tmp_path_factory.mktemp('elsewhere'))
+        elsewhere = tmp_path_factory.mktemp('elsewhere')
+        first.symlink_to(elsewhere / 'nowhere' if kind == 'broken link' else elsewhere)
     assert find_cache_folder('kernels').parent != first

@@ -1,5 +1,7 @@
 """A launch plan is checked before anything starts."""
 
+from dataclasses import replace
+
 from lta_config.errors import BadInput
 from lta_config.files import find_file, list_shipped_names
 from lta_control.strategies import STRATEGIES
@@ -40,6 +42,20 @@ def test_what_a_node_would_refuse_is_refused_before(word, sentence):
 
 def test_a_good_plan_passes():
     check_plan(plan('vehicle:="gtmab"', 'scenario:="lamp_room"', 'strategy:="bag"', 'seed:=0'))
+
+
+@pytest.mark.parametrize(
+    ('seconds', 'found'), [(None, 'no sigterm_timeout'), (8.0, 'a sigterm_timeout of 8 s')]
+)
+def test_a_bridge_that_would_be_stopped_before_it_lands_its_drone_is_refused(seconds, found):
+    bridge = LaunchProcess('lta_bridge', 'crazyflie_bridge', 'bridge', '/', (), True)
+    with pytest.raises(BadInput, match=f'^The node bridge has {found}, but lands .* 20 s after'):
+        check_plan(LaunchPlan((replace(bridge, sigterm_timeout=seconds),)))
+    check_plan(LaunchPlan((replace(bridge, sigterm_timeout=20.0),)))
+    for name in ('fly', 'emulated'):
+        path = find_file('launch file', name, '.launch.yaml')
+        given = {'source': 'crazyflie'} if name == 'fly' else {}
+        check_plan(load_plan(path, given))
 
 
 @pytest.fixture

@@ -8,10 +8,9 @@ import re
 import shutil
 import subprocess
 import sys
-import tempfile
 
 from lta_bridge.hardware.check_result import HardwareCheck
-from lta_config.machine import find_cache_folder
+from lta_config.machine import find_cache_folder, list_cache_bases
 
 MODULES = ('rclpy', 'sensor_msgs', 'numpy', 'scipy', 'numba', 'pydantic', 'yaml', 'mcap', 'plotly')
 PACKAGES = ('analysis', 'bridge', 'config', 'control', 'energy', 'graph', 'sim', 'vlc')
@@ -109,7 +108,7 @@ def check_transform_messages() -> HardwareCheck:
 def check_cache_folder() -> HardwareCheck:
     """Check that compiled kernels can be kept."""
     folder = find_cache_folder('kernels')
-    if folder.is_relative_to(tempfile.gettempdir()):
+    if not any(folder.is_relative_to(base) for base in list_cache_bases()):
         return HardwareCheck(
             'cache', 'warn',
             f'neither XDG_CACHE_HOME nor ~/.cache is writable; compiled kernels are in {folder} '

@@ -166,17 +166,19 @@ def build_flight(
     path = scenario.wind_file
     if path is None:
         return flight
-    recorded = tabulate_wind(path, scenario.goal.time_limit.si, table.control_ns)
+    changed_ns = path.stat().st_mtime_ns
+    recorded = tabulate_wind(path, changed_ns, scenario.goal.time_limit.si, table.control_ns)
     return replace(flight, recorded=recorded)
 
 
 @lru_cache(maxsize=8)
-def tabulate_wind(path: Path, limit: float, control_ns: int) -> Array:
+def tabulate_wind(path: Path, changed_ns: int, limit: float, control_ns: int) -> Array:
     """
     Return recorded wind and its rate in each control period, shape (n, 6). [m/s, m/s2]
 
-    Flights of one scene share the array. `limit` is the time limit [s].
+    Flights of one scene share the array until the file changes. `limit` is the time limit [s].
     """
+    del changed_ns  # part of the key of the cache only
     period = control_ns * 1e-9
     count = math.ceil(limit / period) + 1
     begin = np.arange(count, dtype=np.float64) * control_ns * 1e-9

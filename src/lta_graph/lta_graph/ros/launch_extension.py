@@ -92,9 +92,11 @@ def check_launch(context: LaunchContext) -> None:
 def fail_run(event: ProcessExited, context: LaunchContext, planned: set[str]) -> None:
     """Raise if the exit of a process ends the run unplanned, which makes the status 1."""
     ends_run = any(isinstance(item, Shutdown) for item in event.action.get_sub_entities())
-    full_name, status = event.action.node_name, event.returncode
-    name = full_name.rpartition('/')[2]
-    if context.is_shutdown or not ends_run or (status == 0 and name in planned):
+    if context.is_shutdown or not ends_run:
+        return
+    # A launch file that includes ours may start programs that are no nodes
+    node, status = getattr(event.action, 'node_name', None), event.returncode
+    if status == 0 and (node is None or node.rpartition('/')[2] in planned):
         return
     how = f'ended with status {status}' if status >= 0 else f'was killed by {signal_name(-status)}'
-    raise BadInput(f'{full_name} {how}, which ends the run.')
+    raise BadInput(f'{node or event.process_name} {how}, which ends the run.')

@@ -2,6 +2,7 @@
 
 import io
 import socket
+import tempfile
 from types import SimpleNamespace
 
 from lta_bridge.hardware.check_result import grade_value, HardwareCheck
@@ -155,14 +156,14 @@ def test_a_domain_that_is_none_is_refused(monkeypatch, text):
     assert text in check.found
 
 
-def test_a_cache_among_temporary_files_is_a_warning(monkeypatch, tmp_path):
-    monkeypatch.setenv('XDG_CACHE_HOME', str(tmp_path / 'cache'))
-    monkeypatch.setattr(software.tempfile, 'gettempdir', lambda: '/nowhere')
+def test_a_cache_that_is_lost_with_the_temporary_files_is_a_warning(monkeypatch, tmp_path):
+    monkeypatch.setattr(tempfile, 'tempdir', str(tmp_path))
+    monkeypatch.setenv('XDG_CACHE_HOME', str(tmp_path / 'chosen'))
     assert software.check_cache_folder().state == 'ok'
-    monkeypatch.setattr(software.tempfile, 'gettempdir', lambda: str(tmp_path))
+    monkeypatch.setenv('XDG_CACHE_HOME', '/proc/nowhere')
     check = software.check_cache_folder()
     assert check.state == 'warn'
-    assert str(tmp_path / 'cache') in check.found
+    assert str(tmp_path / 'lta-cache-') in check.found
     assert 'XDG_CACHE_HOME' in check.remedy
 
 

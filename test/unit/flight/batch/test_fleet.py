@@ -140,6 +140,19 @@ def test_recorded_winds_are_the_worlds_to_rounding(batches, tmp_path):
     assert abs(expected[0, :2] - expected[1, :2]).max() > least
 
 
+def test_flights_share_recorded_wind_until_its_file_changes(tmp_path):
+    path = tmp_path / 'wind.csv'
+
+    def tabulate(turn):
+        spec = with_record(ingredients('scenario.goal.time_limit=2 s'), path, turn)
+        os.utime(path, ns=(0, round(turn)))
+        return build_flight(*build_vehicle_scenario_stack(spec), TABLE, DUTIES).recorded
+
+    first = tabulate(1.0)
+    assert tabulate(1.0) is first
+    assert abs(tabulate(2.0) - first).max() > 0.01
+
+
 @pytest.mark.long
 def test_the_air_and_the_walls_of_a_scene_are_the_worlds():
     """A gust drives one hull against a wall, to rounding; eddies stir others, by chance."""
