@@ -7,12 +7,14 @@ from lta_cli.app import build_app
 from lta_cli.options.study_command import (
     add_origin,
     drop_output_options,
+    show_resume_command,
     study_command,
     StudyRun,
 )
 from lta_config.errors import BadInput
 from lta_report.report import Report, TextTable
 import pytest
+from rich.console import Console
 import typer
 from typer.main import get_command
 from typer.testing import CliRunner
@@ -137,6 +139,18 @@ def test_a_study_that_resumes_keeps_what_its_folder_has(tmp_path, monkeypatch):
         assert f'{count} runs.' in CliRunner().invoke(app).stdout
     content = json.loads((tmp_path / 'runs/counting-1/counting.json').read_text())
     assert content == {'runs': 2}
+
+
+def test_a_stopped_study_says_how_to_resume_in_its_folder(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    run = StudyRun(Console(), tmp_path / 'runs/1-platforms', None, True)
+    show_resume_command(['platforms', '--json', '--seeds', '3'], run)
+    assert capsys.readouterr().out == ''  # nothing is stored yet
+    run.folder.mkdir(parents=True)
+    show_resume_command(['platforms', '--json', '--seeds', '3'], run)
+    assert capsys.readouterr().out == (
+        'Finished work is stored; resume with: lta platforms --seeds 3 --out runs/1-platforms\n'
+    )
 
 
 def test_a_study_that_resumes_is_repeated_in_its_folder(tmp_path):
