@@ -104,11 +104,17 @@ def build_report(scored: ChallengeScore, folder: Path) -> Report:
         commands={
             'make it again': format_lta_command(
                 'challenge', 'make', '--seed', str(about['seed']), '--n', str(about['cases']),
-                '--row', about['row'], '--out', 'DIR',
+                '--row', about['row'], *format_case_options(about), '--out', 'DIR',
             ),
             'score it': format_lta_command('challenge', 'score', 'DIR'),
         },
     )  # fmt: skip
+
+
+def format_case_options(about: Mapping[str, Any]) -> list[str]:
+    """Return the options for the kind of the cases and the durations of their flights."""
+    kind = ['--kind', about['kind']] if about['kind'] else []
+    return [*kind, '--seconds', *(f'{each:g}' for each in about['seconds'])]
 
 
 def format_headline(cases: Sequence[ScoredCase]) -> str:

@@ -1,6 +1,6 @@
 """HTML elements of pages: tiles, tables, figures, definition lists and embedded data."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from html import escape
 import json
 import re
@@ -30,15 +30,6 @@ def render_tile(name: str, value: str, unit: str, note: str) -> str:
         f'<div class="tile"><dt>{escape(name)}</dt><dd><b>{escape(value)}</b> '
         f'<span>{escape(unit)}</span><small>{escape(note)}</small></dd></div>'
     )
-
-
-def render_html_table(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
-    """Return a table of results from plain text: column heads and rows."""
-    head = ''.join(f'<th scope="col">{escape(each)}</th>' for each in heads)
-    body = ''.join(
-        f'<tr>{"".join(f"<td>{escape(each)}</td>" for each in cells)}</tr>' for cells in lines
-    )
-    return f'<table class="results"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>'
 
 
 def render_section(

@@ -111,11 +111,8 @@ class StudyStore(AbstractContextManager['StudyStore[Any]', None], Generic[Result
         identity: str,
         retry_failed: bool = False,
     ) -> None:
-        if not form.shares_folder and _is_foreign(folder, form.kind.file):
-            raise BadInput(
-                f"'{folder}' contains files that do not belong to a {form.kind.word}; choose "
-                'another folder.'
-            )
+        if not form.shares_folder:
+            refuse_foreign_folder(folder, form.kind.file, form.kind.word)
         self._form = form
         self._log = LineLog(folder, form.kind, identity, form.from_line)
         self.results: dict[Any, Result] = {}
@@ -155,9 +152,13 @@ class StudyStore(AbstractContextManager['StudyStore[Any]', None], Generic[Result
         self._log.close()
 
 
-def _is_foreign(folder: Path, file: str) -> bool:
-    """Return whether a folder has contents but no store."""
+def refuse_foreign_folder(folder: Path, own: str, word: str) -> None:
+    """Raise `BadInput` for a folder that has contents, but not the entry of a kind of study."""
     try:
-        return folder.is_dir() and not (folder / file).exists() and any(folder.iterdir())
+        foreign = folder.is_dir() and not (folder / own).exists() and any(folder.iterdir())
     except OSError:
-        return False  # opening the log reports the reason
+        return  # opening the log reports the reason
+    if foreign:
+        raise BadInput(
+            f"'{folder}' contains files that do not belong to a {word}; choose another folder."
+        )

@@ -7,13 +7,16 @@ from lta_cli.app import build_app
 from lta_cli.options.study_command import (
     add_origin,
     drop_output_options,
+    show_resume_command,
     study_command,
     StudyRun,
 )
 from lta_config.errors import BadInput
 from lta_report.report import Report, TextTable
 import pytest
+from rich.console import Console
 import typer
+from typer.main import get_command
 from typer.testing import CliRunner
 
 
@@ -87,6 +90,36 @@ def test_a_folder_with_contents_is_refused_before_the_study(invoke, tmp_path):
     assert [each.name for each in (tmp_path / 'results').iterdir()] == ['mine.txt']
 
 
+def test_pictures_may_go_into_the_results_folder_and_a_failure_leaves_no_folder(
+    invoke, tmp_path, monkeypatch
+):
+    monkeypatch.setattr('lta_cli.options.common_options.find_chromium', lambda: None)
+    failed = invoke('--number', '-1', '--out', 'results', '--pictures', 'results/png')
+    assert 'negative' in str(failed.exception)
+    assert [*tmp_path.iterdir()] == []
+    (tmp_path / 'png').mkdir()
+    (tmp_path / 'png/mine.png').write_text('x')
+    refused = invoke('--pictures', 'png')
+    assert 'is not empty; choose another folder' in str(refused.exception)
+
+
+def test_every_command_that_repeats_failed_items_resumes_in_its_folder():
+    helps = {}
+    for command in iterate_commands(get_command(build_app())):
+        options = {each.name: each for each in command.params}
+        # "lta challenge score" has no --out: it writes into the challenge
+        if 'retry' in options and 'out' in options:
+            helps[command.name] = options['out'].help
+    assert helps.keys() == {'evaluate', 'mission', 'platforms', 'reproduce', 'sweep'}
+    assert {name for name, text in helps.items() if 'study resumes' not in text} == set()
+
+
+def iterate_commands(command):
+    """Yield the commands of a Click group and of its groups."""
+    for each in getattr(command, 'commands', {}).values():
+        yield from iterate_commands(each) if hasattr(each, 'commands') else [each]
+
+
 def test_a_study_that_resumes_keeps_what_its_folder_has(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
@@ -106,6 +139,18 @@ def test_a_study_that_resumes_keeps_what_its_folder_has(tmp_path, monkeypatch):
         assert f'{count} runs.' in CliRunner().invoke(app).stdout
     content = json.loads((tmp_path / 'runs/counting-1/counting.json').read_text())
     assert content == {'runs': 2}
+
+
+def test_a_stopped_study_says_how_to_resume_in_its_folder(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    run = StudyRun(Console(), tmp_path / 'runs/1-platforms', None, True)
+    show_resume_command(['platforms', '--json', '--seeds', '3'], run)
+    assert capsys.readouterr().out == ''  # nothing is stored yet
+    run.folder.mkdir(parents=True)
+    show_resume_command(['platforms', '--json', '--seeds', '3'], run)
+    assert capsys.readouterr().out == (
+        'Finished work is stored; resume with: lta platforms --seeds 3 --out runs/1-platforms\n'
+    )
 
 
 def test_a_study_that_resumes_is_repeated_in_its_folder(tmp_path):

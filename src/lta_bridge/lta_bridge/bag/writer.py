@@ -47,12 +47,11 @@ def prepare_empty_folder(path: Path) -> Path:
         busy = any(path.iterdir())
     except OSError as error:
         raise BadInput(
-            f"The folder '{path}' for the bag cannot be created or read ({error.strerror}); "
-            'choose '
-            'another folder.'
+            f"The folder '{path}' cannot be created or read ({error.strerror}); choose another "
+            'folder.'
         ) from error
     if busy:
-        raise BadInput(f"The folder '{path}' for the bag is not empty; choose another folder.")
+        raise BadInput(f"The folder '{path}' is not empty; choose another folder.")
     return path
 
 

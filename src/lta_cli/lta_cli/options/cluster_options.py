@@ -1,17 +1,13 @@
 """Define the options of `lta cluster`: workers, threads and certificates."""
 
-import os
 from pathlib import Path
 from typing import Annotated
 
 from lta_config.errors import BadInput
+from lta_config.machine import count_cores
 from lta_report.cluster_server import TlsFiles, WorkerOptions
 import typer
 
-Workers = Annotated[
-    int | None,
-    typer.Option(help='Number of worker processes; one per processor by default.', min=1),
-]
 Threads = Annotated[
     int,
     typer.Option(help='Flights at the same time in each worker; processes are faster.', min=1),
@@ -43,8 +39,7 @@ def build_worker_options(
         tls = TlsFiles(authority.absolute(), certificate.absolute(), key.absolute())
     elif (authority, certificate, key) != (None, None, None):
         raise BadInput('Give all of --tls-ca, --tls-cert and --tls-key, or none of them.')
-    # The processors that this process may use, not all of the machine
-    return WorkerOptions(workers or len(os.sched_getaffinity(0)), threads, tls)
+    return WorkerOptions(workers or count_cores(), threads, tls)
 
 
 def format_workers(count: int) -> str:

@@ -6,8 +6,8 @@ from pathlib import Path
 import sys
 from typing import Annotated, Any
 
-from lta_bridge.bag.writer import prepare_empty_folder
 from lta_report.browser import find_chromium
+from lta_report.results_folder import check_creatable
 from rich.console import Console
 import typer
 
@@ -27,11 +27,6 @@ def print_json(content: Any, page: Path | None = None) -> None:  # noqa: ANN401 
     shown = {**content, 'page': str(page)} if named else content
     # One write for the whole text, so that other output cannot split it
     sys.stdout.write(json.dumps(shown, indent=1) + '\n')
-
-
-def print_json_text(text: str, page: Path) -> None:
-    """Print results that are already JSON text, with the path of their page."""
-    print_json(json.loads(text), page)
 
 
 def parse_folder(text: str) -> Path:
@@ -86,8 +81,8 @@ def check_picture_output(folder: Path | None) -> None:
     """Check, before any work, that pictures can be taken and written."""
     if folder is not None:
         find_chromium()  # raises BadInput if there is none
-        # Also raises BadInput if the folder is not empty
-        prepare_empty_folder(folder)
+        # Not created yet: nothing is left behind if the work fails
+        check_creatable(folder.absolute())
 
 
 def plain_console(stderr: bool = False) -> Console:

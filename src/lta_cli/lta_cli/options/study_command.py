@@ -109,10 +109,14 @@ def study_command(
             if not resumes:
                 check_creatable(run.folder)
             own = {'run': run} if 'run' in signature.parameters else {}
-            report = study(*args, **own, **options)
-            report = add_origin(
-                report, context.meta.get(WORDS, ()), run.folder if resumes else None
-            )
+            words = context.meta.get(WORDS, ())
+            try:
+                report = study(*args, **own, **options)
+            except KeyboardInterrupt:
+                if resumes:
+                    show_resume_command(words, run)
+                raise
+            report = add_origin(report, words, run.folder if resumes else None)
             with nullcontext(run.folder) if resumes else stage_results(run.folder, PAGE) as folder:
                 write_report(report, folder, page=page, pictures=pictures)
             show_report(report, run, json)
@@ -164,6 +168,19 @@ def add_origin(report: Report, words: Sequence[str], folder: Path | None) -> Rep
         facts={**report.facts, 'commit': read_commit()},
         commands={**commands, **report.commands},
     )
+
+
+def show_resume_command(words: Sequence[str], run: StudyRun) -> None:
+    """Print how to resume a study that was stopped, if it has stored anything."""
+    if words and run.folder.is_dir():
+        # The default folder contains the time, so the same command would start again
+        command = format_lta_command(
+            *drop_output_options(words), '--out', relative_path(run.folder)
+        )
+        run.console.print(
+            f'Finished work is stored; resume with: {command}',
+            highlight=False, markup=False, soft_wrap=True,
+        )  # fmt: skip
 
 
 def drop_output_options(words: Sequence[str]) -> list[str]:

@@ -7,13 +7,14 @@ from lta_cli.options.common_options import RetryFailed, Scheduler, WorkerCount
 from lta_cli.options.study_command import study_command, StudyRun
 from lta_config.schema.comparison_file import load_comparison
 from lta_report.report import Report
+from lta_report.results_folder import resolve_folder
 from lta_report.study import StudyOptions
 from lta_studies.platforms.report import build_report
 from lta_studies.platforms.run import build_entries, fly_jobs, list_jobs
 import typer
 
 
-@study_command('platforms')
+@study_command('platforms', resumes=True)
 def platforms(
     file: Annotated[
         str, typer.Argument(help='Comparison file, or the name platforms for the shipped file.')
@@ -54,7 +55,8 @@ def platforms(
     todo = list_jobs(file, comparison, count)
     created = datetime.now().astimezone().isoformat(timespec='seconds')
     options = StudyOptions(workers, scheduler, retry)
-    rows = fly_jobs(entries, todo, run.folder, options, run.console)
+    folder = run.open_folder(resolve_folder(None, comparison.name))
+    rows = fly_jobs(entries, todo, folder, options, run.console)
     facts = {
         'comparison': file, 'seeds': str(count), 'flights': str(len(rows)),
         'created': created,

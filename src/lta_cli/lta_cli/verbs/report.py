@@ -3,8 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
-from lta_bridge.bag.writer import prepare_empty_folder
-from lta_cli.options.common_options import plain_console
+from lta_cli.options.common_options import check_picture_output, Pictures, plain_console
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import select_robot
@@ -24,9 +23,7 @@ def report(
     robot: Annotated[
         str | None, typer.Option(help='Robot to report on; needed if the bag has several.')
     ] = None,
-    pictures: Annotated[
-        Path | None, typer.Option(help='Write each figure as PNG to this folder; needs Chromium.')
-    ] = None,
+    pictures: Pictures = None,
 ) -> None:
     """
     Write the page of a recorded flight, and with --pictures its figures.
@@ -40,8 +37,7 @@ def report(
     # Several robots of a bag must not overwrite each other's page
     name = 'report.html' if robot is None else f'report-{robot}.html'
     page = (out or bag.absolute().parent / name).absolute()
-    if pictures is not None:
-        prepare_empty_folder(pictures)
+    check_picture_output(pictures)
     write_page(bag, page, robot)
     console = plain_console()
     console.print(f'Page {page}', highlight=False, soft_wrap=True)

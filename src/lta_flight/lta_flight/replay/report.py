@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 import math
-from pathlib import Path
 from typing import Any, Final
 
 from lta_config.command_line import format_lta_command, relative_path
@@ -259,17 +258,4 @@ def describe_provenance(provenance: Mapping[str, str]) -> dict[str, str]:
 
 def suggest_commands(order: ReplayRequest) -> dict[str, str]:
     """Return commands for the next steps."""
-    words: list[str | Path] = [
-        'replay',
-        relative_path(order.bag),
-        '--nodes',
-        ','.join(order.nodes),
-        '--against',
-    ]
-    for node, given in order.settings.items():
-        for name, value in given.items():
-            words += ['--set', f'{node}.{name}={value}']
-    return {
-        'Replay it again': format_lta_command(*words),
-        'See the recording': format_lta_command('report', relative_path(order.bag)),
-    }
+    return {'See the recording': format_lta_command('report', relative_path(order.bag))}

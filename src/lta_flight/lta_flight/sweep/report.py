@@ -69,6 +69,8 @@ def format_headline(plan: SweepPlan, rows: Sequence[SweepRow]) -> str:
     flown = len(rows) - failed
     # An interrupted sweep states how many flights it has
     begun = '' if len(rows) == plan.count else f' (of {plan.count} planned)'
+    if not rows:
+        return f'None of the {plan.count} planned flights has finished.'
     if not flown:
         return f'{len(rows)} flights{begun}: none could be flown.'
     reached = sum(row.outcome == REACHED for row in rows)

@@ -22,9 +22,7 @@ from rich.console import Console
 
 BAGS = 'bags'
 STORE: Final = StoreFormat(
-    LogKind('rows.jsonl', 'paper', 'reproduction', '--out'),
-    TypeAdapter(StoredRow),
-    shares_folder=True,
+    LogKind('rows.jsonl', 'paper', 'reproduction', '--out'), TypeAdapter(StoredRow)
 )
 
 

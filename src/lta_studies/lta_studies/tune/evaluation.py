@@ -86,7 +86,6 @@ STORE: Final = StoreFormat(
     LogKind('search.jsonl', 'tune', 'search', '--out'),
     TypeAdapter(CandidateCosts),
     find_key=attrgetter('numbers'),
-    shares_folder=True,
 )
 
 

@@ -368,3 +368,8 @@ def test_the_verb_flies_a_file_and_keeps_every_flight(tmp_path, call):
     assert [row['held'] for row in printed_rows] == [True]
     page = (tmp_path / 'out' / 'report.html').read_text()
     assert 'The one contestant holds every manoeuvre.' in page
+    # The same command again flies nothing
+    stored = (tmp_path / 'out' / 'flights.jsonl').read_text()
+    status, said = call('platforms', file, *words)
+    assert (status, json.loads(said.out)) == (0, printed_rows)
+    assert (tmp_path / 'out' / 'flights.jsonl').read_text() == stored

@@ -9,9 +9,8 @@ from lta_cli.options.cluster_options import (
     TlsCa,
     TlsCert,
     TlsKey,
-    Workers,
 )
-from lta_cli.options.common_options import plain_console
+from lta_cli.options.common_options import plain_console, WorkerCount
 from lta_report.cluster_server import join_cluster
 import typer
 
@@ -20,7 +19,7 @@ def join(
     address: Annotated[
         str, typer.Argument(help='Address of the scheduler, as "lta cluster up" prints it.')
     ],
-    workers: Workers = None,
+    workers: WorkerCount = None,
     threads: Threads = 1,
     tls_ca: TlsCa = None,
     tls_cert: TlsCert = None,

@@ -9,9 +9,8 @@ from lta_cli.options.cluster_options import (
     TlsCa,
     TlsCert,
     TlsKey,
-    Workers,
 )
-from lta_cli.options.common_options import plain_console
+from lta_cli.options.common_options import plain_console, WorkerCount
 from lta_config.command_line import format_lta_command
 from lta_report.cluster import TLS
 from lta_report.cluster_server import PORT, serve_cluster, TlsFiles
@@ -19,7 +18,7 @@ import typer
 
 
 def up(
-    workers: Workers = None,
+    workers: WorkerCount = None,
     threads: Threads = 1,
     host: Annotated[
         str,

@@ -11,7 +11,7 @@ from lta_flight.sweep.job_runner import STORE, store_row, SweepRow
 from lta_flight.sweep.plan import SweepPlan
 from lta_report.study import run_items, StudyOptions
 from lta_report.study_progress import StudyProgress
-from lta_report.study_store import StudyStore
+from lta_report.study_store import refuse_foreign_folder, StudyStore
 from lta_report.workers import ItemFailure, open_workers
 from lta_studies.light.evaluation.cells import build_cells, EvaluationCell
 from lta_studies.light.evaluation.flights import (
@@ -85,6 +85,7 @@ def run_evaluation(order: EvaluationRequest, console: Console) -> EvaluationStat
     """
     # All sets are checked before the first flight.
     plans = build_sweep_plans(order.sets)
+    refuse_foreign_folder(order.folder, FLIGHTS, 'comparison of strategies')
     begun = time.monotonic()
     options = order.options
     with ExitStack() as stack:
