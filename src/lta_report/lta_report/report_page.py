@@ -22,7 +22,7 @@ from lta_report.report import (
 
 # A cell that starts like a number (but not like a heading, '1. Title'), or is a dash or empty
 NUMBER: Final = re.compile(
-    rf'(?!\d+\. )[-+\N{{MINUS SIGN}}<>≤≥±~]?\s?[\d.∞{MISSING}]|-?$|none$|never\b'
+    rf'(?!\d+\. )[-+\N{{MINUS SIGN}}<>≤≥±~]?\s?(?:\.?\d|[∞{MISSING}])|-?$|none$|never\b'
 )
 MARKS: Final = re.compile(r'\*\*(.+?)\*\*|\*(.+?)\*|`(.+?)`')  # strong, emphasis, code
 TAGS: Final = ('b', 'i', 'code')

@@ -110,6 +110,7 @@ def test_cells_that_are_numbers(cell):
     assert is_numeric([cell])
     assert not is_numeric([cell, 'escaped'])
     assert not is_numeric([cell, '2. Forces, drag and masses'])
+    assert not is_numeric([cell, './lta sweep heaviness'])
 
 
 def test_nine_tiles_are_narrower_and_tiles_with_long_names_wider():
