@@ -9,6 +9,7 @@ from lta_config.files import parse_yaml, validate_content
 from lta_control.laws.onboard_law import check_onboard_law
 from lta_control.strategies import check_route, find_navigation_strategy
 from lta_flight.lamp_frequency import check_lamp_frequency
+from lta_flight.node_checks import check_node
 from lta_graph.launch_file import LaunchPlan
 from lta_model.scenario import load_scenario
 from lta_model.start_offset import offset_start
@@ -24,7 +25,7 @@ SEEDS = range(2**31)  # non-negative int32
 
 def check_plan(plan: LaunchPlan) -> None:
     """
-    Reject a vehicle, scenario, strategy or seed that our nodes would reject.
+    Reject what our nodes would reject: vehicle, scenario, strategy, seed, bag or device.
 
     Also reject a lamp outside the demodulator's search window, which no node can detect alone.
 
@@ -36,8 +37,12 @@ def check_plan(plan: LaunchPlan) -> None:
     """
     for process in plan.processes:
         if process.package.startswith(OURS):
-            for given in split_by_robot(parse_parameters(process.arguments)):
+            values = parse_parameters(process.arguments)
+            for given in split_by_robot(values):
                 check_parameters(given, controls=process.executable == CONTROLLER)
+            # A parameter file, which is not read here, may set others
+            if FILE_OPTION not in process.arguments:
+                check_node(process.executable, process.namespace.strip('/'), values)
     check_launched_demodulators(plan)
 
 

@@ -33,7 +33,7 @@ def check_creatable(folder: Path) -> None:
     if not above.is_dir() or not os.access(above, os.W_OK | os.X_OK):
         raise BadInput(
             f"'{folder}' cannot be created: '{above}' is not a writable folder; choose another "
-            'folder with --out.'
+            'folder.'
         )
 
 
