@@ -14,6 +14,7 @@ from lta_bridge.teleop.gamepad import Gamepad, JOY, KEYBOARD
 from lta_bridge.teleop.keyboard import HELP, Keyboard
 from lta_bridge.teleop.messages import JoyDevice, SetpointFollowers, to_heading_altitude
 from lta_bridge.teleop.steering import (
+    check_time_mode,
     HeadingAltitude,
     step_state,
     TeleopRates,

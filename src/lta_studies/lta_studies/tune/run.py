@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import final
 
+from lta_config.command_line import relative_path
 from lta_config.errors import BadInput
 from lta_config.files import find_file as find_file
 from lta_config.schema.vehicle_file import load_vehicle_file
@@ -151,6 +152,8 @@ def tune_once(order: TuningRequest, console: Console) -> TuningResult:
     ------
     BadInput
         If the request is invalid; raised before any flight.
+    KeyboardInterrupt
+        After Ctrl-C; the best gains so far are written.
 
     """
     name = select_start_gains(order.vehicle, order.gains)
@@ -185,6 +188,13 @@ def tune_once(order: TuningRequest, console: Console) -> TuningResult:
         new = replace_parameters(old, best)
         file = folder / GAINS_NAME
         write_gains(new, format_gains_comment(order, name, found, len(cases)), file)
+        if found.stopped:
+            progress.show_message(
+                f'{len(found.history)} of {order.budget} candidates were flown; the best gains '
+                f'so far are in {relative_path(file)}. Repeat the command to resume.'
+            )
+            # The comparison would take another minute
+            raise KeyboardInterrupt
         progress.show_detail(f'flying {order.draws} new random flights with old and new gains')
         fresh = draw_cases(order.least, order.most, order.draws, order.seed)
         both = fly_comparison(scene, (old, new), fresh, workers)

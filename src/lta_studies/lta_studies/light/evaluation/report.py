@@ -7,7 +7,7 @@ from lta_config.command_line import format_lta_command
 from lta_flight.sweep.statistics import ShareInterval
 from lta_report.formatting import Tile
 from lta_report.json_value import replace_nonfinite
-from lta_report.report import Block, Grid, Picture, Report, TextSection
+from lta_report.report import Block, Grid, Picture, Report, STOPPED, TextSection
 from lta_studies.light.evaluation import (
     ground_roughness,
     labels,
@@ -32,7 +32,6 @@ from lta_studies.light.evaluation.sets import (
 )
 
 FIGURES: Final = {'path_length': 'm', 'search_time': 's', 'flight_time': 's', 'energy': 'J'}
-STOPPED: Final = 130  # exit status, as after Ctrl-C
 METHOD: Final = (
     'Reached: share of the flights, with 95 % Wilson interval. Path, time and ratios: means '
     'over the flights that reached the lamp, with 95 % bootstrap intervals. Path: length '
