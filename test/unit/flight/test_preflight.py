@@ -108,7 +108,7 @@ def test_a_bag_or_a_device_is_refused_before(words, sentence, tmp_path, monkeypa
 
 def test_a_topic_that_no_bag_can_have_is_refused_before(tmp_path):
     given = {'bag': str(tmp_path / 'bag'), 'topics': 'odom nonsense'}
-    with pytest.raises(BadInput, match="^Unknown topic 'nonsense'; known: /clock, "):
+    with pytest.raises(BadInput, match=r"^Unknown topic 'nonsense'; known: /clock, "):
         check_plan(load_plan(FLY, given))
 
 

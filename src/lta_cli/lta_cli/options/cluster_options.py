@@ -45,8 +45,3 @@ def build_worker_options(
         raise BadInput('Give all of --tls-ca, --tls-cert and --tls-key, or none of them.')
     # The processors that this process may use, not all of the machine
     return WorkerOptions(workers or len(os.sched_getaffinity(0)), threads, tls)
-
-
-def format_workers(count: int) -> str:
-    """Return '1 worker' or '2 workers'."""
-    return f'{count} worker' if count == 1 else f'{count} workers'

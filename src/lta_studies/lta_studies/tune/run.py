@@ -12,6 +12,7 @@ from lta_config.files import find_file as find_file
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_control.cascade import CascadeGains
 from lta_control.gains_file import load_gains
+from lta_report.formatting import format_count
 from lta_report.study_progress import StudyProgress
 from lta_report.study_store import StudyStore
 from lta_report.workers import open_workers, Workers
@@ -168,7 +169,8 @@ def tune_once(order: TuningRequest, console: Console) -> TuningResult:
     ).absolute()
     flights = order.budget * len(cases)
     console.print(
-        f'{order.budget} candidates with {len(cases)} test flights each: {flights} flights.',
+        f'{format_count(order.budget, "candidate")} with '
+        f'{format_count(len(cases), "test flight")} each: {format_count(flights, "flight")}.',
         highlight=False,
     )
     with (
@@ -178,7 +180,9 @@ def tune_once(order: TuningRequest, console: Console) -> TuningResult:
     ):
 
         def show_candidate(count: int, best: float) -> None:
-            progress.show_detail(f'{count * len(cases)} flights, best cost {best:.3f}')
+            progress.show_detail(
+                f'{format_count(count * len(cases), "flight")}, best cost {best:.3f}'
+            )
             progress.count_item()
 
         flown = partial(evaluate_candidate, scene, old, cases, workers)
@@ -262,8 +266,8 @@ def format_gains_comment(
     ended = ', stopped early' if result.stopped else ''
     return [
         f'Gains for {vehicle_name(order)}, found by: {order.command}',
-        f'{count} candidates with {cases} test flights each{ended}, starting from the gains '
-        f'{start}; search seed {order.seed}.',
+        f'{format_count(count, "candidate")} with {format_count(cases, "test flight")} '
+        f'each{ended}, starting from the gains {start}; search seed {order.seed}.',
         f'Lift lost: {1e3 * order.least:g} to {1e3 * order.most:g} g relative to the trim of '
         f'the vehicle file; seeds {order.seed} to {order.seed + cases - 1}.',
         f'Cost {result.first:.3f} before, {result.cost:.3f} after (average of mean and worst; '

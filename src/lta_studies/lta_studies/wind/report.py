@@ -7,7 +7,7 @@ from typing import Final
 from lta_config.command_line import format_lta_command
 from lta_model.vehicle import load_vehicle
 from lta_report.drawing import create_figure, EndLabel, label_ends
-from lta_report.formatting import MISSING, Tile
+from lta_report.formatting import format_count, MISSING, Tile
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, SOFT, TIME, TRUTH, WALL
 from lta_report.report import Picture, Report, STOPPED, TextSection, TextTable
 from lta_sim import wind_limits
@@ -78,7 +78,7 @@ def format_headline(results: Sequence[PlatformWindLimits]) -> str:
 
 def format_introduction(request: WindStudyRequest) -> str:
     """Describe the wind profiles and the flights."""
-    seeds = f'{request.seeds} seed{"s" if request.seeds > 1 else ""}'
+    seeds = format_count(request.seeds, 'seed')
     flown = f'Flown with {seeds}{", in coarse steps" if request.quick else ""}.'
     return (
         'Limits in uniform wind, and in wind over rough ground. The wind over ground is '
