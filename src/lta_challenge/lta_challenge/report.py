@@ -23,7 +23,7 @@ from lta_challenge.score_statistics import (
     shares_by_strength,
 )
 from lta_config.command_line import format_lta_command
-from lta_report.formatting import MISSING, Tile
+from lta_report.formatting import format_count, MISSING, Tile
 from lta_report.report import Block, Picture, Report, ReportSection, TextSection, TextTable
 from lta_report.report_markdown import render_markdown
 
@@ -121,7 +121,7 @@ def format_headline(cases: Sequence[ScoredCase]) -> str:
     """Return the headline; it counts the cases that discovery refused."""
     refused = sum(bool(one.refused) for one in cases)
     without = f', {refused} of them refused' if refused else ''
-    return f'Discovery results for {len(cases)} cases with hidden effects{without}'
+    return f'Discovery results for {format_count(len(cases), "case")} with hidden effects{without}'
 
 
 def build_pictures(cases: Sequence[ScoredCase]) -> list[Picture]:
@@ -325,7 +325,7 @@ def _build_row_section(name: str, scores: Sequence[ChallengeScore]) -> ReportSec
     return ReportSection(
         f'{name.capitalize()}: {ROWS[name].about}',
         [
-            TextSection('', [f'{len(cases)} cases: {", ".join(challenges)}.']),
+            TextSection('', [f'{format_count(len(cases), "case")}: {", ".join(challenges)}.']),
             # The heads of the tables suffice
             *(replace(each, heading='') for each in build_score_blocks(cases)),
         ],

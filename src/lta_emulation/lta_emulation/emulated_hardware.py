@@ -171,7 +171,7 @@ def main(words: list[str] | None = None) -> None:
                 f'{hardware.board.port}; press Ctrl-C to stop both.'
             )
             signal.signal(signal.SIGUSR1, lambda *_: hardware.board.toggle_cable())
-            # `lta run` blocks SIGINT while Python starts; a pending one is delivered here.
+            # The launcher and `lta run` block SIGINT while Python starts.
             signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
             report_flight(hardware.body, _print_line, over.wait)
     except BadInput as error:

@@ -13,12 +13,14 @@ from pathlib import Path
 from typing import final, Literal, Protocol, TYPE_CHECKING
 
 from lta_bridge.bag.writer import prepare_empty_folder
+from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_control.strategies import find_navigation_strategy
 from lta_flight.domain_lock import DomainLock
 from lta_flight.preflight import check_plan
 from lta_flight.stall_monitor import FLIGHT, StallMonitor
+from lta_flight.unflown_bag import remove_unflown_bags
 from lta_flight.viewers import find_viewers, report_live_views, require_free_live_ports
 from lta_graph.child_process import ProcessExit
 from lta_graph.health import HealthFact, HealthLevel
@@ -115,9 +117,25 @@ def fly_once(order: FlightRequest, watcher: FlightObserver) -> FlightRun:
         # After all checks, so that a refused flight leaves no folder
         prepare_empty_folder(folder)
         report_live_views(plan, watcher.show_message)
-        with Launcher(plan, on_line=lambda _name, _line: None) as launcher:
-            supervise_flight(launcher, listener, watcher, spare)
+        try:
+            with Launcher(plan, on_line=lambda _name, _line: None) as launcher:
+                supervise_flight(launcher, listener, watcher, spare)
+        except KeyboardInterrupt:
+            report_interrupted_flight(folder, watcher)
+            raise
     return collect_result(folder, launcher, watcher, spare)
+
+
+def report_interrupted_flight(folder: Path, watcher: FlightObserver) -> None:
+    """Show where the bag is and how to get its page; remove the folder of an unbegun flight."""
+    bag = folder / 'bag'
+    remove_unflown_bags([bag])
+    if bag.exists():
+        place = relative_path(bag)
+        watcher.show_message(f'Bag  {place}  (its page: {format_lta_command("report", place)})')
+    else:
+        with suppress(OSError):  # it has other contents
+            folder.rmdir()
 
 
 def build_launch_arguments(order: FlightRequest, bag: Path) -> dict[str, str]:

@@ -2,9 +2,13 @@
 
 from collections.abc import Callable
 from contextlib import ExitStack
+from pathlib import Path
 
 from lta_flight.domain_lock import DomainLock
+from lta_flight.flight import is_refusal
+from lta_flight.preflight import parse_parameters
 from lta_flight.stall_monitor import StallMonitor
+from lta_flight.unflown_bag import remove_unflown_bags
 from lta_flight.viewers import find_viewers, report_live_views, require_free_live_ports
 from lta_graph.child_process import ProcessExit
 from lta_graph.launch_file import LaunchPlan
@@ -13,12 +17,15 @@ from lta_graph.process_watch import OnLine
 from lta_graph.ros.listener import DiagnosticsListener
 
 LOOK = 0.1  # wall seconds between polls of the processes and the diagnostics
+RECORDER = ('lta_bridge', 'recorder')
 TELLERS = (('lta_sim', 'simulator'), ('lta_bridge', 'player'))  # executables with a /clock
 
 
 def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> ProcessExit:
     """
     Run a launch plan to its end and return the exit that ended it.
+
+    A bag without a message of a robot does not outlive Ctrl-C or a node that rejects its input.
 
     Parameters
     ----------
@@ -35,6 +42,20 @@ def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> 
         If it cannot be started, or would publish /clock and another flight is on the ROS domain.
 
     """
+    # A folder that exists already may hold somebody's bag, which the recorder will not overwrite
+    own_bags = [bag for bag in list_bags(plan) if not bag.exists()]
+    try:
+        outcome = supervise_graph(plan, on_line, say)
+    except KeyboardInterrupt:
+        remove_unflown_bags(own_bags)
+        raise
+    if is_refusal(outcome):
+        remove_unflown_bags(own_bags)
+    return outcome
+
+
+def supervise_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> ProcessExit:
+    """Start the processes of a plan, follow them to the end, and stop those that remain."""
     with ExitStack() as stack:
         if robots := list_simulated_robots(plan):
             # Only simulated time is exclusive; real drones may share a domain
@@ -56,10 +77,22 @@ def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> 
             lookout.report_stalled_nodes(facts, silent, unheard)
             for end in launcher.poll():
                 going_on = '; the run continues' if launcher.outcome is None else ''
-                say(f'{end.sentence}{going_on}.')
+                # The caller shows the sentence of a node that rejects its input
+                if end is not launcher.outcome or not is_refusal(end):
+                    say(f'{end.sentence}{going_on}.')
                 if not end.success and end.name not in spare:
                     listener.publish_error(f'{end.sentence}.')
         return outcome
+
+
+def list_bags(plan: LaunchPlan) -> list[Path]:
+    """Return the folders to which the recorders of a plan write."""
+    values = [
+        parse_parameters(process.arguments)
+        for process in plan.processes
+        if (process.package, process.executable) == RECORDER
+    ]
+    return [Path(str(each['bag'])) for each in values if 'bag' in each]
 
 
 def list_simulated_robots(plan: LaunchPlan) -> list[str]:

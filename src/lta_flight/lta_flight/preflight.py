@@ -10,6 +10,7 @@ from lta_config.files import parse_yaml, validate_content
 from lta_control.laws.onboard_law import check_onboard_law
 from lta_control.strategies import check_route, find_navigation_strategy
 from lta_flight.lamp_frequency import check_lamp_frequency
+from lta_flight.node_checks import check_node
 from lta_graph.launch_file import LaunchPlan
 from lta_model.scenario import load_scenario
 from lta_model.start_offset import offset_start
@@ -27,7 +28,7 @@ SEEDS = range(2**31)  # non-negative int32
 
 def check_plan(plan: LaunchPlan) -> None:
     """
-    Reject a vehicle, scenario, strategy or seed that our nodes would reject.
+    Reject what our nodes would reject: vehicle, scenario, strategy, seed, bag or device.
 
     Also reject what no node can detect alone: a lamp outside the demodulator's search window, and
     a bridge that would be stopped before it has landed its drone.
@@ -40,8 +41,12 @@ def check_plan(plan: LaunchPlan) -> None:
     """
     for process in plan.processes:
         if process.package.startswith(OURS):
-            for given in split_by_robot(parse_parameters(process.arguments)):
+            values = parse_parameters(process.arguments)
+            for given in split_by_robot(values):
                 check_parameters(given, controls=process.executable == CONTROLLER)
+            # A parameter file, which is not read here, may set others
+            if FILE_OPTION not in process.arguments:
+                check_node(process.executable, process.namespace.strip('/'), values)
     check_launched_demodulators(plan)
     check_landing_time(plan)
 

@@ -12,7 +12,7 @@ import threading
 from typing import final
 
 from lta_config.errors import BadInput
-from lta_graph.ament import find_executable
+from lta_graph.ament import find_executable, OURS
 from lta_graph.launch_node import LaunchProcess
 
 KEPT_LINES = 20  # last lines of each stream, for error messages
@@ -168,7 +168,7 @@ def spawn_process(
             bufsize=0,
             # Keeps the terminal's Ctrl-C from reaching the node directly
             start_new_session=True,
-            preexec_fn=_bind_to_parent(os.getpid()),
+            preexec_fn=_bind_to_parent(os.getpid(), process.package.startswith(OURS)),
         )
     except OSError as error:
         raise BadInput(
@@ -178,11 +178,18 @@ def spawn_process(
     return ChildProcess(process, name, popen)
 
 
-def _bind_to_parent(parent: int) -> Callable[[], None]:
-    """Return a `preexec_fn` that ties the child to its parent and restores SIGINT."""
+def _bind_to_parent(parent: int, ours: bool) -> Callable[[], None]:
+    """
+    Return a `preexec_fn` that ties the child to its parent and restores SIGINT.
+
+    SIGINT stays blocked in our executables (`ours`) until their `main` unblocks it: Python would
+    answer it with a traceback during the imports. Other programs never unblock it.
+    """
 
     def bind() -> None:
         signal.signal(signal.SIGINT, signal.SIG_DFL)  # a shell's background job ignores it
+        if ours:
+            signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         _LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGINT)
         if os.getppid() != parent:
             os._exit(1)  # the parent died before prctl took effect

@@ -7,12 +7,13 @@ A study returns a `Report`. `report_page` renders it as HTML, `report_terminal` 
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, final, Literal
+from typing import Any, Final, final, Literal
 
 from lta_report.formatting import Tile
 from plotly.graph_objects import Figure
 
 CellColor = Literal['good', 'bad', 'soft']
+STOPPED: Final = 130  # exit status of a study that Ctrl-C ended, as in shells
 
 
 @final

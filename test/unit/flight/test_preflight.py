@@ -40,6 +40,88 @@ def test_what_a_node_would_refuse_is_refused_before(word, sentence):
     check_plan(plan(word, package='their_sim'))
 
 
+FLY = find_file('launch file', 'fly', '.launch.yaml')
+REPLAY = {'source': 'replay'}
+REAL = {'source': 'crazyflie', 'robot': 'lta1'}
+
+
+@pytest.mark.parametrize(
+    ('words', 'sentence'),
+    [
+        ({'bag': '{}'}, "The folder '{}' for the bag is not empty; choose another folder."),
+        (
+            {'bag': '{}/file/bag'},
+            "'{}/file/bag' cannot be created: '{}/file' is not a writable folder; choose another "
+            'folder.',
+        ),
+        (
+            {'split_size': '-1.0'},
+            'recorder: parameter split_size is -1.0, but must be at least 0.',
+        ),
+        (
+            {**REPLAY, 'replay': '{}/nowhere'},
+            "'{}/nowhere' does not exist; give a rosbag2 folder or an .mcap file.",
+        ),
+        (
+            {**REPLAY, 'replay': '{}'},
+            "'{}' contains no MCAP recording; give a rosbag2 folder or an .mcap file.",
+        ),
+        (
+            REPLAY,
+            'The player has no bag to play; name one, as in bag:=runs/flight/bag.',
+        ),
+        (
+            {**REPLAY, 'loop': 'true', 'time': 'lockstep', 'replay': '{}'},
+            'loop:=true in lockstep would never end; use time:=realtime, or leave loop out.',
+        ),
+        (
+            {**REAL, 'uri': 'radio:/0'},
+            "'radio:/0' is not a valid Crazyflie URI; give one such as "
+            'radio://0/80/2M/E7E7E7E7E7, usb://0 or udp://127.0.0.1:19850.',
+        ),
+        (
+            {**REAL, 'command': 'fast'},
+            "crazyflie_bridge: parameter command is 'fast', but must be '', 'setpoint', 'motors' "
+            "or 'override'.",
+        ),
+        (
+            {**REAL, 'light_board': 'true', 'light_port': '{}/tty'},
+            'There is no serial port {}/tty; plug the light board in (found: none).',
+        ),
+        (
+            {'teleop': 'true', 'teleop_device': '{}/js0'},
+            'There is no gamepad at {}/js0; plug one in, or use device:=keyboard.',
+        ),
+        (
+            {'teleop': 'true', 'time': 'lockstep'},
+            'Teleoperation works only in real time; remove time:=lockstep.',
+        ),
+    ],
+)
+def test_a_bag_or_a_device_is_refused_before(words, sentence, tmp_path, monkeypatch):
+    monkeypatch.setattr('lta_bridge.teensy.port.list_ports.comports', list)
+    (tmp_path / 'file').touch()
+    given = {name: value.replace('{}', str(tmp_path)) for name, value in words.items()}
+    with pytest.raises(BadInput) as caught:
+        check_plan(load_plan(FLY, {'bag': str(tmp_path / 'bag'), **given}))
+    assert str(caught.value) == sentence.replace('{}', str(tmp_path))
+    assert [path.name for path in tmp_path.iterdir()] == ['file']
+
+
+def test_a_topic_that_no_bag_can_have_is_refused_before(tmp_path):
+    given = {'bag': str(tmp_path / 'bag'), 'topics': 'odom nonsense'}
+    with pytest.raises(BadInput, match=r"^Unknown topic 'nonsense'; known: /clock, "):
+        check_plan(load_plan(FLY, given))
+
+
+def test_a_board_that_is_awaited_and_a_joystick_of_another_machine_need_not_be_there(tmp_path):
+    waiting = {'light_board': 'true', 'light_port': '/dev/none', 'light_patience': '60.0'}
+    listening = {'light_board': 'true', 'light_port': 'udp://127.0.0.1:5'}
+    for words in (waiting, listening, {'teleop': 'true', 'teleop_device': 'joy'}):
+        check_plan(load_plan(FLY, {**REAL, 'bag': str(tmp_path / 'bag'), **words}))
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_good_plan_passes():
     check_plan(plan('vehicle:="gtmab"', 'scenario:="lamp_room"', 'strategy:="bag"', 'seed:=0'))
 

@@ -3,7 +3,7 @@
 from html.parser import HTMLParser
 import io
 
-from lta_report.formatting import format_number, MISSING, Tile
+from lta_report.formatting import format_count, format_number, MISSING, Tile
 from lta_report.report import (
     Emphasis,
     Grid,
@@ -276,3 +276,7 @@ Bags: `bags/drag`, `bags/lift`.
 
 Static."""
     )
+
+
+def test_a_count_of_one_is_singular():
+    assert [format_count(n, 'case') for n in (0, 1, 2)] == ['0 cases', '1 case', '2 cases']

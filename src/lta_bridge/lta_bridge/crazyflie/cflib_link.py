@@ -34,9 +34,11 @@ from lta_bridge.crazyflie.round_trips import parse_ping_time
 from lta_config.errors import BadInput
 
 try:
-    import cflib.crazyflie
-    import cflib.crazyflie.log
-    import cflib.crtp
+    # cflib shows every DeprecationWarning, also those of its own libraries
+    with warnings.catch_warnings(record=True):
+        import cflib.crazyflie
+        import cflib.crazyflie.log
+        import cflib.crtp
 except ImportError:  # reported when a link is created
     CFLIB = False
 else:

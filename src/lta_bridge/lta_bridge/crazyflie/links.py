@@ -56,10 +56,15 @@ def create_link(uri: str, blocks: Sequence[LogBlock], clock: Callable[[], int]) 
         If the URI is invalid, or a library is not installed.
 
     """
+    check_uri(uri)
+    return LINKS[uri.partition('://')[0]].link(uri, blocks, clock)
+
+
+def check_uri(uri: str) -> None:
+    """Raise `BadInput` for a URI that no link understands."""
     scheme, _, rest = uri.partition('://')
     if scheme not in LINKS or not re.fullmatch(LINKS[scheme].rest, rest):
         raise BadInput(
             f"'{uri}' is not a valid Crazyflie URI; give one such as radio://0/80/2M/E7E7E7E7E7, "
             'usb://0 or udp://127.0.0.1:19850.'
         )
-    return LINKS[scheme].link(uri, blocks, clock)

@@ -22,7 +22,7 @@ from lta_bridge.playback.node_selection import CLOCK, select_nodes
 from lta_bridge.playback.pending_answers import PendingAnswers
 from lta_bridge.playback.playback_clock import PlaybackClock
 from lta_bridge.playback.recording import open_recording
-from lta_bridge.playback.settings import FOREVER, PlayerSettings
+from lta_bridge.playback.settings import check_playback, FOREVER, PlayerSettings
 from lta_config.bounded_memory import limit_memory
 from lta_config.errors import BadInput
 from lta_graph.health import HealthLevel
@@ -52,12 +52,7 @@ class Player(GraphNode):
     def __init__(self) -> None:
         super().__init__('player', role='vehicle')
         settings = self._settings = NodeParameters(self, PlayerSettings).value
-        if not settings.bag:
-            raise BadInput('The player has no bag to play; name one, as in bag:=runs/flight/bag.')
-        if settings.loop and self.lockstep:
-            raise BadInput(
-                'loop:=true in lockstep would never end; use time:=realtime, or leave loop out.'
-            )
+        check_playback(settings, lockstep=self.lockstep)
         own = self.get_namespace().strip('/')
         self._recording = open_recording(Path(settings.bag), settings.robot, self.table, own)
         self._cast = select_nodes(self.table, settings.nodes.split(), settings.roles.split())

@@ -10,10 +10,11 @@ import sys
 import time
 from typing import Any
 
-from lta_bridge.teleop.gamepad import Gamepad
+from lta_bridge.teleop.gamepad import Gamepad, JOY, KEYBOARD
 from lta_bridge.teleop.keyboard import HELP, Keyboard
 from lta_bridge.teleop.messages import JoyDevice, SetpointFollowers, to_heading_altitude
 from lta_bridge.teleop.steering import (
+    check_time_mode,
     HeadingAltitude,
     step_state,
     TeleopRates,
@@ -21,7 +22,6 @@ from lta_bridge.teleop.steering import (
     TeleopState,
 )
 from lta_bridge.teleop.sticks import GamepadLayout, StickDevice
-from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
 from lta_control.messages import from_setpoint
 from lta_graph.health import HealthLevel
@@ -69,8 +69,7 @@ class Teleop(GraphNode):
 
     def __init__(self) -> None:
         super().__init__('teleop')
-        if self.lockstep:
-            raise BadInput('Teleoperation works only in real time; remove time:=lockstep.')
+        check_time_mode(lockstep=self.lockstep)
         self._held = self.create_output('teleop/held')
         self._pose, self._velocity = (
             self.create_output('teleop/pose'),
@@ -93,12 +92,12 @@ class Teleop(GraphNode):
         self.create_timer(PERIOD, self._tick, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def _create_device(self, settings: TeleopSettings) -> StickDevice:
-        if settings.device == 'keyboard':
+        if settings.device == KEYBOARD:
             keyboard = Keyboard()
             sys.stdout.write(HELP)
             sys.stdout.flush()
             return keyboard
-        if settings.device == 'joy':
+        if settings.device == JOY:
             joy = JoyDevice(settings.layout)
             self.soundness.unsound = joy.unsound  # one count of all that this node hears
             self.create_subscription(

@@ -1,5 +1,6 @@
 """The parameters of the player."""
 
+from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
 
 FOREVER = 1e9  # s: the end of any recording
@@ -60,3 +61,13 @@ class PlayerSettings(Settings):
         low=0.1, high=3600.0, fixed=True,
     )  # fmt: skip
     record: bool = setting(False, 'Whether playback waits until a recorder runs.', fixed=True)
+
+
+def check_playback(settings: PlayerSettings, *, lockstep: bool) -> None:
+    """Raise `BadInput` without a bag, or for a loop in lockstep."""
+    if not settings.bag:
+        raise BadInput('The player has no bag to play; name one, as in bag:=runs/flight/bag.')
+    if settings.loop and lockstep:
+        raise BadInput(
+            'loop:=true in lockstep would never end; use time:=realtime, or leave loop out.'
+        )

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 import errno
+from pathlib import Path
 import re
 import select
 import socket
@@ -68,6 +69,17 @@ def open_port(address: str) -> BoardPort:
     if address.startswith('udp://'):
         return UdpPort(address)
     return SerialPort(address)
+
+
+def require_port(address: str) -> None:
+    """Raise `BadInput` for a serial port that does not exist."""
+    if not address.startswith('udp://') and not Path(address).exists():
+        raise BadInput(_explain_missing_port(address))
+
+
+def _explain_missing_port(path: str) -> str:
+    found = ', '.join(sorted(port.device for port in list_ports.comports())) or 'none'
+    return f'There is no serial port {path}; plug the light board in (found: {found}).'
 
 
 @final
@@ -211,8 +223,7 @@ def _explain_open_error(path: str, error: Exception) -> str:
     """Return why a serial port cannot be opened, with the remedy."""
     number = getattr(error, 'errno', None)
     if number == errno.ENOENT:
-        found = ', '.join(sorted(port.device for port in list_ports.comports())) or 'none'
-        return f'There is no serial port {path}; plug the light board in (found: {found}).'
+        return _explain_missing_port(path)
     if number == errno.EACCES:
         return (
             f'You have no permission to open {path}; run "sudo usermod -aG dialout $USER" and log '

@@ -17,7 +17,18 @@ from lta_config.errors import BadInput
 EVENT: Final = struct.Struct('<IhBB')  # time [ms], value, type, number
 BUTTON, AXIS, INITIAL = 0x01, 0x02, 0x80
 FULL: Final = 32767
+KEYBOARD, JOY = 'keyboard', 'joy'  # devices that are no gamepad of this machine
 REOPEN: Final = 1.0  # s between two attempts
+
+
+def require_gamepad(device: str) -> None:
+    """Raise `BadInput` for a gamepad that is not there; a keyboard and Joy need none."""
+    if device not in (KEYBOARD, JOY) and not Path(device).exists():
+        raise _missing_gamepad_error(Path(device))
+
+
+def _missing_gamepad_error(path: Path) -> BadInput:
+    return BadInput(f'There is no gamepad at {path}; plug one in, or use device:=keyboard.')
 
 
 @final
@@ -38,9 +49,7 @@ class Gamepad:
             # Non-blocking: the node reads what there is and goes on
             self._fd: int | None = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
         except FileNotFoundError:
-            raise BadInput(
-                f'There is no gamepad at {path}; plug one in, or use device:=keyboard.'
-            ) from None
+            raise _missing_gamepad_error(path) from None
         except PermissionError:
             raise BadInput(
                 f'You have no permission to read {path}; run "sudo usermod -aG input $USER" and '

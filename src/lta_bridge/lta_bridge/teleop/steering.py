@@ -13,6 +13,7 @@ import math
 from typing import Final, NamedTuple
 
 from lta_bridge.teleop.sticks import Sticks
+from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
 from lta_control.cascade import Setpoint, wrap_angle
 
@@ -20,6 +21,12 @@ STOPS: Final = 10  # emergency stops sent in direct succession
 AGAIN: Final = 0.5  # s between further ones
 LEAD_TURN: Final = 1.0  # rad, largest lead of the desired heading
 LEAD_CLIMB: Final = 0.5  # m, largest lead of the desired altitude
+
+
+def check_time_mode(*, lockstep: bool) -> None:
+    """Raise `BadInput` in lockstep, where no person can keep up."""
+    if lockstep:
+        raise BadInput('Teleoperation works only in real time; remove time:=lockstep.')
 
 
 class TeleopRates(Settings):

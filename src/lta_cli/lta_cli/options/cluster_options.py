@@ -40,8 +40,3 @@ def build_worker_options(
     elif (authority, certificate, key) != (None, None, None):
         raise BadInput('Give all of --tls-ca, --tls-cert and --tls-key, or none of them.')
     return WorkerOptions(workers or count_cores(), threads, tls)
-
-
-def format_workers(count: int) -> str:
-    """Return '1 worker' or '2 workers'."""
-    return f'{count} worker' if count == 1 else f'{count} workers'

@@ -10,6 +10,7 @@ from lta_config.errors import BadInput
 from lta_config.files import list_shipped_names
 from lta_config.schema.import_file import Format
 from lta_config.topics import is_name
+from lta_report.formatting import format_count
 from lta_report.results_folder import resolve_folder
 from rich.console import Console
 import typer
@@ -90,7 +91,9 @@ def _print_import(one: 'ImportedLog', console: Console) -> None:
         f'{one.source} ({form}; {one.data})', style='bold', highlight=False, markup=False
     )
     for topic, count in one.topics.items():
-        console.print(f'  {topic}: {count} messages', highlight=False, markup=False)
+        console.print(
+            f'  {topic}: {format_count(count, "message")}', highlight=False, markup=False
+        )
     for note in one.notes:
         console.print(f'  {note}', style='yellow', highlight=False, markup=False, soft_wrap=True)
     console.print(

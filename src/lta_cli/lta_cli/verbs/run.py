@@ -7,10 +7,8 @@ import sys
 from typing import Annotated
 
 from lta_config.errors import BadInput
-from lta_graph.ament import find_executable
+from lta_graph.ament import find_executable, OURS
 import typer
-
-OURS = 'lta_'
 
 
 def run(

@@ -98,11 +98,11 @@ def tune(
     Flights determine the helium loss at which the gains fail.
 
     The results folder, by default runs/tune-<name>-<hash>, gets the new gains as gains.yaml. Every
-    candidate is stored there, and repeating the command resumes. Ctrl-C ends the search and keeps
-    the best candidate. The vehicle's own gains are not replaced: copy the new file if it is
+    candidate is stored there, and repeating the command resumes. Ctrl-C stops at once and writes
+    the best gains so far. The vehicle's own gains are not replaced: copy the new file if it is
     better.
 
-    Exit status 0: done. 2: bad input, nothing was flown. 130: Ctrl-C before the first candidate.
+    Exit status 0: done. 2: bad input, nothing was flown. 130: Ctrl-C.
 
     Example: lta tune gtmab --most '6 g' --budget 121 --out tuned
     """
@@ -114,7 +114,6 @@ def tune(
         vehicle, gains, least, most, cases, budget, draws, seed, tuple(numbers or ()), workers,
         run.out, format_lta_command('tune', vehicle, *start, *asked),
     )  # fmt: skip
-    # Everything is stored during the search; Ctrl-C keeps the best candidate
     done = tune_once(order, run.console)
     run.open_folder(done.folder)
     if not run.page:

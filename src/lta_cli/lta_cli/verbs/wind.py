@@ -87,6 +87,8 @@ def wind(
     log law yields the wind at the height of the hull. The log law is not accurate close to the
     roughness length, so compare several.
 
+    Ctrl-C reports the platforms that are finished.
+
     Exit status 0: done. 2: bad input. 130: Ctrl-C.
 
     Example: lta wind gtmab skye --roughness 0.03 --roughness 0.3
@@ -105,13 +107,21 @@ def wind(
 
 
 def find_limits(request: WindStudyRequest, console: Console) -> list[PlatformWindLimits]:
-    """Return the limits of all platforms, with a progress bar."""
+    """
+    Return the limits of all platforms, with a progress bar.
+
+    After Ctrl-C, return those of the finished platforms; raise KeyboardInterrupt if there is none.
+    """
     # The ticks of the search, and one for each finished platform
     total = count_ticks(request) + len(request.vehicles)
-    found = []
-    with ProgressBar(console, begin='wind', total=total) as bar:
-        for name in request.vehicles:
-            bar.update_bar(description=name)
-            found.append(measure_limits(request, name, lambda: bar.update_bar(advance=1)))
-            bar.update_bar(advance=1)
+    found: list[PlatformWindLimits] = []
+    try:
+        with ProgressBar(console, begin='wind', total=total) as bar:
+            for name in request.vehicles:
+                bar.update_bar(description=name)
+                found.append(measure_limits(request, name, lambda: bar.update_bar(advance=1)))
+                bar.update_bar(advance=1)
+    except KeyboardInterrupt:
+        if not found:
+            raise
     return found

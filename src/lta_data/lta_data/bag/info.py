@@ -8,6 +8,7 @@ from typing import final
 from lta_data.bag.reader import Bag, read_bag
 from lta_data.bag.recorded_flight import list_robots
 from lta_data.bag.remarks import describe_irregularities
+from lta_report.formatting import format_count
 from rich.console import Console
 from rich.table import Table
 
@@ -117,7 +118,8 @@ def print_bag_info(info: BagInfo, console: Console) -> None:
     console.print(info.path, style='bold', highlight=False, markup=False)
     several = f' of {" and ".join(info.robots)}' if len(info.robots) > 1 else ''
     console.print(
-        f'{info.messages} messages{several} in {info.duration:.2f} s, {info.size / 1e6:.1f} MB',
+        f'{format_count(info.messages, "message")}{several} in {info.duration:.2f} s, '
+        f'{info.size / 1e6:.1f} MB',
         highlight=False,
     )
     table = Table(box=None, pad_edge=False)

@@ -24,6 +24,7 @@ from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_data.bag.series import TopicSeries
 from lta_data.bag.table import RecordingTable
 from lta_data.bag.units import find_unit
+from lta_report.formatting import format_count
 import numpy as np
 from numpy.typing import NDArray
 
@@ -168,7 +169,7 @@ class RobotRecording:
         width = max(map(len, names), default=0)
         seconds = 0.0 if bag.start is None or bag.end is None else (bag.end - bag.start) * 1e-9
         of = f' of {self.robot}' if self.robot else ''
-        lines = [f'{bag.path}: {len(names)} topics{of}, {seconds:.1f} s']
+        lines = [f'{bag.path}: {format_count(len(names), "topic")}{of}, {seconds:.1f} s']
         for topic, name in names.items():
             found = bag.topics[name]
             lines.append(f'  {topic:{width}}  {found.count:8}  {found.type_name}')

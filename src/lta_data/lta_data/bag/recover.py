@@ -21,6 +21,7 @@ from lta_data.bag.missing_messages import (
     MissingMessages,
 )
 from lta_data.bag.reader import Bag, read_bag
+from lta_report.formatting import format_count
 from mcap.records import Channel, Schema
 
 ORIGIN = 'recovered_from'  # keys of the provenance
@@ -79,8 +80,10 @@ class Recovery:
 
     def describe_losses(self) -> list[str]:
         """Return what was saved and what was lost, in sentences."""
+        verb = 'was' if self.messages == 1 else 'were'
         told = [
-            f'{self.messages} messages of {len(self.topics)} topics were saved to {self.path}.',
+            f'{format_count(self.messages, "message")} of '
+            f'{format_count(len(self.topics), "topic")} {verb} saved to {self.path}.',
             *self.losses,
             *self.remarks,
         ]
@@ -103,11 +106,6 @@ class Recovery:
             return f'about {count}'
         cut = any(end is None for _, end in self.lost_spans)
         return f'at least {count}' if cut and lost.source == 'index' else count
-
-
-def format_count(count: int, what: str) -> str:
-    """Return a number with its noun."""
-    return f'{count} {what}' if count == 1 else f'{count} {what}s'
 
 
 def format_loss_span(start: float | None, end: float | None) -> str:

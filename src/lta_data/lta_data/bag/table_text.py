@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 import re
 from typing import Any, Final, TYPE_CHECKING
 
+from lta_report.formatting import format_count
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,7 +24,8 @@ def format_heading(table: 'RecordingTable') -> str:
     first, last = float(table.time[0]), float(table.time[-1])
     rate = f', {(len(table) - 1) / (last - first):.4g} Hz' if last > first else ''
     kind = f', {table.kind}' if table.kind else ''
-    return f'{table.name}: {len(table)} rows from {first:.2f} to {last:.2f} s{rate}{kind}'
+    count = format_count(len(table), 'row')
+    return f'{table.name}: {count} from {first:.2f} to {last:.2f} s{rate}{kind}'
 
 
 def format_column_lines(table: 'RecordingTable') -> Iterator[str]:

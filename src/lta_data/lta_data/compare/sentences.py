@@ -12,6 +12,7 @@ from lta_data.compare.faults import TopicFaults
 from lta_data.compare.frame_alignment import FrameAlignment
 from lta_data.compare.frame_fit import FrameTransform
 from lta_data.compare.time_alignment import TimeAlignment
+from lta_report.formatting import format_count
 
 DEGREES: Final = 180.0 / math.pi
 BASIS: Final = 1e6  # ppm
@@ -224,11 +225,6 @@ def describe_faults(faults: TopicFaults) -> str:
     if not faults.rhythm:
         parts.append('messages at irregular intervals, so gaps cannot be found')
     return '; '.join(parts)
-
-
-def format_count(count: int, word: str) -> str:
-    """Return a count with its noun."""
-    return f'{count} {word}{"" if count == 1 else "s"}'
 
 
 def format_rate(faults: TopicFaults) -> str:

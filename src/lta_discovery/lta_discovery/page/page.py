@@ -28,6 +28,7 @@ from lta_discovery.page.verdict_text import (
 from lta_discovery.page.whiteness import autocorrelation, GROUPS, residual_spectrum
 from lta_discovery.study import DiscoveryStudy
 from lta_model.effects.protocol import AXES
+from lta_report.formatting import format_count
 from lta_report.html_elements import embed_data, render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
 from lta_report.palette import DARK, ESTIMATE, FILL, GOOD, LAMP, TRUTH, WALL
@@ -101,7 +102,9 @@ def render_page(study: DiscoveryStudy, folder: Path, bags: Bags = NONE) -> str:
     return assemble_page(
         'discover.html',
         title=escape(format_headline(found)),
-        kicker=escape(f'lta discover · {found.vehicle} · {len(study.flights)} flights'),
+        kicker=escape(
+            f'lta discover · {found.vehicle} · {format_count(len(study.flights), "flight")}'
+        ),
         about=escape(format_flight_roles(found)),
         tiles='\n'.join(render_tile(*each) for each in build_tiles(found)),
         effects=tables.render_effects(found),

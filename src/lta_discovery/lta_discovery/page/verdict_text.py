@@ -21,7 +21,7 @@ from lta_discovery.page.formatting import (
     MANY,
 )
 from lta_discovery.unmodeled.draught import DraughtEstimate
-from lta_report.formatting import MISSING, Tile
+from lta_report.formatting import format_count, MISSING, Tile
 
 ROLES: Final = {
     'train': 'learned from', 'confirm': 'confirmed by', 'holdout': 'tested on',
@@ -161,7 +161,7 @@ def format_flight_roles(finding: StudyResult) -> str:
         else 'No flight was held out, so the prediction errors may be too small.'
     )
     count = len(finding.warnings)
-    more = f' See the {count} {"warning" if count == 1 else "warnings"} below.' if count else ''
+    more = f' See the {format_count(count, "warning")} below.' if count else ''
     return f'{said[:1].upper()}{said[1:]}. {shown if finding.gaps else ""}{more}'.strip()
 
 

@@ -10,7 +10,7 @@ from lta_flight.replay.replay_request import ReplayRequest
 from lta_flight.replay.run import ReplayRun
 from lta_flight.replay.verdict import ReplayVerdict
 from lta_report.drawing import create_figure
-from lta_report.formatting import Tile
+from lta_report.formatting import format_count, Tile
 from lta_report.palette import ESTIMATE, RAW
 from lta_report.report import Block, Picture, Report, TextSection, TextTable
 import numpy as np
@@ -92,7 +92,7 @@ def build_tiles(verdict: ReplayVerdict) -> list[Tile]:
     total = sum(topic.count for topic in verdict.topics)
     differing = sum(topic.differing for topic in verdict.topics)
     made = [
-        Tile('verdict', NAMES[verdict.word], '', f'{len(verdict.topics)} topics'),
+        Tile('verdict', NAMES[verdict.word], '', format_count(len(verdict.topics), 'topic')),
         Tile('messages', str(total), '', f'{differing} differ'),
     ]
     return made + [

@@ -12,6 +12,7 @@ from lta_flight.sweep.statistics import (
     reached_share,
 )
 from lta_report.drawing import create_figure
+from lta_report.formatting import format_count
 from lta_report.palette import ESTIMATE, GOOD, GRID, INK, TRUTH
 from plotly.graph_objects import Box, Figure, Histogram, Scatter
 
@@ -91,7 +92,7 @@ def add_shares(figure: Figure, groups: Sequence[ParameterGroup]) -> None:
             },
             mode='lines+markers', line={'color': GOOD, 'width': 1.2},
             marker={'color': GOOD, 'size': 7}, name='reached',
-            text=[f'{group.name}: {len(group.rows)} flights' for group in groups],
+            text=[f'{group.name}: {format_count(len(group.rows), "flight")}' for group in groups],
             hovertemplate='%{y:.1%} reached<br>%{text}<extra></extra>',
         ),
         row=1, col=1,

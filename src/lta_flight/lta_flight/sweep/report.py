@@ -15,7 +15,7 @@ from lta_flight.sweep.pictures import MEASURES, plot_by_parameter, plot_histogra
 from lta_flight.sweep.plan import SweepPlan
 from lta_flight.sweep.run import describe_origin, SweepRun
 from lta_flight.sweep.statistics import collect_result_values, format_value, REACHED, reached_share
-from lta_report.formatting import format_number, Tile
+from lta_report.formatting import format_count, format_number, Tile
 from lta_report.report import Block, Grid, Picture, Report, TextSection, TextTable
 import yaml
 
@@ -72,7 +72,7 @@ def format_headline(plan: SweepPlan, rows: Sequence[SweepRow]) -> str:
     if not rows:
         return f'None of the {plan.count} planned flights has finished.'
     if not flown:
-        return f'{len(rows)} flights{begun}: none could be flown.'
+        return f'{format_count(len(rows), "flight")}{begun}: none could be flown.'
     reached = sum(row.outcome == REACHED for row in rows)
     ends = f'{100 * share.low:.1f} to {100 * share.high:.1f} %'
     lost = f', and {failed} could not be flown' if failed else ''
@@ -227,7 +227,9 @@ def describe_run(done: SweepRun) -> list[str]:
     lines = []
     if done.flown:
         rate = done.flown / done.wall
-        lines.append(f'{done.flown} flights in {done.wall:.0f} s: {rate:.2f} flights/s.')
+        lines.append(
+            f'{format_count(done.flown, "flight")} in {done.wall:.0f} s: {rate:.2f} flights/s.'
+        )
     elif done.failure is None:
         lines.append('All flights were already stored; nothing was flown.')
     if done.lost:

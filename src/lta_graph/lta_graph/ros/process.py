@@ -32,7 +32,7 @@ def run_node(node_class: type[GraphNode], args: list[str] | None = None) -> NoRe
     teardown = ExitStack()
     teardown.callback(rclpy.try_shutdown)
     try:
-        # `lta run` blocks SIGINT while Python starts; a pending one is delivered here
+        # The launcher and `lta run` block SIGINT while Python starts; one is delivered here
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
         run_until_stopped(node_class, words, teardown)
     except KeyboardInterrupt:  # before the node was made

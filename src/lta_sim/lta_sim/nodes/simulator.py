@@ -336,9 +336,10 @@ class Simulator(GraphNode):
     def close(self) -> None:
         """Report the outcome, also to the launcher, and let the last messages leave."""
         self._monitor_inputs()
-        # One line of JSON, which the launcher parses
-        sys.stdout.write(json.dumps(self._summarize_flight()) + '\n')
-        sys.stdout.flush()
+        if self._world.steps:  # a flight that never began has no outcome
+            # One line of JSON, which the launcher parses
+            sys.stdout.write(json.dumps(self._summarize_flight()) + '\n')
+            sys.stdout.flush()
         super().close()
 
 

@@ -6,7 +6,7 @@ from typing import Any, Final
 
 from lta_config.command_line import format_lta_command
 from lta_energy.harvest import HarvestCurve
-from lta_report.formatting import Tile
+from lta_report.formatting import format_count, Tile
 from lta_report.report import Picture, Report, TextSection, TextTable
 from lta_studies.light.evaluation.intervals import BootstrapMean
 from lta_studies.mission import paper
@@ -119,7 +119,7 @@ def format_headline(request: MissionRequest, results: Sequence[MissionResult]) -
     alike = filter_by_schedule(results, first.schedule)
     if failed := sum(each.figures.failure_count for each in alike):
         count = sum(each.figures.flights for each in alike)
-        sentence += f'; {failed} failure{"s" if failed > 1 else ""} in {count} flights'
+        sentence += f'; {format_count(failed, "failure")} in {format_count(count, "flight")}'
     return f'{sentence}.'
 
 
@@ -143,7 +143,7 @@ def build_tiles(request: MissionRequest, results: Sequence[MissionResult]) -> li
             'failures',
             f'{sum(each.figures.failure_count for each in alike)}',
             '',
-            f'in {sum(each.figures.flights for each in alike)} flights',
+            f'in {format_count(sum(each.figures.flights for each in alike), "flight")}',
         ),
         Tile(
             'lowest charge',
@@ -217,7 +217,7 @@ def build_schedule_table(request: MissionRequest, results: Sequence[MissionResul
         'asleep [%]', 'energy imbalance', 'total failures',
     ]  # fmt: skip
     note = (
-        f'Means per day over {len(request.seeds)} seeds of {request.days} d; 95 % intervals '
-        'in brackets.'
+        f'Means per day over {format_count(len(request.seeds), "seed")} of {request.days} d; '
+        '95 % intervals in brackets.'
     )
     return TextTable('Results of the schedules', heads, rows, note)

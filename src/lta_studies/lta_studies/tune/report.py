@@ -59,7 +59,7 @@ def build_report(tuned: TuningResult, responses: tuple[Traces, Traces] | None) -
         facts=build_provenance_table(tuned),
         commands=suggest_commands(tuned),
         files={'Gains file': tuned.file.read_text(encoding='utf-8')},
-        closing=describe_files(tuned),
+        closing=[f'Gains {relative_path(tuned.file)}'],
     )  # fmt: skip
 
 
@@ -129,13 +129,6 @@ def draw_pictures(tuned: TuningResult, old: Traces, new: Traces) -> Iterator[Pic
     )  # fmt: skip
     history = pictures.plot_search(tuned.found.history, len(tuned.losses))
     yield Picture('search', 'The search', SEARCH, history, height=270)
-
-
-def describe_files(tuned: TuningResult) -> list[str]:
-    """Return where the gains are, and whether the search was stopped."""
-    count = len(tuned.found.history)
-    stopped = f'Stopped after {count} candidates; repeat the command to resume.'
-    return [*([stopped] if tuned.found.stopped else []), f'Gains {relative_path(tuned.file)}']
 
 
 def build_provenance_table(tuned: TuningResult) -> dict[str, str]:

@@ -6,11 +6,13 @@ from functools import partial
 from pathlib import Path
 from typing import final
 
+from lta_config.command_line import relative_path
 from lta_config.errors import BadInput
 from lta_config.files import find_file as find_file
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_control.cascade import CascadeGains
 from lta_control.gains_file import load_gains
+from lta_report.formatting import format_count
 from lta_report.study_progress import StudyProgress
 from lta_report.study_store import StudyStore
 from lta_report.workers import open_workers, Workers
@@ -151,6 +153,8 @@ def tune_once(order: TuningRequest, console: Console) -> TuningResult:
     ------
     BadInput
         If the request is invalid; raised before any flight.
+    KeyboardInterrupt
+        After Ctrl-C; the best gains so far are written.
 
     """
     name = select_start_gains(order.vehicle, order.gains)
@@ -165,7 +169,8 @@ def tune_once(order: TuningRequest, console: Console) -> TuningResult:
     ).absolute()
     flights = order.budget * len(cases)
     console.print(
-        f'{order.budget} candidates with {len(cases)} test flights each: {flights} flights.',
+        f'{format_count(order.budget, "candidate")} with '
+        f'{format_count(len(cases), "test flight")} each: {format_count(flights, "flight")}.',
         highlight=False,
     )
     with (
@@ -175,7 +180,9 @@ def tune_once(order: TuningRequest, console: Console) -> TuningResult:
     ):
 
         def show_candidate(count: int, best: float) -> None:
-            progress.show_detail(f'{count * len(cases)} flights, best cost {best:.3f}')
+            progress.show_detail(
+                f'{format_count(count * len(cases), "flight")}, best cost {best:.3f}'
+            )
             progress.count_item()
 
         flown = partial(evaluate_candidate, scene, old, cases, workers)
@@ -185,6 +192,13 @@ def tune_once(order: TuningRequest, console: Console) -> TuningResult:
         new = replace_parameters(old, best)
         file = folder / GAINS_NAME
         write_gains(new, format_gains_comment(order, name, found, len(cases)), file)
+        if found.stopped:
+            progress.show_message(
+                f'{len(found.history)} of {order.budget} candidates were flown; the best gains '
+                f'so far are in {relative_path(file)}. Repeat the command to resume.'
+            )
+            # The comparison would take another minute
+            raise KeyboardInterrupt
         progress.show_detail(f'flying {order.draws} new random flights with old and new gains')
         fresh = draw_cases(order.least, order.most, order.draws, order.seed)
         both = fly_comparison(scene, (old, new), fresh, workers)
@@ -252,8 +266,8 @@ def format_gains_comment(
     ended = ', stopped early' if result.stopped else ''
     return [
         f'Gains for {vehicle_name(order)}, found by: {order.command}',
-        f'{count} candidates with {cases} test flights each{ended}, starting from the gains '
-        f'{start}; search seed {order.seed}.',
+        f'{format_count(count, "candidate")} with {format_count(cases, "test flight")} '
+        f'each{ended}, starting from the gains {start}; search seed {order.seed}.',
         f'Lift lost: {1e3 * order.least:g} to {1e3 * order.most:g} g relative to the trim of '
         f'the vehicle file; seeds {order.seed} to {order.seed + cases - 1}.',
         f'Cost {result.first:.3f} before, {result.cost:.3f} after (average of mean and worst; '

@@ -7,9 +7,9 @@ from typing import Final
 from lta_config.command_line import format_lta_command
 from lta_model.vehicle import load_vehicle
 from lta_report.drawing import create_figure, EndLabel, label_ends
-from lta_report.formatting import MISSING, Tile
+from lta_report.formatting import format_count, MISSING, Tile
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, SOFT, TIME, TRUTH, WALL
-from lta_report.report import Picture, Report, TextSection, TextTable
+from lta_report.report import Picture, Report, STOPPED, TextSection, TextTable
 from lta_sim import wind_limits
 from lta_studies.wind.flyable_wind import FlyableWind
 from lta_studies.wind.limits import PlatformWindLimits, to_json, WindStudyRequest
@@ -39,12 +39,14 @@ METHOD: Final = (
 
 
 def build_report(results: Sequence[PlatformWindLimits], request: WindStudyRequest) -> Report:
-    """Return the report of a wind study."""
+    """Return the report of a wind study; of one that Ctrl-C stopped, its finished platforms."""
+    done, count = len(results), len(request.vehicles)
+    unfinished = f' Stopped after {done} of {count} platforms.' if done < count else ''
     return Report(
         command='wind',
         subject=request.scenario,
         headline=format_headline(results),
-        introduction=format_introduction(request),
+        introduction=format_introduction(request) + unfinished,
         tiles=build_tiles(results),
         blocks=(
             Picture(
@@ -57,7 +59,8 @@ def build_report(results: Sequence[PlatformWindLimits], request: WindStudyReques
         data=to_json(results, request),
         facts=build_provenance_table(request),
         commands=list_commands(request),
-        closing=format_platform_notes(results),
+        closing=[*format_platform_notes(results), *([unfinished.strip()] if unfinished else [])],
+        status=STOPPED if unfinished else 0,
     )  # fmt: skip
 
 
@@ -75,7 +78,7 @@ def format_headline(results: Sequence[PlatformWindLimits]) -> str:
 
 def format_introduction(request: WindStudyRequest) -> str:
     """Describe the wind profiles and the flights."""
-    seeds = f'{request.seeds} seed{"s" if request.seeds > 1 else ""}'
+    seeds = format_count(request.seeds, 'seed')
     flown = f'Flown with {seeds}{", in coarse steps" if request.quick else ""}.'
     return (
         'Limits in uniform wind, and in wind over rough ground. The wind over ground is '

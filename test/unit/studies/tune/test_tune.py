@@ -1,5 +1,6 @@
 """Tuning: what is turned, how it is searched and kept, and the verb around it."""
 
+from io import StringIO
 import json
 import math
 
@@ -10,10 +11,11 @@ from lta_control.gains_file import load_gains
 from lta_report.study_store import StudyStore
 from lta_report.workers import LocalWorkers
 from lta_studies.tune import evaluation, helium_limit
+from lta_studies.tune import run as tuning
 from lta_studies.tune.cma_es import CmaEsSearch
 from lta_studies.tune.compare import compare_costs, compute_quartiles, GainEvaluation
 from lta_studies.tune.evaluation import evaluate_jobs, STORE
-from lta_studies.tune.gain_search import robust_cost, search_gains
+from lta_studies.tune.gain_search import GainSearchResult, robust_cost, search_gains
 from lta_studies.tune.gains_file import format_gains, write_gains
 from lta_studies.tune.lamp_flight import fly_to_lamp, LampFlightResult
 from lta_studies.tune.metrics import compute_step_metrics, ResponseMetrics
@@ -26,6 +28,7 @@ from lta_studies.tune.parameters import (
 from lta_studies.tune.step_response import fly_steps, SetpointStep, TuningCase, TuningScene
 import numpy as np
 import pytest
+from rich.console import Console
 import worker_functions
 
 
@@ -124,6 +127,21 @@ def test_a_stopped_search_goes_on_where_it_was(tmp_path):
 
     assert tuned(tmp_path / 'part', fly=go_on) == whole
     assert again == every[16:]
+
+
+def test_a_stopped_tuning_writes_the_best_gains_and_compares_nothing(tmp_path, monkeypatch):
+    def search(numbers, *_):
+        kept = {number.path: number.value for number in numbers}
+        return GainSearchResult(kept, 2.0, 2.0, (2.0, 2.0), stopped=True)
+
+    monkeypatch.setattr(tuning, 'search_gains', search)
+    told = StringIO()
+    order = tuning.TuningRequest('gtmab', workers=1, folder=tmp_path / 'out')
+    with pytest.raises(KeyboardInterrupt):
+        tuning.tune_once(order, Console(file=told))
+    gains = tmp_path / 'out' / 'gains.yaml'
+    assert load_gains(str(gains)) == load_gains('gtmab')
+    assert '2 of 101 candidates were flown; the best gains so far are in ' in told.getvalue()
 
 
 def test_metrics_come_in_the_order_of_the_jobs_and_a_failure_stops_the_search():

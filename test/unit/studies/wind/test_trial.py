@@ -1,9 +1,11 @@
 """The flyable wind: bisection over made-up flights, the wind as it is set, the command."""
 
+from io import StringIO
 import json
 import math
 
 from lta_cli.app import build_app
+from lta_cli.verbs import wind
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_flight.flight_spec import load_spec
@@ -20,6 +22,7 @@ from lta_studies.wind.flyable_wind import (
 from lta_studies.wind.limits import count_ticks, measure_limits, to_json, WindStudyRequest
 from lta_studies.wind.report import build_report
 import pytest
+from rich.console import Console
 from typer.testing import CliRunner
 
 
@@ -123,6 +126,28 @@ def test_limits_of_a_platform_flown_and_not(monkeypatch):
     assert f'<td>{one.static:.2f}</td><td>{flown}</td>' in made
     assert '<td>1.50</td>' in made  # where the larger hull flies
     assert 'ground roughness 0.3 m' in made
+
+
+def test_a_stopped_study_reports_the_finished_platforms(monkeypatch):
+    measured = measure_limits(asked(fly=False), 'gtmab', lambda: None)
+
+    def measure(request, name, tick):
+        if name == 'skye':
+            raise KeyboardInterrupt
+        return measured
+
+    monkeypatch.setattr(wind, 'measure_limits', measure)
+    console = Console(file=StringIO())
+    both = asked(vehicles=('gtmab', 'skye'), fly=False)
+    found = wind.find_limits(both, console)
+    assert found == [measured]
+    report = build_report(found, both)
+    assert report.status == 130
+    assert report.closing[-1] == 'Stopped after 1 of 2 platforms.'
+    assert report.introduction.endswith(' Stopped after 1 of 2 platforms.')
+    assert build_report(found, asked(fly=False)).status == 0
+    with pytest.raises(KeyboardInterrupt):
+        wind.find_limits(asked(vehicles=('skye', 'gtmab'), fly=False), console)
 
 
 @pytest.mark.long

@@ -7,6 +7,7 @@ from lta_challenge.rows import parse_case_kind
 from lta_cli.options.common_options import Out, plain_console, WorkerCount
 from lta_config.errors import BadInput
 from lta_config.machine import count_cores
+from lta_report.formatting import format_count
 from lta_report.results_folder import resolve_folder
 from lta_report.study_progress import StudyProgress
 import typer
@@ -70,4 +71,4 @@ def make(
     place = resolve_folder(out, f'challenge-{seed}')
     with StudyProgress(console, n, unit='cases') as progress:
         generate_challenge(order, place, workers or count_cores(), progress.count_item)
-    console.print(f'{n} cases in {place}', highlight=False, soft_wrap=True)
+    console.print(f'{format_count(n, "case")} in {place}', highlight=False, soft_wrap=True)

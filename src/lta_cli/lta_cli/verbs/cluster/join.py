@@ -4,7 +4,6 @@ from typing import Annotated
 
 from lta_cli.options.cluster_options import (
     build_worker_options,
-    format_workers,
     Threads,
     TlsCa,
     TlsCert,
@@ -12,6 +11,7 @@ from lta_cli.options.cluster_options import (
 )
 from lta_cli.options.common_options import plain_console, WorkerCount
 from lta_report.cluster_server import join_cluster
+from lta_report.formatting import format_count
 import typer
 
 
@@ -42,7 +42,7 @@ def join(
 
     def announce(address: str) -> None:
         console.print(
-            f'Joined {address} with {format_workers(options.count)}; Ctrl-C stops them.',
+            f'Joined {address} with {format_count(options.count, "worker")}; Ctrl-C stops them.',
             highlight=False,
             markup=False,
             soft_wrap=True,

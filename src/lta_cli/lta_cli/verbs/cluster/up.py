@@ -4,7 +4,6 @@ from typing import Annotated
 
 from lta_cli.options.cluster_options import (
     build_worker_options,
-    format_workers,
     Threads,
     TlsCa,
     TlsCert,
@@ -14,6 +13,7 @@ from lta_cli.options.common_options import plain_console, WorkerCount
 from lta_config.command_line import format_lta_command
 from lta_report.cluster import TLS
 from lta_report.cluster_server import PORT, serve_cluster, TlsFiles
+from lta_report.formatting import format_count
 import typer
 
 
@@ -51,7 +51,8 @@ def up(
 
     def announce(address: str) -> None:
         lines = [
-            f'Dask scheduler and {format_workers(options.count)} at {address}; Ctrl-C stops them.',
+            f'Dask scheduler and {format_count(options.count, "worker")} at {address}; Ctrl-C '
+            'stops them.',
             f'Fly a sweep: {format_sweep_command(address, options.tls)}',
             f'Add workers: {format_join_command(address, options.tls)}',
         ]

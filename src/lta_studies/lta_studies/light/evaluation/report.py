@@ -5,9 +5,9 @@ from typing import Any, Final
 
 from lta_config.command_line import format_lta_command
 from lta_flight.sweep.statistics import ShareInterval
-from lta_report.formatting import Tile
+from lta_report.formatting import format_count, Tile
 from lta_report.json_value import replace_nonfinite
-from lta_report.report import Block, Grid, Picture, Report, TextSection
+from lta_report.report import Block, Grid, Picture, Report, STOPPED, TextSection
 from lta_studies.light.evaluation import (
     ground_roughness,
     labels,
@@ -32,7 +32,6 @@ from lta_studies.light.evaluation.sets import (
 )
 
 FIGURES: Final = {'path_length': 'm', 'search_time': 's', 'flight_time': 's', 'energy': 'J'}
-STOPPED: Final = 130  # exit status, as after Ctrl-C
 METHOD: Final = (
     'Reached: share of the flights, with 95 % Wilson interval. Path, time and ratios: means '
     'over the flights that reached the lamp, with 95 % bootstrap intervals. Path: length '
@@ -114,8 +113,8 @@ def describe_evaluation(status: EvaluationStatus) -> str:
     """Describe what was flown."""
     sets, seeds = len(status.cells), status.order.seeds
     return (
-        f'Navigation strategies, flown in {sets} set{"s" if sets > 1 else ""} of scenes with '
-        f'{seeds} seed{"s" if seeds > 1 else ""} each, the same seeds for all strategies.'
+        f'Navigation strategies, flown in {format_count(sets, "set")} of scenes with '
+        f'{format_count(seeds, "seed")} each, the same seeds for all strategies.'
     )
 
 
@@ -143,8 +142,9 @@ def describe_run(status: EvaluationStatus) -> list[str]:
         # Processor time per flight [s]
         each = status.work / max(count_flights(status), 1)
         lines = [
-            f'{status.flown} flights in {status.wall:.0f} s: {status.flown / status.wall:.1f} '
-            f'flights/s; {each:.2f} s of processor time per flight.'
+            f'{format_count(status.flown, "flight")} in {status.wall:.0f} s: '
+            f'{status.flown / status.wall:.1f} flights/s; {each:.2f} s of processor time per '
+            'flight.'
         ]
     if status.stopped:
         lines.append(f'Stopped: {describe_flights(status)}; repeat the command to resume.')

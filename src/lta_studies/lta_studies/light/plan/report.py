@@ -4,7 +4,7 @@ from collections.abc import Sequence
 import math
 from typing import Final
 
-from lta_report.formatting import MISSING, Tile
+from lta_report.formatting import format_count, MISSING, Tile
 from lta_report.report import Block, Picture, Report, TextSection, TextTable
 from lta_studies.light.plan.gaps import CoverageGap, find_gaps
 from lta_studies.light.plan.handover import LampHandover
@@ -86,7 +86,7 @@ def format_headline(layout: LampLayout) -> str:
     count, where = len(layout.lamps), layout.plan.name.replace('_', ' ')
     number = 'at least one' if layout.overlap == 1 else f'at least {layout.overlap}'
     return (
-        f'{count} lamp{"s" if count > 1 else ""}: at any heading, a drone receives {number} '
+        f'{format_count(count, "lamp")}: at any heading, a drone receives {number} '
         f'over {format_percent(layout.coverage)} % of the floor of {where}.'
     )
 
@@ -137,7 +137,7 @@ def format_lamp_count(layout: LampLayout) -> str:
     """Return a sentence on the number of lamps and on hand-overs."""
     count, two = len(layout.lamps), float((layout.received_count >= 2).mean())
     return (
-        f'{count} lamps (at least {layout.bound} are needed), one per '
+        f'{format_count(count, "lamp")} (at least {layout.bound} needed), one per '
         f'{layout.floor.area / count:.0f} m² of floor; two or more lamps are detected on '
         f'{format_percent(two)} % of the floor.'
     )
