@@ -303,10 +303,10 @@ def test_the_description_is_published_in_real_time_and_does_not_end_a_flight():
         for settings in (DescriptionSettings(), GraphSettings())
         for key, _, _ in iterate_fields(settings)
     } | {'use_sim_time'}
-    assert (given['scenario'], given['offset_y']) == ('lamp_room', -2.0)
+    assert (given['scene'], given['offset_y']) == ('lamp_room', -2.0)
     # Where a real or a replayed drone starts is not known
-    assert described(source='crazyflie')[0]['scenario'] == ''
-    assert described(source='replay', replay='x')[0]['scenario'] == ''
+    assert described(source='crazyflie')[0]['scene'] == ''
+    assert described(source='replay', replay='x')[0]['scene'] == ''
     assert described(time='lockstep') == described(description='false') == []
     assert len(described(time='lockstep', description='true')) == 1
 

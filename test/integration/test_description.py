@@ -33,7 +33,7 @@ def test_a_viewer_that_comes_late_gets_the_urdf(domain_id):
 
 def test_transforms_follow_odom_and_the_vehicle_file(domain_id):
     transforms = pytest.importorskip('tf2_msgs.msg', reason='this machine lacks a compiler')
-    words = ('-p', 'vehicle:=gtmab', '-p', 'scenario:=lamp_room', '-p', 'frame_prefix:=lta1/')
+    words = ('-p', 'vehicle:=gtmab', '-p', 'scene:=lamp_room', '-p', 'frame_prefix:=lta1/')
     process = start('lta_bridge.nodes.description', *words)
     with Peer(domain_id) as peer:
         scenes = []

@@ -48,7 +48,7 @@ REAL = {'source': 'crazyflie', 'robot': 'lta1'}
 @pytest.mark.parametrize(
     ('words', 'sentence'),
     [
-        ({'bag': '{}'}, "The folder '{}' for the bag is not empty; choose another folder."),
+        ({'bag': '{}'}, "The folder '{}' is not empty; choose another folder."),
         (
             {'bag': '{}/file/bag'},
             "'{}/file/bag' cannot be created: '{}/file' is not a writable folder; choose another "

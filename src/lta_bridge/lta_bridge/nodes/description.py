@@ -45,7 +45,7 @@ class DescriptionSettings(Settings):
     pose: Literal['odom', 'ground_truth/odom'] = setting(
         'odom', 'Topic with the pose of base_link to publish on /tf.', fixed=True
     )
-    scenario: str = setting(
+    scene: str = setting(
         '', 'Scenario, name or file, whose room is drawn; none by default.', fixed=True
     )
     offset_x: float = setting(
@@ -69,7 +69,7 @@ class DescriptionNode(GraphNode):
         settings = NodeParameters(self, DescriptionSettings).value
         vehicle = load_vehicle(settings.vehicle)
         self._prefix = settings.frame_prefix
-        scenario = load_scenario(settings.scenario) if settings.scenario else None
+        scenario = load_scenario(settings.scene) if settings.scene else None
         if scenario is not None:
             self._scene = self.create_publisher(MarkerArray, 'scene', LATCHED)
             self._scene.publish(build_marker_array(draw_static_scene(scenario)))
