@@ -114,6 +114,8 @@ def fly_once(order: FlightRequest, watcher: FlightObserver) -> FlightRun:
 
     with DomainLock(ROBOT), DiagnosticsListener(ROBOT) as listener:
         require_free_live_ports(plan)
+        # An existing empty folder belongs to the user and stays
+        new = not folder.exists()
         # After all checks, so that a refused flight leaves no folder
         prepare_empty_folder(folder)
         report_live_views(plan, watcher.show_message)
@@ -121,19 +123,19 @@ def fly_once(order: FlightRequest, watcher: FlightObserver) -> FlightRun:
             with Launcher(plan, on_line=lambda _name, _line: None) as launcher:
                 supervise_flight(launcher, listener, watcher, spare)
         except KeyboardInterrupt:
-            report_interrupted_flight(folder, watcher)
+            report_interrupted_flight(folder, watcher, new=new)
             raise
     return collect_result(folder, launcher, watcher, spare)
 
 
-def report_interrupted_flight(folder: Path, watcher: FlightObserver) -> None:
-    """Show where the bag is and how to get its page; remove the folder of an unbegun flight."""
+def report_interrupted_flight(folder: Path, watcher: FlightObserver, *, new: bool) -> None:
+    """Show the bag and how to get its page; remove a `new` folder if the flight never began."""
     bag = folder / 'bag'
     remove_unflown_bags([bag])
     if bag.exists():
         place = relative_path(bag)
         watcher.show_message(f'Bag  {place}  (its page: {format_lta_command("report", place)})')
-    else:
+    elif new:
         with suppress(OSError):  # it has other contents
             folder.rmdir()
 

@@ -1,4 +1,4 @@
-"""Workers finish every item, whoever dies, and none outlives the command."""
+"""Workers finish every item even if some of them die, and none outlives the command."""
 
 from functools import partial
 from multiprocessing import active_children, get_context
