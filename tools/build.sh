@@ -35,10 +35,11 @@ echo 'workspace: colcon build (about ten seconds) ...'
 rm -rf build install
 mkdir -p log
 # A warning is an error: a package whose package.xml is not valid is left out with no more than that.
+# Python packages only: without ament_cmake, tools/messages.py builds the messages.
 # A sourced ROS would be taken as one more underlay, with another Python.
 if ! env -u PYTHONPATH -u COLCON_PREFIX_PATH VIRTUAL_ENV="$root/.venv" \
     AMENT_PREFIX_PATH="$root/.venv" PATH="$root/.venv/bin:$PATH" \
-    colcon --log-base log build --symlink-install --base-paths config src --packages-skip lta_msgs \
+    colcon --log-base log build --symlink-install --base-paths $(dirname config/setup.py src/*/setup.py) \
     >log/build.log 2>&1 || grep -q WARNING log/build.log; then
     cat log/build.log >&2
     echo 'colcon could not build the workspace; the lines above and log/latest_build say why.' >&2

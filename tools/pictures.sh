@@ -30,6 +30,7 @@ from lta_report.screenshots import write_pictures
 write_pictures(Path(sys.argv[1]), Path(sys.argv[2]))
 ' "$made/$name"/*.html "$made/$name.pictures"
     cp "$made/$name.pictures/$picture.png" "docs/images/$name.png"
+    [ ! -f "$made/$name/animation.svg" ] || cp "$made/$name/animation.svg" "docs/images/$name.svg"
 }
 
 compared() {
@@ -40,7 +41,7 @@ compared() {
 
 draw quick flight top ./lta fly --seed 1 --out
 draw quick compare top compared
-draw quick discover top ./lta discover --demo --out
+draw quick discover top ./lta discover --demo --seed 5 --out
 draw quick platforms top ./lta platforms --seeds 2 --out
 draw quick cells top ./lta cells --out
 draw quick energy_budget top ./lta energy budget --out

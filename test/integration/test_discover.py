@@ -50,6 +50,7 @@ def test_a_hidden_effect_is_found_added_and_shown(bags, tmp_path):
     value = NominalVehicle.from_vehicle(learned).parameter_value('linear_drag', 'surge')
     assert value == pytest.approx(surge['value'], rel=1e-9)
     _is_overlay(out / 'overlay.mcap')
+    assert (out / 'animation.svg').read_text().startswith('<svg')
 
 
 @pytest.mark.long  # the test before has all that it does, but for the flights of its own

@@ -14,6 +14,8 @@ from lta_discovery.discrepancies.discrepancy_search import BaselineFlight, find_
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights, UsableFlights
 from lta_discovery.forecast.forecast_warnings import list_forecast_warnings
+from lta_discovery.page import animation
+from lta_discovery.page.flight_views import build_flight_views
 from lta_discovery.page.page import NAME as PAGE
 from lta_discovery.page.page import render_page
 from lta_discovery.planning.next_flight import (
@@ -177,5 +179,8 @@ def write_results(
     bags: dict[str, Sequence[Path | str]] = {
         role: list(request.bags[role]) for role in request.bags
     }
-    write_file(render_page(study, folder, bags), part / PAGE)
+    views = build_flight_views(study)
+    write_file(render_page(study, views, folder, bags), part / PAGE)
+    if drawing := animation.draw_animation(finding, views, vehicle):
+        (part / animation.NAME).write_text(drawing, encoding='utf-8')
     return DiscoveryResult(study, told, folder / PAGE)

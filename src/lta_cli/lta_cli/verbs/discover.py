@@ -90,7 +90,8 @@ def discover(
     also be that nothing is missing, or that the flights do not decide.
 
     Writes report.html, vehicle.yaml (the vehicle file with the identified effect), overlay.mcap
-    (measured, before and after, for Foxglove) and discovery.json.
+    (measured, before and after, for Foxglove), animation.svg (the same at a glance) and
+    discovery.json.
 
     If several effects fit, --plan also writes next_flight.yaml, a scenario for "lta fly" that
     separates them. It reports pairs that no flight can distinguish.

@@ -88,12 +88,15 @@ def write_page(study: DiscoveryStudy, folder: Path, bags: Bags = NONE) -> Path:
         If the page cannot be written.
 
     """
-    return write_file(render_page(study, folder, bags), folder / NAME)
+    page = render_page(study, build_flight_views(study), folder, bags)
+    return write_file(page, folder / NAME)
 
 
-def render_page(study: DiscoveryStudy, folder: Path, bags: Bags = NONE) -> str:
+def render_page(
+    study: DiscoveryStudy, flights: Sequence[StudyFlightView], folder: Path, bags: Bags = NONE
+) -> str:
     """Return the whole page."""
-    found, flights = study.finding, build_flight_views(study)
+    found = study.finding
     drawn = [
         build_overlay(one, sum(each.shown for each in flights)) for one in flights if one.shown
     ]
