@@ -8,7 +8,6 @@ stamp=$root/install/.lta
 cd "$root"
 
 # Messages that no wheel has. The graph flies without them (lta doctor), so no failure ends the build.
-# lta_msgs comes last: a package uses only packages before it.
 messages=$(cat tools/messages.py tools/messages/*/package.xml tools/messages/*/msg/*.msg \
     src/lta_msgs/package.xml src/lta_msgs/msg/*.msg src/lta_msgs/action/*.action .venv/.lta |
     sed 's/^test /run /' | sha256sum | cut -d ' ' -f 1)
@@ -19,7 +18,7 @@ if [ "$(cat .venv/.messages 2>/dev/null || :)" != "$messages" ]; then
     case $status in
     0) echo "$messages" >.venv/.messages ;;
     3) ;; # it has said what is missing
-    *) echo 'messages: not built, as said above; without them nothing flies by actions or is published on /tf.' >&2 ;;
+    *) echo 'messages: not built, as said above; without them nothing is published on /tf, and no action is served.' >&2 ;;
     esac
 fi
 
