@@ -28,7 +28,7 @@ Called = Callable[..., tuple[int, Any]]
 MARKED = ('unit', 'property', 'contract', 'integration', 'benchmark')
 
 # Tests of cores run without a built workspace as well.
-sys.path += [str(path.parent) for path in sorted(ROOT.glob('src/*/package.xml'))]
+sys.path += [str(path.parent) for path in sorted(ROOT.glob('src/*/setup.py'))]
 sys.path.append(str(ROOT / 'config'))
 
 settings.register_profile('lta', deadline=None, derandomize=True)

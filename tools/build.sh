@@ -8,16 +8,17 @@ stamp=$root/install/.lta
 cd "$root"
 
 # Messages that no wheel has. The graph flies without them (lta doctor), so no failure ends the build.
-messages=$(cat tools/messages.py tools/messages/*/package.xml tools/messages/*/msg/*.msg .venv/.lta |
+messages=$(cat tools/messages.py tools/messages/*/package.xml tools/messages/*/msg/*.msg \
+    src/lta_msgs/package.xml src/lta_msgs/msg/*.msg src/lta_msgs/action/*.action .venv/.lta |
     sed 's/^test /run /' | sha256sum | cut -d ' ' -f 1)
 if [ "$(cat .venv/.messages 2>/dev/null || :)" != "$messages" ]; then
     status=0
     env -u PYTHONPATH AMENT_PREFIX_PATH="$root/.venv" \
-        .venv/bin/python tools/messages.py tools/messages/* || status=$?
+        .venv/bin/python tools/messages.py tools/messages/* src/lta_msgs || status=$?
     case $status in
     0) echo "$messages" >.venv/.messages ;;
     3) ;; # it has said what is missing
-    *) echo 'messages: not built, as said above; without them nothing is published on /tf.' >&2 ;;
+    *) echo 'messages: not built, as said above; without them nothing is published on /tf, and no action is served.' >&2 ;;
     esac
 fi
 
@@ -34,12 +35,16 @@ begun=$(date +%s)
 echo 'workspace: colcon build (about ten seconds) ...'
 rm -rf build install
 mkdir -p log
+# On the wheels lta_msgs is in .venv; its CMakeLists.txt is for a full ROS.
+set -- config
+for each in src/*/setup.py; do
+    set -- "$@" "${each%/setup.py}"
+done
 # A warning is an error: a package whose package.xml is not valid is left out with no more than that.
-# Python packages only: without ament_cmake, tools/messages.py builds the messages.
 # A sourced ROS would be taken as one more underlay, with another Python.
 if ! env -u PYTHONPATH -u COLCON_PREFIX_PATH VIRTUAL_ENV="$root/.venv" \
     AMENT_PREFIX_PATH="$root/.venv" PATH="$root/.venv/bin:$PATH" \
-    colcon --log-base log build --symlink-install --base-paths $(dirname config/setup.py src/*/setup.py) \
+    colcon --log-base log build --symlink-install --base-paths "$@" \
     >log/build.log 2>&1 || grep -q WARNING log/build.log; then
     cat log/build.log >&2
     echo 'colcon could not build the workspace; the lines above and log/latest_build say why.' >&2

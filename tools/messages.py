@@ -1,18 +1,22 @@
 """
-Generate and compile message packages that no wheel has, and install them into .venv.
+Generate and compile messages and actions that no wheel has, and install them into .venv.
 
     .venv/bin/python tools/messages.py FOLDER ...
 
-Each folder has a package.xml and msg/*.msg. The generators are those of ROS 2, which come with its
-wheels; they write C and C++, so a compiler and the headers of Python are needed. Exit status 3:
-one of them is missing; 1: it failed. Then nothing was changed.
+Each folder has a package.xml and msg/*.msg or action/*.action. The generators are those of ROS 2,
+which come with its wheels; they write C and C++, so a compiler and the headers of Python are
+needed. Exit status 3: one of them is missing; 1: it failed. Then nothing was changed.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager, redirect_stdout
 import fcntl
+from functools import partial
+from graphlib import TopologicalSorter
 from importlib import metadata
 import io
+import multiprocessing
 import os
 from pathlib import Path
 import re
@@ -21,6 +25,7 @@ import subprocess
 import sys
 import sysconfig
 from tempfile import TemporaryDirectory
+import time
 from xml.etree import ElementTree
 
 import numpy as np
@@ -28,6 +33,18 @@ import numpy as np
 VENV = Path(sys.prefix)
 SITE = Path(sysconfig.get_path('purelib'))
 TYPESUPPORTS = ('rosidl_typesupport_fastrtps_c', 'rosidl_typesupport_introspection_c')
+KINDS = ('msg', 'action')
+GENERATORS = (
+    ('types', 'py'),
+    ('types', 'c'),
+    ('typesupports', 'c'),
+    ('typesupports', 'fastrtps_c'),
+    ('typesupports', 'introspection_c'),
+)
+# An action is made of services and messages that use these
+USED_BY_ACTIONS = ('action_msgs', 'builtin_interfaces', 'service_msgs', 'unique_identifier_msgs')
+COMPILERS = {'.c': ['cc'], '.cpp': ['c++', '-std=c++17']}
+CORES = len(os.sched_getaffinity(0))
 UNAVAILABLE = 3  # exit status
 
 
@@ -55,32 +72,53 @@ def find_missing() -> str:
 
 class MessagePackage:
     """
-    A package of messages, its generated sources and its libraries.
+    A package of messages and actions, its generated sources and its libraries.
 
     Parameters
     ----------
     folder : Path
-        Folder with package.xml and msg/*.msg.
-    work : Path
-        Empty folder for sources and libraries.
+        Folder with package.xml, msg/*.msg and action/*.action.
 
     """
 
-    def __init__(self, folder: Path, work: Path) -> None:
-        self.folder, self.work = folder, work
-        self.name = ElementTree.parse(folder / 'package.xml').findtext('name')
-        self.messages = sorted(folder.glob('msg/*.msg'))
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.name = str(ElementTree.parse(folder / 'package.xml').findtext('name'))
+        self.files = [
+            path.relative_to(folder)
+            for kind in KINDS
+            for path in sorted(folder.glob(f'{kind}/*.{kind}'))
+        ]
+        self.kinds = sorted({path.parent.name for path in self.files})
+        uses = {
+            package
+            for path in self.files
+            for package in re.findall(
+                r'^(\w+)/\w', (folder / path).read_text('utf-8'), re.MULTILINE
+            )
+        }
+        if 'action' in self.kinds:
+            uses.update(USED_BY_ACTIONS)
+        self.uses = sorted(uses - {self.name})
+
+    def build(self, work: Path) -> None:
+        """Generate, compile and install it, with an empty folder for what is in between."""
         self.source, self.built = work / 'source', work / 'built'
-        self.uses = sorted(
-            {
-                package
-                for path in self.messages
-                for package in re.findall(r'^(\w+)/\w', path.read_text('utf-8'), re.MULTILINE)
-            }
-        )
+        self.generate()
+        self.compile()
+        self.make_package()
+        with lock_environment():
+            self.install()
 
     def generate(self) -> None:
         """Write the sources in C, C++ and Python."""
+        fork = multiprocessing.get_context('fork')
+        with ProcessPoolExecutor(CORES, mp_context=fork) as pool:
+            for started in [pool.submit(self.run_generator, *each) for each in GENERATORS]:
+                started.result()
+
+    def run_generator(self, kind: str, name: str) -> None:
+        """Write the sources of one generator of types or type supports."""
         from rosidl_cli.command.generate.api import generate
 
         os.chdir(self.folder)
@@ -88,11 +126,10 @@ class MessagePackage:
         with redirect_stdout(io.StringIO()):
             generate(
                 package_name=self.name,
-                interface_files=[f'msg/{path.name}' for path in self.messages],
+                interface_files=[str(path) for path in self.files],
                 include_paths=[str(VENV / 'share')],
-                output_path=self.source,
-                types=['py', 'c'],
-                typesupports=['c', 'fastrtps_c', 'introspection_c'],
+                output_path=self.source / name,
+                **{kind: [name]},
             )
 
     def compile(self) -> None:
@@ -103,35 +140,53 @@ class MessagePackage:
                 place = include / self.name / header.relative_to(self.source / kind)
                 place.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy(header, place)
-        self.includes = [
+        includes = [
             f'-I{include}',
             f'-I{VENV / "include"}',
             *(f'-I{path}' for path in sorted((VENV / 'include').iterdir()) if path.is_dir()),
             f'-I{sysconfig.get_path("include")}',
             f'-I{np.get_include()}',
         ]
+        with ThreadPoolExecutor(CORES) as pool:
+            for _ in pool.map(partial(compile_object, includes), self.list_sources('*')):
+                pass
+        self.link_libraries()
+
+    def list_sources(self, part: str) -> list[Path]:
+        """Return the sources to compile in a part of the generated ones."""
+        found = sorted(self.source.glob(f'{part}/**/*.c*'))
+        return [path for path in found if path.suffix in COMPILERS]
+
+    def link_libraries(self) -> None:
+        """Link the compiled sources, each library after those that it uses."""
         (self.built / 'lib').mkdir(parents=True)
         own = f'{self.name}__rosidl_generator_c'
         runtime = ['rosidl_runtime_c', 'rosidl_typesupport_c', 'rcutils']
-        self.link_library(own, (self.source / 'c/msg/detail').glob('*.c'),
+        in_c = self.list_sources('c')
+        self.link_library(own, [path for path in in_c if path.suffix == '.c'],
                           [*self.name_libraries('rosidl_generator_c'), *runtime])  # fmt: skip
         self.link_library(
             f'{self.name}__rosidl_typesupport_fastrtps_c',
-            (self.source / 'fastrtps_c').rglob('*.cpp'),
+            self.list_sources('fastrtps_c'),
             [own, *self.name_libraries('rosidl_typesupport_fastrtps_c'), 'fastcdr', 'rmw',
              'rosidl_typesupport_fastrtps_c', 'rosidl_typesupport_fastrtps_cpp'],
         )  # fmt: skip
         self.link_library(
             f'{self.name}__rosidl_typesupport_introspection_c',
-            (self.source / 'introspection_c').rglob('*.c'),
+            self.list_sources('introspection_c'),
             [own, *self.name_libraries('rosidl_typesupport_introspection_c'),
              'rosidl_typesupport_introspection_c'],
         )  # fmt: skip
-        self.link_library(f'{self.name}__rosidl_typesupport_c',
-                          (self.source / 'c/msg').glob('*.cpp'), [own, *runtime])  # fmt: skip
-        self.link_library(f'{self.name}__rosidl_generator_py',
-                          (self.source / 'py/msg').glob('*.c'),
-                          [own, *self.name_libraries('rosidl_generator_py')])  # fmt: skip
+        self.link_library(
+            f'{self.name}__rosidl_typesupport_c',
+            [path for path in in_c if path.suffix == '.cpp'],
+            [own, *self.name_libraries('rosidl_typesupport_c'), *runtime],
+        )
+        self.link_library(
+            f'{self.name}__rosidl_generator_py',
+            [path for kind in self.kinds for path in self.list_sources(f'py/{kind}')],
+            [own, *self.name_libraries('rosidl_generator_py')],
+        )
         for kind in ('rosidl_typesupport_c', *TYPESUPPORTS):
             self.link_extension(kind, runtime)
 
@@ -139,36 +194,28 @@ class MessagePackage:
         """Return the libraries of one kind of the packages whose messages are used."""
         return [f'{package}__{kind}' for package in self.uses]
 
-    def link_library(self, name: str, sources: Iterable[Path], libraries: list[str]) -> None:
-        """Compile sources into a library that lies beside those of the wheels."""
+    def link_library(self, name: str, sources: list[Path], libraries: list[str]) -> None:
+        """Link sources to a library that lies beside those of the wheels."""
         self.link(self.built / 'lib' / f'lib{name}.so', sources, libraries, '$ORIGIN')
 
     def link_extension(self, kind: str, runtime: list[str]) -> None:
-        """Compile the Python extension of one type support."""
-        out = self.built / 'python' / self.name / f'{self.name}_s__{kind}.so'
-        out.parent.mkdir(parents=True, exist_ok=True)
+        """Link the Python extension of one type support."""
+        out = self.built / 'python' / f'{self.name}_s__{kind}.so'
+        out.parent.mkdir(exist_ok=True)
         source = self.source / 'py' / f'_{self.name}_s.ep.{kind}.c'
         depth = '/'.join('..' for _ in SITE.relative_to(VENV).parts)
         libraries = [f'{self.name}__rosidl_generator_py', f'{self.name}__{kind}', *runtime]
         self.link(out, [source], libraries, f'$ORIGIN/../{depth}/lib')
 
-    def link(self, out: Path, sources: Iterable[Path], libraries: list[str], search: str) -> None:
-        """Compile sources and link them; `search` is where the loader looks for libraries."""
-        objects = []
-        for source in sources:
-            made = self.work / f'{out.stem}-{len(objects)}.o'
-            plain = source.suffix == '.c'
-            # The generated code is not ours to warn about
-            run([*(['cc'] if plain else ['c++', '-std=c++17']), '-O2', '-fPIC', '-w',
-                 *self.includes, '-c', source, '-o', made])  # fmt: skip
-            objects.append(made)
+    def link(self, out: Path, sources: list[Path], libraries: list[str], search: str) -> None:
+        """Link compiled sources; `search` is where the loader looks for libraries."""
         run(
             [
                 'c++',
                 '-shared',
                 '-o',
                 out,
-                *objects,
+                *(name_object(path) for path in sources),
                 f'-L{self.built / "lib"}',
                 f'-L{VENV / "lib"}',
                 *(f'-l{each}' for each in libraries),
@@ -176,24 +223,56 @@ class MessagePackage:
             ]
         )
 
+    def make_package(self) -> None:
+        """Lay out the Python package and the interface files as they are installed."""
+        (self.built / 'share').mkdir()
+        shutil.copy(self.folder / 'package.xml', self.built / 'share')
+        for kind in self.kinds:
+            # The interface files in the language of the generators, then as they were written
+            shutil.copytree(self.source / 'c/tmp' / kind, self.built / 'share' / kind)
+            shutil.copytree(self.source / 'py' / kind, self.built / 'python' / kind,
+                            ignore=shutil.ignore_patterns('*.c', '*.o'))  # fmt: skip
+        for path in self.files:
+            shutil.copy(self.folder / path, self.built / 'share' / path)
+        (self.built / 'python/__init__.py').touch()
+
     def install(self) -> None:
         """Copy libraries, interface files and Python package to .venv, what is imported last."""
         copy_files(self.built / 'lib', VENV / 'lib')
-        share = VENV / 'share' / self.name
-        copy_files(self.folder, share)
-        copy_files(self.source / 'c/tmp/msg', share / 'msg')
+        replace_folder(self.built / 'share', VENV / 'share' / self.name)
         index = VENV / 'share/ament_index/resource_index'
-        interfaces = sorted(f'msg/{path.name}' for path in (share / 'msg').iterdir())
+        listed = sorted(f'{path.parent}/{path.stem}.{suffix}'
+                        for path in self.files for suffix in ('idl', path.suffix[1:]))  # fmt: skip
         (index / 'packages' / self.name).write_text('')
-        (index / 'rosidl_interfaces' / self.name).write_text('\n'.join(interfaces))
-        with TemporaryDirectory(dir=SITE) as near:
-            made = Path(near, self.name)
-            shutil.copytree(self.built / 'python' / self.name, made)
-            shutil.copytree(self.source / 'py/msg', made / 'msg',
-                            ignore=shutil.ignore_patterns('*.c'))  # fmt: skip
-            (made / '__init__.py').touch()
-            shutil.rmtree(SITE / self.name, ignore_errors=True)
-            made.rename(SITE / self.name)
+        (index / 'rosidl_interfaces' / self.name).write_text('\n'.join(listed))
+        replace_folder(self.built / 'python', SITE / self.name)
+
+
+def compile_object(includes: list[str], source: Path) -> None:
+    """Compile one generated source; its code is not ours to warn about."""
+    compiler = COMPILERS[source.suffix]
+    run([*compiler, '-O1', '-fPIC', '-w', *includes, '-c', source, '-o', name_object(source)])
+
+
+def name_object(source: Path) -> Path:
+    """Return the object file of a source; two sources differ in no more than their suffix."""
+    return source.with_name(f'{source.name}.o')
+
+
+def replace_folder(source: Path, target: Path) -> None:
+    """Replace a folder by the copy of another, after that was written completely."""
+    with TemporaryDirectory(dir=target.parent) as near:
+        made = Path(near, target.name)
+        shutil.copytree(source, made)
+        shutil.rmtree(target, ignore_errors=True)
+        made.rename(target)
+
+
+def order_packages(packages: list[MessagePackage]) -> list[MessagePackage]:
+    """Return packages with each after those that it uses."""
+    by_name = {each.name: each for each in packages}
+    graph = {each.name: [name for name in each.uses if name in by_name] for each in packages}
+    return [by_name[name] for name in TopologicalSorter(graph).static_order()]
 
 
 def copy_files(source: Path, target: Path) -> None:
@@ -231,19 +310,17 @@ def main() -> None:
     if missing := find_missing():
         sys.stdout.write(f'messages: {names} not built: this machine lacks {missing}.\n')
         sys.exit(UNAVAILABLE)
-    sys.stdout.write(f'messages: {names} (ten seconds) ...\n')
+    begun = time.monotonic()
+    sys.stdout.write(f'messages: {names} (10 to 30 s) ...\n')
     sys.stdout.flush()
     use_each_entry_point_once()
     try:
-        for folder in folders:
+        for package in order_packages([MessagePackage(folder) for folder in folders]):
             with TemporaryDirectory() as work:
-                package = MessagePackage(folder, Path(work))
-                package.generate()
-                package.compile()
-                with lock_environment():
-                    package.install()
+                package.build(Path(work))
     except OSError as error:
         sys.exit(f'messages: {names} not built: {error}.')
+    sys.stdout.write(f'messages: ready after {time.monotonic() - begun:.0f} s.\n')
 
 
 if __name__ == '__main__':

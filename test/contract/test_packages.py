@@ -156,6 +156,17 @@ def test_manifest_is_valid_and_agrees_with_setup(folder):
     assert [person.email for person in manifest.maintainers] == [setup['maintainer_email']]
 
 
+def test_the_messages_are_declared_to_both_builds():
+    """colcon on a full ROS reads CMakeLists.txt, `make build` the files beside it."""
+    folder = ROOT / 'src/lta_msgs'
+    warnings = []
+    parse_package(folder / 'package.xml', warnings=warnings).validate()
+    assert warnings == []
+    listed = re.findall(r'"((?:msg|action)/.*)"', (folder / 'CMakeLists.txt').read_text())
+    there = [path for kind in ('msg', 'action') for path in folder.glob(f'{kind}/*')]
+    assert sorted(listed) == sorted(str(path.relative_to(folder)) for path in there)
+
+
 @each_package
 def test_installed_where_ros2_run_and_the_ament_index_look(folder):
     name = name_of(folder)
@@ -252,7 +263,8 @@ def test_one_version_everywhere():
     said = {'CITATION.cff': yaml.safe_load((ROOT / 'CITATION.cff').read_text())['version']}
     for folder in FOLDERS:
         said[f'{folder}/setup.py'] = setup_of(folder)['version']
-        said[f'{folder}/package.xml'] = parse_package(folder / 'package.xml').version
+    for path in (ROOT / 'config/package.xml', *ROOT.glob('src/*/package.xml')):
+        said[str(path)] = parse_package(path).version
     assert said == dict.fromkeys(said, VERSION)
     # What is said to be unreleased belongs to the next version, whichever that will be.
     parts = re.split(r'^## \[(.*)\].*$', (ROOT / 'CHANGELOG.md').read_text(), flags=re.MULTILINE)

@@ -61,7 +61,7 @@ def running(module: str, *words: object) -> 'Iterator[subprocess.Popen[str]]':
 
 
 def _start(code: str, words: tuple[object, ...]) -> 'subprocess.Popen[str]':
-    paths = [str(path.parent) for path in ROOT.glob('src/*/package.xml')]
+    paths = [str(path.parent) for path in ROOT.glob('src/*/setup.py')]
     return subprocess.Popen(
         [sys.executable, '-c', code, '--ros-args', '-r', '__ns:=/lta1', *map(str, words)],
         env={

@@ -44,7 +44,7 @@ STEPS = 10  # messages of odom between two of the battery
 def start(*arguments):
     """Start the node of this very source tree as a process."""
     code = 'from lta_energy.nodes.energy_monitor import main; main()'
-    paths = [str(path.parent) for path in ROOT.glob('src/*/package.xml')] + [str(ROOT / 'config')]
+    paths = [str(path.parent) for path in ROOT.glob('src/*/setup.py')] + [str(ROOT / 'config')]
     return subprocess.Popen(
         [sys.executable, '-c', code, '--ros-args', '-r', '__ns:=/lta1', *arguments],
         env={**os.environ, 'PYTHONPATH': os.pathsep.join(paths)},

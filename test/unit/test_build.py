@@ -7,8 +7,11 @@ import subprocess
 import sys
 
 import pytest
+from rclpy.serialization import deserialize_message, serialize_message
+from rclpy.type_support import check_for_type_support
 
 ROOT = Path(__file__).resolve().parents[2]
+MESSAGES = ROOT / 'src/lta_msgs'
 # In place of .venv/bin/python: it builds no messages, and logs how it was called
 PYTHON = """#!/bin/sh
 echo "$* PYTHONPATH=${PYTHONPATH-unset}" >>log.txt
@@ -31,7 +34,8 @@ def workspace(tmp_path):
     for name in (
         'colcon.meta', 'config/setup.py', 'config/package.xml', 'src/one/setup.py',
         'src/one/package.xml', 'tools/messages.py', 'tools/messages/one/package.xml',
-        'tools/messages/one/msg/One.msg', '.venv/.lta',
+        'tools/messages/one/msg/One.msg', 'src/lta_msgs/package.xml',
+        'src/lta_msgs/msg/One.msg', 'src/lta_msgs/action/One.action', '.venv/.lta',
     ):  # fmt: skip
         path = tmp_path / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -59,15 +63,24 @@ def test_a_failure_to_build_messages_ends_no_build(workspace, status):
     assert not (workspace / '.venv/.messages').exists()
 
 
+def list_message_builds(workspace):
+    lines = (workspace / 'log.txt').read_text('utf-8').splitlines()
+    return [each for each in lines if 'messages.py' in each]
+
+
 def test_messages_are_built_once_and_without_the_packages_of_a_sourced_ros(workspace):
     for _ in range(2):
         assert build(workspace, 0).returncode == 0
-    (line,) = [
-        each
-        for each in (workspace / 'log.txt').read_text('utf-8').splitlines()
-        if 'messages.py' in each
-    ]
-    assert line == 'tools/messages.py tools/messages/one PYTHONPATH=unset'
+    (line,) = list_message_builds(workspace)
+    assert line == 'tools/messages.py tools/messages/one src/lta_msgs PYTHONPATH=unset'
+
+
+@pytest.mark.parametrize('name', ['package.xml', 'msg/One.msg', 'action/One.action'])
+def test_a_changed_message_builds_the_messages_again(workspace, name):
+    build(workspace, 0)
+    (workspace / 'src/lta_msgs' / name).write_text('float64 height\n', 'utf-8')
+    build(workspace, 0)
+    assert len(list_message_builds(workspace)) == 2
 
 
 def test_a_copied_library_does_not_change_under_whoever_has_it_open(messages, tmp_path):
@@ -80,6 +93,38 @@ def test_a_copied_library_does_not_change_under_whoever_has_it_open(messages, tm
         assert file.read() == 'venv'
     assert [path.name for path in old.parent.iterdir()] == ['lib.so']
     assert old.read_text('utf-8') == 'built'
+
+
+def test_packages_are_built_after_those_that_they_use(messages, tmp_path):
+    for name, uses in (('a_msgs', 'c_msgs'), ('b_msgs', 'b_msgs'), ('c_msgs', 'std_msgs')):
+        (tmp_path / name / 'msg').mkdir(parents=True)
+        (tmp_path / name / 'package.xml').write_text(f'<package><name>{name}</name></package>')
+        (tmp_path / name / 'msg/One.msg').write_text(f'float64 x  # [m]\n{uses}/Other[] other\n')
+    packages = [messages.MessagePackage(path) for path in sorted(tmp_path.iterdir())]
+    assert [each.uses for each in packages] == [['c_msgs'], [], ['std_msgs']]
+    ordered = [each.name for each in messages.order_packages(packages)]
+    assert sorted(ordered) == ['a_msgs', 'b_msgs', 'c_msgs']
+    assert ordered.index('c_msgs') < ordered.index('a_msgs')
+
+
+def test_without_a_compiler_the_build_says_what_is_missing_and_changes_nothing(messages, tmp_path):
+    installed = messages.SITE / 'lta_msgs'
+    before = installed.stat().st_ino if installed.exists() else None
+    words = [sys.executable, ROOT / 'tools/messages.py', ROOT / 'src/lta_msgs']
+    done = subprocess.run(words, env={'PATH': str(tmp_path)}, capture_output=True, text=True,
+                          timeout=120, check=False)  # fmt: skip
+    assert done.returncode == messages.UNAVAILABLE
+    assert done.stderr == ''
+    assert done.stdout.startswith(
+        'messages: lta_msgs not built: this machine lacks the compiler cc and the compiler c++'
+    )
+    assert (installed.stat().st_ino if installed.exists() else None) == before
+
+
+def test_headers_of_python_that_are_missing_are_named(messages, tmp_path, monkeypatch):
+    monkeypatch.setattr(messages.shutil, 'which', lambda name: name)
+    monkeypatch.setattr(messages.sysconfig, 'get_path', lambda name: str(tmp_path))
+    assert messages.find_missing() == 'the headers of Python'
 
 
 def test_a_compiler_that_fails_is_reported_and_changes_nothing(messages, tmp_path):
@@ -100,8 +145,29 @@ def test_a_compiler_that_fails_is_reported_and_changes_nothing(messages, tmp_pat
     assert installed.stat().st_ino == before
 
 
-def test_the_messages_are_installed_where_they_can_be_compiled(messages):
-    """Tests of /tf are skipped without them, which must not hide that they fail to build."""
+@pytest.mark.parametrize(
+    'module',
+    ['tf2_msgs.msg._tf_message', 'lta_msgs.msg._lamp_peaks', 'lta_msgs.action._go_to_lamp'],
+)
+def test_the_messages_are_installed_where_they_can_be_compiled(messages, module):
+    """Their tests are skipped without them, which must not hide that they fail to build."""
     if messages.find_missing():
         pytest.skip('this machine lacks a compiler')
-    assert importlib.util.find_spec('tf2_msgs.msg._tf_message') is not None
+    assert importlib.util.find_spec(module) is not None
+
+
+def test_each_interface_of_lta_msgs_can_be_sent_and_is_in_the_ament_index(messages):
+    if messages.find_missing():
+        pytest.skip('this machine lacks a compiler')
+    index = messages.VENV / 'share/ament_index/resource_index'
+    assert (index / 'packages/lta_msgs').is_file()
+    listed = (index / 'rosidl_interfaces/lta_msgs').read_text('utf-8').split()
+    sources = [path for kind in ('msg', 'action') for path in MESSAGES.glob(f'{kind}/*')]
+    assert {f'{path.parent.name}/{path.name}' for path in sources} < set(listed)
+    assert all((messages.VENV / 'share/lta_msgs' / name).is_file() for name in listed)
+    for path in sources:
+        made = getattr(importlib.import_module(f'lta_msgs.{path.parent.name}'), path.stem)
+        if path.suffix == '.action':
+            check_for_type_support(made)  # raises
+            made = made.Impl.FeedbackMessage
+        assert deserialize_message(serialize_message(made()), made) == made()

@@ -23,7 +23,7 @@ def read_requirements(name: str) -> list[str]:
 
 
 sources = {'lta_config': ROOT / 'config'}
-sources |= {path.parent.name: path.parent for path in sorted(ROOT.glob('src/*/package.xml'))}
+sources |= {path.parent.name: path.parent for path in sorted(ROOT.glob('src/*/setup.py'))}
 facts = [
     path.relative_to(ROOT / 'config')
     for path in sorted((ROOT / 'config').rglob('*'))

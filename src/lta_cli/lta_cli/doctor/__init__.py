@@ -21,7 +21,7 @@ from lta_cli.doctor.software import (
     check_cache_folder,
     check_dependency_imports,
     check_dependency_versions,
-    check_transform_messages,
+    check_messages,
     check_workspace_packages,
 )
 from rich.console import Console
@@ -35,7 +35,7 @@ CHECKS: dict[str, Callable[[], HardwareCheck]] = {
     'wheels': check_dependency_imports,
     'versions': check_dependency_versions,
     'packages': check_workspace_packages,
-    'transforms': check_transform_messages,
+    'messages': check_messages,
     'cache': check_cache_folder,
     'dds': check_message_exchange,
     'ports': check_ports,

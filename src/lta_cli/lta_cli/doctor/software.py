@@ -15,6 +15,10 @@ from lta_config.machine import find_cache_folder, list_cache_bases
 MODULES = ('rclpy', 'sensor_msgs', 'numpy', 'scipy', 'numba', 'pydantic', 'yaml', 'mcap', 'plotly')
 PACKAGES = ('analysis', 'bridge', 'config', 'control', 'energy', 'graph', 'sim', 'vlc')
 BROWSERS = ('chromium', 'chromium-browser', 'google-chrome', 'google-chrome-stable')
+COMPILED = {  # by "make build" -> what is missing without it
+    'tf2_msgs': 'tf2_msgs (nothing is published on /tf)',
+    'lta_msgs': 'lta_msgs (topics have standard messages, and no action is served)',
+}
 PATIENCE = 60.0  # s; the first import after an installation reads from a cold disk cache
 MAKE_AGAIN = "Run 'make build'; if the problem remains, 'make clean' and then 'make build'."
 
@@ -92,14 +96,15 @@ def check_workspace_packages() -> HardwareCheck:
     )
 
 
-def check_transform_messages() -> HardwareCheck:
-    """Check for the messages of /tf, which "make build" compiles."""
-    if find_spec('tf2_msgs') is not None:
-        return HardwareCheck('transforms', 'ok', 'tf2_msgs is installed')
+def check_messages() -> HardwareCheck:
+    """Check for the messages and actions that "make build" compiles."""
+    missing = [name for name in COMPILED if find_spec(name) is None]
+    if not missing:
+        return HardwareCheck('messages', 'ok', f'{" and ".join(COMPILED)} are installed')
     return HardwareCheck(
-        'transforms',
+        'messages',
         'warn',
-        'the package tf2_msgs is missing; flights work, but nothing is published on /tf',
+        f'missing, although flights work without: {"; ".join(COMPILED[name] for name in missing)}',
         'Install a C++ compiler and the headers of Python (Debian, Ubuntu: sudo apt install g++ '
         'python3-dev), then run "make build".',
     )
