@@ -29,7 +29,7 @@ def messages():
 def workspace(tmp_path):
     """Return a folder with all that tools/build.sh reads."""
     for name in (
-        'colcon.meta', 'config/setup.py', 'config/package.xml', 'src/one/setup.py',
+        'config/setup.py', 'config/package.xml', 'src/one/setup.py',
         'src/one/package.xml', 'tools/messages.py', 'tools/messages/one/package.xml',
         'tools/messages/one/msg/One.msg', '.venv/.lta',
     ):  # fmt: skip
