@@ -43,6 +43,7 @@ setup(
         ),
     ],
     install_requires=['setuptools'],
+    extras_require={'test': ['pytest']},  # `colcon test` looks for it
     zip_safe=False,
     maintainer='LTA maintainers',
     maintainer_email='maintainers@users.noreply.github.com',

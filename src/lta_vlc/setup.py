@@ -12,6 +12,7 @@ setup(
         ('share/lta_vlc', ['package.xml']),
     ],
     install_requires=['setuptools'],
+    extras_require={'test': ['pytest']},  # `colcon test` looks for it
     zip_safe=False,
     maintainer='LTA maintainers',
     maintainer_email='maintainers@users.noreply.github.com',

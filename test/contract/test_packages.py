@@ -5,7 +5,6 @@ from collections import Counter
 from functools import cache
 from importlib import import_module
 from itertools import accumulate
-import json
 from pathlib import Path
 import re
 import runpy
@@ -14,6 +13,7 @@ import sys
 from catkin_pkg.package import parse_package
 from lta_cli.doctor.machine import check_python_version
 from lta_config.version import VERSION
+import package_tests
 import pytest
 import yaml
 
@@ -40,9 +40,36 @@ NAMES = {
     'lta_vehicle',
     'lta_vlc',
 }
-# What rosdep knows under another name. The rest of PyPI stands in colcon.meta: Ubuntu's own
-# packages of it are too old (pydantic) or not there (mcap).
-ROSDEP = {'numpy': 'python3-numpy', 'scipy': 'python3-scipy', 'yaml': 'python3-yaml'}
+# The key by which package.xml calls each module that is not of ROS. tools/rosdep.yaml has the rules of
+# those that rosdistro lacks; Ubuntu's own packages of some are too old (pydantic).
+ROSDEP = {
+    'cflib': 'python3-cflib-pip',
+    'cloudpickle': 'python3-cloudpickle',
+    'fastcrc': 'python3-fastcrc-pip',
+    'foxglove': 'python3-foxglove-sdk-pip',
+    'hypothesis': 'python3-hypothesis',
+    'lz4': 'python3-lz4-pip',
+    'mcap': 'python3-mcap-pip',
+    'mcap_ros2': 'mcap-ros2-support',
+    'numba': 'python3-numba-pip',
+    'numpy': 'python3-numpy',
+    'pandas': 'python3-pandas',
+    'plotly': 'python3-plotly-pip',
+    'polars': 'python3-polars-pip',
+    'pyarrow': 'python3-pyarrow-pip',
+    'pydantic': 'python3-pydantic-pip',
+    'pymavlink': 'python3-pymavlink-pip',
+    'pytest': 'python3-pytest',
+    'pyulog': 'python3-pyulog-pip',
+    'rich': 'python3-rich',
+    'rosbags': 'python3-rosbags-pip',
+    'scipy': 'python3-scipy',
+    'serial': 'python3-serial',
+    'trimesh': 'python3-trimesh-pip',
+    'typer': 'python3-typer-pip',
+    'yaml': 'python3-yaml',
+    'zstandard': 'python3-zstandard-pip',
+}
 ROS = re.compile(
     r'(rclpy|launch|ament_index_python|builtin_interfaces|rcl_interfaces|\w+_msgs|std_srvs)$'
 )
@@ -60,6 +87,8 @@ CONDUCTORS = {  # start a graph and listen to it, record a flight as one, or ask
     'src/lta_cli/lta_cli/verbs/call.py',
 }
 
+OPTIONAL = {'mavsdk', 'pybamm'}  # what a test skips without
+HELPERS = {path.stem for path in (ROOT / 'test').rglob('*.py')} | {'oracle', 'vlc'} | OPTIONAL
 MODULES = 25  # of one folder
 CODE = re.compile(r'(from [\w.]+ )?import [\w., ]+\n')  # a line of code that is written to a file
 
@@ -77,7 +106,7 @@ def sources(folder):
 @cache
 def imports(path):
     """Return the full names of all modules that a file imports, wherever in the file."""
-    return imports_of(ast.parse(path.read_text(encoding='utf-8')), str(path))
+    return imports_of(ast.parse(path.read_text(encoding='utf-8')))
 
 
 def called(node):
@@ -85,20 +114,19 @@ def called(node):
     return getattr(node.func, 'attr', getattr(node.func, 'id', ''))
 
 
-def imports_of(tree, where):
+def imports_of(tree):
     """Return what is imported: by statement, by import_module, and in the text of made code."""
     found = set()
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, f'{where}: relative import'
+        elif isinstance(node, ast.ImportFrom) and not node.level:
             found |= {f'{node.module}.{alias.name}' for alias in node.names}
         elif isinstance(node, ast.Call) and called(node) == 'import_module':
             name = node.args[0]
             found |= {name.value} if isinstance(name, ast.Constant) else set()
         elif isinstance(node, ast.Constant) and CODE.fullmatch(str(node.value)):
-            found |= imports_of(ast.parse(node.value), where)
+            found |= imports_of(ast.parse(node.value))
     return found
 
 
@@ -187,19 +215,60 @@ def test_executables_can_be_imported_and_every_node_is_one(folder):
     assert nodes == started
 
 
+def imported_keys(paths, beside=frozenset()):
+    """Return the keys of what files import, but for the standard library and modules beside them."""
+    modules = {name.split('.')[0] for path in paths for name in imports(path)}
+    # _typeshed is in the type checker alone.
+    modules -= {*sys.stdlib_module_names, '_typeshed', *beside}
+    own = {module for module in modules if module in NAMES or ROS.match(module)}
+    unknown = modules - own - ROSDEP.keys()
+    assert not unknown, 'give it a key in ROSDEP, and a rule in tools/rosdep.yaml if rosdistro has none'
+    return own | {ROSDEP[module] for module in modules - own}
+
+
 @each_package
-def test_dependencies_cover_the_imports(folder):
+def test_no_import_is_relative(folder):
+    relative = {
+        str(path)
+        for path in sources(folder)
+        for node in ast.walk(ast.parse(path.read_text(encoding='utf-8')))
+        if isinstance(node, ast.ImportFrom) and node.level
+    }
+    assert not relative
+
+
+@each_package
+def test_package_xml_declares_exactly_what_is_imported(folder):
     manifest = parse_package(folder / 'package.xml')
     declared = {depend.name for depend in manifest.exec_depends}
-    meta = json.loads((ROOT / 'colcon.meta').read_text())['names'].get(name_of(folder), {})
-    pypi = set(meta.get('run-dependencies', []))
-    modules = {name.split('.')[0] for path in sources(folder) for name in imports(path)}
-    # _typeshed is in the type checker alone.
-    modules -= {*sys.stdlib_module_names, '_typeshed', name_of(folder)}
-    ros = {module for module in modules if module in NAMES or ROS.match(module)}
-    system = {ROSDEP[module] for module in modules & ROSDEP.keys()}
-    assert ros | system <= declared, f'missing in package.xml: {(ros | system) - declared}'
-    assert modules - ros - ROSDEP.keys() == pypi, 'colcon.meta names what comes from PyPI alone'
+    assert declared == imported_keys(sources(folder)) - {manifest.name}
+
+
+@each_package
+def test_package_xml_declares_exactly_what_the_tests_import_besides(folder):
+    """Other packages of LTA are not declared: some tests use those that depend on their own."""
+    manifest = parse_package(folder / 'package.xml')
+    declared = {depend.name for depend in manifest.test_depends}
+    tests = [ROOT / 'test/conftest.py', *package_tests.list_files(manifest.name)]
+    run = {depend.name for depend in manifest.exec_depends}
+    assert declared == imported_keys(tests, HELPERS) - run - NAMES
+
+
+def test_each_rule_of_rosdep_is_used_and_installs_what_the_requirements_name():
+    rules = yaml.safe_load((ROOT / 'tools/rosdep.yaml').read_text())
+    required = ''.join(path.read_text() for path in ROOT.glob('requirements*.txt')).split()
+    declared = {
+        depend.name
+        for folder in FOLDERS
+        for manifest in [parse_package(folder / 'package.xml')]
+        for depend in manifest.exec_depends + manifest.test_depends
+    }
+    assert set(ROSDEP.values()) <= declared, 'a key that no package.xml uses'
+    assert rules.keys() <= set(ROSDEP.values())
+    for key, systems in rules.items():
+        (name,) = systems['ubuntu']['pip']['packages']
+        assert key == f'python3-{name}-pip'
+        assert name in required
 
 
 def test_imports_are_found_wherever_they_stand():
@@ -211,7 +280,7 @@ def late():
 HEAD = 'from numba import njit\\n'
 WORDS = 'import it from there'
 """)
-    assert imports_of(tree, '') == {'numpy.linalg', 'scipy.stats', 'mcap.records', 'numba.njit'}
+    assert imports_of(tree) == {'numpy.linalg', 'scipy.stats', 'mcap.records', 'numba.njit'}
 
 
 def test_python_versions_are_the_same_everywhere():

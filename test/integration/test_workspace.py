@@ -68,7 +68,6 @@ def installed(tmp_path_factory) -> Path:
     ignore = shutil.ignore_patterns('__pycache__', '*.egg-info')
     for name in ('config', 'src'):
         shutil.copytree(ROOT / name, folder / name, ignore=ignore)
-    shutil.copy(ROOT / 'colcon.meta', folder)
     environment = {key: value for key, value in os.environ.items() if key != 'PYTHONPATH'}
     environment |= {'AMENT_PREFIX_PATH': sys.prefix, 'VIRTUAL_ENV': sys.prefix}
     packages = [path.parent for path in folder.glob('src/*/setup.py')]  # lta_msgs is in .venv
