@@ -48,6 +48,7 @@ RULES = {
     'termination': rule(
         'lta_sim/lta_sim/termination.py', 'limit half_length half_width door along'
     ),
+    'reaching a lamp': rule('lta_sim/lta_sim/termination.py', 'radius vertical_tolerance'),
     'anti-windup': rule(f'{CONTROL}/control.py', 'shortfall', 1),
     'overturned drone': rule(f'{CONTROL}/onboard.py', 'uprightness', 1),
 }  # fmt: skip

@@ -37,7 +37,7 @@ INPUTS = ('battery', 'panel', 'illuminance', 'odom')
 OUTPUTS = ('energy/battery', 'energy/status', 'energy/reserve')
 RESTING = 3.84  # V; half full
 RESISTANCE = 0.15  # ohm, of the shipped vehicle
-GIVEN = 0.85 * 0.44 - 0.022  # W, of its charger from 0.44 W of the panel
+GIVEN = 0.85 * (0.44 - 0.022)  # W, of its charger from 0.44 W of the panel
 STEPS = 10  # messages of odom between two of the battery
 
 

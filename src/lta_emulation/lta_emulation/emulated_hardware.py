@@ -129,14 +129,14 @@ def report_flight(
 
     """
     # Read the world from this thread without a lock: a value of the previous step does not matter
-    world, radius = body.world, body.world.scenario.goal.radius.si
+    world = body.world
     floor, began, reached = world.vehicle.hull_height_on_floor, 0.0, False
     while not wait(LOOK):
         up = world.state[2] > floor + UP
         if up and not began:
             began, reached = world.elapsed, False
             report(f'The drone took off, {world.goal_distance:.1f} m from the lamp.')
-        if up and not reached and world.goal_distance <= radius:
+        if up and not reached and world.is_at_lamp:
             reached = True
             report(f'The drone reached the lamp {world.elapsed - began:.1f} s after take-off.')
         if began and not up and not any(body.duties):

@@ -29,6 +29,10 @@ from pydantic import AliasChoices, Field, model_validator
 Fraction = Annotated[Quantity, si_quantity('1', low=0.0, high=1.0)]
 Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
 NOT_HELD = Quantity(value=0.0, unit='s')
+# A balloon of 1 m that touches the lamp's height with its hull is within 0.5 m of it. Scenes with
+# one lamp ask for up to 0.5 m above or below, and altitude is held to 0.1 m: less than 1 m together.
+# Scenes that are flown higher above their lamps say so.
+VERTICAL_TOLERANCE = Quantity(value=1.0, unit='m')
 
 
 class ScenarioStart(StrictModel):
@@ -42,9 +46,15 @@ class ScenarioStart(StrictModel):
 
 
 class ScenarioGoal(StrictModel):
-    """Radius and time limit that end the flight."""
+    """
+    Where and when the flight ends.
+
+    A lamp is reached where the hull centre is within `radius` of it horizontally, and within
+    `vertical_tolerance` of its height.
+    """
 
     radius: Annotated[Quantity, si_quantity('m', above=0.0)]
+    vertical_tolerance: Annotated[Quantity, si_quantity('m', above=0.0)] = VERTICAL_TOLERANCE
     time_limit: Annotated[Quantity, si_quantity('s', above=0.0, high=86400.0)]
 
 

@@ -13,7 +13,7 @@ from lta_sim.readings import FlightOutcome
 
 OUTCOMES = tuple(FlightOutcome)
 FLYING, REACHED, TIMEOUT, ESCAPED = range(4)  # places in OUTCOMES
-Place = tuple[float, float]
+Place = tuple[float, float, float]
 
 
 class DoorBounds(NamedTuple):
@@ -33,8 +33,8 @@ class EndConditions(NamedTuple):
     ----------
     stops : tuple of tuple of float
         Lamps in the order in which they are to be reached. [m, map]
-    radius : float
-        Horizontal distance at which a lamp is reached. [m]
+    radius, vertical_tolerance : float
+        Largest horizontal distance and difference of height at which a lamp is reached. [m]
     limit : float
         Time limit. [s]
     half_length, half_width, height : float
@@ -48,6 +48,7 @@ class EndConditions(NamedTuple):
 
     stops: tuple[Place, ...]
     radius: float
+    vertical_tolerance: float
     limit: float
     half_length: float
     half_width: float
@@ -74,8 +75,9 @@ def build_goal(scenario: Scenario) -> EndConditions:
             opening.middle.si, opening.width.si / 2, opening.height.si, outside.reach.si
         )
     return EndConditions(
-        tuple((x, y) for x, y, _ in (lamp.position.vector for lamp in scenario.target_lamps)),
+        tuple((x, y, z) for x, y, z in (lamp.position.vector for lamp in scenario.target_lamps)),
         scenario.goal.radius.si,
+        scenario.goal.vertical_tolerance.si,
         scenario.goal.time_limit.si,
         length / 2,
         width / 2,
@@ -109,12 +111,18 @@ def distance_to_goal(goal: EndConditions, progress: GoalProgress, x: float, y: f
     return math.hypot(stop[0] - x, stop[1] - y)
 
 
+def is_at_lamp(goal: EndConditions, lamp: Place, x: float, y: float, z: float) -> bool:
+    """Return whether a hull centre is where a lamp counts as reached. [m, map]"""
+    near = math.hypot(lamp[0] - x, lamp[1] - y) <= goal.radius
+    return near and abs(lamp[2] - z) <= goal.vertical_tolerance
+
+
 def evaluate_outcome(
     goal: EndConditions, progress: GoalProgress, x: float, y: float, z: float, elapsed: float
 ) -> tuple[int, GoalProgress]:
     """Return the outcome, as a place in `OUTCOMES`, and the progress after a control period."""
     inside = is_in_bounds(goal, progress.indoors, x, y, z)
-    near = distance_to_goal(goal, progress, x, y) <= goal.radius
+    near = is_at_lamp(goal, goal.stops[progress.stop], x, y, z)
     progress = progress._replace(indoors=is_indoors(goal, x, y, z))
     if near and not goal.along:
         if progress.stop + 1 == len(goal.stops):
@@ -139,6 +147,10 @@ class FlightTermination:
     def goal_distance(self, x: float, y: float) -> float:
         """Return the horizontal distance to the lamp that is to be reached next. [m]"""
         return distance_to_goal(self._goal, self._progress, x, y)
+
+    def is_at_lamp(self, x: float, y: float, z: float) -> bool:
+        """Return whether a hull centre is at the lamp that is to be reached next. [m, map]"""
+        return is_at_lamp(self._goal, self._goal.stops[self._progress.stop], x, y, z)
 
     def evaluate_outcome(self, x: float, y: float, z: float, elapsed: float) -> FlightOutcome:
         """Return the outcome of the flight after one more control period."""

@@ -194,6 +194,11 @@ class World:
         return self._referee.goal_distance(float(self.state[0]), float(self.state[1]))
 
     @property
+    def is_at_lamp(self) -> bool:
+        """Whether the hull centre is where the next lamp counts as reached."""
+        return self._referee.is_at_lamp(*map(float, self.state[:3]))
+
+    @property
     def wind(self) -> Vector:
         """Velocity of the air at the hull, all effects included. [m/s, map]."""
         self._craft.evaluate_state()

@@ -128,10 +128,10 @@ def test_what_is_aboard_is_what_the_file_says():
 
 
 def test_the_charger_takes_its_own_and_gives_nothing_in_the_dark():
-    """The charger gives 1 W * 0.85 - 22 mW, measured behind the MPPT."""
+    """The charger gives (1 W - 22 mW) * 0.85, measured behind the MPPT."""
     aboard = PowerSystem(CELL, ChargerModel(tracking=0.95, conversion=0.85, idle=0.022))
     given = [aboard.charger_output(watts) for watts in (1.0, 0.02, -1.0, math.nan, math.inf)]
-    assert given == [pytest.approx(0.828), 0.0, 0.0, 0.0, 0.0]
+    assert given == [pytest.approx(0.8313), 0.0, 0.0, 0.0, 0.0]
 
 
 def test_the_books_entry_by_entry():

@@ -51,6 +51,7 @@ def test_the_shipped_scene():
     assert scene.start.heading_spread.si == pytest.approx(math.pi)
     assert scene.start.charge.si == pytest.approx(0.95)
     assert (scene.goal.radius.si, scene.goal.time_limit.si) == (1.0, 60.0)
+    assert scene.goal.vertical_tolerance.si == 1.0
 
 
 def test_density_by_hand(tmp_path):

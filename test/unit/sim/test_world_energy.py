@@ -55,7 +55,7 @@ def test_light_on_the_panel_charges():
     voltage, current = find_max_power_point(PANEL, 1e5 / 300.0)
     assert readings[10].panel[0] == pytest.approx(voltage, abs=0.04)
     assert readings[10].panel[1] == pytest.approx(TRACKED * current, abs=0.002)
-    net = TRACKED * CONVERTED * voltage * current - OWN - 0.12
+    net = (TRACKED * voltage * current - OWN) * CONVERTED - 0.12
     gained = net / (open_circuit_voltage(before) + 0.02) * 2.0 / 900.0
     assert bright.charge - before == pytest.approx(gained, rel=0.01)
 
@@ -98,8 +98,8 @@ def test_the_panel_looks_up():
 def test_a_full_cell_takes_no_more():
     world = build(scene=BRIGHT | {'start/charge': '100 %'})
     fly(world, 100)
-    # The charger feeds the electronics and itself, and no more: (0.12 + 0.022) W / 0.85.
-    assert world.supply.flow.harvested == pytest.approx(0.142 / 0.85, rel=1e-6)
+    # The charger feeds the electronics and itself, and no more: 0.12 W / 0.85 + 0.022 W.
+    assert world.supply.flow.harvested == pytest.approx(0.12 / 0.85 + 0.022, rel=1e-6)
     assert world.supply.flow.current == pytest.approx(0.0, abs=1e-4)
 
 

@@ -5,7 +5,7 @@ from typing import NamedTuple, Self
 
 from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_model.electrical.battery import BatteryModel
-from lta_model.electrical.charger import ChargerModel
+from lta_model.electrical.charger import ChargerModel, convert_harvest
 
 
 class PowerSystem(NamedTuple):
@@ -24,4 +24,4 @@ class PowerSystem(NamedTuple):
         if not math.isfinite(harvest):
             return 0.0
         # No tracking factor here: the measured panel power already contains it
-        return max(0.0, harvest * self.charger.conversion - self.charger.idle)
+        return convert_harvest(self.charger, harvest)

@@ -7,6 +7,7 @@ from typing import final
 
 from lta_model.scenario import Scenario
 from lta_report.curves import Array, FloorPoint, MotionCurve
+from lta_sim.termination import build_goal, is_at_lamp
 import numpy as np
 from numpy.typing import NDArray
 
@@ -49,7 +50,7 @@ class FlightGoal:
 
     @property
     def radius(self) -> float:
-        """Distance that counts as reached; NaN if unknown. [m]"""
+        """Horizontal distance that counts as reached; NaN if unknown. [m]"""
         return np.nan if self.scenario is None else self.scenario.goal.radius.si
 
     @cached_property
@@ -59,18 +60,20 @@ class FlightGoal:
 
         A lamp counts only after those before it, so a round trip is not complete at its start.
         """
-        times, since = list[float](), 0
-        if self.truth is None:
+        times, since, truth = list[float](), 0, self.truth
+        if truth is None or self.scenario is None or self.scenario.course is not None:
             return times
-        time, x, y = self.truth.time, self.truth.x, self.truth.y
-        for lamp in self.places:
-            there = np.hypot(lamp.x - x[since:], lamp.y - y[since:]) <= self.radius
+        goal = build_goal(self.scenario)
+        places = np.stack([truth.x, truth.y, truth.z], axis=1).tolist()
+        for lamp in goal.stops:
+            there = (k for k in range(since, len(places)) if is_at_lamp(goal, lamp, *places[k]))
+            first = next(there, None)
             # Later lamps cannot have been reached either
-            if not there.any():
+            if first is None:
                 break
             # Search the next lamp only after this sample
-            since += int(there.argmax()) + 1
-            times.append(float(time[since - 1]))
+            since = first + 1
+            times.append(float(truth.time[first]))
         return times
 
     @property

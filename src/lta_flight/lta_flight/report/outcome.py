@@ -21,7 +21,9 @@ def describe_outcome(results: FlightResults) -> str:
     """Return the outcome in one sentence."""
     if results.success is None:
         return 'A recorded flight; the bag does not show whether it reached a lamp'
-    count, near = int(results.lamps or 1), format_amount(results.closest, 'm', 1)
+    count, near = int(results.lamps or 1), format_amount(results.closest, 'm', 1) + ' horizontally'
+    if results.altitude is not None:
+        near += f', at a mean height of {format_amount(results.altitude, "m", 1)}'
     time, path = (
         format_amount(results.search_time, 's', 1),
         format_amount(results.path_length, 'm', 1),
@@ -72,7 +74,7 @@ def build_table(results: FlightResults) -> list[OutcomeRow]:
     r = results
     reached = {None: MISSING, True: 'yes', False: 'no'}[r.success]
     rows = [
-        OutcomeRow('reached the goal (came within its radius)', reached, 'yes'),
+        OutcomeRow('reached the goal (within its radius and height)', reached, 'yes'),
         OutcomeRow('path to the goal', format_amount(r.path_length, 'm'), '7.3 m'),
         OutcomeRow('time from the first forward command to the goal',
             format_amount(r.search_time, 's', 1), '8.4 s'),

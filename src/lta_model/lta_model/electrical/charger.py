@@ -1,8 +1,8 @@
 """
 The power path: array -> charger -> loads and cell, with its limits.
 
-The charger tracks a share of the array's maximum power, converts it with some efficiency, and
-draws power of its own while it works; in too dim light it is off. Loads come first; the rest
+The charger tracks a share of the array's maximum power, draws its own power from the array while
+it works, and converts the rest with some efficiency; in too dim light it is off. Loads come first; the rest
 charges the cell within its charging current and voltage, and excess light is not harvested. Below
 the cell's cut-off, or with an empty cell, the supply fails: the loads are off until light has
 charged the cell a little.
@@ -42,7 +42,7 @@ class ChargerModel(StrictModel):
     conversion : float
         Power out by power in. [1]
     idle : float
-        Own draw while it works, at its output. [W]
+        Own draw from the array while it works. [W]
 
     """
 
@@ -93,7 +93,13 @@ def resting_flow(charge: float) -> PowerFlow:
 
 def charger_output(charger: ChargerModel, available: float) -> float:
     """Return the output power at the array's largest power; 0 while the charger is off. [W]"""
-    return max(0.0, available * charger.tracking * charger.conversion - charger.idle)
+    return convert_harvest(charger, available * charger.tracking)
+
+
+def convert_harvest(charger: ChargerModel, harvest: float) -> float:
+    """Return the output power for a power that is taken from the array; 0 if too little. [W]"""
+    # The own draw is taken before the conversion: the LT3652's supply pin is at the array
+    return max(0.0, harvest - charger.idle) * charger.conversion
 
 
 def charge_power_limit(cell: BatteryModel, charge: float, relaxation: float, dt: float) -> float:
@@ -129,7 +135,7 @@ def advance_power_path(
     power = min(bright - load, charge_power_limit(cell, before.charge, before.relaxation, dt))
     given = power + load
     # Back through the converter to the array's side
-    harvested = (given + charger.idle) / charger.conversion if bright > 0.0 else 0.0
+    harvested = given / charger.conversion + charger.idle if bright > 0.0 else 0.0
     charge, relaxation, voltage, current = advance_cell(
         cell, before.charge, before.relaxation, power, dt
     )

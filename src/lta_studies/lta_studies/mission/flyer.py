@@ -3,7 +3,8 @@ Fly one flight of a mission on the compiled model: the round of beacons and back
 
 The drone turns back when its charge estimate reaches the reserve or a beacon is not found in time.
 It lands where it is at half of the reserve. A dock catches it when it passes the perch within the
-reach of the dock.
+reach of the dock, at the height of the scene's goal; a beacon counts as visited where the scene's
+goal says that it is reached.
 """
 
 from dataclasses import dataclass
@@ -17,6 +18,7 @@ from lta_energy.circuit import EnergyTotals
 from lta_energy.irradiance import IrradianceSeries, PanelIrradiance
 from lta_energy.mission import Departure, Landing
 from lta_energy.mission_log import MissionFlight
+from lta_sim.termination import build_goal, is_at_lamp
 from lta_studies.mission.leg_state import (
     DONE,
     DWELL,
@@ -87,6 +89,7 @@ class MissionFlyer:
         offset: float = 0.0,
     ) -> None:
         self._mission, self._scenes, self._light, self._seed = mission, scenes, light, seed
+        self._goal = build_goal(scenes.scenario)
         self._leg = LegPlan(GO, 1.0, mission.reserve.si, 0.0, gain, offset)
         made = scenes.build_beacon_flight(mission.perch, light.at(0.0), 1.0)
         self._pilot = LegPilot(made, self._leg)
@@ -136,7 +139,8 @@ class MissionFlyer:
             )
             if outcome != DONE:
                 return outcome
-            going.visits += 1
+            # The drone ends the leg where it believes to be at the beacon
+            going.visits += self._is_at_lamp(going, name, self._goal.radius)
             if mission.dwell.si > 0.0:
                 dwell = self._leg._replace(kind=DWELL, limit=mission.dwell.si, payload=drawn)
                 outcome = self._fly_leg(going, name, dwell)
@@ -147,17 +151,22 @@ class MissionFlyer:
     def _fly_home(self, going: OngoingFlight) -> int:
         """Fly to the perch until the dock catches the drone; return the outcome."""
         perch, leg = self._mission.perch, self._leg
-        x, y, _ = self._scenes.lamp(perch).position
         left = HOMEWARD
         # Homing may report arrival outside the reach of the dock; then it approaches again.
         while left > 0.0:
             begun = going.memory.flight.step
             going_home = leg._replace(limit=left, reserve=0.5 * leg.reserve)
             outcome = self._fly_leg(going, perch, going_home)
-            if outcome != DONE or going.distance_to(x, y) <= self._mission.dock.si:
+            if outcome != DONE or self._is_at_lamp(going, perch, self._mission.dock.si):
                 return outcome
             left -= (going.memory.flight.step - begun) * self._pilot.period
         return LATE
+
+    def _is_at_lamp(self, going: OngoingFlight, name: str, radius: float) -> bool:
+        """Return whether the drone is within a radius [m] of a beacon, and at its height."""
+        x, y, z = going.memory.flight.state[:3]
+        goal = self._goal._replace(radius=radius)
+        return is_at_lamp(goal, self._scenes.lamp(name).position, x, y, z)
 
     def _leg_time_limit(self, going: OngoingFlight, name: str) -> float:
         """Return the time limit of a leg. [s]"""

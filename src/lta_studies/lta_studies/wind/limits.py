@@ -1,7 +1,7 @@
 """Compute the static and flown wind limits of each platform over each ground."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 import math
 from typing import Any, final
 
@@ -9,7 +9,7 @@ from lta_config.errors import BadInput
 from lta_config.files import list_shipped_names
 from lta_flight.flight_spec import FlightSpec, load_spec
 from lta_model import limits
-from lta_model.scenario import load_scenario
+from lta_model.scenario import load_scenario, VERTICAL_TOLERANCE
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_report.json_value import replace_nonfinite
 from lta_sim import wind_limits
@@ -18,6 +18,7 @@ from lta_studies.wind.flyable_wind import find_flyable_wind, FlyableWind, Ground
 STRATEGY = 'bag'
 FASTEST = 3.0  # m/s; upper limit of the parameter mission.speed
 CLEARANCE = 0.05  # m between a large vehicle in flight and its position on the floor
+HELD = 0.5  # m; half a hull: how exactly the height is held, with room to spare
 
 
 @final
@@ -177,6 +178,14 @@ def _build_flight_spec(request: WindStudyRequest, name: str, height: float) -> F
     if gains is None:
         return None
     made_of = load_spec(name, request.scenario, STRATEGY, gains)
+    lamp = load_scenario(request.scenario).target_lamps[0].position.vector[2]
+    scene = made_of.contents['scenario']
+    # The study flies at a given height, wherever the lamp stands
+    tolerance = f'{max(VERTICAL_TOLERANCE.si, abs(height - lamp) + HELD):.2f} m'
+    goal = {**scene['goal'], 'vertical_tolerance': tolerance}
+    made_of = replace(
+        made_of, contents={**made_of.contents, 'scenario': {**scene, 'goal': goal}}
+    )
     return made_of.with_values({'mission.altitude': height})
 
 

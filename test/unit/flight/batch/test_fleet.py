@@ -254,14 +254,14 @@ def test_a_route_is_given_as_the_lamps_of_its_stops():
     assert list(scenario.lamps) == ['gate', 'aisle', 'dock']
     assert craft.route == (2, 0, 2)
     assert len(craft.listening.lamps) == len(craft.power.lamp_shares) == 3
-    assert craft.goal.stops == ((8.5, -1.5), (-3.0, -2.0), (8.5, -1.5))
+    assert craft.goal.stops == ((8.5, -1.5, 0.5), (-3.0, -2.0, 0.5), (8.5, -1.5, 0.5))
     assert made().craft.route == (0,)
 
 
 def test_the_path_of_a_route_and_the_distance_to_its_last_lamp():
     """Two stops, 3 m and 4 m apart, a radius of 0.5 m: 2.5 + 3 m of path."""
     craft = made().craft
-    goal = craft.goal._replace(stops=((3.0, 0.0), (3.0, 4.0)), radius=0.5, limit=99.0)
+    goal = craft.goal._replace(stops=((3.0, 0.0, 1.0), (3.0, 4.0, 1.0)), radius=0.5, limit=99.0)
     craft = craft._replace(goal=goal, place=(0.0, 0.0, 0.1))
     made_route = replace(build_flight(*build_vehicle_scenario_stack(ingredients()), TABLE),
                          craft=craft)  # fmt: skip
@@ -275,6 +275,9 @@ def test_the_path_of_a_route_and_the_distance_to_its_last_lamp():
     # The first lamp is reached: from now on the distance to the second one counts
     assert after.progress.stop == 1
     assert after.closest == pytest.approx(math.hypot(0.2, 3.9))
+    above = (*state[:2], 6.85, *state[3:])
+    missed = flight.update_tally(craft, first, (2.7, 0.1), above, supply, 1.0, 0.02)
+    assert missed.progress.stop == 0
 
 
 def test_what_a_batch_does_not_know_it_refuses():

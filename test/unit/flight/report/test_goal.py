@@ -23,11 +23,11 @@ TOPICS = {
 }
 
 
-def flown(x, scenario=ROUND, **more):
-    """Return a flight along y = -2, one place a second, nose along x."""
+def flown(x, scenario=ROUND, height=1.0, **more):
+    """Return a flight along y = -2 at a height [m], one place a second, nose along x."""
     x = np.array(x, dtype=float)
     zero = np.zeros(len(x))
-    here = {'time': np.arange(len(x), dtype=float), 'x': x, 'y': zero - 2.0, 'z': zero + 1.0}
+    here = {'time': np.arange(len(x), dtype=float), 'x': x, 'y': zero - 2.0, 'z': zero + height}
     truth = MotionCurve(**{name: here.get(name, zero) for name in MotionCurve._fields})
     known = {'ground_truth/odom', *(TOPICS[name] for name in more)}
     return SimpleNamespace(
@@ -79,7 +79,26 @@ def test_one_lamp_alone_is_the_last():
     found = compute_results(flown([-3.0, np.nan, 0.0], ROOM))
     assert found.closest == pytest.approx(math.hypot(3.5, 2.0))
     assert found.straight_length == pytest.approx(math.hypot(6.5, 2.0) - 1.0)
-    assert describe_outcome(found).endswith('it came no nearer than 4.0 m')
+    assert describe_outcome(found).endswith('it came no nearer than 4.0 m horizontally')
+
+
+@pytest.mark.parametrize(
+    ('height', 'reached'), [(0.1, True), (1.59, True), (1.61, False), (6.85, False)]
+)
+def test_a_lamp_is_reached_at_its_height_only(height, reached):
+    """Lanterns at 0.1 m with a tolerance of 1.5 m; in the rest, the flight is a full round."""
+    found = compute_results(flown([-3.2, 0.0, 3.0, 3.5, 0.0, -3.0, -3.5], height=height))
+    assert (found.success, found.lamps_reached) == (reached, 2 if reached else 0)
+    assert found.closest == pytest.approx(0.0)  # it is horizontal
+
+
+def test_a_flight_above_the_lamp_says_how_high():
+    asked = TimeCurve(np.array([0.0]), np.array([0.5]))
+    view = flown([-3.0, 0.0, 3.5], ROOM, 6.85, speed_setpoint=asked)
+    view.truth = view.truth._replace(speed=np.full(3, 0.5))
+    assert describe_outcome(compute_results(view)).endswith(
+        'it came no nearer than 2.0 m horizontally, at a mean height of 6.8 m'
+    )
 
 
 def test_on_a_course_no_lamp_is_sought():

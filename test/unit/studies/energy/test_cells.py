@@ -108,10 +108,10 @@ def test_net_power_at_18_klux_by_hand():
         led, sun = compute_net_powers(strung, ENERGY, TABLE)
         assert led.irradiance == pytest.approx(60.0)
         assert sun.irradiance == pytest.approx(18e3 / 112.0)
-        # Within a fifth of the rating in proportion; then 0.95 * 0.85 and 22 mW of the charger.
+        # Within a fifth of the rating in proportion; then 0.95, 22 mW of the charger, and 0.85.
         assert led.harvest == pytest.approx(rated * 0.06, rel=0.2)
         for net in (led, sun):
-            assert net.given == pytest.approx(net.harvest * 0.95 * 0.85 - 0.022)
+            assert net.given == pytest.approx((net.harvest * 0.95 - 0.022) * 0.85)
             assert net.standby == pytest.approx(net.given - 0.097)
             assert net.transmitting == pytest.approx(net.given - 0.120)
 

@@ -4,10 +4,12 @@ from collections.abc import Sequence
 from itertools import pairwise
 import math
 
+from lta_model.scenario import VERTICAL_TOLERANCE
 from lta_studies.light.plan.handover import LampHandover
 from lta_studies.light.plan.layout import LampLayout, LayoutLamp
 
 GOAL = 1.0  # m, minimum goal radius around a lamp
+HELD = 0.5  # m, half a hull: how exactly the altitude is held, with room to spare
 SLOWEST = 0.2  # m/s along the route, determines the time limit
 
 
@@ -65,6 +67,7 @@ def format_scenario(layout: LampLayout, handover: LampHandover) -> str:
         '',
         'goal:',
         f'  radius: {_goal_radius(layout, handover):g} m',
+        f'  vertical_tolerance: {_vertical_tolerance(layout):g} m',
         f'  time_limit: {_time_limit(handover):g} s',
     ]
     return '\n'.join(lines) + '\n'
@@ -100,6 +103,12 @@ def _goal_radius(layout: LampLayout, handover: LampHandover) -> float:
     ]
     # At least 0.5 m beyond the farthest arrival, rounded up to half a metre
     return max([GOAL, *(math.ceil(2.0 * end + 1.0) / 2.0 for end in ends)])
+
+
+def _vertical_tolerance(layout: LampLayout) -> float:
+    """Return a tolerance of height that includes the altitude of the plan. [m]"""
+    plan = layout.plan
+    return max(VERTICAL_TOLERANCE.si, round(abs(plan.altitude.si - plan.lamp.height.si), 2) + HELD)
 
 
 def _time_limit(handover: LampHandover) -> float:
