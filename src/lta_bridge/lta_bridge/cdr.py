@@ -1,127 +1,91 @@
 """
-Serialize messages to CDR with reproducible bytes.
+Serialize messages to CDR with reproducible bytes, by rosbags.
 
-The format is classic CDR (XCDR1 of DDS-XTypes), little endian, with a four-byte encapsulation
-header. Each number is aligned to its size, counted from the end of the header. Padding is zero,
-also at the end, which is padded to a multiple of four. rclpy's `serialize_message` leaves
-uninitialized memory in the padding and returns the type's largest size, so its bytes vary.
+rosbags writes zeros as padding. rclpy's `serialize_message` leaves uninitialized memory there and
+returns the type's largest size, so its bytes vary. The end is padded to a multiple of four, as
+rmw does.
 
-ROS is not imported: a message is any object with rosidl's `get_fields_and_field_types`.
+rosbags reads the fields of rclpy's messages like those of its own classes, with two exceptions: a
+sequence of numbers must be a numpy array, and an octet a number. rclpy has `array.array` or list,
+and bytes.
 """
 
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Callable, Mapping
 from functools import cache
-import re
-import struct
-from typing import Any, cast
+from types import SimpleNamespace
+from typing import Any
 
+from lta_bridge.bag.schemas import load_jazzy_types
 import numpy as np
+from rosbags.interfaces import Nodetype
+from rosbags.serde.utils import ndtype
 
-ENCAPSULATION = b'\x00\x01\x00\x00'  # CDR, little endian, no options
-BASE = len(ENCAPSULATION)
-NUMBERS = {  # rosidl type name to `struct` format
-    'boolean': '?',
-    'octet': 'B',
-    'uint8': 'B',
-    'int8': 'b',
-    'uint16': 'H',
-    'int16': 'h',
-    'uint32': 'I',
-    'int32': 'i',
-    'uint64': 'Q',
-    'int64': 'q',
-    'float': 'f',
-    'double': 'd',
-}
-_ARRAY = re.compile(r'(.+)\[(\d+)\]')
-_SEQUENCE = re.compile(r'sequence<([^,>]+)(?:, *\d+)?>')
-_LENGTH = struct.Struct('<I')
-
-Writer = Callable[[bytearray, Any], None]
+Convert = Callable[[Any], Any]
 
 
 def encode_cdr(message: Any) -> bytes:  # noqa: ANN401 - a generated class
-    """Return a message as CDR with its encapsulation header."""
-    out = bytearray(ENCAPSULATION)
-    _write_message(out, message)
-    # As rmw does, but always with zeros
-    _pad_to_multiple(out, 4)
-    return bytes(out)
+    """Return a message of rclpy as CDR with its encapsulation header."""
+    name = _name_type(type(message))
+    return _write_cdr(_convert_message(message, name), name)
 
 
-def _write_message(out: bytearray, message: Any) -> None:  # noqa: ANN401 - a generated class
-    for name, write in _list_fields(type(message)):  # type: ignore[arg-type]
-        write(out, getattr(message, name))
+def reencode_cdr(data: bytes, type_name: str) -> bytes:
+    """
+    Return CDR as `encode_cdr` writes it.
+
+    Raises
+    ------
+    SerdeError
+        If the data are no message of the type.
+
+    """
+    return _write_cdr(load_jazzy_types().deserialize_cdr(data, type_name), type_name)
+
+
+def _write_cdr(message: object, type_name: str) -> bytes:
+    data = load_jazzy_types().serialize_cdr(message, type_name, little_endian=True)
+    return bytes(data) + bytes(-len(data) % 4)
+
+
+def _name_type(kind: type) -> str:
+    """Return the name of a message class, such as 'sensor_msgs/msg/Imu'."""
+    package, part, *_ = kind.__module__.split('.')
+    return f'{package}/{part}/{kind.__name__}'
+
+
+def _convert_message(message: Any, type_name: str) -> Any:  # noqa: ANN401 - a generated class
+    """Return an object with the fields that rosbags expects; the message itself if it has them."""
+    conversions = _list_conversions(type_name)
+    if not conversions:
+        return message
+    fields = {name: getattr(message, name) for name in message.get_fields_and_field_types()}
+    fields |= {name: convert(fields[name]) for name, convert in conversions.items()}
+    return SimpleNamespace(**fields)
 
 
 # Types are inspected once: this is called for every message
 @cache
-def _list_fields(kind: Hashable) -> tuple[tuple[str, Writer], ...]:
-    """Return the fields of a message type in order, each with its write function."""
-    types = cast('Any', kind).get_fields_and_field_types()
-    return tuple((name, _select_writer(text)) for name, text in types.items())
+def _list_conversions(type_name: str) -> Mapping[str, Convert]:
+    """Return how to convert the fields of a type that rosbags takes in another form than rclpy."""
+    _, fields = load_jazzy_types().fielddefs[type_name]
+    each = {name: _choose_conversion(description) for name, description in fields}
+    return {name: convert for name, convert in each.items() if convert is not None}
 
 
-def _select_writer(text: str) -> Writer:
-    """Return the function that writes a value of a rosidl type."""
-    array, sequence = _ARRAY.fullmatch(text), _SEQUENCE.fullmatch(text)
-    if sequence is not None:
-        return _build_sequence_writer(_build_items_writer(sequence.group(1)))
-    if array is not None:
-        return _build_items_writer(array.group(1))
-    if text in NUMBERS:
-        return _build_number_writer(NUMBERS[text])
-    return _write_text if text.startswith('string') else _write_message
-
-
-def _pad_to_multiple(out: bytearray, size: int) -> None:
-    """Pad with zeros to a multiple of a size, counted from the end of the header."""
-    out.extend(bytes(-(len(out) - BASE) % size))
-
-
-def _build_number_writer(code: str) -> Writer:
-    pack = struct.Struct(f'<{code}')
-
-    def write(out: bytearray, value: Any) -> None:  # noqa: ANN401 - a number, or one byte
-        _pad_to_multiple(out, pack.size)
+def _choose_conversion(description: Any) -> Convert | None:  # noqa: ANN401 - as rosbags nests it
+    """Return the function that converts a field, or None if the field needs none."""
+    node, about = description
+    if node == Nodetype.NAME:
+        name = str(about)
+        return (lambda value: _convert_message(value, name)) if _list_conversions(name) else None
+    if node == Nodetype.BASE:
         # rclpy represents an octet as bytes of length one
-        out.extend(pack.pack(value[0] if isinstance(value, bytes) else value))
-
-    return write
-
-
-def _write_text(out: bytearray, value: str) -> None:
-    data = value.encode()
-    _pad_to_multiple(out, 4)
-    out.extend(_LENGTH.pack(len(data) + 1) + data + b'\0')  # the length counts the final zero
-
-
-def _build_sequence_writer(write_items: Writer) -> Writer:
-    """Return a function that writes the number of items, then the items."""
-
-    def write(out: bytearray, value: Any) -> None:  # noqa: ANN401 - a sequence of any kind
-        _pad_to_multiple(out, 4)
-        out.extend(_LENGTH.pack(len(value)))
-        if len(value):  # an empty sequence is not padded to the alignment of its items
-            write_items(out, value)
-
-    return write
-
-
-def _build_items_writer(text: str) -> Writer:
-    """Return a function that writes consecutive items of one type."""
-    if text not in NUMBERS:
-        one = _select_writer(text)
-
-        def write_each(out: bytearray, value: Iterable[Any]) -> None:
-            for item in value:
-                one(out, item)
-
-        return write_each
-    kind = np.dtype(f'<{NUMBERS[text]}')
-
-    def write_numbers(out: bytearray, value: Any) -> None:  # noqa: ANN401 - numbers of any kind
-        _pad_to_multiple(out, kind.itemsize)
-        out.extend(np.asarray(value, dtype=kind).tobytes())
-
-    return write_numbers
+        return (lambda value: value[0]) if about[0] in ('byte', 'octet') else None
+    item = about[0]
+    convert = _choose_conversion(item)
+    if item[0] == Nodetype.BASE and item[1][0] != 'string':
+        dtype = np.dtype(ndtype(item[1][0]))
+        if convert is not None:
+            return lambda value: np.frombuffer(b''.join(value), dtype=dtype)
+        return lambda value: np.asarray(value, dtype=dtype)
+    return None if convert is None else lambda value: [convert(one) for one in value]

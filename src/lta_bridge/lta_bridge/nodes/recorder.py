@@ -26,7 +26,7 @@ from lta_bridge.bag.snapshot_buffer import SnapshotBuffer
 from lta_bridge.bag.split import SplitLimits
 from lta_bridge.bag.storage import StorageFault
 from lta_bridge.bag.writer import BagWriter
-from lta_bridge.cdr import encode_cdr
+from lta_bridge.cdr import reencode_cdr
 from lta_bridge.crazyflie.safety import LEAVE
 from lta_bridge.intake import MessageIntake
 from lta_bridge.messages import parse_statuses, to_offered_qos
@@ -53,6 +53,7 @@ from pydantic import create_model
 from rclpy.clock import Clock, ClockType
 from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
+from rosbags.serde import SerdeError
 from std_srvs.srv import Trigger
 
 DIAGNOSTICS = '/diagnostics'
@@ -89,12 +90,11 @@ def declare_origins(node: GraphNode, robots: list[str]) -> dict[str, RobotOrigin
 
 def build_reencoder(type_name: str) -> Callable[[bytes], bytes]:
     """Return a function that re-encodes a message of a type with zero padding."""
-    kind = load_message_class(type_name)
 
     def clean(data: bytes) -> bytes:
         try:
-            return encode_cdr(deserialize_message(data, kind))
-        except RuntimeError:  # not a valid message of this type: record it unchanged
+            return reencode_cdr(data, type_name)
+        except SerdeError:  # not a valid message of this type: record it unchanged
             return data
 
     return clean

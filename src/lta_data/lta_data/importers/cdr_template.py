@@ -2,8 +2,8 @@
 Serialise many messages of one type at once from a CDR template.
 
 Messages of one imported topic differ only in their numbers; texts and list lengths are equal. So
-one message is laid out, and the others are copies of it with numbers written at fixed offsets. CDR
-as in `lta_bridge.cdr`.
+one message is laid out, and the others are copies of it with numbers written at fixed offsets. The
+format is classic CDR (XCDR1 of DDS-XTypes), little endian, with zero padding.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,11 +11,12 @@ import struct
 from typing import Any, final
 
 from lta_bridge.bag.schemas import load_jazzy_types
-from lta_bridge.cdr import BASE, ENCAPSULATION
 import numpy as np
 from numpy.typing import NDArray
 from rosbags.interfaces import Nodetype
 
+ENCAPSULATION = b'\x00\x01\x00\x00'  # CDR, little endian, no options
+BASE = len(ENCAPSULATION)
 TYPES = {
     'bool': '?',
     'byte': 'u1',
