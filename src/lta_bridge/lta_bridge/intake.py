@@ -44,6 +44,7 @@ class MessageIntake:
     ) -> None:
         self._table = table
         self._robots = robots
+        self._lockstep = lockstep
         self._books = {
             name: LogTimeAssigner(table, lockstep, begun_ns=begun_ns) for name in robots
         }
@@ -76,7 +77,16 @@ class MessageIntake:
         """
         robot, row = self.find_owner(name)
         topic = self._table.topics.get(row)
-        varying = topic is not None and topic.repeatable and type_name in VARYING
+        # What is sent once holds many strings, and the frames of several robots differ on /tf
+        varying = (
+            topic is not None
+            and topic.repeatable
+            and (
+                type_name in VARYING
+                or not topic.period_ns
+                or (robot is None and len(self._robots) > 1)
+            )
+        )
         write, clock = self._writer.write, time.monotonic
         log_time = (
             self._assign_common_time if robot is None else self._books[robot].assign_log_time
@@ -90,8 +100,11 @@ class MessageIntake:
         return receive_message
 
     def _assign_common_time(self, name: str, data: bytes) -> int:
-        """Return the log time of a shared topic's message: the newest of all robots. [ns]"""
-        self._common.assign_log_time(name, data)
+        """Return the log time of a shared topic's message: its own, or the newest of all. [ns]"""
+        when = self._common.assign_log_time(name, data)
+        row = self._table.topics.get(name)
+        if row is not None and row.repeatable and (row.period_ns or self._lockstep):
+            return when
         # Never before a message that a robot has sent already
         return max(books.now for books in self._books.values())
 

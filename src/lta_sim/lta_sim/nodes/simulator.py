@@ -20,6 +20,7 @@ from lta_config.errors import unknown_name_error
 from lta_config.topic_selection import is_selected
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
+from lta_graph.ros.message_validation import has_message_type
 from lta_graph.ros.node import GraphNode, WHOLE
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.peer_listener import OVER, PeerListener, PULSE
@@ -31,7 +32,7 @@ from lta_model.scenario import load_scenario
 from lta_model.start_offset import offset_start
 from lta_model.vehicle import load_vehicle
 from lta_sim.readings import FlightOutcome, SensorReadings
-from lta_sim.simulator_settings import DEFAULT, SimulatorSettings
+from lta_sim.simulator_settings import DEFAULT, DESCRIPTION, SimulatorSettings
 from lta_sim.world import World
 from rclpy.clock import Clock, ClockType
 from rclpy.subscription import Subscription
@@ -97,16 +98,17 @@ class Simulator(GraphNode):
     def _list_awaited_roles(self) -> set[str]:
         """Return the roles of the nodes to wait for; raise `BadInput` for an unknown one."""
         names = self._settings.wait_for.split()
-        if names == [DEFAULT]:
-            readers = {role for name in self._outputs for role in self.table[name].subscribers}
-            return readers if self.lockstep else set()
+        known = [DEFAULT, DESCRIPTION, *self.table.roles]
         for name in names:
-            if name not in self.table.roles:
-                raise unknown_name_error('role in wait_for', name, [DEFAULT, *self.table.roles])
-        return set(names)
+            if name not in known:
+                raise unknown_name_error('role in wait_for', name, known)
+        awaited = set(names) - {DEFAULT}
+        if DEFAULT in names and self.lockstep:
+            awaited.update(role for name in self._outputs for role in self.table[name].subscribers)
+        return awaited
 
     def _find_missing_subscribers(self) -> list[str]:
-        """Return the awaited nodes that have not subscribed to the outputs yet."""
+        """Return the awaited nodes that do not subscribe or publish yet."""
         waiting: set[str] = set()
         words, robot = self._settings.topics, self.get_namespace().strip('/')
         for name, publisher in self._outputs.items():
@@ -119,6 +121,12 @@ class Simulator(GraphNode):
             recorded = self._settings.record and is_selected(words, robot, name, self.table[name])
             if recorded and not self._is_subscribed('recorder', name):
                 waiting.add('recorder')
+        if DESCRIPTION in self._awaited and not all(
+            self.count_publishers(name)
+            for name in self.table.published_by(DESCRIPTION)
+            if has_message_type(self.table[name])
+        ):
+            waiting.add(DESCRIPTION)
         return sorted(waiting)
 
     def _is_subscribed(self, node: str, name: str) -> bool:
