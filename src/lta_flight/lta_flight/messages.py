@@ -17,7 +17,7 @@ from lta_energy.monitoring.report import report_energy
 from lta_flight.closed_loop import ClosedLoop, EnergyObservation, LightObservation
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import to_stamp
-from lta_graph.ros.transforms import from_odometry
+from lta_graph.ros.transforms import from_odometry, from_start
 from lta_model import messages
 from lta_sim.readings import SensorReadings
 from lta_vlc.diodes import build_diode_array
@@ -69,6 +69,7 @@ class LoopRecorder:
         # As the drone knows itself: a bag must not disclose what a challenge hides
         for name, message in iterate_descriptions(loop.nominal_vehicle, loop.world.scenario):
             self._write_message(name, message)
+        self._write_message('/tf_static', from_start(loop.world.start_pose))
 
     def record_step(self) -> None:
         """Write the messages of the newest step; call it before the simulation advances."""

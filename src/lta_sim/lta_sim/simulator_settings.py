@@ -35,6 +35,10 @@ class SimulatorSettings(Settings):
         high=FAR,
         fixed=True,
     )
+    frame_prefix: str = setting(
+        '', 'Prefix of the frames on /tf_static but map, such as lta1/, for several drones.',
+        fixed=True,
+    )  # fmt: skip
     wait_for: str = setting(
         DEFAULT,
         'Nodes to wait for before the flight starts, by their roles in the topic table and '

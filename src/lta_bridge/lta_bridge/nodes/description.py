@@ -2,10 +2,9 @@
 The description node: it publishes the drone's shape and frames for RViz and other tools.
 
 The vehicle's URDF is latched on `robot_description`, the frames of sensors and rotors on
-/tf_static. With a scenario, its room and lamps are latched as markers on `scene`, and `odom` is
-where the scenario starts the drone in `map`: nothing measures that, so the drone's own drift moves
-`base_link`, not `odom`. The estimator publishes odom -> base_link on /tf; with the parameter `pose`
-this node does it for a graph without our estimator.
+/tf_static, and the room and lamps of a scenario as markers on `scene`. The estimator publishes
+odom -> base_link on /tf; with the parameter `pose` this node does it for a graph without our
+estimator. The simulator or a tracker publishes map -> odom.
 """
 
 from typing import Any, Literal
@@ -20,7 +19,6 @@ from lta_graph.ros.process import run_node
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.transforms import from_odometry
 from lta_model.scenario import load_scenario
-from lta_model.start_offset import FAR, offset_start
 from lta_model.vehicle import load_vehicle
 
 
@@ -36,14 +34,6 @@ class DescriptionSettings(Settings):
     scene: str = setting(
         '', 'Scenario, name or file, whose room is drawn; none by default.', fixed=True
     )
-    offset_x: float = setting(
-        0.0, "Offset of the start from the scenario's along map x.", unit='m',
-        low=-FAR, high=FAR, fixed=True,
-    )  # fmt: skip
-    offset_y: float = setting(
-        0.0, "Offset of the start from the scenario's along map y.", unit='m',
-        low=-FAR, high=FAR, fixed=True,
-    )  # fmt: skip
     frame_prefix: str = setting(
         '', 'Prefix of all frames but map, such as lta1/, for several drones.', fixed=True
     )
@@ -61,10 +51,7 @@ class DescriptionNode(GraphNode):
         }
         settings = NodeParameters(self, DescriptionSettings).value
         self._prefix = settings.frame_prefix
-        scenario = None
-        if settings.scene:
-            offset = settings.offset_x, settings.offset_y
-            scenario = offset_start(load_scenario(settings.scene), *offset)
+        scenario = load_scenario(settings.scene) if settings.scene else None
         vehicle = load_vehicle(settings.vehicle)
         for name, message in iterate_descriptions(vehicle, scenario, self._prefix):
             if name in outputs:

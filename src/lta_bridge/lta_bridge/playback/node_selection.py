@@ -83,9 +83,7 @@ def select_nodes(table: TopicTable, nodes: Sequence[str], also: Sequence[str]) -
 
 def _list_answers(table: TopicTable, roles: Collection[str]) -> list[str]:
     """Return the answers that some roles publish; not /tf, which repeats one of them."""
-    return [
-        name for role in roles for name in table.published_by(role) if table[name].answers
-    ]
+    return [name for role in roles for name in table.published_by(role) if table[name].answers]
 
 
 def list_supporting_roles(table: TopicTable, nodes: Sequence[str]) -> list[str]:

@@ -33,9 +33,7 @@ class MapCorrection:
 
         `truth` is the pose of base_link in the map, `stamp_ns` its time. [ns]
         """
-        nearest = min(
-            self._estimates, key=lambda one: abs(one[0] - stamp_ns), default=(0, None)
-        )
+        nearest = min(self._estimates, key=lambda one: abs(one[0] - stamp_ns), default=(0, None))
         if nearest[1] is None or abs(nearest[0] - stamp_ns) > NEAR_NS:
             return None
         return compose_poses(truth, invert_pose(nearest[1]))

@@ -43,9 +43,7 @@ class ReaderLinks:
         self._robot = node.get_namespace().strip('/')
         self._table = table
         self._topics = [
-            name
-            for name, row in table.topics.items()
-            if row.period_ns and has_message_type(row)
+            name for name, row in table.topics.items() if row.period_ns and has_message_type(row)
         ]
         self._found: dict[str, int] = {}
         self._subscription = node.create_subscription(

@@ -30,6 +30,7 @@ except ImportError:
 
 
 MAP: Final = 'map'
+ODOM: Final = 'odom'
 
 
 def add_prefix(prefix: str, frame: str) -> str:
@@ -70,11 +71,27 @@ def build_transform(
     return message
 
 
+def from_start(pose: Sequence[float], prefix: str = '') -> TFMessage:
+    """
+    Return where the odometry of a drone begins in the map: on the floor below its start.
+
+    Parameters
+    ----------
+    pose : sequence of 7 floats
+        Place [m] and attitude (x y z w) of a level drone at its start.
+    prefix : str
+        Prefix of the frames of one robot.
+
+    """
+    x, y, _, *turn = pose
+    # The estimate counts height from the floor, distance and heading from the start. A fixed frame
+    # holds at all times, so its stamp is zero.
+    return TFMessage(transforms=[build_transform(Time(), (MAP, ODOM), (x, y, 0.0), turn, prefix)])
+
+
 def from_odometry(odom: Odometry, prefix: str = '') -> TFMessage:
     """Return the pose of an odometry message as the transform between its frames."""
     p, q = odom.pose.pose.position, odom.pose.pose.orientation
     frames = odom.header.frame_id, odom.child_frame_id
     place, turn = (p.x, p.y, p.z), (q.x, q.y, q.z, q.w)
-    return TFMessage(
-        transforms=[build_transform(odom.header.stamp, frames, place, turn, prefix)]
-    )
+    return TFMessage(transforms=[build_transform(odom.header.stamp, frames, place, turn, prefix)])

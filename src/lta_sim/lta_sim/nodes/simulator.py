@@ -27,6 +27,7 @@ from lta_graph.ros.peer_listener import OVER, PeerListener, PULSE
 from lta_graph.ros.process import run_node
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_graph.ros.startup import wait_until_complete, wait_until_settled
+from lta_graph.ros.transforms import from_start
 from lta_model import messages
 from lta_model.scenario import load_scenario
 from lta_model.start_offset import offset_start
@@ -62,6 +63,7 @@ class Simulator(GraphNode):
         if not self._settings.clock:
             names.remove('/clock')
         self._outputs = {name: self.create_output(name) for name in names}
+        self._publish_start()
         self._awaited = self._list_awaited_roles()
         inputs = self.table.read_by('vehicle')
         self.subscribe_inputs(inputs, trigger='motors', on_step=self._on_motors)
@@ -94,6 +96,12 @@ class Simulator(GraphNode):
         if not self.lockstep:
             self._pacer.reset()
         super().run()
+
+    def _publish_start(self) -> None:
+        """Publish where the drone starts in the map; only viewers and recorder read it."""
+        if has_message_type(self.table['/tf_static']):
+            start = from_start(self._world.start_pose, self._settings.frame_prefix)
+            self.create_output('/tf_static').publish(start)
 
     def _list_awaited_roles(self) -> set[str]:
         """Return the roles of the nodes to wait for; raise `BadInput` for an unknown one."""
