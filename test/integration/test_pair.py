@@ -5,7 +5,7 @@ import os
 import signal
 import time
 
-from frame_tree import resolve_all
+from frame_tree import nanoseconds, resolve_all
 from lta_config.topics import load_topic_table
 from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
@@ -23,19 +23,15 @@ OFFSET = -2.0
 
 
 def read_frames(path, topic, prefix):
-    """Return log time, frames without a prefix, stamp and numbers of the transforms that have it."""
+    """Return log time, frames without the prefix, stamp and numbers of a robot's transforms."""
     bag, found = read_bag(path), []
     for _, when, data in bag.iterate_messages([topic]):
         for item in bag.decode(topic, data).transforms:
             if item.child_frame_id.startswith(prefix):
                 frames = item.header.frame_id, item.child_frame_id
                 bare = tuple(name.removeprefix(prefix) for name in frames)
-                stamp, p, q = (
-                    item.header.stamp,
-                    item.transform.translation,
-                    item.transform.rotation,
-                )
-                numbers = (stamp.sec, stamp.nanosec, p.x, p.y, p.z, q.x, q.y, q.z, q.w)
+                p, q = item.transform.translation, item.transform.rotation
+                numbers = (nanoseconds(item.header.stamp), p.x, p.y, p.z, q.x, q.y, q.z, q.w)
                 found.append((when, bare, numbers))
     return sorted(found)
 

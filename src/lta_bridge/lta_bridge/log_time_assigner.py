@@ -40,8 +40,8 @@ class LogTimeAssigner:
 
     The log time is the graph time of publication, stamp plus latency. It does not depend on
     delays in transport, so a repeated flight gives the same times. An unstamped message gets its
-    scheduled time, or the newest publication time; what is published once, such as /tf_static, gets
-    the begin of a flight in lockstep. Stamps far ahead of all others are rejected: they would
+    scheduled time, or the newest publication time. What is published once, such as /tf_static,
+    gets the start of a flight in lockstep. Stamps far ahead of all others are rejected: they would
     stretch the whole bag.
 
     Parameters
@@ -77,7 +77,8 @@ class LogTimeAssigner:
         self._table = table
         self._lockstep = lockstep
         self._now = table.start_ns if begun_ns is None else begun_ns
-        self._dated = lockstep  # whether the present graph time is known
+        self._dated = lockstep  # whether the present graph time is known from a stamp
+        self._begun = begun_ns is not None
         self._ahead_since: float | None = None
         self._last: dict[str, int] = {}
         self.due: Mapping[str, Sequence[int]] = {}
@@ -90,6 +91,11 @@ class LogTimeAssigner:
     def now(self) -> int:
         """Time of the newest publication. [ns]"""
         return self._now
+
+    @property
+    def knows_time(self) -> bool:
+        """Whether the present graph time is known, from a stamp or from the start."""
+        return self._dated or self._begun
 
     def assign_log_time(self, name: str, data: bytes) -> int:
         """

@@ -4,7 +4,7 @@ import math
 from pathlib import Path
 from xml.etree import ElementTree
 
-from lta_bridge.description_messages import iterate_descriptions
+from lta_bridge.description.messages import iterate_descriptions
 from lta_bridge.live.frames import list_sensor_frames
 from lta_bridge.live.messages import build_marker_array, list_cone_triangles
 from lta_bridge.live.room_shapes import draw_static_scene

@@ -9,7 +9,7 @@ estimator. The simulator or a tracker publishes map -> odom.
 
 from typing import Any, Literal
 
-from lta_bridge.description_messages import iterate_descriptions
+from lta_bridge.description.messages import iterate_descriptions
 from lta_config.settings import setting, Settings
 from lta_graph.health import HealthLevel
 from lta_graph.ros.message_validation import find_message_type, has_message_type

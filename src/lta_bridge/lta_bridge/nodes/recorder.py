@@ -327,6 +327,7 @@ class Recorder(GraphNode):
 
     def close(self) -> None:
         """Finish the bag, or save a last snapshot; raise if the recording ended early."""
+        self._intake.write_early_messages()
         last = None if self._snapshots is None else self._snapshots.save_remaining(self._robots)
         for name in self._taps:
             # List topics without messages in the bag too

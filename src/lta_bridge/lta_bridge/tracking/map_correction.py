@@ -1,4 +1,4 @@
-"""Correct odom in the map by a tracker: map -> odom, as REP-105 asks of who knows the true pose."""
+"""Compute map -> odom from tracked poses and estimates, as REP-105 defines it."""
 
 from collections import deque
 import math

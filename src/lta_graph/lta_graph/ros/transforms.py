@@ -29,6 +29,8 @@ except ImportError:
             return {'transforms': 'sequence<geometry_msgs/TransformStamped>'}
 
 
+__all__ = ['TFMessage', 'add_prefix', 'build_transform', 'from_odometry', 'from_start']
+
 MAP: Final = 'map'
 ODOM: Final = 'odom'
 
