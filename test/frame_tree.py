@@ -21,6 +21,8 @@ class FrameTree:
     ----------
     parents : dict of str to str
         By child frame; one parent each, or the tree is torn.
+    begin, end : int
+        Time within which all moving frames are known. [ns]
 
     """
 
@@ -43,6 +45,8 @@ class FrameTree:
                     places.append(place)
         for stamps, _, _ in self._moving.values():
             assert stamps == sorted(set(stamps))
+        self.begin = max(stamps[0] for stamps, _, _ in self._moving.values())
+        self.end = min(stamps[-1] for stamps, _, _ in self._moving.values())
 
     def step_up(self, frame: str, at: int) -> tuple[Rotation, np.ndarray]:
         """Return attitude and place of a frame in its parent at a time. [ns, m]"""
@@ -68,11 +72,12 @@ class FrameTree:
         return turn, place
 
 
-def resolve_all(bag: Bag, prefixes: dict[str, str]) -> set[str]:
+def resolve_all(bag: Bag, prefixes: dict[str, str], cut: bool = False) -> set[str]:
     """
     Resolve each frame of each message of a bag to the map at its stamp; return the frames.
 
-    `prefixes` is what the frames of each robot begin with on /tf.
+    `prefixes` is what the frames of each robot begin with on /tf. A flight that was cut off may
+    have messages before its first transform and after its last.
     """
     tree, found = FrameTree(bag), set()
     for topic, _, data in bag.iterate_messages([name for name in bag.topics if name[1:3] != 'tf']):
@@ -81,8 +86,11 @@ def resolve_all(bag: Bag, prefixes: dict[str, str]) -> set[str]:
         for part in getattr(message, 'markers', [message]):
             if not hasattr(part, 'header'):
                 continue
+            at = nanoseconds(part.header.stamp)
+            if cut and at and not tree.begin <= at <= tree.end:
+                continue
             for frame in {part.header.frame_id, getattr(part, 'child_frame_id', '')} - {''}:
                 named = frame if frame == 'map' else prefix + frame
-                tree.locate(named, nanoseconds(part.header.stamp))
+                tree.locate(named, at)
                 found.add(named)
     return found

@@ -165,7 +165,9 @@ def test_both_layouts_are_fresh():
     assert (ROOT / 'config/plotjuggler/lta.xml').read_text(encoding='utf-8') == made
 
 
-@pytest.mark.parametrize(('layout', 'file'), [('foxglove', 'lta.json'), ('plotjuggler', 'lta.xml')])
+@pytest.mark.parametrize(
+    ('layout', 'file'), [('foxglove', 'lta.json'), ('plotjuggler', 'lta.xml')]
+)
 def test_the_command_in_the_head_of_the_views_writes_them(capsys, layout, file):
     main([layout])
     made = (ROOT / 'config' / layout / file).read_text(encoding='utf-8')
