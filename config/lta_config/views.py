@@ -146,7 +146,8 @@ def main(words: list[str]) -> None:
         raise unknown_name_error('layout', ' '.join(words), list(LAYOUTS))
     # Imported late, because both modules import this one
     maker = import_module(f'lta_config.views_{words[0]}')
-    sys.stdout.write(maker.build_layout(load_views()))
+    build_layout = getattr(maker, f'build_{words[0]}_layout')
+    sys.stdout.write(build_layout(load_views()))
 
 
 if __name__ == '__main__':

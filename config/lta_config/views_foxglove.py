@@ -102,8 +102,9 @@ def _build_scene(views: Views, panel: ViewPanel) -> Config:
         'followMode': 'follow-none',
         'followTf': panel.scene,
         'scene': {'transforms': {'showLabel': False, 'axisSize': 0.2, 'lineWidth': 0.0}},
-        'topics': {f'/{views.robot}/scene': {'visible': True}},
-        'layers': {'grid': _build_grid(str(panel.scene), 10.0)},
+        # In a bag the markers of the room; of a live view the whole scene, in a message of its own
+        'topics': {views.absolute_topic('scene'): {'visible': True}},
+        'layers': {'grid': _build_grid(str(panel.scene), 10.0), 'urdf': _build_urdf(views)},
     }
 
 
@@ -126,7 +127,7 @@ def _build_lamp_view(views: Views, panel: ViewPanel) -> Config:
         'scene': {'transforms': {'showLabel': False, 'axisSize': 0.3}},
         'topics': {
             views.absolute_topic(str(panel.lamps)): dots,
-            f'/{views.robot}/scene': {'visible': True},
+            views.absolute_topic('scene'): {'visible': True},
         },
         'layers': {},
     }
@@ -145,6 +146,19 @@ def _build_grid(frame: str, size: float) -> Config:
         'color': '#7f7f7f55',  # the last two digits are the opacity
         'position': [0.0, 0.0, 0.0],
         'rotation': [0.0, 0.0, 0.0],
+    }
+
+
+def _build_urdf(views: Views) -> Config:
+    """Return the drone of a bag; Foxglove finds only a topic without namespace by itself."""
+    return {
+        'visible': True,
+        'layerId': 'foxglove.Urdf',
+        'instanceId': 'urdf',
+        'label': 'Drone',
+        'sourceType': 'topic',
+        'topic': views.absolute_topic('robot_description'),
+        'framePrefix': '',
     }
 
 

@@ -17,20 +17,27 @@ def flown(**given):
 
 
 def test_in_real_time_the_simulator_waits_for_what_is_started():
-    assert flown()['simulator']['wait_for'].split() == AWAITED
+    assert flown()['simulator']['wait_for'].split() == [*AWAITED, 'description']
 
 
 @pytest.mark.parametrize('name', AWAITED)
 def test_what_is_left_out_is_not_waited_for(name):
     plan = flown(**{name: 'false'})
     assert set(flown()) - set(plan) == {name}
-    assert plan['simulator']['wait_for'].split() == [each for each in AWAITED if each != name]
+    rest = [each for each in AWAITED if each != name]
+    assert plan['simulator']['wait_for'].split() == [*rest, 'description']
 
 
 @pytest.mark.parametrize('name', AWAITED)
 def test_in_lockstep_somebody_must_take_its_place(name):
     plan = flown(**{name: 'false', 'time': 'lockstep'})
     assert name not in plan
+    assert plan['simulator']['wait_for'] == 'default description'
+
+
+def test_a_description_that_is_left_out_is_not_waited_for():
+    plan = flown(description='false', time='lockstep')
+    assert 'description' not in plan
     assert plan['simulator']['wait_for'] == 'default'
 
 

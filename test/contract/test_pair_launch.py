@@ -25,9 +25,10 @@ def nodes(path, **given):
 
 def test_each_drone_is_the_graph_of_one_but_for_recorder_clock_and_peers():
     pair = nodes(PAIR, seed2='7', offset_y2='-1.5', time='lockstep')
-    assert len(pair) == 2 * 6 + 1
+    assert len(pair) == 2 * 7 + 1
     for robot, seed, offset in (('lta1', '1', '0.0'), ('lta2', '7', '-1.5')):
-        alone = nodes(FLY, robot=robot, seed=seed, offset_y=offset, time='lockstep')
+        own = {'robot': robot, 'seed': seed, 'offset_y': offset, 'frame_prefix': f'{robot}/'}
+        alone = nodes(FLY, time='lockstep', **own)
         del alone['recorder']
         for name, expected in alone.items():
             found = pair[f'{robot}/{name}']
@@ -84,9 +85,9 @@ def test_each_has_a_live_view_of_its_own_where_one_is_asked_for():
 
 def test_the_frames_of_each_have_its_name():
     found = nodes(PAIR, robot2='other')
-    assert found['lta1/description']['frame_prefix'] == 'lta1/'
-    assert found['other/description']['frame_prefix'] == 'other/'
-    assert found['other/description']['offset_y'] == -2.0
+    for name in ('description', 'estimator', 'simulator'):
+        assert found[f'lta1/{name}']['frame_prefix'] == 'lta1/'
+        assert found[f'other/{name}']['frame_prefix'] == 'other/'
 
 
 def test_the_end_of_either_simulator_ends_the_launch_for_each_waits_for_the_other():

@@ -22,7 +22,6 @@ import yaml
 ROOT = Path(__file__).resolve().parents[2]
 TABLE = load_topic_table()
 TYPES = {robot_topic('lta1', name): topic.type for name, topic in TABLE.topics.items()}
-SCENE = '/lta1/scene'  # not of the table: the live node draws it
 ROTORS = list(load_vehicle_file('gtmab').rotors)
 LAYOUT = json.loads((ROOT / 'config/foxglove/lta.json').read_text(encoding='utf-8'))
 PLOTS = ET.parse(ROOT / 'config/plotjuggler/lta.xml').getroot()
@@ -166,6 +165,15 @@ def test_both_layouts_are_fresh():
     assert (ROOT / 'config/plotjuggler/lta.xml').read_text(encoding='utf-8') == made
 
 
+@pytest.mark.parametrize(
+    ('layout', 'file'), [('foxglove', 'lta.json'), ('plotjuggler', 'lta.xml')]
+)
+def test_the_command_in_the_head_of_the_views_writes_them(capsys, layout, file):
+    main([layout])
+    made = (ROOT / 'config' / layout / file).read_text(encoding='utf-8')
+    assert capsys.readouterr().out == made
+
+
 def test_an_image_of_light_ends_where_the_vehicles_converter_does(tmp_path):
     content = load_yaml(find_file('vehicle', 'gtmab'))
     content['sensors']['diodes']['bits'] = 16
@@ -213,11 +221,26 @@ def test_every_panel_is_shown_once_and_has_settings_that_foxglove_knows():
     point = sdk.BaseRendererPointCloudTopicSettings()._to_dict().keys()
     for name, config in configs.items():
         for topic, settings in config.get('topics', {}).items():
-            assert topic == SCENE or topic in TYPES, name
+            assert topic in TYPES, name
             assert settings.keys() <= point
     (image,) = [config['imageMode'] for config in configs.values() if 'imageMode' in config]
     assert image.keys() <= sdk.ImageModeConfig()._to_dict().keys()
     assert TYPES[image['imageTopic']] == 'sensor_msgs/msg/Image'
+
+
+def test_the_scene_of_a_bag_is_room_and_drone():
+    (scene,) = [
+        config for config in LAYOUT['configById'].values() if 'grid' in config.get('layers', {})
+    ]
+    (topic,) = scene['topics']
+    assert TYPES[topic] == 'visualization_msgs/msg/MarkerArray'
+    drone = scene['layers']['urdf']
+    known = sdk.BaseRendererUrdfLayerSettings()._to_dict()
+    assert drone.keys() <= known.keys()
+    assert drone['layerId'] == known['layerId']
+    assert (drone['sourceType'], TYPES[drone['topic']]) == ('topic', 'std_msgs/msg/String')
+    # The frame that all others are drawn in has a row of its own
+    assert scene['followTf'] == TABLE['scene'].frame == 'map'
 
 
 def test_topics_of_other_panels_are_there_and_of_the_right_kind():

@@ -2,7 +2,9 @@
 
 from xml.etree import ElementTree
 
+from frame_tree import resolve_all
 from lta_bridge.urdf import list_fixed_frames
+from lta_data.bag.reader import read_bag
 from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 import pytest
@@ -31,9 +33,12 @@ def test_a_viewer_that_comes_late_gets_the_urdf(domain_id):
     assert process.returncode == 0
 
 
-def test_transforms_follow_odom_and_the_vehicle_file(domain_id):
+def test_frames_follow_the_vehicle_file_and_odom_if_asked(domain_id):
     transforms = pytest.importorskip('tf2_msgs.msg', reason='this machine lacks a compiler')
-    words = ('-p', 'vehicle:=gtmab', '-p', 'scene:=lamp_room', '-p', 'frame_prefix:=lta1/')
+    words = (
+        '-p', 'vehicle:=gtmab', '-p', 'scene:=lamp_room', '-p', 'frame_prefix:=lta1/',
+        '-p', 'pose:=odom',
+    )  # fmt: skip
     process = start('lta_bridge.nodes.description', *words)
     with Peer(domain_id) as peer:
         scenes = []
@@ -56,9 +61,7 @@ def test_transforms_follow_odom_and_the_vehicle_file(domain_id):
         assert moved.transform.translation.x == 1.5
         fixed = {each.child_frame_id: each for each in still[0].transforms}
         wanted = list_fixed_frames(load_vehicle('gtmab'))
-        assert set(fixed) == {f'lta1/{frame.name}' for frame in wanted} | {'lta1/odom'}
-        # The map is the same for all drones
-        assert fixed['lta1/odom'].header.frame_id == 'map'
+        assert set(fixed) == {f'lta1/{frame.name}' for frame in wanted}
         for frame in wanted:
             assert fixed[f'lta1/{frame.name}'].header.frame_id == f'lta1/{frame.parent}'
             place = fixed[f'lta1/{frame.name}'].transform.translation
@@ -66,3 +69,37 @@ def test_transforms_follow_odom_and_the_vehicle_file(domain_id):
     process.terminate()
     process.communicate(timeout=PATIENCE)
     assert process.returncode == 0
+
+
+def test_a_flight_publishes_one_tree_and_nobody_who_flies_reads_truth_or_transforms(
+    lta, domain_id, tmp_path
+):
+    transforms = pytest.importorskip('tf2_msgs.msg', reason='this machine lacks a compiler')
+    flight = lta.start('launch', 'fly', f'bag:={tmp_path / "bag"}', 'frame_prefix:=lta1/')
+    with Peer(domain_id) as peer:
+        frames, odoms = {}, []
+
+        def note(message):
+            for item in message.transforms:
+                parents = frames.setdefault(item.child_frame_id, set())
+                parents.add(item.header.frame_id)
+
+        still = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        peer.node.create_subscription(transforms.TFMessage, '/tf', note, 100)
+        peer.node.create_subscription(transforms.TFMessage, '/tf_static', note, still)
+        peer.hear('odom', odoms.append)
+        peer.until(lambda: {'lta1/odom', 'lta1/base_link', 'lta1/imu_link'} <= frames.keys())
+        peer.until(lambda: len(odoms) > 20)
+        assert frames['lta1/odom'] == {'map'}
+        assert frames['lta1/base_link'] == {'lta1/odom'}
+        wanted = {f'lta1/{frame.name}' for frame in list_fixed_frames(load_vehicle('gtmab'))}
+        assert {name for name, up in frames.items() if up == {'lta1/base_link'}} == wanted
+        for topic in ('/tf', '/tf_static', '/lta1/ground_truth/odom'):
+            readers = peer.node.get_subscriptions_info_by_topic(topic)
+            assert {reader.node_name for reader in readers} - {peer.node.get_name()} == {
+                'recorder'
+            }
+    flight.interrupt()
+    assert flight.end() == 130
+    found = resolve_all(read_bag(tmp_path / 'bag'), {'lta1': 'lta1/'}, cut=True)
+    assert {'map', 'lta1/odom', 'lta1/base_link', 'lta1/imu_link'} < found

@@ -10,7 +10,8 @@ import signal
 import socket
 
 from lta_bridge.live.server import LiveServer
-from lta_config.topics import load_topic_table
+from lta_bridge.nodes.live import REPLACED
+from lta_config.topics import load_topic_table, robot_topic
 from lta_config.views import load_views, parse_series
 from lta_data.bag.reader import read_bag
 from lta_graph.ros.message_validation import find_message_type
@@ -29,7 +30,8 @@ import foxglove
 from .viewer import Viewer
 
 TABLE = load_topic_table()
-TOPICS = {name if name.startswith('/') else f'/lta1/{name}' for name in TABLE.topics}
+SHOWN = {name: row for name, row in TABLE.topics.items() if name not in REPLACED}
+TOPICS = {robot_topic('lta1', name) for name in SHOWN}
 SILENT = {f'/lta1/{name}' for name, row in TABLE.topics.items() if row.source == 'teleop'}
 SCENE, FRAMES = '/lta1/scene', '/lta1/tf'
 GAPS = '/lta1/energy/status'  # whose gaps between numbers the recorder writes as zeros
@@ -92,8 +94,8 @@ def look(viewer, port, hear):
     assert viewer.protocol == 'foxglove.sdk.v1'
     assert (viewer.info['name'], viewer.info['capabilities']) == ('LTA lta1', ['time'])
     assert viewer.channels.keys() == TOPICS | {SCENE, FRAMES}
-    for name, row in TABLE.topics.items():
-        told = viewer.channels[name if name.startswith('/') else f'/lta1/{name}']
+    for name, row in SHOWN.items():
+        told = viewer.channels[robot_topic('lta1', name)]
         assert (told['encoding'], told['schemaEncoding']) == ('cdr', 'ros2msg')
         assert told['schemaName'] == row.type
         read = get_types_from_msg(told['schema'], row.type)
@@ -220,7 +222,7 @@ def test_nonsense_ends_no_view(domain_id, lta, port, hear):
     backwards.clock.sec = -1
     nonsense = [serialize_message(good)[:8], serialize_message(good)[:60], wild, early]
     with closing(Viewer(port)) as viewer:
-        viewer.until(lambda: len(viewer.channels) > len(TABLE.topics))
+        viewer.until(lambda: len(viewer.channels) > len(SHOWN))
         viewer.subscribe()
         hear(lambda facts: 'live: view' in facts)
 

@@ -5,6 +5,7 @@ import os
 import signal
 import time
 
+from frame_tree import nanoseconds, resolve_all
 from lta_config.topics import load_topic_table
 from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
@@ -16,9 +17,23 @@ from rich.console import Console
 from .contents import contents
 
 TABLE = load_topic_table()
-REPEATABLE = [name for name, topic in TABLE.topics.items() if topic.repeatable]
+REPEATABLE = [name for name, topic in TABLE.topics.items() if topic.repeatable and name[0] != '/']
 GOALS = {'radius': '6.5 m', 'time_limit': '30 s'}  # 0.5 m from the one start, 0.8 from the other
 OFFSET = -2.0
+
+
+def read_frames(path, topic, prefix):
+    """Return log time, frames without the prefix, stamp and numbers of a robot's transforms."""
+    bag, found = read_bag(path), []
+    for _, when, data in bag.iterate_messages([topic]):
+        for item in bag.decode(topic, data).transforms:
+            if item.child_frame_id.startswith(prefix):
+                frames = item.header.frame_id, item.child_frame_id
+                bare = tuple(name.removeprefix(prefix) for name in frames)
+                p, q = item.transform.translation, item.transform.rotation
+                numbers = (nanoseconds(item.header.stamp), p.x, p.y, p.z, q.x, q.y, q.z, q.w)
+                found.append((when, bare, numbers))
+    return sorted(found)
 
 
 def verdicts(text):
@@ -64,6 +79,13 @@ def test_each_flies_as_it_would_alone(call, scenario, tmp_path, pair):
         for name in REPEATABLE:
             assert single[f'/lta1/{name}'], name
             assert both[f'/{robot}/{name}'] == single[f'/lta1/{name}'], (robot, name)
+        for topic in ('/tf', '/tf_static'):
+            named = read_frames(bag, topic, f'{robot}/')
+            assert named == read_frames(flown.bag, topic, '') != [], (robot, topic)
+
+    found = resolve_all(read_bag(bag), {'lta1': 'lta1/', 'lta2': 'lta2/'})
+    links = ('odom', 'base_link', 'imu_link', 'range_link', 'panel_link')
+    assert found == {'map', *(f'{robot}/{link}' for robot in ('lta1', 'lta2') for link in links)}
 
     # One /clock, which never goes back and outlasts the first that is there.
     clock = open_flight(bag, 'lta1').read_series('/clock')

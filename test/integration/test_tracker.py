@@ -1,8 +1,11 @@
 """The tracker node in a graph: poses of a clock an hour ahead come out as the truth of now."""
 
+import math
+
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped, TransformStamped
 from lta_graph.ros.stamps import from_stamp, to_stamp
+from nav_msgs.msg import Odometry
 import pytest
 from rclpy.qos import qos_profile_sensor_data
 from waiting import PATIENCE
@@ -34,6 +37,32 @@ def framed(stamp, x):
     return (transforms.TFMessage(transforms=[other, message]),)
 
 
+def check_correction(peer, moved, heard):
+    """
+    Hold map -> odom to what a hand computes.
+
+    The drone faces map x, and odom's y: so odom is turned by -90 degrees, and its origin is 2 m
+    from the drone along odom's -x, which is +y in the map.
+    """
+
+    def corrected():
+        return [
+            (item, truth)
+            for message in moved
+            for item in message.transforms
+            for truth in heard
+            if item.child_frame_id == 'odom' and item.header.stamp == truth.header.stamp
+        ]
+
+    peer.until(lambda: len(corrected()) > 5)
+    item, truth = corrected()[-1]
+    assert item.header.frame_id == 'map'
+    place, turn = item.transform.translation, item.transform.rotation
+    there = truth.pose.pose.position
+    assert (place.x, place.y, place.z) == pytest.approx((there.x, there.y + 2.0, there.z))
+    assert turn.z / turn.w == pytest.approx(-1.0)
+
+
 @pytest.mark.parametrize(
     ('words', 'topic', 'told'),
     [((), 'tracker/pose', posed), (('-p', 'frame:=drone'), '/tf', framed)],
@@ -55,6 +84,10 @@ def test_a_tracker_tells_the_truth_by_our_clock(domain_id, words, topic, told):
 
         peer.hear('ground_truth/odom', heard.append)
         peer.hear('/diagnostics', noted)
+        moved = []
+        if transforms is not None:
+            peer.node.create_subscription(transforms.TFMessage, '/tf', moved.append, 100)
+        estimates = peer.publisher('odom')
         poses = peer.offering(topic, *offered)
         clock = peer.node.get_clock()
 
@@ -63,6 +96,12 @@ def test_a_tracker_tells_the_truth_by_our_clock(domain_id, words, topic, told):
             begun.append(now)
             for message in told(to_stamp(now + AHEAD), 1e-9 * SPEED * (now - begun[0])):
                 poses.publish(message)
+            # An estimate that is turned by 90 degrees, and has seen no motion
+            odom = Odometry(child_frame_id='base_link')
+            odom.header.stamp, odom.header.frame_id = to_stamp(now), 'odom'
+            odom.pose.pose.position.x = 2.0
+            odom.pose.pose.orientation.z = odom.pose.pose.orientation.w = math.sqrt(0.5)
+            estimates.publish(odom)
 
         peer.node.create_timer(0.01, say)
         peer.until(lambda: len(heard) > 60)
@@ -73,6 +112,8 @@ def test_a_tracker_tells_the_truth_by_our_clock(domain_id, words, topic, told):
         true = begun[0] + newest.pose.pose.position.x / SPEED * 1e9
         # Within what the fastest of the messages took, on a machine with other work.
         assert 0 <= from_stamp(newest.header.stamp) - true + 1e5 < 50e6
+        if transforms is not None:
+            check_correction(peer, moved, heard)
         peer.until(
             lambda: facts.get('tracker: tracker') and facts['tracker: tracker'].level == b'\0'
         )

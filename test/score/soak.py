@@ -46,7 +46,9 @@ SLOWER: Final = 1.25  # times the begin, that a percentile may be at the end
 PERCENTILES: Final = (50, 90, 99)
 BEGUN: Final = 1.0  # s of flight
 PERIODIC: Final = tuple(
-    name for name, row in TABLE.topics.items() if row.recorded and row.period is not None
+    name
+    for name, row in TABLE.topics.items()
+    if row.recorded and row.period is not None and name != '/tf'  # it repeats odom
 )
 EDGE_NS: Final = 300_000_000  # three blocks: a topic may begin so late, and end so early
 ASTRIDE: Final = 1  # message that the end of a flight may cut from its answer

@@ -44,6 +44,9 @@ class MessageIntake:
     ) -> None:
         self._table = table
         self._robots = robots
+        self._lockstep = lockstep
+        # Messages sent once that came before any stamp: who joins late gets them first
+        self._early: list[tuple[str, bytes]] = []
         self._books = {
             name: LogTimeAssigner(table, lockstep, begun_ns=begun_ns) for name in robots
         }
@@ -76,7 +79,17 @@ class MessageIntake:
         """
         robot, row = self.find_owner(name)
         topic = self._table.topics.get(row)
-        varying = topic is not None and topic.repeatable and type_name in VARYING
+        # What is sent once holds many strings, and the frames of several robots differ on /tf
+        varying = (
+            topic is not None
+            and topic.repeatable
+            and (
+                type_name in VARYING
+                or not topic.period_ns
+                or (robot is None and len(self._robots) > 1)
+            )
+        )
+        once = topic is not None and topic.repeatable and not topic.period_ns
         write, clock = self._writer.write, time.monotonic
         log_time = (
             self._assign_common_time if robot is None else self._books[robot].assign_log_time
@@ -85,13 +98,35 @@ class MessageIntake:
         def receive_message(data: bytes) -> None:
             self.latest = clock()
             when = log_time(row, data)
-            write(name, clean(data) if varying else data, when)
+            if varying:
+                data = clean(data)
+            if not self._is_time_known():
+                if once:
+                    self._early.append((name, data))
+                    return
+            elif self._early:
+                self.write_early_messages()
+            write(name, data, when)
 
         return receive_message
 
+    def _is_time_known(self) -> bool:
+        """Return whether the graph time of some robot is known."""
+        return any(books.knows_time for books in self._books.values())
+
+    def write_early_messages(self) -> None:
+        """Write the messages that were sent once before any stamp, at the present time."""
+        now = max(books.now for books in self._books.values())
+        for name, data in self._early:
+            self._writer.write(name, data, now)
+        self._early.clear()
+
     def _assign_common_time(self, name: str, data: bytes) -> int:
-        """Return the log time of a shared topic's message: the newest of all robots. [ns]"""
-        self._common.assign_log_time(name, data)
+        """Return the log time of a shared topic's message: its own, or the newest of all. [ns]"""
+        when = self._common.assign_log_time(name, data)
+        row = self._table.topics.get(name)
+        if row is not None and row.repeatable and (row.period_ns or self._lockstep):
+            return when
         # Never before a message that a robot has sent already
         return max(books.now for books in self._books.values())
 

@@ -1,7 +1,8 @@
 """
 Assign log times to raw messages and count lost ones.
 
-Only the first bytes of a message are read: a stamped message begins with its header's stamp.
+Only the first bytes of a message are read: a stamped message begins with its header's stamp, a
+message on /tf with the number of its transforms and the first one's stamp.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -13,17 +14,22 @@ from lta_config.topics import TopicTable
 
 _STAMP = {0: struct.Struct('>iI'), 1: struct.Struct('<iI')}  # by the CDR's endianness
 _ENCAPSULATION = 4  # bytes of the CDR header
-_SHORTEST = _ENCAPSULATION + 8  # bytes of the shortest stamped message
+TRANSFORMS = 'tf2_msgs/msg/TFMessage'
 JUMP_NS = 5_000_000_000  # largest plausible jump ahead of the newest stamp
 AGREED = 1.0  # wall seconds; if all stamps stay ahead this long, graph time itself has jumped
 
 
-def read_stamp(data: bytes) -> int | None:
-    """Return the header stamp of a serialised message; None if it is truncated. [ns]"""
-    if len(data) < _SHORTEST:
+def read_stamp(data: bytes, skipped: int = 0) -> int | None:
+    """
+    Return the header stamp of a serialised message; None if it is truncated. [ns]
+
+    `skipped` is the number of bytes before the header, which comes first in a stamped message.
+    """
+    begin = _ENCAPSULATION + skipped
+    if len(data) < begin + 8:
         return None
-    # The header comes first in a stamped message, and its stamp first in the header
-    seconds, nanoseconds = _STAMP[data[1] & 1].unpack_from(data, _ENCAPSULATION)
+    # The stamp comes first in the header
+    seconds, nanoseconds = _STAMP[data[1] & 1].unpack_from(data, begin)
     return int(seconds) * 1_000_000_000 + int(nanoseconds)
 
 
@@ -34,8 +40,9 @@ class LogTimeAssigner:
 
     The log time is the graph time of publication, stamp plus latency. It does not depend on
     delays in transport, so a repeated flight gives the same times. An unstamped message gets its
-    scheduled time, or the newest publication time. Stamps far ahead of all others are rejected:
-    they would stretch the whole bag.
+    scheduled time, or the newest publication time. What is published once, such as /tf_static,
+    gets the start of a flight in lockstep. Stamps far ahead of all others are rejected: they would
+    stretch the whole bag.
 
     Parameters
     ----------
@@ -70,7 +77,8 @@ class LogTimeAssigner:
         self._table = table
         self._lockstep = lockstep
         self._now = table.start_ns if begun_ns is None else begun_ns
-        self._dated = lockstep  # whether the present graph time is known
+        self._dated = lockstep  # whether the present graph time is known from a stamp
+        self._begun = begun_ns is not None
         self._ahead_since: float | None = None
         self._last: dict[str, int] = {}
         self.due: Mapping[str, Sequence[int]] = {}
@@ -84,6 +92,11 @@ class LogTimeAssigner:
         """Time of the newest publication. [ns]"""
         return self._now
 
+    @property
+    def knows_time(self) -> bool:
+        """Whether the present graph time is known, from a stamp or from the start."""
+        return self._dated or self._begun
+
     def assign_log_time(self, name: str, data: bytes) -> int:
         """
         Return the log time of a serialised message, in graph time. [ns]
@@ -93,10 +106,14 @@ class LogTimeAssigner:
         topic = self._table.topics.get(name)
         self.counts[name] = self.counts.get(name, 0) + 1
         if topic is None or not topic.period_ns:
-            return self._now
-        if not topic.stamped:
+            once = topic is not None and topic.repeatable
+            return self._table.start_ns if self._lockstep and once else self._now
+        if topic.type == TRANSFORMS:
+            stamp = read_stamp(data, skipped=4)
+        elif topic.stamped:
+            stamp = read_stamp(data)
+        else:
             return self._scheduled_time(name)
-        stamp = read_stamp(data)
         if stamp is None:
             self.torn[name] = self.torn.get(name, 0) + 1
         elif self._accept_time(stamp + topic.latency_ns):

@@ -104,6 +104,8 @@ class ClosedLoop:
 
     Attributes
     ----------
+    nominal_vehicle : Vehicle
+        The vehicle as the drone knows it.
     readings, estimate, duties : SensorReadings, MotionEstimate, tuple of float
         Sensor readings, estimate and duties of the newest step.
     light, asked : LightObservation, Setpoint
@@ -134,7 +136,7 @@ class ClosedLoop:
         # Control steps in half a light block: bearings belong to the middle of their block
         self._half_block = table['photodiodes'].period_ns // table.control_ns // 2
         # Without the scene's air density, which the drone does not know
-        vehicle = nominal_vehicle or Vehicle(world.vehicle.file)
+        vehicle = self.nominal_vehicle = nominal_vehicle or Vehicle(world.vehicle.file)
         dt = table.control_ns * 1e-9
         self.autopilot = build_autopilot(policy, vehicle, dt)
         self._aboard = PowerSystem.from_entry(vehicle.file.energy)

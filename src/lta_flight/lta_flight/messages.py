@@ -6,6 +6,7 @@ from typing import Any
 from lta_bridge.bag.qos import build_offered_qos
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.cdr import encode_cdr
+from lta_bridge.description.messages import iterate_descriptions
 from lta_bridge.log_time_assigner import LogTimeAssigner
 from lta_config.topics import robot_topic, TopicTable
 from lta_control.cascade import Setpoint
@@ -16,6 +17,7 @@ from lta_energy.monitoring.report import report_energy
 from lta_flight.closed_loop import ClosedLoop, EnergyObservation, LightObservation
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import to_stamp
+from lta_graph.ros.transforms import from_odometry, from_start
 from lta_model import messages
 from lta_sim.readings import SensorReadings
 from lta_vlc.diodes import build_diode_array
@@ -64,13 +66,19 @@ class LoopRecorder:
                 writer.add_topic(
                     self._names[name], topic.type, [build_offered_qos(*words, offered.depth)]
                 )
+        # As the drone knows itself: a bag must not disclose what a challenge hides
+        for name, message in iterate_descriptions(loop.nominal_vehicle, loop.world.scenario):
+            self._write_message(name, message)
+        self._write_message('/tf_static', from_start(loop.world.start_pose))
 
     def record_step(self) -> None:
         """Write the messages of the newest step; call it before the simulation advances."""
         loop, readings = self._loop, self._loop.readings
         stamp = to_stamp(readings.stamp_ns)
         self._write_motion(readings)
-        self._write_message('odom', from_estimate(stamp, loop.estimate))
+        odom = from_estimate(stamp, loop.estimate)
+        self._write_message('odom', odom)
+        self._write_message('/tf', from_odometry(odom))
         self._write_message('motors', from_duties(stamp, self._rotors, loop.duties))
         if readings.truth is not None:
             self._write_message(

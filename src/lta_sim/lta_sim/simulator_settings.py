@@ -4,6 +4,7 @@ from lta_config.settings import setting, Settings
 from lta_model.start_offset import FAR
 
 DEFAULT = 'default'  # value of `wait_for`
+DESCRIPTION = 'description'  # another: a node that publishes once, so that nobody waits for more
 
 
 class SimulatorSettings(Settings):
@@ -34,11 +35,16 @@ class SimulatorSettings(Settings):
         high=FAR,
         fixed=True,
     )
+    frame_prefix: str = setting(
+        '', 'Prefix of the frames on /tf_static but map, such as lta1/, for several drones.',
+        fixed=True,
+    )  # fmt: skip
     wait_for: str = setting(
         DEFAULT,
         'Nodes to wait for before the flight starts, by their roles in the topic table and '
         'separated by spaces; empty: none. "default": in lockstep every node that reads an output '
-        'of the simulator by the topic table, in real time none.',
+        'of the simulator by the topic table, in real time none. "description": the publishers of '
+        'URDF, scene and fixed frames.',
         fixed=True,
     )
     record: bool = setting(

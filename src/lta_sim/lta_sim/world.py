@@ -111,7 +111,7 @@ class World:
             self._model.given, scenario, self._light, self._chance['turbulence'], self._period,
             vehicle_reach(vehicle)[0],
         )  # fmt: skip
-        pose = self._pose()
+        pose = self.start_pose = self._pose()
         self._begin_period(pose)
         self._load_kernels()
 

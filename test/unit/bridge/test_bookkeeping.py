@@ -51,6 +51,24 @@ def test_what_has_no_stamp_is_dated_by_its_turn_or_by_the_newest():
     assert exact.assign_log_time('/clock', cdr(0)) == START + 250 * MS  # no rhythm, no turn
 
 
+def test_a_message_on_tf_is_dated_by_its_first_transform():
+    """The number of transforms comes before it."""
+    books = LogTimeAssigner(TABLE, lockstep=False)
+    data = cdr(0)[:4] + struct.pack('<I', 1) + cdr(START + 250 * MS)[4:]
+    assert books.assign_log_time('/tf', data) == START + 250 * MS
+    assert books.assign_log_time('/tf', data[:15]) == START + 250 * MS
+    assert books.torn == {'/tf': 1}
+
+
+def test_what_is_published_once_is_dated_by_the_start_of_a_flight():
+    exact, live = LogTimeAssigner(TABLE, lockstep=True), LogTimeAssigner(TABLE, lockstep=False)
+    for books in (exact, live):
+        books.assign_log_time('imu', cdr(START + 250 * MS))
+    for name in ('/tf_static', 'scene', 'robot_description'):
+        assert exact.assign_log_time(name, bytes(8)) == START
+        assert live.assign_log_time(name, bytes(8)) == START + 250 * MS
+
+
 def test_in_a_replay_what_has_no_stamp_is_dated_by_when_the_player_says_it_is_due():
     books = LogTimeAssigner(TABLE, lockstep=False)
     books.assign_log_time('imu', cdr(START + 250 * MS))

@@ -4,15 +4,14 @@ import math
 from pathlib import Path
 from xml.etree import ElementTree
 
+from lta_bridge.description.messages import iterate_descriptions
 from lta_bridge.live.frames import list_sensor_frames
 from lta_bridge.live.messages import build_marker_array, list_cone_triangles
 from lta_bridge.live.room_shapes import draw_static_scene
 from lta_bridge.live.shapes import BillboardText, CylinderShape, EllipsoidShape, PolylineShape
-from lta_bridge.nodes.description import build_start_frame, to_fixed_transform, to_transform
 from lta_bridge.urdf import build_urdf, convert_to_rods, list_fixed_frames, slice_into_discs
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
-from nav_msgs.msg import Odometry
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -80,21 +79,26 @@ def test_a_rod_joins_the_ends_of_its_stroke():
     assert np.array(rod.place) + half == pytest.approx(ends[1])
 
 
-def test_transforms_say_parent_child_and_place():
-    odom = Odometry(child_frame_id='base_link')
-    odom.header.frame_id, odom.header.stamp.sec = 'odom', 7
-    odom.pose.pose.position.x, odom.pose.pose.position.z = 1.0, 3.0
-    odom.pose.pose.orientation.w, odom.pose.pose.orientation.z = 0.6, 0.8
-    moved = to_transform(odom)
-    assert (moved.header, moved.child_frame_id) == (odom.header, 'base_link')
-    assert (moved.transform.translation.x, moved.transform.translation.z) == (1.0, 3.0)
-    assert moved.transform.rotation == odom.pose.pose.orientation
-    frame = next(f for f in list_fixed_frames(load_vehicle('gtmab')) if f.name == 'range_link')
-    fixed = to_fixed_transform(frame)
-    assert (fixed.header.frame_id, fixed.child_frame_id) == ('base_link', 'range_link')
+def test_descriptions_are_urdf_scene_and_fixed_frames():
+    vehicle = load_vehicle('gtmab')
+    found = dict(iterate_descriptions(vehicle, load_scenario('lamp_room'), 'lta1/'))
+    assert found['robot_description'].data == build_urdf(vehicle)
+    assert {marker.ns for marker in found['scene'].markers} >= {'room', 'goal'}
+    frames = {one.child_frame_id: one for one in found['/tf_static'].transforms}
+    assert set(frames) == {f'lta1/{frame.name}' for frame in list_fixed_frames(vehicle)}
+    fixed = frames['lta1/range_link']
+    frame = next(f for f in list_fixed_frames(vehicle) if f.name == 'range_link')
+    assert fixed.header.frame_id == 'lta1/base_link'
     assert fixed.transform.translation.z == pytest.approx(frame.place[2])
     turn = fixed.transform.rotation
     assert (turn.x, turn.y, turn.z, turn.w) == pytest.approx(frame.turn)
+
+
+def test_a_real_drone_has_no_scene():
+    assert [name for name, _ in iterate_descriptions(load_vehicle('gtmab'), None)] == [
+        'robot_description',
+        '/tf_static',
+    ]
 
 
 @pytest.mark.parametrize('name', ['lamp_room', 'warehouse', 'windy_field'])
@@ -128,13 +132,3 @@ def test_the_mantle_of_a_cone():
     area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
     # Radius times slant height times pi; 24 flat sides have 1 % less
     assert area == pytest.approx(math.pi * 0.5 * math.hypot(0.5, 2.0), rel=0.015)
-
-
-def test_odom_is_where_the_scenario_starts_the_drone():
-    scenario = load_scenario('lamp_room')
-    x, y = scenario.start.position.vector
-    frame = build_start_frame(scenario, (0.5, -2.0))
-    assert (frame.parent, frame.name, frame.place) == ('map', 'odom', (x + 0.5, y - 2.0, 0.0))
-    nose = Rotation.from_quat(frame.turn).apply([1.0, 0.0, 0.0])
-    heading = scenario.start.heading.si
-    assert nose == pytest.approx([math.cos(heading), math.sin(heading), 0.0])

@@ -53,6 +53,39 @@ def test_an_absolute_name_is_a_robot_s_or_everybody_s(robots, name, owner, cover
     assert taking.covers_topic(name) == covered
 
 
+def test_transforms_of_several_robots_have_their_own_times():
+    taking, writer = intake('a', 'b')
+    tf = 'tf2_msgs/msg/TFMessage'
+    names = ('/a/imu', '/tf', '/tf_static')
+    imu, moving, still = (taking.create_topic_callback(name, tf, bytes) for name in names)
+    moved = [bytes([0, 1, 0, 0, 1, 0, 0, 0]) + cdr(START + k * 10 * MS)[4:] for k in (0, 1, 0, 1)]
+    imu(cdr(START + 500 * MS))
+    for data in moved:
+        moving(data)
+    still(moved[0])
+    times = [START + 500 * MS, START, START + 10 * MS, START, START + 10 * MS, START]
+    assert [when for _, _, when in writer.messages] == times
+    assert not [key for key in taking.summarize_recording({})[2] if key.startswith('/tf')]
+
+
+def test_who_joins_late_dates_what_was_sent_once_by_the_first_stamp():
+    """A bag must not reach back to the start of a flight that it did not record."""
+    taking, writer = intake('a', lockstep=False)
+    names = {'/a/scene': 'visualization_msgs/msg/MarkerArray', '/a/imu': 'sensor_msgs/msg/Imu'}
+    scene, imu = (taking.create_topic_callback(name, kind, bytes) for name, kind in names.items())
+    scene(bytes(8))
+    assert writer.messages == []
+    late = START + 50_000 * MS
+    imu(cdr(late))
+    assert writer.messages == [('/a/scene', bytes(8), late), ('/a/imu', cdr(late), late)]
+    scene(bytes(4))
+    assert writer.messages[-1] == ('/a/scene', bytes(4), late)
+    alone, written = intake('a', lockstep=False)
+    alone.create_topic_callback('/a/scene', names['/a/scene'], bytes)(bytes(8))
+    alone.write_early_messages()  # at the end of the recording
+    assert written.messages == [('/a/scene', bytes(8), START)]
+
+
 def test_each_robot_has_its_time_and_what_is_of_all_the_newest():
     taking, writer = intake('a', 'b')
     odom = 'nav_msgs/msg/Odometry'

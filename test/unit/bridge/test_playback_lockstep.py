@@ -98,7 +98,7 @@ def played(messages, cast, seed):
         while (step := node.inbox.pop()) is not None:
             turn = len(node.steps)
             node.steps.append((step.stamp_ns, {k: tuple(v) for k, v in step.messages.items()}))
-            for out in TABLE.published_by(node.role):
+            for out in (name for name in cast.answers if TABLE[name].source == node.role):
                 owed.register_answer(out)
                 send(out, step.stamp_ns, (out, turn))
     return {node.role: node.steps for node in nodes}, owed, reel

@@ -4,11 +4,13 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
+from lta_bridge.tracking.map_correction import MapCorrection
 from lta_bridge.tracking.motion import estimate_motion, GAP_NS, MotionWindow
 from lta_bridge.tracking.pose import (
     angle_between,
     build_level_pose,
     compose_poses,
+    invert_pose,
     rotate_vector,
     TrackerPose,
 )
@@ -232,3 +234,39 @@ def test_frames_are_placed_where_the_settings_say():
     x = 0.004 * ((motion.stamp_ns - S) / TEN)
     assert motion.pose.place == pytest.approx((1.0, x, 1.3))
     assert motion.velocity == pytest.approx((0.4, 0, 0), abs=1e-9)
+
+
+@given(poses)
+def test_an_inverse_pose_undoes_its_pose(pose):
+    back = compose_poses(pose, invert_pose(pose))
+    assert back.place == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
+    assert angle_between(back.turn, NOWHERE.turn) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_odom_is_where_the_estimate_of_the_same_time_meets_the_truth():
+    """
+    By hand: the drone has flown 2 m along its odom's x, and stands 2 m north of the origin.
+
+    So odom's x points north, from the origin: a turn of 90 degrees.
+    """
+    correction = MapCorrection()
+    assert correction.locate_odom(S, NOWHERE) is None  # no estimate yet
+    for k in range(300):
+        moved = TrackerPose((0.01 * k, 0.0, 0.0), NOWHERE.turn)
+        correction.add_estimate(S + k * TEN, moved)
+    truth = build_level_pose(0.0, 2.0, 0.0, math.pi / 2)
+    odom = correction.locate_odom(S + 200 * TEN + MS, truth)  # 1 ms off
+    assert odom.place == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
+    assert rotate_vector(odom.turn, (1.0, 0.0, 0.0)) == pytest.approx((0.0, 1.0, 0.0), abs=1e-9)
+    assert correction.locate_odom(S, truth) is None  # long ago, and forgotten
+    assert correction.locate_odom(S + 299 * TEN + S, truth) is None  # the estimates have ceased
+
+
+def test_an_estimate_of_nonsense_or_of_a_clock_that_was_set_back_leaves_the_rest():
+    correction = MapCorrection()
+    correction.add_estimate(5 * S, NOWHERE)
+    correction.add_estimate(5 * S + TEN, TrackerPose((math.nan, 0.0, 0.0), NOWHERE.turn))
+    assert correction.locate_odom(5 * S, NOWHERE) == NOWHERE
+    correction.add_estimate(S, NOWHERE)
+    assert correction.locate_odom(5 * S, NOWHERE) is None
+    assert correction.locate_odom(S, NOWHERE) == NOWHERE

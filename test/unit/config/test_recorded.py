@@ -27,6 +27,8 @@ def test_the_table_says_what_is_recorded_unless_told():
 def test_everything_is_what_the_table_has_and_more_that_is_found_later():
     assert set(select_topics('all', ['a', 'b'], HIDDEN)) == {
         *(f'/{robot}/{name}' for robot in 'ab' for name in TABLE.topics if name[0] != '/'),
+        '/tf',
+        '/tf_static',
         '/clock',
         '/diagnostics',
     }

@@ -13,6 +13,7 @@ from lta_bridge.bag.schemas import generate_definition
 from lta_bridge.bag.writer import BagWriter, prepare_empty_folder
 
 GRAIN_NS = 500_000_000  # longest chunk in log time: up to this much beyond the span is kept
+ACCUMULATED = '/tf_static'  # a message does not replace those before it
 WHY = 'snapshot'  # provenance key of the reason for a snapshot
 
 
@@ -29,7 +30,8 @@ class SnapshotBuffer:
     Buffer messages like a `BagWriter`, and discard old ones.
 
     Whole chunks are discarded, so slightly more than the span is kept if memory allows. The last
-    message of a latched (transient local) topic is always kept.
+    message of a latched (transient local) topic is always kept, and every message on /tf_static,
+    where each robot publishes its own.
 
     Parameters
     ----------
@@ -59,7 +61,7 @@ class SnapshotBuffer:
         self._topics: dict[str, TopicRecord] = {}
         self._builder = ChunkBuilder()
         self._chunks: deque[CompressedChunk] = deque()
-        self._latched: dict[str, tuple[bytes, int]] = {}
+        self._latched: dict[str, dict[bytes, int]] = {}  # by topic: messages and log times
         self._newest = 0
         self.size = 0
         self.saved = 0
@@ -82,7 +84,8 @@ class SnapshotBuffer:
         self._builder.add(record.channel, record.written, log_time_ns, data)
         # Latched messages are sent once, so keep the last one beyond the span
         if is_latched(record.qos):
-            self._latched[topic] = data, log_time_ns
+            kept = self._latched.get(topic, {}) if topic == ACCUMULATED else {}
+            self._latched[topic] = kept | {data: log_time_ns}
         self._newest = max(self._newest, log_time_ns)
         if self._builder.size >= CHUNK_SIZE or self._builder.span >= GRAIN_NS:
             self._pack_chunk()
@@ -134,10 +137,11 @@ class SnapshotBuffer:
         with BagWriter(path, self._provenance | {WHY: why}) as bag:
             for record in self._topics.values():
                 bag.add_topic(record.name, record.definition.type_name, record.qos)
-            # A latched message is older than the chunks: write it unless a chunk has one.
-            for name, (data, log_time) in self._latched.items():
-                if not counts[self._topics[name].channel]:
-                    bag.write(name, data, log_time)
+            # Latched messages are older than the chunks: write them unless the chunks have them.
+            for name, kept in self._latched.items():
+                if counts[self._topics[name].channel] < len(kept):
+                    for data, log_time in kept.items():
+                        bag.write(name, data, log_time)
             for chunk in self._chunks:
                 bag.check_room()
                 bag.add_chunk(chunk)

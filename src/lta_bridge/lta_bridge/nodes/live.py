@@ -40,6 +40,7 @@ import foxglove
 NAP_NS: Final = 16_000_000  # between polls: 60 Hz
 MANY: Final = 100  # queue depth of aperiodic topics: each message may be from another node
 DRAWN: Final = ('ground_truth/odom', 'odom', 'motors', 'light/bearing', 'wind')
+REPLACED: Final = ('robot_description', 'scene', '/tf', '/tf_static')
 DRAW_RATE: Final = 25.0  # Hz of wall time
 PATH_RATE: Final = 2.0  # Hz; a long path has many points
 
@@ -62,6 +63,8 @@ class LiveViewNode(GraphNode):
         super().__init__('live')
         settings = NodeParameters(self, LiveSettings).value
         self._robot = self.get_namespace().strip('/')
+        # The scene of this node, at the true pose, takes the place of URDF, markers and transforms
+        self._shown = [name for name in self.table.topics if name not in REPLACED]
         scenario = load_scenario(settings.scenario)
         self._scene = LiveScene(load_vehicle(settings.vehicle, scenario.air.density), scenario)
         self._feed = TopicThrottle(self.table)
@@ -71,16 +74,17 @@ class LiveViewNode(GraphNode):
         self._scene_topic, self._tf_topic = self._absolute_name('scene'), self._absolute_name('tf')
         title = f'LTA {self._robot}'
         self._server = LiveServer(title, settings.host, settings.port, self._list_channels())
-        for name in self.table.topics:
+        for name in self._shown:
             self._subscribe_topic(name)
 
     def _absolute_name(self, name: str) -> str:
         return robot_topic(self._robot, name) if self._robot else f'/{name.lstrip("/")}'
 
     def _list_channels(self) -> dict[str, tuple[str, foxglove.Schema]]:
-        """Return every topic of the table by its full name, and the two of the scene."""
+        """Return the shown topics of the table by their full names, and the two of the scene."""
         found = {}
-        for name, topic in self.table.topics.items():
+        for name in self._shown:
+            topic = self.table[name]
             text = generate_definition(topic.type).text.encode()
             schema = foxglove.Schema(name=topic.type, encoding='ros2msg', data=text)
             found[self._absolute_name(name)] = ('cdr', schema)

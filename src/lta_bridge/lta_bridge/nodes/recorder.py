@@ -131,7 +131,10 @@ class Recorder(GraphNode):
                 self, self._build_tap_receiver, self._accepts_topic if everything else None
             )
             for name, type_name in topics.items():
-                self._taps.subscribe(name, type_name, self._expected_profile(name))
+                if load_message_class(type_name) is None:  # tf2_msgs has to be compiled
+                    self._left_out[name] = type_name
+                else:
+                    self._taps.subscribe(name, type_name, self._expected_profile(name))
             # Snapshots are triggered by faults in the diagnostics, even if these are not recorded
             if self._snapshots and DIAGNOSTICS not in self._taps:
                 self.create_subscription(
@@ -324,6 +327,7 @@ class Recorder(GraphNode):
 
     def close(self) -> None:
         """Finish the bag, or save a last snapshot; raise if the recording ended early."""
+        self._intake.write_early_messages()
         last = None if self._snapshots is None else self._snapshots.save_remaining(self._robots)
         for name in self._taps:
             # List topics without messages in the bag too

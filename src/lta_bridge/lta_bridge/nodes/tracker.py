@@ -1,28 +1,28 @@
 """
-The tracker node: it publishes `ground_truth/odom` from an external tracker.
+The tracker node: it publishes `ground_truth/odom` from an external tracker, and map -> odom.
 
-Poses come as PoseStamped (motion capture, libsurvive's Lighthouse) or as a frame on /tf. The
-result is for evaluation only; no node flies by it.
+Poses come as PoseStamped (motion capture, libsurvive's Lighthouse) or as a frame on /tf. With the
+estimate on `odom`, the node publishes on /tf where `odom` is in `map`, so that base_link is at the
+tracked pose there (REP-105). Both are for evaluation and viewers only; no node flies by them.
 """
 
 from typing import Any
 
 from geometry_msgs.msg import PoseStamped
-from lta_bridge.tracking.messages import from_pose, from_transform, to_odometry
+from lta_bridge.tracking.map_correction import MapCorrection
+from lta_bridge.tracking.messages import from_odometry, from_pose, from_transform, to_odometry
 from lta_bridge.tracking.pose import build_level_pose, TrackerPose
 from lta_bridge.tracking.tracked_drone import TrackedDrone
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
+from lta_graph.ros.message_validation import has_message_type
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
 from lta_graph.ros.stamps import from_stamp, to_stamp
+from lta_graph.ros.transforms import build_transform, TFMessage
+from nav_msgs.msg import Odometry
 from rclpy.qos import qos_profile_sensor_data
-
-try:
-    from tf2_msgs.msg import TFMessage
-except ImportError:
-    TFMessage = None
 
 # Many publishers share /tf, so a shallow queue would lose the tracker's messages
 DEPTH = 100  # queue depth of /tf, as in tf2
@@ -61,6 +61,9 @@ class TrackerSettings(Settings):
         high=1.0,
         fixed=True,
     )
+    frame_prefix: str = setting(
+        '', 'Prefix of the frames on /tf but map, such as lta1/, for several drones.', fixed=True
+    )
 
 
 class TrackerNode(GraphNode):
@@ -71,18 +74,24 @@ class TrackerNode(GraphNode):
         if self.lockstep:
             raise BadInput('A real tracker works only in real time; remove time:=lockstep.')
         self._truth = self.create_output('ground_truth/odom')
+        linked = has_message_type(self.table['/tf'])  # tf2_msgs has to be compiled
+        self._tf = self.create_output('/tf') if linked else None
         settings = NodeParameters(self, TrackerSettings).value
         self._tracked = TrackedDrone(
             build_level_pose(*settings.origin),
             build_level_pose(*settings.body),
             round(1e9 * settings.delay),
         )
+        self._correction = MapCorrection()
+        self._prefix = settings.frame_prefix
+        if linked:
+            self.subscribe_topic('odom', self._on_estimate)
         self._frame = settings.frame
         if not settings.frame:
             self.create_subscription(
                 PoseStamped, settings.pose, self._on_pose, qos_profile_sensor_data
             )
-        elif TFMessage is None:
+        elif not linked:
             raise BadInput(
                 'frame:= reads /tf and so needs the package tf2_msgs, which is missing; see "lta '
                 'doctor", or set pose:= to a topic of PoseStamped instead.'
@@ -101,7 +110,15 @@ class TrackerNode(GraphNode):
     def _publish_motion(self, stamp_ns: int, pose: TrackerPose) -> None:
         for motion in self._tracked.receive_pose(stamp_ns, pose, self._graph_time_ns()):
             frame = self.table['ground_truth/odom'].frame
-            self._truth.publish(to_odometry(to_stamp(motion.stamp_ns), frame, motion))
+            stamp = to_stamp(motion.stamp_ns)
+            self._truth.publish(to_odometry(stamp, frame, motion))
+            odom = self._correction.locate_odom(motion.stamp_ns, motion.pose)
+            if odom is not None and self._tf is not None:
+                moved = build_transform(stamp, (frame, 'odom'), *odom, self._prefix)
+                self._tf.publish(TFMessage(transforms=[moved]))
+
+    def _on_estimate(self, odom: Odometry) -> None:
+        self._correction.add_estimate(from_stamp(odom.header.stamp), from_odometry(odom))
 
     def _graph_time_ns(self) -> int:
         return int(self.get_clock().now().nanoseconds)

@@ -73,12 +73,17 @@ def select_nodes(table: TopicTable, nodes: Sequence[str], also: Sequence[str]) -
                 f"The node '{name}' cannot both run again and be played from the bag; list it in "
                 'only one of the parameters nodes and roles (empty nodes means all nodes).'
             )
-    played = [name for role in (VEHICLE, *also) for name in table.published_by(role)]
+    sensed = [name for name in table.published_by(VEHICLE) if name != CLOCK]
     return NodeSelection(
         again,
-        tuple(name for name in played if name != CLOCK),
-        tuple(name for role in again for name in table.published_by(role)),
+        (*sensed, *_list_answers(table, also)),
+        tuple(_list_answers(table, again)),
     )
+
+
+def _list_answers(table: TopicTable, roles: Collection[str]) -> list[str]:
+    """Return the answers that some roles publish; not /tf, which repeats one of them."""
+    return [name for role in roles for name in table.published_by(role) if table[name].answers]
 
 
 def list_supporting_roles(table: TopicTable, nodes: Sequence[str]) -> list[str]:

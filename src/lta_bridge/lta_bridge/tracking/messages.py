@@ -21,6 +21,11 @@ def from_transform(message: Any) -> TrackerPose:  # noqa: ANN401 - a TransformSt
     return _build_pose(message.transform.translation, message.transform.rotation)
 
 
+def from_odometry(message: Odometry) -> TrackerPose:
+    """Return the pose."""
+    return from_pose(message.pose)
+
+
 def _build_pose(p: Any, q: Any) -> TrackerPose:  # noqa: ANN401 - generated classes of the same fields
     return TrackerPose((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
 

@@ -34,6 +34,14 @@ def compose_poses(a: TrackerPose, b: TrackerPose) -> TrackerPose:
     )
 
 
+def invert_pose(pose: TrackerPose) -> TrackerPose:
+    """Return the pose of the parent frame in the frame of a pose."""
+    x, y, z, w = pose.turn
+    back = (-x, -y, -z, w)
+    px, py, pz = rotate_vector(back, pose.place)
+    return TrackerPose((-px, -py, -pz), back)
+
+
 def rotate_vector(turn: Turn, v: Three) -> Three:
     """Rotate a vector by a quaternion."""
     x, y, z, _ = _quaternion_product(

@@ -1,4 +1,8 @@
-"""Estimator node: estimate the motion from the drone's own sensors and commands."""
+"""
+Estimator node: estimate the motion from the drone's own sensors and commands.
+
+Each estimate is published twice: on `odom`, and as the transform odom -> base_link on /tf.
+"""
 
 import math
 
@@ -16,16 +20,21 @@ from lta_control.messages import (
 from lta_control.vehicle_parameters import build_estimator_model
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
+from lta_graph.ros.message_validation import has_message_type
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
+from lta_graph.ros.transforms import from_odometry
 from lta_model.vehicle import load_vehicle
 
 
 class EstimatorParameters(EstimatorSettings):
-    """Settings of the filters, and the vehicle."""
+    """Settings of the filters, the vehicle, and the names of its frames on /tf."""
 
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
+    frame_prefix: str = setting(
+        '', 'Prefix of the frames on /tf, such as lta1/, for several drones.', fixed=True
+    )
 
 
 class Estimator(GraphNode):
@@ -34,7 +43,11 @@ class Estimator(GraphNode):
     def __init__(self) -> None:
         super().__init__('estimator')
         self._odom = self.create_output('odom')
+        self._tf = (
+            self.create_output('/tf') if has_message_type(self.table['/tf']) else None
+        )  # tf2_msgs has to be compiled
         self._settings = NodeParameters(self, EstimatorParameters)
+        self._prefix = self._settings.value.frame_prefix
         vehicle = load_vehicle(self._settings.value.vehicle)
         self._names = vehicle.rotor_names
         self._body = build_estimator_model(vehicle)
@@ -65,7 +78,10 @@ class Estimator(GraphNode):
             self._refused += 1
             text = 'ignored an IMU sample with impossible values; check the IMU'
             self.health.report('imu', HealthLevel.ERROR, text, refused=self._refused)
-        self._odom.publish(from_estimate(step.last_message('imu').header.stamp, self._estimate))
+        odom = from_estimate(step.last_message('imu').header.stamp, self._estimate)
+        self._odom.publish(odom)
+        if self._tf is not None:
+            self._tf.publish(from_odometry(odom, self._prefix))
         if learning:
             self.health.report('estimate', *describe_calibration(self._estimate, self._body))
 

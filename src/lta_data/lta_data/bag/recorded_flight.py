@@ -21,6 +21,9 @@ from lta_data.bag.stamps import extract_stamp
 import numpy as np
 from numpy.typing import NDArray
 
+# Topics that only draw a robot: every viewer reads them, and no analysis does
+URDF = 'robot_description'
+MARKERS = 'visualization_msgs/msg/MarkerArray'
 LATEST = np.iinfo(np.int64).max  # ns; MCAP log times are unsigned, ROS stamps are not
 
 
@@ -70,9 +73,15 @@ class RecordedFlight:
 
     @property
     def topics(self) -> list[str]:
-        """The robot's topics, relative to its namespace."""
+        """The robot's topics, relative to its namespace, without those that only draw it."""
         prefix = self.absolute_name('')
-        return [name.removeprefix(prefix) for name in self.bag.topics if name.startswith(prefix)]
+        return [
+            name.removeprefix(prefix)
+            for name, topic in self.bag.topics.items()
+            if name.startswith(prefix)
+            and name != self.absolute_name(URDF)
+            and topic.type_name != MARKERS
+        ]
 
     def read_series(self, topic: str) -> TopicSeries:
         """

@@ -8,6 +8,7 @@ node waits for the answer to it. `InboxStep.valid` leaves out messages with inva
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from importlib import import_module
+from importlib.util import find_spec
 import math
 from operator import attrgetter
 from typing import Any, Final, final
@@ -40,6 +41,11 @@ JUMP_NS: Final = 2_000_000_000  # largest step between two stamps of a periodic 
 def find_message_type(topic: Topic) -> Any:  # noqa: ANN401 - a generated class
     """Return the Python class of a topic's messages."""
     return getattr(import_module(f'{topic.package}.msg'), topic.message)
+
+
+def has_message_type(topic: Topic) -> bool:
+    """Return whether the package of a topic's messages is installed; no wheel has tf2_msgs."""
+    return find_spec(topic.package) is not None
 
 
 def _iterate_number_paths(value: object, path: str) -> Iterator[str]:

@@ -8,7 +8,7 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 
 OTHERS = 'others'  # the health task
-COMMON = '/diagnostics'  # shared by all nodes on purpose
+COMMON = {'/diagnostics', '/tf', '/tf_static'}  # shared by several nodes on purpose
 
 
 @final
@@ -35,7 +35,7 @@ class PublisherConflict:
             name
             for name, writer in self._writers.items()
             # The node's own publisher counts as one
-            if name != COMMON and self._node.count_publishers(writer.topic_name) > 1
+            if name not in COMMON and self._node.count_publishers(writer.topic_name) > 1
         ]
         if shared:
             words = f'{", ".join(shared)} ({self._format_other_nodes(shared)}); stop all but one'

@@ -13,6 +13,7 @@ from typing import final, Self
 
 from diagnostic_msgs.msg import DiagnosticArray
 from lta_config.topics import TopicTable
+from lta_graph.ros.message_validation import has_message_type
 from rclpy.node import Node
 
 LINKS = 'links'  # health task with the number of readers of each output
@@ -33,7 +34,7 @@ class ReaderLinks:
     node : Node
         The listening node; its namespace is that of the drone.
     table : TopicTable
-        Gives the periodic topics, which always have a publisher.
+        Gives the periodic topics, which have a publisher if their message type is installed.
 
     """
 
@@ -41,7 +42,9 @@ class ReaderLinks:
         self._node = node
         self._robot = node.get_namespace().strip('/')
         self._table = table
-        self._topics = [name for name, row in table.topics.items() if row.period_ns]
+        self._topics = [
+            name for name, row in table.topics.items() if row.period_ns and has_message_type(row)
+        ]
         self._found: dict[str, int] = {}
         self._subscription = node.create_subscription(
             DiagnosticArray, '/diagnostics', self._on_diagnostics, DEPTH

@@ -20,18 +20,20 @@ from lta_config.errors import unknown_name_error
 from lta_config.topic_selection import is_selected
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
+from lta_graph.ros.message_validation import has_message_type
 from lta_graph.ros.node import GraphNode, WHOLE
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.peer_listener import OVER, PeerListener, PULSE
 from lta_graph.ros.process import run_node
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_graph.ros.startup import wait_until_complete, wait_until_settled
+from lta_graph.ros.transforms import from_start
 from lta_model import messages
 from lta_model.scenario import load_scenario
 from lta_model.start_offset import offset_start
 from lta_model.vehicle import load_vehicle
 from lta_sim.readings import FlightOutcome, SensorReadings
-from lta_sim.simulator_settings import DEFAULT, SimulatorSettings
+from lta_sim.simulator_settings import DEFAULT, DESCRIPTION, SimulatorSettings
 from lta_sim.world import World
 from rclpy.clock import Clock, ClockType
 from rclpy.subscription import Subscription
@@ -61,6 +63,7 @@ class Simulator(GraphNode):
         if not self._settings.clock:
             names.remove('/clock')
         self._outputs = {name: self.create_output(name) for name in names}
+        self._publish_start()
         self._awaited = self._list_awaited_roles()
         inputs = self.table.read_by('vehicle')
         self.subscribe_inputs(inputs, trigger='motors', on_step=self._on_motors)
@@ -94,19 +97,26 @@ class Simulator(GraphNode):
             self._pacer.reset()
         super().run()
 
+    def _publish_start(self) -> None:
+        """Publish where the drone starts in the map; only viewers and recorder read it."""
+        if has_message_type(self.table['/tf_static']):
+            start = from_start(self._world.start_pose, self._settings.frame_prefix)
+            self.create_output('/tf_static').publish(start)
+
     def _list_awaited_roles(self) -> set[str]:
         """Return the roles of the nodes to wait for; raise `BadInput` for an unknown one."""
         names = self._settings.wait_for.split()
-        if names == [DEFAULT]:
-            readers = {role for name in self._outputs for role in self.table[name].subscribers}
-            return readers if self.lockstep else set()
+        known = [DEFAULT, DESCRIPTION, *self.table.roles]
         for name in names:
-            if name not in self.table.roles:
-                raise unknown_name_error('role in wait_for', name, [DEFAULT, *self.table.roles])
-        return set(names)
+            if name not in known:
+                raise unknown_name_error('role in wait_for', name, known)
+        awaited = set(names) - {DEFAULT}
+        if DEFAULT in names and self.lockstep:
+            awaited.update(role for name in self._outputs for role in self.table[name].subscribers)
+        return awaited
 
     def _find_missing_subscribers(self) -> list[str]:
-        """Return the awaited nodes that have not subscribed to the outputs yet."""
+        """Return the awaited nodes that do not subscribe or publish yet."""
         waiting: set[str] = set()
         words, robot = self._settings.topics, self.get_namespace().strip('/')
         for name, publisher in self._outputs.items():
@@ -119,6 +129,12 @@ class Simulator(GraphNode):
             recorded = self._settings.record and is_selected(words, robot, name, self.table[name])
             if recorded and not self._is_subscribed('recorder', name):
                 waiting.add('recorder')
+        if DESCRIPTION in self._awaited and not all(
+            self.count_publishers(name)
+            for name in self.table.published_by(DESCRIPTION)
+            if has_message_type(self.table[name])
+        ):
+            waiting.add(DESCRIPTION)
         return sorted(waiting)
 
     def _is_subscribed(self, node: str, name: str) -> bool:

@@ -1,0 +1,1 @@
+"""Descriptions of a drone and its scene for viewers: URDF, fixed frames, markers."""

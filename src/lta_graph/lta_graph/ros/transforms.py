@@ -1,0 +1,99 @@
+"""
+Build the transforms of /tf and /tf_static.
+
+No wheel has the package tf2_msgs; `make build` compiles it. Without it nothing is published on /tf
+(`has_message_type`), but a message can still be encoded for a bag.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import TransformStamped
+from nav_msgs.msg import Odometry
+
+try:
+    from tf2_msgs.msg import TFMessage
+except ImportError:
+
+    @dataclass
+    class TFMessage:  # type: ignore[no-redef]
+        """The same message for an encoder, which needs only its fields and their types."""
+
+        transforms: Sequence[TransformStamped]
+
+        @staticmethod
+        def get_fields_and_field_types() -> dict[str, str]:
+            """Return the fields as a generated class does."""
+            return {'transforms': 'sequence<geometry_msgs/TransformStamped>'}
+
+
+__all__ = ['TFMessage', 'add_prefix', 'build_transform', 'from_odometry', 'from_start']
+
+MAP: Final = 'map'
+ODOM: Final = 'odom'
+
+
+def add_prefix(prefix: str, frame: str) -> str:
+    """Return a frame's name with the prefix of its robot; all robots share the map."""
+    return frame if frame == MAP else prefix + frame
+
+
+def build_transform(
+    stamp: Time,
+    frames: tuple[str, str],
+    place: Sequence[float],
+    turn: Sequence[float],
+    prefix: str = '',
+) -> TransformStamped:
+    """
+    Return the transform between two frames.
+
+    Parameters
+    ----------
+    stamp : Time
+        Its time.
+    frames : tuple of str
+        Parent and child.
+    place : sequence of 3 floats
+        The origin of the child in the parent. [m]
+    turn : sequence of 4 floats
+        The attitude of the child in the parent, x y z w.
+    prefix : str
+        Prefix of the frames of one robot.
+
+    """
+    parent, child = frames
+    message = TransformStamped(child_frame_id=add_prefix(prefix, child))
+    message.header.stamp, message.header.frame_id = stamp, add_prefix(prefix, parent)
+    moved, turned = message.transform.translation, message.transform.rotation
+    moved.x, moved.y, moved.z = place
+    turned.x, turned.y, turned.z, turned.w = turn
+    return message
+
+
+def from_start(pose: Sequence[float], prefix: str = '') -> TFMessage:
+    """
+    Return where the odometry of a drone begins in the map: on the floor below its start.
+
+    Parameters
+    ----------
+    pose : sequence of 7 floats
+        Place [m] and attitude (x y z w) of a level drone at its start.
+    prefix : str
+        Prefix of the frames of one robot.
+
+    """
+    x, y, _, *turn = pose
+    # The estimate counts height from the floor, distance and heading from the start. A fixed frame
+    # holds at all times, so its stamp is zero.
+    return TFMessage(transforms=[build_transform(Time(), (MAP, ODOM), (x, y, 0.0), turn, prefix)])
+
+
+def from_odometry(odom: Odometry, prefix: str = '') -> TFMessage:
+    """Return the pose of an odometry message as the transform between its frames."""
+    p, q = odom.pose.pose.position, odom.pose.pose.orientation
+    frames = odom.header.frame_id, odom.child_frame_id
+    place, turn = (p.x, p.y, p.z), (q.x, q.y, q.z, q.w)
+    return TFMessage(transforms=[build_transform(odom.header.stamp, frames, place, turn, prefix)])
