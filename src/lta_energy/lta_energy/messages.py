@@ -3,6 +3,7 @@
 import math
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from lta_config.covariances import is_known
 from lta_energy.monitoring.estimate import EnergyEstimate
 from lta_energy.monitoring.monitor import MonitorSettings
 from lta_energy.monitoring.power_system import PowerSystem
@@ -16,7 +17,6 @@ from sensor_msgs.msg import BatteryState, Illuminance
 from std_msgs.msg import Bool
 
 SECONDS_PER_HOUR = 3600.0
-UNKNOWN = -1.0  # in the first element of a covariance: the estimator is still learning
 
 
 def to_reading(
@@ -39,8 +39,8 @@ def to_reading(
 
 
 def to_travel_state(odom: Odometry) -> TravelState | None:
-    """Return distance from the start and speed; None while the estimator is not ready."""
-    if odom.pose.covariance[0] == UNKNOWN:
+    """Return distance from the start and speed over ground; None while they are unknown."""
+    if not is_known(odom.pose.covariance[0]):
         return None
     place, speed = odom.pose.pose.position, odom.twist.twist.linear
     return TravelState(math.hypot(place.x, place.y), math.hypot(speed.x, speed.y))
