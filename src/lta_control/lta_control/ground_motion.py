@@ -41,7 +41,7 @@ from lta_control.sighting import bearing_deviation, facing_strength, LampPositio
 if TYPE_CHECKING:
     from lta_control.estimator import MotionEstimate
 
-Row = tuple[float, float, float, float, float, float, float, float, float]
+Row = tuple[float, ...]  # one number per state
 Covariance = tuple[float, float, float]  # xx, xy, yy of a vector in the plane
 
 X, Y, DRIFT_X, DRIFT_Y, WIND_X, WIND_Y, BEARING, LOG_DISTANCE, BRIGHTNESS = range(9)
@@ -273,7 +273,7 @@ def ground_step(
 ) -> GroundMotion:
     """Return the motion over ground one step later, from the newest modelled motion."""
     if not state.rows:
-        state = _begin(settings)
+        state = start_ground_motion(settings)
     ready, yaw, yaw_rate, surge, sway = motion
     cos, sin = math.cos(yaw), math.sin(yaw)
     air = cos * surge - sin * sway, sin * surge + cos * sway
@@ -303,7 +303,7 @@ def ground_step(
     return _correct(settings, state, sighting, bearing, doubted)
 
 
-def _begin(settings: GroundSettings) -> GroundMotion:
+def start_ground_motion(settings: GroundSettings) -> GroundMotion:
     """Return the state at rest at the origin, in an unknown wind."""
     wind = settings.wind * settings.wind
     variances = (START * START, START * START, 0.0, 0.0, wind, wind, 0.0, 0.0, 0.0)
@@ -315,12 +315,7 @@ def _begin(settings: GroundSettings) -> GroundMotion:
 def _scale_unit_row(index: int, value: float) -> Row:
     row = [0.0] * len(NOTHING)
     row[index] = value
-    return _as_row(row)
-
-
-def _as_row(numbers: Sequence[float]) -> Row:
-    a, b, c, d, e, f, g, h, i = numbers
-    return a, b, c, d, e, f, g, h, i
+    return tuple(row)
 
 
 def _predict(
@@ -385,7 +380,7 @@ def _predict(
             *lamp,
             mean[BRIGHTNESS],
         ),
-        rows=tuple([_as_row(row) for row in after]),
+        rows=tuple([tuple(row) for row in after]),
         moved=(0.0, 0.0),
         elapsed=0.0,
     )
@@ -480,10 +475,10 @@ def _update(
     """Return mean and covariance after a measurement; `step` is the innovation over its `size`."""
     scaled = [g / size for g in gains]
     after = [
-        _as_row([p - g * h for p, h in zip(row, scaled, strict=True)])
+        tuple([p - g * h for p, h in zip(row, scaled, strict=True)])
         for row, g in zip(rows, gains, strict=True)
     ]
-    return _as_row([m + step * g for m, g in zip(mean, gains, strict=True)]), tuple(after)
+    return tuple([m + step * g for m, g in zip(mean, gains, strict=True)]), tuple(after)
 
 
 def _restart_lamp(
@@ -494,7 +489,7 @@ def _restart_lamp(
     lamp = bearing, distance, math.log(sighting.strength) + 2.0 * distance
     variance = sighting.spread * sighting.spread
     turn = sighting.deviation**2 + settings.bearing_noise**2
-    rows = [_as_row([*row[:BEARING], 0.0, 0.0, 0.0]) for row in state.rows[:BEARING]]
+    rows = [(*row[:BEARING], 0.0, 0.0, 0.0) for row in state.rows[:BEARING]]
     # A brighter lamp is farther away
     rows += [
         _scale_unit_row(BEARING, turn),
@@ -505,7 +500,7 @@ def _restart_lamp(
         ),
     ]  # fmt: skip
     return state._replace(
-        mean=_as_row([*state.mean[:BEARING], *lamp]),
+        mean=(*state.mean[:BEARING], *lamp),
         rows=tuple(rows),
         frequency=sighting.frequency,
         doubted=0.0,

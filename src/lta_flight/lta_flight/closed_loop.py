@@ -302,11 +302,13 @@ class ClosedLoop:
         )  # fmt: skip
 
     def _travel_state(self) -> TravelState | None:
-        """Return distance from the start and speed as in odom; None without an estimate."""
+        """Return distance from the start over ground, and airspeed; None without an estimate."""
         if self.measured_state() is None:
             return None
-        velocity = message_rounding.ground_velocity(self.estimate, self.ground)
-        return TravelState(math.hypot(*self.ground.position), math.hypot(*velocity[:2]))
+        reckoned = self._reckoned[-1]
+        return TravelState(
+            math.hypot(*self.ground.position), math.hypot(reckoned.forward, reckoned.left)
+        )
 
     def _update_energy(self, readings: SensorReadings) -> None:
         """Update the energy estimate with one set of meter readings."""
