@@ -21,7 +21,7 @@ from sensor_msgs.msg import JointState
 ROTORS = ['up_left', 'up_right', 'forward_left', 'forward_right']  # as in the vehicle file
 HOVER = 0.13  # duty of each upward rotor that carries the 2 g
 STALE_NS = 1_000_000_000  # without a newer setpoint the motors stop
-UNKNOWN = -1.0  # in covariance[0]: the estimator still calibrates its biases
+UNKNOWN = 1e6  # m2 in covariance[0]: the estimator still calibrates its biases
 
 
 def yaw_of(q: Quaternion) -> float:
@@ -84,7 +84,7 @@ class OwnController(Node):
         command = JointState(name=ROTORS, effort=[0.0] * len(ROTORS))
         # The stamp says which state is answered; without a fresh one the motors stop
         command.header.stamp = message.header.stamp
-        known = message.pose.covariance[0] != UNKNOWN
+        known = message.pose.covariance[0] < UNKNOWN
         if known and self.wanted is not None and not self.is_stale(message):
             command.effort = compute_duties(
                 self.wanted.pose, self.speed, message.pose.pose, message.twist.twist

@@ -24,7 +24,7 @@ BLOCK_NS = 100_000_000  # a light block is stamped with its first sample and end
 ALTITUDE = 1.2  # m
 SPEED = 0.4  # m/s
 SEARCH = 0.6  # rad to turn at a time while no lamp is seen
-UNKNOWN = -1.0  # in covariance[0]: no lamp is seen
+UNKNOWN = 1e6  # m2 in covariance[0]: no lamp is seen
 
 
 def to_ns(stamp: Stamp) -> int:
@@ -75,7 +75,7 @@ class OwnNavigator(Node):
         """Turn to the lamp, then fly to it."""
         q = state.pose.pose.orientation
         yaw = math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
-        seen = estimate.pose.covariance[0] != UNKNOWN
+        seen = estimate.pose.covariance[0] < UNKNOWN
         lamp = estimate.pose.pose.position
         turn = math.atan2(lamp.y, lamp.x) if seen else SEARCH
         pose, velocity = PoseStamped(), TwistStamped()

@@ -6,7 +6,8 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from lta_bridge.crazyflie.messages import RANGE
 from lta_control.cascade import Setpoint
 from lta_control.estimator import MotionEstimate
-from lta_control.messages import from_duties, from_estimate, from_setpoint
+from lta_control.ground_motion import GroundSettings, start_ground_motion
+from lta_control.messages import from_airspeed, from_duties, from_estimate, from_setpoint
 from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.stamps import to_stamp
 from lta_model import messages
@@ -29,6 +30,7 @@ PEAKS = Peaks(*(np.full(DIODES, x) for x in (100.0, 20.0, BEACON, 5.0)))
 LAMP = LampEstimate(3.0, 0.5, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0, 1.0)
 NOISE = error_bounds(ImuSettings()).noise
 HOVER = MotionEstimate(ready=True)
+STANDING = start_ground_motion(GroundSettings())
 AHEAD = Setpoint(1.0, 0.0, 0.2)
 
 
@@ -52,6 +54,7 @@ def good(name: str, stamp_ns: int) -> Any:
         'battery': lambda: messages.build_battery_state(stamp, 3.9, -0.3, 'battery'),
         'panel': lambda: messages.build_battery_state(stamp, 2.0, 0.01, 'panel'),
         'odom': lambda: odom(stamp),
+        'airspeed': lambda: from_airspeed(stamp, HOVER, STANDING),
         'ground_truth/odom': lambda: odom(stamp),
         'motors': lambda: from_duties(stamp, ROTORS, (0.1, 0.1, 0.1, 0.1)),
         'light/peaks': lambda: from_peaks(header, (PEAKS,), AXES),
@@ -78,6 +81,6 @@ def good(name: str, stamp_ns: int) -> Any:
 
 def odom(stamp: Any) -> Any:
     """Return an estimate of a hover at a metre."""
-    message = from_estimate(stamp, HOVER)
+    message = from_estimate(stamp, HOVER, STANDING)
     message.pose.pose.position.z = 1.0
     return message

@@ -20,8 +20,14 @@ from lta_bridge.cdr import encode_cdr
 from lta_bridge.provenance import collect_provenance
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import load_topic_table
+from lta_control.air_reckoning import AirReckoning
 from lta_control.gains_file import load_gains
-from lta_control.messages import from_setpoint, to_cascade_measurement, to_dead_reckoning
+from lta_control.messages import (
+    from_setpoint,
+    to_air_velocity,
+    to_attitude,
+    to_cascade_measurement,
+)
 from lta_control.mission import mission_step, MissionSettings
 from lta_control.phases import Mission
 from lta_control.reserve import FlightPermission, ReserveResponseSettings
@@ -104,7 +110,12 @@ def answered(folder, demodulation=None, mission=None):
     light, prior = TABLE.light, LampPrior()
     listener = BeaconReceiver(settings, light.sample_rate.si, light.samples, ENTRY.largest_reading)
     odometry, reserves = recorded('odom'), recorded('energy/reserve')
-    motions = {from_stamp(m.header.stamp): to_dead_reckoning(m) for _, m in odometry}
+    # The stored bag is of version 1.0: odom has the airspeed
+    reckoning = AirReckoning(TABLE.control_ns, len(odometry))
+    for _, m in odometry:
+        at, velocity = from_stamp(m.header.stamp), to_air_velocity(m, None)
+        reckoning.add_motion(at, to_attitude(m), velocity)
+    motions = dict(reckoning.history)
     land = ReserveResponseSettings().rule
     state, plan, finder = Mission(), find_navigation_strategy('bag'), DirectionFinder(DIODES)
     with BagWriter(folder, {}) as writer:

@@ -14,6 +14,7 @@ from lta_control.attitude import Vector
 from lta_control.cascade import CascadeGains, CascadeMeasurement, Setpoint
 from lta_control.control import TILT_LIMIT
 from lta_control.estimator import EstimatorSettings, MotionEstimate
+from lta_control.ground_motion import ModelledMotion
 from lta_control.onboard import DroneConstants, onboard_step, OnboardMemory, SensorInputs
 from lta_control.sighting import DeadReckonedMotion
 from lta_control.vehicle_parameters import (
@@ -37,6 +38,10 @@ HEADING, READY = (
 PLACE, SPEED = (
     MEMORY.part_slice('estimate.position').start,
     MEMORY.part_slice('measured.speed').start,
+)
+YAW_RATE, MODELLED = (
+    MEMORY.part_slice('measured.yaw_rate').start,
+    MEMORY.part_slice('estimate.airspeed.model_surge').start,
 )
 GUIDED, STOPPED = MEMORY.part_slice('guided').start, MEMORY.part_slice('stopped').start
 
@@ -116,6 +121,13 @@ class Autopilot:
     def heading(self) -> float:
         """Estimated yaw. [rad]."""
         return self._memory.item(HEADING)
+
+    @property
+    def modelled_motion(self) -> ModelledMotion:
+        """What the filter of the motion over ground takes from the estimator."""
+        item = self._memory.item
+        ready, heading, yaw_rate = bool(item(READY)), item(HEADING), item(YAW_RATE)
+        return ModelledMotion(ready, heading, yaw_rate, item(MODELLED), item(MODELLED + 1))
 
     @property
     def dead_reckoning(self) -> DeadReckonedMotion:

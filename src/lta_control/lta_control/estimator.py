@@ -5,8 +5,8 @@ At rest on level ground the estimator first calibrates the IMU biases and the fl
 (`rest_time`), and starts again if the drone is moved. It waits while the biases are larger than
 the sensor allows. After `PATIENCE` rest times it accepts a tilt, since an unbalanced drone stands
 tilted, but never a turn: a false yaw bias would turn the estimate for the rest of the flight.
-Then it filters attitude, altitude and airspeed at each step. The position is dead reckoning
-through the air, and its covariance grows accordingly.
+Then it filters attitude, altitude and airspeed at each step. The position here is dead reckoning
+through the air; that over ground is estimated from it (`ground_motion`).
 """
 
 import math
@@ -32,6 +32,7 @@ from lta_control.bias_calibration import (
     RestSums,
     SensorBiases,
 )
+from lta_control.ground_motion import GroundSettings
 from lta_control.per_rotor import NONE, PerRotor
 
 PATIENCE = 5.0  # rest times without motion, after which a tilt is accepted and a turn refused
@@ -71,6 +72,9 @@ class EstimatorSettings(Settings):
     )
     altitude: AltitudeSettings = setting(
         AltitudeSettings(), 'Noise settings of the altitude filter.'
+    )
+    ground: GroundSettings = setting(
+        GroundSettings(), 'Wind and noise that the filter of the motion over ground expects.'
     )
 
 

@@ -24,6 +24,7 @@ from lta_control.estimator import (
     EstimatorSettings,
     MotionEstimate,
 )
+from lta_control.ground_motion import ModelledMotion, read_modelled_motion
 from lta_control.laws.frames import rotate_level_to_world
 from lta_control.laws.protocol import ControlLaw, ControlMotion, Feedback, LawCommand, LawInputs
 from lta_control.message_rounding import air_relative_velocity, build_measurement
@@ -227,6 +228,11 @@ class LawAutopilot:
     def heading(self) -> float:
         """Estimated yaw. [rad]."""
         return yaw_from_quaternion(self.estimate.attitude)
+
+    @property
+    def modelled_motion(self) -> ModelledMotion:
+        """What the filter of the motion over ground takes from the estimator."""
+        return read_modelled_motion(self.estimate)
 
     @property
     def dead_reckoning(self) -> DeadReckonedMotion:

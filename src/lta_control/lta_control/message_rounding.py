@@ -12,6 +12,7 @@ import math
 from lta_control.attitude import Quaternion, up_in_body, Vector, yaw_from_quaternion
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.estimator import MotionEstimate
+from lta_control.ground_motion import GroundMotion
 import numpy as np
 
 LEVEL = 0.1  # cosine of the tilt below which climb and heave are not separated
@@ -52,6 +53,25 @@ def air_relative_velocity(estimate: MotionEstimate) -> Vector:
     climb = estimate.altitude.climb
     # Solve climb = up . velocity for the heave
     return surge, sway, (climb - (ux * surge + uy * sway)) / uz if uz > LEVEL else climb
+
+
+def ground_velocity(estimate: MotionEstimate, ground: GroundMotion) -> Vector:
+    """Return the velocity over ground in the body frame. [m/s]"""
+    x, y, z, w = estimate.attitude
+    vx, vy = ground.velocity
+    vz = estimate.altitude.climb
+    # Transposed rotation matrix of the attitude, which is body to odom
+    return (
+        (1.0 - 2.0 * (y * y + z * z)) * vx
+        + 2.0 * (x * y + z * w) * vy
+        + 2.0 * (x * z - y * w) * vz,
+        2.0 * (x * y - z * w) * vx
+        + (1.0 - 2.0 * (x * x + z * z)) * vy
+        + 2.0 * (y * z + x * w) * vz,
+        2.0 * (x * z + y * w) * vx
+        + 2.0 * (y * z - x * w) * vy
+        + (1.0 - 2.0 * (x * x + y * y)) * vz,
+    )
 
 
 def build_measurement(

@@ -3,20 +3,33 @@
 import math
 
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, TwistStamped
+from geometry_msgs.msg import (
+    PoseStamped,
+    PoseWithCovarianceStamped,
+    TwistStamped,
+    TwistWithCovarianceStamped,
+)
+from lta_config.covariances import is_known, UNKNOWN_VARIANCE
 from lta_control import message_rounding
-from lta_control.attitude import Quaternion, yaw_from_quaternion
+from lta_control.attitude import Quaternion, Vector, yaw_from_quaternion
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.control import has_overturned
 from lta_control.estimator import EstimatorInputs, MotionEstimate
+from lta_control.ground_motion import (
+    build_sighting,
+    GroundMotion,
+    LampSighting,
+    rotate_covariance,
+)
 from lta_control.laws.protocol import ControlMotion
 from lta_control.per_rotor import pad_to_slots, PerRotor
 from lta_control.reserve import ReserveReport
-from lta_control.sighting import DeadReckonedMotion, LampPosition
+from lta_control.sighting import LampPosition
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
 from nav_msgs.msg import Odometry
 import numpy as np
+from numpy.typing import NDArray
 from sensor_msgs.msg import FluidPressure, Imu, JointState, PointCloud2, Range
 
 BAROMETER = 30e3, 125e3  # Pa, the range of the BMP388
@@ -25,12 +38,14 @@ HARDEST_PULL = 400.0  # m/s2; it measures 24 g
 FARTHEST = (
     100.0  # m; upper bound for the range finder of a small drone, whatever the message declares
 )
-UNKNOWN = -1.0  # in the first element of a covariance: the field is unknown (as in REP-145)
 ROW = ('x', 'y', 'amplitude')  # fields read from a diode's point
-DRIFT = 0.1  # of the dead-reckoned position [m/s]: an assumption
-START_SIGMA = 0.01  # of the origin of the position [m]: an assumption
 YAW_DRIFT = 1e-3  # of the heading after the calibration [rad/s]: an assumption
-SPEED_SIGMA = 0.1  # of the airspeed [m/s]: an assumption, checked by the report
+# Of the range finder's constant offset [m]: an assumption, within the 2 cm of the VL53L1x
+RANGE_OFFSET = 0.01
+# Of the altitude filter's variance of the climb rate. Its acceleration noise covers faults of the
+# model; docs/control.md has the measured errors.
+CLIMB_SHARE = 0.2
+TILT_SIGMA = 0.015  # [rad] of the tilt, which turns the velocity: measured in flights
 
 
 def to_inputs(step: InboxStep, commanded: PerRotor) -> EstimatorInputs:
@@ -80,37 +95,95 @@ def is_valid_command(motors: JointState, names: list[str]) -> bool:
     return ours and all(-1.0 <= duty <= 1.0 for duty in motors.effort)  # NaN compares false
 
 
-def from_estimate(stamp: Time, estimate: MotionEstimate) -> Odometry:
-    """Return the estimate as a message; covariance[0] is -1 while the biases are calibrated."""
+def from_estimate(stamp: Time, estimate: MotionEstimate, ground: GroundMotion) -> Odometry:
+    """Return the motion over ground; variances are huge while the biases are calibrated."""
     message = Odometry()
     message.header.stamp = stamp
     message.header.frame_id = 'odom'
     message.child_frame_id = 'base_link'
     pose, twist = message.pose.pose, message.twist.twist
     p, q = pose.position, pose.orientation
-    p.x, p.y = estimate.position
+    p.x, p.y = ground.position
     p.z = estimate.altitude.height
     q.x, q.y, q.z, q.w = estimate.attitude
     v, w = twist.linear, twist.angular
+    v.x, v.y, v.z = message_rounding.ground_velocity(estimate, ground)
+    w.x, w.y, w.z = estimate.rates
+    if not estimate.ready:
+        message.pose.covariance = _unknown_covariance()
+        message.twist.covariance = _unknown_covariance()
+        return message
+    pose_covariance = _build_covariance(ground.position_covariance)
+    pose_covariance[14] = estimate.altitude.p[0] + RANGE_OFFSET**2
+    # [rad2] Roll and pitch are bounded by gravity; yaw drifts with the gyroscope
+    pose_covariance[21] = pose_covariance[28] = 0.02**2
+    pose_covariance[35] = (YAW_DRIFT * estimate.flown) ** 2
+    message.pose.covariance = pose_covariance
+    yaw = yaw_from_quaternion(estimate.attitude)
+    message.twist.covariance = _build_twist_covariance(
+        rotate_covariance(ground.velocity_covariance, yaw), ground.velocity, estimate
+    )
+    return message
+
+
+def from_airspeed(
+    stamp: Time, estimate: MotionEstimate, ground: GroundMotion
+) -> TwistWithCovarianceStamped:
+    """Return the velocity through the air and the rates; the covariance accounts for wind."""
+    message = TwistWithCovarianceStamped()
+    message.header.stamp = stamp
+    message.header.frame_id = 'base_link'
+    twist = message.twist.twist
+    v, w = twist.linear, twist.angular
     v.x, v.y, v.z = message_rounding.air_relative_velocity(estimate)
     w.x, w.y, w.z = estimate.rates
-    pose_covariance = np.zeros(36)
-    twist_covariance = np.zeros(36)
     if not estimate.ready:
-        pose_covariance[0] = twist_covariance[0] = UNKNOWN
-    else:
-        # Row-major 6 x 6, order x y z roll pitch yaw: diagonal at 0, 7, 14, 21, 28, 35
-        pose_covariance[0] = pose_covariance[7] = START_SIGMA**2 + (DRIFT * estimate.flown) ** 2
-        pose_covariance[14] = estimate.altitude.p[0]
-        # [rad2] Roll and pitch are bounded by gravity; yaw drifts with the gyroscope
-        pose_covariance[21] = pose_covariance[28] = 0.02**2
-        pose_covariance[35] = (YAW_DRIFT * estimate.flown) ** 2
-        twist_covariance[0] = twist_covariance[7] = SPEED_SIGMA**2
-        twist_covariance[14] = estimate.altitude.p[3]
-        twist_covariance[21] = twist_covariance[28] = twist_covariance[35] = 1e-4
-    message.pose.covariance = pose_covariance
-    message.twist.covariance = twist_covariance
+        message.twist.covariance = _unknown_covariance()
+        return message
+    yaw = yaw_from_quaternion(estimate.attitude)
+    xx, xy, yy = rotate_covariance(ground.airspeed_covariance, yaw)
+    # The law's airspeed is not that of the ground filter: their difference counts as error
+    x, y = ground.airspeed
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    ahead, aside = v.x - (cos * x + sin * y), v.y - (cos * y - sin * x)
+    planar = xx + ahead * ahead, xy + ahead * aside, yy + aside * aside
+    message.twist.covariance = _build_twist_covariance(planar, (x, y), estimate)
     return message
+
+
+def _unknown_covariance() -> NDArray[np.float64]:
+    return UNKNOWN_VARIANCE * np.eye(6).ravel()
+
+
+def _build_covariance(planar: tuple[float, float, float]) -> NDArray[np.float64]:
+    """Return a row-major 6 x 6 covariance, with xx, xy and yy."""
+    # Order x y z roll pitch yaw: diagonal at 0, 7, 14, 21, 28, 35
+    covariance = np.zeros(36)
+    covariance[0], covariance[1], covariance[7] = planar
+    covariance[6] = planar[1]
+    return covariance
+
+
+def _build_twist_covariance(
+    planar: tuple[float, float, float], velocity: tuple[float, float], estimate: MotionEstimate
+) -> NDArray[np.float64]:
+    """Return the covariance of a twist in the body frame, from that of its level part."""
+    covariance = _build_covariance(planar)
+    square = velocity[0] * velocity[0] + velocity[1] * velocity[1]
+    covariance[14] = CLIMB_SHARE * estimate.altitude.p[3] + TILT_SIGMA**2 * square
+    covariance[21] = covariance[28] = covariance[35] = 1e-4
+    return covariance
+
+
+def to_air_velocity(odom: Odometry, airspeed: TwistWithCovarianceStamped | None) -> Vector:
+    """
+    Return the velocity through the air, body frame. [m/s]
+
+    Without an airspeed, that of `odom`: recordings of earlier versions have the velocity through
+    the air there, and without wind it is that over ground.
+    """
+    v = (odom if airspeed is None else airspeed).twist.twist.linear
+    return v.x, v.y, v.z
 
 
 def to_attitude(message: Odometry) -> Quaternion:
@@ -119,24 +192,26 @@ def to_attitude(message: Odometry) -> Quaternion:
     return q.x, q.y, q.z, q.w
 
 
-def to_cascade_measurement(message: Odometry) -> CascadeMeasurement | None:
+def to_cascade_measurement(
+    odom: Odometry, airspeed: TwistWithCovarianceStamped | None = None
+) -> CascadeMeasurement | None:
     """Return the input of the cascade, or None while the estimate is unknown."""
-    if message.pose.covariance[0] == UNKNOWN:
+    if not is_known(odom.pose.covariance[0]):
         return None
-    linear, angular = message.twist.twist.linear, message.twist.twist.angular
+    angular = odom.twist.twist.angular
     return message_rounding.build_measurement(
-        to_attitude(message),
-        message.pose.pose.position.z,
-        (linear.x, linear.y, linear.z),
+        to_attitude(odom),
+        odom.pose.pose.position.z,
+        to_air_velocity(odom, airspeed),
         (angular.x, angular.y, angular.z),
     )
 
 
-def to_motion(message: Odometry) -> ControlMotion:
-    """Return an estimate as input of a control law."""
-    p = message.pose.pose.position
-    v, w = message.twist.twist.linear, message.twist.twist.angular
-    return ControlMotion((p.x, p.y, p.z), to_attitude(message), (v.x, v.y, v.z), (w.x, w.y, w.z))
+def to_motion(odom: Odometry, airspeed: TwistWithCovarianceStamped | None) -> ControlMotion:
+    """Return an estimate as input of a control law, with the velocity through the air."""
+    p, w = odom.pose.pose.position, odom.twist.twist.angular
+    velocity = to_air_velocity(odom, airspeed)
+    return ControlMotion((p.x, p.y, p.z), to_attitude(odom), velocity, (w.x, w.y, w.z))
 
 
 def is_overturned(message: Odometry, limit: float) -> bool:
@@ -177,14 +252,6 @@ def from_duties(stamp: Time, names: list[str], duties: tuple[float, ...]) -> Joi
     return message
 
 
-def to_dead_reckoning(message: Odometry) -> DeadReckonedMotion:
-    """Return the drone's dead-reckoned motion."""
-    place, speed = message.pose.pose.position, message.twist.twist.linear
-    return DeadReckonedMotion(
-        yaw_from_quaternion(to_attitude(message)), place.x, place.y, speed.x, speed.y
-    )
-
-
 def update_reserve_report(before: ReserveReport | None, step: InboxStep) -> ReserveReport | None:
     """
     Return the energy monitor's latest report, stamped when its reserve message came.
@@ -206,7 +273,7 @@ def update_reserve_report(before: ReserveReport | None, step: InboxStep) -> Rese
 
 def to_lamp(message: PoseWithCovarianceStamped | None) -> LampPosition | None:
     """Return the lamp in the body frame, or None where it is not seen."""
-    if message is None or message.pose.covariance[0] == UNKNOWN:
+    if message is None or not is_known(message.pose.covariance[0]):
         return None
     place, covariance = message.pose.pose.position, message.pose.covariance
     # xx, xy, yy of the row-major 6 x 6 matrix
@@ -236,3 +303,22 @@ def to_diodes(
         return (), ()
     axes = tuple(map(tuple, row[:, [places['x'], places['y']]].tolist()))
     return axes, tuple(row[:, places['amplitude']].tolist())
+
+
+def to_sighting(
+    lamp: PoseWithCovarianceStamped | None, peaks: PointCloud2 | None, age: float
+) -> LampSighting | None:
+    """Return the lamp as the estimator uses it; `age` is the time since mid-block [s]."""
+    if lamp is None or peaks is None:
+        return None
+    axes, amplitudes = to_diodes(peaks)
+    return build_sighting(to_lamp(lamp), axes, amplitudes, to_frequencies(peaks), age)
+
+
+def to_frequencies(message: PointCloud2) -> tuple[float, ...]:
+    """Return the frequency of the requested beacon at each diode. [Hz]"""
+    places = {field.name: field.offset // 4 for field in message.fields}
+    if 'frequency' not in places or message.point_step % 4 or message.height == 0:
+        return ()
+    words = np.frombuffer(message.data, dtype='<f4').reshape(-1, message.point_step // 4)
+    return tuple(words[: message.width, places['frequency']].tolist())

@@ -3,6 +3,8 @@
 import math
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from geometry_msgs.msg import TwistWithCovarianceStamped
+from lta_config.covariances import is_known
 from lta_energy.monitoring.estimate import EnergyEstimate
 from lta_energy.monitoring.monitor import MonitorSettings
 from lta_energy.monitoring.power_system import PowerSystem
@@ -16,7 +18,6 @@ from sensor_msgs.msg import BatteryState, Illuminance
 from std_msgs.msg import Bool
 
 SECONDS_PER_HOUR = 3600.0
-UNKNOWN = -1.0  # in the first element of a covariance: the estimator is still learning
 
 
 def to_reading(
@@ -24,6 +25,7 @@ def to_reading(
     panel: BatteryState | None,
     light: Illuminance | None,
     odom: Odometry | None,
+    airspeed: TwistWithCovarianceStamped | None,
 ) -> MeterReading:
     """Convert the messages of the meters to a reading; NaN for those not received yet."""
     stamp = battery.header.stamp
@@ -34,15 +36,18 @@ def to_reading(
         panel_voltage=math.nan if panel is None else panel.voltage,
         panel_current=math.nan if panel is None else panel.current,
         illuminance=math.nan if light is None else light.illuminance,
-        where=None if odom is None else to_travel_state(odom),
+        where=None if odom is None else to_travel_state(odom, airspeed),
     )
 
 
-def to_travel_state(odom: Odometry) -> TravelState | None:
-    """Return distance from the start and speed; None while the estimator is not ready."""
-    if odom.pose.covariance[0] == UNKNOWN:
+def to_travel_state(
+    odom: Odometry, airspeed: TwistWithCovarianceStamped | None
+) -> TravelState | None:
+    """Return distance from the start over ground, and airspeed; None while they are unknown."""
+    if not is_known(odom.pose.covariance[0]):
         return None
-    place, speed = odom.pose.pose.position, odom.twist.twist.linear
+    # Recordings of version 1.0 have the airspeed in `odom`
+    place, speed = odom.pose.pose.position, (airspeed or odom).twist.twist.linear
     return TravelState(math.hypot(place.x, place.y), math.hypot(speed.x, speed.y))
 
 

@@ -18,11 +18,13 @@ from lta_config.topics import TopicTable
 from lta_control import message_rounding
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.estimator import MotionEstimate
+from lta_control.ground_motion import build_sighting, ground_step, GroundMotion, LampSighting
 from lta_control.guidance import Guidance
 from lta_control.law_autopilot import LawAutopilot
 from lta_control.phases import Mission
 from lta_control.reserve import ReserveReport
 from lta_control.sighting import build_sight, DeadReckonedMotion, LampPosition
+from lta_control.vehicle_parameters import build_estimator_model
 from lta_energy.monitoring.estimate import EnergyEstimate as Known
 from lta_energy.monitoring.monitor import update_estimate
 from lta_energy.monitoring.power_system import PowerSystem
@@ -108,6 +110,8 @@ class ClosedLoop:
         The vehicle as the drone knows it.
     readings, estimate, duties : SensorReadings, MotionEstimate, tuple of float
         Sensor readings, estimate and duties of the newest step.
+    ground : GroundMotion
+        The motion over ground of the newest step; not with `motion_only`.
     light, asked : LightObservation, Setpoint
         The newest light block, and the navigator's setpoint after it; None before the first one.
     setpoint : Setpoint or None
@@ -139,6 +143,9 @@ class ClosedLoop:
         vehicle = self.nominal_vehicle = nominal_vehicle or Vehicle(world.vehicle.file)
         dt = table.control_ns * 1e-9
         self.autopilot = build_autopilot(policy, vehicle, dt)
+        self.ground = GroundMotion()
+        self._hull, self._dt = build_estimator_model(vehicle).hull, dt
+        self._sighting: LampSighting | None = None  # for the next step, as its messages would
         self._aboard = PowerSystem.from_entry(vehicle.file.energy)
         diodes = build_diode_array(vehicle.file.sensors.diodes)
         self._ring = diodes.ring
@@ -225,6 +232,7 @@ class ClosedLoop:
         self._estimate_and_control(readings)
         if self._motion_only:
             return
+        self._estimate_ground_motion(readings)
         self._reckoned.append(self.autopilot.dead_reckoning)
         if readings.block is not None and course is None:
             self._navigate(*readings.block)
@@ -248,6 +256,19 @@ class ClosedLoop:
             # The estimator must know the duties that act, not those commanded
             self.autopilot.record_applied_duties(self.duties)
 
+    def _estimate_ground_motion(self, readings: SensorReadings) -> None:
+        """Run the filter of the motion over ground, which the flight does not depend on."""
+        if all(map(math.isfinite, (*readings.rates, *readings.force))):
+            self.ground = ground_step(
+                self.policy.estimator.ground,
+                self._hull,
+                self.ground,
+                self.autopilot.modelled_motion,
+                self._sighting,
+                self._dt,
+            )
+        self._sighting = None
+
     def measured_state(self) -> CascadeMeasurement | None:
         """Return the state that the controller uses; None until the estimator is ready."""
         return self.autopilot.measurement
@@ -266,6 +287,11 @@ class ClosedLoop:
         # Message fields of type float32
         amplitudes = tuple(peaks.amplitude.astype(np.float32).tolist())
         lamp = None if where is None else to_lamp_position(where)
+        frequencies = tuple(peaks.frequency.astype(np.float32).tolist())
+        middle_ns = stamp_ns + self._table['photodiodes'].period_ns // 2
+        # The estimator gets the block one control period after its end
+        age = (self.world.stamp_ns + self._table.control_ns - middle_ns) * 1e-9
+        self._sighting = build_sighting(lamp, self._axes, amplitudes, frequencies, age)
         scale = self.world.diode_scale
         sight = build_sight(lamp, self._axes, amplitudes, self._reckoned[0], self._block, scale)
         policy, report = self.policy, None
@@ -278,12 +304,12 @@ class ClosedLoop:
         )  # fmt: skip
 
     def _travel_state(self) -> TravelState | None:
-        """Return distance from the start and speed as in odom; None without an estimate."""
+        """Return distance from the start over ground, and airspeed; None without an estimate."""
         if self.measured_state() is None:
             return None
         reckoned = self._reckoned[-1]
         return TravelState(
-            math.hypot(reckoned.x, reckoned.y), math.hypot(reckoned.forward, reckoned.left)
+            math.hypot(*self.ground.position), math.hypot(reckoned.forward, reckoned.left)
         )
 
     def _update_energy(self, readings: SensorReadings) -> None:

@@ -10,7 +10,7 @@ from lta_bridge.description.messages import iterate_descriptions
 from lta_bridge.log_time_assigner import LogTimeAssigner
 from lta_config.topics import robot_topic, TopicTable
 from lta_control.cascade import Setpoint
-from lta_control.messages import from_duties, from_estimate, from_setpoint
+from lta_control.messages import from_airspeed, from_duties, from_estimate, from_setpoint
 from lta_energy.messages import from_charge, from_energy_balance, from_reserve
 from lta_energy.monitoring.power_system import PowerSystem
 from lta_energy.monitoring.report import report_energy
@@ -76,7 +76,8 @@ class LoopRecorder:
         loop, readings = self._loop, self._loop.readings
         stamp = to_stamp(readings.stamp_ns)
         self._write_motion(readings)
-        odom = from_estimate(stamp, loop.estimate)
+        self._write_message('airspeed', from_airspeed(stamp, loop.estimate, loop.ground))
+        odom = from_estimate(stamp, loop.estimate, loop.ground)
         self._write_message('odom', odom)
         self._write_message('/tf', from_odometry(odom))
         self._write_message('motors', from_duties(stamp, self._rotors, loop.duties))

@@ -4,6 +4,7 @@ import array
 from collections.abc import Sequence
 
 from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3Stamped
+from lta_config.covariances import UNKNOWN_VARIANCE
 from lta_vlc.bearing import Bearing
 from lta_vlc.demodulation import Peaks
 from lta_vlc.diodes import Axis
@@ -14,7 +15,6 @@ from sensor_msgs.msg import Image, PointCloud2, PointField
 from std_msgs.msg import Header
 
 FIELDS = ('x', 'y', 'z', 'amplitude', 'snr', 'frequency')
-UNKNOWN = -1.0  # in covariance[0]: no lamp is seen
 
 
 def to_block(message: Image) -> NDArray[np.uint16]:
@@ -62,11 +62,11 @@ def from_bearing(header: Header, bearing: Bearing | None) -> Vector3Stamped:
 
 
 def from_lamp(header: Header, lamp: LampEstimate | None) -> PoseWithCovarianceStamped:
-    """Return the lamp in the body frame; covariance[0] is -1 if none is detected."""
+    """Return the lamp in the body frame; its variances are huge if none is detected."""
     message = PoseWithCovarianceStamped(header=header)
     covariance = np.zeros((6, 6))
     if lamp is None:
-        covariance[0, 0] = UNKNOWN
+        covariance[:3, :3] = UNKNOWN_VARIANCE * np.eye(3)
     else:
         position = message.pose.pose.position
         position.x, position.y, position.z = lamp[:3]

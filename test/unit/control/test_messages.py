@@ -3,10 +3,12 @@
 import math
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from lta_config.covariances import UNKNOWN_VARIANCE
 from lta_control.airspeed import AirspeedEstimate
 from lta_control.altitude import AltitudeEstimate
 from lta_control.cascade import Setpoint
 from lta_control.estimator import MotionEstimate
+from lta_control.ground_motion import GroundMotion
 from lta_control.message_rounding import (
     air_relative_velocity,
     build_setpoint,
@@ -16,20 +18,22 @@ from lta_control.message_rounding import (
     round_to_float32,
 )
 from lta_control.messages import (
+    from_airspeed,
     from_duties,
     from_estimate,
     from_setpoint,
     is_overturned,
+    to_air_velocity,
     to_cascade_measurement,
     to_distance,
     to_duties,
     to_setpoint,
-    UNKNOWN,
     update_reserve_report,
 )
 from lta_control.per_rotor import NONE, pad_to_slots
 from lta_control.reserve import ReserveReport
 from lta_graph.inbox import InboxStep
+import numpy as np
 import pytest
 from sensor_msgs.msg import JointState, Range
 from std_msgs.msg import Bool
@@ -45,31 +49,84 @@ FLYING = MotionEstimate(
 )
 
 
-def odometry(estimate):
-    return from_estimate(Range().header.stamp, estimate)
+WIND_X, WIND_Y = -0.3, 0.1
+# Drift of 0.2 m/s back and 0.1 m/s to the left, known within 0.05 and 0.1 m/s; wind within 0.1 m/s
+VARIANCES = (0.04, 0.09, 0.0025, 0.01, 0.01, 0.01, 0.0, 0.0, 0.0)
+GROUND = GroundMotion(
+    (2.0, 1.0, -0.2, 0.1, WIND_X, WIND_Y, 0.0, 0.0, 0.0),
+    tuple(tuple(row) for row in np.diag(VARIANCES).tolist()),
+    air=(0.4, 0.05),
+)
+
+
+def odometry(estimate, ground=GROUND):
+    return from_estimate(Range().header.stamp, estimate, ground)
+
+
+def air(estimate, ground=GROUND):
+    return from_airspeed(Range().header.stamp, estimate, ground)
 
 
 def test_the_twist_is_in_the_body_frame():
     """Nose down by 0.3: 0.4 m/s ahead sinks, so a climb of 0.1 m/s needs that much more heave."""
     by_hand = (0.1 + 0.4 * math.sin(PITCH)) / math.cos(PITCH)
     assert air_relative_velocity(FLYING)[2] == pytest.approx(by_hand)
-    assert odometry(FLYING).twist.twist.linear.z == pytest.approx(by_hand)
+    message = air(FLYING).twist.twist
+    assert message.linear.z == pytest.approx(by_hand)
+    assert (message.linear.x, message.linear.y, message.angular.z) == (0.4, 0.05, 0.03)
+
+
+def test_odom_has_the_velocity_over_ground():
+    """0.2 m/s ahead and 0.15 m/s to the left at a climb of 0.1 m/s, seen with the nose down."""
+    twist = odometry(FLYING).twist
+    v = twist.twist.linear
+    cos, sin = math.cos(PITCH), math.sin(PITCH)
+    assert (v.x, v.y) == pytest.approx((0.2 * cos - 0.1 * sin, 0.15))
+    assert v.z == pytest.approx(0.2 * sin + 0.1 * cos)
+    assert twist.covariance[0] == pytest.approx(0.0025)
+    assert twist.covariance[7] == pytest.approx(0.01)
+
+
+def test_a_covariance_turns_with_the_nose():
+    left = (0.0, 0.0, math.sin(math.pi / 4), math.cos(math.pi / 4))
+    covariance = odometry(FLYING._replace(attitude=left)).twist.covariance
+    assert (covariance[0], covariance[7]) == pytest.approx((0.01, 0.0025))
+
+
+def test_the_covariance_of_the_airspeed_counts_what_the_filter_knows_better():
+    """The filter has 0.5 and 0.05 m/s through the air, the law 0.4 and 0.05 m/s."""
+    covariance = air(FLYING).twist.covariance
+    assert covariance[0] == pytest.approx(0.0025 + 0.01 + 0.1**2)
+    assert covariance[7] == pytest.approx(0.01 + 0.01 + 0.0**2)
+
+
+def test_an_old_recording_has_the_airspeed_in_odom():
+    message = odometry(FLYING)
+    v = message.twist.twist.linear
+    assert to_air_velocity(message, air(FLYING)) == air_relative_velocity(FLYING)
+    assert to_air_velocity(message, None) == (v.x, v.y, v.z)
 
 
 def test_the_climb_comes_back():
-    measured = to_cascade_measurement(odometry(FLYING))
+    measured = to_cascade_measurement(odometry(FLYING), air(FLYING))
     assert measured.climb == pytest.approx(0.1)
     assert measured == pytest.approx((0.5, 0.1, 0.0, 0.03, 0.4, 0.05, 0.02), abs=1e-12)
 
 
 def test_an_estimate_that_is_not_ready_is_unknown():
     message = odometry(MotionEstimate())
-    assert message.pose.covariance[0] == UNKNOWN
+    assert to_cascade_measurement(message) is None
+    # As RViz and fusion nodes read it: known to a kilometre
+    for covariance in (message.pose.covariance, message.twist.covariance):
+        assert np.diag(covariance.reshape(6, 6)).tolist() == [UNKNOWN_VARIANCE] * 6
+    message.pose.covariance[0] = -1.0  # in old recordings
     assert to_cascade_measurement(message) is None
 
 
-def test_dead_reckoning_says_how_far_off_it_may_be():
-    assert odometry(FLYING).pose.covariance[0] == pytest.approx(0.01**2 + 1.0)  # 0.1 m/s, 10 s
+def test_the_position_says_how_far_off_it_may_be():
+    pose = odometry(FLYING).pose
+    assert (pose.pose.position.x, pose.pose.position.y) == (2.0, 1.0)
+    assert (pose.covariance[0], pose.covariance[7]) == (0.04, 0.09)
 
 
 @pytest.mark.parametrize('distance', [0.039, 4.01, math.inf, -math.inf, math.nan, 0.0])
@@ -138,7 +195,8 @@ def test_the_climb_rate_of_a_rolled_vehicle_includes_its_sway():
     rolled = FLYING._replace(attitude=(math.sin(roll / 2), 0.0, 0.0, math.cos(roll / 2)))
     heave = (0.1 - 0.05 * math.sin(roll)) / math.cos(roll)
     assert air_relative_velocity(rolled) == pytest.approx((0.4, 0.05, heave))
-    assert to_cascade_measurement(odometry(rolled)).climb == pytest.approx(0.1)
+    measured = to_cascade_measurement(odometry(rolled), air(rolled))
+    assert measured.climb == pytest.approx(0.1)
 
 
 def energy(stamp, reserve=None, level=None, why=''):

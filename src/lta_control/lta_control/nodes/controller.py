@@ -8,7 +8,7 @@ has overturned, the duties stay zero.
 
 import math
 
-from geometry_msgs.msg import PoseStamped, TwistStamped
+from geometry_msgs.msg import PoseStamped, TwistStamped, TwistWithCovarianceStamped
 from lta_config.settings import setting, Settings
 from lta_control.allocation import create_working_array
 from lta_control.cascade import CascadeGains, CascadeMeasurement, Setpoint
@@ -96,6 +96,7 @@ class Controller(GraphNode):
         self._law = None if name == CASCADE else OnboardLaw(name, vehicle)
         self._memory = ControlMemory()
         self._scratch = create_working_array()
+        self._airspeed: TwistWithCovarianceStamped | None = None
         self._pose: PoseStamped | None = None
         self._velocity: TwistStamped | None = None
         self._last_ns: int | None = None
@@ -134,7 +135,8 @@ class Controller(GraphNode):
         odom = step.last_message('odom')
         self._pose = step.last_message('setpoint/pose') or self._pose
         self._velocity = step.last_message('setpoint/velocity') or self._velocity
-        measured = to_cascade_measurement(odom)
+        self._airspeed = step.last_message('airspeed') or self._airspeed
+        measured = to_cascade_measurement(odom, self._airspeed)
         overturned = measured is not None and is_overturned(odom, self._settings.value.tilt_limit)
         if self._armed and overturned:
             self._stop_motors(
@@ -166,7 +168,7 @@ class Controller(GraphNode):
             return self._reset_to_zero('on the ground')
         dt = step_duration(self._last_ns, now_ns, self.table.control_ns)
         if self._law is not None:
-            return self._law.step(to_motion(odom), setpoint, dt).duties
+            return self._law.step(to_motion(odom, self._airspeed), setpoint, dt).duties
         duties, self._memory = control_step(
             self._settings.value.gains,
             self._rotors,

@@ -5,17 +5,26 @@ Each estimate is published twice: on `odom`, and as the transform odom -> base_l
 """
 
 import math
+from typing import Any
 
 from lta_config.settings import setting
 from lta_control.bias_calibration import is_tilted, is_turning, largest_deviation, MOST_RATE
 from lta_control.control import step_duration
 from lta_control.estimator import estimator_step, EstimatorModel, EstimatorSettings, MotionEstimate
+from lta_control.ground_motion import (
+    ground_step,
+    GroundMotion,
+    LampSighting,
+    read_modelled_motion,
+)
 from lta_control.messages import (
+    from_airspeed,
     from_estimate,
     is_plausible_imu_sample,
     is_valid_command,
     to_duties,
     to_inputs,
+    to_sighting,
 )
 from lta_control.vehicle_parameters import build_estimator_model
 from lta_graph.health import HealthLevel
@@ -24,6 +33,7 @@ from lta_graph.ros.message_validation import has_message_type
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
+from lta_graph.ros.stamps import from_stamp
 from lta_graph.ros.transforms import from_odometry
 from lta_model.vehicle import load_vehicle
 
@@ -42,6 +52,7 @@ class Estimator(GraphNode):
 
     def __init__(self) -> None:
         super().__init__('estimator')
+        self._airspeed = self.create_output('airspeed')
         self._odom = self.create_output('odom')
         self._tf = (
             self.create_output('/tf') if has_message_type(self.table['/tf']) else None
@@ -52,6 +63,9 @@ class Estimator(GraphNode):
         self._names = vehicle.rotor_names
         self._body = build_estimator_model(vehicle)
         self._estimate = MotionEstimate()
+        self._ground = GroundMotion()
+        self._peaks: Any = None
+        self._half_block_ns = self.table['photodiodes'].period_ns // 2
         self._commanded = self._estimate.duties
         self._last_ns: int | None = None
         self._refused = 0
@@ -73,17 +87,37 @@ class Estimator(GraphNode):
             self._last_ns = step.stamp_ns
             settings = self._settings.value
             self._estimate = estimator_step(settings, self._body, self._estimate, inputs, dt)
+            self._ground = ground_step(
+                settings.ground,
+                self._body.hull,
+                self._ground,
+                read_modelled_motion(self._estimate),
+                self._read_sighting(step),
+                dt,
+            )
         else:
             # The estimate is published unchanged, so that the graph does not stop
             self._refused += 1
             text = 'ignored an IMU sample with impossible values; check the IMU'
             self.health.report('imu', HealthLevel.ERROR, text, refused=self._refused)
-        odom = from_estimate(step.last_message('imu').header.stamp, self._estimate)
+        stamp = step.last_message('imu').header.stamp
+        # First the airspeed: whoever acts on `odom` wants both
+        self._airspeed.publish(from_airspeed(stamp, self._estimate, self._ground))
+        odom = from_estimate(stamp, self._estimate, self._ground)
         self._odom.publish(odom)
         if self._tf is not None:
             self._tf.publish(from_odometry(odom, self._prefix))
         if learning:
             self.health.report('estimate', *describe_calibration(self._estimate, self._body))
+
+    def _read_sighting(self, step: InboxStep) -> LampSighting | None:
+        """Return the lamp in the light block that has come, if any."""
+        self._peaks = step.last_valid('light/peaks') or self._peaks
+        lamp = step.last_valid('light/estimate')
+        if lamp is None or self._peaks is None or self._peaks.header.stamp != lamp.header.stamp:
+            return None
+        middle_ns = from_stamp(lamp.header.stamp) + self._half_block_ns
+        return to_sighting(lamp, self._peaks, (step.stamp_ns - middle_ns) * 1e-9)
 
 
 def describe_calibration(

@@ -1,14 +1,14 @@
 """Navigator node: convert the light estimate to heading, altitude and speed."""
 
-from collections import deque
-
 from lta_config.settings import setting
+from lta_control.air_reckoning import AirReckoning
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.guidance import Guidance
 from lta_control.messages import (
     from_setpoint,
+    to_air_velocity,
+    to_attitude,
     to_cascade_measurement,
-    to_dead_reckoning,
     to_diodes,
     to_lamp,
     update_reserve_report,
@@ -22,18 +22,18 @@ from lta_control.reserve import (
     ReserveResponseSettings,
 )
 from lta_control.reserve_policy import check_reserve
-from lta_control.sighting import build_sight, DeadReckonedMotion
+from lta_control.sighting import build_sight
 from lta_control.strategies import check_route, find_navigation_strategy
 from lta_control.strategies.protocol import LightMeasurement
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
+from lta_graph.ros.message_pairing import MessagePairing
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
-from lta_graph.ros.stamps import find_nearest_message
+from lta_graph.ros.stamps import from_stamp
 from lta_model.light.gain_selection import compute_gain_scale
 from lta_model.scenario import load_course, load_route
-from nav_msgs.msg import Odometry
 from std_msgs.msg import Float64
 
 
@@ -73,19 +73,26 @@ class Navigator(GraphNode):
         self._word: ReserveReport | None = None  # latest energy report; None: stay on the ground
         light = self.table['photodiodes']
         self._block_ns = light.period_ns
+        self._measured: CascadeMeasurement | None = None
         # Three blocks of estimates: the light of a block arrives after its end
-        self._history: deque[Odometry] = deque(maxlen=3 * self._block_ns // self.table.control_ns)
+        control_ns = self.table.control_ns
+        self._reckoning = AirReckoning(control_ns, 3 * self._block_ns // control_ns)
+        self._airspeeds = MessagePairing()
         inputs = self.table.read_by('navigator')
         self.subscribe_inputs(inputs, trigger='light/estimate', on_step=self._on_step)
 
     def _on_step(self, step: InboxStep) -> None:
-        self._history.extend(step.valid['odom'])
+        for odom, airspeed in self._airspeeds.pair_messages(
+            step.valid['odom'], step.valid['airspeed']
+        ):
+            self._measured = to_cascade_measurement(odom, airspeed)
+            velocity, stamp_ns = to_air_velocity(odom, airspeed), from_stamp(odom.header.stamp)
+            self._reckoning.add_motion(stamp_ns, to_attitude(odom), velocity)
         self._word = update_reserve_report(self._word, step)
-        if not self._history and not self.lockstep:
+        if not self._reckoning.history and not self.lockstep:
             return  # light may arrive before an estimate; in lockstep every node answers
         estimate = step.last_message('light/estimate')
-        measured = to_cascade_measurement(self._history[-1]) if self._history else None
-        setpoint = self._compute_setpoint(step, measured)
+        setpoint = self._compute_setpoint(step, self._measured)
         pose, velocity = from_setpoint(estimate.header.stamp, setpoint)
         self._pose.publish(pose)
         self._velocity.publish(velocity)
@@ -135,15 +142,13 @@ class Navigator(GraphNode):
     def _build_sight(self, step: InboxStep) -> LightMeasurement:
         """Return the light with the drone's motion at the middle of its block."""
         # A block is stamped with its first sample; the bearing is that of its middle
-        then = find_nearest_message(self._history, step.stamp_ns + self._block_ns // 2)
+        then = self._reckoning.find_nearest(step.stamp_ns + self._block_ns // 2)
         axes, amplitudes = to_diodes(step.last_valid('light/peaks'))
         return build_sight(
             to_lamp(step.last_valid('light/estimate')),
             axes,
             amplitudes,
-            DeadReckonedMotion(0.0, 0.0, 0.0, 0.0, 0.0)
-            if then is None
-            else to_dead_reckoning(then),
+            then,
             self._block_ns * 1e-9,
             self._scale,
         )

@@ -5,7 +5,7 @@ A channel is named by topic and field, `odom/pose.pose.position.x`. Some fields 
 quaternions to yaw, pitch and roll (`odom/pose.pose.orientation.yaw`), joint lists to one channel
 per joint (`motors/effort.left`), point lists to one per point (`light/peaks/snr[3]`), ADC blocks
 to mean, standard deviation, minimum and maximum of each diode. A quantity that its message
-declares unknown (in ROS, the first element of its covariance is -1) is NaN.
+declares unknown (see `lta_config.covariances`) is NaN.
 """
 
 from collections.abc import Callable, Collection, Iterator
@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import re
 from typing import Any, Final, final, NamedTuple
 
+from lta_config.covariances import find_known
 from lta_config.errors import BadInput
 from lta_data.bag.recorded_flight import RecordedFlight
 from lta_data.bag.series import TopicSeries
@@ -30,8 +31,6 @@ BLOCK: Final[dict[str, Callable[..., NDArray[Any]]]] = {
     'min': np.min,
     'max': np.max,
 }
-# sensor_msgs: -1 as the first covariance means that the quantity is not measured
-UNKNOWN: Final = -1.0
 HIDDEN: Final = re.compile(r'(^|\.)header\.|covariance(\[|$)|^(clock|stamp)\.')
 _ELEMENT: Final = re.compile(r'(.*)\[(\d+)\]')
 
@@ -141,7 +140,7 @@ def _find_valid_messages(series: TopicSeries, path: str) -> NDArray[np.bool_]:
     known = np.ones(len(series), dtype=np.bool_)
     for beside in (f'{first}_covariance[0]', f'{first}.covariance[0]'):
         if beside in series.numbers:
-            known &= series.numbers[beside] != UNKNOWN
+            known &= find_known(series.numbers[beside])
     return known
 
 

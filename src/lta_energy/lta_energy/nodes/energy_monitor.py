@@ -14,6 +14,7 @@ from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
 
 if TYPE_CHECKING:
+    from geometry_msgs.msg import TwistWithCovarianceStamped
     from lta_graph.inbox import InboxStep
     from nav_msgs.msg import Odometry
     from sensor_msgs.msg import BatteryState, Illuminance
@@ -41,6 +42,7 @@ class EnergyMonitor(GraphNode):
         self._panel: BatteryState | None = None
         self._light: Illuminance | None = None
         self._odom: Odometry | None = None
+        self._airspeed: TwistWithCovarianceStamped | None = None
         inputs = self.table.read_by('energy_monitor')
         self.subscribe_inputs(inputs, 'battery', self._on_step)
 
@@ -51,8 +53,11 @@ class EnergyMonitor(GraphNode):
         self._light = step.last_message('illuminance') or self._light
         if step.messages['odom']:
             self._odom = step.last_valid('odom')  # None: the position is unknown
+        self._airspeed = step.last_valid('airspeed') or self._airspeed
         settings, aboard = self._settings.value, self._aboard
-        reading = messages.to_reading(measured, self._panel, self._light, self._odom)
+        reading = messages.to_reading(
+            measured, self._panel, self._light, self._odom, self._airspeed
+        )
         self._estimate = estimate = update_estimate(settings, aboard, self._estimate, reading)
         report = report_energy(settings, aboard.cell, estimate)
         self._battery.publish(messages.from_charge(aboard.cell, estimate, measured))

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, final, NamedTuple
 
+from lta_config.covariances import find_known
 from lta_flight.replay.comparison import TopicComparison
 from lta_flight.replay.topic_messages import TopicMessages
 import numpy as np
@@ -87,8 +88,8 @@ def read_heading(messages: TopicMessages) -> Column:
 
 
 def read_lamp_visible(messages: TopicMessages) -> Column:
-    """Return 1 where a lamp is seen, else 0; a variance of -1 means that none is."""
-    found: Column = (messages.numbers['pose.covariance[0]'] >= 0.0).astype(np.float64)
+    """Return 1 where a lamp is seen, else 0; a huge or negative variance means that none is."""
+    found: Column = find_known(messages.numbers['pose.covariance[0]']).astype(np.float64)
     return found
 
 

@@ -9,8 +9,9 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import Any, Final, final
 
+from lta_config.covariances import find_known
 from lta_config.topics import load_topic_table
-from lta_data.bag.channels import UNKNOWN
+from lta_data.bag.airspeed import find_airspeed_topic
 from lta_data.bag.recorded_flight import PointSeries, RecordedFlight
 from lta_data.bag.series import TopicSeries
 from lta_data.scene import read_scene
@@ -35,6 +36,7 @@ from numpy.typing import NDArray
 TOGETHER: Final = (
     'ground_truth/odom',
     'odom',
+    'airspeed',
     'wind',
     'setpoint/pose',
     'setpoint/velocity',
@@ -134,8 +136,13 @@ class FlightView:
 
     @cached_property
     def estimate(self) -> MotionCurve:
-        """The estimated motion, aligned with the truth at the start."""
+        """The estimated motion, aligned with the truth at the start, with the airspeed."""
         motion = self._read_motion('odom')
+        topic = find_airspeed_topic(self.flight.topics)
+        if topic != 'odom':
+            airspeed = self.read_series(topic)
+            speed = np.interp(motion.time, airspeed.time, airspeed['twist.twist.linear.x'])
+            motion = motion._replace(speed=speed)
         return align_start(motion, self.truth) if self.has_topics('ground_truth/odom') else motion
 
     @cached_property
@@ -215,7 +222,7 @@ class FlightView:
         series = self.read_series('light/estimate')
         place = series.vector('pose.pose.position')
         # The variance marks a block without a lamp
-        seen = series['pose.covariance[0]'] != UNKNOWN
+        seen = find_known(series['pose.covariance[0]'])
         return DirectionCurve(
             series.time + self.half_block_time,
             vector_directions(np.where(seen[:, None], place, 0.0)),

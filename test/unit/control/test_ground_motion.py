@@ -1,0 +1,169 @@
+"""The filter of the motion over ground, by hand calculations and by a simulation of its own."""
+
+import math
+
+from lta_control.airspeed import HullDragModel
+from lta_control.ground_motion import (
+    build_sighting,
+    ground_step,
+    GroundMotion,
+    GroundSettings,
+    LampSighting,
+    ModelledMotion,
+    rotate_covariance,
+    TRUSTED,
+)
+from lta_control.sighting import LampPosition
+import numpy as np
+import pytest
+
+DT = 0.01
+SETTINGS = GroundSettings()
+MASS, DRAG = 0.55, 0.092
+HULL = HullDragModel((MASS, MASS), (0.0, 0.0), (DRAG, DRAG))
+AXES = tuple((math.cos(a), math.sin(a)) for a in np.arange(8) * math.pi / 4)
+
+
+def fly(seconds, motion, state=None, settings=SETTINGS, sighting=lambda _: None):
+    """Return the state after a steady modelled motion."""
+    state = state or GroundMotion()
+    for k in range(round(seconds / DT)):
+        state = ground_step(settings, HULL, state, motion, sighting(k), DT)
+    return state
+
+
+def resting(ready=True):
+    return ModelledMotion(ready, 0.0, 0.0, 0.0, 0.0)
+
+
+def test_a_calm_air_that_is_certain_gives_dead_reckoning():
+    settings = GroundSettings(wind=0.0, gusts=0.0, thrust_noise=0.0)
+    state = fly(10.0, ModelledMotion(True, math.pi / 2, 0.0, 0.5, 0.1), settings=settings)
+    # Nose to the left: surge is along y, sway along -x
+    assert state.velocity == pytest.approx((-0.1, 0.5))
+    assert state.position == pytest.approx((-1.0, 5.0))
+    assert max(state.velocity_covariance) == pytest.approx(0.0, abs=1e-12)
+    # The origin by 1 cm, and 3 cm in a second
+    assert state.position_covariance[0] == pytest.approx(0.01**2 + 10 * 0.03**2)
+
+
+def test_position_and_frame_begin_when_the_biases_are_known():
+    state = fly(3.0, resting(ready=False))
+    assert state.position == (0.0, 0.0)
+    assert state.mean[2:4] == (0.0, 0.0)
+
+
+def test_without_a_lamp_the_velocity_is_as_uncertain_as_the_wind():
+    """At rest it is known; later drag has made the drift the wind."""
+    airborne = ModelledMotion(True, 0.0, 0.0, 0.5, 0.0)
+    soon, late = fly(0.5, airborne), fly(100.0, airborne)
+    wind = SETTINGS.wind**2 + 100.0 * SETTINGS.gusts**2
+    assert soon.velocity_covariance[0] < 0.1 * SETTINGS.wind**2
+    assert late.velocity_covariance[0] == pytest.approx(wind, rel=0.1)
+    # Then the airspeed no longer depends on the wind
+    assert late.airspeed_covariance[0] < 0.05 * SETTINGS.wind**2
+
+
+def simulate_wind(wind, seconds=20.0, seed=0):
+    """Return filter and truth of a drone that is released in wind and flies across a lamp."""
+    chance = np.random.default_rng(seed)
+    lamp, place, speed = np.array([7.0, 0.0]), np.zeros(2), np.zeros(2)
+    modelled, state = np.zeros(2), GroundMotion()
+    thrust = np.array([0.02, 0.012])
+
+    def drag(v):
+        return DRAG * np.hypot(*v) * v
+
+    for k in range(round(seconds / DT)):
+        speed = speed + DT * (thrust - drag(speed - wind)) / MASS
+        modelled = modelled + DT * (thrust - drag(modelled)) / MASS
+        place = place + DT * speed
+        sighting = None
+        if k % 10 == 0:
+            way = lamp - place
+            away = np.hypot(*way)
+            bearing = math.atan2(way[1], way[0]) + 0.02 * chance.standard_normal()
+            strength = 1800.0 / away**2 * math.exp(0.05 * chance.standard_normal())
+            sighting = LampSighting(bearing, 0.02, 4.0, 0.75, strength, 150.0, 0.0)
+        state = ground_step(
+            SETTINGS, HULL, state, ModelledMotion(True, 0.0, 0.0, *modelled), sighting, DT
+        )
+    return state, place, speed
+
+
+@pytest.mark.parametrize('wind', [(0.0, 0.0), (-0.4, 0.0), (0.0, 0.4), (0.2, -0.2)])
+def test_a_lamp_shows_the_wind_and_the_covariance_is_honest(wind):
+    squares, widths = [], []
+    for seed in range(4):
+        state, place, speed = simulate_wind(np.array(wind), seed=seed)
+        error = np.array([*state.velocity, *state.position]) - [*speed, *place]
+        variances = np.array([*state.velocity_covariance[::2], *state.position_covariance[::2]])
+        squares.append(error**2 / variances)
+        widths.append(variances)
+    # Without the lamp it would be 0.3 m/s
+    assert np.sqrt(np.mean(widths, axis=0))[:2].max() < 0.2
+    assert np.mean(squares) < 2.0
+
+
+def test_another_lamp_is_another_lamp_and_the_wind_is_kept():
+    first, _, _ = simulate_wind(np.array([0.0, 0.4]))
+    other = LampSighting(-2.0, 0.02, 4.0, 0.75, 40.0, 230.0, 0.0)
+    after = ground_step(SETTINGS, HULL, first, resting(), other, DT)
+    assert after.frequency == 230.0
+    assert after.mean[6] == -2.0
+    assert after.mean[4:6] == pytest.approx(first.mean[4:6])
+    assert after.velocity_covariance == pytest.approx(first.velocity_covariance, rel=0.05)
+
+
+def test_an_outlier_changes_nothing_until_it_lasts():
+    state, _, _ = simulate_wind(np.array([0.0, 0.0]))
+    reflection = LampSighting(state.mean[6] + 1.5, 0.02, 4.0, 0.75, 5.0, 150.0, 0.0)
+    still = ModelledMotion(True, 0.0, 0.0, *state.air)
+    once = ground_step(SETTINGS, HULL, state, still, reflection, DT)
+    assert once.mean[6] == pytest.approx(state.mean[6], abs=0.02)
+    # Two seconds of it are another lamp, or the filter was wrong
+    lasting = fly(2.0, still, state, sighting=lambda k: reflection if k % 10 == 9 else None)
+    assert lasting.mean[6] == pytest.approx(reflection.bearing, abs=0.1)
+
+
+def sight(**changes):
+    """Return the sighting of a lamp 3 m ahead and 4 m to the left."""
+    lamp = LampPosition(3.0, 4.0, 0.5, (4.0 * 0.36 + 1e-3, 4.0 * 0.48, 4.0 * 0.64 + 1e-3))
+    values = {'lamp': lamp, 'amplitudes': (10.0,) + (1.0,) * 7, 'frequencies': (150.0,) * 8}
+    values |= changes
+    return build_sighting(values['lamp'], AXES, values['amplitudes'], values['frequencies'], 0.06)
+
+
+def test_a_sighting_by_hand():
+    seen = sight()
+    assert seen.bearing == pytest.approx(math.atan2(4.0, 3.0))
+    assert seen.distance == pytest.approx(5.0)
+    assert seen.spread == pytest.approx(math.sqrt(4.0 + 1e-3) / 5.0)  # 2 m along the ray
+    assert seen.strength == pytest.approx(4.0 * 9.0 / 8.0)  # the eight equal parts cancel
+    assert seen.frequency == 150.0
+
+
+@pytest.mark.parametrize(
+    'changes',
+    [
+        {'lamp': None},
+        {'amplitudes': (), 'frequencies': ()},
+        {'frequencies': (150.0,)},
+        {'frequencies': (math.nan,) * 8},
+        {'amplitudes': (math.nan,) * 8},
+        {'lamp': LampPosition(math.nan, 4.0, 0.5, (1.0, 0.0, 1.0))},
+        # Across the ray by more than is trusted
+        {'lamp': LampPosition(3.0, 0.0, 0.5, (1.0, 0.0, 10.0 * (2.0 * TRUSTED) ** 2))},
+    ],
+)
+def test_a_lamp_that_is_not_seen_well_is_no_sighting(changes):
+    assert sight(**changes) is None
+
+
+def test_a_covariance_turns_with_its_axes():
+    assert rotate_covariance((4.0, 0.0, 1.0), math.pi / 2) == pytest.approx((1.0, 0.0, 4.0))
+    matrix = np.array([[4.0, 0.7], [0.7, 1.0]])
+    cos, sin = math.cos(0.4), math.sin(0.4)
+    turned = np.array([[cos, sin], [-sin, cos]]) @ matrix @ np.array([[cos, -sin], [sin, cos]])
+    expected = turned[0, 0], turned[0, 1], turned[1, 1]
+    assert rotate_covariance((4.0, 0.7, 1.0), 0.4) == pytest.approx(expected)
