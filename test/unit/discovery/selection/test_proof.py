@@ -41,7 +41,7 @@ def _proof(*knobs: tuple[str, float]) -> EffectVerification:
     proof = object.__new__(EffectVerification)
     proof.knobs = [SimpleNamespace(name=name, typical=typical) for name, typical in knobs]
     proof._order = [name for name, _ in knobs]
-    proof.fitter, proof._sizes = mock.Mock(), {}
+    proof.fitter, proof._sizes, proof._rival_sizes = mock.Mock(), {}, {}
     return proof
 
 
