@@ -83,6 +83,8 @@ class ScoredCase:
         Missed parameters that exceed the reported detection limit.
     contradictions : tuple of str
         Contradictions between the outputs of the study.
+    remainder : float
+        Size of the largest force that was reported as unexplained, in noise floors; 0 if none.
 
     """
 
@@ -103,6 +105,7 @@ class ScoredCase:
     seconds: float
     promised: tuple[str, ...] = ()
     contradictions: tuple[str, ...] = ()
+    remainder: float = 0.0
 
     @property
     def flagged(self) -> bool:
@@ -179,6 +182,7 @@ def score_case(number: int, answer: Mapping[str, Any], result: Mapping[str, Any]
         float(result['cpu_s']),
         _find_detectable_misses(answer, result, missed),
         tuple(result.get('contradictions', ())),
+        max((float(one['floors']) for one in result.get('remains', ())), default=0.0),
     )
 
 

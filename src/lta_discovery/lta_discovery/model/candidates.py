@@ -17,6 +17,8 @@ TOGETHER: Final[dict[str, tuple[str, ...]]] = {'motor_lag': ('up', 'down')}
 # Components of a vector: selected and fitted together, each with its own value.
 VECTORS: Final = (
     ('steady_wind.x', 'steady_wind.y'),
+    # A horizontal wind that changes with the height
+    ('wind_gradient.x_z', 'wind_gradient.y_z'),
     ('cg_offset.x', 'cg_offset.y'),
     ('tracker_misalignment.pitch', 'tracker_misalignment.roll'),
     *(
@@ -54,7 +56,7 @@ NO_CANDIDATE: Final = frozenset(
 )  # fmt: skip
 
 
-# Nats; prior cost of each way in which a vector can be present: along one axis, the other, or both.
+# Nats; prior cost of each way in which a vector can be present: one axis, the other, or both.
 WAYS: Final = math.log(3.0)
 
 _VECTOR_OF: Final = {name: vector for vector in VECTORS for name in vector}

@@ -25,6 +25,7 @@ def test_the_better_of_two_names_stands(
     linear: float, alike: bool, refitted: float, named: str, others: dict[str, bool]
 ) -> None:
     proof = object.__new__(EffectVerification)
+    proof._sizes, proof._rival_sizes = {}, {}
     full, then = SimpleNamespace(evidence=100.0), SimpleNamespace(evidence=refitted)
     near = mock.patch.object(
         EffectVerification, '_find_near_rivals', return_value={'other': (linear, alike)}
