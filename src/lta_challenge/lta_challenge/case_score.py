@@ -8,6 +8,7 @@ from lta_challenge.effect_injection import effect_of
 from lta_challenge.other.unlisted import UNLISTED
 from lta_challenge.outside import OUTSIDE
 from lta_challenge.rows import find_challenge_row, Kind, parse_case_kind
+from lta_discovery.model.candidates import expand_vectors
 from lta_discovery.selection.equivalence_classes import load_class_map
 
 FAR: Final = 3.0  # s; forecast horizon at which a model is compared with the oracle
@@ -82,6 +83,8 @@ class ScoredCase:
         Missed parameters that exceed the reported detection limit.
     contradictions : tuple of str
         Contradictions between the outputs of the study.
+    remainder : float
+        Size of the largest force that was reported as unexplained, in noise floors; 0 if none.
 
     """
 
@@ -102,6 +105,7 @@ class ScoredCase:
     seconds: float
     promised: tuple[str, ...] = ()
     contradictions: tuple[str, ...] = ()
+    remainder: float = 0.0
 
     @property
     def flagged(self) -> bool:
@@ -156,6 +160,8 @@ def score_case(number: int, answer: Mapping[str, Any], result: Mapping[str, Any]
     named = tuple(knob for effect in result['effects'] for knob in effect['knobs'])
     true = {name_of(knob) for knob in hidden}
     named_classes = {name_of(knob) for knob in named}
+    # A vector that was found may have a further component: every vehicle deviates in both
+    beside = expand_vectors({*hidden} & {*named})
     oracle = result.get('oracle', {})
     missed = tuple(knob for knob in hidden if name_of(knob) not in named_classes)
     return ScoredCase(
@@ -165,7 +171,7 @@ def score_case(number: int, answer: Mapping[str, Any], result: Mapping[str, Any]
         hidden,
         named,
         missed,
-        tuple(knob for knob in named if name_of(knob) not in true),
+        tuple(knob for knob in named if name_of(knob) not in true and knob not in beside),
         answer['outside'],
         float(answer['floors']),
         result['verdict'],
@@ -176,6 +182,7 @@ def score_case(number: int, answer: Mapping[str, Any], result: Mapping[str, Any]
         float(result['cpu_s']),
         _find_detectable_misses(answer, result, missed),
         tuple(result.get('contradictions', ())),
+        max((float(one['floors']) for one in result.get('remains', ())), default=0.0),
     )
 
 

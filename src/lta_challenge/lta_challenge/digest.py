@@ -40,12 +40,20 @@ def _list_equations(effect: Effect) -> list[Callable[..., Any]]:
     return [effect.air if isinstance(effect, AirEffect) else effect.wrench, effect.rate]
 
 
-def _strip_docstrings(text: str) -> str:
-    """Return source without its docstrings and layout."""
+def _normalize_source(text: str) -> str:
+    """Return source without docstrings, layout and the names of its functions."""
     # Parsing and unparsing also removes comments and formatting
     tree = ast.parse(text)
+    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+    # Numbers in the order of definition, so that a renamed function leaves the digest unchanged
+    names = {node.name: f'function_{k}' for k, node in enumerate(functions)}
     for node in ast.walk(tree):
-        if isinstance(node, ast.FunctionDef) and isinstance(node.body[0], ast.Expr):
+        if isinstance(node, ast.Name):
+            node.id = names.get(node.id, node.id)
+        if not isinstance(node, ast.FunctionDef):
+            continue
+        node.name = names[node.name]
+        if isinstance(node.body[0], ast.Expr):
             # A function must have at least one statement
             node.body = node.body[1:] or [ast.Pass()]
     return ast.unparse(tree)
@@ -60,7 +68,7 @@ def compute_registry_digest(effects: Mapping[str, Effect] = EFFECTS) -> str:
             extract.add_function(function, name)
         # The source text of a parameter is documentation and does not count
         numbers = [[p.name, p.unit, p.null, p.low, p.high, p.spread] for p in effect.parameters]
-        described.append([name, numbers, _strip_docstrings(extract.render_pieces(''))])
+        described.append([name, numbers, _normalize_source(extract.render_pieces(''))])
     return _hash_text(json.dumps(described))
 
 

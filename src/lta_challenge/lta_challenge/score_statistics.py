@@ -11,6 +11,7 @@ import numpy as np
 
 CLEAR: Final = 6.0  # sigma; effects from this strength on should be named
 WEAK: Final = 3.0  # sigma
+SIZED: Final = 0.3  # of the true size; largest error of an unexplained force
 ORACLE: Final = 1.05  # held-out error relative to the oracle's
 # Kinds outside the library: known during the development of discovery, or written independently
 EARLY: Final = ' (early kinds)'
@@ -178,6 +179,8 @@ def _unexplained_figures(cases: Sequence[ScoredCase], when: str = '') -> list[Sc
         _select_strength(_select_kind(cases, 'mixed'), CLEAR, math.inf),
     )
     both = _estimate_passing_share(strong, lambda one: one.exact and one.flagged)
+    # A line of the spectrum has no size in noise floors
+    sized = [one for one in outside if one.flagged and min(one.remainder, one.floors) > 0.0]
     return [
         ScoreFigure(
             f'effect outside the library{when}: unexplained force reported',
@@ -188,6 +191,12 @@ def _unexplained_figures(cases: Sequence[ScoredCase], when: str = '') -> list[Sc
             f'effect outside the library{when}: an effect named',
             _estimate_passing_share(outside, _has_wrong_name),
             most=0.03,
+        ),
+        ScoreFigure(
+            f'effect outside the library{when}: size of the force within 30 %',
+            _estimate_passing_share(
+                sized, lambda one: abs(one.remainder / one.floors - 1.0) <= SIZED
+            ),
         ),
         ScoreFigure(
             f'one effect in and one outside the library{when}: both reported', both, least=0.75

@@ -71,6 +71,23 @@ def test_the_class_counts_and_not_the_name() -> None:
     assert confusion_cell(one) == ('payload', 'payload')
 
 
+def test_a_further_component_of_a_vector_that_was_found_is_not_wrong() -> None:
+    both = case({'cg_offset.y': 0.01}, {'cg_offset.y': 0.01, 'cg_offset.x': 0.002})
+    assert both.outcome == 'exact'
+    assert [one.name for one in both.intervals] == ['cg_offset.y']
+    other = case({'cg_offset.y': 0.01}, {'cg_offset.x': 0.002})
+    assert (other.wrong, other.missed) == (('cg_offset.x',), ('cg_offset.y',))
+
+
+def test_the_size_of_an_unexplained_force_is_compared_with_the_truth() -> None:
+    one = case({}, {}, kind='outside', outside='tether', verdict='unexplained')
+    sizes = [(10.0, 7.1), (10.0, 12.9), (10.0, 6.9), (10.0, 13.1), (10.0, 0.0)]
+    cases = [replace(one, floors=true, remainder=found) for true, found in sizes]
+    name = 'effect outside the library: size of the force within 30 %'
+    (figure,) = (f for f in compute_score_figures(cases) if f.name == name)
+    assert (figure.share.hits, figure.share.of) == (2, 4)
+
+
 def test_one_right_name_does_not_excuse_a_wrong_one() -> None:
     one = case({'linear_drag.surge': 0.03}, {'linear_drag.surge': 0.032, 'motor_lag': 0.01})
     assert one.outcome == 'wrong'

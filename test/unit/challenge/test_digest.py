@@ -28,5 +28,13 @@ def still(p, memory, motion, thrust):  # type: ignore[no-untyped-def]
     return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
+def test_a_renamed_function_is_the_same_registry() -> None:
+    source = 'def {0}(x):\n    return 2.0 * x\n\ndef wrench(x):\n    return {0}(x) + {1}\n'
+    texts = (source.format('twice', 1.0), source.format('doubled', 1.0), source.format('twice', 2))
+    one, renamed, other = map(digest._normalize_source, texts)
+    assert one == renamed
+    assert one != other
+
+
 def test_vehicles_differ() -> None:
     assert digest.vehicle_digest('gtmab') != digest.vehicle_digest('beavis')

@@ -40,6 +40,8 @@ Sizes = Mapping[str, float]
 NO_SIZES: Final[Sizes] = {}
 USUAL: Final = 1.3  # noise floors; median of the log-normal prior of a deviation
 LOOSE: Final = 0.7  # standard deviation of its logarithm
+# Tolerances are themselves estimates: as likely as not, that of a value is this much larger.
+WIDER: Final = 1.5
 
 
 def knot_precision(knots: int, length: float = LENGTH) -> Array:
@@ -100,11 +102,12 @@ def build_prior(
     named : sequence of str
         Present candidates; any component of a vector stands for all.
     sizes : mapping of str to float
-        Prior deviations in typical sizes, 1 by default (`selection.candidate_scan.SIZES`).
+        Prior deviation of each component in typical sizes, 1 by default
+        (`selection.candidate_scan.SIZES`); 0 for an absent component of a vector.
 
     """
-    # A vector is named by one component, but all of them become free
-    there = {one: sizes.get(name, 1.0) for name in named for one in vector_components(name)}
+    # A vector is named by one component, but the others become free too
+    there = {one: sizes.get(one, 1.0) for name in named for one in vector_components(name)}
     variance = [
         knob.tolerance**2 + (there.get(knob.name, 0.0) * knob.typical) ** 2 for knob in knobs
     ]
@@ -125,6 +128,13 @@ def build_shared_prior(
     # Each flight draws its own part (`LinearizedGroup`), so it must not count twice
     both = build_prior(knobs, named, sizes)
     return Prior(both.mean, both.covariance - np.diag(per_flight_variance(knobs)))
+
+
+def widen_tolerance(prior: Prior, indices: Sequence[int]) -> Prior:
+    """Return a prior in which the tolerance of some parameters is larger."""
+    scale = np.ones(len(prior.mean))
+    scale[list(indices)] = WIDER
+    return Prior(prior.mean, prior.covariance * np.outer(scale, scale))
 
 
 def posterior_as_prior(before: 'ParameterPosterior', widened: float = 1.5) -> Prior:

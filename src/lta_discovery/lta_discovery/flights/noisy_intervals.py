@@ -27,6 +27,8 @@ class ExcludedInterval:
         the pose, the commands or the whole; otherwise only that sensor.
     from_s, to_s : float
         Since its start. [s]
+    disturbs_all : bool
+        Whether the whole vehicle is disturbed, whatever the channel: it is in a hand.
 
     """
 
@@ -35,6 +37,7 @@ class ExcludedInterval:
     from_s: float
     to_s: float
     reason: str
+    disturbs_all: bool = False
 
 
 def remove_noisy_intervals(

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from typing import Final, final
 
 from lta_config.errors import BadInput
-from lta_data.data_quality.checks import clocks, noise_floor, stamps
+from lta_data.data_quality.checks import clocks, hand_motion, noise_floor, stamps
 from lta_data.data_quality.finding import QualityFinding
 from lta_data.data_quality.registry import run_checks
 from lta_discovery.flights.bags import (
@@ -228,7 +228,13 @@ def _exclude_interval(name: str, finding: QualityFinding, end: float) -> Exclude
     jumped = finding.kind == stamps.KIND and {'jump', 'back'} & set(finding.values)
     begin, last = finding.from_s - AROUND, finding.to_s + AROUND
     return ExcludedInterval(
-        name, finding.channel, begin, max(end, last) if jumped else last, finding.evidence
+        name,
+        finding.channel,
+        begin,
+        max(end, last) if jumped else last,
+        finding.evidence,
+        # Handling, detected by the accelerometer, disturbs the whole vehicle.
+        disturbs_all=finding.kind == hand_motion.KIND,
     )
 
 
@@ -264,8 +270,7 @@ def _mask_intervals(
     for cut in cuts:
         inside = (flight.time >= cut.from_s) & (flight.time <= cut.to_s)
         of_all = cut.channel.startswith((pose, 'motors', 'wrench_command'))
-        # Handling, detected by the accelerometer, disturbs the whole vehicle.
-        if of_all or 'hand' in cut.reason:
+        if of_all or cut.disturbs_all:
             usable &= ~inside
             continue
         for start, (_, columns) in SENSORS.items():

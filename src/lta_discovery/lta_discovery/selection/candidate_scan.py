@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Final, final, NamedTuple
 
-from lta_discovery.fit.evidence import Prior, ReducedFlight
+from lta_discovery.fit.evidence import Prior, ReducedFlight, WIDER
 from lta_discovery.model.parameters import FreeParameter
 import numpy as np
 from numpy.typing import NDArray
@@ -60,6 +60,12 @@ def evidence_gain(
     size = max(gains, key=lambda one: gains[one])
     # The alternative is the tolerance alone, not an exactly known parameter
     return gains[size] - _column_evidence(pull, information, tolerance), size
+
+
+def wider_tolerance_gain(pull: float, information: float, tolerance: float) -> float:
+    """Return how much better a larger tolerance explains a pull; 0 if it does not. [nats]"""
+    wider = _column_evidence(pull, information, WIDER**2 * tolerance) - float(np.log(2.0))
+    return max(wider - _column_evidence(pull, information, tolerance), 0.0)
 
 
 def _column_evidence(pull: float, information: float, variance: float) -> float:

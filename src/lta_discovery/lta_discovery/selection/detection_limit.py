@@ -10,8 +10,8 @@ from typing import Final, final, NamedTuple
 
 from lta_discovery.fit.evidence import Prior, ReducedFlight
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.selection.candidate_acceptance import CandidateTrial, TRIFLE
-from lta_discovery.selection.candidate_scan import evidence_gain
+from lta_discovery.selection.candidate_acceptance import CandidateTrial, LARGER, TRIFLE
+from lta_discovery.selection.candidate_scan import evidence_gain, wider_tolerance_gain
 import numpy as np
 from numpy.typing import NDArray
 
@@ -121,5 +121,7 @@ def _would_be_named(
     first, second, both = (
         evidence_gain(each * size, each, tolerance, typical)[0] for each in information
     )
+    # Verification asks this of all flights together
+    sure = both - wider_tolerance_gain(information[2] * size, information[2], tolerance) > LARGER
     # The last zeros: without noise both sides measure the same value
-    return CandidateTrial('', first, second, both - first, 0.0, 0.0).is_accepted
+    return sure and CandidateTrial('', first, second, both - first, 0.0, 0.0).is_accepted

@@ -22,7 +22,12 @@ from lta_discovery.fit.evidence import (
 )
 from lta_discovery.fit.joint_fit import JointFit, JointFitter
 from lta_discovery.fit.multistart import choose_start, TRIED
-from lta_discovery.model.candidates import expand_vectors, vector_components
+from lta_discovery.model.candidates import (
+    expand_vectors,
+    list_component_sizes,
+    vector_components,
+    vector_cost,
+)
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.parallel import map_parallel
@@ -59,6 +64,11 @@ UNLIKE: Final = 0.5  # cosine; below it the failure of one candidate does not af
 CHANCES: Final = 1  # further scans, excluding failed candidates
 EVEN: Final = 0.2  # of the gain on one side; such a candidate needs this much on the other
 CAPPED: Final = 2.5  # noise floors; largest deviations at the start of a fit
+
+
+def _prior_cost(name: str, sizes: Sizes) -> float:
+    """Return the prior cost of an unusual size, and of the choice of components. [nats]"""
+    return SIZES[sizes.get(name, 1.0)] + vector_cost(name)
 
 
 @final
@@ -100,7 +110,7 @@ class EffectSearchResult:
     bare : pair of JointFit
         The same without any.
     sizes : mapping of str to float
-        Prior deviations in typical sizes, where not 1.
+        Prior deviation of each component in typical sizes, where known.
 
     """
 
@@ -135,7 +145,7 @@ class EffectSearch:
         self.fitters = [JointFitter(nominal, each, own, self.floor) for each in flights]
         self._displacing = RivalTest(flights, self.floor)
         self._names = [knob.name for knob in self.knobs]
-        # Prior scale of each candidate where it is not its typical size; filled by the scan
+        # Prior scale of each component, 0 if it is absent; filled by the scan
         self._sizes: dict[str, float] = {}
 
     def run(self, progress: Callable[[float], None] = lambda part: None) -> EffectSearchResult:
@@ -163,7 +173,7 @@ class EffectSearch:
             fits = self._fit_effects(named, bare) if named else bare
             # The rounds stay in the report, but no longer name the withdrawn effects
             steps = [replace(one, named='') if one.named in gone else one for one in steps]
-        sizes = {name: self._sizes[name] for name in named if name in self._sizes}
+        sizes = {name: self._sizes[name] for name in expand_vectors(named) & {*self._sizes}}
         return EffectSearchResult(tuple(steps), named, fits, bare, sizes)
 
     def _fit_without_effects(self) -> Pair:
@@ -233,7 +243,8 @@ class EffectSearch:
         prior = build_shared_prior(self.knobs, named, self._sizes)
         out = {*expand_vectors(named), *self._list_excluded_candidates(failed, prior, fits)}
         found: dict[str, float] = {}
-        sizes: dict[str, set[float]] = {}
+        # Ways in which each candidate may be present, and the component that it is named after
+        ways: dict[tuple[str, ...], dict[frozenset[tuple[str, float]], str]] = {}
         for this in fits:
             # A second scan with a stiffer latent wrench, which can hide less
             capped = this.group.reduce_flights(np.minimum(this.deviations, CAP * self.floor))
@@ -246,12 +257,18 @@ class EffectSearch:
                 ]
                 for one in seen[:QUICK]:
                     if one.gain > WORTH:
-                        sizes.setdefault(one.name, set()).add(one.size)
-        for name, some in sizes.items():
-            both = {size: self._predict_gain(name, size, named, fits) for size in some}
-            # Scans may suggest several prior scales: use the most probable one
-            self._sizes[name] = max(both, key=lambda size: both[size])
-            found[name] = both[self._sizes[name]]
+                        known = ways.setdefault(vector_components(one.name), {})
+                        for sizes in list_component_sizes(one.name, one.size):
+                            known.setdefault(frozenset(sizes.items()), one.name)
+        for known in ways.values():
+            gains = {
+                way: self._predict_gain(name, dict(way), named, fits)
+                for way, name in known.items()
+            }
+            # Scans may suggest several prior scales and components: use the most probable ones
+            best = max(gains, key=lambda way: gains[way])
+            self._sizes.update(best)
+            found[known[best]] = gains[best]
         ranked = sorted(found, key=lambda name: -found[name])
         worth = [name for name in ranked if found[name] > HOPE]
         return {
@@ -279,16 +296,15 @@ class EffectSearch:
                 out[name] = ()
         return out
 
-    def _predict_gain(self, name: str, size: float, named: Sequence[str], fits: Pair) -> float:
+    def _predict_gain(self, name: str, way: Sizes, named: Sequence[str], fits: Pair) -> float:
         """Return the gain of a candidate with free deviations, without a new linearization."""
-        prior = build_shared_prior(self.knobs, (*named, name), {**self._sizes, name: size})
+        prior = build_shared_prior(self.knobs, (*named, name), {**self._sizes, **way})
 
         def evidence_gain(this: JointFit) -> float:
             found = fit_deviations(this.group, prior, this.deviations, self.floor, worth=ROUGHLY)
             return found[1] - this.evidence
 
-        # Minus the prior cost of an unusual size
-        return sum(map_parallel(evidence_gain, fits)) - SIZES[size]
+        return sum(map_parallel(evidence_gain, fits)) - _prior_cost(name, way)
 
     def _list_excluded_candidates(
         self, failed: Sequence[str], prior: Prior, fits: Pair
@@ -414,7 +430,7 @@ class EffectSearch:
         self, name: str, named: tuple[str, ...], fits: Pair, then: Pair
     ) -> CandidateTrial:
         """Return the evidence for a candidate on all flights."""
-        places, cost = self._component_indices(name), SIZES[self._sizes.get(name, 1.0)]
+        places, cost = self._component_indices(name), _prior_cost(name, self._sizes)
         return CandidateTrial(
             name,
             then[0].evidence - fits[0].evidence - cost,

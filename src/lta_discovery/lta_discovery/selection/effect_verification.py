@@ -9,9 +9,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, final
 
-from lta_discovery.fit.evidence import build_shared_prior, per_flight_variance, Prior, wrench_floor
+from lta_discovery.fit.evidence import (
+    build_shared_prior,
+    per_flight_variance,
+    Prior,
+    widen_tolerance,
+    wrench_floor,
+)
 from lta_discovery.fit.joint_fit import JointFit, JointFitter
-from lta_discovery.model.candidates import expand_vectors, vector_components
+from lta_discovery.model.candidates import (
+    expand_vectors,
+    list_component_sizes,
+    vector_components,
+    vector_cost,
+)
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
@@ -109,6 +120,8 @@ class EffectVerification:
             nominal, flights, per_flight_variance(self.knobs), wrench_floor(nominal)
         )
         self._sizes: dict[str, float] = {}
+        # Prior scales of the components with which each rival does best
+        self._rival_sizes: dict[str, dict[str, float]] = {}
 
     def run(self, named: EffectSearchResult) -> VerifiedEffects:
         """Return the verified effects of a search."""
@@ -194,16 +207,30 @@ class EffectVerification:
         self, names: Sequence[str], full: JointFit, bare: JointFit
     ) -> dict[str, float]:
         """Return the cost of removing each effect."""
-        if len(names) == 1:
-            return {names[0]: full.evidence - bare.evidence}
         out = {}
         for name in names:
             rest = tuple(one for one in names if one != name)
-            cost = full.evidence - self._remove_effect(full, name, rest).evidence
-            if cost < CERTAIN:
-                cost = full.evidence - self._refit_without(full, name, rest).evidence
-            out[name] = cost
+            if rest:
+                cost = full.evidence - self._remove_effect(full, name, rest).evidence
+                if cost < CERTAIN:
+                    cost = full.evidence - self._refit_without(full, name, rest).evidence
+            else:
+                cost = full.evidence - bare.evidence
+            out[name] = min(cost, self._cost_within_tolerance(name, rest, full))
         return out
+
+    def _cost_within_tolerance(self, name: str, rest: Sequence[str], full: JointFit) -> float:
+        """Return the linearized cost of an effect if its tolerance is larger than assumed."""
+        places = self._component_indices([name])
+        prior = build_shared_prior(self.knobs, rest, self._sizes)
+        # All flights share the error of the vehicle file, so it counts once, not on each side
+        if not np.any(np.diag(prior.covariance)[places] > 0.0):
+            return np.inf
+        at = full.group.at.copy()
+        at[places] = 0.0
+        group, wider = replace(full.group, at=at), widen_tolerance(prior, places)
+        without = self.fitter.fit_deviations(group, wider, full.deviations).evidence
+        return full.evidence - without + float(np.log(2.0))
 
     def _compare_with_rivals(
         self, name: str, names: Sequence[str], full: JointFit
@@ -211,21 +238,22 @@ class EffectVerification:
         """Return the rivals of an effect with their similarity, the best fit, and its effect."""
         near = self._find_near_rivals(name, names, full)
         found: dict[str, tuple[float, bool]] = {}
-        best, then = name, full
+        best, then, most = name, full, full.evidence
         refits = 0
         for other, (linear, alike) in near.items():
             evidence = linear
             # A similar candidate is refitted only if its linearized evidence is higher.
-            if (not alike or linear > then.evidence + TIE) and refits < RIVALS:
+            if (not alike or linear > most + TIE) and refits < RIVALS:
                 instead = tuple(other if one == name else one for one in names)
+                self._sizes.update(self._rival_sizes.get(other, {}))
                 fitted, refits = self._refit_without(full, name, instead), refits + 1
-                evidence = fitted.evidence
-                if evidence > then.evidence + TIE:
-                    best, then = other, fitted
+                evidence = fitted.evidence + vector_cost(name) - vector_cost(other)
+                if evidence > most + TIE:
+                    best, then, most = other, fitted, evidence
             found[other] = evidence, alike
         if best != name:
             found[name] = full.evidence, found.pop(best)[1]
-        close = [one for one in found if then.evidence - found[one][0] < TIE]
+        close = [one for one in found if most - found[one][0] < TIE]
         close.sort(key=lambda one: -found[one][0])
         return {one: found[one][1] for one in close}, then, best
 
@@ -241,8 +269,21 @@ class EffectVerification:
         near = {}
         for other, alike in zip(others, np.abs(cosine[1:]), strict=True):
             if np.isfinite(alike) and alike > 0.3:
-                instead = tuple(other if one == name else one for one in names)
-                lost = full.evidence - self._remove_effect(full, name, instead).evidence
+                lost = full.evidence - self._linear_rival_evidence(name, other, names, full)
                 if lost < NEAR:
                     near[other] = full.evidence - lost, bool(alike > ALIKE)
         return dict(sorted(near.items(), key=lambda one: -one[1][0]))
+
+    def _linear_rival_evidence(
+        self, name: str, other: str, names: Sequence[str], full: JointFit
+    ) -> float:
+        """Return the linearized evidence of a rival in place of an effect, each at its cost."""
+        instead = tuple(other if one == name else one for one in names)
+        before, best = self._sizes, -np.inf
+        for sizes in list_component_sizes(other):
+            self._sizes = {**before, **sizes}
+            evidence = self._remove_effect(full, name, instead).evidence
+            if evidence > best:
+                best, self._rival_sizes[other] = evidence, sizes
+        self._sizes = before
+        return best + vector_cost(name) - vector_cost(other)

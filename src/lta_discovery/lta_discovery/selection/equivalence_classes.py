@@ -99,10 +99,9 @@ def is_equivalent(a: str, b: str, kind: Kind) -> bool:
 
 
 def list_equivalent_effects(name: str, kind: Kind) -> tuple[str, ...]:
-    """Return the effects that are equivalent to this one."""
-    known = load_class_map(kind)
-    own = known.get(name, name)
-    return tuple(one for one, group in known.items() if group == own and one != name)
+    """Return the effects that are equivalent to this one, the more usual cause first."""
+    groups = [group for group in find_kind_classes(kind).classes if name in group]
+    return tuple(one for group in groups for one in group if one != name)
 
 
 def classify_data_kind(flights: Sequence[MeasuredFlight]) -> Kind:

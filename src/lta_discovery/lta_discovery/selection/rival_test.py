@@ -19,6 +19,7 @@ from lta_discovery.selection.residual_guards import (
     find_acting_axes,
     has_no_remainder,
     is_credible,
+    is_generic_effect,
     is_partial_explanation,
     is_small_motion_effect,
     leaves_larger_remainder,
@@ -43,7 +44,9 @@ QUARTER: Final = 0.25  # ... or this part, if it is independent of the remainder
 SMALL: Final = 1.0  # noise floors; smaller forces need no rival
 FOLLOWS: Final = 0.5  # of the variance of the remainder; gusts have reached 0.4
 FAINT: Final = 24.0  # nats; a name with less evidence is withdrawn if anything remains
-SURE: Final = 80.0  # nats; with more, a motion effect may leave more than it explains
+# Nats; with more, a motion effect may leave more than it explains; another effect may, with more
+# than this on each side, stand beside any remainder.
+SURE: Final = 80.0
 AGREED: Final = 2.5  # standard deviations; largest difference of the sides if anything remains
 
 
@@ -185,12 +188,23 @@ class RivalTest:
         aside = leaves_remainder_unchanged(
             floors, self._relative_deviations(then)
         ) and is_credible(name, gains, differs)
-        if aside or not structured:
+        if aside or not structured or self._is_unrivalled(name, before, gains, differs):
             return False
         whole = differs < PART and has_no_remainder(acts, final) and min(gains) > LARGER
         return is_partial_explanation(acts, floors, final) or (
             is_small_motion_effect(name, acts, floors, final) and not whole
         )
+
+    def _is_unrivalled(
+        self, name: str, before: Pair, gains: tuple[float, float], part: float
+    ) -> bool:
+        """
+        Return whether a specific effect explains far more than any generic rival could.
+
+        It is then a cause of its own beside a remainder, however large that is.
+        """
+        specific = not is_generic_effect(name) and part < PART and min(gains) > SURE
+        return specific and QUARTER * sum(gains) > max(self._rival_gains(before).values())
 
     def _follows_state(self, fits: Pair) -> bool:
         """Return whether the remainder follows the state, unlike gusts."""

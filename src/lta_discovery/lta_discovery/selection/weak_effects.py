@@ -11,9 +11,16 @@ from dataclasses import replace
 from typing import Final, final, NamedTuple
 
 from lta_discovery.fit.deviations import fit_deviations
-from lta_discovery.fit.evidence import build_shared_prior, NO_SIZES, ReducedFlight, Sizes
+from lta_discovery.fit.evidence import (
+    build_shared_prior,
+    NO_SIZES,
+    Prior,
+    ReducedFlight,
+    Sizes,
+    widen_tolerance,
+)
 from lta_discovery.fit.joint_fit import JointFit, JointFitter
-from lta_discovery.model.candidates import expand_vectors
+from lta_discovery.model.candidates import expand_vectors, list_component_sizes, vector_cost
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.selection.candidate_acceptance import CandidateTrial, TIE, TRIFLE
 from lta_discovery.selection.candidate_scan import CandidateScore, column_cosines, scan_candidates
@@ -113,13 +120,13 @@ class WeakEffectSearch:
     fitter : JointFitter
         The flights, training flights first.
     sizes : mapping of str to float
-        Prior deviations of named effects in typical sizes, where not 1.
+        Prior deviation of each component of named effects in typical sizes, where known.
 
     """
 
     def __init__(self, fitter: JointFitter, teach: int, sizes: Sizes = NO_SIZES) -> None:
         self._fitter = replace(fitter, floor=QUIET * fitter.floor)
-        self._teach, self._knobs, self._sizes = teach, fitter.flights[0].knobs, sizes
+        self._teach, self._knobs, self._sizes = teach, fitter.flights[0].knobs, dict(sizes)
 
     def refit_with_lower_floor(self, last: JointFit) -> JointFit | None:
         """Refit calm flights with a lower noise floor; None if a wrench may hide effects."""
@@ -136,12 +143,30 @@ class WeakEffectSearch:
                 self._is_within_bounds(seen.name, side) for side in sides
             ):
                 taken |= expand_vectors([seen.name])
-                prior = build_shared_prior(self._knobs, (*names, seen.name), self._sizes)
-                there = fit_deviations(last.group, prior, last.deviations, self._fitter.floor)[1]
+                gain = self._best_gain(seen.name, names, last)
                 both = sides[0][seen.name], sides[1][seen.name]
-                gain, least = there - last.evidence, self._required_evidence(seen.name, both)
+                least = self._required_evidence(seen.name, both)
                 out.append(WeakCandidate(seen.name, gain, both, least))
         return sorted(out, key=lambda hint: -hint.gain)
+
+    def _best_gain(self, name: str, names: Sequence[str], last: JointFit) -> float:
+        """Return the gain of a candidate, and choose which of its components are present."""
+
+        def fit_evidence(prior: Prior) -> float:
+            return fit_deviations(last.group, prior, last.deviations, self._fitter.floor)[1]
+
+        ways = list_component_sizes(name)
+        evidence = [
+            fit_evidence(build_shared_prior(self._knobs, (*names, name), {**self._sizes, **sizes}))
+            for sizes in ways
+        ]
+        self._sizes.update(ways[int(np.argmax(evidence))])
+        without, places = last.evidence, [self._parameter_index(one) for one in ways[0]]
+        if np.any(np.diag(last.prior.covariance)[places] > 0.0):
+            # The tolerance may be larger than assumed
+            wider = fit_evidence(widen_tolerance(last.prior, places))
+            without = max(without, wider - float(np.log(2.0)))
+        return max(evidence) - without - vector_cost(name)
 
     def _is_within_bounds(self, name: str, side: Mapping[str, CandidateScore]) -> bool:
         """Return whether a side observes a candidate, with a possible value."""
@@ -185,9 +210,8 @@ class WeakEffectSearch:
             last.group,
             last.deviations,
         )
-        if then.evidence - last.evidence <= best.least or not self._is_significant(
-            best.name, then
-        ):
+        gain = then.evidence - last.evidence - vector_cost(best.name)
+        if gain <= best.least or not self._is_significant(best.name, then):
             return SelectionRound(trials, (), ''), last
         return SelectionRound(trials, alike, best.name), then
 

@@ -269,11 +269,13 @@ def _build_rival(
     group: Sequence[TermGroup], taught: GroupGain, others: tuple[float, float], floor: Array
 ) -> GenericRival:
     """Return a rival with its size and its largest term, from the group on each flight."""
-    values = np.concatenate([each.values for each in group])
-    each = np.sqrt(np.mean((values * taught.mean[:, None, None]) ** 2, axis=(0, 3)))
+    # One row per knot, as flights may differ in their number of knots
+    rows = [np.moveaxis(each.values, -1, 1) for each in group]
+    values = np.concatenate([each.reshape(-1, *each.shape[2:]) for each in rows])
+    each = np.sqrt(np.mean((values * taught.mean[:, None]) ** 2, axis=0))
     # Wrench of the whole group at the knots
-    whole = np.einsum('sjak,j->sak', values, taught.mean)
-    sizes = np.sqrt(np.mean(whole**2, axis=(0, 2)))
+    whole = np.einsum('rja,j->ra', values, taught.mean)
+    sizes = np.sqrt(np.mean(whole**2, axis=0))
     axis = int(np.argmax(sizes / floor))
     terms = np.array(group[0].terms)
     # Down-weight the constant term: it describes a force only if nothing else does.

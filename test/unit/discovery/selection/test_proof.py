@@ -25,6 +25,7 @@ def test_the_better_of_two_names_stands(
     linear: float, alike: bool, refitted: float, named: str, others: dict[str, bool]
 ) -> None:
     proof = object.__new__(EffectVerification)
+    proof._sizes, proof._rival_sizes = {}, {}
     full, then = SimpleNamespace(evidence=100.0), SimpleNamespace(evidence=refitted)
     near = mock.patch.object(
         EffectVerification, '_find_near_rivals', return_value={'other': (linear, alike)}
@@ -41,7 +42,7 @@ def _proof(*knobs: tuple[str, float]) -> EffectVerification:
     proof = object.__new__(EffectVerification)
     proof.knobs = [SimpleNamespace(name=name, typical=typical) for name, typical in knobs]
     proof._order = [name for name, _ in knobs]
-    proof.fitter, proof._sizes = mock.Mock(), {}
+    proof.fitter, proof._sizes, proof._rival_sizes = mock.Mock(), {}, {}
     return proof
 
 

@@ -1,6 +1,7 @@
 """What is outside the library gets no name of the library, and is described."""
 
 from dataclasses import replace
+from unittest import mock
 
 from lta_discovery.fit.evidence import build_shared_prior, FLOOR, per_flight_variance
 from lta_discovery.fit.joint_fit import JointFitter
@@ -164,6 +165,24 @@ def test_a_name_that_won_little_is_withdrawn_beside_anything(
         )
 
     assert of_a_sensor(12.0, 3.0) == ()  # no force could say the same
+
+
+@pytest.mark.parametrize(
+    ('name', 'gains', 'part', 'rival', 'stays'),
+    [
+        ('motor_lag', (660.0, 645.0), 0.02, 70.0, True),
+        ('motor_lag', (660.0, 645.0), 0.02, 330.0, False),  # a rival explains a quarter of it
+        ('motor_lag', (660.0, 645.0), 0.11, 70.0, False),  # the sides disagree about the value
+        ('motor_lag', (660.0, 79.0), 0.02, 70.0, False),  # one side shows little
+        ('linear_drag.surge', (660.0, 645.0), 0.02, 70.0, False),  # it fits whatever moves
+    ],
+)
+def test_what_no_rival_comes_near_stands_beside_any_remainder(
+    name: str, gains: tuple[float, float], part: float, rival: float, stays: bool
+) -> None:
+    displacing = object.__new__(RivalTest)
+    with mock.patch.object(RivalTest, '_rival_gains', lambda self, fits: {'a': 3.0, 'b': rival}):
+        assert displacing._is_unrivalled(name, ('fits', 'fits'), gains, part) == stays
 
 
 def test_drag_for_a_little_beside_something_large_is_withdrawn() -> None:

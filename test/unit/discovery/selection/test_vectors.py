@@ -8,11 +8,18 @@ from lta_discovery.fit.evidence import (
     ParameterPosterior,
     Prior,
     ReducedFlight,
+    widen_tolerance,
 )
-from lta_discovery.model.candidates import expand_vectors, vector_components, VECTORS
+from lta_discovery.model.candidates import (
+    expand_vectors,
+    list_component_sizes,
+    vector_components,
+    vector_cost,
+    VECTORS,
+)
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.selection.candidate_scan import scan_candidates, SIZES
+from lta_discovery.selection.candidate_scan import scan_candidates, SIZES, wider_tolerance_gain
 from lta_discovery.selection.effect_verification import VerifiedEffects
 import numpy as np
 import pytest
@@ -38,6 +45,34 @@ def test_all_components_of_a_named_vector_are_free(gtmab: Known) -> None:
     free = build_shared_prior(gtmab[1], ('steady_wind.x',)).free[: len(names)]
     wind = [free[names.index(f'steady_wind.{axis}')] for axis in 'xyz']
     assert wind == [True, True, False]
+
+
+def test_a_component_may_be_there_alone(gtmab: Known) -> None:
+    """Three ways to have a wind, each at a third of its probability."""
+    alone, whole = list_component_sizes('steady_wind.y', 5.0)
+    assert alone == {'steady_wind.x': 0.0, 'steady_wind.y': 5.0}
+    assert whole == {'steady_wind.x': 5.0, 'steady_wind.y': 5.0}
+    assert list_component_sizes('net_lift.force') == ({'net_lift.force': 1.0},)
+    assert vector_cost('steady_wind.y') == pytest.approx(np.log(3.0))
+    assert vector_cost('net_lift.force') == 0.0
+    names = [knob.name for knob in gtmab[1]]
+    free = build_shared_prior(gtmab[1], ('steady_wind.y',), alone).free[: len(names)]
+    wind = [free[names.index(f'steady_wind.{axis}')] for axis in 'xyz']
+    assert wind == [False, True, False]
+
+
+def test_a_tolerance_may_be_half_as_large_again() -> None:
+    """
+    A value 5 tolerances from the file, known exactly, is less surprising then.
+
+    The log density under a deviation of 1.5 less that under 1, by hand, and a half for the choice.
+    """
+    information = 1e8
+    gained = wider_tolerance_gain(5.0 * information, information, 1.0)
+    assert gained == pytest.approx(12.5 * (1.0 - 1.0 / 2.25) - np.log(1.5) - np.log(2.0), abs=1e-4)
+    assert wider_tolerance_gain(information, information, 1.0) == 0.0
+    wide = widen_tolerance(Prior(np.zeros(3), np.diag([1.0, 4.0, 0.0])), [1, 2])
+    np.testing.assert_allclose(np.diag(wide.covariance), [1.0, 9.0, 0.0])
 
 
 def test_a_named_effect_may_have_several_typical_sizes() -> None:

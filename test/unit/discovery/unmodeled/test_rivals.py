@@ -25,7 +25,12 @@ from lta_discovery.unmodeled.generic_terms import (
     list_term_groups,
     TermGroup,
 )
-from lta_discovery.unmodeled.rivals import GroupComparison, RivalSearch
+from lta_discovery.unmodeled.rivals import (
+    _build_rival,
+    GroupComparison,
+    GroupGain,
+    RivalSearch,
+)
 from lta_discovery.unmodeled.verdict import decide_verdict, select_confirmed_rivals
 import numpy as np
 import pytest
@@ -132,3 +137,16 @@ def test_wash_over_a_fin_is_found_and_described(gtmab: Known) -> None:
     assert found[0].share > 0.8
     assert select_confirmed_rivals(found)[0] == found[0]
     assert decide_verdict((), (), found) == 'unexplained'
+
+
+def test_a_rival_of_flights_with_different_knots_has_the_size_of_all_knots() -> None:
+    """Forces of 2 at 3 knots and of 4 at 9: the root mean square of 12 knots."""
+    flights = []
+    for knots, force in ((3, 2.0), (9, 4.0)):
+        values = np.zeros((1, 1, AXES, knots))
+        values[0, 0, 2] = force
+        flights.append(TermGroup('heave by height', (2,), ('height',), values))
+    taught = GroupGain(20.0, np.ones(1), np.eye(1), FLOOR)
+    rival = _build_rival(flights, taught, (5.0, 6.0), FLOOR)
+    assert rival.size == pytest.approx(np.sqrt((3 * 4.0 + 9 * 16.0) / 12))
+    assert (rival.axis, rival.term) == ('heave', 'height')
