@@ -54,6 +54,7 @@ ROSDEP = {
     'numba': 'python3-numba-pip',
     'numpy': 'python3-numpy',
     'pandas': 'python3-pandas',
+    'plotext': 'python3-plotext-pip',
     'plotly': 'python3-plotly-pip',
     'polars': 'python3-polars-pip',
     'pyarrow': 'python3-pyarrow-pip',

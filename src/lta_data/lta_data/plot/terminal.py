@@ -1,12 +1,15 @@
-"""Plot channels on a terminal: sparklines, or curves in braille dots."""
+"""Plot channels on a terminal: sparklines, or curves in braille dots by plotext."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import cycle
 from typing import Final
 
 from lta_data.bag.channels import SignalChannel
-from lta_report.braille_canvas import BrailleCanvas
+from lta_report.drawing import decimate_line
 import numpy as np
 from numpy.typing import NDArray
+import plotext
+from rich.color import Color
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -15,9 +18,11 @@ BLOCKS: Final = '▁▂▃▄▅▆▇█'
 SPARK: Final = 32  # characters of a sparkline
 FIGURES: Final = 36  # characters of unit, minimum and maximum with spaces
 FEW: Final = 8  # least width of a sparkline if names are long
-HEIGHT: Final = 10  # characters of a panel
-MARGIN: Final = 12  # characters left of it
+HEIGHT: Final = 14  # characters of a panel with its axes
+LARGEST: Final = 1e37  # of a value; larger ones overflow 32 bits
 STYLES: Final = ('cyan', 'yellow', 'magenta', 'green', 'red', 'blue', 'white')
+
+Array = NDArray[np.float64]
 
 
 def format_number(value: float) -> str:
@@ -73,51 +78,30 @@ def draw_curves(
     unit: str, channels: Sequence[SignalChannel], span: tuple[float, float], width: int
 ) -> Text:
     """Draw channels of one unit as curves over time, in `width` characters."""
-    canvas = BrailleCanvas(max(8, width - MARGIN), HEIGHT)
-    every = np.concatenate([channel.values for channel in channels])
-    every = every[np.isfinite(every)]
-    low, high = (float(every.min()), float(every.max())) if len(every) else (0.0, 1.0)
-    for k, channel in enumerate(channels):
-        draw_curve(canvas, channel, span, (low, high), STYLES[k % len(STYLES)])
-    labels = {
-        0: format_number(high),
-        HEIGHT - 1: format_number(low),
-        HEIGHT // 2: f'[{unit}]' if unit else '',
-    }
-    found = Text()
-    for row, line in enumerate(canvas.render_lines()):
-        found.append(f'{labels.get(row, ""):>{MARGIN - 2}} ', 'dim').append('│', 'dim')
-        found.append_text(line).append('\n')
-    ends = [f'{format_number(time)} s' for time in span]
-    gap = canvas.width - sum(map(len, ends))
-    found.append(f'{"":{MARGIN - 1}}└{ends[0]}{"─" * max(1, gap)}{ends[1]}\n', 'dim')
-    for k, channel in enumerate(channels):
-        found.append(f'{"":{MARGIN}}━━ ', STYLES[k % len(STYLES)]).append(f'{channel.name}\n')
-    return found
+    plotext.terminal.limit(False, False)  # `width` holds, also in a pipe
+    figure = plotext.figure.clear()
+    figure.theme('colorless')
+    figure.plot_size(width, HEIGHT)
+    if span[0] < span[1]:
+        figure.ruler('x').lim(*span)
+    legend = Text()
+    for channel, style in zip(channels, cycle(STYLES)):
+        for time, values in split_at_gaps(channel):
+            marker = plotext.marker('braille', Color.parse(style).number)
+            signal = figure.signal(time.tolist(), values.tolist(), marker=marker)
+            signal.lines()
+            figure.draw(signal)
+        legend.append('━━ ', style).append(f'{channel.name}\n')
+    figure.label('time [s]', axis='x').label(f'[{unit}]' if unit else '', axis='y')
+    return Text.from_ansi(str(figure.build())).append_text(legend)
 
 
-def draw_curve(
-    canvas: BrailleCanvas,
-    channel: SignalChannel,
-    span: tuple[float, float],
-    ends: tuple[float, float],
-    style: str,
-) -> None:
-    """Draw a curve: in each column of dots the whole range of its values."""
-    known = np.isfinite(channel.values)
-    time, values = channel.time[known], channel.values[known]
-    length, height = span[1] - span[0], ends[1] - ends[0]
-    # A braille character has two columns and four rows of dots.
-    columns, rows = 2 * canvas.width, 4 * canvas.height
-    across = np.floor((time - span[0]) / (length or 1.0) * (columns - 1)).astype(int)
-    # A constant channel is drawn in the middle
-    share = (values - ends[0]) / height if height else np.full(len(values), 0.5)
-    # Rows count from the top
-    down = np.round((1.0 - share) * (rows - 1)).astype(int)
-    for column in np.unique(across):
-        inside = down[across == column]
-        for row in range(int(inside.min()), int(inside.max()) + 1):
-            canvas.draw_dot(float(column), float(row), style)
+def split_at_gaps(channel: SignalChannel) -> Iterator[tuple[Array, Array]]:
+    """Yield time and values of each stretch without a gap, as few points that look the same."""
+    # NaN or infinity would end the process in plotext
+    known = np.flatnonzero(np.abs(channel.values) < LARGEST)
+    for part in np.split(known, np.flatnonzero(np.diff(known) > 1) + 1):
+        yield decimate_line(channel.time[part], channel.values[part])
 
 
 def print_channels(

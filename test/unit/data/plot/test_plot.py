@@ -2,6 +2,7 @@
 
 import io
 from itertools import pairwise
+import re
 
 from lta_config.errors import BadInput
 from lta_data.bag import open_flight
@@ -90,18 +91,61 @@ def test_a_line_of_blocks_follows_the_means():
     assert draw_sparkline(np.full(5, np.nan)) == 'no value'
 
 
-def test_a_curve_rises_from_the_lower_left_to_the_upper_right():
-    rows = draw_curves('m', [ramp()], (0.0, 6.3), 40).plain.splitlines()
-    assert rows[0].split()[0] == '63'
-    canvas = [row.split('│')[1] for row in rows if '│' in row]
-    filled = [[k for k, letter in enumerate(row) if letter != ' '] for row in canvas]
-    assert filled[0][-1] == 27  # 40 characters, 12 of them margin
+def split_plot(text):
+    """Return what is inside the frame of a plot, and what is below it."""
+    lines = text.splitlines()
+    bottom = next(k for k, line in enumerate(lines) if '└' in line)
+    return [re.split('[│┤]', line)[1] for line in lines[1:bottom]], lines[bottom + 1 :]
+
+
+def list_filled_columns(rows):
+    return [[k for k, letter in enumerate(row) if letter != ' '] for row in rows]
+
+
+@pytest.mark.parametrize('width', [40, 80, 120])
+def test_a_curve_rises_from_the_lower_left_to_the_upper_right(width):
+    text = draw_curves('m', [ramp()], (0.0, 6.3), width).plain
+    assert {len(row) for row in text.splitlines()[:-1]} == {width}
+    rows, below = split_plot(text)
+    filled = list_filled_columns(rows)
+    assert filled[0][-1] == len(rows[0]) - 1
     assert filled[-1][0] == 0
     middles = [np.mean(columns) for columns in filled]
     assert all(upper > lower for upper, lower in pairwise(middles))
-    assert rows[-1].strip() == '━━ odom/z'
-    assert '0 s' in rows[-2]
-    assert '6.3 s' in rows[-2]
+    assert below[0].split()[0] == '0.0'
+    assert below[0].split()[-1] == '6.3'
+    assert below[1].split() == ['[m]', 'time', '[s]']
+    assert below[2] == '━━ odom/z'
+
+
+def test_values_that_are_unknown_or_out_of_all_bounds_are_gaps():
+    """plotext ends the process at a NaN in a line."""
+    time = np.arange(8.0)
+    values = np.array([0.0, 1.0, np.nan, np.nan, np.inf, -1e300, 1.0, 0.0])
+    rows, _ = split_plot(
+        draw_curves('', [SignalChannel('z', '', time, values)], (0.0, 7.0), 80).plain
+    )
+    columns = sorted(set().union(*list_filled_columns(rows)))
+    # Dots in the first and the last seventh, none in the five between them
+    assert max(np.diff(columns)) > 0.65 * len(rows[0])
+
+
+@pytest.mark.parametrize('values', [[], [np.nan], [2.0]])
+def test_a_channel_of_at_most_one_value_is_drawn(values):
+    channel = SignalChannel('z', 'm', np.arange(float(len(values))), np.array(values))
+    rows, _ = split_plot(draw_curves('m', [channel], (0.0, 0.0), 60).plain)
+    assert sum(map(len, list_filled_columns(rows))) == np.isfinite(values).sum()
+
+
+def test_curves_have_the_colours_of_their_legend():
+    falling = SignalChannel('odom/y', 'm', np.arange(64.0) / 10, 63.0 - np.arange(64.0))
+    printed = io.StringIO()
+    console = Console(file=printed, force_terminal=True, color_system='standard', width=60)
+    console.print(draw_curves('m', [ramp(), falling], (0.0, 6.3), 60), soft_wrap=True)
+    *rows, first, second, _ = printed.getvalue().splitlines()
+    assert '\x1b[36m━━ \x1b[0modom/z' in first
+    assert '\x1b[33m━━ \x1b[0modom/y' in second
+    assert re.findall(r'\x1b\[(\d+)m', rows[1]) == ['33', '0', '36', '0']
 
 
 def test_a_picture_holds_the_values():
