@@ -45,6 +45,7 @@ NAMES = {
 ROSDEP = {
     'cflib': 'python3-cflib-pip',
     'cloudpickle': 'python3-cloudpickle',
+    'cmaes': 'python3-cmaes-pip',
     'fastcrc': 'python3-fastcrc-pip',
     'foxglove': 'python3-foxglove-sdk-pip',
     'hypothesis': 'python3-hypothesis',

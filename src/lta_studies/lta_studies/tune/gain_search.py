@@ -1,26 +1,29 @@
 """
-Search for gains that fly well over a range of helium losses.
+Search for gains that fly well over a range of helium losses, by CMA-ES.
 
-Each candidate flies the same test flights with the same seeds. Its cost is the average of the mean
-and the worst cost. A candidate outside the bounds is flown at the bound, plus a penalty for the
-distance.
+CMA-ES needs few evaluations and no gradients, and uses only the ranking of the costs, which may be
+discontinuous. Each candidate flies the same test flights with the same seeds. Its cost is the
+average of the mean and the worst cost. A candidate outside the bounds is flown at the bound, plus
+a penalty for the distance.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
+from cmaes import CMA
 from lta_report.study_store import StudyStore
-from lta_studies.tune.cma_es import CmaEsSearch, Vector
 from lta_studies.tune.evaluation import CandidateCosts
 from lta_studies.tune.parameters import TunableParameter
 import numpy as np
+from numpy.typing import NDArray
 
 STEP = 0.35  # of log(gain): the first generation changes gains by a factor of about 1.4
 OUTSIDE = 0.1  # penalty per squared unit of log(gain) beyond a bound
 
 Numbers = Mapping[str, float]
 Fly = Callable[[Numbers], list[float]]
+Vector = NDArray[np.float64]
 
 
 @final
@@ -87,12 +90,14 @@ def search_gains(
         start = np.log([number.value for number in numbers])
         # The start gains count as the first candidate, so the result is never worse than them.
         judge.evaluate_costs([start])
-        search = CmaEsSearch(start.tolist(), STEP, seed)
+        search = CMA(start, STEP, seed=seed)
         while len(judge.history) < budget:
-            points = search.ask()[: budget - len(judge.history)]
+            # The budget may cut the last generation short
+            count = min(search.population_size, budget - len(judge.history))
+            points = [search.ask() for _ in range(count)]
             costs = judge.evaluate_costs(points)
-            if len(points) == search.size:  # the budget may cut the last generation short
-                search.tell(points, costs)
+            if count == search.population_size:
+                search.tell(list(zip(points, costs, strict=True)))
     # Ctrl-C ends the search with the best candidate so far.
     except KeyboardInterrupt:
         stopped = True
