@@ -90,7 +90,7 @@ def test_a_toy_plant_is_tuned(tmp_path):
 def test_one_number_is_tuned(tmp_path):
     with StudyStore(tmp_path, STORE, 'toy') as store:
         one = [TunableParameter('kd', 0.3, 0.0, 100.0)]
-        found = search_gains(one, toy_costs, store, 41, 1)
+        found = search_gains(one, toy_costs, store, 61, 1)
     assert found.numbers['kd'] == pytest.approx(1.0, rel=0.02)
 
 
@@ -111,7 +111,7 @@ def test_a_stopped_search_goes_on_where_it_was(tmp_path):
 
     part = tuned(tmp_path / 'part', fly=stop)
     assert part.stopped
-    assert len(part.history) == 17
+    assert flown == every[:17]
     # A kill may tear the last line off: it is flown again.
     path = tmp_path / 'part' / 'search.jsonl'
     path.write_text(path.read_text()[:-4])
