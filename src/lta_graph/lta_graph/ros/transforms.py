@@ -19,8 +19,9 @@ except ImportError:
 
     @dataclass
     class TFMessage:  # type: ignore[no-redef]
-        """The same message for an encoder, which needs only its fields and their types."""
+        """The same message for an encoder, which needs only its fields, types and name."""
 
+        __module__ = 'tf2_msgs.msg'
         transforms: Sequence[TransformStamped]
 
         @staticmethod
