@@ -165,13 +165,10 @@ def test_both_layouts_are_fresh():
     assert (ROOT / 'config/plotjuggler/lta.xml').read_text(encoding='utf-8') == made
 
 
-@pytest.mark.parametrize(
-    ('layout', 'file'), [('foxglove', 'lta.json'), ('plotjuggler', 'lta.xml')]
-)
-def test_the_command_in_the_head_of_the_views_writes_them(capsys, layout, file):
-    main([layout])
-    made = (ROOT / 'config' / layout / file).read_text(encoding='utf-8')
-    assert capsys.readouterr().out == made
+@pytest.mark.parametrize('file', ['foxglove/lta.json', 'plotjuggler/lta.xml'])
+def test_the_command_in_the_head_of_the_views_writes_them(capsys, file):
+    main([file.partition('/')[0]])
+    assert capsys.readouterr().out == (ROOT / 'config' / file).read_text(encoding='utf-8')
 
 
 def test_an_image_of_light_ends_where_the_vehicles_converter_does(tmp_path):

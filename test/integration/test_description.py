@@ -14,8 +14,10 @@ from std_msgs.msg import String
 from visualization_msgs.msg import MarkerArray
 from waiting import PATIENCE
 
+from .good_messages import good
 from .peer import Peer, start
 
+BARE = 'import sys; sys.modules["tf2_msgs"] = None; '  # as if it were not installed
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
@@ -103,3 +105,35 @@ def test_a_flight_publishes_one_tree_and_nobody_who_flies_reads_truth_or_transfo
     assert flight.end() == 130
     found = resolve_all(read_bag(tmp_path / 'bag'), {'lta1': 'lta1/'}, cut=True)
     assert {'map', 'lta1/odom', 'lta1/base_link', 'lta1/imu_link'} < found
+
+
+def test_without_tf2_msgs_all_else_works(domain_id, tmp_path):
+    """A machine without a compiler: the URDF comes, odom is estimated, both are recorded."""
+    words = ('-p', 'scene:=lamp_room')
+    started = [
+        start('lta_bridge.nodes.description', *words, before=BARE),
+        start('lta_control.nodes.estimator', before=BARE),
+        start('lta_bridge.nodes.recorder', '-p', f'bag:={tmp_path / "bag"}', before=BARE),
+    ]
+    with Peer(domain_id) as peer:
+        heard, odoms, facts = [], [], {}
+        peer.node.create_subscription(String, 'robot_description', heard.append, LATCHED)
+        peer.hear('odom', odoms.append)
+        peer.hear(
+            '/diagnostics', lambda array: facts.update({one.name: one for one in array.status})
+        )
+        imu, clock = peer.publisher('imu'), peer.node.get_clock()
+        peer.node.create_timer(0.01, lambda: imu.publish(good('imu', clock.now().nanoseconds)))
+        peer.until(lambda: heard and len(odoms) > 10)
+        peer.until(lambda: {'recorder: left out', 'description: frames'} <= facts.keys())
+        left_out = {item.key for item in facts['recorder: left out'].values}
+        assert left_out == {'/tf', '/tf_static'}
+        assert 'tf2_msgs is missing' in facts['description: frames'].message
+        assert peer.node.count_publishers('/tf') == 0
+    for process in started:
+        process.terminate()
+        process.communicate(timeout=PATIENCE)
+        assert process.returncode == 0
+    counts = {name: topic.count for name, topic in read_bag(tmp_path / 'bag').topics.items()}
+    assert min(counts['/lta1/odom'], counts['/lta1/scene']) > 0
+    assert '/tf' not in counts

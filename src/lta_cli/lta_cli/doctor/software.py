@@ -16,7 +16,7 @@ MODULES = ('rclpy', 'sensor_msgs', 'numpy', 'scipy', 'numba', 'pydantic', 'yaml'
 PACKAGES = ('analysis', 'bridge', 'config', 'control', 'energy', 'graph', 'sim', 'vlc')
 BROWSERS = ('chromium', 'chromium-browser', 'google-chrome', 'google-chrome-stable')
 COMPILED = {  # by "make build" -> what is missing without it
-    'tf2_msgs': 'tf2_msgs (nothing is published on /tf)',
+    'tf2_msgs': 'tf2_msgs (no transforms on /tf, so that viewers do not show the drone)',
     'lta_msgs': 'lta_msgs (topics have standard messages, and no action is served)',
 }
 PATIENCE = 60.0  # s; the first import after an installation reads from a cold disk cache

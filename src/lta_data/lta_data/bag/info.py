@@ -89,7 +89,10 @@ def summarize_bag(path: Path | str) -> BagInfo:
             topic.name,
             topic.type_name,
             topic.count,
-            (topic.count - 1) / seconds if topic.count > 1 and seconds > 0 else None,
+            # On /tf_static each publisher sends once, whatever their number
+            (topic.count - 1) / seconds
+            if topic.count > 1 and seconds > 0 and topic.name != '/tf_static'
+            else None,
         )
         for _, topic in sorted(bag.topics.items())
     ]

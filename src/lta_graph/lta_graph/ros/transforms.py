@@ -6,7 +6,6 @@ No wheel has the package tf2_msgs; `make build` compiles it. Without it nothing 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 from builtin_interfaces.msg import Time
@@ -17,11 +16,12 @@ try:
     from tf2_msgs.msg import TFMessage
 except ImportError:
 
-    @dataclass
     class TFMessage:  # type: ignore[no-redef]
-        """The same message for an encoder, which needs only its fields and their types."""
+        """The same message for an encoder, which needs only its fields, types and name."""
 
-        transforms: Sequence[TransformStamped]
+        __module__ = 'tf2_msgs.msg'
+        def __init__(self, transforms: Sequence[TransformStamped]) -> None:
+            self.transforms = transforms
 
         @staticmethod
         def get_fields_and_field_types() -> dict[str, str]:
