@@ -10,7 +10,7 @@ export PYTHON
 enter := root='$(CURDIR)' && . tools/workspace.sh
 sources := config src test examples tools
 
-.PHONY: help demo build test test-fast test-long bench bench-compare flights hops trust same sensitivity classes plan rgblimp crazyflie faults real-firmware mutation chaos soak docs reference pictures lock check format clean
+.PHONY: help demo build test test-fast test-long bench bench-compare flights hops trust same sensitivity classes plan rgblimp crazyflie odometry faults real-firmware mutation chaos soak docs reference pictures lock check format clean
 
 help:  ## show this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
@@ -78,6 +78,9 @@ soak: test-environment  ## fly two hours at the graph's full speed; writes docs/
 
 crazyflie: test-environment  ## estimate battery sag from real Crazyflie flights; writes docs/discovery_flights.md
 	@$(enter) && .venv/bin/python test/score/crazyflie.py $(ARGS)
+
+odometry: test-environment  ## score the covariances of odom and airspeed (minutes; ARGS=--write: write docs/control.md)
+	@$(enter) && nice .venv/bin/python test/score/odometry.py $(ARGS)
 
 docs: build  ## build the docs as a site without network access: site/index.html
 	@tools/site.sh

@@ -224,7 +224,9 @@ def imported_keys(paths, beside=frozenset()):
     modules -= {*sys.stdlib_module_names, '_typeshed', *beside}
     own = {module for module in modules if module in NAMES or ROS.match(module)}
     unknown = modules - own - ROSDEP.keys()
-    assert not unknown, 'give it a key in ROSDEP, and a rule in tools/rosdep.yaml if rosdistro has none'
+    assert not unknown, (
+        'give it a key in ROSDEP, and a rule in tools/rosdep.yaml if rosdistro has none'
+    )
     return own | {ROSDEP[module] for module in modules - own}
 
 

@@ -11,6 +11,7 @@ from argparse import ArgumentParser
 from collections.abc import Iterator, Mapping
 import math
 from pathlib import Path
+import sys
 from typing import Any, Final, final, NamedTuple
 
 from builtin_interfaces.msg import Time
@@ -125,6 +126,9 @@ def sample_errors(loop: ClosedLoop, longest: float) -> Iterator[tuple[list[float
             return
         if not loop.estimate.ready or truth is None:
             continue
+        count += 1
+        if begin is not None and count % THIN:
+            continue
         place, attitude, velocity = np.array(truth[:3]), truth[3:7], np.array(truth[7:10])
         odom = from_estimate(Time(), loop.estimate, loop.ground)
         air = from_airspeed(Time(), loop.estimate, loop.ground).twist
@@ -135,9 +139,6 @@ def sample_errors(loop: ClosedLoop, longest: float) -> Iterator[tuple[list[float
             true = rotation_matrix(attitude)
             turn = math.atan2(true[1, 0], true[0, 0]) - math.atan2(own[1, 0], own[0, 0])
             begin = place, turn
-        count += 1
-        if count % THIN:
-            continue
         start, turn = begin
         cos, sin = math.cos(turn), math.sin(turn)
         x, y = place[0] - start[0], place[1] - start[1]
@@ -173,7 +174,8 @@ def format_table(cases: tuple[Case, ...], seeds: int) -> str:
         speed, way = math.sqrt(square[:2].mean()), math.sqrt(square[3:5].mean())
         cells = [f'{value:.2f}' for value in (*normalised, speed, way)]
         lines.append(f'| {case.name} | ' + ' | '.join(cells) + ' |')
-        print(lines[-1], flush=True)
+        sys.stdout.write(lines[-1] + '\n')
+        sys.stdout.flush()
     return '\n'.join(lines)
 
 
