@@ -25,14 +25,13 @@ from lta_energy.schedule import (
 )
 from lta_model.electrical.battery import BatteryModel
 from lta_model.electrical.charger import charger_output, ChargerModel
-from lta_model.electrical.panel import SolarArrayModel
 import pytest
 
 ENERGY = load_vehicle_file('gtmab').energy
 CELL, CHARGER, HARVEST = (
     BatteryModel.from_energy(ENERGY),
     ChargerModel.from_energy(ENERGY),
-    HarvestCurve(SolarArrayModel.from_energy(ENERGY)),
+    HarvestCurve.of_energy(ENERGY),
 )
 HOUR = 3600.0
 SPRING, SUMMER, DOCK = (

@@ -10,7 +10,6 @@ from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_energy.break_even_illuminance import break_even_illuminance, LightSource
 from lta_energy.harvest import HarvestCurve
 from lta_model.electrical.charger import ChargerModel
-from lta_model.electrical.panel import SolarArrayModel
 from lta_studies.energy.cells.arrays import (
     build_all_arrays,
     compute_ground_loads,
@@ -123,7 +122,7 @@ def compute_array_power(table: CellTable, energy: EnergyBlock) -> dict[str, Meas
     led, sun = (table.lights[name].si for name in LIGHTS)
     light = table.arrays.illuminance.si
     # The paper's array of two ANYSOLAR panels in series
-    panel = HarvestCurve(SolarArrayModel.from_cells('anysolar', 2, 1))
+    panel = HarvestCurve.of_cells('anysolar', 2, 1)
     for task, load in zip(('standby', 'transmitting'), compute_ground_loads(energy), strict=True):
         even = break_even_illuminance(
             panel, ChargerModel.from_energy(energy), LightSource(led, 1.0), load
