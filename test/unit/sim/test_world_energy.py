@@ -68,7 +68,7 @@ def test_the_panel_gives_more_of_the_sun_than_of_leds():
         world.advance(OFF)
         return world.supply.flow.harvested
 
-    # 50 klx are 476 W/m2 of sunlight, or 167 W/m2 of LEDs, worth 186: 2.56; warmth takes 3 %.
+    # 50 klx: 476 W/m2 of sunlight or 167 W/m2 of LEDs, worth 186: 2.56; warmth takes 3 %.
     assert harvest('105 lm/W') == pytest.approx(
         TRACKED * math.prod(find_max_power_point(PANEL, 5e4 / 105.0)), rel=1e-9
     )
