@@ -20,6 +20,8 @@ FOLDERS = (
     'mounts',
     'paper',
     'scenarios',
+    'spectra',
+    'spectral_responses',
     'sweeps',
     'tunnels',
     'vehicles',

@@ -43,6 +43,8 @@ FOLDERS = {
     'mission': 'missions',
     'cell': 'cells',
     'cell table': 'cell_tables',
+    'spectrum': 'spectra',
+    'spectral response': 'spectral_responses',
     'crazyflie': 'crazyflies',
     'row of the paper': 'paper',
 }

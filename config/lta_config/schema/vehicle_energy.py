@@ -77,7 +77,7 @@ class SolarArrayBlock(StrictModel):
 
 
 class ChargerBlock(StrictModel):
-    """The electronics between array and battery: tracked share, converted share, own draw from the array."""
+    """The electronics at the array: tracked share, converted share, own draw from the array."""
 
     tracking: Fraction
     conversion: Fraction

@@ -24,13 +24,14 @@ class LightSource(NamedTuple):
 
     efficacy: float
     duty: float
+    sun: bool = False
 
 
 LAMPS: Final[Mapping[str, LightSource]] = {
     # [lm per radiant watt], duty cycle
     'white LED': LightSource(300.0, 1.0),
     'flickering LED': LightSource(300.0, 0.5),
-    'sun': LightSource(110.0, 1.0),
+    'sun': LightSource(110.0, 1.0, sun=True),
 }
 
 
@@ -39,6 +40,8 @@ def irradiance_from_lux(lamp: LightSource, lux: float) -> PanelIrradiance:
     # Flickering light goes into the beacon term, because harvest is averaged over its phases
     if lamp.duty < 1.0:
         return DARK._replace(beacon=lux / lamp.efficacy, duty=lamp.duty)
+    if lamp.sun:
+        return DARK._replace(sun=lux / lamp.efficacy)
     return DARK._replace(lamps=lux / lamp.efficacy)
 
 

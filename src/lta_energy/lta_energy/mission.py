@@ -13,6 +13,8 @@ from typing import final, NamedTuple
 from lta_energy.circuit import (
     add_totals,
     charger_output,
+    EnergyTotals,
+    NOTHING,
     resting_flow,
     step_circuit,
     total_stored_energy,
@@ -118,6 +120,7 @@ class MissionSimulation:
         self._gauge = ChargeGauge(upkeep.charge, BLIND)
         self._seen = 1.0
         self._out = False
+        self._logged = NOTHING
         self.diary = MissionLog(begun=total_stored_energy(upkeep.cell, self._store))
         self.diary.ended = self.diary.begun
 
@@ -133,6 +136,7 @@ class MissionSimulation:
                 self._rest_on_perch(wish)
             on_progress(self.now)
         self.diary.ended = total_stored_energy(self._upkeep.cell, self._store)
+        self._append_sample(self.diary.state[-1], self.now, self.diary.spent)
         return self.diary
 
     def _collect_schedule_inputs(self) -> ScheduleInputs:
@@ -157,7 +161,7 @@ class MissionSimulation:
 
     def _fly_once(self) -> None:
         """Simulate one flight, and the pickup if the drone does not come home."""
-        diary, begin = self.diary, self.now
+        diary, begin, before = self.diary, self.now, self.diary.spent
         light = self._light.at(begin)
         number = len(diary.flights)
         landing = self._fly(Departure(begin, self._store, self._gauge.charge, light, number))
@@ -170,8 +174,8 @@ class MissionSimulation:
         diary.spent = add_totals(diary.spent, flight.spent)
         self.now = begin + flight.duration
         # A straight line in the trace between take-off and landing
-        self._record_state(ALOFT, begin)
-        self._record_state(ALOFT, self.now)
+        self._record_state(ALOFT, begin, before)
+        self._record_state(ALOFT, self.now, diary.spent)
         if not sum(self._light.forecast_irradiance(self.now)[:3]) > 0.0:
             diary.dark += 1
         if flight.ending != 'home':
@@ -179,9 +183,9 @@ class MissionSimulation:
 
     def _wait_for_pickup(self, until: float) -> None:
         """Wait switched off and in the dark until the drone is fetched."""
-        self._record_state(AWAY, self.now)
+        self._record_state(AWAY, self.now, self.diary.spent)
         self.now = min(until, self._light.end)
-        self._record_state(AWAY, self.now)
+        self._record_state(AWAY, self.now, self.diary.spent)
 
     def _rest_on_perch(self, wish: ScheduleDecision) -> None:
         """Stay on the perch as long as the schedule asks, but at least one minute."""
@@ -197,16 +201,16 @@ class MissionSimulation:
         # The tolerance absorbs the rounding of a sum of steps [s]
         while self.now < until - 1e-6:
             dt = min(STEP, until - self.now)
-            light = self._light.at(self.now)
+            light, before = self._light.at(self.now), self.diary.spent
             self._store, self.diary.spent = step_circuit(
-                up.cell, up.charger, self._store, self.diary.spent, up.harvest(light), load, dt
+                up.cell, up.charger, self._store, before, up.harvest(light), load, dt
             )
             store = self._store
             # The gauge counts what the imperfect meter reads
             metered = up.gain * store.current + up.offset
             self._gauge = update_gauge(up.cell, self._gauge, store.voltage, metered, dt)
             self._track_clearness(light, dt)
-            self._record_state(state, self.now)
+            self._record_state(state, self.now, before)
             self.now += dt
             # Count an outage once, when the supply fails
             if not (self._out or store.fed):
@@ -226,12 +230,26 @@ class MissionSimulation:
             # First-order filter with a time constant of one hour
             self._seen += (light.sun / due - self._seen) * min(dt / HOUR, 1.0)
 
-    def _record_state(self, state: int, time: float) -> None:
-        """Record the trace once a minute, at every change and at both ends of a flight."""
+    def _record_state(self, state: int, time: float, spent: EnergyTotals) -> None:
+        """
+        Record the trace once a minute, at every change and at both ends of a flight.
+
+        `spent` are the energy totals up to `time`.
+        """
         diary = self.diary
         same = bool(diary.state) and diary.state[-1] == state
         if same and state != ALOFT and time - diary.time[-1] < 60.0:
             return
+        self._append_sample(state, time, spent)
+
+    def _append_sample(self, state: int, time: float, spent: EnergyTotals) -> None:
+        diary, logged = self.diary, self._logged
+        lasted = time - diary.time[-1] if diary.time else 0.0
+        # Two samples at one time mark a change of state, between which nothing is spent
+        for name in ('harvested', 'consumed', 'lost'):
+            energy = getattr(spent, name) - getattr(logged, name)
+            getattr(diary, name).append(energy / lasted if lasted > 0.0 else 0.0)
+        self._logged = spent
         diary.time.append(time)
         diary.charge.append(self._store.charge)
         diary.told.append(self._gauge.charge)

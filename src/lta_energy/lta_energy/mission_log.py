@@ -61,6 +61,8 @@ class MissionLog:
         True state of charge, its estimate and the estimate's standard deviation. [1]
     state : list
         `PERCHED`, `ASLEEP`, `ALOFT`, `AWAY` or `OUT`.
+    harvested, consumed, lost : list
+        Mean powers since the sample before; times the time between, they add up to `spent`. [W]
     spent : EnergyTotals
         Energy totals, flights included. [J]
     begun, ended : float
@@ -78,6 +80,9 @@ class MissionLog:
     told: list[float] = field(default_factory=list)
     deviation: list[float] = field(default_factory=list)
     state: list[int] = field(default_factory=list)
+    harvested: list[float] = field(default_factory=list)
+    consumed: list[float] = field(default_factory=list)
+    lost: list[float] = field(default_factory=list)
     spent: EnergyTotals = NOTHING
     begun: float = 0.0
     ended: float = 0.0

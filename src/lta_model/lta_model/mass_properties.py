@@ -2,7 +2,8 @@
 Compute mass, centre of gravity and inertia of a vehicle from its components.
 
 Everything about the hull centre, body frame. A solid box has 1/12 of the squares of its sizes, a
-thin shell between similar ellipsoids 1/3 and a solid ellipsoid 1/5 of those of its half axes.
+thin shell between similar ellipsoids 1/3 and a solid ellipsoid 1/5 of those of its half axes. The
+film of a foil balloon has 1 % less about the vertical (`test_mass.py`).
 """
 
 from collections.abc import Sequence

@@ -29,9 +29,8 @@ from pydantic import AliasChoices, Field, model_validator
 Fraction = Annotated[Quantity, si_quantity('1', low=0.0, high=1.0)]
 Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
 NOT_HELD = Quantity(value=0.0, unit='s')
-# A balloon of 1 m that touches the lamp's height with its hull is within 0.5 m of it. Scenes with
-# one lamp ask for up to 0.5 m above or below, and altitude is held to 0.1 m: less than 1 m together.
-# Scenes that are flown higher above their lamps say so.
+# Scenes with one lamp are flown up to 0.5 m below it, and altitude is held to 0.1 m; half a hull
+# of 1 m on top makes 1 m. Scenes that are flown higher above their lamps say so.
 VERTICAL_TOLERANCE = Quantity(value=1.0, unit='m')
 
 

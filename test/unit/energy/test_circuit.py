@@ -25,7 +25,7 @@ CELL, CHARGER, PANEL = (
     ChargerModel.from_energy(ENERGY),
     SolarArrayModel.from_energy(ENERGY),
 )
-HARVEST = HarvestCurve(PANEL)
+HARVEST = HarvestCurve(PANEL, 1.1)  # 1.1 W/m2 of sunlight for 1 of a lamp
 
 
 @given(
@@ -72,13 +72,13 @@ def test_a_table_gives_what_the_diode_gives():
 
 def test_a_flickering_lamp_brings_its_duty_of_its_own_brightness():
     flickering = HARVEST(DARK._replace(beacon=200.0, duty=0.5))
-    assert flickering == pytest.approx(0.5 * HARVEST.steady_light_power(200.0))
+    assert flickering == pytest.approx(0.5 * HARVEST.steady_light_power(220.0))
     assert flickering > HARVEST.steady_light_power(
-        100.0
+        110.0
     )  # a diode gives more than twice in twice the light
     both = HARVEST(DARK._replace(sun=100.0, beacon=200.0, duty=0.25))
     assert both == pytest.approx(
-        0.75 * HARVEST.steady_light_power(100.0) + 0.25 * HARVEST.steady_light_power(300.0)
+        0.75 * HARVEST.steady_light_power(100.0) + 0.25 * HARVEST.steady_light_power(320.0)
     )
 
 
@@ -120,5 +120,5 @@ def test_the_table_has_256_points_from_a_hundredth_to_two_thousand_watts():
 
 def test_without_a_beacon_light_is_sun_and_lamps():
     both = HARVEST(DARK._replace(sun=100.0, lamps=20.0, duty=0.5))
-    assert both == pytest.approx(HARVEST.steady_light_power(120.0))
+    assert both == pytest.approx(HARVEST.steady_light_power(122.0))
     assert DARK == (0.0, 0.0, 0.0, 1.0)

@@ -25,14 +25,13 @@ from lta_energy.schedule import (
 )
 from lta_model.electrical.battery import BatteryModel
 from lta_model.electrical.charger import charger_output, ChargerModel
-from lta_model.electrical.panel import SolarArrayModel
 import pytest
 
 ENERGY = load_vehicle_file('gtmab').energy
 CELL, CHARGER, HARVEST = (
     BatteryModel.from_energy(ENERGY),
     ChargerModel.from_energy(ENERGY),
-    HarvestCurve(SolarArrayModel.from_energy(ENERGY)),
+    HarvestCurve.of_energy(ENERGY),
 )
 HOUR = 3600.0
 SPRING, SUMMER, DOCK = (
@@ -84,6 +83,16 @@ def test_the_books_balance(day, schedule):
     assert len(diary.flights) > 10
     assert abs(diary.imbalance) < 1e-3
     assert diary.spent.harvested > 3e3
+
+
+def test_the_logged_powers_integrate_to_the_books():
+    diary = lived(SPRING, schedule_by_light, days=2)
+    lasted = [b - a for a, b in pairwise(diary.time)]
+    for name in ('harvested', 'consumed', 'lost'):
+        powers = getattr(diary, name)
+        assert len(powers) == len(diary.time)
+        energy = sum(dt * watts for dt, watts in zip(lasted, powers[1:], strict=True))
+        assert energy == pytest.approx(getattr(diary.spent, name), rel=1e-9)
 
 
 def test_the_naive_rests_four_times_its_flight():
@@ -246,5 +255,6 @@ def test_the_trace_has_every_change_and_else_a_minute_at_least_between_two_point
     diary = lived(SPRING, schedule_by_light)
     points = list(zip(diary.time, diary.state, strict=True))
     assert {state for _, state in points} == {ASLEEP, ALOFT}
-    for (before, one), (after, other) in pairwise(points):
+    # The last sample is at the end, whatever the time since the one before
+    for (before, one), (after, other) in pairwise(points[:-1]):
         assert one != other or one == ALOFT or after - before >= 60.0

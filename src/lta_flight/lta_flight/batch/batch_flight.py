@@ -25,6 +25,7 @@ from lta_model.electrical.loads import navigation_power
 from lta_model.hull import half_axes
 from lta_model.light.gain_selection import select_diode_gain
 from lta_model.light.panel_light import build_panel_plane
+from lta_model.light.view import find_spectral_weights
 from lta_model.model import VehicleModel
 from lta_model.scenario import Scenario
 from lta_model.sensors.imu import error_bounds, ImuSettings
@@ -306,6 +307,7 @@ def build_power(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> Ba
         tuple(lamp.wave.duty / lamp.efficacy for lamp in field.lamps),
         ambient.steady / ambient.efficacy,
         0.0 if daylight is None else 1.0 / daylight.efficacy,
+        find_spectral_weights(field, vehicle),
         policy.energy.reserve,
         scenario.start.charge.si,
     )

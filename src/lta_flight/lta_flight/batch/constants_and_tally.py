@@ -8,6 +8,7 @@ from lta_control.per_rotor import PerRotor
 from lta_control.reserve import ReserveRule
 from lta_model.electrical.loads import LoadModel
 from lta_model.light.panel_light import PanelPlane
+from lta_model.light.view import LightWeights
 from lta_sim.compiled_sensors import SensorDatasheets
 from lta_sim.environment import SteadyWind
 from lta_sim.light_link import LightLink
@@ -28,6 +29,7 @@ class BatchPower(NamedTuple):
     lamp_shares: tuple[float, ...]  # W/m2 per lux of each lamp's on phase
     ambient: float  # W/m2
     day_share: float  # W/m2 per lux of daylight
+    panel_weights: LightWeights  # what the cells make of these lights
     reserve: float
     charge: float
 

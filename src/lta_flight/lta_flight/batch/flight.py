@@ -159,15 +159,16 @@ def ambient_irradiance(constants: FlightConstants, position: Vector) -> float:
 
 
 def panel_irradiance(constants: FlightConstants, state: State) -> float:
-    """Return the current irradiance on the panel. [W/m2]"""
+    """Return the irradiance of sunlight that gives the panel its current now. [W/m2]"""
     position, q = (state[0], state[1], state[2]), (state[3], state[4], state[5], state[6])
     power, lamps, around = constants.power, constants.listening.lamps, constants.listening.around
     bright = 0.0
     for k in range(len(lamps)):
         light = lamp_light_on_panel(power.panel, around, lamps[k], position, q)
-        bright += power.lamp_shares[k] * light
+        bright += power.panel_weights.lamps[k] * power.lamp_shares[k] * light
     day = power.day_share * daylight_on_panel(power.panel, around, position, q)
-    return bright + day + power.panel.share * ambient_irradiance(constants, position)
+    ambient = power.panel.share * ambient_irradiance(constants, position)
+    return bright + power.panel_weights.day * day + power.panel_weights.ambient * ambient
 
 
 def step_supply(

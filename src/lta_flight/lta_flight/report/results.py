@@ -3,8 +3,8 @@ Compute the results of a flight as numbers.
 
 The flight starts at lift-off, the search at the first forward setpoint, and the cruise when 90 %
 of that speed is first reached; rests at lamps of a route are not part of the cruise. All end when
-the hull centre is at the lamp (`lta_sim.termination.is_at_lamp`), or with the recording. On a route
-this is the last lamp, after all others. Truth comes from the simulator or a tracking system.
+the hull centre is at the lamp (`lta_sim.termination.is_at_lamp`), or with the recording. On a
+route this is the last lamp, after all others. Truth comes from the simulator or a tracking system.
 """
 
 from dataclasses import asdict, dataclass, field, fields

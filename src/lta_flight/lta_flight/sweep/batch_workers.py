@@ -153,7 +153,9 @@ def compute_figures(
         'flight_time': end - outputs['lift_off'],
         'search_time': end - outputs['search_start'],
         'path_length': outputs['path_length'],
-        'straight_length': shortest_path_length((x, y), goal.stops, goal.radius),
+        'straight_length': shortest_path_length(
+            (x, y), [stop[:2] for stop in goal.stops], goal.radius
+        ),
         'closest': outputs['closest'],
         'lamp_error': divide_or_nan(outputs['squares'], outputs['bearings']) ** 0.5,
         'lamp_share': divide_or_nan(outputs['bearings'], outputs['blocks']),

@@ -2,10 +2,10 @@
 The power path: array -> charger -> loads and cell, with its limits.
 
 The charger tracks a share of the array's maximum power, draws its own power from the array while
-it works, and converts the rest with some efficiency; in too dim light it is off. Loads come first; the rest
-charges the cell within its charging current and voltage, and excess light is not harvested. Below
-the cell's cut-off, or with an empty cell, the supply fails: the loads are off until light has
-charged the cell a little.
+it works, and converts the rest with some efficiency; in too dim light it is off. Loads come first;
+the rest charges the cell within its charging current and voltage, and excess light is not
+harvested. Below the cell's cut-off, or with an empty cell, the supply fails: the loads are off
+until light has charged the cell a little.
 
 Plain functions of scalars and named tuples, which compile. At every step
 

@@ -3,7 +3,8 @@ What a solar array can give: the single-diode model.
 
     I = L - S (exp((V + I R) / a) - 1) - (V + I R) G
 
-Light current L and shunt conductance G go with the irradiance (De Soto, Klein and Beckman 2006),
+Light current L and shunt conductance G go with the irradiance (De Soto, Klein and Beckman 2006).
+Irradiance is that of sunlight: other light is multiplied by its spectral factor before. Further,
 a with the absolute temperature T, S with T^3 exp(-gap / (ideality k T)) (as in PVsyst); R stays.
 `lta_model.electrical.diode_fit` derives the numbers from a data sheet. All junctions of an
 array are alike and see the same light.
@@ -12,6 +13,7 @@ At a junction voltage u = V + I R both V and I are explicit, so that the point o
 found without solving for I. The functions take and return scalars, so that numba compiles them.
 """
 
+from functools import cache
 import math
 from typing import Annotated, final, Self
 
@@ -19,6 +21,7 @@ from lta_config.files import StrictModel
 from lta_config.schema.cell_file import load_cell_file
 from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_model.electrical.diode_fit import fit_diode
+from lta_model.light.spectral_factor import spectral_factor
 from pydantic import Field
 
 STANDARD_IRRADIANCE = 1000.0  # W/m2
@@ -86,6 +89,17 @@ class SolarArrayModel(StrictModel):
             drift=data.current_drift.si,
             warming=data.warming.si,
         )
+
+
+@cache
+def cell_spectral_factor(cell: str, efficacy: float) -> float:
+    """Return the current of a cell by irradiance in a light of some lm/W, relative to sunlight."""
+    return spectral_factor(efficacy, load_cell_file(cell).technology)
+
+
+def array_spectral_factor(energy: EnergyBlock, efficacy: float) -> float:
+    """Return `cell_spectral_factor` of the array of a vehicle file; 1 if it has none."""
+    return 1.0 if energy.array is None else cell_spectral_factor(energy.array.cell, efficacy)
 
 
 def compute_curve_parameters(panel: SolarArrayModel, irradiance: float) -> Curve:

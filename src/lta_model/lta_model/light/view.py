@@ -6,9 +6,10 @@ Direct light is computed at every control step, everything else at the ends of a
 """
 
 from collections.abc import Sequence
-from typing import final
+from typing import final, NamedTuple
 
 from lta_config.compilation.compiler import compile_functions
+from lta_model.electrical.panel import array_spectral_factor
 from lta_model.hull import half_axes
 from lta_model.light.block_readings import write_pose_readings
 from lta_model.light.field import LightField, PlaneIlluminance
@@ -27,6 +28,30 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Pose = tuple[float, ...]  # position and quaternion x y z w
+
+
+class LightWeights(NamedTuple):
+    """Factors of the irradiances of each lamp, of ambient light and of daylight. [1]"""
+
+    lamps: tuple[float, ...]
+    ambient: float
+    day: float
+
+    @classmethod
+    def even(cls, lamps: int) -> 'LightWeights':
+        """Return the factors 1 for so many lamps."""
+        return cls((1.0,) * lamps, 1.0, 1.0)
+
+
+def find_spectral_weights(field: LightField, vehicle: Vehicle) -> LightWeights:
+    """Return what the solar cells of a vehicle make of the spectra in a scene."""
+    energy = vehicle.file.energy
+    daylight = field.daylight if field.outside is None else field.outside.daylight
+    return LightWeights(
+        tuple(array_spectral_factor(energy, lamp.efficacy) for lamp in field.lamps),
+        array_spectral_factor(energy, field.ambient.efficacy),
+        1.0 if daylight is None else array_spectral_factor(energy, daylight.efficacy),
+    )
 
 
 @final
@@ -48,6 +73,7 @@ class LightView:
         hull = half_axes(vehicle.file.hull)
         self._scene = (self._surround, pack_beams(field), eye, hull)
         self._panel = build_panel_plane(hull, vehicle.file.panel_place, vehicle.file.panel_normal)
+        self._spectral = find_spectral_weights(field, vehicle)
         self._gather, self._on_the_way = compile_functions(
             gather_indirect_light, write_pose_readings
         )
@@ -125,12 +151,16 @@ class LightView:
         return self.field.outside is None or is_in_room(self._surround, *pose[:3])
 
     def panel_light(self, pose: Pose) -> tuple[float, float]:
-        """Return illuminance [lx] and irradiance [W/m2] of the panel, mean over the flicker."""
+        """
+        Return illuminance [lx] and irradiance [W/m2] of the panel, mean over the flicker.
+
+        The irradiance is that of sunlight which gives the cells the same current.
+        """
         x, y, z, i, j, k, w = pose
         s, panel, position, q = self._surround, self._panel, (x, y, z), (i, j, k, w)
         modulated = [lamp_light_on_panel(panel, s, each, position, q) for each in self._beams]
         return self._average_flicker(
-            pose, modulated, daylight_on_panel(panel, s, position, q), panel.share
+            pose, modulated, daylight_on_panel(panel, s, position, q), panel.share, self._spectral
         )
 
     def hull_irradiance(self, pose: Pose) -> float:
@@ -140,23 +170,31 @@ class LightView:
         facing = [direct_light(each, (x, y, z))[0] + each.diffuse for each in self._beams]
         s = self._surround
         return self._average_flicker(
-            pose, facing, daylight_illuminance(s, (x, y, z), (s.sun_x, s.sun_y, s.sun_z))
-        )[1]
+            pose, facing, daylight_illuminance(s, (x, y, z), (s.sun_x, s.sun_y, s.sun_z)),
+            1.0, LightWeights.even(len(self._beams)),
+        )[1]  # fmt: skip
 
     def _average_flicker(
-        self, pose: Pose, modulated: Sequence[float], day: float, share: float = 1.0
+        self,
+        pose: Pose,
+        modulated: Sequence[float],
+        day: float,
+        share: float,
+        weights: LightWeights,
     ) -> tuple[float, float]:
         """
         Return illuminance [lx] and irradiance [W/m2], averaged over the flicker.
 
-        From each lamp's light while it is on, daylight [lx], and the share of ambient light.
+        From each lamp's light while it is on, daylight [lx], the share of ambient light, and the
+        factors of their irradiances.
         """
         ambient = self.field.ambient
         steady = share * ambient.steady if self._has_ambient_light(pose) else 0.0
         lux = steady + day
-        watts = (steady + self._daylight_share * day) / ambient.efficacy
-        for lamp, light in zip(self.field.lamps, modulated, strict=True):
+        steady_weight, day_weight = weights.ambient, weights.day * self._daylight_share
+        watts = (steady_weight * steady + day_weight * day) / ambient.efficacy
+        for lamp, light, weight in zip(self.field.lamps, modulated, weights.lamps, strict=True):
             # Mean over the period of the lamp
             lux += light * lamp.wave.duty
-            watts += light * (lamp.wave.duty / lamp.efficacy)
+            watts += weight * light * (lamp.wave.duty / lamp.efficacy)
         return lux, watts

@@ -180,7 +180,7 @@ def build_mission_tables(
     power = first.figures.in_flight or paper.NAVIGATE
     # Charging time per flight time, which the paper states for some kinds of light
     ratios = paper.compute_charging_ratios(
-        HarvestCurve(vehicle.panel), vehicle.charger, vehicle.loads.idle, power
+        HarvestCurve.of_energy(vehicle.file.energy), vehicle.charger, vehicle.loads.idle, power
     )
     return [build_schedule_table(request, results), paper.build_ratio_table(ratios)]
 

@@ -14,6 +14,7 @@ from lta_config.schema.mission_file import InspectionPayload, MissionFile
 from lta_config.topics import load_topic_table
 from lta_control.cascade import CascadeGains
 from lta_control.strategies.homing import STRATEGY
+from lta_energy.harvest import WHITE_LED
 from lta_energy.irradiance import PanelIrradiance
 from lta_flight.batch.batch_flight import (
     BatchFlight,
@@ -23,6 +24,7 @@ from lta_flight.batch.batch_flight import (
 )
 from lta_flight.batch.constants_and_tally import FlightConstants
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec
+from lta_model.electrical.panel import array_spectral_factor
 from lta_model.hull import half_axes
 from lta_model.light.field import LightField
 from lta_model.light.gain_selection import select_diode_gain
@@ -132,7 +134,13 @@ class MissionScene:
             self._known[beacon, level] = known
         # Only the panel's light is exact for each call; the rest of the constants is cached.
         irradiance = light.sun + light.lamps
-        craft = known.craft._replace(power=known.craft.power._replace(ambient=irradiance))
+        weights = known.craft.power.panel_weights
+        if irradiance > 0.0:
+            # Sun and lamps are one ambient light here; their mean factor is exact
+            lamps = array_spectral_factor(self.vehicle.file.energy, WHITE_LED)
+            weights = weights._replace(ambient=(light.sun + lamps * light.lamps) / irradiance)
+        power = known.craft.power._replace(ambient=irradiance, panel_weights=weights)
+        craft = known.craft._replace(power=power)
         return flight_from_constants(self._model, craft, self.vehicle, STRATEGY)
 
     def _build_link(self, beacon: str, lux: float) -> LightLink:

@@ -36,7 +36,8 @@ def build_perch_power_config(mission: MissionFile, scenes: MissionScene, seed: i
     )
     begin, end = mission.work.vector
     return PerchConfig(
-        vehicle.battery, vehicle.charger, HarvestCurve(vehicle.panel), vehicle.loads.idle,
+        vehicle.battery, vehicle.charger, HarvestCurve.of_energy(vehicle.file.energy),
+        vehicle.loads.idle,
         mission.asleep.si, (begin, end), mission.reserve.si, mission.charge.si,
         mission.fetched.si, meter.current_gain, meter.current_offset,
     )  # fmt: skip

@@ -183,9 +183,7 @@ def _build_flight_spec(request: WindStudyRequest, name: str, height: float) -> F
     # The study flies at a given height, wherever the lamp stands
     tolerance = f'{max(VERTICAL_TOLERANCE.si, abs(height - lamp) + HELD):.2f} m'
     goal = {**scene['goal'], 'vertical_tolerance': tolerance}
-    made_of = replace(
-        made_of, contents={**made_of.contents, 'scenario': {**scene, 'goal': goal}}
-    )
+    made_of = replace(made_of, contents={**made_of.contents, 'scenario': {**scene, 'goal': goal}})
     return made_of.with_values({'mission.altitude': height})
 
 

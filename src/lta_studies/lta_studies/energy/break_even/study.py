@@ -15,7 +15,6 @@ from lta_energy.break_even_illuminance import (
 )
 from lta_energy.harvest import HarvestCurve
 from lta_model.electrical.charger import ChargerModel
-from lta_model.electrical.panel import SolarArrayModel
 from lta_model.vehicle import Vehicle
 import numpy as np
 
@@ -124,7 +123,8 @@ def compute_break_even_map(vehicle: Vehicle, cells: Sequence[str], budget: float
         )
     count = own.series * own.parallel
     mass = count * load_cell_file(own.cell).mass.si
-    arrays = [CandidateArray(f'{own.cell} ({OWN})', count, mass, HarvestCurve(vehicle.panel))]
+    harvest = HarvestCurve.of_energy(vehicle.file.energy)
+    arrays = [CandidateArray(f'{own.cell} ({OWN})', count, mass, harvest)]
     for name in cells:
         each = load_cell_file(name).mass.si
         # As many whole panels as the mass budget allows
@@ -135,8 +135,8 @@ def compute_break_even_map(vehicle: Vehicle, cells: Sequence[str], budget: float
                 f'of {1e3 * budget:g} g; choose another --cell, or raise --budget.'
             )
         # Strings of one panel, all in parallel
-        panel = SolarArrayModel.from_cells(name, 1, number)
-        arrays.append(CandidateArray(name, number, number * each, HarvestCurve(panel)))
+        harvest = HarvestCurve.of_cells(name, 1, number)
+        arrays.append(CandidateArray(name, number, number * each, harvest))
     return BreakEvenMap(vehicle.file.name, vehicle.charger, list_task_loads(vehicle), arrays)
 
 

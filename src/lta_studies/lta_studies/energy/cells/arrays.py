@@ -10,7 +10,11 @@ from lta_config.schema.cell_table import BuiltArray, CellTable
 from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_model.electrical.charger import charger_output, ChargerModel
 from lta_model.electrical.loads import LoadModel, power_demand
-from lta_model.electrical.panel import find_max_power_point, SolarArrayModel
+from lta_model.electrical.panel import (
+    cell_spectral_factor,
+    find_max_power_point,
+    SolarArrayModel,
+)
 
 LOWEST = 4.95  # V, minimum input of the seed paper's charger LT3652 (data sheet)
 
@@ -40,7 +44,7 @@ class CellArray:
         return self.panel_count * self.cell.area
 
     def peak_power(self, irradiance: float) -> float:
-        """Return the maximum power [W] at an irradiance [W/m2]."""
+        """Return the maximum power [W] at an irradiance of sunlight [W/m2]."""
         return math.prod(
             find_max_power_point(
                 SolarArrayModel.from_cells(self.cell.name, self.series, self.parallel), irradiance
@@ -88,7 +92,8 @@ def compute_net_powers(array: CellArray, energy: EnergyBlock, table: CellTable) 
     for light, efficacy in table.lights.items():
         # lx / (lm/W) = W/m2
         irradiance = table.arrays.illuminance.si / efficacy.si
-        harvest = array.peak_power(irradiance)
+        factor = cell_spectral_factor(array.cell.name, efficacy.si)
+        harvest = array.peak_power(factor * irradiance)
         charged = charger_output(charger, harvest)
         found.append(
             NetPower(light, irradiance, harvest, charged, charged - idle, charged - sending)

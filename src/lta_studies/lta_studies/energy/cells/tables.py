@@ -29,7 +29,8 @@ FRONTS: Final = ('paper', 'fair')
 SHEET: Final = (
     's/cm²: charging time per area, the criterion of the paper. s cm²: charging time times '
     'area, the fair criterion. sheet: charging time computed from the short-circuit currents '
-    'of the data sheets, relative to the fastest cell (a capacitor far below the open-circuit '
+    'of the cell files (assumed where no data sheet gives one), in sunlight and relative to the '
+    'fastest cell (a capacitor far below the open-circuit '
     'voltage draws about this current). front: the criteria by which the cell is on the Pareto '
     'front; if the row of the paper can mean several panels, one of them is enough.'
 )

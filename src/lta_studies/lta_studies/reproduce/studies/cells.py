@@ -10,7 +10,7 @@ from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_energy.break_even_illuminance import break_even_illuminance, LightSource
 from lta_energy.harvest import HarvestCurve
 from lta_model.electrical.charger import ChargerModel
-from lta_model.electrical.panel import SolarArrayModel
+from lta_model.light.spectral_factor import luminous_efficacy, spectral_factor
 from lta_studies.energy.cells.arrays import (
     build_all_arrays,
     compute_ground_loads,
@@ -86,7 +86,7 @@ def quotient_errors(cells: Sequence[CellReading]) -> dict[str, MeasuredValue]:
 
 
 def data_sheet_times(cells: Sequence[CellReading]) -> dict[str, MeasuredValue]:
-    """Return the charging times from the data sheets, scaled to ANYSOLAR's."""
+    """Return the charging times by short-circuit currents, scaled to ANYSOLAR's."""
     return {
         f'sheet_{each.cell.name}': MeasuredValue(datasheet_charging_time(each, cells))
         for each in cells
@@ -95,7 +95,7 @@ def data_sheet_times(cells: Sequence[CellReading]) -> dict[str, MeasuredValue]:
 
 
 def charging_time_factor(values: Sequence[CellReading]) -> dict[str, MeasuredValue]:
-    """Return the factor from data-sheet to printed times, and its leave-one-out error."""
+    """Return the factor of the printed times by currents, and its leave-one-out error."""
     by = {
         each.cell.name: each.row.charge.si / datasheet_charging_time(each, values)
         for each in values
@@ -110,7 +110,17 @@ def charging_time_factor(values: Sequence[CellReading]) -> dict[str, MeasuredVal
         'sheet_factor': MeasuredValue(geometric_mean(alike)),
         'sheet_worst': MeasuredValue(worst),
         'sheet_amorphous': MeasuredValue(by['powerfilm_small']),
+        'amorphous_by_led': MeasuredValue(amorphous_by_crystalline('white_led')),
+        'amorphous_by_halogen': MeasuredValue(amorphous_by_crystalline('halogen')),
     }
+
+
+def amorphous_by_crystalline(light: str) -> float:
+    """Return the spectral factor of amorphous relative to crystalline silicon in a light."""
+    amorphous, crystalline = (
+        spectral_factor(luminous_efficacy(light), name) for name in ('amorphous', 'crystalline')
+    )
+    return amorphous / crystalline
 
 
 def compute_array_power(table: CellTable, energy: EnergyBlock) -> dict[str, MeasuredValue]:
@@ -123,7 +133,7 @@ def compute_array_power(table: CellTable, energy: EnergyBlock) -> dict[str, Meas
     led, sun = (table.lights[name].si for name in LIGHTS)
     light = table.arrays.illuminance.si
     # The paper's array of two ANYSOLAR panels in series
-    panel = HarvestCurve(SolarArrayModel.from_cells('anysolar', 2, 1))
+    panel = HarvestCurve.of_cells('anysolar', 2, 1)
     for task, load in zip(('standby', 'transmitting'), compute_ground_loads(energy), strict=True):
         even = break_even_illuminance(
             panel, ChargerModel.from_energy(energy), LightSource(led, 1.0), load

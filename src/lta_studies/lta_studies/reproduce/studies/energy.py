@@ -140,7 +140,7 @@ def measure_hover(comparison: HoverComparison) -> dict[str, MeasuredValue]:
 def measure_charging(power_budget: PowerBudget) -> dict[str, MeasuredValue]:
     """Return the net charging power and charging ratios at 80 klux, by kind of light."""
     body = load_vehicle(VEHICLE)
-    harvest, idle = HarvestCurve(body.panel), body.loads.idle
+    harvest, idle = HarvestCurve.of_energy(body.file.energy), body.loads.idle
     net = {
         NAMES[name]: charging_power(harvest, body.charger, lamp, LUX) - idle
         for name, lamp in LAMPS.items()

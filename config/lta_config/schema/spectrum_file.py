@@ -1,0 +1,85 @@
+"""
+Spectra of light, and the spectral responses of detectors: short tables with their sources.
+
+Wavelengths are in nanometres and increase.
+"""
+
+from collections.abc import Sequence
+from functools import cache
+from itertools import pairwise
+from typing import Annotated, Literal
+
+from lta_config.files import find_file, load_file, StrictModel
+from pydantic import AfterValidator, AliasChoices, Field, model_validator
+
+Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
+Wavelength = Annotated[float, Field(ge=100.0, le=10_000.0, strict=False)]
+Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False, strict=False)]
+Ordinate = Annotated[float, Field(ge=0.0, allow_inf_nan=False, strict=False)]
+Point = Annotated[tuple[Wavelength, Ordinate], Field(strict=False)]
+
+
+def _check_rising(points: Sequence[Point]) -> Sequence[Point]:
+    if any(b[0] <= a[0] for a, b in pairwise(points)):
+        raise ValueError('has wavelengths that do not increase; sort its points')
+    return points
+
+
+Points = Annotated[list[Point], Field(min_length=2), AfterValidator(_check_rising)]
+
+
+class EmissionPeak(StrictModel):
+    """A peak with a Gaussian on each side: widths at half maximum [nm], relative height."""
+
+    at: Wavelength
+    below: Positive
+    above: Positive
+    height: Positive
+
+
+class LightSpectrum(StrictModel):
+    """
+    Spectral power of a light, by exactly one of a table, peaks, or a black body's temperature.
+
+    `total` is the integral of a table over all wavelengths, also those that it leaves out.
+    """
+
+    schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
+    name: Name
+    about: str
+    source: str
+    points: Points | None = None
+    total: Positive | None = None  # in the unit of the points, times nm
+    peaks: list[EmissionPeak] | None = None
+    temperature: Annotated[float, Field(ge=500.0, le=20_000.0, strict=False)] | None = None  # K
+
+    @model_validator(mode='after')
+    def _check_kind(self) -> 'LightSpectrum':
+        kinds = (self.points, self.peaks, self.temperature)
+        if sum(kind is not None for kind in kinds) != 1:
+            raise ValueError('needs exactly one of "points", "peaks" and "temperature"')
+        if (self.points is None) != (self.total is None):
+            raise ValueError('needs "total" with "points", and only with them')
+        return self
+
+
+class SpectralResponse(StrictModel):
+    """Current of a detector by the power of light on it; zero outside its points."""
+
+    schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
+    name: Name
+    about: str
+    source: str
+    points: Points
+
+
+@cache
+def load_spectrum(name: str) -> LightSpectrum:
+    """Return a spectrum by shipped name or path; raise `BadInput` if it is invalid."""
+    return load_file(LightSpectrum, find_file('spectrum', name))
+
+
+@cache
+def load_spectral_response(name: str) -> SpectralResponse:
+    """Return a spectral response by shipped name or path; raise `BadInput` if it is invalid."""
+    return load_file(SpectralResponse, find_file('spectral response', name))
