@@ -10,13 +10,13 @@ docs/tutorials/your_node.md explains it.
 import math
 
 from geometry_msgs.msg import Pose, PoseStamped, Quaternion, Twist, TwistStamped
+from lta_msgs.msg import ActuatorDuty
 from nav_msgs.msg import Odometry
 import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.time import Time
-from sensor_msgs.msg import JointState
 
 ROTORS = ['up_left', 'up_right', 'forward_left', 'forward_right']  # as in the vehicle file
 HOVER = 0.13  # duty of each upward rotor that carries the 2 g
@@ -63,7 +63,7 @@ class OwnController(Node):
         # In lockstep no message may be lost, whoever starts first
         durable = DurabilityPolicy.TRANSIENT_LOCAL if lockstep else DurabilityPolicy.VOLATILE
         qos = QoSProfile(depth=2000, durability=durable)
-        self.motors = self.create_publisher(JointState, 'motors', qos)
+        self.motors = self.create_publisher(ActuatorDuty, 'motors', qos)
         self.wanted: PoseStamped | None = None
         self.speed, self.begun = 0.0, False
         self.create_subscription(PoseStamped, 'setpoint/pose', self.on_pose, qos)
@@ -81,12 +81,12 @@ class OwnController(Node):
     def on_odom(self, message: Odometry) -> None:
         """Answer a state with duties."""
         self.begun = True
-        command = JointState(name=ROTORS, effort=[0.0] * len(ROTORS))
+        command = ActuatorDuty(name=ROTORS, duty=[0.0] * len(ROTORS))
         # The stamp says which state is answered; without a fresh one the motors stop
         command.header.stamp = message.header.stamp
         known = message.pose.covariance[0] < UNKNOWN
         if known and self.wanted is not None and not self.is_stale(message):
-            command.effort = compute_duties(
+            command.duty = compute_duties(
                 self.wanted.pose, self.speed, message.pose.pose, message.twist.twist
             )
         self.motors.publish(command)

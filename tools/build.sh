@@ -18,7 +18,7 @@ if [ "$(cat .venv/.messages 2>/dev/null || :)" != "$messages" ]; then
     case $status in
     0) echo "$messages" >.venv/.messages ;;
     3) ;; # it has said what is missing
-    *) echo 'messages: not built, as said above; without them nothing is published on /tf, and no action is served.' >&2 ;;
+    *) echo 'messages: not built, as said above; without them nothing is published on /tf, topics have standard messages, and no action is served.' >&2 ;;
     esac
 fi
 

@@ -15,11 +15,12 @@ from typing import Annotated, Literal, NamedTuple, Self
 
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.files import load_file, share_folder, StrictModel
+from lta_config.message_files import read_field_units
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import is_name, load_topic_table, robot_topic, Topic
 from pydantic import AliasChoices, Field, model_validator
 
-KINDS = ('plot', 'states', 'scene', 'lamps', 'image', 'health', 'status')
+KINDS = ('plot', 'states', 'scene', 'block', 'health')
 LAYOUTS = ('foxglove', 'plotjuggler')
 ANGLES = ('roll', 'pitch', 'yaw')
 
@@ -32,11 +33,8 @@ class ViewPanel(StrictModel):
     plot: Mapping[str, str] | None = None
     states: Mapping[str, str] | None = None
     scene: str | None = None
-    lamps: str | None = None
-    image: str | None = None
+    block: str | None = None
     health: str | None = None
-    status: str | None = None
-    named: str = ''
 
     @model_validator(mode='after')
     def _check_one_kind(self) -> Self:
@@ -82,11 +80,6 @@ class Views(StrictModel):
         """The actuators of the vehicle, in the order of `motors`."""
         return list(load_vehicle_file(self.vehicle).rotors)
 
-    @property
-    def largest_reading(self) -> float:
-        """Largest reading of the vehicle's photodiodes. [counts]"""
-        return load_vehicle_file(self.vehicle).sensors.diodes.largest_reading
-
     def iterate_panels(self) -> Iterator[ViewPanel]:
         """Yield every panel."""
         for columns in self.tabs.values():
@@ -116,9 +109,15 @@ class SeriesPath(NamedTuple):
         return last if owner == 'orientation' and last in ANGLES else ''
 
 
+def list_series(views: Views, panel: ViewPanel) -> list[tuple[str, SeriesPath]]:
+    """Return the series of a panel with their labels, without those that the messages lack."""
+    found = [(label, parse_series(views, series)) for label, series in panel.series.items()]
+    return [(label, place) for label, place in found if place.steps]
+
+
 def parse_series(views: Views, series: str) -> SeriesPath:
     """
-    Parse a series 'TOPIC.FIELD...'.
+    Parse a series 'TOPIC.FIELD...'; a field that the topic's message lacks has no steps.
 
     Raises
     ------
@@ -132,7 +131,22 @@ def parse_series(views: Views, series: str) -> SeriesPath:
             f"The series '{series}' names no message field; write TOPIC.FIELD, as in "
             "'wind.vector.x'."
         )
-    return SeriesPath(name, load_topic_table()[name], views.absolute_topic(name), tuple(steps))
+    topic = load_topic_table()[name]
+    found = (
+        tuple(steps) if topic.type == topic.declared_type else _find_standard_steps(topic, steps)
+    )
+    return SeriesPath(name, topic, views.absolute_topic(name), found)
+
+
+def _find_standard_steps(topic: Topic, steps: list[str]) -> tuple[str, ...]:
+    """Return the path of a field in the standard type of a topic; () if there is none."""
+    field, *rest = steps
+    if topic.message == 'JointState' and field == 'duty':
+        return ('effort', *rest)
+    unit = read_field_units().get(topic.declared_type, {}).get(field)
+    if topic.message == 'DiagnosticArray' and unit is not None:
+        return ('energy', f'{field}_{unit}')
+    return ()
 
 
 def load_views() -> Views:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 import json
 from typing import Any
 
-from lta_config.views import parse_series, SeriesPath, ViewPanel, Views
+from lta_config.views import list_series, SeriesPath, ViewPanel, Views
 
 # Truth, estimate and setpoint have the same colours as on our own pages
 COLOURS = {'truth': '#7f7f7f', 'estimate': '#1f77b4', 'setpoint': '#d62728'}
@@ -26,23 +26,12 @@ CAMERA = {
 Config = dict[str, Any]
 
 
-def message_path(views: Views, series: str) -> str:
-    """
-    Return a series as a Foxglove message path.
-
-    Parameters
-    ----------
-    views : Views
-        Robot and vehicle.
-    series : str
-        As in `views.yaml`.
-
-    """
-    place = parse_series(views, series)
+def message_path(views: Views, place: SeriesPath) -> str:
+    """Return a series as a Foxglove message path."""
     if place.topic.message == 'DiagnosticArray':
         return _diagnostic_path(views, place)
-    # A joint's value is addressed by its index, in the order of the rotors
-    if place.topic.message == 'JointState' and place.steps[-1] in views.actuators:
+    # An actuator's value is addressed by its index, in the order of the rotors
+    if place.steps[-1] in views.actuators:
         *fields, name = place.steps
         return f'{place.absolute}.{".".join(fields)}[{views.actuators.index(name)}]'
     if place.angle:
@@ -62,17 +51,21 @@ def _diagnostic_path(views: Views, place: SeriesPath) -> str:
 
 def _build_series(views: Views, panel: ViewPanel) -> list[Config]:
     return [
-        {
-            'value': message_path(views, series),
-            'label': label,
-            'enabled': True,
-            'timestampMethod': 'receiveTime',
-            'color': COLOURS.get(label, OTHERS[k % len(OTHERS)]),
-            'showLine': True,
-            'lineSize': 1.5,
-        }
-        for k, (label, series) in enumerate(panel.series.items())
+        _build_path(k, label, message_path(views, place))
+        for k, (label, place) in enumerate(list_series(views, panel))
     ]
+
+
+def _build_path(index: int, label: str, path: str) -> Config:
+    return {
+        'value': path,
+        'label': label,
+        'enabled': True,
+        'timestampMethod': 'receiveTime',
+        'color': COLOURS.get(label, OTHERS[index % len(OTHERS)]),
+        'showLine': True,
+        'lineSize': 1.5,
+    }
 
 
 def _build_plot(views: Views, panel: ViewPanel) -> Config:
@@ -108,31 +101,6 @@ def _build_scene(views: Views, panel: ViewPanel) -> Config:
     }
 
 
-def _build_lamp_view(views: Views, panel: ViewPanel) -> Config:
-    """Return a top view of the ring of photodiodes, with a dot per diode coloured by SNR."""
-    dots = {
-        'visible': True,
-        'pointSize': 24.0,
-        'pointShape': 'circle',
-        'colorMode': 'colormap',
-        'colorMap': 'turbo',
-        'colorField': 'snr',
-        'minValue': 0.0,
-        'maxValue': 100.0,
-    }
-    return {
-        'cameraState': {**CAMERA, 'distance': 4.0, 'phi': 25.0, 'targetOffset': [0.0, 0.0, 0.0]},
-        'followMode': 'follow-pose',  # the drone stays at the centre and its heading up
-        'followTf': 'base_link',
-        'scene': {'transforms': {'showLabel': False, 'axisSize': 0.3}},
-        'topics': {
-            views.absolute_topic(str(panel.lamps)): dots,
-            views.absolute_topic('scene'): {'visible': True},
-        },
-        'layers': {},
-    }
-
-
 def _build_grid(frame: str, size: float) -> Config:
     return {
         'visible': True,
@@ -162,16 +130,11 @@ def _build_urdf(views: Views) -> Config:
     }
 
 
-def _build_image(views: Views, panel: ViewPanel) -> Config:
-    return {
-        'imageMode': {
-            'imageTopic': views.absolute_topic(str(panel.image)),
-            'colorMode': 'colormap',
-            'colorMap': 'turbo',
-            'minValue': 0.0,
-            'maxValue': views.largest_reading,
-        }
-    }
+def _build_block(views: Views, panel: ViewPanel) -> Config:
+    """Return a plot of all counts of the newest block over their place in it."""
+    config = _build_plot(views, panel)
+    path = f'{views.absolute_topic(str(panel.block))}.counts[:]'
+    return config | {'paths': [_build_path(0, 'counts', path)], 'xAxisVal': 'index'}
 
 
 def _build_health(views: Views, panel: ViewPanel) -> Config:
@@ -184,22 +147,12 @@ def _build_health(views: Views, panel: ViewPanel) -> Config:
     }
 
 
-def _build_status(views: Views, panel: ViewPanel) -> Config:
-    return {
-        'topicToRender': views.absolute_topic(str(panel.status)),
-        'selectedHardwareId': '',
-        'selectedName': panel.named,
-    }
-
-
 PANELS: dict[str, tuple[str, Callable[[Views, ViewPanel], Config]]] = {  # by kind: Foxglove's type
     'plot': ('Plot', _build_plot),
     'states': ('StateTransitions', _build_states),
     'scene': ('3D', _build_scene),
-    'lamps': ('3D', _build_lamp_view),
-    'image': ('Image', _build_image),
+    'block': ('Plot', _build_block),
     'health': ('DiagnosticSummary', _build_health),
-    'status': ('DiagnosticStatusPanel', _build_status),
 }
 
 

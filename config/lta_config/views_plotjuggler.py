@@ -3,21 +3,24 @@
 from collections.abc import Sequence
 import xml.etree.ElementTree as ET
 
-from lta_config.views import parse_series, ViewPanel, Views
+from lta_config.views import list_series, SeriesPath, ViewPanel, Views
 from lta_config.views_foxglove import COLOURS, OTHERS
 
 
-def curve_name(views: Views, series: str) -> str:
+def curve_name(views: Views, place: SeriesPath) -> str:
     """
     Return the name of a series in PlotJuggler.
 
-    Its ROS parsers put the name of a joint before the field, split a diagnostic array by robot,
-    status and key, and add the angles of the first quaternion in degrees.
+    Its ROS parsers put the name of a joint before the field, index other arrays, split a
+    diagnostic array by robot, status and key, and add the angles of the first quaternion in
+    degrees.
     """
-    place = parse_series(views, series)
     steps = list(place.steps)
-    if place.topic.message == 'JointState' and steps[-1] in views.actuators:
-        steps = [steps[-1], *steps[:-1]]
+    if steps[-1] in views.actuators:
+        *fields, name = steps
+        joint = place.topic.message == 'JointState'
+        index = views.actuators.index(name)
+        steps = [name, *fields] if joint else [*fields[:-1], f'{fields[-1]}[{index}]']
     elif place.topic.message == 'DiagnosticArray' and place.name.startswith('/'):
         steps = [views.robot, *steps]
     elif place.angle:
@@ -43,9 +46,9 @@ def _add_plot(parent: ET.Element, views: Views, panel: ViewPanel) -> None:
     plot.attrib |= {'flip_x': 'false', 'flip_y': 'false'}
     ET.SubElement(plot, 'range', left='0', right='60', bottom='0', top='1')
     ET.SubElement(plot, 'limitY')
-    for k, (label, series) in enumerate(panel.series.items()):
+    for k, (label, place) in enumerate(list_series(views, panel)):
         colour = COLOURS.get(label, OTHERS[k % len(OTHERS)])
-        ET.SubElement(plot, 'curve', name=curve_name(views, series), color=colour)
+        ET.SubElement(plot, 'curve', name=curve_name(views, place), color=colour)
 
 
 def build_plotjuggler_layout(views: Views) -> str:

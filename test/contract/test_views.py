@@ -9,19 +9,16 @@ import foxglove.layouts as sdk
 from lta_bridge.bag.schemas import load_jazzy_types
 from lta_config import views_foxglove, views_plotjuggler
 from lta_config.errors import BadInput
-from lta_config.files import find_file, load_yaml
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.topics import load_topic_table, robot_topic
-from lta_config.views import load_views, main, parse_series, Views
-from lta_energy.messages import collect_energy_values
+from lta_config.topics import load_topic_table, MESSAGES, robot_topic, uses_typed_messages
+from lta_config.views import list_series, load_views, main, parse_series, Views
 from pydantic import ValidationError
 import pytest
 from rosbags.typesys.store import Nodetype
-import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
 TABLE = load_topic_table()
-TYPES = {robot_topic('lta1', name): topic.type for name, topic in TABLE.topics.items()}
+TYPES = {robot_topic('lta1', name): topic.declared_type for name, topic in TABLE.topics.items()}
 ROTORS = list(load_vehicle_file('gtmab').rotors)
 LAYOUT = json.loads((ROOT / 'config/foxglove/lta.json').read_text(encoding='utf-8'))
 PLOTS = ET.parse(ROOT / 'config/plotjuggler/lta.xml').getroot()
@@ -33,9 +30,7 @@ PANELS = {  # by Foxglove's name of a panel: what its SDK says of the panel's se
     'Plot': sdk.PlotConfig(),
     'StateTransitions': sdk.StateTransitionsConfig(),
     '3D': sdk.ThreeDeeConfig(),
-    'Image': sdk.ImageConfig(),
     'DiagnosticSummary': sdk.DiagnosticsSummaryConfig(),
-    'DiagnosticStatusPanel': sdk.DiagnosticsDetailConfig(),
 }
 
 
@@ -46,10 +41,7 @@ def told(sources, text):
 
 def figure_exists(topic, status, key):
     """Return whether a status of a diagnostic array holds a figure."""
-    if topic == '/lta1/energy/status':
-        source = ROOT / 'src/lta_energy/lta_energy/messages.py'
-        assert collect_energy_values.__module__ == 'lta_energy.messages'
-        return status == 'energy' and f"'{key}':" in source.read_text(encoding='utf-8')
+    assert topic == '/diagnostics'
     node, _, task = status.partition(': ')
     assert node in NODES, status
     sources = list(ROOT.glob(f'src/*/lta_*/nodes/{node}.py'))
@@ -59,7 +51,7 @@ def figure_exists(topic, status, key):
 
 def follow(type_name, steps):
     """Return the type that a message path ends at, by the definitions of ROS 2 Jazzy."""
-    node, filters = (Nodetype.NAME, type_name), {}
+    node, filters, name_before = (Nodetype.NAME, type_name), {}, ''
     steps = list(steps)
     while steps:
         name, index, key, value = steps.pop(0)
@@ -74,12 +66,12 @@ def follow(type_name, steps):
         elif name:
             fields = dict(load_jazzy_types().fielddefs[detail][1])
             assert name in fields, f'{detail} has no {name}'
-            node = fields[name]
+            node, name_before = fields[name], name
         elif index:
             assert kind in (Nodetype.SEQUENCE, Nodetype.ARRAY)
             node = detail[0]
             if index != ':':
-                assert int(index) < len(ROTORS)
+                assert int(index) < (8 if name_before == 'snr' else len(ROTORS))
         else:
             assert key in dict(load_jazzy_types().fielddefs[detail][1])
             filters[key] = value.strip('"')
@@ -114,22 +106,23 @@ def test_a_message_path_ends_at_a_number(path):
     topic, steps = parsed(path)
     (kind, detail), filters = follow(TYPES[topic], steps)
     assert kind == Nodetype.BASE
-    if detail[0] == 'string':  # Foxglove plots a text that is a number
+    if topic == '/lta1/energy/status' and detail[0] == 'string':  # states are texts, too
+        assert path.endswith('message')
+    elif detail[0] == 'string':  # Foxglove plots a text that is a number
         assert filters.get('hardware_id', '') == ('lta1' if topic == '/diagnostics' else '')
         assert figure_exists(topic, filters['name'], filters['key'])
     else:
-        assert detail[0] in ('float32', 'float64', 'bool')
+        assert detail[0] in ('float32', 'float64', 'bool', 'uint16')
 
 
 def test_a_path_that_is_wrong_is_found():
     for wrong in (
         '/lta1/odom.pose.position.z',
         '/lta1/battery.voltage[0]',
-        '/lta1/motors.effort[9]',
+        '/lta1/motors.duty[9]',
     ):
         with pytest.raises(AssertionError):
             follow(TYPES[parsed(wrong)[0]], parsed(wrong)[1])
-    assert not figure_exists('/lta1/energy/status', 'energy', 'power_W')
     assert not figure_exists('/diagnostics', 'demodulator: light', 'worst_snr')
 
 
@@ -143,10 +136,10 @@ def test_a_curve_is_one_that_plotjuggler_makes(curve):
             assert steps.pop(0) == 'lta1'
         assert figure_exists(topic, *steps)
         return
-    if TYPES[topic] == 'sensor_msgs/msg/JointState':
-        name, field = steps
-        assert name in ROTORS
-        assert field == 'effort'
+    if curve.endswith(']'):
+        path = '.'.join([topic, *steps])
+        (kind, _), _ = follow(TYPES[topic], parsed(path)[1])
+        assert kind == Nodetype.BASE
         return
     if steps[-1].endswith('_deg'):
         assert steps.pop() in ('roll_deg', 'pitch_deg', 'yaw_deg')
@@ -157,29 +150,25 @@ def test_a_curve_is_one_that_plotjuggler_makes(curve):
     assert kind == Nodetype.BASE
 
 
-def test_both_layouts_are_fresh():
-    views = load_views()
-    made = views_foxglove.build_foxglove_layout(views)
-    assert (ROOT / 'config/foxglove/lta.json').read_text(encoding='utf-8') == made
-    made = views_plotjuggler.build_plotjuggler_layout(views)
-    assert (ROOT / 'config/plotjuggler/lta.xml').read_text(encoding='utf-8') == made
+@pytest.fixture
+def use_types(monkeypatch):
+    """Return a function that chooses the message types, also where they are not built."""
+
+    def choose(name):
+        monkeypatch.setenv(MESSAGES, name)
+        uses_typed_messages.cache_clear()
+
+    yield choose
+    monkeypatch.undo()
+    uses_typed_messages.cache_clear()
 
 
-@pytest.mark.parametrize('file', ['foxglove/lta.json', 'plotjuggler/lta.xml'])
-def test_the_command_in_the_head_of_the_views_writes_them(capsys, file):
-    main([file.partition('/')[0]])
-    assert capsys.readouterr().out == (ROOT / 'config' / file).read_text(encoding='utf-8')
-
-
-def test_an_image_of_light_ends_where_the_vehicles_converter_does(tmp_path):
-    content = load_yaml(find_file('vehicle', 'gtmab'))
-    content['sensors']['diodes']['bits'] = 16
-    path = tmp_path / 'fine.yaml'
-    path.write_text(yaml.safe_dump(content), encoding='utf-8')
-    views = load_views().model_copy(update={'vehicle': str(path)})
-    configs = json.loads(views_foxglove.build_foxglove_layout(views))['configById'].values()
-    (image,) = [config['imageMode'] for config in configs if 'imageMode' in config]
-    assert image['maxValue'] == 65535.0
+@pytest.mark.parametrize(('app', 'file'), [('foxglove', 'lta.json'), ('plotjuggler', 'lta.xml')])
+def test_both_layouts_are_fresh(use_types, capsys, app, file):
+    use_types('typed')
+    main([app])
+    kept = (ROOT / 'config' / app / file).read_text(encoding='utf-8')
+    assert kept == capsys.readouterr().out
 
 
 def test_both_layouts_have_the_five_tabs_and_the_same_plots():
@@ -189,6 +178,8 @@ def test_both_layouts_have_the_five_tabs_and_the_same_plots():
     assert [tab.get('tab_name') for tab in PLOTS.iter('Tab')] == TABS
     for tab, page in zip(tabs, PLOTS.iter('Tab'), strict=True):
         found = [name for name in leaves(tab['layout']) if name.startswith('Plot!')]
+        # The newest block over its samples is a plot of Foxglove's alone
+        found = [name for name in found if configs[name]['xAxisVal'] == 'timestamp']
         titles = [configs[name]['foxglovePanelTitle'] for name in found]
         assert titles == [area.get('name') for area in page.iter('DockArea')]
         counts = [len(configs[name]['paths']) for name in found]
@@ -220,9 +211,6 @@ def test_every_panel_is_shown_once_and_has_settings_that_foxglove_knows():
         for topic, settings in config.get('topics', {}).items():
             assert topic in TYPES, name
             assert settings.keys() <= point
-    (image,) = [config['imageMode'] for config in configs.values() if 'imageMode' in config]
-    assert image.keys() <= sdk.ImageModeConfig()._to_dict().keys()
-    assert TYPES[image['imageTopic']] == 'sensor_msgs/msg/Image'
 
 
 def test_the_scene_of_a_bag_is_room_and_drone():
@@ -244,21 +232,37 @@ def test_topics_of_other_panels_are_there_and_of_the_right_kind():
     for name, config in LAYOUT['configById'].items():
         if 'topicToRender' in config:
             assert TYPES[config['topicToRender']] == 'diagnostic_msgs/msg/DiagnosticArray', name
-        for topic, settings in config.get('topics', {}).items():
-            if 'colorField' in settings:
-                assert TYPES[topic] == 'sensor_msgs/msg/PointCloud2'
-                assert settings['colorField'] == 'snr'
 
 
-def test_motors_are_shown_by_the_names_of_the_vehicle():
+def test_motors_are_shown_by_the_names_of_the_vehicle(use_types):
     views = load_views()
-    for index, name in enumerate(ROTORS):
-        assert views_foxglove.message_path(views, f'motors.effort.{name}').endswith(
-            f'.effort[{index}]'
-        )
-        assert views_plotjuggler.curve_name(views, f'motors.effort.{name}').endswith(
-            f'/{name}/effort'
-        )
+    for types, path, curve in (
+        ('typed', '.duty[{}]', 'motors/duty[{}]'),
+        ('standard', '.effort[{}]', 'motors/{}/effort'),
+    ):
+        use_types(types)
+        for index, name in enumerate(ROTORS):
+            place = parse_series(views, f'motors.duty.{name}')
+            assert views_foxglove.message_path(views, place).endswith(path.format(index))
+            found = views_plotjuggler.curve_name(views, place)
+            assert found.endswith(curve.format(index if types == 'typed' else name))
+
+
+def test_standard_types_have_paths_of_their_own_and_lack_some_series(use_types):
+    views = load_views()
+    use_types('standard')
+    power = parse_series(views, 'energy/status.power_in')
+    (kind, detail), filters = follow(
+        power.topic.type, parsed(views_foxglove.message_path(views, power))[1]
+    )
+    assert (kind, detail[0], filters) == (
+        Nodetype.BASE, 'string', {'name': 'energy', 'key': 'power_in_W'},
+    )  # fmt: skip
+    assert views_plotjuggler.curve_name(views, power) == '/lta1/energy/status/energy/power_in_W'
+    (panel,) = [each for each in views.iterate_panels() if each.title == 'SNR by diode [1]']
+    assert list_series(views, panel) == []
+    use_types('typed')
+    assert len(list_series(views, panel)) == 8
 
 
 def test_bad_views_are_refused():

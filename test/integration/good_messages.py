@@ -68,7 +68,6 @@ def good(name: str, stamp_ns: int) -> Any:
         'teleop/held': lambda: Bool(data=False),
         'energy/reserve': lambda: Bool(data=False),
         'energy/battery': lambda: messages.build_battery_state(stamp, 3.9, -0.3, 'battery'),
-        'energy/status': lambda: health('energy', power_in_W=0.1),
         'wind': lambda: messages.build_wind_message(stamp, (0.1, 0.0, 0.0)),
         '/clock': lambda: Clock(clock=stamp),
         '/diagnostics': lambda: health('controller: links', motors=2, held=False),

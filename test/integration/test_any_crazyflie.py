@@ -13,6 +13,7 @@ from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_config.schema.crazyflie_file import REQUIRED
 from lta_config.topics import load_topic_table
+from lta_control.messages import from_duties
 from lta_emulation.crazyflie.firmware_build import APP, ARMING, AS_SOLD
 from lta_graph.ros.message_validation import find_message_type
 from lta_model.vehicle import load_vehicle
@@ -141,8 +142,8 @@ def test_the_bridge_flies_it_and_brings_it_down_unlocked(uri, domain_id, hear):
                 if name == 'setpoint/pose':
                     message.pose.position.z = HEIGHT
                 elif name == 'motors':
-                    message.name = vehicle.rotor_names
-                    message.effort = [0.1] * len(vehicle.rotor_names)
+                    names = vehicle.rotor_names
+                    message = from_duties(stamp, names, (0.1,) * len(names))
                 publisher.publish(message)
 
         hear(lambda facts: safety(facts, 'disarmed', turning=False))

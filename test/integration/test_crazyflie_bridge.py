@@ -9,10 +9,10 @@ from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
 from lta_config.schema.crazyflie_file import load_crazyflie
 from lta_config.topics import load_topic_table
+from lta_control.messages import from_duties
 from lta_emulation.crazyflie.body import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
 from lta_emulation.crazyflie.server import CrazyflieServer
-from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.stamps import from_stamp
 from lta_model.vehicle import load_vehicle
 import pytest
@@ -89,9 +89,7 @@ def commanding(peer):
     motors = peer.publisher('motors')
 
     def send():
-        message = find_message_type(TABLE['motors'])(name=ROTORS, effort=DUTIES)
-        message.header.stamp = peer.node.get_clock().now().to_msg()
-        motors.publish(message)
+        motors.publish(from_duties(peer.node.get_clock().now().to_msg(), ROTORS, DUTIES))
 
     return send
 

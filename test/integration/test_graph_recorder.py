@@ -145,8 +145,9 @@ def test_nonsense_is_recorded_counted_and_dates_nothing(recording):
     publisher.publish(odom(2_000_000_000 * 10**9))
     publisher.publish(serialize_message(odom(first))[:8])
     publisher.publish(odom(second))
-    status = recording.offering('energy/status', DiagnosticArray, 10)
-    torn = serialize_message(DiagnosticArray(status=[DiagnosticStatus(name='cut short')]))[:20]
+    kind = find_message_type(TABLE['energy/status'])
+    status = recording.offering('energy/status', kind, 10)
+    torn = serialize_message(kind())[:20]
     status.publish(torn)
     recording.until(lambda: arrived(recording.bag, '/lta1/odom', 4))
     recording.until(lambda: arrived(recording.bag, '/lta1/energy/status', 1))

@@ -11,6 +11,7 @@ from lta_model.sensors.range import RangeSettings
 from lta_sim.nodes.simulator import Simulator
 import pytest
 import rclpy
+from sensor_msgs.msg import JointState
 
 
 class Kept:
@@ -50,7 +51,11 @@ def paced(simulator, monkeypatch):
     def command(duties, ahead=0.0, names=None):
         message = find_message_type(simulator.table['motors'])()
         message.header.stamp = to_stamp(simulator._world.stamp_ns + round(1e9 * ahead))
-        message.name, message.effort = names or simulator._world.vehicle.rotor_names, duties
+        message.name = names or simulator._world.vehicle.rotor_names
+        if isinstance(message, JointState):
+            message.effort = duties
+        else:
+            message.duty = duties
         simulator._on_motors(SimpleNamespace(messages={'motors': [message]}))
 
     return passes, command

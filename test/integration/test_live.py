@@ -9,6 +9,7 @@ from pathlib import Path
 import signal
 import socket
 
+from lta_bridge.bag.schemas import load_jazzy_types
 from lta_bridge.live.server import LiveServer
 from lta_bridge.nodes.live import REPLACED
 from lta_config.topics import load_topic_table, robot_topic
@@ -22,7 +23,7 @@ import pytest
 import rclpy
 from rclpy.context import Context
 from rclpy.serialization import serialize_message
-from rosbags.typesys import get_types_from_msg, get_typestore, Stores
+from rosbags.typesys import get_types_from_msg
 from waiting import wait_until
 
 import foxglove
@@ -41,7 +42,7 @@ UNDATED = {'/diagnostics'} | {
     for name, row in TABLE.topics.items()
     if not row.stamped
 }
-JAZZY = get_typestore(Stores.ROS2_JAZZY)
+JAZZY = load_jazzy_types()
 
 
 @pytest.fixture
@@ -162,7 +163,8 @@ def drawn(viewer):
 def figures_are_told(viewer):
     """Every figure of a diagnostic array that the layouts plot is one that a flight tells."""
     told = set()
-    for name in ('/diagnostics', 'energy/status'):
+    arrays = [name for name, row in TABLE.topics.items() if row.message == 'DiagnosticArray']
+    for name in arrays:
         for _, message in seen(viewer, name):
             for status in message.status:
                 told |= {(name, status.name, item.key) for item in status.values}

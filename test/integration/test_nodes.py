@@ -5,12 +5,15 @@ from contextlib import contextmanager
 import math
 import signal
 
+from builtin_interfaces.msg import Time
 from domain import free_domain
+from lta_control.messages import from_duties
 from lta_graph.health import HealthLevel
 from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.publisher_conflict import OTHERS
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import to_stamp
+from lta_model.messages import read_duties
 import pytest
 from rcl_interfaces.srv import DescribeParameters
 from rclpy.qos import ReliabilityPolicy
@@ -85,7 +88,7 @@ def estimate(peer, step, **position):
     assert peer.motors[-1].header.stamp == odom.header.stamp
     assert peer.motors[-1].name == ROTORS
     peer.step = max(peer.step, step)
-    return list(peer.motors[-1].effort)
+    return list(read_duties(peer.motors[-1]))
 
 
 def setpoint(peer, altitude, step):
@@ -221,7 +224,7 @@ def test_a_flight_in_real_time_is_open_to_people(lta, peer, flying, hear, tmp_pa
         assert answer.reason
 
     # Both the simulator and the estimator hear a command for some other drone.
-    wrong = find_message_type(TABLE['motors'])(name=['left', 'right'], effort=[1.0, 1.0])
+    wrong = from_duties(Time(), ['left', 'right'], (1.0, 1.0))
     stranger = peer.publisher('motors')
 
     def refused(facts):
@@ -235,7 +238,7 @@ def test_a_flight_in_real_time_is_open_to_people(lta, peer, flying, hear, tmp_pa
     assert peer.ask(Trigger, 'emergency_stop').success
     peer.motors.clear()
     peer.until(lambda: len(peer.motors) > 50)
-    answers = [list(item.effort) for item in peer.motors if item.name == ROTORS]
+    answers = [list(read_duties(item)) for item in peer.motors if item.name == ROTORS]
     assert answers[1:] == [[0.0] * 4] * (len(answers) - 1)  # the first may have been on its way
     flight.interrupt()
     assert flight.end() == 130

@@ -5,6 +5,7 @@ import signal
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from lta_config.topics import load_topic_table
+from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from nav_msgs.msg import Odometry
 import pytest
@@ -39,8 +40,12 @@ class Drone(Peer):
 
     def energy(self, reserve, level=OK, sentence='90% left'):
         """Say what the energy monitor says."""
-        status = DiagnosticStatus(level=level, name='energy', message=sentence)
-        self.publisher('energy/status').publish(DiagnosticArray(status=[status]))
+        message = find_message_type(load_topic_table()['energy/status'])()
+        if isinstance(message, DiagnosticArray):
+            message.status = [DiagnosticStatus(level=level, name='energy', message=sentence)]
+        else:
+            message.level, message.message = level[0], sentence
+        self.publisher('energy/status').publish(message)
         self.publisher('energy/reserve').publish(Bool(data=reserve))
 
     def meet(self):

@@ -26,6 +26,7 @@ from lta_energy.nodes.energy_monitor import EnergyMonitor
 from lta_graph.health import HealthFact, HealthLevel
 from lta_graph.ros.message_validation import find_fault
 from lta_graph.ros.node import GraphNode
+from lta_model.messages import read_duties
 from lta_sim.nodes.simulator import Simulator
 from lta_vlc.nodes.demodulator import Demodulator
 import numpy as np
@@ -138,7 +139,7 @@ class Trial:
     @property
     def duties(self) -> list[float]:
         """Return all duties that the node gave out, and those that it flies."""
-        given = [duty for message in self.said.get('motors', ()) for duty in message.effort]
+        given = [duty for message in self.said.get('motors', ()) for duty in read_duties(message)]
         flown = self.node._duties if isinstance(self.node, Simulator) else ()
         return [*given, *flown]
 

@@ -19,7 +19,7 @@ from lta_bridge.bag.writer import BagWriter
 from lta_bridge.cdr import encode_cdr
 from lta_bridge.provenance import collect_provenance
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.topics import load_topic_table
+from lta_config.topics import load_topic_table, MESSAGES, uses_typed_messages
 from lta_control.air_reckoning import AirReckoning
 from lta_control.gains_file import load_gains
 from lta_control.messages import (
@@ -68,6 +68,16 @@ START = 4.0, 1.0  # m beside the scenario's start
 STEPS, SEED = 801, 4  # 8 s
 LARGEST = 750_000  # bytes; noise does not compress
 QOS = [build_offered_qos('reliable', 'transient_local', 200)]
+
+
+@pytest.fixture(autouse=True)
+def _as_recorded(monkeypatch):
+    """Use the types of the stored bag, as a replay does."""
+    monkeypatch.setenv(MESSAGES, 'standard')
+    uses_typed_messages.cache_clear()
+    yield
+    monkeypatch.undo()
+    uses_typed_messages.cache_clear()
 
 
 def fly(folder):

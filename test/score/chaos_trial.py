@@ -100,9 +100,10 @@ def judged(graph: Graph, strikes: list[Strike]) -> list[str]:
 def impossible(bag: Any) -> list[str]:
     """Return the first command that no motor must get."""
     for topic, _, data in bag.iterate_messages(['/lta1/motors']):
-        effort = bag.decode(topic, data).effort
-        if not all(-1.0 <= duty <= 1.0 for duty in effort):
-            return [f'duties {list(effort)} were commanded']
+        command = bag.decode(topic, data)
+        duties = command.duty if hasattr(command, 'duty') else command.effort
+        if not all(-1.0 <= duty <= 1.0 for duty in duties):
+            return [f'duties {list(duties)} were commanded']
     return []
 
 

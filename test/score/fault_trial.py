@@ -20,6 +20,7 @@ from typing import Any, Final
 from diagnostic_msgs.msg import DiagnosticArray
 from fault_kinds import KINDS, NEVER, SLACK, WRAP_MS
 from lta_config.topics import load_topic_table
+from lta_control.messages import from_duties
 from lta_data.bag.reader import read_bag
 from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_emulation.emulated_hardware import build_simulated_body
@@ -127,8 +128,8 @@ class Trial:
                 case 'odom':
                     message.pose.pose.position.x = self._distance
                 case 'motors':
-                    message.name = self._names
-                    message.effort = [self._factor * duty for duty in DUTIES[phase]]
+                    duties = tuple(self._factor * duty for duty in DUTIES[phase])
+                    message = from_duties(stamp, self._names, duties)
                 case 'setpoint/pose':
                     message.pose.position.z = self._factor * HEIGHTS[phase]
                 case 'setpoint/velocity':

@@ -6,10 +6,13 @@ import struct
 import sys
 from types import SimpleNamespace
 
+from builtin_interfaces.msg import Time
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import load_topic_table, robot_topic
+from lta_control.messages import from_duties
 from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.stamps import from_stamp
+from lta_model.messages import read_duties
 from lta_model.scenario import load_scenario
 import numpy as np
 import pytest
@@ -46,9 +49,8 @@ def test_what_is_spoilt_is_what_it_says():
     odom = find_message_type(TOPICS['odom'])()
     assert math.isnan(spoil('nan', odom).pose.pose.position.z)
     assert np.isnan(spoil('nan', odom).pose.covariance).all()
-    motors = find_message_type(TOPICS['motors'])()
-    motors.name, motors.effort = ['a', 'b'], [0.1, 0.2]
-    assert len(spoil('lengths', motors).effort) == 3
+    motors = from_duties(Time(), ['a', 'b'], (0.1, 0.2))
+    assert len(read_duties(spoil('lengths', motors))) == 3
     assert list(spoil('names', motors).name) != ['a', 'b']
     assert motors.name == ['a', 'b']  # a copy was spoilt
 

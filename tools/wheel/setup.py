@@ -53,7 +53,14 @@ setup(
         )
         for folder in folders
     ]
-    + [('share/lta_config', ['commit'])],
+    + [('share/lta_config', ['commit'])]
+    # To record and read them without ROS
+    + [
+        (
+            'share/lta_msgs/msg',
+            [os.path.relpath(path) for path in sorted(ROOT.glob('src/lta_msgs/msg/*.msg'))],
+        )
+    ],
     install_requires=read_requirements('requirements.txt'),
     # As lta_cores-...whl[cluster]
     extras_require={'cluster': read_requirements('requirements-dask.txt')},

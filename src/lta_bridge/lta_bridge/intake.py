@@ -12,7 +12,11 @@ from lta_config.topics import TopicTable
 from lta_graph.health import HealthLevel
 
 Clean = Callable[[bytes], bytes]
-VARYING = {'diagnostic_msgs/msg/DiagnosticArray'}  # types with strings of varying length
+VARYING = {  # types with strings or lists of varying length
+    'diagnostic_msgs/msg/DiagnosticArray',
+    'lta_msgs/msg/EnergyStatus',
+    'lta_msgs/msg/LampPeaks',
+}
 
 
 @final

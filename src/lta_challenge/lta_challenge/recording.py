@@ -48,7 +48,7 @@ def _encode_messages(
     """Return the type of a topic and an iterator of its messages (time in ns, name, bytes)."""
     # The wrench command is not a topic of a flight's graph
     entry = load_topic_table()[topic] if topic != PUSHED else None
-    kind, frame = (entry.type, entry.frame) if entry else (WRENCH.type_name, WRENCH.frame)
+    kind, frame = (entry.common_type, entry.frame) if entry else (WRENCH.type_name, WRENCH.frame)
     given: dict[str, Any] = {'header.frame_id': frame, **SAID.get(topic, {})}
     lengths = {}
     columns = COLUMNS.get(topic, ())

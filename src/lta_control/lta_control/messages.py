@@ -1,6 +1,8 @@
 """Convert estimates, setpoints and duties to and from ROS messages."""
 
+import array
 import math
+from typing import TYPE_CHECKING
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import (
@@ -10,6 +12,7 @@ from geometry_msgs.msg import (
     TwistWithCovarianceStamped,
 )
 from lta_config.covariances import is_known, UNKNOWN_VARIANCE
+from lta_config.topics import load_topic_table
 from lta_control import message_rounding
 from lta_control.attitude import Quaternion, Vector, yaw_from_quaternion
 from lta_control.cascade import CascadeMeasurement, Setpoint
@@ -27,10 +30,18 @@ from lta_control.reserve import ReserveReport
 from lta_control.sighting import LampPosition
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
+from lta_graph.ros.message_validation import find_message_type
+from lta_model.messages import read_duties
 from nav_msgs.msg import Odometry
 import numpy as np
 from numpy.typing import NDArray
 from sensor_msgs.msg import FluidPressure, Imu, JointState, PointCloud2, Range
+
+if TYPE_CHECKING:  # not built on every machine; see the type of a topic in the table
+    from diagnostic_msgs.msg import DiagnosticArray
+    from lta_msgs.msg import ActuatorDuty, EnergyStatus, LampPeaks
+
+DiodeReadings = tuple[tuple[tuple[float, float], ...], tuple[float, ...]]
 
 BAROMETER = 30e3, 125e3  # Pa, the range of the BMP388
 FASTEST_TURN = math.radians(3000.0)  # rad/s; the BMI088 measures 2000 deg/s
@@ -80,19 +91,22 @@ def is_plausible_imu_sample(inputs: EstimatorInputs) -> bool:
     return turning and all(abs(force) <= HARDEST_PULL for force in inputs.force)
 
 
-def to_duties(motors: JointState | None, names: list[str], before: PerRotor) -> PerRotor:
+def to_duties(
+    motors: 'ActuatorDuty | JointState | None', names: list[str], before: PerRotor
+) -> PerRotor:
     """Return the commanded duties by slot, or `before` without a valid command."""
     return (
         before
         if motors is None or not is_valid_command(motors, names)
-        else pad_to_slots(motors.effort)
+        else pad_to_slots(read_duties(motors))
     )
 
 
-def is_valid_command(motors: JointState, names: list[str]) -> bool:
+def is_valid_command(motors: 'ActuatorDuty | JointState', names: list[str]) -> bool:
     """Return whether the duties belong to the vehicle's rotors and are from -1 to 1."""
-    ours = list(motors.name) == names and len(motors.effort) == len(names)
-    return ours and all(-1.0 <= duty <= 1.0 for duty in motors.effort)  # NaN compares false
+    duties = read_duties(motors)
+    ours = list(motors.name) == names and len(duties) == len(names)
+    return ours and all(-1.0 <= duty <= 1.0 for duty in duties)  # NaN compares false
 
 
 def from_estimate(stamp: Time, estimate: MotionEstimate, ground: GroundMotion) -> Odometry:
@@ -242,13 +256,20 @@ def from_setpoint(stamp: Time, setpoint: Setpoint) -> tuple[PoseStamped, TwistSt
     return pose, velocity
 
 
-def from_duties(stamp: Time, names: list[str], duties: tuple[float, ...]) -> JointState:
+def from_duties(
+    stamp: Time, names: list[str], duties: tuple[float, ...]
+) -> 'ActuatorDuty | JointState':
     """Return the duties by actuator name, -1 to 1; unused slots are left out."""
-    message = JointState()
+    message = find_message_type(load_topic_table()['motors'])()
     message.header.stamp = stamp
     message.header.frame_id = 'base_link'
     message.name = names
-    message.effort = list(duties[: len(names)])
+    # rclpy accepts an array of the type without checking each item
+    numbers = array.array('d', duties[: len(names)])
+    if isinstance(message, JointState):
+        message.effort = numbers
+    else:
+        message.duty = numbers
     return message
 
 
@@ -259,16 +280,25 @@ def update_reserve_report(before: ReserveReport | None, step: InboxStep) -> Rese
     The reserve and the status are separate topics, so either may arrive a step after the other.
     """
     reserve, status = step.last_message('energy/reserve'), step.last_message('energy/status')
-    latest = None if status is None or not status.status else status.status[0]
+    latest = None if status is None else read_battery_level(status)
     if reserve is None and latest is None:
         return before
     # Until the first reserve message, assume that the reserve is reached: stay on the ground.
     word = ReserveReport(step.stamp_ns, True, False) if before is None else before
     if latest is not None:
-        word = word._replace(urgent=latest.level >= bytes([HealthLevel.ERROR]), why=latest.message)
+        level, why = latest
+        word = word._replace(urgent=level >= HealthLevel.ERROR, why=why)
     if reserve is not None:
         word = word._replace(stamp_ns=step.stamp_ns, reserve=reserve.data)
     return word
+
+
+def read_battery_level(status: 'EnergyStatus | DiagnosticArray') -> tuple[int, str] | None:
+    """Return level and text of the battery; None if an array has no status."""
+    # A DiagnosticArray has the battery as its first status, whose level is a byte
+    if not hasattr(status, 'status'):
+        return status.level, status.message
+    return (status.status[0].level[0], status.status[0].message) if status.status else None
 
 
 def to_lamp(message: PoseWithCovarianceStamped | None) -> LampPosition | None:
@@ -281,16 +311,23 @@ def to_lamp(message: PoseWithCovarianceStamped | None) -> LampPosition | None:
     return LampPosition(place.x, place.y, place.z, spread)
 
 
-def to_diodes(
-    message: PointCloud2 | None,
-) -> tuple[tuple[tuple[float, float], ...], tuple[float, ...]]:
-    """
-    Return axis and amplitude of each diode for the requested beacon.
+def to_diodes(message: 'LampPeaks | PointCloud2 | None') -> DiodeReadings:
+    """Return axis and amplitude of each diode for the requested beacon, which is the first."""
+    if message is None:
+        return (), ()
+    if isinstance(message, PointCloud2):
+        return _read_first_row(message)
+    if not message.beacon or len(message.beacon[0].amplitude) != len(message.axis):
+        return (), ()
+    axes = tuple((axis.x, axis.y) for axis in message.axis)
+    if not all(math.isfinite(part) for axis in axes for part in axis):
+        return (), ()
+    return axes, tuple(message.beacon[0].amplitude)
 
-    Its points are the first row of the cloud; other beacons follow. A cloud without the fields
-    counts as empty.
-    """
-    if message is None or message.width == 0 or message.height == 0:
+
+def _read_first_row(message: PointCloud2) -> DiodeReadings:
+    """Return axis and amplitude of a cloud's first row; without the fields, it has no points."""
+    if message.width == 0 or message.height == 0:
         return (), ()
     # All fields are float32: index of each field in a point
     places = {field.name: field.offset // 4 for field in message.fields}
@@ -306,7 +343,7 @@ def to_diodes(
 
 
 def to_sighting(
-    lamp: PoseWithCovarianceStamped | None, peaks: PointCloud2 | None, age: float
+    lamp: PoseWithCovarianceStamped | None, peaks: 'LampPeaks | PointCloud2 | None', age: float
 ) -> LampSighting | None:
     """Return the lamp as the estimator uses it; `age` is the time since mid-block [s]."""
     if lamp is None or peaks is None:
@@ -315,8 +352,10 @@ def to_sighting(
     return build_sighting(to_lamp(lamp), axes, amplitudes, to_frequencies(peaks), age)
 
 
-def to_frequencies(message: PointCloud2) -> tuple[float, ...]:
+def to_frequencies(message: 'LampPeaks | PointCloud2') -> tuple[float, ...]:
     """Return the frequency of the requested beacon at each diode. [Hz]"""
+    if not isinstance(message, PointCloud2):
+        return tuple(message.beacon[0].frequency) if message.beacon else ()
     places = {field.name: field.offset // 4 for field in message.fields}
     if 'frequency' not in places or message.point_step % 4 or message.height == 0:
         return ()

@@ -1,10 +1,12 @@
 """Convert between energy data and ROS messages."""
 
 import math
+from typing import TYPE_CHECKING
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from lta_config.covariances import is_known
+from lta_config.topics import load_topic_table
 from lta_energy.monitoring.estimate import EnergyEstimate
 from lta_energy.monitoring.monitor import MonitorSettings
 from lta_energy.monitoring.power_system import PowerSystem
@@ -12,10 +14,14 @@ from lta_energy.monitoring.reading import MeterReading, TravelState
 from lta_energy.monitoring.report import EnergyReport
 from lta_energy.monitoring.soc_ekf import INVERSE, RESISTANCE
 from lta_energy.monitoring.way_home import reachable_distance
+from lta_graph.ros.message_validation import find_message_type
 from lta_model.electrical.battery import BatteryModel
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, Illuminance
 from std_msgs.msg import Bool
+
+if TYPE_CHECKING:  # not built on every machine; see the type of a topic in the table
+    from lta_msgs.msg import EnergyStatus
 
 SECONDS_PER_HOUR = 3600.0
 
@@ -160,14 +166,27 @@ def from_energy_balance(
     report: EnergyReport,
     reading: MeterReading,
     measured: BatteryState,
-) -> DiagnosticArray:
-    """Return energy balance and faults as two statuses, with the stamp of the battery message."""
+) -> 'EnergyStatus | DiagnosticArray':
+    """Return energy balance and faults, with the stamp of the battery message."""
+    numbers = collect_energy_values(settings, aboard, report, reading)
+    message = find_message_type(load_topic_table()['energy/status'])()
+    message.header.stamp = measured.header.stamp
+    if isinstance(message, DiagnosticArray):
+        message.status = _build_statuses(report, numbers)
+        return message
+    message.level, message.message = report.battery
+    message.meters_level, message.meters_message = report.meters
+    for key, value in numbers.items():
+        # A key is the name of the field and its unit
+        setattr(message, key.rpartition('_')[0], value)
+    return message
+
+
+def _build_statuses(report: EnergyReport, numbers: dict[str, float]) -> list[DiagnosticStatus]:
+    """Return energy balance and faults as two statuses."""
     level, sentence = report.battery
     trust, faults = report.meters
-    numbers = collect_energy_values(settings, aboard, report, reading)
-    array = DiagnosticArray()
-    array.header.stamp = measured.header.stamp
-    array.status = [
+    return [
         DiagnosticStatus(
             level=bytes([level]),
             name='energy',
@@ -177,7 +196,6 @@ def from_energy_balance(
         ),
         DiagnosticStatus(level=bytes([trust]), name='meters', message=faults),
     ]
-    return array
 
 
 def from_reserve(estimate: EnergyEstimate) -> Bool:

@@ -8,6 +8,7 @@ it.
 """
 
 from collections import deque
+from collections.abc import Mapping
 from contextlib import suppress
 from queue import Empty
 import signal
@@ -51,6 +52,8 @@ class Launcher:
         Called from another thread with the label of a process and each line of its output.
     grace : float
         Time from SIGINT to SIGTERM of a process without `sigterm_timeout`. [s]
+    variables : mapping of str to str, optional
+        Added to the environment of the processes.
 
     Attributes
     ----------
@@ -65,7 +68,9 @@ class Launcher:
         on_line: OnLine,
         *,
         grace: float = GRACE,
+        variables: Mapping[str, str] | None = None,
     ) -> None:
+        self._variables = variables or {}
         self.ended: list[ProcessExit] = []
         self._plan = plan
         self._on_line = on_line
@@ -122,7 +127,7 @@ class Launcher:
         """
         # Before the first start, so that a missing executable starts nothing
         commands = [build_command_line(process) for process in self._plan.processes]
-        variables = build_node_environment()
+        variables = {**build_node_environment(), **self._variables}
         try:
             with hold_interrupts() as presses:
                 # The guard waits as long as an orderly stop may take

@@ -2,9 +2,12 @@
 
 import array
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3Stamped
+from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3, Vector3Stamped
 from lta_config.covariances import UNKNOWN_VARIANCE
+from lta_config.topics import load_topic_table
+from lta_graph.ros.message_validation import find_message_type
 from lta_vlc.bearing import Bearing
 from lta_vlc.demodulation import Peaks
 from lta_vlc.diodes import Axis
@@ -14,11 +17,27 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import Image, PointCloud2, PointField
 from std_msgs.msg import Header
 
+if TYPE_CHECKING:  # not built on every machine; see the type of a topic in the table
+    from lta_msgs.msg import LampPeaks, LightBlock
+
 FIELDS = ('x', 'y', 'z', 'amplitude', 'snr', 'frequency')
 
 
-def to_block(message: Image) -> NDArray[np.uint16]:
-    """Return the ADC block of an image, shape (samples, diodes); `ValueError` if inconsistent."""
+def to_block(message: 'LightBlock | Image') -> NDArray[np.uint16]:
+    """Return the ADC block, shape (samples, diodes); `ValueError` if inconsistent."""
+    if isinstance(message, Image):
+        return _read_image(message)
+    counts, diodes = message.counts, message.diodes
+    if not diodes or len(counts) % diodes:
+        raise ValueError(
+            f'the light message has {len(counts)} counts, which is no multiple of its '
+            f'{diodes} diodes'
+        )
+    return np.frombuffer(counts, dtype=np.uint16).reshape(-1, diodes)
+
+
+def _read_image(message: Image) -> NDArray[np.uint16]:
+    """Return the ADC block of an image; `ValueError` if inconsistent."""
     # np.frombuffer below assumes this layout
     if message.encoding != '16UC1' or message.is_bigendian:
         raise ValueError(
@@ -33,10 +52,40 @@ def to_block(message: Image) -> NDArray[np.uint16]:
     return np.frombuffer(message.data, dtype='<u2').reshape(message.height, message.width)
 
 
-def from_peaks(header: Header, peaks: tuple[Peaks, ...], axes: Sequence[Axis]) -> PointCloud2:
-    """Return a row for each beacon, a point for each diode: axis, amplitude, SNR, frequency."""
+def from_peaks(
+    header: Header, peaks: tuple[Peaks, ...], axes: Sequence[Axis]
+) -> 'LampPeaks | PointCloud2':
+    """Return amplitude, SNR and frequency of each beacon at each diode, with the diodes' axes."""
+    message = find_message_type(load_topic_table()['light/peaks'])(header=header)
+    if isinstance(message, PointCloud2):
+        _fill_cloud(message, peaks, axes)
+        return message
+    # In the precision of a cloud's points, so that a drone flies alike with both messages
+    message.axis = [
+        Vector3(x=x, y=y, z=z) for x, y, z in np.asarray(axes, np.float32).astype(float).tolist()
+    ]
+    from lta_msgs.msg import BeaconPeaks
+
+    message.beacon = [
+        BeaconPeaks(
+            amplitude=_to_floats(each.amplitude),
+            snr=_to_floats(each.snr),
+            frequency=_to_floats(each.frequency),
+        )
+        for each in peaks
+    ]
+    return message
+
+
+def _to_floats(values: NDArray[np.float64]) -> 'array.array[float]':
+    """Return numbers as rclpy accepts them without checking each item."""
+    return array.array('f', np.asarray(values, np.float32).tobytes())
+
+
+def _fill_cloud(message: PointCloud2, peaks: tuple[Peaks, ...], axes: Sequence[Axis]) -> None:
+    """Fill in a row for each beacon, a point for each diode."""
     count = len(axes)
-    message = PointCloud2(header=header, height=len(peaks), width=count, is_dense=True)
+    message.height, message.width, message.is_dense = len(peaks), count, True
     message.fields = [
         PointField(name=name, offset=4 * index, datatype=PointField.FLOAT32, count=1)
         for index, name in enumerate(FIELDS)
@@ -50,7 +99,6 @@ def from_peaks(header: Header, peaks: tuple[Peaks, ...], axes: Sequence[Axis]) -
         row[:, 3], row[:, 4], row[:, 5] = each.amplitude, each.snr, each.frequency
     # rclpy accepts a byte array without checking each item
     message.data = array.array('B', data.tobytes())
-    return message
 
 
 def from_bearing(header: Header, bearing: Bearing | None) -> Vector3Stamped:

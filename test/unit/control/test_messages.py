@@ -4,6 +4,7 @@ import math
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_config.covariances import UNKNOWN_VARIANCE
+from lta_config.topics import load_topic_table
 from lta_control.airspeed import AirspeedEstimate
 from lta_control.altitude import AltitudeEstimate
 from lta_control.cascade import Setpoint
@@ -25,6 +26,7 @@ from lta_control.messages import (
     is_overturned,
     to_air_velocity,
     to_cascade_measurement,
+    to_diodes,
     to_distance,
     to_duties,
     to_setpoint,
@@ -33,10 +35,14 @@ from lta_control.messages import (
 from lta_control.per_rotor import NONE, pad_to_slots
 from lta_control.reserve import ReserveReport
 from lta_graph.inbox import InboxStep
+from lta_graph.ros.message_validation import find_message_type
+from lta_model.messages import read_duties
+from lta_vlc.demodulation import Peaks
+from lta_vlc.messages import from_peaks
 import numpy as np
 import pytest
 from sensor_msgs.msg import JointState, Range
-from std_msgs.msg import Bool
+from std_msgs.msg import Bool, Header
 
 PITCH = 0.3  # nose down
 FLYING = MotionEstimate(
@@ -160,12 +166,13 @@ def test_duties_that_fit_are_taken():
 
 
 @pytest.mark.parametrize('count', [1, 2, 4, 6, 8])
-def test_duties_survive_the_way_there_and_back(count):
+def test_duties_survive_the_way_there_and_back(message_types, count):
     names = [f'rotor{index}' for index in range(count)]
     duties = pad_to_slots(0.1 * index + 0.1 for index in range(count))
     message = from_duties(Range().header.stamp, names, duties)
     assert list(message.name) == names
-    assert list(message.effort) == list(duties[:count])
+    assert list(read_duties(message)) == list(duties[:count])
+    assert hasattr(message, 'duty') == (message_types == 'typed')
     assert to_duties(message, names, NONE) == duties
 
 
@@ -199,17 +206,26 @@ def test_the_climb_rate_of_a_rolled_vehicle_includes_its_sway():
     assert measured.climb == pytest.approx(0.1)
 
 
+def battery_status(level, why):
+    """Return the message of the types in use."""
+    message = find_message_type(load_topic_table()['energy/status'])()
+    if isinstance(message, DiagnosticArray):
+        message.status = [DiagnosticStatus(level=level, message=why)]
+    else:
+        message.level, message.message = level[0], why
+    return message
+
+
 def energy(stamp, reserve=None, level=None, why=''):
     """Return a step with the energy monitor's reserve, its status, both or neither."""
-    status = [] if level is None else [DiagnosticStatus(level=level, message=why)]
     heard = {
         'energy/reserve': [] if reserve is None else [Bool(data=reserve)],
-        'energy/status': [DiagnosticArray(status=status)] if status else [],
+        'energy/status': [] if level is None else [battery_status(level, why)],
     }
     return InboxStep(stamp, heard, heard)
 
 
-def test_reserve_and_status_may_come_in_different_steps():
+def test_reserve_and_status_may_come_in_different_steps(message_types):
     ok = update_reserve_report(None, energy(1, False, b'\x00', 'all is well'))
     assert ok == ReserveReport(1, False, False, 'all is well')
     assert update_reserve_report(ok, energy(2)) == ok
@@ -231,10 +247,35 @@ def test_without_a_reserve_message_the_reserve_counts_as_reached():
     assert update_reserve_report(None, energy(1, False)) == ReserveReport(1, False, False, '')
 
 
-def test_a_status_of_error_is_urgent_without_a_reserve_message():
+def test_a_status_of_error_is_urgent_without_a_reserve_message(message_types):
     ok = update_reserve_report(None, energy(1, False, b'\x00'))
     assert update_reserve_report(ok, energy(2, level=b'\x01')).urgent is False
     assert update_reserve_report(ok, energy(2, level=b'\x02', why='hot')).urgent is True
+
+
+AXES = ((1.0, 0.0, 0.0), (math.cos(0.7), math.sin(0.7), 0.0))
+
+
+def light_peaks(*first):
+    """Return peaks of two diodes as a message: the first beacon's amplitudes, and a second's."""
+    ones = np.ones(2)
+    beacons = [Peaks(np.array(first), ones, ones, ones), Peaks(ones, ones, ones, ones)]
+    return from_peaks(Header(), tuple(beacons), AXES)
+
+
+def test_diodes_are_those_of_the_first_beacon_in_single_precision(message_types):
+    axes, amplitudes = to_diodes(light_peaks(0.1, 20.0))
+    assert amplitudes == (round_to_float32(0.1), 20.0)
+    assert axes == tuple((round_to_float32(x), round_to_float32(y)) for x, y, _ in AXES)
+    assert to_diodes(None) == to_diodes(from_peaks(Header(), (), AXES)) == ((), ())
+
+
+def test_an_axis_that_is_not_a_number_leaves_no_diodes(message_types):
+    ones = np.ones(2)
+    broken = from_peaks(
+        Header(), (Peaks(ones, ones, ones, ones),), ((math.nan, 0.0, 0.0), AXES[1])
+    )
+    assert to_diodes(broken) == ((), ())
 
 
 def test_it_is_overturned_beyond_the_limit_and_not_without_an_attitude():

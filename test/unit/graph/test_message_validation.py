@@ -2,14 +2,16 @@
 
 import math
 
+from geometry_msgs.msg import Vector3
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_config.topics import load_topic_table
+from lta_config.topics import is_lta_msgs_built, load_topic_table
 from lta_graph.health import HealthLevel
 from lta_graph.rejections import LONGEST, RejectionCount
 from lta_graph.ros.message_validation import (
     find_fault,
     find_message_type,
+    import_message_type,
     JUMP_NS,
     LARGEST,
     LENGTHS,
@@ -30,16 +32,19 @@ def test_an_empty_message_of_any_topic_can_be_judged():
 
 
 def test_every_field_that_is_looked_at_is_one():
-    kinds = {
-        find_message_type(row).__name__: find_message_type(row) for row in TABLE.topics.values()
-    }
+    rows = TABLE.topics.values()
+    names = {row.common_type for row in rows}
+    if is_lta_msgs_built():
+        names |= {row.declared_type for row in rows}
+    kinds = {name.split('/')[2]: import_message_type(name) for name in names}
     for name, paths in NUMBERS.items():
         for path in paths:
             part = kinds[name]() if name in kinds else None
             for word in path.split('.') if part else ():
                 part = getattr(part, word)
-    assert LENGTHS.keys() <= kinds.keys()
-    assert NUMBERS.keys() - {'Joy'} <= kinds.keys()
+    typed = set() if is_lta_msgs_built() else {'ActuatorDuty', 'LampPeaks', 'LightBlock'}
+    assert LENGTHS.keys() - typed <= kinds.keys()
+    assert NUMBERS.keys() - {'Joy'} - typed <= kinds.keys()
 
 
 @given(
@@ -74,6 +79,27 @@ def test_one_number_of_six_is_enough(value, field, axis):
 def test_numbers_and_lengths(message, words):
     assert words in find_fault(message)
     assert bool(find_fault(message)) == bool(words)
+
+
+def test_numbers_and_lengths_of_lta_msgs():
+    msgs = pytest.importorskip('lta_msgs.msg', reason='this machine lacks a compiler')
+    axes = [Vector3(x=1.0), Vector3(y=1.0)]
+    peaks = {'amplitude': [1.0, 2.0], 'snr': [1.0, 2.0], 'frequency': [1.0, 2.0]}
+    for message, words in (
+        (msgs.ActuatorDuty(name=['a'], duty=[0.5]), ''),
+        (msgs.ActuatorDuty(name=['a'], duty=[0.1, 0.2]), '1 names, but 2 duties'),
+        (msgs.ActuatorDuty(name=['a'], duty=[math.nan]), 'duty'),
+        (msgs.LightBlock(diodes=2, counts=[1, 2, 3, 4]), ''),
+        (msgs.LightBlock(diodes=2, counts=[1, 2, 3]), '3 counts, no multiple of its 2'),
+        (msgs.LightBlock(diodes=0, counts=[1]), '1 counts, no multiple of its 0'),
+        (msgs.LampPeaks(axis=axes, beacon=[msgs.BeaconPeaks(**peaks)]), ''),
+        (
+            msgs.LampPeaks(axis=axes[:1], beacon=[msgs.BeaconPeaks(**peaks)]),
+            '1 diodes, but 2 values of amplitude',
+        ),
+    ):
+        assert words in find_fault(message)
+        assert bool(find_fault(message)) == bool(words)
 
 
 def test_a_stamp_that_jumps_is_counted_where_stamps_are_looked_at():

@@ -5,7 +5,8 @@ from functools import cache
 from typing import final
 
 from lta_config.errors import BadInput
-from rosbags.typesys import get_typestore, Stores
+from lta_config.message_files import list_message_files
+from rosbags.typesys import get_types_from_msg, get_typestore, Stores
 from rosbags.typesys.store import Typestore
 
 
@@ -28,24 +29,27 @@ class MessageDefinition:
 
 @cache
 def load_jazzy_types() -> Typestore:
-    """Return the message types of ROS 2 Jazzy."""
-    return get_typestore(Stores.ROS2_JAZZY)
+    """Return the message types of ROS 2 Jazzy and of lta_msgs."""
+    types = get_typestore(Stores.ROS2_JAZZY)
+    for name, path in list_message_files().items():
+        types.register(get_types_from_msg(path.read_text('utf-8'), name))
+    return types
 
 
 def is_jazzy_type(type_name: str) -> bool:
-    """Return whether a message type is one of ROS 2 Jazzy's common interfaces."""
+    """Return whether a message type is one of ROS 2 Jazzy's common interfaces or of lta_msgs."""
     return type_name in load_jazzy_types().fielddefs
 
 
 @cache
 def generate_definition(type_name: str) -> MessageDefinition:
     """
-    Return the definition of a message type of ROS 2 Jazzy, such as 'sensor_msgs/msg/Imu'.
+    Return the definition of a message type, such as 'sensor_msgs/msg/Imu'.
 
     Raises
     ------
     BadInput
-        If ROS 2 Jazzy has no such type.
+        If neither ROS 2 Jazzy nor lta_msgs has such a type.
 
     """
     types = load_jazzy_types()

@@ -30,7 +30,10 @@ class RateLimiter:
 
 
 FASTEST = 60.0  # Hz of wall time: a usual screen rate
-HEAVY = {'sensor_msgs/msg/Image': 10.0}  # Hz, limits of large messages; a light block has 16 kB
+HEAVY = {  # Hz, limits of large messages; a light block has 16 kB
+    'lta_msgs/msg/LightBlock': 10.0,
+    'sensor_msgs/msg/Image': 10.0,
+}
 
 
 @final

@@ -28,12 +28,12 @@ from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
 from lta_graph.ros.spin import spin_node
+from lta_model.messages import read_duties
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
-from sensor_msgs.msg import JointState
 
 import foxglove
 
@@ -144,7 +144,9 @@ class LiveViewNode(GraphNode):
         place, turn = to_pose(pose)
         told = SceneState(place, turn)
         return told._replace(
-            duties=to_duties(motors) if motors else told.duties,
+            duties=dict(zip(motors.name, read_duties(motors), strict=False))
+            if motors
+            else told.duties,
             seen=to_vector(seen) if seen else told.seen,
             wind=to_vector(wind) if wind else told.wind,
         )
@@ -197,11 +199,6 @@ def to_pose(message: Odometry) -> tuple[Three, Turn]:
     """Return position [m] and attitude (x y z w)."""
     p, q = message.pose.pose.position, message.pose.pose.orientation
     return (p.x, p.y, p.z), (q.x, q.y, q.z, q.w)
-
-
-def to_duties(message: JointState) -> dict[str, float]:
-    """Return the duty of each actuator that has one. [1]"""
-    return dict(zip(message.name, message.effort, strict=False))
 
 
 def to_vector(message: Vector3Stamped) -> Three:

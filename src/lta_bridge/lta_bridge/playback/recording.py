@@ -14,7 +14,7 @@ from lta_bridge.log_time_assigner import read_stamp
 from lta_bridge.playback.mcap_reader import ADVICE, iterate_by_time, read_topic_types
 from lta_bridge.provenance import extract_robot_origin
 from lta_config.errors import BadInput, unknown_name_error
-from lta_config.topics import TopicTable
+from lta_config.topics import MESSAGES, Topic, TopicTable
 
 
 class RecordedMessage(NamedTuple):
@@ -61,7 +61,7 @@ class RobotBagRecording:
         }
         self.strange = tuple(
             f"the topic '{full}' is not played, because its type is '{channels[full]}' instead of "
-            f"'{table[name].type}'"
+            f"'{table[name].type}'{advise_message_types(table[name], channels[full])}"
             for name, full in mine.items()
             if channels[full] != table[name].type
         )
@@ -101,6 +101,12 @@ class RobotBagRecording:
                 # A message is published its latency after its stamp
                 return stamp + table[name].latency_ns - time_ns
         return 0
+
+
+def advise_message_types(topic: Topic, recorded: str) -> str:
+    """Return how to play a topic in its other type; '' if that is not possible."""
+    chosen = {topic.standard_type: 'standard', topic.declared_type: 'typed'}.get(recorded)
+    return f' (play it with {MESSAGES}={chosen} in the environment of all nodes)' if chosen else ''
 
 
 def open_recording(path: Path, robot: str, table: TopicTable, own: str = '') -> RobotBagRecording:

@@ -11,6 +11,7 @@ import sys
 
 from lta_bridge.hardware.check_result import HardwareCheck
 from lta_config.machine import find_cache_folder, list_cache_bases
+from lta_config.topics import MESSAGES, uses_typed_messages
 
 MODULES = ('rclpy', 'sensor_msgs', 'numpy', 'scipy', 'numba', 'pydantic', 'yaml', 'mcap', 'plotly')
 PACKAGES = ('analysis', 'bridge', 'config', 'control', 'energy', 'graph', 'sim', 'vlc')
@@ -100,7 +101,9 @@ def check_messages() -> HardwareCheck:
     """Check for the messages and actions that "make build" compiles."""
     missing = [name for name in COMPILED if find_spec(name) is None]
     if not missing:
-        return HardwareCheck('messages', 'ok', f'{" and ".join(COMPILED)} are installed')
+        chosen = '' if uses_typed_messages() else f'; topics have standard messages by {MESSAGES}'
+        found = f'{" and ".join(COMPILED)} are installed{chosen}'
+        return HardwareCheck('messages', 'ok', found)
     return HardwareCheck(
         'messages',
         'warn',

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import struct
 from typing import Any, Final, final, NamedTuple
 
-from lta_data.bag.columns import is_field
+from lta_data.bag.columns import name_column
 import numpy as np
 from numpy.typing import NDArray
 from rosbags.interfaces import Nodetype
@@ -173,8 +173,9 @@ class LayoutParser:
     def parse_message(self, type_name: str, path: str, is_column: bool) -> None:
         """Parse a message or a nested message."""
         for name, described in self._fields(type_name):
-            inside = f'{path}.{name}' if path else name
-            self._parse_field(described, inside, is_column and is_field(name))
+            column = name_column(type_name, name)
+            inside = f'{path}.{column}' if path else column
+            self._parse_field(described, inside, is_column and column != '')
 
     def _parse_field(self, described: Description, path: str, is_column: bool) -> None:
         node, detail = described

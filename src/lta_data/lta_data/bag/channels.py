@@ -15,15 +15,14 @@ from typing import Any, Final, final, NamedTuple
 
 from lta_config.covariances import find_known
 from lta_config.errors import BadInput
+from lta_data.bag.packed_samples import BLOCKS, POINTS
 from lta_data.bag.recorded_flight import RecordedFlight
 from lta_data.bag.series import TopicSeries
-from lta_data.bag.units import find_unit
+from lta_data.bag.units import find_sample_unit, find_unit
 from lta_model.attitude import to_euler_angles
 import numpy as np
 from numpy.typing import NDArray
 
-IMAGE: Final = 'sensor_msgs/msg/Image'
-CLOUD: Final = 'sensor_msgs/msg/PointCloud2'
 PARTS: Final = ('yaw', 'pitch', 'roll')
 BLOCK: Final[dict[str, Callable[..., NDArray[Any]]]] = {
     'mean': np.mean,
@@ -88,9 +87,9 @@ def iterate_channels(
 
     """
     kind = flight.message_type(topic)
-    if kind == IMAGE:
+    if kind in BLOCKS:
         yield from _iterate_block_channels(flight, topic)
-    elif kind == CLOUD:
+    elif kind in POINTS:
         yield from _iterate_point_channels(flight, topic)
     else:
         yield from _iterate_series_channels(
@@ -102,11 +101,12 @@ def read_topics(flight: RecordedFlight, topics: Collection[str]) -> dict[str, To
     """
     Read all numeric topics in one pass over the bag.
 
-    Images and point clouds are excluded. The result is empty if one topic cannot be decoded; then
-    `iterate_channels` raises the error for that topic.
+    Blocks, images and points are excluded. The result is empty if one topic cannot be decoded;
+    then `iterate_channels` raises the error for that topic.
     """
-    # Images and clouds have readers of their own
-    plain = [topic for topic in topics if flight.message_type(topic) not in (IMAGE, CLOUD)]
+    # They have readers of their own
+    packed = {*BLOCKS, *POINTS}
+    plain = [topic for topic in topics if flight.message_type(topic) not in packed]
     try:
         return flight.read_topics(plain)
     except BadInput:
@@ -159,7 +159,7 @@ def _iterate_block_channels(flight: RecordedFlight, topic: str) -> Iterator[Sign
     blocks = flight.read_blocks(topic)
     if not len(blocks.time):  # topic without messages
         return
-    unit = find_unit(IMAGE, 'data', topic)
+    unit = find_sample_unit(flight.message_type(topic), topic)
     for what, reduced in BLOCK.items():
         # Block by block, to save memory: float64 is four times as large as the ADC samples.
         rows = [reduced(block, axis=0) for block in blocks.samples]
@@ -172,7 +172,7 @@ def _iterate_point_channels(flight: RecordedFlight, topic: str) -> Iterator[Sign
     """Yield each field of each point."""
     points = flight.read_points(topic)
     for field, table in points.fields.items():
-        unit = find_unit(CLOUD, field, topic)
+        unit = find_unit(flight.message_type(topic), field, topic)
         for index, column in enumerate(table.T):
             yield SignalChannel(f'{topic}/{field}[{index}]', unit, points.time, column)
 

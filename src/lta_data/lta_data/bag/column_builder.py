@@ -69,6 +69,11 @@ class ColumnBuilder:
         self._logged: list[int] = []
         self._stamps: list[NDArray[np.int64]] = []
 
+    @property
+    def type_name(self) -> str:
+        """The message type."""
+        return self._typed.name
+
     def __len__(self) -> int:
         """Return the number of messages added since the last flush."""
         return len(self._logged)

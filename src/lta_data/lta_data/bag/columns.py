@@ -8,11 +8,19 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import fields, is_dataclass
 from functools import cache
-from typing import Any
+from typing import Any, Final
 
 from lta_data.bag.merge import Columns
 import numpy as np
 from numpy.typing import NDArray
+
+# Fields of lta_msgs by type: the name of their columns, '' for none. Their standard types, which
+# older bags have, give the same columns.
+COLUMN_NAMES: Final = {
+    'lta_msgs/msg/ActuatorDuty': {'duty': 'effort'},
+    'lta_msgs/msg/LampPeaks': {'axis': '', 'beacon': ''},  # as points, see packed_samples.py
+    'lta_msgs/msg/LightBlock': {'counts': ''},  # as blocks
+}
 
 
 def extract_field_columns(messages: Iterable[object]) -> tuple[Columns, Columns]:
@@ -69,8 +77,9 @@ def iterate_leaves(value: object, path: str) -> Iterator[tuple[str, object]]:
         if value.dtype != np.uint8:
             yield path, value
     elif is_dataclass(value) and not isinstance(value, type):
-        for name in list_field_names(type(value)):
-            yield from iterate_leaves(getattr(value, name), f'{path}.{name}' if path else name)
+        for name, column in list_field_names(type(value)):
+            inside = f'{path}.{column}' if path else column
+            yield from iterate_leaves(getattr(value, name), inside)
     elif isinstance(value, list):
         for index, element in enumerate(value):
             yield from iterate_leaves(element, f'{path}[{index}]')
@@ -79,14 +88,19 @@ def iterate_leaves(value: object, path: str) -> Iterator[tuple[str, object]]:
 
 
 @cache
-def list_field_names(message_type: type) -> tuple[str, ...]:
-    """Return the names of a message's fields; constants are upper-case in ROS and excluded."""
-    return tuple(field.name for field in fields(message_type) if is_field(field.name))
+def list_field_names(message_type: type) -> tuple[tuple[str, str], ...]:
+    """Return the fields of a message that become columns, with the names of the columns."""
+    kind = getattr(message_type, '__msgtype__', '')
+    named = ((field.name, name_column(kind, field.name)) for field in fields(message_type))
+    return tuple((name, column) for name, column in named if column)
 
 
-def is_field(name: str) -> bool:
-    """Return whether a name is a field, not a constant or a Python attribute."""
-    return name.islower() and not name.startswith('__')
+def name_column(type_name: str, field: str) -> str:
+    """Return the column of a field; '' for none, as of a constant or a Python attribute."""
+    # Constants are upper-case in ROS
+    if not field.islower() or field.startswith('__'):
+        return ''
+    return COLUMN_NAMES.get(type_name, {}).get(field, field)
 
 
 def split_array_columns(path: str, arrays: list[NDArray[Any] | None]) -> Columns:

@@ -1,7 +1,11 @@
-"""Decode messages with packed samples: ADC blocks (Image) and point lists (PointCloud2)."""
+"""
+Decode messages with packed samples: ADC blocks and the readings of the diodes (points).
 
-from collections.abc import Iterable, Sequence
-from typing import Any, Protocol
+Each is a message of lta_msgs or a standard one, as in older bags: `BLOCKS` and `POINTS`.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, Final, Protocol
 
 from lta_config.errors import BadInput, unknown_name_error
 import numpy as np
@@ -45,6 +49,58 @@ class PointCloud(Protocol):
     data: NDArray[np.uint8]
 
 
+class LightBlock(Protocol):
+    """lta_msgs/LightBlock, decoded."""
+
+    diodes: int
+    counts: NDArray[np.uint16]
+
+
+class Axis(Protocol):
+    """geometry_msgs/Vector3, decoded."""
+
+    x: float
+    y: float
+    z: float
+
+
+class BeaconPeaks(Protocol):
+    """lta_msgs/BeaconPeaks, decoded."""
+
+    amplitude: NDArray[np.float32]
+    snr: NDArray[np.float32]
+    frequency: NDArray[np.float32]
+
+
+class LampPeaks(Protocol):
+    """lta_msgs/LampPeaks, decoded."""
+
+    axis: list[Axis]
+    beacon: list[BeaconPeaks]
+
+
+def decode_light_block(block: LightBlock) -> NDArray[Any]:
+    """
+    Return the samples of a lta_msgs/LightBlock.
+
+    Returns
+    -------
+    ndarray of uint16, shape (samples, diodes)
+
+    Raises
+    ------
+    BadInput
+        If the counts are no multiple of the diodes.
+
+    """
+    if not block.diodes or len(block.counts) % block.diodes:
+        raise BadInput(
+            f'A light block is inconsistent: {len(block.counts)} counts are no multiple of '
+            f'{block.diodes} diodes; record it again.'
+        )
+    return block.counts.reshape(-1, block.diodes)
+
+
 def decode_image(image: Image) -> NDArray[Any]:
     """
     Return the samples of a one-channel sensor_msgs/Image.
@@ -75,17 +131,18 @@ def decode_image(image: Image) -> NDArray[Any]:
     return samples.astype(kind.newbyteorder('='))
 
 
-def stack_images(images: Iterable[Image]) -> NDArray[Any]:
+def stack_blocks(type_name: str, messages: Iterable[Any]) -> NDArray[Any]:
     """
-    Return the samples of images of one shape.
+    Return the samples of messages of one shape; `type_name` is one of `BLOCKS`.
 
     Returns
     -------
     ndarray, shape (n, rows, columns)
-        (0, 0, 0) without images.
+        (0, 0, 0) without messages.
 
     """
-    blocks = [decode_image(image) for image in images]
+    decode = BLOCKS[type_name]
+    blocks = [decode(message) for message in messages]
     shapes = {block.shape for block in blocks}
     if len(shapes) > 1:
         raise BadInput(
@@ -93,6 +150,37 @@ def stack_images(images: Iterable[Image]) -> NDArray[Any]:
             'combined into one array; read them one by one.'
         )
     return np.stack(blocks) if blocks else np.empty((0, 0, 0), np.uint16)
+
+
+def decode_lamp_peaks(peaks: LampPeaks) -> dict[str, NDArray[np.float64]]:
+    """
+    Return a lta_msgs/LampPeaks by field.
+
+    Returns
+    -------
+    dict of str to ndarray, shape (beacons * diodes,)
+        Axis x, y, z, amplitude, snr and frequency, beacon by beacon.
+
+    Raises
+    ------
+    BadInput
+        If a beacon has not one value for each diode.
+
+    """
+    count = len(peaks.axis)
+    found = {
+        name: np.tile([getattr(axis, name) for axis in peaks.axis], len(peaks.beacon))
+        for name in ('x', 'y', 'z')
+    }
+    for name in ('amplitude', 'snr', 'frequency'):
+        rows: list[NDArray[np.float32]] = [getattr(beacon, name) for beacon in peaks.beacon]
+        if any(len(row) != count for row in rows):
+            raise BadInput(
+                f'A message of lamp peaks is inconsistent: it has {count} diodes, but '
+                f'{", ".join(str(len(row)) for row in rows)} values of {name}; record it again.'
+            )
+        found[name] = np.concatenate([np.empty(0), *rows])
+    return found
 
 
 def decode_point_cloud(cloud: PointCloud) -> dict[str, NDArray[np.float64]]:
@@ -152,17 +240,18 @@ def has_valid_layout(cloud: PointCloud, fields: Sequence[PointField]) -> bool:
     )
 
 
-def stack_point_clouds(clouds: Iterable[PointCloud]) -> dict[str, NDArray[np.float64]]:
+def stack_points(type_name: str, messages: Iterable[Any]) -> dict[str, NDArray[np.float64]]:
     """
-    Return the points of several clouds by field.
+    Return the points of several messages by field; `type_name` is one of `POINTS`.
 
     Returns
     -------
     dict of str to ndarray, shape (n, points)
-        NaN if a cloud has fewer points than the largest, or lacks the field.
+        NaN if a message has fewer points than the largest, or lacks the field.
 
     """
-    found = [decode_point_cloud(cloud) for cloud in clouds]
+    decode = POINTS[type_name]
+    found = [decode(message) for message in messages]
     names = dict.fromkeys(name for fields in found for name in fields)
     most = max((len(column) for fields in found for column in fields.values()), default=0)
     result = {name: np.full((len(found), most), np.nan) for name in names}
@@ -170,3 +259,13 @@ def stack_point_clouds(clouds: Iterable[PointCloud]) -> dict[str, NDArray[np.flo
         for name, column in fields.items():
             result[name][row, : len(column)] = column
     return result
+
+
+BLOCKS: Final[Mapping[str, Callable[[Any], NDArray[Any]]]] = {
+    'lta_msgs/msg/LightBlock': decode_light_block,
+    'sensor_msgs/msg/Image': decode_image,
+}
+POINTS: Final[Mapping[str, Callable[[Any], dict[str, NDArray[np.float64]]]]] = {
+    'lta_msgs/msg/LampPeaks': decode_lamp_peaks,
+    'sensor_msgs/msg/PointCloud2': decode_point_cloud,
+}

@@ -5,16 +5,17 @@ Time 0 is the stamp of the robot's first stamped message. Messages without a sta
 their log time, relative to the log time of that first message.
 """
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from functools import partial
 from itertools import islice
 from pathlib import Path
-from typing import Any, cast, final, NamedTuple
+from typing import Any, final, NamedTuple
 
 from lta_bridge.provenance import extract_robot_origin
 from lta_config.errors import BadInput, unknown_name_error
 from lta_data.bag.column_builder import ColumnBuilder, MessageType
-from lta_data.bag.packed_samples import Image, PointCloud, stack_images, stack_point_clouds
+from lta_data.bag.energy_columns import ARRAY, rename_energy_columns
+from lta_data.bag.packed_samples import BLOCKS, POINTS, stack_blocks, stack_points
 from lta_data.bag.reader import Bag, read_bag
 from lta_data.bag.series import TopicSeries
 from lta_data.bag.stamps import extract_stamp
@@ -124,38 +125,36 @@ class RecordedFlight:
 
     def read_blocks(self, topic: str, chosen: Collection[int] | None = None) -> SampleBlocks:
         """
-        Return the samples of a sensor_msgs/Image topic; errors as `read_series`.
+        Return the samples of a topic of ADC blocks or images; errors as `read_series`.
 
         `chosen` are the message numbers to read, counted from 0; the result is in the order of
         recording.
         """
         times: list[float] = []
-        self._require_type(topic, 'sensor_msgs/msg/Image')
-        images = self._iterate_messages(
+        kind = self._require_type(topic, BLOCKS)
+        messages = self._iterate_messages(
             topic, times, None if chosen is None else frozenset(chosen)
         )
-        samples = stack_images(cast('Iterator[Image]', images))
+        samples = stack_blocks(kind, messages)
         return SampleBlocks(np.array(times, dtype=np.float64), samples)
 
     def iterate_blocks(self, topic: str, rows: int) -> Iterator[SampleBlocks]:
-        """Yield the samples of a sensor_msgs/Image topic, `rows` messages at a time."""
-        self._require_type(topic, 'sensor_msgs/msg/Image')
-        for time, images in self._iterate_message_batches(topic, rows):
-            yield SampleBlocks(time, stack_images(cast('list[Image]', images)))
+        """Yield the samples of such a topic, `rows` messages at a time."""
+        kind = self._require_type(topic, BLOCKS)
+        for time, messages in self._iterate_message_batches(topic, rows):
+            yield SampleBlocks(time, stack_blocks(kind, messages))
 
     def iterate_points(self, topic: str, rows: int) -> Iterator[PointSeries]:
-        """Yield the values of a sensor_msgs/PointCloud2 topic, `rows` messages at a time."""
-        self._require_type(topic, 'sensor_msgs/msg/PointCloud2')
-        for time, clouds in self._iterate_message_batches(topic, rows):
-            yield PointSeries(time, stack_point_clouds(cast('list[PointCloud]', clouds)))
+        """Yield the values of a topic of points, `rows` messages at a time."""
+        kind = self._require_type(topic, POINTS)
+        for time, messages in self._iterate_message_batches(topic, rows):
+            yield PointSeries(time, stack_points(kind, messages))
 
     def read_points(self, topic: str) -> PointSeries:
-        """Return the values of a sensor_msgs/PointCloud2 topic; errors as `read_series`."""
+        """Return the values of a topic of points; errors as `read_series`."""
         times: list[float] = []
-        self._require_type(topic, 'sensor_msgs/msg/PointCloud2')
-        fields = stack_point_clouds(
-            cast('Iterator[PointCloud]', self._iterate_messages(topic, times))
-        )
+        kind = self._require_type(topic, POINTS)
+        fields = stack_points(kind, self._iterate_messages(topic, times))
         return PointSeries(np.array(times, dtype=np.float64), fields)
 
     def absolute_name(self, topic: str) -> str:
@@ -171,14 +170,15 @@ class RecordedFlight:
             raise unknown_name_error('topic', topic, self.topics)
         return self.bag.topics[name].type_name
 
-    def _require_type(self, topic: str, type_name: str) -> None:
-        """Raise BadInput unless the topic is in the bag and has the type."""
+    def _require_type(self, topic: str, types: Mapping[str, object]) -> str:
+        """Return the type of a topic; raise BadInput unless it is one of some types."""
         found = self.message_type(topic)
-        if found != type_name:
+        if found not in types:
+            wanted = ' or '.join(f"'{name}'" for name in types)
             raise BadInput(
-                f"Topic '{topic}' has type '{found}', not '{type_name}'; choose a topic of "
-                f"type '{type_name}'."
+                f"Topic '{topic}' has type '{found}', not {wanted}; choose a topic of this type."
             )
+        return found
 
     def _iterate_message_batches(
         self, topic: str, rows: int
@@ -208,7 +208,10 @@ class RecordedFlight:
             stamps[index] = min(placed, LATEST)
         # Subtract as integers first: float64 does not resolve 1 ns in times since 1970
         time = (stamps - self.start).astype(np.float64) * 1e-9
-        return TopicSeries(stamps, time, found.numbers, found.texts)
+        numbers, texts = found.numbers, found.texts
+        if maker.type_name == ARRAY:
+            numbers, texts = rename_energy_columns(numbers, texts)
+        return TopicSeries(stamps, time, numbers, texts)
 
     def _iterate_messages(
         self, topic: str, times: list[float], chosen: Collection[int] | None = None

@@ -20,6 +20,7 @@ from typing import Any, Final, final
 from lta_config.errors import BadInput
 from lta_data.bag.align import align_tables, build_even_clock, sort_rows
 from lta_data.bag.bag_folder import find_bag
+from lta_data.bag.packed_samples import BLOCKS, POINTS
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_data.bag.series import TopicSeries
 from lta_data.bag.table import RecordingTable
@@ -28,8 +29,6 @@ from lta_report.formatting import format_count
 import numpy as np
 from numpy.typing import NDArray
 
-IMAGE: Final = 'sensor_msgs/msg/Image'
-CLOUD: Final = 'sensor_msgs/msg/PointCloud2'
 ELEMENT: Final = re.compile(r'(\w+)\[(\d+)\]')
 
 
@@ -180,7 +179,7 @@ def read_table(flight: RecordedFlight, topic: str) -> RecordingTable:
     """Return a topic of a flight as a table; errors as `RobotRecording.__getitem__`."""
     kind = flight.message_type(topic)
     unit = partial(find_unit, kind, topic=topic)
-    if kind == CLOUD:
+    if kind in POINTS:
         points = flight.read_points(topic)
         stamps = flight.start + np.rint(points.time * 1e9).astype(np.int64)
         data = {
@@ -209,7 +208,7 @@ def build_topic_table(
     data = {joints.get(path, path): values for path, values in series.numbers.items()}
     units = {joints.get(path, path): find_unit(kind, path, topic) for path in series.numbers}
     data |= series.texts
-    samples = partial(read_samples, flight, topic) if kind == IMAGE else None
+    samples = partial(read_samples, flight, topic) if kind in BLOCKS else None
     return RecordingTable(
         topic, series.stamps, flight.start, data, units, kind, samples=samples, also=joints
     )
@@ -227,5 +226,5 @@ def map_joint_names(series: TopicSeries) -> dict[str, str]:
 
 
 def read_samples(flight: RecordedFlight, topic: str, messages: NDArray[np.intp]) -> NDArray[Any]:
-    """Return the samples of some messages of an image topic, shape (n, rows, columns)."""
+    """Return the samples of some messages of a topic of blocks, shape (n, rows, columns)."""
     return flight.read_blocks(topic, messages.tolist()).samples

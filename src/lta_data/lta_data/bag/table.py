@@ -112,7 +112,7 @@ class RecordingTable:
 
     @cached_property
     def samples(self) -> NDArray[Any]:
-        """ADC blocks of a sensor_msgs/Image topic, shape (n, rows, columns)."""
+        """ADC blocks of a topic or pixels of an image topic, shape (n, rows, columns)."""
         if self._samples is None:
             raise BadInput(f"Topic '{self.name}' has no image samples; choose an image topic.")
         return self._samples(self._messages)

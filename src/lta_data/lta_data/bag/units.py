@@ -1,16 +1,19 @@
 """
-Look up the unit of every number in a message, according to the comments of ROS's definitions.
+Look up the unit of every number in a message, according to the comments of the definitions.
 
 A rule names a message type and one of its fields. It applies to everything inside the field unless
 a deeper rule overrides it. REP-103 defines the units; topics of LTA that use a general type for
 another quantity are in `OF_TOPIC`.
 """
 
+from collections.abc import Mapping
 from functools import cache
 import re
 from typing import Final
 
 from lta_bridge.bag.schemas import load_jazzy_types
+from lta_config.message_files import read_field_units
+from lta_data.bag.columns import name_column
 from rosbags.interfaces import Nodetype
 
 ONE: Final = '1'
@@ -78,7 +81,9 @@ OF_TOPIC: Final = {  # by relative name; overrides the message type
     'light/peaks': {'amplitude': 'ADC counts', 'snr': ONE, 'frequency': 'Hz', 'x': ONE, 'y': ONE}
     | {'z': ONE},
     'photodiodes': {'data': 'ADC counts'},
+    'energy/status': read_field_units().get('lta_msgs/msg/EnergyStatus', {}),
 }
+SAMPLES: Final = {'lta_msgs/msg/LightBlock': 'counts', 'sensor_msgs/msg/Image': 'data'}
 _INDEX: Final = re.compile(r'\[(\d+)\]$')
 
 
@@ -93,6 +98,22 @@ def find_unit(type_name: str, path: str, topic: str = '') -> str:
     return _find_type_unit(type_name, path) if own is None else own
 
 
+def find_sample_unit(type_name: str, topic: str) -> str:
+    """Return the unit of the samples of a topic of ADC blocks or images."""
+    return find_unit(type_name, SAMPLES[type_name], topic)
+
+
+@cache
+def _collect_rules() -> dict[str, Mapping[str, str]]:
+    """Return the rules by type, with those of lta_msgs from the comments of its definitions."""
+    own = {
+        # By the names of the columns as well
+        kind: {**units, **{name_column(kind, field): unit for field, unit in units.items()}}
+        for kind, units in read_field_units().items()
+    }
+    return {**RULES, **own}
+
+
 @cache
 def _find_type_unit(type_name: str, path: str) -> str:
     """Return the unit of a field by its message type."""
@@ -102,7 +123,7 @@ def _find_type_unit(type_name: str, path: str) -> str:
         field = _INDEX.sub('', part)
         if kind in MATRICES and field == 'covariance' and index is not None:
             return _find_covariance_unit(MATRICES[kind], int(index.group(1)))
-        unit = RULES.get(kind, {}).get(field, unit)
+        unit = _collect_rules().get(kind, {}).get(field, unit)
         kind = _find_field_type(kind, field)
     return unit
 

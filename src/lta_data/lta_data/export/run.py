@@ -9,7 +9,8 @@ from typing import Final, final, Protocol
 from lta_bridge.bag.writer import prepare_empty_folder
 from lta_config.atomic_file import replace_atomically
 from lta_config.errors import BadInput, unknown_name_error
-from lta_data.bag.recording import IMAGE, RobotRecording
+from lta_data.bag.packed_samples import BLOCKS
+from lta_data.bag.recording import RobotRecording
 from lta_data.bag.table import build_arrow_field
 from lta_data.export.csv_file import write_csv, write_units
 from lta_data.export.mat_file import write_mat
@@ -159,7 +160,7 @@ def align_export_topics(
     usable = []
     for topic in topics:
         try:
-            if recording.flight.message_type(topic) == IMAGE:
+            if recording.flight.message_type(topic) in BLOCKS:
                 raise BadInput('images cannot be resampled; omit --rate to export this topic.')
             recording[topic]
         except BadInput as fault:

@@ -128,11 +128,12 @@ ELSEWHERE = ('light/bearing',)  # a vector, but without a unit of its own
 
 
 def list_targets() -> dict[str, ImportTarget]:
-    """Return the topics that an import can write, by relative name."""
+    """Return the topics that an import can write, by relative name, with standard types."""
+    # A command in a log may be a force or a place, which an ActuatorDuty cannot hold
     listed = {
-        name: ImportTarget(topic.type, topic.frame)
+        name: ImportTarget(topic.common_type, topic.frame)
         for name, topic in load_topic_table().topics.items()
-        if topic.type in SHAPES and name not in ELSEWHERE
+        if topic.common_type in SHAPES and name not in ELSEWHERE
     }
     return listed | EXTRA
 

@@ -1,17 +1,15 @@
 """The messages of one topic as columns, and their pairing between two runs."""
 
 from collections.abc import Mapping
-from typing import Any, cast, final, NamedTuple
+from typing import Any, final, NamedTuple
 
 from lta_config.topics import Topic
 from lta_data.bag.columns import extract_field_columns
-from lta_data.bag.packed_samples import PointCloud, stack_point_clouds
+from lta_data.bag.packed_samples import POINTS, stack_points
 from lta_data.bag.reader import Bag
 from lta_data.bag.stamps import extract_stamp
 import numpy as np
 from numpy.typing import NDArray
-
-CLOUD = 'sensor_msgs/msg/PointCloud2'
 
 
 @final
@@ -66,12 +64,11 @@ def read_topic(bag: Bag, name: str, row: Topic) -> TopicMessages:
         keys.append(log_time if stamp is None else stamp)
         messages.append(message)
     numbers, texts = extract_field_columns(messages)
-    if row.type == CLOUD:
-        # The data of a cloud are packed bytes; compare its fields instead
-        clouds = stack_point_clouds(cast('list[PointCloud]', messages))
+    kind = bag.topics[name].type_name
+    if kind in POINTS:
         numbers |= {
             f'{field}[{k}]': column
-            for field, table in clouds.items()
+            for field, table in stack_points(kind, messages).items()
             for k, column in enumerate(table.T)
         }
     found = TopicMessages(np.array(keys, np.int64), numbers, texts)

@@ -25,6 +25,7 @@ NUMBERS: Final[Mapping[str, tuple[str, ...]]] = {
     'Illuminance': ('illuminance',),
     'BatteryState': ('voltage', 'current'),
     'Odometry': ('pose.pose', 'twist.twist'),
+    'ActuatorDuty': ('duty',),
     'JointState': ('effort',),
     'Vector3Stamped': ('vector',),
     'PoseWithCovarianceStamped': ('pose.pose', 'pose.covariance'),
@@ -40,7 +41,14 @@ JUMP_NS: Final = 2_000_000_000  # largest step between two stamps of a periodic 
 
 def find_message_type(topic: Topic) -> Any:  # noqa: ANN401 - a generated class
     """Return the Python class of a topic's messages."""
-    return getattr(import_module(f'{topic.package}.msg'), topic.message)
+    return import_message_type(topic.type)
+
+
+@cache
+def import_message_type(name: str) -> Any:  # noqa: ANN401 - a generated class
+    """Return the Python class of a message type, such as 'sensor_msgs/msg/Imu'."""
+    package, _, message = name.split('/')
+    return getattr(import_module(f'{package}.msg'), message)
 
 
 def has_message_type(topic: Topic) -> bool:
@@ -106,6 +114,27 @@ def _find_joint_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
     return '' if have == want else f'it has {want} names, but {have} efforts'
 
 
+def _find_duty_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
+    have, want = len(message.duty), len(message.name)
+    return '' if have == want else f'it has {want} names, but {have} duties'
+
+
+def _find_block_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
+    counts, diodes = len(message.counts), message.diodes
+    whole = diodes and not counts % diodes
+    return '' if whole else f'it has {counts} counts, no multiple of its {diodes} diodes'
+
+
+def _find_peaks_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
+    want = len(message.axis)
+    for beacon in message.beacon:
+        for name in ('amplitude', 'snr', 'frequency'):
+            if len(getattr(beacon, name)) != want:
+                have = len(getattr(beacon, name))
+                return f'it has {want} diodes, but {have} values of {name}'
+    return ''
+
+
 def _find_size_fault(have: int, want: int) -> str:
     return '' if have == want else f'it has {have} bytes of data, but its size fields say {want}'
 
@@ -115,6 +144,9 @@ LENGTHS: Final[Mapping[str, Callable[[Any], str]]] = {
     'Image': _find_image_fault,
     'PointCloud2': _find_cloud_fault,
     'JointState': _find_joint_fault,
+    'ActuatorDuty': _find_duty_fault,
+    'LampPeaks': _find_peaks_fault,
+    'LightBlock': _find_block_fault,
 }
 
 

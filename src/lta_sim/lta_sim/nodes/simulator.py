@@ -144,7 +144,7 @@ class Simulator(GraphNode):
 
     def _on_motors(self, step: InboxStep) -> None:
         for command in step.messages['motors']:
-            self._accept_command(command.name, list(command.effort))
+            self._accept_command(command.name, list(messages.read_duties(command)))
         stamp_ns = from_stamp(step.messages['motors'][-1].header.stamp)
         # A future stamp would stay fresh for too long
         if stamp_ns <= self._world.stamp_ns + STALE_NS:

@@ -16,7 +16,6 @@ from lta_vlc.messages import from_bearing, from_lamp, from_peaks, to_block
 from lta_vlc.receiver import BeaconReceiver
 from lta_vlc.sequence import BlockSequence
 from lta_vlc.settings import DemodulationSettings
-from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
 
@@ -59,7 +58,7 @@ class Demodulator(GraphNode):
         self._listener = self._build_receiver(settings)
 
     def _on_step(self, step: InboxStep) -> None:
-        message: Image = step.last_message('photodiodes')
+        message = step.last_message('photodiodes')
         try:
             # Before demodulating: trackers must know of the gap
             self._listener.skip_blocks(self._sequence.count_missing_blocks(step.stamp_ns))

@@ -103,9 +103,10 @@ def test_every_message_type_of_the_table_has_units_for_its_physical_fields():
     plain = {'radiation_type', 'present', 'data', 'level', 'power_supply_status'}
     plain |= {'power_supply_health', 'power_supply_technology'}
     for name, topic in load_topic_table().topics.items():
-        for path, kind in leaves(topic.type):
-            if kind.startswith('float') and path.split('[')[0] not in plain:
-                assert find_unit(topic.type, path, name), (name, path)
+        for type_name in {topic.declared_type, topic.common_type}:
+            for path, kind in leaves(type_name):
+                if kind.startswith('float') and path.split('[')[0] not in plain:
+                    assert find_unit(type_name, path, name), (name, path)
 
 
 def leaves(type_name, before=''):

@@ -160,8 +160,8 @@ def test_names_that_matlab_takes(name, expected):
 def test_samples_and_points_are_rows_with_times_of_their_own(
     mixed_bag, tmp_path, monkeypatch, stretch
 ):
-    monkeypatch.setattr(source, 'BLOCKS', stretch)
-    monkeypatch.setattr(source, 'CLOUDS', stretch)
+    monkeypatch.setattr(source, 'BLOCK_ROWS', stretch)
+    monkeypatch.setattr(source, 'POINT_ROWS', stretch)
     written, done = files(mixed_bag, 'parquet', tmp_path / 'out')
     assert done.remarks == ["Of the images on 'camera', the pixels are not exported."]
     table = parquet.read_table(written['photodiodes'].file)

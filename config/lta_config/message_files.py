@@ -1,0 +1,38 @@
+"""Find the definitions of lta_msgs, and the units in their comments."""
+
+from collections.abc import Mapping
+from functools import cache
+import os
+from pathlib import Path
+import re
+from typing import Final
+
+from lta_config.files import share_folder
+
+PACKAGE: Final = 'lta_msgs'
+FIELD: Final = re.compile(r'^\w[\w/]*(?:\[\])? +(\w+) *# \[([^]]+)\]', re.MULTILINE)
+
+
+@cache
+def list_message_files() -> Mapping[str, Path]:
+    """Return the definitions by type name, as 'lta_msgs/msg/ActuatorDuty'."""
+    share = share_folder()
+    prefixes = os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)
+    # The source tree has them in src/, a wheel beside the share of lta_config, ROS in its prefixes
+    for folder in (
+        share.parent / 'src' / PACKAGE / 'msg',
+        share.parent / PACKAGE / 'msg',
+        *(Path(prefix, 'share', PACKAGE, 'msg') for prefix in prefixes if prefix),
+    ):
+        if found := sorted(folder.glob('*.msg')):
+            return {f'{PACKAGE}/msg/{path.stem}': path for path in found}
+    return {}
+
+
+@cache
+def read_field_units() -> Mapping[str, Mapping[str, str]]:
+    """Return the unit of each number by type name and field, from the comments."""
+    return {
+        name: dict(FIELD.findall(path.read_text('utf-8')))
+        for name, path in list_message_files().items()
+    }
