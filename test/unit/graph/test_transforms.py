@@ -63,5 +63,5 @@ def test_it_is_encoded_without_the_package_as_with_it(monkeypatch):
 def test_whether_a_message_is_installed_is_known_without_importing_it():
     table = load_topic_table()
     assert has_message_type(table['odom'])
-    missing = table['/tf'].model_copy(update={'type': 'no_such_msgs/msg/Thing'})
+    missing = table['/tf'].model_copy(update={'declared_type': 'no_such_msgs/msg/Thing'})
     assert not has_message_type(missing)
