@@ -70,7 +70,9 @@ def test_no_loop_waits_for_itself():
 
 def test_roles_and_names():
     assert TABLE.published_by('controller') == ['motors']
-    assert TABLE.read_by('estimator') == ['imu', 'range', 'pressure', 'motors']
+    assert TABLE.read_by('estimator') == [
+        'imu', 'range', 'pressure', 'motors', 'light/peaks', 'light/estimate'
+    ]  # fmt: skip
     assert (TABLE['imu'].package, TABLE['imu'].message) == ('sensor_msgs', 'Imu')
     with pytest.raises(BadInput, match=r"^Unknown topic 'imo'; known: /clock, .*/tf_static, bat"):
         TABLE['imo']
