@@ -74,7 +74,7 @@ def test_roles_and_names():
         'imu', 'range', 'pressure', 'motors', 'light/peaks', 'light/estimate'
     ]  # fmt: skip
     assert (TABLE['imu'].package, TABLE['imu'].message) == ('sensor_msgs', 'Imu')
-    with pytest.raises(BadInput, match=r"^Unknown topic 'imo'; known: /clock, .*/tf_static, bat"):
+    with pytest.raises(BadInput, match=r"^Unknown topic 'imo'; known: /clock, .*/tf_static, air"):
         TABLE['imo']
     assert robot_topic('lta1', 'light/peaks') == '/lta1/light/peaks'
     assert robot_topic('lta1', '/clock') == '/clock'
