@@ -239,7 +239,7 @@ def test_a_cast_is_every_topic_of_its_roles_and_refuses_what_cannot_be():
     assert {'light/peaks', 'odom', 'energy/reserve', 'imu'} <= set(cast.played)
     assert 'motors' not in cast.played
     assert cast.find_missing_topics(TABLE, ['light/peaks', 'odom']) == [
-        'light/estimate', 'energy/status', 'energy/reserve',
+        'airspeed', 'light/estimate', 'energy/status', 'energy/reserve',
     ]  # fmt: skip
     with pytest.raises(BadInput, match=r"^Unknown node 'simulator'"):
         select_nodes(TABLE, ['simulator'], [])

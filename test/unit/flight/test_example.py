@@ -52,7 +52,7 @@ def test_the_example_prints_the_error_of_the_estimate_by_speed(flight, monkeypat
     assert title == 'Estimated less true airspeed [m/s]'
     assert names.split() == ['count', 'mean', 'std', 'min', 'max']
     estimate, truth = (
-        forward(flight, '/lta1/odom'),
+        forward(flight, '/lta1/airspeed'),
         forward(flight, '/lta1/ground_truth/odom'),
     )
     first = min(truth)
