@@ -49,7 +49,7 @@ class PointCloud(Protocol):
     data: NDArray[np.uint8]
 
 
-class LightBlock(Protocol):
+class LightBlockMessage(Protocol):
     """lta_msgs/LightBlock, decoded."""
 
     diodes: int
@@ -79,7 +79,7 @@ class LampPeaks(Protocol):
     beacon: list[BeaconPeaks]
 
 
-def decode_light_block(block: LightBlock) -> NDArray[Any]:
+def decode_light_block(block: LightBlockMessage) -> NDArray[Any]:
     """
     Return the samples of a lta_msgs/LightBlock.
 
