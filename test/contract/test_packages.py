@@ -40,11 +40,10 @@ NAMES = {
     'lta_vehicle',
     'lta_vlc',
 }
-# The key by which package.xml calls each module that is not of ROS. tools/rosdep.yaml has the rules of
-# those that rosdistro lacks; Ubuntu's own packages of some are too old (pydantic).
+# The key by which package.xml calls each module that is not of ROS. tools/rosdep.yaml has the
+# rules of those that rosdistro lacks; Ubuntu's own packages of some are too old (pydantic).
 ROSDEP = {
     'cflib': 'python3-cflib-pip',
-    'cloudpickle': 'python3-cloudpickle',
     'cmaes': 'python3-cmaes-pip',
     'fastcrc': 'python3-fastcrc-pip',
     'foxglove': 'python3-foxglove-sdk-pip',
@@ -218,7 +217,7 @@ def test_executables_can_be_imported_and_every_node_is_one(folder):
 
 
 def imported_keys(paths, beside=frozenset()):
-    """Return the keys of what files import, but for the standard library and modules beside them."""
+    """Return the keys of all imports but the standard library's and modules beside the files."""
     modules = {name.split('.')[0] for path in paths for name in imports(path)}
     # _typeshed is in the type checker alone.
     modules -= {*sys.stdlib_module_names, '_typeshed', *beside}
