@@ -8,7 +8,7 @@ export OMP_NUM_THREADS := 1
 export PYTHON
 
 enter := root='$(CURDIR)' && . tools/workspace.sh
-sources := config src test examples tools
+sources := config src test examples tools conftest.py
 
 .PHONY: help demo build test test-fast test-long test-packages bench bench-compare flights hops trust same sensitivity classes plan rgblimp crazyflie odometry faults real-firmware mutation chaos soak docs reference pictures lock check format clean
 

@@ -62,7 +62,7 @@ class DroneLock:
 
 
 def _open_lock(path: Path, uri: str) -> IO[str]:
-    """Open and lock the file of a drone, and not one that its last holder has deleted meanwhile."""
+    """Open and lock the file of a drone, not one that its last holder has deleted meanwhile."""
     while True:
         try:
             # O_NOFOLLOW: another user could have placed a symbolic link here.
