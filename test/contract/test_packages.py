@@ -88,7 +88,7 @@ CONDUCTORS = {  # start a graph and listen to it, record a flight as one, or ask
     'src/lta_cli/lta_cli/verbs/call.py',
 }
 
-OPTIONAL = {'mavsdk', 'pybamm'}  # what a test skips without
+OPTIONAL = {'mavsdk', 'pvlib', 'pybamm'}  # what a test skips without
 HELPERS = {path.stem for path in (ROOT / 'test').rglob('*.py')} | {'oracle', 'vlc'} | OPTIONAL
 MODULES = 25  # of one folder
 CODE = re.compile(r'(from [\w.]+ )?import [\w., ]+\n')  # a line of code that is written to a file
