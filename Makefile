@@ -8,9 +8,9 @@ export OMP_NUM_THREADS := 1
 export PYTHON
 
 enter := root='$(CURDIR)' && . tools/workspace.sh
-sources := config src test examples tools
+sources := config src test examples tools conftest.py
 
-.PHONY: help demo build test test-fast test-long bench bench-compare flights hops trust same sensitivity classes plan rgblimp crazyflie odometry faults real-firmware mutation chaos soak docs reference pictures lock check format clean
+.PHONY: help demo build test test-fast test-long test-packages bench bench-compare flights hops trust same sensitivity classes plan rgblimp crazyflie odometry faults real-firmware mutation chaos soak docs reference pictures lock check format clean
 
 help:  ## show this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
@@ -30,6 +30,9 @@ test-fast: test-environment  ## run the unit tests nearest to the changes agains
 
 test-long: checked  ## run all tests, including the long ones
 	@$(enter) && tools/suite.sh 'not benchmark' $(ARGS)
+
+test-packages: test-environment  ## run the unit tests of each package with colcon (ARGS='src/lta_vlc': only some)
+	@$(enter) && tools/test_packages.sh $(ARGS)
 
 bench: test-environment  ## run the benchmarks, next to other projects (ARGS='kernel mujoco': only some)
 	@$(enter) && .venv/bin/python test/benchmark/bench.py $(ARGS)

@@ -1,4 +1,8 @@
-"""Under `colcon test`, which calls pytest in the folder of each package, run the package's tests."""
+"""
+Run the tests of a package where pytest is called in its folder, as `colcon test` does.
+
+test/package_tests.py is the table of them.
+"""
 
 from pathlib import Path
 import sys
@@ -6,13 +10,13 @@ from xml.etree import ElementTree
 
 import pytest
 
-ROOT = Path(__file__).resolve().parent
-sys.path.append(str(ROOT / 'test'))
+sys.path.append(str(Path(__file__).parent / 'test'))
 
 from package_tests import list_tests
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    """Replace the folder of a package by its tests, without those that `make test` leaves out."""
     folder = config.invocation_params.dir.resolve()
     manifest = folder / 'package.xml'
     if config.args == [str(folder)] and manifest.is_file():

@@ -79,7 +79,7 @@ class TimeReport:
     def pytest_testnodedown(self, node: Any) -> None:
         self._spent.update(getattr(node, 'workeroutput', {}).get('spent', {}))
 
-    def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
+    def pytest_terminal_summary(self, terminalreporter: 'pytest.TerminalReporter') -> None:
         total = self._tests.total()
         if len(self._tests) <= SLOWEST:
             return

@@ -7,6 +7,13 @@ root=$(cd "$(dirname "$0")/.." && pwd -P)
 stamp=$root/install/.lta
 cd "$root"
 
+# One build at a time; the next one finds its work done. The lock ends with this process.
+exec 9<.
+flock -n 9 || {
+    echo 'workspace: another build is running here; waiting for it ...'
+    flock 9
+}
+
 # Messages that no wheel has. The graph flies without them (lta doctor), so no failure ends the build.
 messages=$(cat tools/messages.py tools/messages/*/package.xml tools/messages/*/msg/*.msg \
     src/lta_msgs/package.xml src/lta_msgs/msg/*.msg src/lta_msgs/action/*.action .venv/.lta |

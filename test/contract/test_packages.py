@@ -40,15 +40,14 @@ NAMES = {
     'lta_vehicle',
     'lta_vlc',
 }
-# The key by which package.xml calls each module that is not of ROS. tools/rosdep.yaml has the rules of
-# those that rosdistro lacks; Ubuntu's own packages of some are too old (pydantic).
+# The key by which package.xml calls each module that is not of ROS. tools/rosdep.yaml has the
+# rules of those that rosdistro lacks; Ubuntu's own packages of some are too old (pydantic).
 ROSDEP = {
     'cflib': 'python3-cflib-pip',
-    'cloudpickle': 'python3-cloudpickle',
     'cmaes': 'python3-cmaes-pip',
     'fastcrc': 'python3-fastcrc-pip',
     'foxglove': 'python3-foxglove-sdk-pip',
-    'hypothesis': 'python3-hypothesis',
+    'hypothesis': 'python3-hypothesis-pip',
     'lz4': 'python3-lz4-pip',
     'mcap': 'python3-mcap-pip',
     'mcap_ros2': 'mcap-ros2-support',
@@ -61,7 +60,7 @@ ROSDEP = {
     'pyarrow': 'python3-pyarrow-pip',
     'pydantic': 'python3-pydantic-pip',
     'pymavlink': 'python3-pymavlink-pip',
-    'pytest': 'python3-pytest',
+    'pytest': 'python3-pytest-pip',
     'pyulog': 'python3-pyulog-pip',
     'rich': 'python3-rich',
     'rosbags': 'python3-rosbags-pip',
@@ -89,7 +88,7 @@ CONDUCTORS = {  # start a graph and listen to it, record a flight as one, or ask
     'src/lta_cli/lta_cli/verbs/call.py',
 }
 
-OPTIONAL = {'mavsdk', 'pybamm'}  # what a test skips without
+OPTIONAL = {'mavsdk', 'pvlib', 'pybamm'}  # what a test skips without
 HELPERS = {path.stem for path in (ROOT / 'test').rglob('*.py')} | {'oracle', 'vlc'} | OPTIONAL
 MODULES = 25  # of one folder
 CODE = re.compile(r'(from [\w.]+ )?import [\w., ]+\n')  # a line of code that is written to a file
@@ -218,7 +217,7 @@ def test_executables_can_be_imported_and_every_node_is_one(folder):
 
 
 def imported_keys(paths, beside=frozenset()):
-    """Return the keys of what files import, but for the standard library and modules beside them."""
+    """Return the keys of all imports but the standard library's and modules beside the files."""
     modules = {name.split('.')[0] for path in paths for name in imports(path)}
     # _typeshed is in the type checker alone.
     modules -= {*sys.stdlib_module_names, '_typeshed', *beside}

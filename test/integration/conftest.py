@@ -12,6 +12,7 @@ from waiting import wait_until
 
 from .command import Lta, ROOT
 from .peer import put_away
+from .ros_checkouts import CHECKOUTS, install, WITHOUT
 
 
 @pytest.fixture(autouse=True)
@@ -19,6 +20,14 @@ def nothing_left() -> Iterator[None]:
     """Put away the nodes of a test that failed."""
     yield
     put_away()
+
+
+@pytest.fixture(scope='session')
+def genuine_ros(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """Return the variables by which a process finds ros2cli and launch of a genuine ROS 2."""
+    if not CHECKOUTS:
+        pytest.skip(WITHOUT)
+    return install(tmp_path_factory.mktemp('ros'))
 
 
 @pytest.fixture(scope='session')

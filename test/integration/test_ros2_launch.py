@@ -1,29 +1,19 @@
 """
 The launch files under ROS 2's own `launch`, which the wheels do not have.
 
-LTA_ROS_CHECKOUTS names a folder with checkouts of ros2/launch (3.4.3), ros2/launch_ros (0.26.6)
-and osrf/osrf_pycommon, called launch, launch_ros and osrf_pycommon. Without it nothing is run.
+Without a folder of checkouts (ros_checkouts.py) nothing is run.
 """
 
 import os
-from pathlib import Path
 import signal
-import subprocess
 import sys
 import time
 
 import pytest
 
 from .command import ROOT
+from .ros_checkouts import CHECKOUTS, WITHOUT
 
-CHECKOUTS = os.environ.get('LTA_ROS_CHECKOUTS', '')
-PACKAGES = (
-    'launch/launch',
-    'launch/launch_xml',
-    'launch/launch_yaml',
-    'launch_ros/launch_ros',
-    'osrf_pycommon',
-)
 FLY = ROOT / 'config/launch/fly.launch.yaml'
 # What `ros2 launch FILE NAME:=VALUE ...` does once it has parsed its command line
 LAUNCH = """
@@ -51,42 +41,16 @@ NODES = (
 )
 pytestmark = [
     pytest.mark.long,
-    pytest.mark.skipif(not CHECKOUTS, reason='LTA_ROS_CHECKOUTS names no checkouts of ROS 2'),
+    pytest.mark.skipif(not CHECKOUTS, reason=WITHOUT),
 ]
 
 
-@pytest.fixture(scope='module')
-def prefix(tmp_path_factory):
-    """Install the checkouts into a folder of their own; ROS 2's launch needs no compiler."""
-    folder = tmp_path_factory.mktemp('ros')
-    pip = [sys.executable, '-m', 'pip', 'install', '--quiet', '--disable-pip-version-check']
-    alone = ['--no-deps', '--no-build-isolation', '--no-index', '--ignore-installed']
-    paths = [str(Path(CHECKOUTS) / package) for package in PACKAGES]
-    subprocess.run([*pip, *alone, '--prefix', folder, *paths], check=True)
-    (site,) = folder.glob('lib/python*/site-packages')
-    # launch_ros imports these for composable nodes, of which we have none
-    (site / 'composition_interfaces').mkdir()
-    (site / 'composition_interfaces/__init__.py').touch()
-    (site / 'composition_interfaces/srv.py').write_text(
-        'class LoadNode:\n    class Request: pass\n    class Response: pass\n'
-    )
-    # Its name for the standard library's importlib.metadata
-    (site / 'importlib_metadata.py').write_text('from importlib.metadata import *\n')
-    return folder, site
-
-
 @pytest.fixture
-def ros2_launch(lta, prefix):
+def ros2_launch(lta, genuine_ros):
     """Return a function that starts a launch file."""
-    folder, site = prefix
 
     def start(*words):
-        return lta.start(
-            *words,
-            program=(sys.executable, '-c', LAUNCH),
-            PYTHONPATH=f'{site}:{os.environ.get("PYTHONPATH", "")}',
-            AMENT_PREFIX_PATH=f'{folder}:{os.environ["AMENT_PREFIX_PATH"]}',
-        )
+        return lta.start(*words, program=(sys.executable, '-c', LAUNCH), **genuine_ros)
 
     return start
 

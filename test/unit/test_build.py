@@ -127,6 +127,16 @@ def test_headers_of_python_that_are_missing_are_named(messages, tmp_path, monkey
     assert messages.find_missing() == 'the headers of Python'
 
 
+def test_two_builds_at_once_build_once(workspace):
+    colcon = workspace / '.venv/bin/colcon'
+    colcon.write_text('#!/bin/sh\necho built >>calls\nsleep 1\nmkdir install\n', 'utf-8')
+    (workspace / 'status').write_text('0', 'utf-8')
+    both = [subprocess.Popen(['env', workspace / 'tools/build.sh']) for _ in range(2)]
+    assert [each.wait(60) for each in both] == [0, 0]
+    assert (workspace / 'calls').read_text() == 'built\n'
+    assert (workspace / 'install/.lta').exists()
+
+
 def test_a_compiler_that_fails_is_reported_and_changes_nothing(messages, tmp_path):
     if messages.find_missing():
         pytest.skip('this machine lacks a compiler')

@@ -4,12 +4,12 @@ import subprocess
 import sys
 from types import SimpleNamespace
 
-import cloudpickle
 from lta_config.errors import BadInput
 from lta_report import cluster
 from lta_report.cluster import check_software, ClusterSoftware, connect_cluster, explain_losses
 import pytest
 
+cloudpickle = pytest.importorskip('cloudpickle', reason='it comes with dask.distributed')
 OURS = ClusterSoftware('1.0.0', 'a' * 40, '3.11', '2026.8.0')
 PACKAGES = {'python': '3.11.7.final.0', 'distributed': '2026.8.0'}
 

@@ -8,6 +8,7 @@ failed attempt doubles each time.
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 import threading
+import time
 from typing import Final, final
 
 from lta_bridge.crazyflie.link import CrazyflieLink, LinkFailed
@@ -19,6 +20,7 @@ CONFIRM: Final = 2.0  # s for one parameter
 # Parameters that let motors turn without a command.
 TURNING: Final = ('motorPowerSet.enable', 'powerDist.idleThrust')
 FIRST, LONGEST = 0.5, 8.0  # s of pause after a failed attempt
+LOOK: Final = 0.1  # s between two looks whether the drone listens
 
 
 def enforce_parameters(
@@ -106,6 +108,10 @@ class ConnectionManager:
         See `enforce_parameters`.
     on_closed : callable
         Called from the manager's thread when the link is closed for good.
+    is_closed : callable
+        Returns whether nothing listens yet where the link leads.
+    patience : float
+        How long to wait for that before the first attempt. [s]
 
     Attributes
     ----------
@@ -124,7 +130,10 @@ class ConnectionManager:
         expected: Mapping[str, ExpectedParameter],
         on_closed: Callable[[], None] = lambda: None,
         compensated: bool | None = None,
+        is_closed: Callable[[], bool] = lambda: False,
+        patience: float = 0.0,
     ) -> None:
+        self._is_closed, self._patience = is_closed, patience
         self._link, self._expected, self._given_back = link, expected, on_closed
         self._compensated = compensated
         self.up, self.why, self.attempts = False, 'connecting', 0
@@ -148,6 +157,9 @@ class ConnectionManager:
         return not self._thread.is_alive()
 
     def _run(self) -> None:
+        until = time.monotonic() + self._patience
+        while time.monotonic() < until and self._is_closed() and not self._leave.wait(LOOK):
+            pass
         pause = FIRST
         while not self._leave.is_set():
             self._again.clear()

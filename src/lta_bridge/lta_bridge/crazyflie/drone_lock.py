@@ -42,9 +42,28 @@ class DroneLock:
 
     """
 
+    _file: IO[str] | None
+
     def __init__(self, uri: str) -> None:
         name = hashlib.sha256(normalize_uri(uri).encode()).hexdigest()[:16]
         path = Path(tempfile.gettempdir()) / f'lta-crazyflie-{name}.lock'
+        self._path, self._file = path, _open_lock(path, uri)
+        self._file.truncate(0)
+        self._file.write(str(os.getpid()))
+        self._file.flush()
+
+    def close(self) -> None:
+        """Release the drone; a second call does nothing."""
+        if self._file is not None:
+            with suppress(OSError):  # another user's file stays
+                self._path.unlink()
+            self._file.close()
+            self._file = None
+
+
+def _open_lock(path: Path, uri: str) -> IO[str]:
+    """Open and lock the file of a drone, not one that its last holder has deleted meanwhile."""
+    while True:
         try:
             # O_NOFOLLOW: another user could have placed a symbolic link here.
             descriptor = os.open(
@@ -55,23 +74,18 @@ class DroneLock:
                 f'The lock file {path} of {uri} cannot be opened ({error.strerror}). Ask the user '
                 'who owns the file to stop the bridge and to delete the file.'
             ) from None
-        self._file: IO[str] | None = os.fdopen(descriptor, 'r+')
+        file = os.fdopen(descriptor, 'r+')
         try:
-            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            self._file.seek(0)
-            holder = self._file.read().strip() or 'unknown'
-            self._file.close()
+            file.seek(0)
+            holder = file.read().strip() or 'unknown'
+            file.close()
             raise BadInput(
                 f'Another program (process {holder}) already commands the Crazyflie {uri}; stop '
                 'it first, because a drone obeys every sender.'
             ) from None
-        self._file.truncate(0)
-        self._file.write(str(os.getpid()))
-        self._file.flush()
-
-    def close(self) -> None:
-        """Release the drone; a second call does nothing."""
-        if self._file is not None:
-            self._file.close()
-            self._file = None
+        with suppress(FileNotFoundError):
+            if path.stat().st_ino == os.fstat(file.fileno()).st_ino:
+                return file
+        file.close()

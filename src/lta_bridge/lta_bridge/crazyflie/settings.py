@@ -35,6 +35,13 @@ class CrazyflieBridgeSettings(Settings):
         'bridge for 1 s.',
         fixed=True,
     )
+    patience: float = setting(
+        0.0,
+        'Time to wait at the start until a program listens at a udp:// URI.',
+        unit='s',
+        low=0.0,
+        fixed=True,
+    )
     autostart: bool = setting(
         True,
         'Whether the node configures and activates itself at the start; it never arms the drone.',

@@ -6,6 +6,7 @@ and disarms. Only the service `crazyflie_bridge/arm` arms. `lta_bridge.crazyflie
 when motors may turn; this node converts and publishes.
 """
 
+from functools import partial
 import threading
 import time
 from typing import Any
@@ -26,6 +27,7 @@ from lta_bridge.crazyflie.override import (
 from lta_bridge.crazyflie.power_model import CrazyfliePowerModel
 from lta_bridge.crazyflie.safety import LEAVE, SafetyRequest, SafetyStage
 from lta_bridge.crazyflie.settings import CrazyflieBridgeSettings
+from lta_bridge.crazyflie.udp_probe import is_port_closed
 from lta_config.errors import BadInput
 from lta_config.schema.crazyflie_file import find_crazyflie
 from lta_graph.health import HealthLevel
@@ -130,6 +132,8 @@ class CrazyflieBridge(DeviceNode):
             select_expected_parameters(self._file, command),
             claim.close,
             required_compensation(self._vehicle, command),
+            partial(is_port_closed, self._settings.uri),
+            self._settings.patience,
         )
         return super().on_configure(state)
 

@@ -1,5 +1,6 @@
 """One bridge to a drone, and what is said where there is no way to one."""
 
+import fcntl
 import hashlib
 import os
 from pathlib import Path
@@ -31,6 +32,24 @@ def test_a_second_bridge_to_a_drone_is_refused_by_name_and_another_drone_is_not(
     DroneLock(URI).close()
 
 
+def test_no_file_is_left_and_a_claim_on_a_deleted_one_is_none(tmp_path, monkeypatch):
+    former, lock = DroneLock(URI), fcntl.flock
+    claims = []
+
+    def release_first(file, operation):
+        """Let the former holder end, and a third program come, between opening and locking."""
+        monkeypatch.setattr(fcntl, 'flock', lock)
+        former.close()
+        claims.append(DroneLock(URI))
+        lock(file, operation)
+
+    monkeypatch.setattr(fcntl, 'flock', release_first)
+    with pytest.raises(BadInput, match='already commands'):
+        DroneLock(URI)
+    claims[0].close()
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.mark.parametrize(
     ('one', 'other', 'same'),
     [
@@ -50,9 +69,9 @@ def test_a_drone_has_one_claim_however_it_is_reached(one, other, same):
 
 
 def test_a_file_that_may_not_be_opened_is_one_sentence_and_a_link_is_not_followed(tmp_path):
-    DroneLock(URI).close()
+    claim = DroneLock(URI)
     (path,) = tmp_path.glob('*.lock')
-    path.unlink()
+    claim.close()
     precious = tmp_path / 'precious'
     precious.write_text('all of it')
     path.symlink_to(precious)

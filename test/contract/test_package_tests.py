@@ -1,0 +1,70 @@
+"""`colcon test` runs the unit tests of each package, and each unit test belongs to one."""
+
+from pathlib import Path
+import re
+import shutil
+import subprocess
+import sys
+
+import package_tests
+from package_tests import list_tests, PACKAGE_TESTS, UNIT
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+# Besides what `make test` runs of lta_graph: one test that fails, and one that is too long
+ADDED = """
+import pytest
+
+
+def test_that_fails():
+    assert not 'broken'
+
+
+@pytest.mark.long
+def test_that_is_long():
+    assert not 'run'
+"""
+
+
+def test_every_unit_test_belongs_to_one_package_and_every_package_has_one():
+    for name in PACKAGE_TESTS:
+        assert list_tests(name), f'{name or "the tools"}: no unit test'
+    listed = [path for name in PACKAGE_TESTS for path in list_tests(name)]
+    assert sorted(listed) == sorted(UNIT.rglob('test_*.py'))
+    places = [place for paths in PACKAGE_TESTS.values() for place in paths]
+    assert len(places) == len(set(places))
+    assert [place for place in places if not (UNIT / place).exists()] == []
+
+
+def test_a_test_without_a_place_is_reported():
+    with pytest.raises(LookupError, match=r'nowhere/test_one.py belongs to no package; add it'):
+        package_tests.find_package(UNIT / 'nowhere/test_one.py')
+
+
+def test_a_failing_test_fails_colcon_test_and_a_long_one_is_not_run(tmp_path):
+    unit = tmp_path / 'test/unit'
+    (unit / 'graph').mkdir(parents=True)
+    names = ['conftest.py', 'pyproject.toml', 'test/unit/conftest.py']
+    names += [f'test/unit/{place}' for place in ('report_flight.py', 'graph/test_inbox.py')]
+    names += [f'test/{path.name}' for path in (ROOT / 'test').glob('*.py')]
+    for name in names:
+        shutil.copy(ROOT / name, tmp_path / name)
+    (unit / 'graph/test_added.py').write_text(ADDED, encoding='utf-8')
+    shutil.copytree(ROOT / 'src/lta_graph', tmp_path / 'src/lta_graph')
+    colcon = Path(sys.prefix) / 'bin/colcon'
+
+    def run(*words: object) -> tuple[int, str]:
+        command = [colcon, '--log-base', tmp_path / 'log', *words]
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+        return done.returncode, done.stdout + done.stderr
+
+    status, said = run(
+        'test', '--paths', 'src/lta_graph', '--install-base', ROOT / 'install',
+        '--return-code-on-test-failure',
+    )  # fmt: skip
+    assert status == 1, said
+    status, said = run('test-result', '--verbose')
+    assert status == 1
+    assert 'test_that_fails' in said
+    (tests,) = re.findall(r'Summary: (\d+) tests, 0 errors, 1 failure, 0 skipped', said)
+    assert int(tests) > 10
