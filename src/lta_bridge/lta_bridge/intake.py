@@ -104,7 +104,7 @@ class MessageIntake:
             when = log_time(row, data)
             if varying:
                 data = clean(data)
-            if not self._is_time_known():
+            if not self._has_time():
                 if once:
                     self._early.append((name, data))
                     return
@@ -114,7 +114,7 @@ class MessageIntake:
 
         return receive_message
 
-    def _is_time_known(self) -> bool:
+    def _has_time(self) -> bool:
         """Return whether the graph time of some robot is known."""
         return any(books.knows_time for books in self._books.values())
 
