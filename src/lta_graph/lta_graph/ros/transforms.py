@@ -20,6 +20,7 @@ except ImportError:
         """The same message for an encoder, which needs only its fields, types and name."""
 
         __module__ = 'tf2_msgs.msg'
+
         def __init__(self, transforms: Sequence[TransformStamped]) -> None:
             self.transforms = transforms
 
