@@ -59,8 +59,8 @@ class TaskLimits(Settings):
         fixed=True,
     )
     stay: float = setting(
-        5.0,
-        'Time at the lamp after which a flight to it has succeeded; the drone slows down in it.',
+        1.0,
+        'Time at the lamp after which a flight to it has succeeded.',
         unit='s',
         low=0.0,
         high=600.0,
