@@ -48,7 +48,6 @@ class TaskLimits(Settings):
         unit='s',
         low=1.0,
         high=3600.0,
-        fixed=True,
     )
     go_to_lamp: float = setting(
         180.0,
@@ -56,15 +55,6 @@ class TaskLimits(Settings):
         unit='s',
         low=1.0,
         high=86400.0,
-        fixed=True,
-    )
-    stay: float = setting(
-        1.0,
-        'Time at the lamp after which a flight to it has succeeded.',
-        unit='s',
-        low=0.0,
-        high=600.0,
-        fixed=True,
     )
     unseen: float = setting(
         60.0,
@@ -72,7 +62,6 @@ class TaskLimits(Settings):
         unit='s',
         low=1.0,
         high=3600.0,
-        fixed=True,
     )
     land: float = setting(
         60.0,
@@ -80,7 +69,6 @@ class TaskLimits(Settings):
         unit='s',
         low=1.0,
         high=3600.0,
-        fixed=True,
     )
 
 
@@ -137,8 +125,6 @@ class FlightTask:
         Stamp of its first light block. [ns]
     seen_ns : int
         Stamp of the last block with light from the lamp, or of the first one. [ns]
-    away_ns : int
-        Stamp of the last block away from the lamp. [ns]
 
     """
 
@@ -147,7 +133,6 @@ class FlightTask:
     result: TaskResult | None = None
     begun_ns: int | None = None
     seen_ns: int = 0
-    away_ns: int = 0
 
 
 class _Situation(NamedTuple):
@@ -186,8 +171,8 @@ class CommandedFlight:
     Parameters
     ----------
     limits : TaskLimits
-        Time limits.
-    standing : float
+        Time limits, which may change in flight.
+    ground_height : float
         Altitude of the hull centre when the drone stands on the floor. [m]
 
     Attributes
@@ -199,11 +184,11 @@ class CommandedFlight:
 
     """
 
-    def __init__(self, limits: TaskLimits, standing: float) -> None:
+    def __init__(self, limits: TaskLimits, ground_height: float) -> None:
         self.mission, self.permission = Mission(), FlightPermission.DOWN
         self.beacon = NO_WISH
         self.progress = TaskProgress()
-        self._limits, self._standing = limits, standing
+        self.limits, self._ground_height = limits, ground_height
         self._height = 0.0
         self._task: FlightTask | None = None
         self._situation: _Situation | None = None
@@ -299,7 +284,7 @@ class CommandedFlight:
         """Return why a take-off to a height [m] is refused, or ''."""
         if self.mission.phase is not Phase.REST:
             return 'the drone flies already'
-        lowest = self._standing + settings.reached
+        lowest = self._ground_height + settings.reached
         if value != 0.0 and not lowest < value <= HIGHEST:
             return (
                 f'the hull centre cannot fly {value:g} m above the ground; give more than '
@@ -338,7 +323,7 @@ class CommandedFlight:
     def _rest_on_the_ground(self, measured: CascadeMeasurement) -> None:
         """Rest where the drone stands on the ground, whatever brought it there."""
         climbing = self.mission.phase is Phase.CLIMB
-        if climbing or not has_landed(measured, FLOOR, self._standing):
+        if climbing or not has_landed(measured, FLOOR, self._ground_height):
             return
         if self._task is not None:
             landing = self._task.kind is TaskKind.LAND
@@ -369,7 +354,7 @@ class CommandedFlight:
         seconds = 0.0
         if task is not None:
             if task.begun_ns is None:
-                task.begun_ns = task.seen_ns = task.away_ns = now.stamp_ns
+                task.begun_ns = task.seen_ns = now.stamp_ns
             seconds = (now.stamp_ns - task.begun_ns) * 1e-9
         phase = self.mission.phase
         if phase is Phase.CLIMB:
@@ -380,7 +365,7 @@ class CommandedFlight:
             heading = heading_to_start(self.mission.start, now.sight.position)
             self.mission = self.mission._replace(heading=heading)
             return Setpoint(self._height, heading, settings.speed)
-        elif phase is Phase.LAND and seconds > self._limits.land:
+        elif phase is Phase.LAND and seconds > self.limits.land:
             self._end_task(TaskOutcome.TIMEOUT, f'not on the ground after {seconds:.0f} s')
         if self.mission.phase is Phase.REST:
             return FLOOR._replace(heading=now.sight.heading)
@@ -394,7 +379,7 @@ class CommandedFlight:
         if measured.altitude > self._height - settings.reached:
             self._end_task(TaskOutcome.SUCCEEDED, 'the height is reached')
             self.mission = self.mission._replace(phase=Phase.HOLD)
-        elif seconds > self._limits.take_off:
+        elif seconds > self.limits.take_off:
             # Motors that were off, and are armed later, must not start
             self._end_task(
                 TaskOutcome.TIMEOUT,
@@ -424,18 +409,16 @@ class CommandedFlight:
             return Setpoint(self._height, course.heading, course.speed)
         if sight.seen:
             task.seen_ns = now.stamp_ns
-        if not course.arrived:
-            task.away_ns = now.stamp_ns
         unseen = (now.stamp_ns - task.seen_ns) * 1e-9
-        if course.arrived and (now.stamp_ns - task.away_ns) * 1e-9 >= self._limits.stay:
+        if course.arrived:
             self._end_task(TaskOutcome.SUCCEEDED, 'the lamp is reached')
             self.mission = self.mission._replace(phase=Phase.ARRIVED)
-        elif unseen > self._limits.unseen:
+        elif unseen > self.limits.unseen:
             self._end_task(
                 TaskOutcome.NOT_SEEN, f'no light from the lamp for {unseen:.0f} s; holding'
             )
             self._change_phase(Phase.HOLD, now)
-        elif seconds > self._limits.go_to_lamp:
+        elif seconds > self.limits.go_to_lamp:
             self._end_task(TaskOutcome.TIMEOUT, f'not at the lamp after {seconds:.0f} s; holding')
             self._change_phase(Phase.HOLD, now)
         if self.mission.phase is Phase.HOLD:

@@ -118,8 +118,9 @@ class Navigator(GraphNode):
     def _build_commanded_flight(self) -> CommandedFlight:
         settings = self._settings.value
         check_commanded(self._strategy, self._course is not None)
-        standing = load_vehicle(settings.vehicle).hull_height_on_floor
-        return CommandedFlight(settings.limits, standing)
+        return CommandedFlight(
+            settings.limits, load_vehicle(settings.vehicle).hull_height_on_floor
+        )
 
     def _on_step(self, step: InboxStep) -> None:
         for odom, airspeed in self._airspeeds.pair_messages(
@@ -150,6 +151,7 @@ class Navigator(GraphNode):
         )  # fmt: skip
         order = self._guidance.permission
         if self._commands is not None:
+            self._commands.flight.limits = settings.limits
             self._report_mission(str(self._guidance.mission.phase), order, step.stamp_ns)
         elif self._course is not None:
             self._report_mission('course', order, step.stamp_ns)
