@@ -95,7 +95,7 @@ def test_a_client_takes_off_goes_to_the_lamp_and_lands(lta, scenario, commander,
     status, result = commander.fly('go_to_lamp', GoToLamp.Goal(frequency=150.0))
     assert (status, result.outcome) == (GoalStatus.STATUS_SUCCEEDED, GoToLamp.Result.SUCCEEDED)
     assert result.distance < 1.6  # twice the arrival distance
-    seen = next(each for each in commander.feedback if each.seen)
+    seen = next(each for each in commander.feedback if each.distance > 0.0)
     assert 3.0 < seen.distance < 12.0  # it starts 7 m away
     assert abs(seen.bearing) <= math.pi
 
