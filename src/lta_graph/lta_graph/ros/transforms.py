@@ -20,7 +20,6 @@ except ImportError:
         """The same message for an encoder, which needs only its fields, types and name."""
 
         __module__ = 'tf2_msgs.msg'
-
         def __init__(self, transforms: Sequence[TransformStamped]) -> None:
             self.transforms = transforms
 
