@@ -240,10 +240,11 @@ def test_every_parameter_is_described(name):
 # Figures that hold from the start on: what a flight begins with, and what it is recorded with.
 BEGUN_WITH = {
     'crazyflie_bridge': {'tethered', 'watchdog', 'autostart'},
-    'simulator': {'seed', 'offset_x', 'offset_y', 'record', 'clock'},
+    'simulator': {'seed', 'offset_x', 'offset_y', 'record', 'clock', 'commanded'},
     'player': {'rate', 'start', 'end', 'loop', 'paused', 'patience', 'record'},
     'estimator': {'rest_time'},
     'controller': {'armed'},
+    'navigator': {'commanded'},
     'recorder': {
         'seed', 'offset_x', 'offset_y', 'split_size', 'split_duration', 'snapshot',
         'snapshot_size', 'queue_size',

@@ -2,7 +2,7 @@
 
 import array
 import math
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import (
@@ -12,10 +12,12 @@ from geometry_msgs.msg import (
     TwistWithCovarianceStamped,
 )
 from lta_config.covariances import is_known, UNKNOWN_VARIANCE
+from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
 from lta_control import message_rounding
 from lta_control.attitude import Quaternion, Vector, yaw_from_quaternion
 from lta_control.cascade import CascadeMeasurement, Setpoint
+from lta_control.commanded_flight import CommandedFlight, FlightTask, TaskKind, TaskOutcome
 from lta_control.control import has_overturned
 from lta_control.estimator import EstimatorInputs, MotionEstimate
 from lta_control.ground_motion import (
@@ -361,3 +363,47 @@ def to_frequencies(message: 'LampPeaks | PointCloud2') -> tuple[float, ...]:
         return ()
     words = np.frombuffer(message.data, dtype='<f4').reshape(-1, message.point_step // 4)
     return tuple(words[: message.width, places['frequency']].tolist())
+
+
+def load_actions() -> dict[TaskKind, Any]:
+    """Return the type of each action; raise `BadInput` where "make build" could not compile it."""
+    try:
+        from lta_msgs.action import GoToLamp, Land, TakeOff
+    except ImportError:
+        raise BadInput(
+            'commanded:=true needs the package lta_msgs, which is missing; see "lta doctor".'
+        ) from None
+    return {TaskKind.TAKE_OFF: TakeOff, TaskKind.GO_TO_LAMP: GoToLamp, TaskKind.LAND: Land}
+
+
+def to_task_value(kind: TaskKind, goal: Any) -> float:  # noqa: ANN401 - one of three types
+    """Return the height [m] or frequency [Hz] of a goal; 0 for a landing."""
+    if kind is TaskKind.LAND:
+        return 0.0
+    return float(goal.height if kind is TaskKind.TAKE_OFF else goal.frequency)
+
+
+def from_task_progress(kind: TaskKind, flight: CommandedFlight) -> dict[str, float | bool]:
+    """Return the fields of an action's feedback."""
+    now = flight.progress
+    if kind is TaskKind.GO_TO_LAMP:
+        return {'seen': now.seen, 'distance': now.distance, 'bearing': now.bearing}
+    if kind is TaskKind.TAKE_OFF:
+        return {'height': now.height, 'climb_rate': now.climb}
+    return {'height': now.height, 'sink_rate': -now.climb}
+
+
+def from_task_result(
+    flight: CommandedFlight, task: FlightTask
+) -> tuple[bool, dict[str, int | str | float]] | None:
+    """Return whether a task succeeded and the fields of its result; None while it is flown."""
+    if task.result is None:
+        return None
+    fields: dict[str, int | str | float] = {
+        'outcome': int(task.result.outcome), 'message': task.result.message
+    }  # fmt: skip
+    if task.kind is TaskKind.TAKE_OFF:
+        fields['height'] = flight.progress.height
+    elif task.kind is TaskKind.GO_TO_LAMP:
+        fields['distance'] = flight.progress.distance
+    return task.result.outcome is TaskOutcome.SUCCEEDED, fields

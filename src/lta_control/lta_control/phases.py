@@ -17,6 +17,7 @@ class Phase(IntEnum):
     ARRIVED = 3
     HOME = 4
     LAND = 5
+    HOLD = 6  # between two commands
 
     def __str__(self) -> str:
         """Return the name as diagnostics report it."""

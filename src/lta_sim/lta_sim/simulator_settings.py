@@ -39,6 +39,12 @@ class SimulatorSettings(Settings):
         '', 'Prefix of the frames on /tf_static but map, such as lta1/, for several drones.',
         fixed=True,
     )  # fmt: skip
+    commanded: bool = setting(
+        False,
+        'Whether the flight is commanded by actions: then neither a reached lamp nor the time '
+        'limit of the scenario ends it.',
+        fixed=True,
+    )
     wait_for: str = setting(
         DEFAULT,
         'Nodes to wait for before the flight starts, by their roles in the topic table and '

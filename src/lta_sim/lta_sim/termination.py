@@ -140,8 +140,10 @@ def evaluate_outcome(
 class FlightTermination:
     """The end conditions of one flight, from its start."""
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Scenario, endless: bool = False) -> None:
         self._goal = build_goal(scenario)
+        if endless:  # neither a lamp nor the time ends the flight
+            self._goal = self._goal._replace(along=True, limit=math.inf)
         self._progress = GoalProgress(0, True)
 
     def goal_distance(self, x: float, y: float) -> float:

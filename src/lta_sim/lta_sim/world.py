@@ -188,6 +188,10 @@ class World:
         """Whether a hand still holds the drone where it stands."""
         return self.elapsed < self._held
 
+    def fly_without_end(self) -> None:
+        """Let neither a reached lamp nor the time limit end the flight."""
+        self._referee = FlightTermination(self.scenario, endless=True)
+
     @property
     def goal_distance(self) -> float:
         """Horizontal distance from the hull centre to the next lamp. [m]"""

@@ -1,16 +1,33 @@
 """Navigator node: convert the light estimate to heading, altitude and speed."""
 
+from functools import partial
+import time
+from typing import Any
+
 from lta_config.settings import setting
 from lta_control.air_reckoning import AirReckoning
 from lta_control.cascade import CascadeMeasurement, Setpoint
+from lta_control.commanded_flight import (
+    check_commanded,
+    CommandedFlight,
+    FlightTask,
+    TaskKind,
+    TaskLimits,
+)
+from lta_control.control import TILT_LIMIT
 from lta_control.guidance import Guidance
 from lta_control.messages import (
     from_setpoint,
+    from_task_progress,
+    from_task_result,
+    is_overturned,
+    load_actions,
     to_air_velocity,
     to_attitude,
     to_cascade_measurement,
     to_diodes,
     to_lamp,
+    to_task_value,
     update_reserve_report,
 )
 from lta_control.mission import MissionSettings
@@ -27,6 +44,7 @@ from lta_control.strategies import check_route, find_navigation_strategy
 from lta_control.strategies.protocol import LightMeasurement
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
+from lta_graph.ros.goal_server import GoalServer
 from lta_graph.ros.message_pairing import MessagePairing
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
@@ -34,7 +52,11 @@ from lta_graph.ros.process import run_node
 from lta_graph.ros.stamps import from_stamp
 from lta_model.light.gain_selection import compute_gain_scale
 from lta_model.scenario import load_course, load_route
-from std_msgs.msg import Float64
+from lta_model.vehicle import load_vehicle
+from nav_msgs.msg import Odometry
+from std_msgs.msg import Bool, Float64
+
+SILENCE = 10.0  # wall seconds without a step after which a task ends
 
 
 class NavigatorParameters(MissionSettings):
@@ -45,6 +67,13 @@ class NavigatorParameters(MissionSettings):
     scenario: str = setting(
         '', 'Scenario name or file. If it has a course or a route, the drone flies it.', fixed=True
     )
+    commanded: bool = setting(
+        False,
+        'Whether the drone waits on the ground for the actions take_off, go_to_lamp and land. '
+        'Needs the strategy homing and the package lta_msgs.',
+        fixed=True,
+    )
+    limits: TaskLimits = setting(TaskLimits(), 'Time limits of the actions.')
     reserve: ReserveResponseSettings = setting(
         ReserveResponseSettings(), 'What to do when the charge falls to the energy reserve.'
     )
@@ -68,24 +97,36 @@ class Navigator(GraphNode):
             self._scale = compute_gain_scale(
                 self._settings.value.scenario, self._settings.value.vehicle
             )
-        self._guidance = Guidance(self._course, self._route)
+        self._guidance: Guidance | CommandedFlight = Guidance(self._course, self._route)
         check_reserve(self._settings.value.reserve, self._strategy)
         self._word: ReserveReport | None = None  # latest energy report; None: stay on the ground
         light = self.table['photodiodes']
         self._block_ns = light.period_ns
         self._measured: CascadeMeasurement | None = None
+        self._odom: Odometry | None = None
         # Three blocks of estimates: the light of a block arrives after its end
         control_ns = self.table.control_ns
         self._reckoning = AirReckoning(control_ns, 3 * self._block_ns // control_ns)
         self._airspeeds = MessagePairing()
         inputs = self.table.read_by('navigator')
         self.subscribe_inputs(inputs, trigger='light/estimate', on_step=self._on_step)
+        self._commands: FlightCommands | None = None
+        if self._settings.value.commanded:
+            self._commands = FlightCommands(self, self._build_commanded_flight())
+            self._guidance = self._commands.flight
+
+    def _build_commanded_flight(self) -> CommandedFlight:
+        settings = self._settings.value
+        check_commanded(self._strategy, self._course is not None)
+        return CommandedFlight(
+            settings.limits, load_vehicle(settings.vehicle).hull_height_on_floor
+        )
 
     def _on_step(self, step: InboxStep) -> None:
         for odom, airspeed in self._airspeeds.pair_messages(
             step.valid['odom'], step.valid['airspeed']
         ):
-            self._measured = to_cascade_measurement(odom, airspeed)
+            self._measured, self._odom = to_cascade_measurement(odom, airspeed), odom
             velocity, stamp_ns = to_air_velocity(odom, airspeed), from_stamp(odom.header.stamp)
             self._reckoning.add_motion(stamp_ns, to_attitude(odom), velocity)
         self._word = update_reserve_report(self._word, step)
@@ -97,6 +138,9 @@ class Navigator(GraphNode):
         self._pose.publish(pose)
         self._velocity.publish(velocity)
         self._beacon.publish(Float64(data=self._guidance.beacon))
+        if self._commands is not None:
+            overturned = self._odom is not None and is_overturned(self._odom, TILT_LIMIT)
+            self._commands.update('the drone turned over' if overturned else '')
 
     def _compute_setpoint(self, step: InboxStep, measured: CascadeMeasurement | None) -> Setpoint:
         """Return the setpoint, and report the mission's state."""
@@ -106,7 +150,10 @@ class Navigator(GraphNode):
             measured, self._word,
         )  # fmt: skip
         order = self._guidance.permission
-        if self._course is not None:
+        if self._commands is not None:
+            self._commands.flight.limits = settings.limits
+            self._report_mission(str(self._guidance.mission.phase), order, step.stamp_ns)
+        elif self._course is not None:
             self._report_mission('course', order, step.stamp_ns)
         else:
             self._report_lamp(order, step.stamp_ns)
@@ -152,6 +199,69 @@ class Navigator(GraphNode):
             self._block_ns * 1e-9,
             self._scale,
         )
+
+    def _monitor_inputs(self) -> None:
+        """Report missing inputs, without which no task goes on."""
+        super()._monitor_inputs()
+        missing = [] if self.lockstep else self.list_missing_inputs()
+        if self._commands is not None and missing:
+            self._commands.check_silence(missing)
+
+
+class FlightCommands:
+    """
+    The actions of a commanded flight, and the person who may take over.
+
+    Parameters
+    ----------
+    node : GraphNode
+        The navigator.
+    flight : CommandedFlight
+        Its decisions.
+
+    """
+
+    def __init__(self, node: GraphNode, flight: CommandedFlight) -> None:
+        self.flight = flight
+        self._held = False
+        self._stepped = time.monotonic()
+        if not node.lockstep:
+            node.subscribe_topic('teleop/held', self._on_takeover)
+        self._servers = [
+            GoalServer(
+                node,
+                action,
+                kind.value,
+                partial(self._begin, kind),
+                flight.cancel,
+                partial(from_task_result, flight),
+                partial(from_task_progress, kind, flight),
+            )
+            for kind, action in load_actions().items()
+        ]
+
+    def check_silence(self, missing: list[str]) -> None:
+        """End the task if there has been no step for long; the controller lands long before."""
+        if time.monotonic() - self._stepped > SILENCE:
+            self.update(f'no messages on {", ".join(missing)}')
+
+    def update(self, fault: str = '') -> None:
+        """Follow a step, or a fault, in the actions."""
+        self._stepped = time.monotonic()
+        if fault:
+            self.flight.fail(fault)
+        elif self._held:
+            self.flight.yield_to_person()
+        for server in self._servers:
+            server.update()
+
+    def _begin(self, kind: TaskKind, goal: Any) -> FlightTask:  # noqa: ANN401 - a message
+        return self.flight.request(kind, to_task_value(kind, goal))
+
+    def _on_takeover(self, held: Bool) -> None:
+        self._held = held.data
+        if self._held:
+            self.update()
 
 
 def main(args: list[str] | None = None) -> None:

@@ -302,4 +302,11 @@ def steer_search(
     return m.heading + settings.search_rate * interval * turn / m.searched, settings.speed
 
 
-STRATEGY = NavigationStrategy('homing', start, steer, watch, reset_for_next_lamp, ranges=True)
+def distance_to_lamp(memory: HomingState) -> float:
+    """Return the horizontal distance to the lamp; NaN before the first light. [m]"""
+    return math.hypot(memory.fix.x, memory.fix.y) if memory.known else math.nan
+
+
+STRATEGY = NavigationStrategy(
+    'homing', start, steer, watch, reset_for_next_lamp, ranges=True, distance=distance_to_lamp
+)

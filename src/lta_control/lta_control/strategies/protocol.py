@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+import math
 from typing import Any, final, NamedTuple, TYPE_CHECKING
 
 from lta_config.settings import setting, Settings
@@ -92,6 +93,11 @@ def keep_memory(
     return memory
 
 
+def leave_distance_unknown(memory: Memory) -> float:
+    """Return NaN, for a strategy that does not estimate its distance to the lamp."""
+    return math.nan
+
+
 def keep_lamp(memory: Memory) -> Memory:
     """Return the memory unchanged, for a strategy that never arrives."""
     return memory
@@ -119,6 +125,8 @@ class NavigationStrategy:
     onward : callable, optional
         `onward(memory) -> memory` when the drone has arrived and continues to another lamp.
         Required for a route of several lamps.
+    distance : callable, optional
+        `distance(memory) -> horizontal distance to the lamp` [m], NaN where it is unknown.
     ranges : bool
         Whether it uses `LightMeasurement.strength`, which needs the selected resistor.
 
@@ -130,6 +138,7 @@ class NavigationStrategy:
     watch: Callable[['StrategySettings', Any, LightMeasurement], Memory] = keep_memory
     onward: Callable[[Any], Memory] = keep_lamp
     ranges: bool = False
+    distance: Callable[[Any], float] = leave_distance_unknown
 
     @property
     def arrives(self) -> bool:

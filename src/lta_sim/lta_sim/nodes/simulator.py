@@ -59,6 +59,8 @@ class Simulator(GraphNode):
         self._world = World(
             vehicle, scenario, self.table, self._settings.seed, self._settings.strategy
         )
+        if self._settings.commanded:
+            self._world.fly_without_end()
         names = self.table.published_by('vehicle')
         if not self._settings.clock:
             names.remove('/clock')

@@ -1,0 +1,64 @@
+"""
+Fly by commands in plain rclpy: take off, go to the lamp, land.
+
+    ./lta launch fly commanded:=true strategy:=homing
+    ./lta run examples/own_commander.py --ros-args -r __ns:=/lta1
+
+Each action ends with an outcome and the reason in words. Ctrl-C here cancels nothing: the drone
+finishes its task, then holds until the next command or until the energy reserve lands it.
+"""
+
+import sys
+from typing import Any
+
+from lta_msgs.action import GoToLamp, Land, TakeOff
+import rclpy
+from rclpy.action import ActionClient
+from rclpy.node import Node
+from rclpy.task import Future
+
+
+class Commander(Node):
+    """Send goals one after the other."""
+
+    def __init__(self) -> None:
+        super().__init__('commander')
+        kinds = {'take_off': TakeOff, 'go_to_lamp': GoToLamp, 'land': Land}
+        self.actions = {name: ActionClient(self, kinds[name], name) for name in kinds}
+
+    def fly(self, name: str, goal: Any) -> Any:
+        """Send a goal, wait for its end, and return the result."""
+        action = self.actions[name]
+        action.wait_for_server()
+        handle = self.wait(action.send_goal_async(goal, feedback_callback=self.show_feedback))
+        result = self.wait(handle.get_result_async()).result
+        self.get_logger().info(f'{name}: outcome {result.outcome}, {result.message}')
+        return result
+
+    def wait(self, future: Future) -> Any:
+        """Serve this node until a future is done."""
+        rclpy.spin_until_future_complete(self, future)
+        return future.result()
+
+    def show_feedback(self, message: Any) -> None:
+        """Print where the lamp or the ground is, about once a second."""
+        self.get_logger().info(str(message.feedback), throttle_duration_sec=1.0)
+
+
+def main() -> None:
+    """Fly to the lamp and land there."""
+    rclpy.init()
+    commander = Commander()
+    # Refused until the simulator flies and the estimator has calibrated its biases
+    refused = TakeOff.Result.REFUSED
+    while (result := commander.fly('take_off', TakeOff.Goal(height=0.6))).outcome == refused:
+        rclpy.spin_once(commander, timeout_sec=1.0)
+    if result.outcome == TakeOff.Result.SUCCEEDED:
+        commander.fly('go_to_lamp', GoToLamp.Goal())  # where it fails, the drone holds
+        result = commander.fly('land', Land.Goal())
+    rclpy.shutdown()
+    sys.exit(result.outcome)
+
+
+if __name__ == '__main__':
+    main()

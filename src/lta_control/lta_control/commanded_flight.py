@@ -1,0 +1,426 @@
+"""
+Fly by commands: take off, go to a lamp, land, and hold between them.
+
+`CommandedFlight` decides after each light block, as `Guidance` does for a mission that flies by
+itself. A task begins with a request and ends with a result. Without a task the drone rests on the
+ground, or holds its height and heading; at a lamp it also holds its position against the wind.
+
+The energy reserve applies as in a mission, with or without a task. Whatever lands the drone but
+a task ends the task. A drone that stands on the ground rests, so nothing starts its motors again
+but the next take-off.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum, StrEnum
+import math
+from typing import final, NamedTuple
+
+from lta_config.errors import BadInput
+from lta_config.settings import setting, Settings
+from lta_control.cascade import CascadeMeasurement, Setpoint
+from lta_control.control import has_landed
+from lta_control.mission import MissionSettings, remove_light
+from lta_control.phases import Mission, Phase, SWITCHING
+from lta_control.reserve import (
+    decide_permission,
+    explain_restriction,
+    FlightPermission,
+    is_stale,
+    ReserveReport,
+    ReserveResponseSettings,
+)
+from lta_control.reserve_policy import apply_reserve, heading_to_start
+from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy
+from lta_vlc.settings import NO_WISH
+
+HIGHEST = 100.0  # m, of a take-off
+FASTEST_BEACON = 100e3  # Hz
+FLOOR = Setpoint(0.0, 0.0, 0.0)
+
+
+@final
+class TaskLimits(Settings):
+    """Time limits of commanded tasks."""
+
+    take_off: float = setting(
+        60.0,
+        'Time limit of a take-off; after that, the drone lands.',
+        unit='s',
+        low=1.0,
+        high=3600.0,
+    )
+    go_to_lamp: float = setting(
+        180.0,
+        'Time limit of a flight to a lamp; after that, the drone holds.',
+        unit='s',
+        low=1.0,
+        high=86400.0,
+    )
+    unseen: float = setting(
+        60.0,
+        'Time without light from the lamp after which a flight to it ends and the drone holds.',
+        unit='s',
+        low=1.0,
+        high=3600.0,
+    )
+    land: float = setting(
+        60.0,
+        'Time limit of a landing; after that, it is reported as failed and goes on.',
+        unit='s',
+        low=1.0,
+        high=3600.0,
+    )
+
+
+class TaskKind(StrEnum):
+    """What can be commanded; the values are the names of the actions."""
+
+    TAKE_OFF = 'take_off'
+    GO_TO_LAMP = 'go_to_lamp'
+    LAND = 'land'
+
+
+class TaskOutcome(IntEnum):
+    """How a task ended; the numbers are those of the .action files."""
+
+    SUCCEEDED = 0
+    REFUSED = 1
+    TIMEOUT = 2
+    RESERVE = 3
+    FAULT = 4
+    CANCELED = 5
+    NOT_SEEN = 6
+
+
+class TaskResult(NamedTuple):
+    """How a task ended, and why in words."""
+
+    outcome: TaskOutcome
+    message: str
+
+
+class TaskProgress(NamedTuple):
+    """The drone and its lamp after the newest light block; NaN: unknown."""
+
+    height: float = math.nan  # of the hull centre above the floor [m]
+    climb: float = math.nan  # [m/s]
+    seen: bool = False
+    distance: float = math.nan  # horizontal, to the lamp [m]
+    bearing: float = math.nan  # of the lamp, from the nose, counter-clockwise [rad]
+
+
+@final
+@dataclass(slots=True, eq=False)
+class FlightTask:
+    """
+    A task that was requested.
+
+    Attributes
+    ----------
+    value : float
+        Height of a take-off [m] or frequency of a lamp [Hz]; 0: as in the settings.
+    result : TaskResult or None
+        None while it is flown.
+    begun_ns : int or None
+        Stamp of its first light block. [ns]
+    seen_ns : int
+        Stamp of the last block with light from the lamp, or of the first one. [ns]
+
+    """
+
+    kind: TaskKind
+    value: float = 0.0
+    result: TaskResult | None = None
+    begun_ns: int | None = None
+    seen_ns: int = 0
+
+
+class _Situation(NamedTuple):
+    """Inputs of the newest light block, by which requests are judged."""
+
+    settings: MissionSettings
+    reserve: ReserveResponseSettings
+    stamp_ns: int
+    sight: LightMeasurement
+    measured: CascadeMeasurement | None
+    report: ReserveReport | None
+
+    def explain_restriction(self) -> str:
+        """Return why the energy restricts the flight, in words."""
+        return explain_restriction(self.reserve, self.report, self.stamp_ns)
+
+
+def check_commanded(strategy: NavigationStrategy, has_course: bool) -> None:
+    """Raise `BadInput` if a flight cannot be commanded."""
+    if not strategy.arrives:
+        raise BadInput(
+            f'The strategy {strategy.name} never reports an arrival at a lamp, so no flight to a '
+            'lamp can be commanded; choose the strategy homing.'
+        )
+    if has_course:
+        raise BadInput(
+            'A scenario with a course flies by itself; choose another one to fly by commands.'
+        )
+
+
+@final
+class CommandedFlight:
+    """
+    Decisions of a flight by commands.
+
+    Parameters
+    ----------
+    limits : TaskLimits
+        Time limits, which may change in flight.
+    ground_height : float
+        Altitude of the hull centre when the drone stands on the floor. [m]
+
+    Attributes
+    ----------
+    mission, permission, beacon
+        As in `Guidance`.
+    progress : TaskProgress
+        State after the newest light block.
+
+    """
+
+    def __init__(self, limits: TaskLimits, ground_height: float) -> None:
+        self.mission, self.permission = Mission(), FlightPermission.DOWN
+        self.beacon = NO_WISH
+        self.progress = TaskProgress()
+        self.limits, self._ground_height = limits, ground_height
+        self._height = 0.0
+        self._task: FlightTask | None = None
+        self._situation: _Situation | None = None
+        self._obstacle = ''  # why nothing can be commanded now
+
+    def request(self, kind: TaskKind, value: float = 0.0) -> FlightTask:
+        """Return a new task; it has a result already if it was refused."""
+        task, now = FlightTask(kind, value), self._situation
+        if now is None or (why := self._find_obstacle(now, kind, value)):
+            why = 'no light block has come yet' if now is None else why
+            task.result = TaskResult(TaskOutcome.REFUSED, why)
+            return task
+        self._end_task(TaskOutcome.CANCELED, 'a landing was commanded')
+        self._task = task
+        if kind is TaskKind.TAKE_OFF:
+            self._height = value or now.settings.altitude
+            self.mission = Mission(
+                Phase.CLIMB, start=now.sight.position, heading=now.sight.heading
+            )
+        elif kind is TaskKind.GO_TO_LAMP:
+            self.beacon = value
+            # The memory is made by the strategy in the next step
+            self.mission = self.mission._replace(phase=Phase.SEEK, memory=(), turns=0)
+        else:
+            self._change_phase(Phase.LAND, now)
+        return task
+
+    def cancel(self, task: FlightTask) -> bool:
+        """End a task, and hold; return whether it was still flown."""
+        if task is not self._task or self._situation is None:
+            return False
+        self._end_task(TaskOutcome.CANCELED, 'canceled')
+        self._hold(self._situation)
+        return True
+
+    def fail(self, reason: str) -> None:
+        """End the task by a fault, and land; refuse others until the next light block."""
+        self._obstacle = reason
+        self._end_task(TaskOutcome.FAULT, reason)
+        if self.mission.phase is not Phase.REST:
+            self.mission = self.mission._replace(phase=Phase.LAND)
+
+    def yield_to_person(self) -> None:
+        """End the task, as a person flies; hold where they hand the drone back."""
+        self._obstacle = 'a person has control'
+        self._end_task(TaskOutcome.CANCELED, 'a person took control')
+        if self._situation is not None and self.mission.phase is not Phase.REST:
+            self._hold(self._situation)
+
+    def choose_setpoint(
+        self,
+        settings: MissionSettings,
+        reserve: ReserveResponseSettings,
+        strategy: NavigationStrategy,
+        stamp_ns: int,
+        sight: LightMeasurement,
+        measured: CascadeMeasurement | None,
+        report: ReserveReport | None,
+    ) -> Setpoint:
+        """Return the setpoint after a light block; the arguments are those of `Guidance`."""
+        now = _Situation(settings, reserve, stamp_ns, sight, measured, report)
+        self._situation, self._obstacle = now, ''
+        self.permission = decide_permission(reserve, report, stamp_ns)
+        if measured is None:
+            self.progress = TaskProgress()
+            self.fail('the estimate is unknown')
+            return FLOOR._replace(heading=sight.heading)
+        self._update_progress(strategy, sight, measured)
+        self._rest_on_the_ground(measured)
+        self._apply_reserve(now)
+        return self._step_phase(now, strategy, measured)
+
+    def _find_obstacle(self, now: _Situation, kind: TaskKind, value: float) -> str:
+        """Return why a task is refused, or ''."""
+        phase = self.mission.phase
+        if self._obstacle:
+            return self._obstacle
+        if kind is TaskKind.LAND:
+            return 'the drone does not fly' if phase is Phase.REST else ''
+        if self._task is not None:
+            return f'{self._task.kind} is in progress; cancel it first'
+        if self.permission is not FlightPermission.FLY:
+            return now.explain_restriction()
+        if kind is TaskKind.TAKE_OFF:
+            return self._find_obstacle_to_climb(now.settings, value)
+        if phase is not Phase.HOLD and phase is not Phase.ARRIVED:
+            return 'the drone does not fly' if phase is Phase.REST else 'the drone is landing'
+        if not 0.0 <= value <= FASTEST_BEACON:
+            return f'a lamp cannot flicker at {value:g} Hz; give 0 to {FASTEST_BEACON:g}'
+        return ''
+
+    def _find_obstacle_to_climb(self, settings: MissionSettings, value: float) -> str:
+        """Return why a take-off to a height [m] is refused, or ''."""
+        if self.mission.phase is not Phase.REST:
+            return 'the drone flies already'
+        lowest = self._ground_height + settings.reached
+        if value != 0.0 and not lowest < value <= HIGHEST:
+            return (
+                f'the hull centre cannot fly {value:g} m above the ground; give more than '
+                f'{lowest:.2f}, at most {HIGHEST:g}'
+            )
+        return ''
+
+    def _end_task(self, outcome: TaskOutcome, message: str) -> None:
+        """Give the task its result, if there is one."""
+        if self._task is not None:
+            self._task.result = TaskResult(outcome, message)
+            self._task = None
+
+    def _change_phase(self, phase: Phase, now: _Situation) -> None:
+        """Enter a phase at the present heading."""
+        self.mission = self.mission._replace(phase=phase, heading=now.sight.heading)
+
+    def _hold(self, now: _Situation) -> None:
+        """Hold the present heading, and the present height on the way up or down."""
+        if self.mission.phase is not Phase.SEEK and now.measured is not None:
+            self._height = now.measured.altitude
+        self._change_phase(Phase.HOLD, now)
+
+    def _update_progress(
+        self, strategy: NavigationStrategy, sight: LightMeasurement, measured: CascadeMeasurement
+    ) -> None:
+        memory = self.mission.memory
+        self.progress = TaskProgress(
+            measured.altitude,
+            measured.climb,
+            sight.seen,
+            strategy.distance(memory) if memory else math.nan,
+            sight.bearing if sight.seen else math.nan,
+        )
+
+    def _rest_on_the_ground(self, measured: CascadeMeasurement) -> None:
+        """Rest where the drone stands on the ground, whatever brought it there."""
+        climbing = self.mission.phase is Phase.CLIMB
+        if climbing or not has_landed(measured, FLOOR, self._ground_height):
+            return
+        if self._task is not None:
+            landing = self._task.kind is TaskKind.LAND
+            self._end_task(
+                TaskOutcome.SUCCEEDED if landing else TaskOutcome.FAULT,
+                'the drone stands on the ground',
+            )
+        self.mission = Mission()
+
+    def _apply_reserve(self, now: _Situation) -> None:
+        """Land or return where the energy requires it."""
+        if self.mission.phase is Phase.REST:
+            return
+        self.mission = apply_reserve(
+            now.reserve.rule, now.settings.speed, self.mission, now.sight, self.permission
+        )
+        commanded = self._task is not None and self._task.kind is TaskKind.LAND
+        if not commanded and self.mission.phase in (Phase.LAND, Phase.HOME):
+            silent = now.report is None or is_stale(now.reserve, now.report, now.stamp_ns)
+            outcome = TaskOutcome.FAULT if silent else TaskOutcome.RESERVE
+            self._end_task(outcome, now.explain_restriction())
+
+    def _step_phase(
+        self, now: _Situation, strategy: NavigationStrategy, measured: CascadeMeasurement
+    ) -> Setpoint:
+        """Return the setpoint of the phase, and go on to the next one."""
+        settings, task = now.settings, self._task
+        seconds = 0.0
+        if task is not None:
+            if task.begun_ns is None:
+                task.begun_ns = task.seen_ns = now.stamp_ns
+            seconds = (now.stamp_ns - task.begun_ns) * 1e-9
+        phase = self.mission.phase
+        if phase is Phase.CLIMB:
+            self._climb(settings, measured, seconds)
+        elif phase is Phase.SEEK or phase is Phase.ARRIVED:
+            return self._steer_to_lamp(now, strategy, seconds)
+        elif phase is Phase.HOME:
+            heading = heading_to_start(self.mission.start, now.sight.position)
+            self.mission = self.mission._replace(heading=heading)
+            return Setpoint(self._height, heading, settings.speed)
+        elif phase is Phase.LAND and seconds > self.limits.land:
+            self._end_task(TaskOutcome.TIMEOUT, f'not on the ground after {seconds:.0f} s')
+        if self.mission.phase is Phase.REST:
+            return FLOOR._replace(heading=now.sight.heading)
+        height = settings.landing if self.mission.phase is Phase.LAND else self._height
+        return Setpoint(height, self.mission.heading, 0.0)
+
+    def _climb(
+        self, settings: MissionSettings, measured: CascadeMeasurement, seconds: float
+    ) -> None:
+        """End a climb at its height or its time limit."""
+        if measured.altitude > self._height - settings.reached:
+            self._end_task(TaskOutcome.SUCCEEDED, 'the height is reached')
+            self.mission = self.mission._replace(phase=Phase.HOLD)
+        elif seconds > self.limits.take_off:
+            # Motors that were off, and are armed later, must not start
+            self._end_task(
+                TaskOutcome.TIMEOUT,
+                f'{measured.altitude:.2f} m high after {seconds:.0f} s; landing (are the motors '
+                'armed?)',
+            )
+            self.mission = self.mission._replace(phase=Phase.LAND)
+
+    def _steer_to_lamp(
+        self, now: _Situation, strategy: NavigationStrategy, seconds: float
+    ) -> Setpoint:
+        """Return the strategy's setpoint; it holds the position after the arrival."""
+        settings, sight, task = now.settings, now.sight, self._task
+        mission = self.mission
+        if not mission.memory:
+            mission = mission._replace(memory=strategy.start(sight.heading))
+        # The first blocks after a request may still hold the light of another lamp
+        if mission.turns < SWITCHING:
+            sight = remove_light(sight)
+        course, memory = strategy.steer(settings, mission.memory, sight)
+        self.mission = mission._replace(memory=memory, heading=memory[0], turns=mission.turns + 1)
+        if task is None:
+            # Never search for a lost lamp without a task
+            if not course.arrived:
+                self._change_phase(Phase.HOLD, now)
+                return Setpoint(self._height, self.mission.heading, 0.0)
+            return Setpoint(self._height, course.heading, course.speed)
+        if sight.seen:
+            task.seen_ns = now.stamp_ns
+        unseen = (now.stamp_ns - task.seen_ns) * 1e-9
+        if course.arrived:
+            self._end_task(TaskOutcome.SUCCEEDED, 'the lamp is reached')
+            self.mission = self.mission._replace(phase=Phase.ARRIVED)
+        elif unseen > self.limits.unseen:
+            self._end_task(
+                TaskOutcome.NOT_SEEN, f'no light from the lamp for {unseen:.0f} s; holding'
+            )
+            self._change_phase(Phase.HOLD, now)
+        elif seconds > self.limits.go_to_lamp:
+            self._end_task(TaskOutcome.TIMEOUT, f'not at the lamp after {seconds:.0f} s; holding')
+            self._change_phase(Phase.HOLD, now)
+        if self.mission.phase is Phase.HOLD:
+            return Setpoint(self._height, self.mission.heading, 0.0)
+        return Setpoint(self._height, course.heading, course.speed)

@@ -1,0 +1,130 @@
+"""A flight by actions, commanded by a plain rclpy client over DDS."""
+
+from collections.abc import Iterator
+import json
+import math
+
+from action_msgs.msg import GoalStatus
+import pytest
+from rclpy.action import ActionClient
+
+from .command import ROOT
+from .peer import Peer
+
+actions = pytest.importorskip('lta_msgs.action', reason='this machine lacks a compiler')
+TakeOff, GoToLamp, Land = actions.TakeOff, actions.GoToLamp, actions.Land
+COMMANDED = ('launch', 'fly', 'commanded:=true', 'strategy:=homing', 'record:=false')
+
+
+class Commander:
+    """A client of the three actions."""
+
+    def __init__(self, peer: Peer) -> None:
+        self.peer = peer
+        kinds = {'take_off': TakeOff, 'go_to_lamp': GoToLamp, 'land': Land}
+        self._clients = {n: ActionClient(peer.node, kind, n) for n, kind in kinds.items()}
+        self.feedback: list[object] = []
+
+    def wait(self, future):
+        """Return the result of a future."""
+        self.peer.until(future.done)
+        return future.result()
+
+    def send(self, name, goal):
+        """Send a goal and return its handle; its feedback replaces that of the last one."""
+        self.peer.until(self._clients[name].server_is_ready)
+        self.feedback = mine = []
+        sent = self._clients[name].send_goal_async(
+            goal, feedback_callback=lambda message: mine.append(message.feedback)
+        )
+        return self.wait(sent)
+
+    def fly(self, name, goal):
+        """Send a goal and return status and result at its end."""
+        ended = self.wait(self.send(name, goal).get_result_async())
+        return ended.status, ended.result
+
+    def take_off(self, height):
+        """Take off as soon as the estimator is ready."""
+        while (ended := self.fly('take_off', TakeOff.Goal(height=height)))[1].outcome == 1:
+            assert ended[0] == GoalStatus.STATUS_ABORTED
+            assert (
+                'no light' in ended[1].message
+                or 'estimate' in ended[1].message
+                or ('energy' in ended[1].message)
+            ), ended
+        return ended
+
+
+@pytest.fixture
+def commander(domain_id) -> Iterator[Commander]:
+    with Peer(domain_id) as peer:
+        yield Commander(peer)
+
+
+@pytest.mark.parametrize('mode', ['lockstep', pytest.param('realtime', marks=pytest.mark.long)])
+def test_a_client_takes_off_goes_to_the_lamp_and_lands(lta, scenario, commander, mode):
+    room = scenario(walls='solid', time_limit='1 s')  # which does not end a commanded flight
+    launch = lta.start(*COMMANDED, f'time:={mode}', f'scenario:={room}')
+    status, result = commander.take_off(0.6)
+    assert (status, result.outcome) == (GoalStatus.STATUS_SUCCEEDED, TakeOff.Result.SUCCEEDED)
+    assert result.message == 'the height is reached'
+    assert 0.56 < result.height < 0.8
+    assert commander.feedback[0].height < commander.feedback[-1].height
+    assert max(each.climb_rate for each in commander.feedback) > 0.02
+
+    status, result = commander.fly('take_off', TakeOff.Goal())
+    assert (status, result.outcome) == (GoalStatus.STATUS_ABORTED, TakeOff.Result.REFUSED)
+    assert result.message == 'the drone flies already'
+
+    # Canceled on the way, after a second goal was refused
+    handle = commander.send('go_to_lamp', GoToLamp.Goal())
+    ended = handle.get_result_async()
+    mine = commander.feedback
+    commander.peer.until(lambda: any(each.seen for each in mine))
+    _, refused = commander.fly('go_to_lamp', GoToLamp.Goal())
+    assert (refused.outcome, refused.message) == (
+        GoToLamp.Result.REFUSED, 'go_to_lamp is in progress; cancel it first',
+    )  # fmt: skip
+    assert len(commander.wait(handle.cancel_goal_async()).goals_canceling) == 1
+    ended = commander.wait(ended)
+    assert ended.status == GoalStatus.STATUS_CANCELED
+    assert ended.result.outcome == GoToLamp.Result.CANCELED
+    assert ended.result.message == 'canceled'
+
+    status, result = commander.fly('go_to_lamp', GoToLamp.Goal(frequency=150.0))
+    assert (status, result.outcome) == (GoalStatus.STATUS_SUCCEEDED, GoToLamp.Result.SUCCEEDED)
+    assert result.distance < 1.6  # twice the arrival distance
+    seen = next(each for each in commander.feedback if each.distance > 0.0)
+    assert 3.0 < seen.distance < 12.0  # it starts 7 m away
+    assert abs(seen.bearing) <= math.pi
+
+    status, result = commander.fly('land', Land.Goal())
+    assert (status, result.outcome) == (GoalStatus.STATUS_SUCCEEDED, Land.Result.SUCCEEDED)
+    assert result.message == 'the drone stands on the ground'
+    assert commander.feedback[-1].height < commander.feedback[0].height
+
+    status, result = commander.fly('land', Land.Goal())
+    assert (status, result.outcome) == (GoalStatus.STATUS_ABORTED, Land.Result.REFUSED)
+    launch.interrupt()
+    launch.end()
+    (line,) = [line for _, line in launch.lines if '"outcome"' in line]
+    assert json.loads(line.partition(' ')[2])['outcome'] == 'flying'
+
+
+@pytest.mark.long
+def test_the_example_flies_and_its_drone_outlives_it(lta, scenario, tmp_path):
+    launch = lta.start(*COMMANDED, f'scenario:={scenario(walls="solid")}')
+    words = ('--ros-args', '-r', '__ns:=/lta1')
+    client = lta.start('run', ROOT / 'examples/own_commander.py', *words)
+    assert client.end() == 0, client.text
+    assert 'land: outcome 0, the drone stands on the ground' in client.text
+    launch.interrupt()
+    launch.end()
+
+
+def test_a_strategy_that_never_arrives_is_refused(lta):
+    result = lta.run('launch', 'fly', 'commanded:=true', 'record:=false')
+    assert result.returncode == 2
+    assert 'never reports an arrival at a lamp' in result.stderr
+    assert 'Traceback' not in result.stderr
