@@ -181,7 +181,7 @@ def test_what_no_rival_comes_near_stands_beside_any_remainder(
     name: str, gains: tuple[float, float], part: float, rival: float, stays: bool
 ) -> None:
     displacing = object.__new__(RivalTest)
-    with mock.patch.object(RivalTest, '_rival_gains', lambda self, fits: {'a': 3.0, 'b': rival}):
+    with mock.patch.object(RivalTest, '_rival_gains', return_value={'a': 3.0, 'b': rival}):
         assert displacing._is_unrivalled(name, ('fits', 'fits'), gains, part) == stays
 
 
