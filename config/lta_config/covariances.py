@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 UNKNOWN_VARIANCE = 1e6  # m2, rad2, m2/s2: a kilometre squared is no knowledge
 
 
-def is_known(first: float) -> bool:
+def has_estimate(first: float) -> bool:
     """Return whether a quantity is known, by the first element of its covariance."""
     # NaN says that the covariance is unknown, not the quantity
     return not (first < 0.0 or first >= UNKNOWN_VARIANCE)
 
 
-def find_known(first: NDArray[np.number]) -> NDArray[np.bool_]:
+def select_estimates(first: NDArray[np.number]) -> NDArray[np.bool_]:
     """Return the same for an array of first elements."""
     return ~((first < 0.0) | (first >= UNKNOWN_VARIANCE))

@@ -34,12 +34,12 @@ pytestmark = [
 
 ROOT = Path(__file__).resolve().parents[2]
 TABLE = load_topic_table()
-INPUTS = ('battery', 'panel', 'illuminance', 'odom')
+INPUTS = ('battery', 'panel', 'illuminance', 'odom', 'airspeed')
 OUTPUTS = ('energy/battery', 'energy/status', 'energy/reserve')
 RESTING = 3.84  # V; half full
 RESISTANCE = 0.15  # ohm, of the shipped vehicle
 GIVEN = 0.85 * (0.44 - 0.022)  # W, of its charger from 0.44 W of the panel
-STEPS = 10  # messages of odom between two of the battery
+STEPS = 10  # messages of odom and of airspeed between two of the battery
 
 
 def start(*arguments):
@@ -122,6 +122,7 @@ class Vehicle:
         for step in range(self._steps, STEPS * turn + 1):
             pose = PoseWithCovariance(pose=Pose(position=Point(x=3.0, y=4.0, z=0.5)))
             self.send('odom', step, pose=pose)
+            self.send('airspeed', step)
         self._steps = STEPS * turn + 1
 
     def set(self, name: str, value: float | str):

@@ -17,7 +17,7 @@ import sys
 from typing import Any
 
 from lta_bridge.nodes.crazyflie_bridge import CrazyflieBridge
-from lta_bridge.nodes.live import LiveViewNode
+from lta_bridge.nodes.live import LiveViewNode, REPLACED
 from lta_bridge.nodes.teleop import Teleop
 from lta_control.nodes.controller import Controller
 from lta_control.nodes.estimator import Estimator
@@ -58,7 +58,7 @@ BESIDE = {  # topics that a node hears as they come, beside what the table says 
     'crazyflie_bridge': ['/diagnostics', 'odom', 'setpoint/pose', 'setpoint/velocity',
                          'teleop/held', 'teleop/pose', 'teleop/velocity'],
     'teleop': ['/diagnostics', 'odom'],
-    'live': [*TABLE.topics],
+    'live': sorted(TABLE.topics.keys() - set(REPLACED)),
 }  # fmt: skip
 # A command or a state that cannot be meant ends their flight: each topic has a node of its own.
 FLOWN = ('controller', 'simulator', 'crazyflie_bridge')
@@ -182,8 +182,10 @@ def is_told(name: str, kind: str, message: Any) -> bool:
         return False  # a person's word, which has no rhythm: its age counts, once they steer
     if kind == 'empty' and not TABLE[name].stamped:
         return False  # False and 0 are words
-    if (name, kind) in (('range', 'infinite'), ('energy/status', 'lengths')):
-        return False  # nothing in reach; the first status is the one that is read
+    if (name, kind) == ('range', 'infinite'):
+        return False  # nothing in reach
+    if name == 'energy/status' and kind in ('nan', 'infinite', 'huge', 'lengths'):
+        return False  # NaN is unknown, and people read the numbers; nodes read the first level
     # Their bytes may differ in the padding alone; as fields, no NaN equals another.
     return repr(SPOILS[kind](message)) != repr(message)
 

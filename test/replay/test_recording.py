@@ -20,7 +20,6 @@ from lta_bridge.cdr import encode_cdr
 from lta_bridge.provenance import collect_provenance
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import load_topic_table, MESSAGES, uses_typed_messages
-from lta_control.air_reckoning import AirReckoning
 from lta_control.gains_file import load_gains
 from lta_control.messages import (
     from_setpoint,
@@ -29,6 +28,7 @@ from lta_control.messages import (
     to_cascade_measurement,
 )
 from lta_control.mission import mission_step, MissionSettings
+from lta_control.odometry.air_reckoning import AirReckoning
 from lta_control.phases import Mission
 from lta_control.reserve import FlightPermission, ReserveResponseSettings
 from lta_control.sighting import build_sight

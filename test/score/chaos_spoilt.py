@@ -46,7 +46,10 @@ def nan(value: Any) -> Any:
 def long(value: Any) -> Any:
     """Return a sequence of a wrong length; what has a fixed one keeps it."""
     if isinstance(value, array | list):
-        return value[:ODD] if len(value) > ODD else (value * (ODD + 1))[:ODD] or value
+        # Parts and numbers of equal length would fit each other: a lamp's peaks at three diodes
+        parts = value and hasattr(value[0], 'get_fields_and_field_types')
+        odd = ODD - 1 if parts else ODD
+        return value[:odd] if len(value) > odd else (value * (odd + 1))[:odd] or value
     return value
 
 

@@ -14,7 +14,7 @@ from lta_control.attitude import Vector
 from lta_control.cascade import CascadeGains, CascadeMeasurement, Setpoint
 from lta_control.control import TILT_LIMIT
 from lta_control.estimator import EstimatorSettings, MotionEstimate
-from lta_control.ground_motion import ModelledMotion
+from lta_control.odometry.ground_motion import ModelledMotion
 from lta_control.onboard import DroneConstants, onboard_step, OnboardMemory, SensorInputs
 from lta_control.sighting import DeadReckonedMotion
 from lta_control.vehicle_parameters import (

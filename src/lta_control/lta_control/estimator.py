@@ -14,7 +14,6 @@ from typing import NamedTuple
 
 from lta_config.constants import AIR_DENSITY, STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
-from lta_control.airspeed import airspeed_step, AirspeedEstimate, HullDragModel
 from lta_control.allocation import Columns
 from lta_control.altitude import (
     AltitudeEstimate,
@@ -32,7 +31,8 @@ from lta_control.bias_calibration import (
     RestSums,
     SensorBiases,
 )
-from lta_control.ground_motion import GroundSettings
+from lta_control.odometry.airspeed import airspeed_step, AirspeedEstimate, HullDragModel
+from lta_control.odometry.ground_motion import GroundSettings
 from lta_control.per_rotor import NONE, PerRotor
 
 PATIENCE = 5.0  # rest times without motion, after which a tilt is accepted and a turn refused

@@ -24,10 +24,10 @@ from lta_control.estimator import (
     EstimatorSettings,
     MotionEstimate,
 )
-from lta_control.ground_motion import ModelledMotion, read_modelled_motion
 from lta_control.laws.frames import rotate_level_to_world
 from lta_control.laws.protocol import ControlLaw, ControlMotion, Feedback, LawCommand, LawInputs
 from lta_control.message_rounding import air_relative_velocity, build_measurement
+from lta_control.odometry.ground_motion import ModelledMotion, read_modelled_motion
 from lta_control.per_rotor import NONE, pad_to_slots
 from lta_control.sighting import DeadReckonedMotion
 from lta_control.vehicle_parameters import build_estimator_model

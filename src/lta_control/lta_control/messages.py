@@ -11,7 +11,7 @@ from geometry_msgs.msg import (
     TwistStamped,
     TwistWithCovarianceStamped,
 )
-from lta_config.covariances import is_known, UNKNOWN_VARIANCE
+from lta_config.covariances import has_estimate, UNKNOWN_VARIANCE
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
 from lta_control import message_rounding
@@ -20,13 +20,13 @@ from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.commanded_flight import CommandedFlight, FlightTask, TaskKind, TaskOutcome
 from lta_control.control import has_overturned
 from lta_control.estimator import EstimatorInputs, MotionEstimate
-from lta_control.ground_motion import (
+from lta_control.laws.protocol import ControlMotion
+from lta_control.odometry.ground_motion import (
     build_sighting,
     GroundMotion,
     LampSighting,
     rotate_covariance,
 )
-from lta_control.laws.protocol import ControlMotion
 from lta_control.per_rotor import pad_to_slots, PerRotor
 from lta_control.reserve import ReserveReport
 from lta_control.sighting import LampPosition
@@ -212,7 +212,7 @@ def to_cascade_measurement(
     odom: Odometry, airspeed: TwistWithCovarianceStamped | None = None
 ) -> CascadeMeasurement | None:
     """Return the input of the cascade, or None while the estimate is unknown."""
-    if not is_known(odom.pose.covariance[0]):
+    if not has_estimate(odom.pose.covariance[0]):
         return None
     angular = odom.twist.twist.angular
     return message_rounding.build_measurement(
@@ -305,7 +305,7 @@ def read_battery_level(status: 'EnergyStatus | DiagnosticArray') -> tuple[int, s
 
 def to_lamp(message: PoseWithCovarianceStamped | None) -> LampPosition | None:
     """Return the lamp in the body frame, or None where it is not seen."""
-    if message is None or not is_known(message.pose.covariance[0]):
+    if message is None or not has_estimate(message.pose.covariance[0]):
         return None
     place, covariance = message.pose.pose.position, message.pose.covariance
     # xx, xy, yy of the row-major 6 x 6 matrix

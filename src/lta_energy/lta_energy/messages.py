@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import TwistWithCovarianceStamped
-from lta_config.covariances import is_known
+from lta_config.covariances import has_estimate
 from lta_config.topics import load_topic_table
 from lta_energy.monitoring.estimate import EnergyEstimate
 from lta_energy.monitoring.monitor import MonitorSettings
@@ -50,7 +50,7 @@ def to_travel_state(
     odom: Odometry, airspeed: TwistWithCovarianceStamped | None
 ) -> TravelState | None:
     """Return distance from the start over ground, and airspeed; None while they are unknown."""
-    if not is_known(odom.pose.covariance[0]):
+    if not has_estimate(odom.pose.covariance[0]):
         return None
     # Recordings of version 1.0 have the airspeed in `odom`
     place, speed = odom.pose.pose.position, (airspeed or odom).twist.twist.linear

@@ -136,7 +136,9 @@ class MissionSimulation:
                 self._rest_on_perch(wish)
             on_progress(self.now)
         self.diary.ended = total_stored_energy(self._upkeep.cell, self._store)
-        self._append_sample(self.diary.state[-1], self.now, self.diary.spent)
+        # A flight or a pickup at the end has logged it already
+        if self.diary.time[-1] < self.now:
+            self._append_sample(self.diary.state[-1], self.now, self.diary.spent)
         return self.diary
 
     def _collect_schedule_inputs(self) -> ScheduleInputs:

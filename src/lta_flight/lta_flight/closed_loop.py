@@ -18,9 +18,14 @@ from lta_config.topics import TopicTable
 from lta_control import message_rounding
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.estimator import MotionEstimate
-from lta_control.ground_motion import build_sighting, ground_step, GroundMotion, LampSighting
 from lta_control.guidance import Guidance
 from lta_control.law_autopilot import LawAutopilot
+from lta_control.odometry.ground_motion import (
+    build_sighting,
+    ground_step,
+    GroundMotion,
+    LampSighting,
+)
 from lta_control.phases import Mission
 from lta_control.reserve import ReserveReport
 from lta_control.sighting import build_sight, DeadReckonedMotion, LampPosition

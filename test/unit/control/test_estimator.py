@@ -6,7 +6,6 @@ import math
 
 from lta_config.files import find_file, load_yaml
 from lta_control import estimator
-from lta_control.airspeed import AirspeedEstimate, HullDragModel
 from lta_control.altitude import AltitudeEstimate
 from lta_control.bias_calibration import is_tilted, is_turning, MOST_RATE, SensorBiases
 from lta_control.estimator import (
@@ -18,6 +17,7 @@ from lta_control.estimator import (
     RestSums,
 )
 from lta_control.nodes.estimator import describe_calibration
+from lta_control.odometry.airspeed import AirspeedEstimate, HullDragModel
 from lta_control.per_rotor import NONE, pad_to_slots
 from lta_control.vehicle_parameters import build_estimator_model
 from lta_graph.health import HealthLevel

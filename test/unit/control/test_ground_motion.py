@@ -2,8 +2,8 @@
 
 import math
 
-from lta_control.airspeed import HullDragModel
-from lta_control.ground_motion import (
+from lta_control.odometry.airspeed import HullDragModel
+from lta_control.odometry.ground_motion import (
     build_sighting,
     ground_step,
     GroundMotion,

@@ -5,11 +5,9 @@ import math
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_config.covariances import UNKNOWN_VARIANCE
 from lta_config.topics import load_topic_table
-from lta_control.airspeed import AirspeedEstimate
 from lta_control.altitude import AltitudeEstimate
 from lta_control.cascade import Setpoint
 from lta_control.estimator import MotionEstimate
-from lta_control.ground_motion import GroundMotion
 from lta_control.message_rounding import (
     air_relative_velocity,
     build_setpoint,
@@ -32,6 +30,8 @@ from lta_control.messages import (
     to_setpoint,
     update_reserve_report,
 )
+from lta_control.odometry.airspeed import AirspeedEstimate
+from lta_control.odometry.ground_motion import GroundMotion
 from lta_control.per_rotor import NONE, pad_to_slots
 from lta_control.reserve import ReserveReport
 from lta_graph.inbox import InboxStep

@@ -26,6 +26,12 @@ TABLE = load_topic_table()
 IMU = find_message_type(TABLE['imu'])
 
 
+def airspeed(forward):
+    message = find_message_type(TABLE['airspeed'])()
+    message.twist.twist.linear.x = forward
+    return message
+
+
 def test_an_empty_message_of_any_topic_can_be_judged():
     for row in TABLE.topics.values():
         assert isinstance(find_fault(find_message_type(row)()), str)
@@ -61,6 +67,9 @@ def test_one_number_of_six_is_enough(value, field, axis):
 @pytest.mark.parametrize(
     ('message', 'words'),
     [
+        (airspeed(0.5), ''),
+        (airspeed(math.nan), 'twist.twist'),
+        (airspeed(math.inf), 'twist.twist'),
         (Range(range=math.nan), 'not a number'),
         (Range(range=-math.inf), ''),
         (Range(range=3e38), 'implausibly large'),
@@ -97,6 +106,15 @@ def test_numbers_and_lengths_of_lta_msgs():
             msgs.LampPeaks(axis=axes[:1], beacon=[msgs.BeaconPeaks(**peaks)]),
             '1 diodes, but 2 values of amplitude',
         ),
+        *(
+            (
+                msgs.LampPeaks(axis=axes, beacon=[msgs.BeaconPeaks(**peaks | {name: [1.0, odd]})]),
+                '' if name == 'snr' else 'a beacon has a value that is not a number',
+            )
+            for name in peaks
+            for odd in (math.nan, math.inf, 1e30)
+        ),
+        (msgs.LampPeaks(axis=[Vector3(x=math.nan)]), 'its axis has a value'),
     ):
         assert words in find_fault(message)
         assert bool(find_fault(message)) == bool(words)

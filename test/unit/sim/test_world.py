@@ -44,7 +44,8 @@ def test_outcomes():
     assert arrive(2.49, 0.0) is FlightOutcome.FLYING
     assert arrive(2.5001, 0.0) is FlightOutcome.REACHED
     assert arrive(3.5, -1.01) is FlightOutcome.FLYING
-    assert arrive(3.5, 0.99, 2.9) is FlightOutcome.REACHED  # horizontally
+    assert arrive(3.5, 0.99, 1.99) is FlightOutcome.REACHED  # the lamp is at 1 m
+    assert arrive(3.5, 0.99, 2.01) is FlightOutcome.FLYING
     assert arrive(4.99, 3.99) is FlightOutcome.FLYING
     for lost in ((5.01, 3.0), (-5.01, 0.0), (0.0, 4.01), (0.0, -4.01), (0.0, 0.0, 3.01)):
         assert arrive(*lost) is FlightOutcome.ESCAPED

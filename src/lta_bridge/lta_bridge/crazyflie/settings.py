@@ -40,6 +40,7 @@ class CrazyflieBridgeSettings(Settings):
         'Time to wait at the start until a program listens at a udp:// URI.',
         unit='s',
         low=0.0,
+        high=600.0,
         fixed=True,
     )
     autostart: bool = setting(

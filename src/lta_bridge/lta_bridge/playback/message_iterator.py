@@ -71,10 +71,11 @@ class MessageIterator:
         self._recording, self._topics, self._table = recording, topics, table
         first = next(recording.iterate_messages(topics), None)
         if first is None:
+            wanted = ', '.join(sorted(topics)) or 'that the nodes need'
+            why = ''.join(f'; {each}' for each in recording.strange)
             raise BadInput(
-                f"'{recording.path}' has no message on the topics {', '.join(sorted(topics))}; "
-                'choose '
-                'another bag.'
+                f"'{recording.path}' has no message on the topics {wanted}{why}; choose another "
+                'bag.'
             )
         self._from = first.time_ns + round(start * 1e9)
         self._to = None if end == float('inf') else first.time_ns + round(end * 1e9)

@@ -11,12 +11,6 @@ from lta_config.settings import setting
 from lta_control.bias_calibration import is_tilted, is_turning, largest_deviation, MOST_RATE
 from lta_control.control import step_duration
 from lta_control.estimator import estimator_step, EstimatorModel, EstimatorSettings, MotionEstimate
-from lta_control.ground_motion import (
-    ground_step,
-    GroundMotion,
-    LampSighting,
-    read_modelled_motion,
-)
 from lta_control.messages import (
     from_airspeed,
     from_estimate,
@@ -25,6 +19,12 @@ from lta_control.messages import (
     to_duties,
     to_inputs,
     to_sighting,
+)
+from lta_control.odometry.ground_motion import (
+    ground_step,
+    GroundMotion,
+    LampSighting,
+    read_modelled_motion,
 )
 from lta_control.vehicle_parameters import build_estimator_model
 from lta_graph.health import HealthLevel

@@ -5,7 +5,6 @@ import time
 from typing import Any
 
 from lta_config.settings import setting
-from lta_control.air_reckoning import AirReckoning
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.commanded_flight import (
     check_commanded,
@@ -31,6 +30,7 @@ from lta_control.messages import (
     update_reserve_report,
 )
 from lta_control.mission import MissionSettings
+from lta_control.odometry.air_reckoning import AirReckoning
 from lta_control.phases import Phase
 from lta_control.reserve import (
     explain_restriction,

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import re
 from typing import Any, Final, final, NamedTuple
 
-from lta_config.covariances import find_known
+from lta_config.covariances import select_estimates
 from lta_config.errors import BadInput
 from lta_data.bag.packed_samples import BLOCKS, POINTS
 from lta_data.bag.recorded_flight import RecordedFlight
@@ -140,7 +140,7 @@ def _find_valid_messages(series: TopicSeries, path: str) -> NDArray[np.bool_]:
     known = np.ones(len(series), dtype=np.bool_)
     for beside in (f'{first}_covariance[0]', f'{first}.covariance[0]'):
         if beside in series.numbers:
-            known &= find_known(series.numbers[beside])
+            known &= select_estimates(series.numbers[beside])
     return known
 
 

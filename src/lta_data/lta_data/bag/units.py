@@ -68,6 +68,9 @@ RULES: Final = {
     # For revolute joints; OF_TOPIC overrides it.
     'sensor_msgs/msg/JointState': {'position': 'rad', 'velocity': 'rad/s', 'effort': 'N m'},
     'sensor_msgs/msg/Joy': {'axes': ONE, 'buttons': ONE},
+    'std_msgs/msg/ColorRGBA': {'r': ONE, 'g': ONE, 'b': ONE, 'a': ONE},
+    'visualization_msgs/msg/Marker': {'scale': 'm', 'points': 'm'},
+    'visualization_msgs/msg/UVCoordinate': {'u': ONE, 'v': ONE},
 }
 MATRICES: Final = {  # 6 x 6 covariances of three linear, then three angular components
     'geometry_msgs/msg/PoseWithCovariance': ('m2', 'm rad', 'rad2'),

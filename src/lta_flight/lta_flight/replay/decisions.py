@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, final, NamedTuple
 
-from lta_config.covariances import find_known
+from lta_config.covariances import select_estimates
 from lta_flight.replay.comparison import TopicComparison
 from lta_flight.replay.topic_messages import TopicMessages
 import numpy as np
@@ -89,7 +89,7 @@ def read_heading(messages: TopicMessages) -> Column:
 
 def read_lamp_visible(messages: TopicMessages) -> Column:
     """Return 1 where a lamp is seen, else 0; a huge or negative variance means that none is."""
-    found: Column = find_known(messages.numbers['pose.covariance[0]']).astype(np.float64)
+    found: Column = select_estimates(messages.numbers['pose.covariance[0]']).astype(np.float64)
     return found
 
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import Any, Final, final
 
-from lta_config.covariances import find_known
+from lta_config.covariances import select_estimates
 from lta_config.topics import load_topic_table
 from lta_data.bag.airspeed import find_airspeed_topic
 from lta_data.bag.recorded_flight import PointSeries, RecordedFlight
@@ -222,7 +222,7 @@ class FlightView:
         series = self.read_series('light/estimate')
         place = series.vector('pose.pose.position')
         # The variance marks a block without a lamp
-        seen = find_known(series['pose.covariance[0]'])
+        seen = select_estimates(series['pose.covariance[0]'])
         return DirectionCurve(
             series.time + self.half_block_time,
             vector_directions(np.where(seen[:, None], place, 0.0)),

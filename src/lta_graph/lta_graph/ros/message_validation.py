@@ -31,6 +31,7 @@ NUMBERS: Final[Mapping[str, tuple[str, ...]]] = {
     'PoseWithCovarianceStamped': ('pose.pose', 'pose.covariance'),
     'PoseStamped': ('pose',),
     'TwistStamped': ('twist',),
+    'TwistWithCovarianceStamped': ('twist.twist',),
     'Float64': ('data',),
     'Joy': ('axes',),
 }
@@ -132,6 +133,11 @@ def _find_peaks_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
             if len(getattr(beacon, name)) != want:
                 have = len(getattr(beacon, name))
                 return f'it has {want} diodes, but {have} values of {name}'
+        # The SNR may be infinite: no noise
+        if not _is_plausible([*beacon.amplitude, *beacon.frequency]):
+            return 'a beacon has a value that is not a number, or implausibly large'
+    if not _is_plausible([part for axis in message.axis for part in (axis.x, axis.y, axis.z)]):
+        return 'its axis has a value that is not a number, or implausibly large'
     return ''
 
 

@@ -37,7 +37,7 @@ from lta_discovery.page.verdict_text import build_tiles, format_headline
 from lta_discovery.page.whiteness import autocorrelation, residual_spectrum
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import LinearizationPoint, unchanged_vehicle_point
-from lta_discovery.selection.candidate_acceptance import CandidateTrial
+from lta_discovery.selection.candidate_acceptance import CandidateTrial, LARGER
 from lta_discovery.selection.candidate_scan import CandidateScore, scan_candidates
 from lta_discovery.selection.detection_limit import compute_detection_limits, DetectionLimit
 from lta_discovery.study import DiscoveryStudy, ThreeModelComparison
@@ -48,7 +48,7 @@ from lta_model.effects.summary import describe_effect
 import numpy as np
 from plotly.offline import get_plotlyjs
 import pytest
-from scipy import signal
+from scipy import signal, stats
 
 from ...security.page_reading import ALL, inert  # noqa: TID252 - `test` is Python's own
 from ..hidden_cases import CASES  # noqa: TID252 - `test` is Python's own
@@ -398,8 +398,12 @@ def test_what_could_have_been_seen_is_what_naming_accepts(
         accepted = []
         for size in (0.98 * least, 1.02 * least):
             alone, together = glance(side, size).gain, glance(both, size).gain
+            # The estimate may also be that of a tolerance 1.5 times as large, at odds of 1 to 2
+            widths = np.sqrt(deviation**2 + np.array([0.0, 1.25 * prior.covariance[k, k]]))
+            plain, wide = stats.norm.logpdf(size, scale=widths)
             accepted.append(
                 CandidateTrial('', alone, alone, together - alone, 0.0, 0.0).is_accepted
+                and together - max(wide - math.log(2.0) - plain, 0.0) > LARGER
             )
         assert accepted == [False, True], one
 

@@ -20,7 +20,10 @@ ONE = StudyOptions(workers=1)
 def build_log(seed):
     spent = EnergyTotals(*map(float, range(len(EnergyTotals._fields))))
     flight = MissionFlight(10.0, 60.0 + seed, 2, 5.5, spent, 0.9, 0.8, 0.79, 3.7, 'home')
-    return MissionLog([flight], [0.0, 60.0], [1.0, 0.9], [1.0, 0.9], [0.0, 0.01], [0, 2], spent)
+    return MissionLog(
+        [flight], [0.0, 60.0], [1.0, 0.9], [1.0, 0.9], [0.0, 0.01], [0, 2],
+        harvested=[0.0, 0.1], consumed=[0.0, 0.2], lost=[0.0, 0.3], spent=spent,
+    )  # fmt: skip
 
 
 @pytest.fixture

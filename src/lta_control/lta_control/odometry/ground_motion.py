@@ -7,7 +7,7 @@ A Kalman filter combines them. Its nine states, in the odom frame, are
 
 - the position p;
 - the drift d: the velocity over ground, less the airspeed u of the drag model
-  (`lta_control.airspeed`), which begins at rest as the drone does;
+  (`lta_control.odometry.airspeed`), which begins at rest as the drone does;
 - the wind w, a random walk from a prior of zero mean (`GroundSettings.wind`);
 - the lamp: bearing :math:`\varphi` and logarithm of the distance :math:`\rho` from the drone, and
   brightness c. Log-polar coordinates keep the filter consistent while the distance is hardly
@@ -33,9 +33,9 @@ import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from lta_config.settings import setting, Settings
-from lta_control.airspeed import HullDragModel
 from lta_control.attitude import yaw_from_quaternion
 from lta_control.cascade import wrap_angle
+from lta_control.odometry.airspeed import HullDragModel
 from lta_control.sighting import bearing_deviation, facing_strength, LampPosition
 
 if TYPE_CHECKING:

@@ -1,0 +1,1 @@
+"""Estimate speed and position: through the air, and over ground."""
