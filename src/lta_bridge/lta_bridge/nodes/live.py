@@ -1,7 +1,8 @@
 """
 The live node: it shows a running graph and a 3D scene in Foxglove; the viewer needs no ROS.
 
-It subscribes to the topics of the table, but for those that it draws itself (`REPLACED`) and publishes nothing, so it never delays the graph.
+It subscribes to the topics of the table, but for those that it draws itself (`REPLACED`), and
+publishes nothing, so it never delays the graph.
 It reads only the newest message of each topic, at the rate of a screen. Messages that a viewer is
 too slow for are dropped and counted in /diagnostics.
 """
