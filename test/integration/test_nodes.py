@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+import itertools
 import math
 import signal
 
@@ -162,6 +163,25 @@ def test_a_setpoint_of_the_future_is_as_old_as_none(flown, hear):
     hear(lambda facts: motors(facts) == 'the time stamp of the setpoint is in the future: landing')
     setpoint(flown, 1.0, step + 2)
     hear(lambda facts: max(estimate(flown, step + 3)) > 0.0)
+
+
+def test_without_the_airspeed_that_it_had_the_drone_lands(controller, hear):
+    step = flying_controller(controller)
+    airspeed = find_message_type(TABLE['airspeed'])()
+    airspeed.header.stamp = to_stamp(TABLE.start_ns + step * STEP)
+    controller.publisher('airspeed').publish(airspeed)
+    later = itertools.count(step + 1)
+
+    def fly_on():
+        at = next(later)
+        setpoint(controller, 1.0, at)
+        return estimate(controller, at)[:2]
+
+    hear(lambda facts: fly_on() and motors(facts) == 'the airspeed is missing: landing')
+    assert fly_on() == [0.0, 0.0]  # it sinks
+    airspeed.header.stamp = to_stamp(TABLE.start_ns + next(later) * STEP)
+    controller.publisher('airspeed').publish(airspeed)
+    hear(lambda facts: max(fly_on()) > 0.0 and not motors(facts))
 
 
 def test_not_a_number_stops_the_motors_for_good(controller, hear):

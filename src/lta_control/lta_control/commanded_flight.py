@@ -235,8 +235,15 @@ class CommandedFlight:
         """End the task, as a person flies; hold where they hand the drone back."""
         self._obstacle = 'a person has control'
         self._end_task(TaskOutcome.CANCELED, 'a person took control')
-        if self._situation is not None and self.mission.phase is not Phase.REST:
-            self._hold(self._situation)
+        now = self._situation
+        # They may have started from the ground
+        if now is not None and (self.mission.phase is not Phase.REST or self._is_aloft(now)):
+            self._hold(now)
+
+    def _is_aloft(self, now: _Situation) -> bool:
+        return now.measured is not None and not has_landed(
+            now.measured, FLOOR, self._ground_height
+        )
 
     def choose_setpoint(
         self,

@@ -45,6 +45,7 @@ if TYPE_CHECKING:  # not built on every machine; see the type of a topic in the 
 
 DiodeReadings = tuple[tuple[tuple[float, float], ...], tuple[float, ...]]
 
+MOST_VARIANCE = 0.5 * UNKNOWN_VARIANCE  # of an estimate that is there
 BAROMETER = 30e3, 125e3  # Pa, the range of the BMP388
 FASTEST_TURN = math.radians(3000.0)  # rad/s; the BMI088 measures 2000 deg/s
 HARDEST_PULL = 400.0  # m/s2; it measures 24 g
@@ -173,10 +174,13 @@ def _unknown_covariance() -> NDArray[np.float64]:
 
 def _build_covariance(planar: tuple[float, float, float]) -> NDArray[np.float64]:
     """Return a row-major 6 x 6 covariance, with xx, xy and yy."""
+    # A position that has drifted for an hour is uncertain, but the estimate is there: motors must
+    # not stop for that
+    scale = min(1.0, MOST_VARIANCE / max(planar[0], planar[2], MOST_VARIANCE))
     # Order x y z roll pitch yaw: diagonal at 0, 7, 14, 21, 28, 35
     covariance = np.zeros(36)
-    covariance[0], covariance[1], covariance[7] = planar
-    covariance[6] = planar[1]
+    covariance[0], covariance[1], covariance[7] = (scale * each for each in planar)
+    covariance[6] = covariance[1]
     return covariance
 
 

@@ -407,6 +407,11 @@ def test_a_person_ends_the_task_and_the_drone_stays_where_they_leave_it(holds):
     assert holds.phase is Phase.REST
     holds.flight.yield_to_person()
     assert holds.step() == Setpoint(0.0, 1.0, 0.0)
+    holds.altitude = 1.4  # they start again, and let go
+    holds.step()
+    holds.flight.yield_to_person()
+    assert holds.step(60.0) == Setpoint(1.4, 1.0, 0.0)
+    assert holds.phase is Phase.HOLD
 
 
 def test_a_strategy_that_never_arrives_and_a_course_are_refused():

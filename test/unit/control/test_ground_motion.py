@@ -126,6 +126,38 @@ def test_an_outlier_changes_nothing_until_it_lasts():
     assert lasting.mean[6] == pytest.approx(reflection.bearing, abs=0.1)
 
 
+@pytest.mark.parametrize('doubtful', [2.0, 12.0, 300.0])
+def test_sightings_that_contradict_each_other_end_in_no_nonsense(doubtful):
+    """Whatever is seen, the estimate stays finite, and no later step is lost by an earlier one."""
+    rng = np.random.default_rng(3)
+    restarts = 0
+    for _ in range(30):
+        state = fly(0.5, resting())
+        for _ in range(100):
+            bearing, loud, far = rng.uniform(-3.0, 3.0, 3).tolist()
+            strength, distance = math.exp(2.5 * loud), math.exp(2.0 * far)
+            spread = float(rng.uniform(0.0, doubtful))
+            seen = LampSighting(bearing, 1e-3, distance, spread, strength, 150.0, 0.0)
+            motion = ModelledMotion(True, 0.0, 0.0, *rng.uniform(-2.0, 2.0, 2).tolist())
+            state = fly(0.1, motion, state, sighting=lambda k, seen=seen: seen if k == 9 else None)
+            for planar in (state.position_covariance, state.velocity_covariance):
+                assert np.isfinite(planar).all()
+                assert min(planar[0], planar[2]) >= 0.0
+            assert np.isfinite((*state.position, *state.velocity)).all()
+        restarts += state.restarts
+    assert restarts < 3000  # not at each sighting
+
+
+def test_a_state_that_is_not_a_number_begins_again_where_the_drone_was():
+    flown = fly(5.0, ModelledMotion(True, 0.0, 0.0, 0.5, 0.0))
+    spoilt = flown._replace(mean=(*flown.mean[:6], math.nan, math.nan, 0.0), frequency=150.0)
+    after = fly(1.0, resting(), spoilt)
+    assert after.restarts == 1
+    assert after.position == pytest.approx(flown.position, abs=1.0)
+    assert after.position_covariance[0] >= 100.0  # m2
+    assert np.isfinite(np.array(after.rows)).all()
+
+
 def sight(**changes):
     """Return the sighting of a lamp 3 m ahead and 4 m to the left."""
     lamp = LampPosition(3.0, 4.0, 0.5, (4.0 * 0.36 + 1e-3, 4.0 * 0.48, 4.0 * 0.64 + 1e-3))

@@ -129,6 +129,18 @@ def test_an_estimate_that_is_not_ready_is_unknown():
     assert to_cascade_measurement(message) is None
 
 
+def test_a_position_that_is_lost_is_no_reason_to_stop_the_motors():
+    lost = np.diag(VARIANCES)
+    lost[:2, :2] = [[4e9, 1e9], [1e9, 2e9]]  # m2, after a day without a lamp
+    lost = GROUND._replace(rows=tuple(tuple(row) for row in lost.tolist()))
+    message = odometry(FLYING, lost)
+    assert to_cascade_measurement(message) is not None
+    planar = message.pose.covariance.reshape(6, 6)[:2, :2]
+    assert planar.max() < UNKNOWN_VARIANCE
+    # The shape stays: the same correlation, and no negative variance along any axis
+    assert planar / planar[0, 0] == pytest.approx(np.array([[1.0, 0.25], [0.25, 0.5]]))
+
+
 def test_the_position_says_how_far_off_it_may_be():
     pose = odometry(FLYING).pose
     assert (pose.pose.position.x, pose.pose.position.y) == (2.0, 1.0)

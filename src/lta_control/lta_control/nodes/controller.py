@@ -35,6 +35,7 @@ from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 from std_srvs.srv import SetBool, Trigger
 
+AIRSPEED_AGE_NS = 250_000_000  # ns; an airspeed further from the odometry is not used
 DESCENT = 0.2  # m below the current altitude: the setpoint of a slow automatic descent
 
 
@@ -135,14 +136,14 @@ class Controller(GraphNode):
         odom = step.last_message('odom')
         self._pose = step.last_message('setpoint/pose') or self._pose
         self._velocity = step.last_message('setpoint/velocity') or self._velocity
-        self._airspeed = step.last_message('airspeed') or self._airspeed
-        measured = to_cascade_measurement(odom, self._airspeed)
+        airspeed = self._read_airspeed(step, odom)
+        measured = to_cascade_measurement(odom, airspeed)
         overturned = measured is not None and is_overturned(odom, self._settings.value.tilt_limit)
         if self._armed and overturned:
             self._stop_motors(
                 'the drone turned over: the motors are off; restart the controller to fly again'
             )
-        duties = self._compute_duties(step.stamp_ns, odom, measured)
+        duties = self._compute_duties(step.stamp_ns, odom, airspeed, measured)
         if self._course is not None:
             self._begun_ns = step.stamp_ns if self._begun_ns is None else self._begun_ns
             time = (step.stamp_ns - self._begun_ns) * 1e-9
@@ -151,13 +152,29 @@ class Controller(GraphNode):
         self._last_ns = step.stamp_ns
         self._motors.publish(from_duties(odom.header.stamp, self._names, duties))
 
+    def _read_airspeed(self, step: InboxStep, odom: Odometry) -> TwistWithCovarianceStamped | None:
+        """Return the airspeed at the time of the odometry, or None without one."""
+        self._airspeed = step.last_message('airspeed') or self._airspeed
+        if self._airspeed is None:
+            return None
+        apart = from_stamp(self._airspeed.header.stamp) - from_stamp(odom.header.stamp)
+        return self._airspeed if abs(apart) <= AIRSPEED_AGE_NS else None
+
     def _compute_duties(
-        self, now_ns: int, odom: Odometry, measured: CascadeMeasurement | None
+        self,
+        now_ns: int,
+        odom: Odometry,
+        airspeed: TwistWithCovarianceStamped | None,
+        measured: CascadeMeasurement | None,
     ) -> tuple[float, ...]:
         pose, velocity = self._helm.select_setpoint(self._pose, self._velocity)
         if not self._armed or measured is None or pose is None or velocity is None:
             return self._reset_to_zero('' if self._stopped else 'off')
         setpoint = self._current_setpoint(now_ns, measured, pose, velocity)
+        if airspeed is None and self._airspeed is not None:
+            # Recordings of earlier versions have none; who had one and lost it lands
+            self.health.report('motors', HealthLevel.ERROR, 'the airspeed is missing: landing')
+            setpoint = Setpoint(measured.altitude - DESCENT, setpoint.heading, 0.0)
         if not all(map(math.isfinite, (*measured, *setpoint))):
             self._stop_motors(
                 f'the estimate {measured} or the setpoint {setpoint} contains NaN or infinity: '
@@ -168,7 +185,7 @@ class Controller(GraphNode):
             return self._reset_to_zero('on the ground')
         dt = step_duration(self._last_ns, now_ns, self.table.control_ns)
         if self._law is not None:
-            return self._law.step(to_motion(odom, self._airspeed), setpoint, dt).duties
+            return self._law.step(to_motion(odom, airspeed), setpoint, dt).duties
         duties, self._memory = control_step(
             self._settings.value.gains,
             self._rotors,

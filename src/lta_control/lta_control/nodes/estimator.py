@@ -64,6 +64,7 @@ class Estimator(GraphNode):
         self._body = build_estimator_model(vehicle)
         self._estimate = MotionEstimate()
         self._ground = GroundMotion()
+        self._restarts = 0
         self._peaks: Any = None
         self._half_block_ns = self.table['photodiodes'].period_ns // 2
         self._commanded = self._estimate.duties
@@ -95,6 +96,10 @@ class Estimator(GraphNode):
                 self._read_sighting(step),
                 dt,
             )
+            if self._ground.restarts > self._restarts:
+                self._restarts = self._ground.restarts
+                text = 'the motion over ground could not be computed and began again'
+                self.health.report('ground', HealthLevel.WARN, text, restarts=self._restarts)
         else:
             # The estimate is published unchanged, so that the graph does not stop
             self._refused += 1

@@ -59,6 +59,7 @@ ASPECT = 1.0  # of ln(brightness) per radian of bearing: the lamp is seen from a
 ASPECT_TIME = 5.0  # ... as long as the bearing changes in one direction [s]
 GATE = 4.0  # standard deviations beyond which a sighting is an outlier
 DOUBT = 1.5  # s of outliers only, after which the lamp is another one
+RESTART = 10.0  # m; of the position, where the filter begins again
 SEPARATION = 5.0  # Hz: half a bin of the spectrum; lamps differ by more
 
 
@@ -170,6 +171,8 @@ class GroundMotion(NamedTuple):
         Of the lamp in the state; 0 while there is none. [Hz]
     doubted : float
         Time since the last sighting that fitted, with outliers only. [s]
+    restarts : int
+        How often the filter began again, because its state could not be computed.
 
     """
 
@@ -180,6 +183,7 @@ class GroundMotion(NamedTuple):
     elapsed: float = 0.0
     frequency: float = 0.0
     doubted: float = 0.0
+    restarts: int = 0
 
     @property
     def position(self) -> tuple[float, float]:
@@ -289,18 +293,43 @@ def ground_step(
         state.elapsed + dt,
         state.frequency,
         state.doubted,
+        state.restarts,
     )
     if not ready:
         sighting = None
     if sighting is None and state.elapsed < PERIOD - 0.5 * dt:
         return state
-    doubted = state.doubted + state.elapsed
-    state = _predict(settings, hull, state, (cos, sin))
-    if sighting is None:
-        return state
     # A bearing holds for the middle of its block
-    bearing = yaw - yaw_rate * sighting.age + sighting.bearing
-    return _correct(settings, state, sighting, bearing, doubted)
+    bearing = 0.0 if sighting is None else yaw - yaw_rate * sighting.age + sighting.bearing
+    try:
+        after = _predict(settings, hull, state, (cos, sin))
+        if sighting is not None:
+            after = _correct(settings, after, sighting, bearing, state.doubted + state.elapsed)
+    except (OverflowError, ZeroDivisionError, ValueError):
+        # Sightings that contradict each other: the drone flies on without
+        return _restart(settings, state)
+    return after if _is_computable(after) else _restart(settings, state)
+
+
+def _is_computable(state: GroundMotion) -> bool:
+    """Return whether all numbers are finite and all variances positive."""
+    variances = [row[i] for i, row in enumerate(state.rows)]
+    return math.isfinite(sum(map(sum, state.rows)) + sum(state.mean)) and min(variances) >= 0.0
+
+
+def _restart(settings: GroundSettings, state: GroundMotion) -> GroundMotion:
+    """Return a state that keeps the position, and knows of the motion no more than the prior."""
+    place = [each if math.isfinite(each) else 0.0 for each in state.position]
+    fresh = start_ground_motion(settings)
+    lost, wind = RESTART * RESTART, fresh.rows[WIND_X][WIND_X]
+    variances = (lost, lost, wind, wind, wind, wind, 0.0, 0.0, 0.0)
+    air = state.air if all(map(math.isfinite, state.air)) else (0.0, 0.0)
+    return fresh._replace(
+        mean=(*place, *NOTHING[DRIFT_X:]),
+        rows=tuple([_scale_unit_row(i, variances[i]) for i in range(len(variances))]),
+        air=air,
+        restarts=state.restarts + 1,
+    )
 
 
 def start_ground_motion(settings: GroundSettings) -> GroundMotion:
