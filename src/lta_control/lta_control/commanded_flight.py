@@ -237,10 +237,10 @@ class CommandedFlight:
         self._end_task(TaskOutcome.CANCELED, 'a person took control')
         now = self._situation
         # They may have started from the ground
-        if now is not None and (self.mission.phase is not Phase.REST or self._is_aloft(now)):
+        if now is not None and (self.mission.phase is not Phase.REST or self._is_airborne(now)):
             self._hold(now)
 
-    def _is_aloft(self, now: _Situation) -> bool:
+    def _is_airborne(self, now: _Situation) -> bool:
         return now.measured is not None and not has_landed(
             now.measured, FLOOR, self._ground_height
         )
