@@ -36,7 +36,7 @@ class SimulatorSettings(Settings):
         fixed=True,
     )
     frame_prefix: str = setting(
-        '', 'Prefix of the frames on /tf_static but map, such as lta1/, for several drones.',
+        '', 'Prefix of the frames on /tf_static, except map, such as lta1/, for several drones.',
         fixed=True,
     )  # fmt: skip
     commanded: bool = setting(

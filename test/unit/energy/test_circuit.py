@@ -50,7 +50,7 @@ def test_what_is_harvested_is_consumed_lost_or_stored(charge, available, asked, 
 
 
 def test_a_full_cell_leaves_the_light_unharvested():
-    """The loads' 0.1 W behind 85 %, and 22 mW of the charger: 0.1396 W of the array."""
+    """Loads of 0.1 W at 85 % efficiency, and 22 mW of the charger, take 0.1396 W of the array."""
     _, spent = step_circuit(CELL, CHARGER, resting_flow(1.0), NOTHING, 1.0, 0.1, 60.0)
     assert spent.harvested == pytest.approx(60.0 * (0.1 / 0.85 + 0.022))
     assert spent.curtailed == pytest.approx(60.0 * (0.95 - 0.1 / 0.85 - 0.022))

@@ -62,7 +62,9 @@ class TrackerSettings(Settings):
         fixed=True,
     )
     frame_prefix: str = setting(
-        '', 'Prefix of the frames on /tf but map, such as lta1/, for several drones.', fixed=True
+        '',
+        'Prefix of the frames on /tf, except map, such as lta1/, for several drones.',
+        fixed=True,
     )
 
 

@@ -98,6 +98,7 @@ class Controller(GraphNode):
         self._memory = ControlMemory()
         self._scratch = create_working_array()
         self._airspeed: TwistWithCovarianceStamped | None = None
+        self._airspeed_lost = False
         self._pose: PoseStamped | None = None
         self._velocity: TwistStamped | None = None
         self._last_ns: int | None = None
@@ -171,9 +172,9 @@ class Controller(GraphNode):
         if not self._armed or measured is None or pose is None or velocity is None:
             return self._reset_to_zero('' if self._stopped else 'off')
         setpoint = self._current_setpoint(now_ns, measured, pose, velocity)
-        if airspeed is None and self._airspeed is not None:
-            # Recordings of earlier versions have none; who had one and lost it lands
-            self.health.report('motors', HealthLevel.ERROR, 'the airspeed is missing: landing')
+        # Recordings of earlier versions have none
+        self._report_airspeed(lost=airspeed is None and self._airspeed is not None)
+        if self._airspeed_lost:
             setpoint = Setpoint(measured.altitude - DESCENT, setpoint.heading, 0.0)
         if not all(map(math.isfinite, (*measured, *setpoint))):
             self._stop_motors(
@@ -197,6 +198,13 @@ class Controller(GraphNode):
             self._scratch,
         )
         return duties
+
+    def _report_airspeed(self, *, lost: bool) -> None:
+        """Report when the airspeed is lost, and when it comes again."""
+        if lost is not self._airspeed_lost:
+            self._airspeed_lost = lost
+            level = HealthLevel.ERROR if lost else HealthLevel.OK
+            self.health.report('airspeed', level, 'missing: landing' if lost else 'received again')
 
     def _reset_to_zero(self, text: str = '') -> tuple[float, ...]:
         """Return zero duties, and reset the integrals."""
