@@ -53,13 +53,23 @@ class DiodeAxes(StrictModel):
         return self
 
 
+class DiodeGains(StrictModel):
+    """Gain of each diode, relative to the nominal diode, and where it comes from."""
+
+    value: Annotated[
+        list[Annotated[float, Field(gt=0.0, le=10.0)]], Field(min_length=1, max_length=MOST)
+    ]
+    source: str
+
+
 class PhotodiodesBlock(StrictModel):
     """
     The photodiodes, `radius` out along their axes from a point `height` above the hull centre.
 
     Of several `feedback` resistors the one that suits the scene's light is selected. Without
     `axes` the diodes are spaced evenly around the horizon, the first forward, then
-    counter-clockwise.
+    counter-clockwise. `gains` are measured gains relative to the nominal diode (`lta light
+    calibrate`); the true ones have the relative standard deviation `gain_spread` about them.
     """
 
     count: Annotated[int, Field(ge=1, le=MOST)]
@@ -74,12 +84,18 @@ class PhotodiodesBlock(StrictModel):
             'assumed: exponent of the cosine, from memory of the plot in the ' + DATA_SHEET,
         )
     )
+    response_deviation: Annotated[Quantity, si_quantity('1', low=0.0, high=5.0, sourced=True)] = (
+        _default_quantity(
+            0.3, '1', 'assumed: standard deviation of the exponent, until it is measured'
+        )
+    )
     field_of_view: Annotated[
         Quantity, si_quantity('rad', above=0.0, high=math.pi, sourced=True)
     ] = _default_quantity(180.0, 'deg', 'no cover in front of the photodiode')
     gain_spread: Annotated[Quantity, si_quantity('1', low=0.0, high=0.5, sourced=True)] = (
         _default_quantity(0.0, '1', 'equal diodes')
     )
+    gains: DiodeGains | None = None
     dead: Annotated[list[Annotated[int, Field(ge=0)]], Field(max_length=MOST)] = Field(
         default_factory=list
     )
@@ -115,6 +131,11 @@ class PhotodiodesBlock(StrictModel):
         if self.axes is not None and len(self.axes.value) != self.count:
             raise ValueError(
                 f'has {len(self.axes.value)} axes for {self.count} diodes; give one for each diode'
+            )
+        if self.gains is not None and len(self.gains.value) != self.count:
+            raise ValueError(
+                f'has {len(self.gains.value)} gains for {self.count} diodes; give one for each '
+                'diode'
             )
         if strangers := [index for index in self.dead if index >= self.count]:
             raise ValueError(

@@ -205,7 +205,7 @@ class Vehicle:
 
     @cached_property
     def diodes(self) -> PhotodiodeArray:
-        """The photodiodes, all with their nominal gain."""
+        """The photodiodes with the gains of the file, before the spread is drawn."""
         ring = self.file.sensors.diodes
         return PhotodiodeArray(
             count=ring.count,
@@ -216,6 +216,7 @@ class Vehicle:
             response=ring.response.si,
             field_of_view=ring.field_of_view.si,
             gain_spread=ring.gain_spread.si,
+            gains=tuple(ring.gains.value) if ring.gains else (),
             dead=tuple(ring.dead),
             # The first resistor until one is selected for the scene
             feedback_resistance=ring.feedback.vector[0],

@@ -10,6 +10,7 @@ from lta_config.schema.vehicle_diodes import PhotodiodesBlock as DiodesEntry
 from lta_model.sensors.photodiode import DiodeRing, spread_azimuths
 
 Axis = tuple[float, float, float]
+UNMEASURED = 0.04  # added to the spread of gains that were not measured
 
 
 @final
@@ -28,6 +29,8 @@ class DiodeArray:
         Relative to the nominal diode; 0 for one that is known to be dead.
     spread : float
         Relative standard deviation of the true gains.
+    response_deviation : float
+        Standard deviation of the true exponent p.
 
     Raises
     ------
@@ -41,6 +44,7 @@ class DiodeArray:
     response: float
     gains: tuple[float, ...]
     spread: float
+    response_deviation: float = 0.0
 
     def __post_init__(self) -> None:
         """Refuse an invalid array."""
@@ -66,6 +70,11 @@ class DiodeArray:
             raise BadInput(
                 f'The relative spread of the photodiode gains is {self.spread}; it must be 0 '
                 'or more.'
+            )
+        if not (math.isfinite(self.response_deviation) and self.response_deviation >= 0.0):
+            raise BadInput(
+                'The standard deviation of the response exponent is '
+                f'{self.response_deviation}; it must be 0 or more.'
             )
 
     def check_diode_count(self, count: int) -> None:
@@ -100,10 +109,19 @@ def build_diode_array(entry: DiodesEntry) -> DiodeArray:
         if entry.axes is None
         else tuple(map(_normalize_axis, entry.axes.value))
     )
-    # The true gains are unknown to the drone: nominal, or known to be dead
-    gains = tuple(0.0 if index in entry.dead else 1.0 for index in range(entry.count))
+    measured = [1.0] * entry.count if entry.gains is None else entry.gains.value
+    gains = tuple(0.0 if index in entry.dead else gain for index, gain in enumerate(measured))
+    # How unequal diodes are is itself uncertain until they are measured
+    spread = math.hypot(entry.gain_spread.si, UNMEASURED if entry.gains is None else 0.0)
     places = _place_on_sphere(axes, entry.radius.si)
-    return DiodeArray(axes, places, entry.response.si, gains, entry.gain_spread.si)
+    return DiodeArray(
+        axes,
+        places,
+        entry.response.si,
+        gains,
+        spread,
+        entry.response_deviation.si,
+    )
 
 
 def _build_level_axes(count: int) -> tuple[Axis, ...]:

@@ -133,7 +133,10 @@ def build_fit_inputs(
     nx, ny, nz = (numbers(column) for column in zip(*diodes.axes, strict=True))
     rx, ry, rz = (numbers(column) for column in zip(*diodes.places, strict=True))
     gains = numbers(diodes.gains)
-    return DiodeFitInputs(nx, ny, nz, rx, ry, rz, gains, diodes.response, diodes.spread)
+    deviation = max(diodes.response_deviation, LEAST)
+    return DiodeFitInputs(
+        nx, ny, nz, rx, ry, rz, gains, diodes.response, deviation, diodes.spread
+    )  # fmt: skip
 
 
 def build_direction_prior(prior: LampPrior) -> DirectionPrior:

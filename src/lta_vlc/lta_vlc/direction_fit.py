@@ -26,6 +26,7 @@ from lta_vlc.reading_model import (
     Numbers,
     PEDESTAL,
     PULLS,
+    RESPONSE,
     Scratch,
     STRENGTH,
     UNKNOWNS,
@@ -33,10 +34,13 @@ from lta_vlc.reading_model import (
 )
 
 NEAREST, STEEPEST = 0.5, 3.0  # m and 1: beyond them no lamp is sought
+WIDEST, NARROWEST = 0.3, 10.0  # exponents of the response beyond which none is sought
 ROUNDS = 12
 DAMPED = 5  # rounds after which steps are halved: a few fits go back and forth over an edge
 STRIDE = 0.3  # longest step on the sphere [rad]
 DONE = 1e-5  # [rad]
+FREE = 3  # unknowns without a prior: azimuth, strength and pedestal
+SURE = 10.0  # readings that the stated variances are worth beside the misfit
 
 
 class DirectionFit(NamedTuple):
@@ -114,17 +118,18 @@ def failed_fit() -> DirectionFit:
 
 def variance_inflation(scratch: Scratch, errors: Numbers) -> float:
     """
-    Return the reduced chi-square of the fit, at least 1, as a factor on variances.
+    Return a factor on variances, at least 1: the reduced chi-square, with a prior of 1.
 
-    Readings that follow the model have a misfit, priors included, equal to their number. A lamp
-    half hidden by the hull is not in the model: then the covariance grows with the misfit.
+    Readings that follow the model have a misfit, priors included, of their number less that
+    of the unknowns without a prior. A lamp half hidden by the hull, or gains that differ more than
+    expected, are not in the model: then the covariance grows with the misfit.
     """
     count = 0
     for i in range(len(errors)):
         if errors[i] < math.inf:
             count += 1
-    # Reduced chi-square; a good fit does not shrink the covariance
-    return max(1.0, scratch[MISFIT] / count)
+    # A good fit does not shrink the covariance, most of which is that of the priors
+    return max(1.0, (SURE + scratch[MISFIT]) / (SURE + max(count - FREE, 0)))
 
 
 def build_direction_fit(
@@ -182,6 +187,7 @@ def guess_direction(
         scratch[VALUES + j] = 0.0
     scratch[VALUES + STRENGTH], scratch[VALUES + PEDESTAL] = top - low, low
     scratch[VALUES + NEARNESS] = expected.nearness
+    scratch[VALUES + RESPONSE] = array.response
     if not (level > 0.0 and top < math.inf):
         return 1.0, 0.0, 0.0, 0.0
     # Scale the horizontal part, so that the vector has length 1
@@ -213,6 +219,7 @@ def update_unknowns(scratch: Scratch, top: float) -> None:
     scratch[VALUES + STRENGTH] = max(scratch[VALUES + STRENGTH], 1e-3 * top)
     scratch[VALUES + NEARNESS] = min(max(scratch[VALUES + NEARNESS], 0.0), 1.0 / NEAREST)
     scratch[VALUES + FALL] = min(max(scratch[VALUES + FALL], -STEEPEST), STEEPEST)
+    scratch[VALUES + RESPONSE] = min(max(scratch[VALUES + RESPONSE], WIDEST), NARROWEST)
 
 
 def factorize_cholesky(scratch: Scratch) -> bool:

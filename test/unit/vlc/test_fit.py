@@ -26,6 +26,7 @@ from lta_vlc.reading_model import (
     NORMAL,
     PEDESTAL,
     PULLS,
+    RESPONSE,
     STRENGTH,
     UNKNOWNS,
     VALUES,
@@ -42,7 +43,7 @@ EXPECTED = DirectionPrior(0.3, 0.1, 0.25, 0.1)
 def four(gains=SURE):
     """Return four level diodes at right angles, the first facing forward."""
     x, y = zip(*CROSS, strict=True)
-    return DiodeFitInputs(x, y, NONE, NONE, NONE, NONE, gains, 1.0, 0.0)
+    return DiodeFitInputs(x, y, NONE, NONE, NONE, NONE, gains, 1.0, 0.3, 0.0)
 
 
 def normal(seed=1):
@@ -105,12 +106,12 @@ def test_an_azimuth_deviation_of_a_radian_or_more_gives_no_direction(side, level
     assert failed_fit() == (False, *(0.0,) * 9)
 
 
-def test_the_variance_factor_is_the_misfit_per_valid_reading_and_at_least_one():
+def test_the_variance_factor_weighs_the_misfit_with_ten_readings_of_one_and_is_at_least_one():
     scratch = np.zeros(FIT_SCRATCH)
-    errors = (1.0, math.inf, 2.0, 3.0)
-    for misfit, strange in ((12.0, 4.0), (3.0, 1.0), (0.5, 1.0)):
+    errors = (1.0, math.inf, 2.0, 3.0, 1.0, 1.0)  # five valid readings, three free unknowns
+    for misfit, strange in ((2.0, 1.0), (26.0, 3.0), (0.8, 1.0)):
         scratch[MISFIT] = misfit
-        assert variance_inflation(scratch, errors) == strange
+        assert variance_inflation(scratch, errors) == pytest.approx(strange)
 
 
 def test_a_first_guess_is_the_weighted_mean_lifted_to_the_expected_elevation():
@@ -124,7 +125,8 @@ def test_a_first_guess_is_the_weighted_mean_lifted_to_the_expected_elevation():
     assert top == 60.0
     values = scratch[VALUES:MISFIT].tolist()
     assert (values[STRENGTH], values[PEDESTAL], values[NEARNESS]) == (40.0, 20.0, 0.25)
-    others = set(range(ELEVATION)) - {STRENGTH, PEDESTAL, NEARNESS}
+    assert values[RESPONSE] == array.response
+    others = set(range(ELEVATION)) - {STRENGTH, PEDESTAL, NEARNESS, RESPONSE}
     assert [values[k] for k in others] == [0.0] * 6
 
 

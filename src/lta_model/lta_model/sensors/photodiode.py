@@ -163,9 +163,11 @@ class PhotodiodeArray(StrictModel):
         return self
 
     def draw_gains(self, chance: np.random.Generator) -> 'PhotodiodeArray':
-        """Return these diodes with gains drawn by their spread, none below zero."""
+        """Return these diodes with gains drawn about their own by the spread, none below zero."""
         # A normal distribution has no lower bound, a gain does
         gains = np.maximum(1.0 + self.gain_spread * chance.standard_normal(self.count), 0.0)
+        if self.gains:
+            gains *= self.gains
         return self.model_copy(update={'gains': tuple(gains.tolist())})
 
     def transform_to_map(self, position: Array, rotation: Array) -> tuple[Array, Array]:

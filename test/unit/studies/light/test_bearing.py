@@ -8,10 +8,11 @@ import sys
 from lta_cli import app
 from lta_config.errors import BadInput
 from lta_model.scenario import load_scenario
+from lta_model.vehicle import load_vehicle
 from lta_report.formatting import MISSING
 from lta_report.report import TextTable
-from lta_studies.light.bearing.bench import BearingBench, BearingReading
-from lta_studies.light.bearing.places import build_flight_spec, PLACES
+from lta_studies.light.bearing.bench import bearing_bound, BearingBench, BearingReading
+from lta_studies.light.bearing.places import build_flight_spec, PLACES, TrueDiodes
 from lta_studies.light.bearing.poses import BESIDE, CLEAR, draw_pose, NEAREST
 from lta_studies.light.bearing.report import build_report
 from lta_studies.light.bearing.run import (
@@ -21,8 +22,11 @@ from lta_studies.light.bearing.run import (
 )
 from lta_studies.light.bearing.score import BearingScore, score_readings
 from lta_studies.light.bearing.study import DISTANCE, list_directions, pose_for_lamp_direction
+from lta_vlc.demodulation import Peaks
+from lta_vlc.direction import PART
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
 
 SCENE = load_scenario('lamp_room')
 LAMP = np.array(SCENE.goal_lamp.position.vector)
@@ -55,10 +59,10 @@ def test_a_distance_that_the_room_does_not_have_is_refused():
 def test_scores_by_hand():
     nan = math.nan
     readings = [
-        BearingReading(9.0, 0.1, 0.02, 0.01, 0.3, 0.2),
-        BearingReading(7.0, -0.3, -0.01, 0.01, -0.1, 0.2),
-        BearingReading(8.0, 0.2, 0.015, 0.01, 0.5, 0.2),
-        BearingReading(1.0, nan, nan, nan, nan, nan),
+        BearingReading(9.0, 0.1, 0.02, 0.01, 0.3, 0.2, 0.01),
+        BearingReading(7.0, -0.3, -0.01, 0.01, -0.1, 0.2, 0.01),
+        BearingReading(8.0, 0.2, 0.015, 0.01, 0.5, 0.2, 0.02),
+        BearingReading(1.0, nan, nan, nan, nan, nan, 0.03),
     ]
     found = score_readings(readings)
     assert found.snr == 7.5
@@ -89,9 +93,61 @@ def test_the_fit_is_better_than_the_papers_mean_where_walls_reflect_and_knows_ho
     assert found.score.ours_lost == 0.0
 
 
+@pytest.mark.parametrize(
+    ('diodes', 'share'),
+    [
+        (TrueDiodes(1.0, 0.02), 1.0),
+        (TrueDiodes(2.0, 0.02), 1.0),
+        (TrueDiodes(1.2, 0.0), 0.7),
+        # Gains are all that matters: no better than the mean, but no worse
+        (TrueDiodes(1.2, 0.05), 1.1),
+        (TrueDiodes(2.0, 0.05), 1.1),
+    ],
+)
+def test_the_fit_is_no_worse_than_the_mean_with_diodes_other_than_the_file_says(diodes, share):
+    asked = BearingTrialRequest('gtmab', ('indoor',), (8,), (None,), 200, 6, (diodes,))
+    (found,) = run_bearing_trials(asked, lambda: None)
+    assert found.score.ours < share * found.score.paper
+    assert found.score.ours_most < share * found.score.paper_most
+    # 200 readings know a share of 95 % to 1.5 %.
+    assert found.score.holds > 0.9
+    assert found.score.bound < found.score.ours
+
+
+def test_the_bound_is_that_of_many_fits_of_a_known_model():
+    """Readings of the bound's own model, fitted by scipy: their spread is the bound."""
+    diodes = load_vehicle('gtmab').diodes.model_copy(update={'gain_spread': 0.02})
+    generator = np.random.default_rng(4)
+    azimuth, elevation, noise = 0.4, 0.1, 1.5
+    axes = diodes.planes[:, 3:]
+
+    def expect(v):
+        level = math.cos(elevation)
+        ray = np.array([level * math.cos(v[0]), level * math.sin(v[0]), math.sin(elevation)])
+        return v[1] * np.maximum(axes @ ray, 0.0) ** diodes.response + v[2]
+
+    truth = np.array([azimuth, 200.0, 30.0])
+    clean = expect(truth)
+    deviation = np.hypot(noise, 0.02 * clean)
+    found = []
+    for _ in range(600):
+        read = clean + deviation * generator.standard_normal(8)
+        fit = least_squares(
+            lambda v, read=read: (expect(v) - read) / deviation, truth, x_scale=truth
+        )
+        found.append(fit.x[0])
+    level = np.full(8, noise / PART)
+    peaks = Peaks(clean, clean / level, np.full(8, 150.0), level)
+    # 600 fits know a deviation to 3 %.
+    bound = bearing_bound(diodes, peaks, azimuth, elevation)
+    assert np.std(found) == pytest.approx(bound, rel=0.1)
+
+
 def test_headline_tile_and_tables_of_a_score():
-    score = BearingScore(9, 7.5, 0.02, 0.1, 0.25, 0.01, 0.03, math.nan, 0.01, 0.9, 0.2, 0.1, 1.0)
-    result = BearingTrialResult('indoor', 8, 3.0, (), score)
+    score = BearingScore(
+        9, 7.5, 0.02, 0.1, 0.25, 0.01, 0.03, math.nan, 0.01, 0.9, 0.2, 0.1, 1.0, 0.005
+    )  # fmt: skip
+    result = BearingTrialResult('indoor', 8, 3.0, TrueDiodes(None, 0.05), (), score)
     request = BearingTrialRequest('gtmab', ('indoor',), (8,), (3.0,), 9, 1)
     report = build_report([replace(result, count=4, range=None), result], request)
     assert report.headline.startswith(
@@ -102,7 +158,7 @@ def test_headline_tile_and_tables_of_a_score():
     ]  # fmt: skip
     bearing, elevation = (each for each in report.blocks if isinstance(each, TextTable))
     assert bearing.rows[1] == [
-        'indoor', '8', '3', '8', '1.15', '5.7', '0.57', '1.7', '0.57', '90.0',
+        'indoor', '8', '3', 'file', '5', '8', '0.29', '1.15', '5.7', '0.57', '1.7', '0.57', '90.0',
     ]  # fmt: skip
     assert elevation.rows[0] == ['indoor', '4', 'any', '11.5', '100.0', f'25.0, {MISSING}']
 

@@ -1,5 +1,6 @@
 """lta light bearing: compare the bearing errors of the paper's estimator and ours."""
 
+from collections.abc import Sequence
 import math
 from typing import Annotated
 
@@ -7,7 +8,7 @@ from lta_cli.options.study_command import study_command, StudyRun
 from lta_config.errors import BadInput, unknown_name_error
 from lta_report.progress_bar import ProgressBar
 from lta_report.report import Report
-from lta_studies.light.bearing.places import build_flight_spec, PLACES
+from lta_studies.light.bearing.places import build_flight_spec, PLACES, TrueDiodes
 from lta_studies.light.bearing.report import build_report, format_range
 from lta_studies.light.bearing.run import BearingTrialRequest, run_bearing_trials
 import typer
@@ -49,6 +50,24 @@ def bearing(
             max=1_000_000,
         ),
     ] = 500,
+    response: Annotated[
+        list[float] | None,
+        typer.Option(
+            help='True exponent of the simulated diodes, of which the drone only knows the '
+            'vehicle file; repeat to compare several; by default as in the file.',
+            min=0.3,
+            max=10.0,
+        ),
+    ] = None,
+    gain_spread: Annotated[
+        list[float] | None,
+        typer.Option(
+            help='True spread of the gains in percent; repeat to compare several; by default as '
+            'in the file.',
+            min=0.0,
+            max=50.0,
+        ),
+    ] = None,
     seed: Annotated[int, typer.Option(help='Random seed.', min=0)] = 1,
     *,
     run: StudyRun,
@@ -58,7 +77,9 @@ def bearing(
 
     Simulates random poses in front of the lamp, through diodes, amplifiers, ADC and demodulator.
     Reports the median and the 95 % quantile of the bearing error, the coverage of the fit's 95 %
-    interval, and the elevation error. Indoor is the shared room with reflections; outdoor is a
+    interval, the elevation error, and the smallest error that is possible (Cramer-Rao bound). The
+    drone assumes the photodiodes of the vehicle file; --response and --gain-spread simulate
+    others. Indoor is the shared room with reflections; outdoor is a
     field in daylight of 80 klux, with suitable diodes.
 
     Exit status 0: done. 2: bad input. 130: Ctrl-C.
@@ -73,6 +94,11 @@ def bearing(
         tuple(dict.fromkeys(map(parse_range, range_ or ('3', '7', ANY)))),
         poses,
         seed,
+        tuple(
+            TrueDiodes(exponent, spread)
+            for exponent in dict.fromkeys(response or (None,))
+            for spread in dict.fromkeys(_as_shares(gain_spread))
+        ),
     )
     for name in asked.places:
         if name not in PLACES:
@@ -82,6 +108,11 @@ def bearing(
     with ProgressBar(run.console, begin='bearing', total=asked.pose_count) as bar:
         results = run_bearing_trials(asked, lambda: bar.update_bar(advance=1))
     return build_report(results, asked)
+
+
+def _as_shares(percent: Sequence[float] | None) -> list[float | None]:
+    """Return percentages as shares; one None without any."""
+    return [None] if not percent else [each / 100.0 for each in percent]
 
 
 def parse_range(text: str) -> float | None:

@@ -13,9 +13,9 @@ from lta_model.light.view import LightView
 from lta_model.sensors.photodiode import PhotodiodeArray
 from lta_studies.light.bearing.poses import Pose
 from lta_vlc.bearing import estimate_bearing
-from lta_vlc.demodulation import demodulate_beacon, plan_bins
+from lta_vlc.demodulation import demodulate_beacon, Peaks, plan_bins
 from lta_vlc.diodes import build_diode_array
-from lta_vlc.direction import DirectionFinder
+from lta_vlc.direction import DirectionFinder, PART
 from lta_vlc.direction_fit import fit_direction
 import numpy as np
 from numpy.random import Generator
@@ -40,6 +40,8 @@ class BearingReading:
         Error of the elevation. [rad]
     elevation_deviation : float
         Standard deviation of the elevation, as estimated by the fit. [rad]
+    bound : float
+        Smallest possible standard deviation of the bearing (`bearing_bound`). [rad]
 
     """
 
@@ -49,19 +51,27 @@ class BearingReading:
     deviation: float
     elevation: float
     elevation_deviation: float
+    bound: float
 
 
 @final
 class BearingBench:
-    """A vehicle in a scene with both bearing estimators."""
+    """
+    A vehicle in a scene with both bearing estimators.
 
-    def __init__(self, spec: FlightSpec) -> None:
+    The drone assumes the diodes of `spec`; the simulated ones are those of `truth`, by default the
+    same.
+    """
+
+    def __init__(self, spec: FlightSpec, truth: FlightSpec | None = None) -> None:
         self._vehicle, self.scenario, self._policy = build_vehicle_scenario_stack(spec)
         table = load_topic_table()
         self._rate, self._samples = table.light.sample_rate.si, table.light.samples
         self._bins = plan_bins(self._policy.demodulation, self._rate, self._samples)
         believed = build_diode_array(self._vehicle.file.sensors.diodes)
         self._ring = believed.ring
+        if truth is not None:
+            self._vehicle = build_vehicle_scenario_stack(truth)[0]
         # The compiled fit is the one that flies, and fast enough for thousands of poses.
         self._finder = DirectionFinder(believed, compile_functions(fit_direction)[0], np.array)
         self._diodes = select_diode_gain(self.scenario.light_field, self._vehicle)
@@ -108,6 +118,7 @@ class BearingBench:
             nan if ours is None else math.sqrt(ours.azimuth_variance),
             nan if ours is None else ours.elevation - elevation,
             nan if ours is None else math.sqrt(ours.elevation_variance),
+            bearing_bound(self._vehicle.diodes, peaks, azimuth, elevation),
         )
 
     def true_direction(self, pose: Pose) -> tuple[float, float]:
@@ -115,3 +126,38 @@ class BearingBench:
         turn = Rotation.from_quat(pose[3:])
         x, y, z = turn.inv().apply(self._lamp - np.array(pose[:3])) - self._middle
         return math.atan2(y, x), math.atan2(z, math.hypot(x, y))
+
+
+def bearing_bound(
+    diodes: PhotodiodeArray, peaks: Peaks, azimuth: float, elevation: float
+) -> float:
+    """
+    Return the Cramer-Rao bound of the bearing's standard deviation. [rad]
+
+    For an unbiased estimator that knows everything but the azimuth, the lamp's strength and an
+    even pedestal: noise and unequal gains are all that disturbs it. Reflections and an unknown
+    response come on top. Infinite if the readings do not depend on the azimuth.
+    """
+    axes = diodes.planes[:, 3:]
+    level = math.cos(elevation)
+    ray = np.array([level * math.cos(azimuth), level * math.sin(azimuth), math.sin(elevation)])
+    left = np.array([-level * math.sin(azimuth), level * math.cos(azimuth), 0.0])
+    cosine = np.maximum(axes @ ray, 0.0)
+    facing = cosine**diodes.response
+    slope = np.where(
+        cosine > 0.0, diodes.response * facing / np.maximum(cosine, 1e-12) * (axes @ left), 0.0
+    )
+    # Strength and pedestal are linear; the readings give them
+    linear = np.stack([facing, np.ones(len(axes))], axis=1)
+    strength, pedestal = np.linalg.lstsq(linear, peaks.amplitude, rcond=None)[0]
+    expected = strength * facing + pedestal
+    variance = (PART * peaks.noise) ** 2 + (diodes.gain_spread * expected) ** 2
+    jacobian = np.column_stack([strength * slope, linear])
+    information = jacobian.T @ (jacobian / variance[:, None])
+    # Schur complement of the azimuth
+    rest = (
+        information[0, 0]
+        - information[0, 1:]
+        @ np.linalg.lstsq(information[1:, 1:], information[1:, 0], rcond=None)[0]
+    )
+    return float(1.0 / math.sqrt(rest)) if rest > 0.0 else math.inf

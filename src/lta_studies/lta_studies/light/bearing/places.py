@@ -1,11 +1,28 @@
 """Scenes of the bearing studies."""
 
 from dataclasses import dataclass
-from typing import Final, final
+from typing import Final, final, NamedTuple
 
 from lta_flight.flight_spec import FlightSpec, load_spec
 
 DIODES: Final = 'vehicle.sensors.diodes'
+
+
+class TrueDiodes(NamedTuple):
+    """
+    The simulated diodes where they differ from the vehicle file, which the drone assumes.
+
+    Attributes
+    ----------
+    response : float or None
+        Exponent of the cosine.
+    gain_spread : float or None
+        Relative standard deviation of the gains.
+
+    """
+
+    response: float | None = None
+    gain_spread: float | None = None
 
 
 @final
@@ -26,6 +43,13 @@ PLACES: Final[dict[str, BearingScenario]] = {
 }
 
 
-def build_flight_spec(place: BearingScenario, vehicle: str, count: int) -> FlightSpec:
-    """Return the spec of a vehicle with an even ring of diodes at a place."""
-    return load_spec(vehicle, place.scenario, 'bag', '').with_values({f'{DIODES}.count': count})
+def build_flight_spec(
+    place: BearingScenario, vehicle: str, count: int, diodes: TrueDiodes | None = None
+) -> FlightSpec:
+    """Return the spec of a vehicle with an even ring at a place; the file's diodes by default."""
+    values: dict[str, object] = {f'{DIODES}.count': count}
+    given = {} if diodes is None else diodes._asdict()
+    for name, value in given.items():
+        if value is not None:
+            values[f'{DIODES}.{name}'] = {'value': value, 'unit': '1', 'source': 'option'}
+    return load_spec(vehicle, place.scenario, 'bag', '').with_values(values)

@@ -30,13 +30,16 @@ METHOD: Final = (
     'hull at 0.5 to 1.5 m, pitch and roll of 2 degrees rms, and new random diode gains for '
     'every pose. The true bearing is the direction from the centre of the diodes to the '
     'lamp. "holds" is the share of true values within the fit\'s 95 % interval. A level ring '
-    'of diodes cannot measure the elevation, so its estimate is the prior.'
+    'of diodes cannot measure the elevation, so its estimate is the prior. "bound" is the '
+    'Cramer-Rao bound as a median error: no unbiased estimator could do better with this noise '
+    'and these unequal gains, even if it knew the reflections and the response of the diodes.'
 )
 TICKS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)  # degrees
 PLACE_HEADS: Final = ('place', 'diodes', 'range [m]')
+DIODE_HEADS: Final = ('true exponent', 'true gain spread [%]')
 BEARING_HEADS: Final = (
-    'SNR', 'paper, median [°]', 'paper, 95 % quantile [°]', 'fit, median [°]',
-    'fit, 95 % quantile [°]', 'fit deviation [°]', 'holds [%]',
+    'SNR', 'bound, median [°]', 'paper, median [°]', 'paper, 95 % quantile [°]',
+    'fit, median [°]', 'fit, 95 % quantile [°]', 'fit deviation [°]', 'holds [%]',
 )  # fmt: skip
 ELEVATION_HEADS: Final = ('elevation, median [°]', 'holds [%]', 'lost: paper, fit [%]')
 
@@ -88,13 +91,15 @@ def build_bearing_table(results: Sequence[BearingTrialResult]) -> TextTable:
     """Return the table of the bearings of both estimators."""
     rows = [
         [
-            *format_place(each), f'{s.snr:.0f}', format_degrees(s.paper),
+            *format_place(each), *format_diodes(each), f'{s.snr:.0f}', format_degrees(s.bound),
+            format_degrees(s.paper),
             format_degrees(s.paper_most, 1), format_degrees(s.ours),
             format_degrees(s.ours_most, 1), format_degrees(s.deviation), format_percent(s.holds),
         ]
         for each, s in ((each, each.score) for each in results)
     ]  # fmt: skip
-    return TextTable('Comparison of the estimators', (*PLACE_HEADS, *BEARING_HEADS), rows)
+    heads = (*PLACE_HEADS, *DIODE_HEADS, *BEARING_HEADS)
+    return TextTable('Comparison of the estimators', heads, rows)
 
 
 def build_elevation_table(results: Sequence[BearingTrialResult]) -> TextTable:
@@ -114,6 +119,15 @@ def build_elevation_table(results: Sequence[BearingTrialResult]) -> TextTable:
 def format_place(result: BearingTrialResult) -> list[str]:
     """Return the cells of place, number of diodes and range."""
     return [result.place, str(result.count), format_range(result.range)]
+
+
+def format_diodes(result: BearingTrialResult) -> list[str]:
+    """Return the cells of the simulated diodes."""
+    response, spread = result.diodes
+    return [
+        'file' if response is None else f'{response:g}',
+        'file' if spread is None else f'{100.0 * spread:g}',
+    ]
 
 
 def format_headline(results: Sequence[BearingTrialResult]) -> str:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any, final
 
 from lta_studies.light.bearing.bench import BearingBench, BearingReading
-from lta_studies.light.bearing.places import build_flight_spec, PLACES
+from lta_studies.light.bearing.places import build_flight_spec, PLACES, TrueDiodes
 from lta_studies.light.bearing.poses import draw_pose
 from lta_studies.light.bearing.score import BearingScore, score_readings
 import numpy as np
@@ -31,6 +31,8 @@ class BearingTrialRequest:
         Random poses per combination, each with its own diode gains.
     seed : int
         Random seed.
+    diodes : tuple of TrueDiodes
+        The simulated diodes; the drone assumes those of the vehicle file.
 
     """
 
@@ -40,21 +42,24 @@ class BearingTrialRequest:
     ranges: tuple[float | None, ...]
     poses: int
     seed: int
+    diodes: tuple[TrueDiodes, ...] = (TrueDiodes(),)
 
     @property
     def pose_count(self) -> int:
         """Total number of poses."""
-        return len(self.places) * len(self.counts) * len(self.ranges) * self.poses
+        cases = len(self.places) * len(self.counts) * len(self.ranges) * len(self.diodes)
+        return cases * self.poses
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class BearingTrialResult:
-    """Readings and score at a place, number of diodes and range [m]."""
+    """Readings and score at a place, number of diodes, range [m] and kind of diodes."""
 
     place: str
     count: int
     range: float | None
+    diodes: TrueDiodes
     readings: tuple[BearingReading, ...]
     score: BearingScore
 
@@ -64,6 +69,8 @@ class BearingTrialResult:
             'place': self.place,
             'diodes': self.count,
             'range': self.range,
+            'true_response': self.diodes.response,
+            'true_gain_spread': self.diodes.gain_spread,
             **self.score.to_json(),
         }
 
@@ -81,12 +88,16 @@ def run_bearing_trials(
     found = []
     for place in request.places:
         for count in request.counts:
-            bench = BearingBench(build_flight_spec(PLACES[place], request.vehicle, count))
-            for distance in request.ranges:
-                readings = tuple(simulate_random_poses(bench, distance, request, tick))
-                found.append(
-                    BearingTrialResult(place, count, distance, readings, score_readings(readings))
-                )
+            assumed = build_flight_spec(PLACES[place], request.vehicle, count)
+            for diodes in request.diodes:
+                truth = build_flight_spec(PLACES[place], request.vehicle, count, diodes)
+                bench = BearingBench(assumed, truth)
+                for distance in request.ranges:
+                    readings = tuple(simulate_random_poses(bench, distance, request, tick))
+                    score = score_readings(readings)
+                    found.append(
+                        BearingTrialResult(place, count, distance, diodes, readings, score)
+                    )
     return found
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 INTERVAL: Final = 1.959964  # half width of the 95 % interval in standard deviations
 PERCENT: Final = 95.0
+MEDIAN: Final = 0.6744898  # median absolute error of a normal distribution, over its deviation
 Array = NDArray[np.float64]
 
 
@@ -37,6 +38,8 @@ class BearingScore:
         Share of the true bearings within its 95 % interval.
     elevation, elevation_deviation, elevation_holds : float
         Median error, median deviation and coverage of the elevation.
+    bound : float
+        Smallest median error that an unbiased estimator could reach (`bearing_bound`).
 
     """
 
@@ -53,6 +56,7 @@ class BearingScore:
     elevation: float
     elevation_deviation: float
     elevation_holds: float
+    bound: float
 
     def to_json(self) -> dict[str, float | None]:
         """Convert the score to JSON, with NaN as null."""
@@ -83,6 +87,7 @@ def score_readings(readings: Sequence[BearingReading]) -> BearingScore:
         elevation=error_quantile(elevation, 50.0),
         elevation_deviation=error_quantile(up, 50.0),
         elevation_holds=interval_coverage(elevation, up, INTERVAL),
+        bound=MEDIAN * error_quantile(extract_column(readings, 'bound'), 50.0),
     )
 
 
