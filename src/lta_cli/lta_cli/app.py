@@ -105,6 +105,7 @@ LIGHT: Final = VerbGroup(
         'plan': Verb('light.plan', 'plan'),
         'evaluate': Verb('light.evaluate', 'evaluate', several=('--sets',)),
         'bearing': Verb('light.bearing', 'bearing'),
+        'calibrate': Verb('light.calibrate', 'calibrate'),
         'study': Verb('light.study', 'light_study'),
     },
 )

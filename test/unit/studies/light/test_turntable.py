@@ -4,15 +4,18 @@ import json
 import math
 
 from lta_config.errors import BadInput
+from lta_config.files import find_file
+from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_model.light.view import LightView
 from lta_studies.light.bearing.bench import BearingBench
 from lta_studies.light.bearing.places import build_flight_spec, PLACES
 from lta_studies.light.bearing.study import pose_for_lamp_direction
 from lta_studies.light.turntable.response import fit_response
 from lta_studies.light.turntable.turntable import summarize_directions, TurntableReadings
-from lta_vlc.diodes import build_even_ring
+from lta_vlc.diodes import build_diode_array, build_even_ring
 import numpy as np
 import pytest
+import yaml
 
 from ...conftest import header  # noqa: TID252 - `test` is Python's own
 
@@ -72,17 +75,13 @@ def test_half_a_turn_is_refused_by_the_directions_it_lacks():
         summarize_directions(half, 'bench')
 
 
-@pytest.fixture
-def bag(record, types):
-    """The simulated board 3 m before the lamp, turned by 22.5 degrees every 0.6 s."""
-    bench = BearingBench(build_flight_spec(PLACES['indoor'], 'gtmab', 8))
+def record_turn(record, types, diodes, bench, turned, odometry=False):
+    """Record the blocks of a board 3 m before the lamp at a list of headings. [rad]"""
     chance = np.random.default_rng(5)
-    diodes = bench.sample_diode_gains(chance)
     messages = []
-    for k in range(16 * HOLD_BLOCKS):
-        turned = (k // HOLD_BLOCKS) * STEP
+    for k, heading in enumerate(turned):
         view = LightView(bench.scenario.light_field, bench._vehicle, diodes)
-        view.record_pose(pose_for_lamp_direction(bench, ZERO - turned))
+        view.record_pose(pose_for_lamp_direction(bench, ZERO - heading))
         time = START + k * 100_000_000
         block = view.sample_light_block(time, 1e4, 1000, chance)
         image = types['sensor_msgs/msg/Image'](
@@ -95,7 +94,74 @@ def bag(record, types):
             np.frombuffer(block.astype('<u2').tobytes(), np.uint8),
         )
         messages.append(('/lta1/photodiodes', 'sensor_msgs/msg/Image', image, time))
+        if odometry:
+            messages.append(
+                ('/lta1/odom', 'nav_msgs/msg/Odometry', odom(types, time, heading), time)
+            )
     return record(messages)
+
+
+def odom(types, time, heading):
+    """Return odometry at the origin with a heading."""
+    names = 'geometry_msgs/msg/'
+    still = types[names + 'Vector3'](0.0, 0.0, 0.0)
+    turn = types[names + 'Quaternion'](0.0, 0.0, math.sin(heading / 2), math.cos(heading / 2))
+    pose = types[names + 'Pose'](types[names + 'Point'](0.0, 0.0, 1.0), turn)
+    none = np.zeros(36)
+    return types['nav_msgs/msg/Odometry'](
+        header(time),
+        'base_link',
+        types[names + 'PoseWithCovariance'](pose, none),
+        types[names + 'TwistWithCovariance'](types[names + 'Twist'](still, still), none),
+    )
+
+
+@pytest.fixture
+def bench():
+    return BearingBench(build_flight_spec(PLACES['indoor'], 'gtmab', 8))
+
+
+@pytest.fixture
+def bag(record, types, bench):
+    """The simulated board 3 m before the lamp, turned by 22.5 degrees every 0.6 s."""
+    diodes = bench.sample_diode_gains(np.random.default_rng(5))
+    turned = [(k // HOLD_BLOCKS) * STEP for k in range(16 * HOLD_BLOCKS)]
+    return record_turn(record, types, diodes, bench, turned)
+
+
+def test_a_turn_in_place_gives_gains_and_response_for_the_vehicle_file(
+    call, record, types, bench, tmp_path
+):
+    """The diodes are off by 5 % and have another response; the lines go into a file that loads."""
+    chance = np.random.default_rng(6)
+    gains = 1.0 + 0.05 * chance.standard_normal(8)
+    gains /= gains.mean()
+    diodes = bench.sample_diode_gains(chance).model_copy(
+        update={'gains': tuple(gains.tolist()), 'response': 1.6}
+    )
+    turned = np.arange(200) * math.tau * 1.05 / 200 - 0.7
+    turn = record_turn(record, types, diodes, bench, turned.tolist(), odometry=True)
+    status, said = call('light', 'calibrate', turn, '--json', '--out', tmp_path / 'out')
+    assert status == 0, said.err
+    told = json.loads(said.out)
+    response = told['response']
+    assert response['exponent'] == pytest.approx(1.6, abs=0.08)
+    assert response['gains'] == pytest.approx(gains.tolist(), abs=0.012)
+    # Written into the vehicle file, they load, and the drone assumes them
+    words = {name: yaml.safe_load(text) for name, text in told['entries'].items()}
+    values = yaml.safe_load(find_file('vehicle', 'gtmab').read_text())
+    values['sensors']['diodes'].update(words)
+    path = tmp_path / 'calibrated.yaml'
+    path.write_text(yaml.safe_dump(values))
+    known = build_diode_array(load_vehicle_file(str(path)).sensors.diodes)
+    assert known.gains == pytest.approx(gains.tolist(), abs=0.012)
+    assert known.spread < 0.012
+
+
+def test_a_bag_without_odometry_is_refused(call, bag):
+    status, said = call('light', 'calibrate', bag)
+    assert status == 2
+    assert said.err.startswith('The recording has no topic odom, so its turn is unknown; record')
 
 
 def test_a_simulated_turntable_is_studied_and_its_zero_found(call, bag, tmp_path):
@@ -106,7 +172,7 @@ def test_a_simulated_turntable_is_studied_and_its_zero_found(call, bag, tmp_path
     assert told['diodes'] == 8
     assert told['blocks'] == [4] * 16  # of six, the first and the last of each hold are left
     assert math.degrees(told['zero']) == pytest.approx(1.5, abs=1.0)
-    assert told['response']['exponent'] == pytest.approx(1.2, abs=0.15)
+    assert told['response']['exponent'] == pytest.approx(1.2, abs=0.05)
     page = (tmp_path / 'out' / 'report.html').read_text()
     assert 'On the turntable, the median bearing error is' in page
     assert 'scatterpolar' in page
@@ -120,7 +186,7 @@ def test_a_simulated_turntable_is_studied_and_its_zero_found(call, bag, tmp_path
 def test_a_recording_that_does_not_say_how_it_turned_asks(call, bag):
     status, said = call('hardware', 'light', bag)
     assert status == 2
-    assert said.err.startswith('The recording has no topic ground_truth/odom, so the motion')
+    assert said.err.startswith('The recording has no topic ground_truth/odom, so its turn')
     status, said = call('hardware', 'light', bag, '--step', '22.5')
     assert status == 2
     assert 'give either --rate, or both --step and --hold' in said.err

@@ -10,8 +10,8 @@ from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_data.bag.recorded_flight import open_flight
 from lta_report.progress_bar import ProgressBar
 from lta_report.report import Report
-from lta_studies.light.turntable.report import build_report
-from lta_studies.light.turntable.response import fit_response, TurntableResponse
+from lta_studies.light.turntable.report import build_report, format_vehicle_lines
+from lta_studies.light.turntable.response import fit_response
 from lta_studies.light.turntable.turntable import (
     evaluate_turn,
     summarize_directions,
@@ -58,6 +58,9 @@ def light(
     frequency: Annotated[
         float, typer.Option(help='Flicker frequency of the lamp in Hz.', min=1.0, max=1e5)
     ] = DemodulationSettings().frequency,
+    distance: Annotated[
+        float, typer.Option(help='Distance from the photodiodes to the lamp in metres.', min=0.3)
+    ] = 3.0,
     robot: Annotated[
         str | None,
         typer.Option(help='Robot namespace; needed if the bag contains several robots.'),
@@ -99,20 +102,13 @@ def light(
     # Angle between the zero of the turntable and that of the board [rad]
     zero = zero_offset(readings)
     found, blocks = summarize_directions(readings, 'bench', zero if align else 0.0)
-    fitted = fit_response(readings, diodes, zero)
+    fitted = fit_response(readings, diodes, zero, distance)
     return build_report(
         found, readings, fitted, diodes, {'blocks': blocks, 'zero': zero, 'aligned': align},
         facts={'bag': str(bag), 'vehicle': vehicle},
-        closing=format_response(fitted, zero, align),
+        closing=(
+            *format_vehicle_lines(fitted, f'measured: turntable, {bag}'),
+            f'Zero offset of the turntable: {math.degrees(zero):.2f}° '
+            f'({"removed" if align else "kept; --align removes it"}).',
+        ),
     )  # fmt: skip
-
-
-def format_response(response: TurntableResponse, zero: float, align: bool) -> str:
-    """Return the entries for the vehicle file and the zero offset of the turntable."""
-    done = 'removed' if align else 'kept; --align removes it'
-    return (
-        f'Diode entries for the vehicle file: response: {response.exponent:.2f} ± '
-        f'{response.exponent_deviation:.1g}, gain_spread: '
-        f'{1e2 * response.gain_spread:.1f} %. Zero offset of the turntable: '
-        f'{math.degrees(zero):.2f}° ({done}).'
-    )

@@ -1,6 +1,6 @@
 """Build the report on a real light board on a turntable."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 import math
 from typing import Any, Final
 
@@ -45,6 +45,13 @@ METHOD: Final = (
     'ms). Response and gains are fitted over all directions; their deviations are jackknife '
     'estimates.'
 )
+TURN: Final = (
+    'A drone turns in place in front of a lamp. The direction of the lamp is the heading of the '
+    'drone, by its odometry, plus a constant that is the median of the fit. Exponent, gains and '
+    'diffuse light are fitted over all directions. Their deviations are jackknife estimates over '
+    '16 directions. The gains are relative to their mean; what remains unknown of each is its '
+    'deviation, which becomes the new gain_spread.'
+)
 POINTS: Final = 91  # of the fitted curve, every 2 degrees
 
 
@@ -56,7 +63,7 @@ def build_report(
     data: Mapping[str, Any],
     *,
     facts: Mapping[str, str],
-    closing: str,
+    closing: Sequence[str],
 ) -> Report:
     """
     Return the report of a turn.
@@ -71,8 +78,8 @@ def build_report(
         Further content of the JSON file.
     facts : mapping of str to str
         Origin of the recording.
-    closing : str
-        Last line on the terminal.
+    closing : sequence of str
+        Last lines on the terminal.
 
     """
     # Only claims on rings with as many diodes as this board
@@ -99,9 +106,65 @@ def build_report(
         ),
         data={**study.to_json(), **data, 'response': response._asdict(), 'claims': claims},
         facts=facts,
-        closing=(closing,),
+        closing=closing,
         json_name='turntable.json',
     )  # fmt: skip
+
+
+def build_calibration_report(
+    study: RingStudy,
+    readings: TurntableReadings,
+    response: TurntableResponse,
+    diodes: DiodeArray,
+    facts: Mapping[str, str],
+) -> Report:
+    """Return the report of a turn in flight, from which response and gains are calibrated."""
+    source = f'measured: turn of {facts["bag"]}'
+    entries = format_entries(response, source)
+    return Report(
+        command='light calibrate',
+        subject=facts['vehicle'],
+        headline=f'The response of the photodiodes is cos^{response.exponent:.2f} '
+        f'(\N{PLUS-MINUS SIGN} {response.exponent_deviation:.1g}), and their gains differ by '
+        f'{1e2 * response.gain_spread:.1f} % (each \N{PLUS-MINUS SIGN} '
+        f'{1e2 * response.gain_uncertainty:.1g} %).',
+        introduction=f'{study.count} diodes, {len(readings.direction)} blocks of ADC samples.',
+        tiles=build_tiles(study, response),
+        blocks=(
+            Picture(
+                'curve', 'Angular response of a diode', CURVE,
+                plot_response(readings, response, diodes),
+            ),
+            build_gain_table(response),
+            TextTable(
+                'Entries for the vehicle file, below sensors.diodes', ('entry', 'value'),
+                [list(each) for each in entries.items()],
+            ),
+            TextSection('Method', (TURN,)),
+        ),
+        data={**study.to_json(), 'response': response._asdict(), 'entries': entries},
+        facts=facts,
+        closing=format_vehicle_lines(response, source),
+    )  # fmt: skip
+
+
+def format_entries(response: TurntableResponse, source: str) -> dict[str, str]:
+    """Return the measured entries of `sensors.diodes` as YAML, by name."""
+    gains = ', '.join(f'{gain:.4f}' for gain in response.gains)
+    values = {
+        'response': f'{response.exponent:.3f}, unit: "1"',
+        'response_deviation': f'{response.exponent_deviation:.3f}, unit: "1"',
+        'gains': f'[{gains}]',
+        'gain_spread': f'{1e2 * response.gain_uncertainty:.2f}, unit: "%"',
+    }
+    return {name: f'{{value: {text}, source: "{source}"}}' for name, text in values.items()}
+
+
+def format_vehicle_lines(response: TurntableResponse, source: str) -> list[str]:
+    """Return the measured entries as lines to paste into the vehicle file."""
+    entries = format_entries(response, source)
+    lines = [f'    {name}: {value}' for name, value in entries.items()]
+    return ['Put these lines below sensors.diodes in the vehicle file:', *lines]
 
 
 def build_gain_table(response: TurntableResponse) -> TextTable:

@@ -52,6 +52,8 @@ class TurntableMotion(NamedTuple):
         Time from one step to the next. [s]
     start : float
         Direction of the lamp from the nose in the first block. [rad]
+    heading : str
+        Topic with the heading, if there is neither rate nor step.
 
     """
 
@@ -59,6 +61,7 @@ class TurntableMotion(NamedTuple):
     step: float = 0.0
     hold: float = 0.0
     start: float = 0.0
+    heading: str = TRUTH
 
 
 @final
@@ -145,8 +148,7 @@ def evaluate_turn(
     if len(found) < FEWEST:
         raise BadInput(
             f'The recording has only {len(found)} usable blocks of photodiode samples, too few '
-            f'for {DIRECTIONS} directions; record for longer, or correct --rate, --step and '
-            '--hold.'
+            f'for {DIRECTIONS} directions; record a longer turn.'
         )
     direction, by_paper, by_fit, snr = np.array(found).T
     return TurntableReadings(direction, by_paper, by_fit, snr, np.array(amplitudes))
@@ -169,12 +171,16 @@ def _build_true_direction(
     if table.rate:
         # The lamp turns the other way than the board.
         return lambda time: wrap_angle(table.start - table.rate * (time - first))
-    if TRUTH not in flight.topics:
+    if table.heading not in flight.topics:
+        remedy = 'record it'
+        if table.heading == TRUTH:
+            remedy = (
+                'give --rate in degrees per second, or --step in degrees and --hold in seconds'
+            )
         raise BadInput(
-            f'The recording has no topic {TRUTH}, so the motion of the table is unknown; '
-            'give --rate in degrees per second, or --step in degrees and --hold in seconds.'
+            f'The recording has no topic {table.heading}, so its turn is unknown; {remedy}.'
         )
-    series = flight.read_series(TRUTH)
+    series = flight.read_series(table.heading)
     names = [f'pose.pose.orientation.{axis}' for axis in 'xyzw']
     quaternions = np.stack([series.numbers[name] for name in names], axis=1)
     # Unwrapped, because interpolation across a jump of 2 pi would be wrong
@@ -218,7 +224,7 @@ def summarize_directions(
         angles = ', '.join(f'{k * 360.0 / DIRECTIONS:g}' for k in missing)
         raise BadInput(
             'The recording has no photodiode samples with the lamp at a bearing of '
-            f'{angles} degrees; record a whole turn, or correct --rate, --step and --hold.'
+            f'{angles} degrees; record a whole turn.'
         )
     paper, ours = (
         tuple(
