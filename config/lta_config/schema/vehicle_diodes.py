@@ -86,7 +86,7 @@ class PhotodiodesBlock(StrictModel):
     )
     response_deviation: Annotated[Quantity, si_quantity('1', low=0.0, high=5.0, sourced=True)] = (
         _default_quantity(
-            0.3, '1', 'assumed: standard deviation of the exponent, until it is measured'
+            0.5, '1', 'assumed: exponents of 1 to 2 are possible until it is measured'
         )
     )
     field_of_view: Annotated[
