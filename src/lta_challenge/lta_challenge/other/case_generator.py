@@ -152,7 +152,7 @@ class OtherCaseGenerator:
         if truth.draught:
             air.append(RoomAirMotion(truth.draught, seconds, draw))
         pilot = SwingingPilot(seconds, self._file, draw)
-        begin = _draw_initial_state(pilot.heading, draw)
+        begin = draw_initial_state(pilot.heading, draw)
         unlisted = UNLISTED[name].make(numbers) if name else None
         return (
             FlightSimulator(truth, pilot, air, unlisted).simulate_flight(begin, seconds),
@@ -176,7 +176,7 @@ class OtherCaseGenerator:
         return CaseFlight(bag, role, COURSE, streams)
 
 
-def _draw_initial_state(heading: float, draw: Draw) -> list[float]:
+def draw_initial_state(heading: float, draw: Draw) -> list[float]:
     """Draw a state near rest and nearly upright."""
     nod, bank = (0.5 * TILT * float(each) for each in draw.standard_normal(2))
     c, s = math.cos(0.5 * heading), math.sin(0.5 * heading)

@@ -37,6 +37,26 @@ class UnlistedDisturbance(Protocol):
         ...
 
 
+class ActuatorSet(Protocol):
+    """Actuators that turn commands into a wrench."""
+
+    def set_duties(self, duties: Sequence[float]) -> None:
+        """Set the command of each actuator from now on."""
+        ...
+
+    def advance(self, seconds: float) -> None:
+        """Advance by a time. [s]"""
+        ...
+
+    def thrusts_after_command(self, seconds: float) -> list[float]:
+        """Return the thrust of each actuator at a time after the command [s]."""
+        ...
+
+    def total_wrench(self, thrusts: Sequence[float]) -> Six:
+        """Return force and moment of the thrusts about the hull centre."""
+        ...
+
+
 class DutyPilot(Protocol):
     """A pilot that commands rotor duties."""
 
@@ -132,6 +152,8 @@ class FlightSimulator:
         Sources of air motion.
     unlisted : UnlistedDisturbance, optional
         Disturbance outside the library.
+    actuators : callable
+        Builds the actuators: `RotorSet`, or `WrenchActuators` for commanded wrenches.
 
     """
 
@@ -141,13 +163,14 @@ class FlightSimulator:
         pilot: DutyPilot,
         air: Sequence[MovingAir] = (),
         unlisted: UnlistedDisturbance | None = None,
+        actuators: Callable[[VehicleTruth, Sequence[float]], ActuatorSet] = RotorSet,
     ) -> None:
         self._body, self._pilot, self._strange = KirchhoffBody(truth), pilot, unlisted
         own = unlisted.air_motion() if unlisted else None
         self._plain_air = RoomAir(air)
         self._air = RoomAir([*air, own]) if own else self._plain_air
         # A second set without the disturbance, to compute what the disturbance changes
-        self._rotors, self._plain = (RotorSet(truth, pilot.initial_duties()) for _ in range(2))
+        self._rotors, self._plain = (actuators(truth, pilot.initial_duties()) for _ in range(2))
         # Whole ticks of the delay; the rest shifts the times of the states
         self._late = math.floor(truth.delay / TICK)
         self._shift = truth.delay - TICK * self._late

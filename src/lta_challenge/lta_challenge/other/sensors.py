@@ -144,11 +144,11 @@ class SensorSet:
         time = self._sample_times(POSE_RATE, age)
         moments = self._interpolate_motion(time - age)
         to_map = Rotation.from_euler('ZYX', self._truth.tracker)
-        place = to_map.apply(moments.place, inverse=True) + self._white_noise(
-            PLACE_NOISE, len(time), 3
-        )
+        marker = moments.place + moments.turn.apply(self._truth.marker_arm)
+        place = to_map.apply(marker, inverse=True) + self._white_noise(PLACE_NOISE, len(time), 3)
+        to_body = Rotation.from_euler('ZYX', self._truth.marker_turn)
         shaken = Rotation.from_rotvec(self._white_noise(ATTITUDE_NOISE, len(time), 3))
-        turn = to_map.inv() * moments.turn * shaken
+        turn = to_map.inv() * moments.turn * to_body * shaken
         return self._times_to_stamps(time, pose=True), np.hstack([place, turn.as_quat()])
 
     def measure_imu(self) -> tuple[Array, Array]:

@@ -76,6 +76,11 @@ class VehicleTruth:
         Yaw, pitch and roll from the tracker's axes to the map. [rad]
     tracker_delay : float
         Age of a pose. [s]
+    marker_turn, marker_arm : triple
+        Yaw, pitch and roll [rad] from the axes of the marker frame to those of the body, and the
+        position of its origin in the body. [m]
+    wrench_gains : tuple of six float
+        Share of a commanded wrench that acts, by axis, for a vehicle that is commanded by a wrench.
     imu_bias, gyro_bias, gyro_scale : triple
         Biases, and relative scale error of the gyroscope. [m/s2], [rad/s], [1]
     range_offset, pressure_offset : float
@@ -116,6 +121,9 @@ class VehicleTruth:
     draught: float = 0.0
     tracker: Triple = NONE
     tracker_delay: float = 0.0
+    marker_turn: Triple = NONE
+    marker_arm: Triple = NONE
+    wrench_gains: Six = (1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
     imu_bias: Triple = NONE
     gyro_bias: Triple = NONE
     gyro_scale: Triple = NONE

@@ -12,7 +12,11 @@ from typing import Final, final
 
 from lta_config.errors import BadInput
 from lta_discovery.fit.bounds import apply_parameters
-from lta_discovery.forecast.horizon_errors import compute_horizon_errors, HorizonErrors
+from lta_discovery.forecast.horizon_errors import (
+    compute_horizon_errors,
+    HORIZONS,
+    HorizonErrors,
+)
 from lta_discovery.forecast.levenberg_marquardt import (
     next_damping,
     solve_bounded_step,
@@ -74,6 +78,8 @@ class ForecastFit:
         Of the fitted parameters, about `values`, without the prior.
     said : tuple of ForecastNormalEquations
         By flight.
+    lifts : ndarray, shape (F,)
+        Net lift of each flight of the fitter, besides the shared one. [N]
 
     """
 
@@ -81,6 +87,7 @@ class ForecastFit:
     precision: Array
     pull: Array
     said: tuple[ForecastNormalEquations, ...]
+    lifts: Array
 
 
 @final
@@ -94,6 +101,10 @@ class ForecastFitter:
         In pieces longer than the last horizon, with the same parameters.
     lift : float
         Standard deviation of a flight's lift. [N]
+    place : float
+        Weight of position errors relative to attitude errors.
+    horizons : sequence of float
+        Of the forecasts. [s]
 
     """
 
@@ -103,13 +114,17 @@ class ForecastFitter:
         flights: Sequence[FlightLinearizer],
         lift: float,
         place: float = PLACE,
+        horizons: Sequence[float] = HORIZONS,
     ) -> None:
         self.nominal, self.flights, self.lift = nominal, flights, lift
+        self.horizons = horizons
         self.knobs: list[FreeParameter] = flights[0].knobs
         self._lift = next(k for k, knob in enumerate(self.knobs) if knob.name == 'net_lift.force')
         zero = np.zeros(len(self.knobs))
         first = [
-            compute_horizon_errors(one, self.build_linearization_point(zero, 0.0, one)).left
+            compute_horizon_errors(
+                one, self.build_linearization_point(zero, 0.0, one), horizons=horizons
+            ).left
             for one in flights
         ]
         self.weights = _error_weights(np.concatenate(first), place)
@@ -134,7 +149,10 @@ class ForecastFitter:
         """Return one flight's horizon errors, and their sensitivities to parameters and lift."""
         flight = self.flights[f]
         return compute_horizon_errors(
-            flight, self.build_linearization_point(values, lift, flight), [*which, self._lift]
+            flight,
+            self.build_linearization_point(values, lift, flight),
+            [*which, self._lift],
+            self.horizons,
         )
 
     def fit(
@@ -186,6 +204,7 @@ class ForecastFitter:
             np.sum([one.products for one in said.values()], axis=0),
             np.sum([one.pull for one in said.values()], axis=0),
             tuple(said.values()),
+            lifts,
         )
 
     def leave_out_flights(
@@ -264,7 +283,9 @@ class ForecastFitter:
         flight = self.flights[f]
         with np.errstate(all='ignore'):
             left = compute_horizon_errors(
-                flight, self.build_linearization_point(values, float(lifts[f]), flight)
+                flight,
+                self.build_linearization_point(values, float(lifts[f]), flight),
+                horizons=self.horizons,
             ).left
         # Compare costs only over the same readings.
         if np.isfinite(left).sum() < self._known[f]:

@@ -19,7 +19,7 @@ from lta_discovery.replay.flight_linearizer import FlightLinearizer, POSE, start
 from lta_discovery.replay.linearization_inputs import LinearizationInputs, prepare_linearization
 from lta_discovery.replay.linearized_flight import AXES, LinearizationPoint, zero_unknowns
 from lta_discovery.replay.replay import STEPS
-from lta_discovery.replay.sensing import predict_readings, tracker_frame, transform_to_map
+from lta_discovery.replay.sensing import pose_sensitivity, predict_readings, transform_to_map
 from lta_discovery.replay.variational_equation import WIDTH
 import numpy as np
 from numpy.typing import NDArray
@@ -105,7 +105,8 @@ def _compute_piece_errors(
     columns = np.zeros((*left.shape, len(which)))
     if not len(which):
         return left, columns
-    answers = flight.state_sensitivities(begun, about, states, some)[:, index, :POSE]
+    answers = flight.state_sensitivities(begun, about, states, some)[:, index]
+    answers = pose_sensitivity(answers, grid[:, index], acting)
     order = list(which)
     for j, k in enumerate(about.moving):
         columns[..., order.index(k)] = answers[..., flight.motion + j]
@@ -113,8 +114,6 @@ def _compute_piece_errors(
         # A rotation of the tracker frame also rotates the initial state of a piece.
         begins = start_sensitivity(replay.cut.start[some], turned)
         columns[..., order.index(k)] = np.einsum('shpb,sb->shp', answers[..., :WIDTH], begins)
-    # Position errors are measured in the frame of the tracker
-    columns[..., :3, :] = tracker_frame(acting)[0] @ columns[..., :3, :]
     for turned, k in zip(about.turned, about.reading, strict=True):
         a, b = (predict_readings(grid, time, rows.acting, flight.places) for rows in turned[:2])
         turns = quaternion_logarithm(

@@ -34,7 +34,7 @@ DESIGN: Final = frozenset(
         'rotor_thrust', 'thrust_curve', 'thrust_polynomial', 'weight_and_buoyancy', 'walls',
         'floor_contact', 'hull_lift', 'strip_damping', 'moving_mass', 'gas_state', 'air_state',
         'turbulence', 'gusts', 'wind_profile', 'rotor_envelope_interaction', 'ceiling_effect',
-        'battery_compensation',
+        'battery_compensation', 'marker_offset', 'wrench_gain',
     }
 )  # fmt: skip
 # Parameters of those that are uncertain if present, because they were fitted to flights.
@@ -46,6 +46,8 @@ FITTED: Final[dict[str, tuple[str, ...]]] = {
 SIGNS: Final[dict[str, tuple[float, float]]] = {
     'hull_lift.side_beta': (-math.inf, 0.0),
     'hull_lift.lift_alpha': (0.0, math.inf),
+    # A leak loses lift; a calibration also follows lift that grows
+    'helium_leak.rate': (0.0, math.inf),
 }
 NO_CANDIDATE: Final = frozenset(
     {

@@ -41,8 +41,6 @@ class ReplayRows:
         Flags of the active effects.
     acting : mapping of str to Chain
         Measurement effects by channel.
-    gains : ndarray, shape (6,)
-        Of a commanded wrench, axis by axis.
 
     """
 
@@ -51,7 +49,6 @@ class ReplayRows:
     body: Array
     body_on: Flags
     acting: Mapping[str, Chain]
-    gains: Array
 
 
 @final
@@ -72,8 +69,6 @@ class NominalVehicle:
         About the centre of gravity. [kg m2]
     rotors : tuple of (place, axis)
         As in `VehicleModel.build`.
-    gains : tuple of 6 float
-        Effective share of a commanded wrench, axis by axis.
 
     """
 
@@ -83,7 +78,6 @@ class NominalVehicle:
     cg: Array
     inertia: Array
     rotors: tuple[tuple[Array, Array], ...]
-    gains: tuple[float, ...] = (1.0,) * 6
 
     @classmethod
     def from_vehicle(cls, vehicle: Vehicle) -> Self:
@@ -153,7 +147,7 @@ class NominalVehicle:
         a_on = _copy_model(model, actuators, ACTUATOR_PLACES, ACTUATOR_LAYOUT)
         b_on = _copy_model(model, body, BODY_PLACES, BODY_LAYOUT)
         acting = build_chains(model.given, EFFECTS)
-        return ReplayRows(actuators, a_on, body, b_on, acting, np.array(self.gains))
+        return ReplayRows(actuators, a_on, body, b_on, acting)
 
     def update_replay_rows(self, other: 'NominalVehicle', rows: ReplayRows) -> ReplayRows:
         """
@@ -198,7 +192,6 @@ class NominalVehicle:
             rows.body.copy(),
             rows.body_on.copy(),
             acting,
-            np.array(self.gains),
         )
         for kind in kinds:
             numbers = fill_parameters(kind, self.given[kind.name])

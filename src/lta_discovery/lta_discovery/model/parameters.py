@@ -26,7 +26,6 @@ from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import ActuatorEffect, AXES, MeasurementEffect, WrenchEffect
 from lta_model.state import ACTUATORS
 
-GAIN: Final = 'wrench_gain'
 BEYOND: Final = 3.0  # standard deviations; an estimate may exceed its bounds by this
 STEEP: Final = 2.0  # largest factor by which a linear estimate exceeds the true value
 Target = tuple[str, str]
@@ -81,8 +80,6 @@ class FreeParameter:
             if effect == 'vehicle':
                 # Logarithmic, so that successive changes add up, as linearization assumes.
                 nominal = _scale_mass_properties(nominal, parameter, math.exp(rate * value))
-            elif effect == GAIN:
-                nominal = _add_wrench_gain(nominal, parameter, rate * value)
             else:
                 now = nominal.parameter_value(effect, parameter)
                 nominal = nominal.with_value(effect, parameter, now + rate * value)
@@ -122,6 +119,11 @@ class FreeParameter:
         return self.is_within_bounds(value / STEEP, deviation / STEEP)
 
     @property
+    def is_calibration(self) -> bool:
+        """Whether it is a number that any vehicle file must have, instead of an effect."""
+        return self.name in CALIBRATION or self.name.endswith('.thrust')
+
+    @property
     def channels(self) -> set[str]:
         """Channels of the measurement effects that it changes; '' for other effects."""
         kinds = [EFFECTS.get(effect) for effect, _ in self.moves]
@@ -131,7 +133,7 @@ class FreeParameter:
     def reaches(self) -> Reach:
         """Part of the replay that has to be recomputed when it changes."""
         effects = {effect for effect, _ in self.moves}
-        if GAIN in effects:
+        if 'wrench_gain' in effects:
             return 'wrench'
         kinds = {effect: EFFECTS.get(effect) for effect in effects}
         if any(isinstance(kind, ActuatorEffect) for kind in kinds.values()):
@@ -155,15 +157,6 @@ def _scale_mass_properties(nominal: NominalVehicle, what: str, factor: float) ->
     inertia[axis, :] *= math.sqrt(factor)
     inertia[:, axis] *= math.sqrt(factor)
     return replace(nominal, inertia=inertia)
-
-
-def _add_wrench_gain(nominal: NominalVehicle, axis: str, more: float) -> NominalVehicle:
-    """Return the vehicle with a larger gain of the commanded wrench on one axis."""
-    k = AXES.index(axis)
-    return replace(
-        nominal,
-        gains=(*nominal.gains[:k], nominal.gains[k] + more, *nominal.gains[k + 1 :]),
-    )
 
 
 # Relative tolerances of parameters.
@@ -197,6 +190,36 @@ ROTOR: Final = 0.02  # of the thrust of each
 GAINS: Final = 0.2  # of each axis of a commanded wrench, which is rarely met exactly
 WITHIN: Final = (-0.5, 1.0)  # bounds of relative changes of mass, inertia, thrust
 TOE: Final = 0.5 * math.pi / 180.0  # rad; misalignment of a rotor axis
+# Calibration: numbers that any vehicle file must have, unlike effects, which it may lack. Their
+# standard deviations where nothing was measured (`model.calibration_parameters`).
+CALIBRATION: Final[dict[str, float]] = {
+    **{f'wrench_gain.{axis}': 2.0 for axis in AXES},
+    'command_delay.delay': 0.2,
+    'net_lift.force': 0.03,
+    **{f'marker_offset.{axis}': 0.1 for axis in 'xyz'},
+    **{f'marker_offset.{angle}': 0.2 for angle in ('yaw', 'pitch', 'roll')},
+    'tracker_misalignment.pitch': 0.03,
+    'tracker_misalignment.roll': 0.03,
+    'clock_offset.offset': 0.1,
+    'vehicle.mass': 0.03,
+    'vehicle.roll': 0.3,
+    'vehicle.pitch': 0.3,
+    'vehicle.yaw': 0.3,
+    'cg_height.z': 0.02,
+    'cg_offset.x': 0.01,
+    'cg_offset.y': 0.01,
+    'gyro_bias.x': 0.03,
+    'gyro_bias.y': 0.03,
+    'gyro_bias.z': 0.03,
+    'gyro_scale.x': 0.03,
+    'gyro_scale.y': 0.03,
+    'gyro_scale.z': 0.03,
+    'imu_bias.x': 0.3,
+    'imu_bias.y': 0.3,
+    'imu_bias.z': 0.3,
+    'range_offset.offset': 0.05,
+    'pressure_drift.rate': 0.0035,
+}
 # Standard deviations between flights: sensor biases and lift.
 TRIMS: Final[dict[str, float]] = {
     'gyro_bias.x': 0.01,
@@ -274,8 +297,8 @@ def _list_vehicle_tolerances(nominal: NominalVehicle) -> Iterator[FreeParameter]
 def _list_wrench_gains() -> Iterator[FreeParameter]:
     """Yield the gain of a commanded wrench on each axis: a tolerance, not a candidate."""
     for axis in AXES:
-        moves = {(GAIN, axis): 1.0}
-        yield FreeParameter(f'{GAIN}.{axis}', '1', moves, STEP, STEP, GAINS, 0.0, -1.0, 2.0)
+        moves = {('wrench_gain', axis): 1.0}
+        yield FreeParameter(f'wrench_gain.{axis}', '1', moves, STEP, STEP, GAINS, 0.0, -1.0, 2.0)
 
 
 def list_free_parameters(nominal: NominalVehicle, wrench: bool = False) -> list[FreeParameter]:

@@ -5,7 +5,7 @@ The columns are the initial state of each piece, the knots of a latent wrench, t
 every free parameter. Only the products of whitened columns are stored per piece.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final, final
 
@@ -35,10 +35,11 @@ from lta_discovery.replay.reading_jacobian import reading_jacobians
 from lta_discovery.replay.replay import BodyInputs, FlightReplay, STEPS
 from lta_discovery.replay.sensing import (
     ideal_readings,
+    marker_frame,
+    pose_sensitivity,
     predict_readings,
     PredictedReadings,
     SensorPlaces,
-    tracker_frame,
     transform_to_map,
 )
 from lta_discovery.replay.variational_equation import (
@@ -47,6 +48,7 @@ from lta_discovery.replay.variational_equation import (
     propagate_changes,
     WIDTH,
 )
+from lta_model.measurement_chain import Chain
 import numpy as np
 from numpy.typing import NDArray
 
@@ -118,11 +120,17 @@ class FlightLinearizer:
         """Return the states at each step of some pieces."""
         told_at = self.replay.cut.start[which]
         # Poses are in the tracker frame; the model needs the map frame
-        begun = transform_to_map(told_at, rows.acting) if self._seen_only else told_at
+        moved = self._moves_start(rows.acting)
+        begun = transform_to_map(told_at, rows.acting) if moved else told_at
         start = apply_state_changes(begun, point.random[which, :WIDTH])
         return self.replay.integrate_pieces(
             rows, ready, start, self._interpolate_latent(point, which, self._hats), which
         )
+
+    def _moves_start(self, acting: Mapping[str, Chain]) -> bool:
+        """Return whether the measured initial states are transformed into the map."""
+        # Offsets of the initial states absorb a tilt of the tracker, but not the markers' frame
+        return self._seen_only or marker_frame(acting) is not None
 
     def _interpolate_latent(self, point: LinearizationPoint, which: slice, hats: Array) -> Array:
         """Return the latent force and moment in each step."""
@@ -216,7 +224,7 @@ class FlightLinearizer:
             read = self._difference_readings(grid, time, turn, base, exact)[..., :channels]
             table[..., end + 1 + k] = read / (turn.step * noise[:channels])
             # The initial state follows the tracker frame, and so does the whole trajectory
-            if self._seen_only and turn.after.acting['pose']:
+            if turn.after.acting['pose'] and self._moves_start(turn.after.acting):
                 begun = start_sensitivity(self.replay.cut.start[which], turn)
                 table[..., end + 1 + k] += np.einsum('sncb,sb->snc', table[..., :WIDTH], begun)
         if channels > POSE:
@@ -309,11 +317,7 @@ class FlightLinearizer:
         """Write the sensitivities of the readings, by the noise."""
         noise, acting = self.replay.flight.noise[:, None], about.rows.acting
         begin, end = change[:, :-1], change[:, 1:]
-        position = (
-            tracker_frame(acting)[0] @ begin[:, :, :3] if acting['pose'] else begin[:, :, :3]
-        )
-        out[:, :, :3] = position / noise[:3]
-        out[:, :, 3:POSE] = begin[:, :, 3:POSE] / noise[3:POSE]
+        out[:, :, :POSE] = pose_sensitivity(begin, grid[:, :-1], acting) / noise[:POSE]
         if out.shape[2] > POSE:
             slopes = reading_jacobians(grid, exact, time, acting, self.places)
             first, last = (slope / noise[POSE:] for slope in slopes)
@@ -340,4 +344,5 @@ def start_sensitivity(states: Array, turn: SensorStep) -> Array:
         quaternion_logarithm(quaternion_product(quaternion_conjugate(a[:, 3:7]), b[:, 3:7]))
         / turn.step
     )
+    out[:, POSE:] = (b[:, 7:] - a[:, 7:]) / turn.step
     return out

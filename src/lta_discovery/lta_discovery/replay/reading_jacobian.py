@@ -5,7 +5,13 @@ from typing import Final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_discovery.flights.measured_flight import PERIOD
-from lta_discovery.replay.sensing import apply_sensor_effects, body_vertical, PARTS, SensorPlaces
+from lta_discovery.replay.sensing import (
+    apply_sensor_effects,
+    body_vertical,
+    cross_matrix,
+    PARTS,
+    SensorPlaces,
+)
 from lta_discovery.replay.variational_equation import WIDTH
 from lta_model.measurement_chain import Chain
 from lta_model.sensors.pressure import EXPONENT, LAPSE, SEA_TEMPERATURE
@@ -20,14 +26,6 @@ TURN, SPEED, RATES = (
     slice(9, 12),
 )  # of a state change (`variational_equation`)
 SMALL: Final = np.array([1e-4] * 7 + [1.0])  # step of a reading, to differentiate its effects
-
-
-def cross_matrix(vector: Array) -> Array:
-    """Return the matrices of v x, shape (..., 3, 3)."""
-    out = np.zeros((*vector.shape, 3))
-    out[..., 2, 1], out[..., 0, 2], out[..., 1, 0] = np.moveaxis(vector, -1, 0)
-    out[..., 1, 2], out[..., 2, 0], out[..., 0, 1] = np.moveaxis(-vector, -1, 0)
-    return out
 
 
 def _write_force_slopes(

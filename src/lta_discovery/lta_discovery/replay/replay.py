@@ -168,7 +168,8 @@ class FlightReplay:
         if told is None:
             return np.zeros((len(self._steps), AXES))
         # A delay shifts when commands arrive, not their values
-        late = Stream(told.time + _command_delays(rows, told.time), told.values * rows.gains)
+        acting = apply_channel_effects(rows.acting['command_wrench'], told.values, told.time)
+        late = Stream(told.time + _command_delays(rows, told.time), acting)
         return average_held_values(late, np.append(self._steps, self._steps[-1] + self.dt))
 
     def _applied_wrench(self, ready: BodyInputs, latent: Array, which: slice) -> Array:

@@ -11,7 +11,9 @@ from lta_discovery.model.quaternions import (
     quaternion_exponential,
     quaternion_product,
     rotate_vectors,
+    rotation_matrix,
 )
+from lta_model.effects.sensors import marker_offset
 from lta_model.measurement_chain import apply_chain, Chain
 from lta_model.sensors.imu import imu_specific_force
 from lta_model.sensors.pressure import air_pressure, EXPONENT, LAPSE, SEA_TEMPERATURE
@@ -22,6 +24,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
+MARKER: Final = marker_offset.compute_reading
+IDENTITY: Final = np.array([0.0, 0.0, 0.0, 1.0])  # quaternion x y z w
 # Readings that each channel of effects acts on.
 PARTS: Final = {
     'rates': slice(0, 3),
@@ -73,6 +77,14 @@ def pose_time_shift(acting: Mapping[str, Chain], time: Array) -> Array:
     return apply_channel_effects(acting['pose_time'], clock, time)[..., 0] - time
 
 
+def cross_matrix(vector: Array) -> Array:
+    """Return the matrices of v x, shape (..., 3, 3)."""
+    out = np.zeros((*vector.shape, 3))
+    out[..., 2, 1], out[..., 0, 2], out[..., 1, 0] = np.moveaxis(vector, -1, 0)
+    out[..., 1, 2], out[..., 2, 0], out[..., 0, 1] = np.moveaxis(-vector, -1, 0)
+    return out
+
+
 def _shift_poses(states: Array, shift: Array) -> tuple[Array, Array]:
     """
     Return poses at small time shifts from the states on the grid.
@@ -106,30 +118,71 @@ def _predict_pose(states: Array, time: Array, acting: Mapping[str, Chain]) -> tu
 
 def tracker_frame(acting: Mapping[str, Chain]) -> tuple[Array, Array]:
     """Return the rotation from the map into the tracker's frame: matrix and quaternion."""
-    chain = acting['pose']
+    chain = tuple(link for link in acting['pose'] if link[0] is not MARKER)
     if not chain:
-        return np.eye(3), np.array([0.0, 0.0, 0.0, 1.0])
+        return np.eye(3), IDENTITY
     # Images of the unit vectors are the columns of the rotation matrix
     axes = [apply_chain(chain, (*axis, 0.0, 0.0, 0.0, 1.0), 0.0)[:3] for axis in np.eye(3)]
     turn = apply_chain(chain, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0), 0.0)[3:]
     return np.array(axes, dtype=np.float64).T, np.array(turn, dtype=np.float64)
 
 
+def marker_frame(acting: Mapping[str, Chain]) -> tuple[Array, Array] | None:
+    """Return the markers' origin in the body and the rotation to body axes; None for the body's."""
+    for reading, p in acting['pose']:
+        if reading is MARKER:
+            there = apply_chain(((reading, p),), (0.0,) * 6 + (1.0,), 0.0)
+            return np.array(there[:3], dtype=np.float64), np.array(there[3:], dtype=np.float64)
+    return None
+
+
 def transform_to_map(states: Array, acting: Mapping[str, Chain]) -> Array:
     """
-    Transform tracker states, shape (..., 13), into the map frame.
+    Transform tracker states, shape (..., 13), into states of the body in the map frame.
 
-    Body velocity and rates do not depend on the tracker frame.
+    Body velocity and rates do not depend on the tracker frame, but on the frame of the markers.
     """
     if not acting['pose']:
         return states
     frame, turn = tracker_frame(acting)
     back = np.broadcast_to(quaternion_conjugate(turn), (*states.shape[:-1], 4))
-    return np.concatenate(
+    out = np.concatenate(
         # A row vector times the matrix applies the inverse rotation
         [states[..., :3] @ frame, quaternion_product(back, states[..., 3:7]), states[..., 7:]],
         axis=-1,
     )
+    markers = marker_frame(acting)
+    return out if markers is None else _transform_to_body(out, *markers)
+
+
+def _transform_to_body(states: Array, arm: Array, turn: Array) -> Array:
+    """Transform states of the marker frame into those of the body."""
+    own = np.broadcast_to(turn, (*states.shape[:-1], 4))
+    attitude = quaternion_product(states[..., 3:7], quaternion_conjugate(own))
+    rates = rotate_vectors(own, states[..., 10:13])
+    # The hull centre moves slower than the markers by what the rotation adds
+    velocity = rotate_vectors(own, states[..., 7:10]) - np.cross(rates, arm)
+    place = states[..., :3] - rotate_vectors(attitude, np.broadcast_to(arm, rates.shape))
+    return np.concatenate([place, attitude, velocity, rates], axis=-1)
+
+
+def pose_sensitivity(change: Array, states: Array, acting: Mapping[str, Chain]) -> Array:
+    """
+    Return the change of tracked poses, shape (..., 6, K), for changes of states (..., 12, K).
+
+    Position, and a rotation vector in the axes of the markers. [m, rad]
+    """
+    place, turn = change[..., :3, :], change[..., 3:6, :]
+    markers = marker_frame(acting)
+    if markers is not None:
+        arm, own = markers
+        body = rotation_matrix(states[..., 3:7])
+        # A rotation of the body moves the markers by their lever arm: R (turn x arm)
+        place = place + body @ (-cross_matrix(arm) @ turn)
+        turn = rotation_matrix(own).T @ turn
+    if acting['pose']:
+        place = tracker_frame(acting)[0] @ place
+    return np.concatenate([place, turn], axis=-2)
 
 
 def body_vertical(states: Array) -> Array:

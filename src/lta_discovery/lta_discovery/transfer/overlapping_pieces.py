@@ -14,9 +14,11 @@ APART: Final = 2.5  # s; least time between beginnings
 MOST: Final = 400  # pieces of all flights, to limit time and memory
 
 
-def cut_horizon_pieces(flight: MeasuredFlight, apart: float = APART) -> Windows:
-    """Cut a flight into complete pieces as long as the last horizon."""
-    count = round(HORIZONS[-1] / PERIOD)
+def cut_horizon_pieces(
+    flight: MeasuredFlight, apart: float = APART, length: float = HORIZONS[-1]
+) -> Windows:
+    """Cut a flight into complete pieces as long as the last horizon. [s]"""
+    count = round(length / PERIOD)
     first, start = [], []
     for begin, end in find_usable_runs(flight.usable):
         for index in range(begin, end - count, round(apart / PERIOD)):
@@ -36,11 +38,14 @@ def piece_spacing(flights: Sequence[MeasuredFlight]) -> float:
 
 
 def cut_overlapping_pieces(
-    flight: FlightLinearizer, knobs: Sequence[FreeParameter], apart: float = APART
+    flight: FlightLinearizer,
+    knobs: Sequence[FreeParameter],
+    apart: float = APART,
+    length: float = HORIZONS[-1],
 ) -> FlightLinearizer | None:
     """Return a flight in overlapping pieces; None if it is too short for any."""
     replay = flight.replay
-    cut = cut_horizon_pieces(replay.flight, apart)
+    cut = cut_horizon_pieces(replay.flight, apart, length)
     if not len(cut.first):
         return None
     return FlightLinearizer(replay.with_pieces(cut), knobs, flight.places)

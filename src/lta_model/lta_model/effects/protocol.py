@@ -302,6 +302,7 @@ CHANNELS = {
     'pose': 7,  # of the tracker: position in its frame [m] and quaternion x y z w
     'pose_time': 1,  # flight time at which the reported pose was true [s]
     'command_time': 1,  # flight time of the command that the rotors obey now [s]
+    'command_wrench': 6,  # commanded force and moment, body frame [N, N m]
     'clock': 1,  # what the vehicle's clock stamps at a flight time [s]
 }
 

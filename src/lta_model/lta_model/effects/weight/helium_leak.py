@@ -11,6 +11,8 @@ lift density of (rho_air - rho_he) g = 10.2 N/m3:
     permeation   0.2 to 0.9 L/(m2 day) through 2.5 m2: 0.6 to 2.6e-7 N/s, 0.5 to 2.3 g a day
     a hole       0.6 A sqrt(2 dp / rho_he): 1 mm2 under 30 Pa loses 1.2e-4 N/s, 0.7 g a minute
 
+A negative rate is lift that grows, as while the gas warms.
+
 At a given memory the wrench is independent of the rate, so no parameter is declared linear. Not
 modelled: the mass of the lost helium (0.16 g for each gram of lift), loss of shape, air flowing
 in, and that a taut envelope loses overpressure before lift.
@@ -20,7 +22,7 @@ from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, W
 
 PARAMETERS = (
     EffectParameter(
-        'rate', 'N/s', 0.0, 0.0, 0.1, 1e-4,
+        'rate', 'N/s', 0.0, -0.1, 0.1, 1e-4,
         'airship laminates with 0.2 to 0.9 L/(m2 day) (Frontiers Mater. 2022, 992984) '
         'lose 2.6e-7 N/s at most; spread: a hole of 1 mm2 at 30 Pa (Bernoulli); limit: 10 '
         'g/s',

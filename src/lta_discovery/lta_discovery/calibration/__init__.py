@@ -1,0 +1,1 @@
+"""Calibrate a vehicle from its flights: what every vehicle file must state."""

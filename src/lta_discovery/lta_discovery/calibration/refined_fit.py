@@ -1,0 +1,46 @@
+"""
+Refine a calibration by the likelihood of every reading, which also gives the intervals.
+
+States of each piece and a slowly varying unexplained wrench are free, as in discovery, so that the
+intervals contain what the model does not explain.
+"""
+
+from collections.abc import Sequence
+
+from lta_config.errors import BadInput
+from lta_discovery.calibration.coarse_fit import CoarseCalibration, LIFT
+from lta_discovery.fit.bounds import apply_parameters
+from lta_discovery.fit.evidence import build_shared_prior, per_flight_variance, wrench_floor
+from lta_discovery.fit.joint_fit import JointFit, JointFitter
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.knot_count import count_needed_knots
+from lta_discovery.replay.linearized_flight import LinearizationPoint, SENSORS, zero_unknowns
+import numpy as np
+
+
+def refine_calibration(
+    nominal: NominalVehicle, flights: Sequence[FlightLinearizer], coarse: CoarseCalibration
+) -> JointFit | None:
+    """Return the joint fit of all flights from a coarse calibration; None if it cannot run."""
+    knobs = flights[0].knobs
+    near = apply_parameters(nominal, knobs, coarse.values)[0]
+    knots = count_needed_knots(flights, near)
+    flights = [one.with_knots(knots) for one in flights]
+    lift = next(k for k, knob in enumerate(knobs) if knob.name == LIFT)
+    points = []
+    for one, force in zip(flights, coarse.lifts, strict=True):
+        values = coarse.values.copy()
+        values[lift] += force
+        vehicle, values = apply_parameters(nominal, knobs, values)
+        values = np.append(values, np.zeros(len(SENSORS)))
+        points.append(LinearizationPoint(vehicle, values, zero_unknowns(one.replay.cut)))
+    floor = wrench_floor(nominal)
+    fitter = JointFitter(nominal, flights, per_flight_variance(knobs), floor)
+    prior = build_shared_prior(knobs)
+    at = np.append(coarse.values, np.zeros(len(SENSORS)))
+    try:
+        begin = fitter.linearize_flights(at, points, prior)
+        return fitter.fit(prior, begin, 2.5 * floor, narrow=True)
+    except (BadInput, np.linalg.LinAlgError):
+        return None

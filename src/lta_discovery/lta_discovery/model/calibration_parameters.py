@@ -1,0 +1,113 @@
+"""
+Define the calibration parameters: numbers that any vehicle file must have, with wide priors.
+
+Discovery takes them as tolerances of a file that was measured. A calibration takes them as unknown
+within `CALIBRATION`. Everything else that discovery can name is an effect, which a model may lack.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+import math
+from typing import Final
+
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import CALIBRATION, FreeParameter, list_free_parameters
+from lta_model.effects import EFFECTS
+from lta_model.effects.protocol import AXES
+import numpy as np
+
+GRAVITY: Final = 9.81  # m/s2
+LIFT: Final = 0.01  # of the weight; net lift of a flight
+TREND: Final = 4e-5  # of the weight per second; change of the lift in a flight
+THRUST: Final = 1.0  # relative; each rotor
+DRAG: Final = 0.3  # relative; drag and added mass, which a calibration must not mistake for gains
+FLOWS: Final = (
+    'linear_drag', 'quadratic_drag', 'rotational_drag', 'added_mass', 'added_inertia',
+    'strip_damping', 'hull_lift',
+)  # fmt: skip
+PER_FLIGHT: Final = frozenset({'net_lift.force', 'helium_leak.rate'})
+# What a flight alone cannot show: the tracker's clock is that of the flight, its heading the map's.
+POSE_ONLY: Final = frozenset({'clock_offset.offset'})
+FAR: Final = 20.0  # largest gain
+SWING: Final = 0.6  # largest logarithm of a factor on mass and inertia
+
+
+def prior_deviation(knob: FreeParameter, nominal: NominalVehicle) -> float:
+    """Return the standard deviation of a parameter before a calibration; 0 for an effect."""
+    weight, effect = GRAVITY * nominal.mass, knob.name.partition('.')[0]
+    if knob.name == 'net_lift.force':
+        return LIFT * weight
+    if knob.name == 'helium_leak.rate':
+        return TREND * weight
+    if knob.name.startswith('rotor_') and knob.name.endswith('.thrust'):
+        return THRUST
+    if effect in FLOWS:
+        # As wide as the file's own tolerance is narrow: 5 % become 30 %
+        return knob.tolerance * DRAG / 0.05
+    return CALIBRATION.get(knob.name, 0.0)
+
+
+def list_calibration_parameters(
+    nominal: NominalVehicle, commanded: Sequence[bool], only_pose: bool
+) -> list[FreeParameter]:
+    """
+    Return the parameters of a calibration, with their deviations before it as tolerances.
+
+    Parameters
+    ----------
+    commanded : sequence of 6 bool
+        Axes on which a wrench was commanded; none for vehicles commanded by duties.
+    only_pose : bool
+        Whether nothing but the pose was measured.
+
+    """
+    out = []
+    for knob in [*list_free_parameters(nominal, any(commanded)), *list_marker_parameters()]:
+        wide = prior_deviation(knob, nominal)
+        effect, _, part = knob.name.partition('.')
+        kind = EFFECTS.get(effect)
+        uncommanded = effect == 'wrench_gain' and not commanded[AXES.index(part)]
+        unseen = only_pose and (
+            knob.name in POSE_ONLY or getattr(kind, 'channel', 'pose') in ('rates', 'force', 'range', 'pressure')
+        )
+        if wide == 0.0 or uncommanded or unseen:
+            continue
+        low, high = knob.low, knob.high
+        if effect == 'wrench_gain':
+            low, high = -FAR, FAR
+        elif effect == 'vehicle':
+            low, high = -SWING, SWING
+        elif knob.name == 'helium_leak.rate':
+            low = -math.inf
+        out.append(
+            replace(
+                knob,
+                tolerance=wide,
+                typical=0.0,
+                low=low,
+                high=high,
+                per_flight=knob.per_flight or knob.name in PER_FLIGHT,
+            )
+        )
+    return out
+
+
+def list_marker_parameters() -> list[FreeParameter]:
+    """Return the parameters of the markers' frame."""
+    return [
+        FreeParameter(
+            f'marker_offset.{known.name}',
+            known.unit,
+            {('marker_offset', known.name): 1.0},
+            1e-3,
+            1e-3,
+            low=known.low,
+            high=known.high,
+        )
+        for known in EFFECTS['marker_offset'].parameters
+    ]
+
+
+def commanded_axes(wrench: np.ndarray[tuple[int, int], np.dtype[np.float64]]) -> list[bool]:
+    """Return on which axes a wrench, shape (n, 6), was commanded."""
+    return [bool(size > 0.0) for size in np.ptp(wrench, axis=0)]
