@@ -15,7 +15,7 @@ from lta_challenge.other.air import MovingAir, RoomAirMotion
 from lta_challenge.other.case_generator import draw_initial_state
 from lta_challenge.other.flight import FlightSimulator, TICK
 from lta_challenge.other.sensors import SensorSet, STAMPS
-from lta_challenge.other.tolerance import perturb_vehicle
+from lta_challenge.other.tolerance import perturb_vehicle, scale_randomly, shift_randomly
 from lta_challenge.other.truth import build_vehicle_truth, Six, to_triple, VehicleTruth
 from lta_challenge.other.wrench_flight import WrenchActuators, WrenchPilot
 from lta_model.vehicle import Vehicle
@@ -32,6 +32,11 @@ LIFT: Final = 0.025  # N; largest net lift of a flight
 TREND: Final = 1e-4  # N/s; largest change of the lift in a flight
 DELAY: Final = 0.4  # s; largest delay of the commands
 TILT: Final = math.radians(1.0)  # rad; deviation of each tilt of the tracker
+# Errors of a vehicle file that nobody weighed or swung: standard deviations
+MASS: Final = 0.02  # relative
+INERTIA: Final = 0.15  # relative
+BALANCE: Final = 5e-3  # m; centre of gravity
+DRAG: Final = 0.2  # relative
 DRAUGHT: Final = 2e-3  # m/s; rms of the air motion in every second case
 SECONDS: Final = (60.0, 100.0)  # s; range of flight lengths
 ROLES: Final = ('train', 'train', 'confirm', 'holdout')
@@ -81,8 +86,15 @@ def _draw_ball(radius: float, draw: Draw) -> np.ndarray[tuple[int], np.dtype[np.
 def hide_calibration(truth: VehicleTruth, draw: Draw) -> VehicleTruth:
     """Return a vehicle with a random calibration."""
     turn = Rotation.from_rotvec(_draw_ball(MARKER_TURN, draw))
+    heavier = MASS * truth.mass * float(draw.standard_normal())
     return replace(
         truth,
+        mass=truth.mass + heavier,
+        displaced=truth.displaced + heavier,
+        inertia=scale_randomly(truth.inertia, INERTIA, draw),
+        cg=shift_randomly(truth.cg, BALANCE, draw),
+        drag=scale_randomly(truth.drag, DRAG, draw),
+        turn_square=scale_randomly(truth.turn_square, DRAG, draw),
         wrench_gains=_draw_gains(draw),
         marker_turn=to_triple(turn.as_euler('ZYX')),
         marker_arm=to_triple(_draw_ball(MARKER_ARM, draw)),

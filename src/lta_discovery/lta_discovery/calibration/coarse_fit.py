@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Final, final
 
 from lta_config.errors import BadInput
+from lta_discovery.flights.measured_flight import PERIOD
 from lta_discovery.forecast.forecast_fit import ForecastFit, ForecastFitter
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
@@ -23,10 +24,13 @@ Array = NDArray[np.float64]
 
 SHORT: Final = (0.4, 0.8, 1.2)  # s; horizons of the first fit
 LONG: Final = (1.0, 2.0, 3.0)  # s; horizons of the second
-APART: Final = (0.8, 1.5)  # s; time between the beginnings of pieces in each
-DELAYS: Final = (0.0, 0.08, 0.16, 0.24, 0.32, 0.4, 0.5)  # s; tried
+APART: Final = (1.2, 1.5)  # s; least time between the beginnings of pieces in each
+MOST: Final = 100  # pieces of all flights, to limit the time
+DELAYS: Final = (0.0, 0.1, 0.2, 0.3, 0.4)  # s; tried
 FIRST: Final = ('wrench_gain', 'marker_offset', 'rotor_')  # fitted at each delay
 LIFT: Final = 'net_lift.force'
+DELAY: Final = 'command_delay.delay'
+ROUNDS: Final = 6  # most linearisations of a fit
 
 
 @final
@@ -41,11 +45,14 @@ class CoarseCalibration:
         Relative to the vehicle file.
     lifts : ndarray, shape (F,)
         Net lift of each flight. [N]
+    covariance : ndarray, shape (K, K)
+        Of the values; that of the prior where no forecast was fitted.
 
     """
 
     values: Array
     lifts: Array
+    covariance: Array
 
 
 def build_forecast_fitter(
@@ -56,6 +63,8 @@ def build_forecast_fitter(
 ) -> ForecastFitter | None:
     """Return a fitter to the forecasts of some flights; None if one is too short for them."""
     knobs = flights[0].knobs
+    seconds = PERIOD * sum(int(one.replay.flight.usable.sum()) for one in flights)
+    apart = max(apart, seconds / MOST)
     cut = [cut_overlapping_pieces(one, knobs, apart, horizons[-1]) for one in flights]
     known = [one for one in cut if one is not None]
     if len(known) < len(flights):
@@ -71,13 +80,16 @@ def fit_coarse_calibration(
     knobs = flights[0].knobs
     shared = [k for k, knob in enumerate(knobs) if not knob.per_flight]
     first = [k for k in shared if knobs[k].name.startswith(FIRST)]
-    best = CoarseCalibration(np.zeros(len(knobs)), np.zeros(len(flights)))
+    unknown = np.diag([knob.tolerance**2 for knob in knobs])
+    best = CoarseCalibration(np.zeros(len(knobs)), np.zeros(len(flights)), unknown)
     short = build_forecast_fitter(nominal, flights, SHORT, APART[0])
     if short is not None:
         starts = _fit_at_delays(short, knobs, first)
         if starts:
-            start = min(starts, key=_fit_cost)
-            best = _improve(short, best, start.values, shared)
+            every = range(len(flights))
+            start = min(starts, key=lambda fit: short.rms_error(fit.values, every))
+            late = [k for k in shared if knobs[k].name == DELAY]
+            best = _improve(short, best, start.values, [*first, *late])
     long = build_forecast_fitter(nominal, flights, LONG, APART[1])
     return best if long is None else _improve(long, best, best.values, shared)
 
@@ -86,28 +98,29 @@ def _fit_at_delays(
     fitter: ForecastFitter, knobs: Sequence[FreeParameter], which: Sequence[int]
 ) -> list[ForecastFit]:
     """Return a fit of some parameters at each delay that the model accepts."""
-    late = next((k for k, knob in enumerate(knobs) if knob.name == 'command_delay.delay'), None)
+    late = next((k for k, knob in enumerate(knobs) if knob.name == DELAY), None)
     out = []
     for delay in DELAYS if late is not None else DELAYS[:1]:
         begin = np.zeros(len(knobs))
         if late is not None:
             begin[late] = min(max(delay, knobs[late].low), knobs[late].high)
         try:
-            out.append(_fit(fitter, which, begin, 3))
+            out.append(_fit(fitter, which, begin, 2))
         except (BadInput, np.linalg.LinAlgError):
             continue
     return out
 
 
-def _fit(fitter: ForecastFitter, which: Sequence[int], begin: Array, rounds: int) -> ForecastFit:
+def _fit(
+    fitter: ForecastFitter,
+    which: Sequence[int],
+    begin: Array,
+    rounds: int,
+) -> ForecastFit:
     """Fit some parameters to all flights."""
     spread = np.array([fitter.knobs[k].tolerance for k in which])
-    return fitter.fit(which, spread, range(len(fitter.flights)), begin, rounds)
-
-
-def _fit_cost(fit: ForecastFit) -> float:
-    """Return the cost of a fit over all flights."""
-    return sum(one.cost for one in fit.said)
+    every = range(len(fitter.flights))
+    return fitter.fit(which, spread, every, begin, rounds, relinearize=False)
 
 
 def _improve(
@@ -116,9 +129,12 @@ def _improve(
     """Return the fit of all parameters from a start, or what was before if it is not better."""
     every = range(len(fitter.flights))
     try:
-        fit = _fit(fitter, which, begin, 8)
+        fit = _fit(fitter, which, begin, ROUNDS)
     except (BadInput, np.linalg.LinAlgError):
         return before
     if not fitter.rms_error(fit.values, every) < fitter.rms_error(before.values, every):
         return before
-    return CoarseCalibration(fit.values, fit.lifts)
+    spread = np.array([fitter.knobs[k].tolerance for k in which])
+    covariance = before.covariance.copy()
+    covariance[np.ix_(which, which)] = np.linalg.inv(fit.precision + np.diag(spread**-2.0))
+    return CoarseCalibration(fit.values, fit.lifts, covariance)

@@ -19,7 +19,7 @@ from lta_discovery.replay.flight_linearizer import FlightLinearizer, POSE, start
 from lta_discovery.replay.linearization_inputs import LinearizationInputs, prepare_linearization
 from lta_discovery.replay.linearized_flight import AXES, LinearizationPoint, zero_unknowns
 from lta_discovery.replay.replay import STEPS
-from lta_discovery.replay.sensing import pose_sensitivity, predict_readings, transform_to_map
+from lta_discovery.replay.sensing import pose_sensitivity, predict_pose, transform_to_map
 from lta_discovery.replay.variational_equation import WIDTH
 import numpy as np
 from numpy.typing import NDArray
@@ -93,14 +93,14 @@ def _compute_piece_errors(
     latent = np.zeros((len(time), replay.span, AXES))
     states = replay.integrate_pieces(about.rows, about.ready, start, latent, some)
     grid = states[:, ::STEPS]
-    base = predict_readings(grid, time, acting, flight.places)
+    position, quaternion = predict_pose(grid, time, acting)
     at = flight.index[some][:, index]
     turn = quaternion_logarithm(
         quaternion_product(
-            quaternion_conjugate(base.quaternion[:, index]), replay.flight.quaternion[at]
+            quaternion_conjugate(quaternion[:, index]), replay.flight.quaternion[at]
         )
     )
-    left = np.concatenate([replay.flight.position[at] - base.position[:, index], turn], axis=-1)
+    left = np.concatenate([replay.flight.position[at] - position[:, index], turn], axis=-1)
     left[~replay.cut.inside[some][:, index]] = np.nan
     columns = np.zeros((*left.shape, len(which)))
     if not len(which):
@@ -115,10 +115,10 @@ def _compute_piece_errors(
         begins = start_sensitivity(replay.cut.start[some], turned)
         columns[..., order.index(k)] = np.einsum('shpb,sb->shp', answers[..., :WIDTH], begins)
     for turned, k in zip(about.turned, about.reading, strict=True):
-        a, b = (predict_readings(grid, time, rows.acting, flight.places) for rows in turned[:2])
+        a, b = (predict_pose(grid, time, rows.acting) for rows in turned[:2])
         turns = quaternion_logarithm(
-            quaternion_product(quaternion_conjugate(a.quaternion), b.quaternion)
+            quaternion_product(quaternion_conjugate(a[1][:, index]), b[1][:, index])
         )
-        said = np.concatenate([b.position - a.position, turns], axis=-1)
-        columns[..., order.index(k)] += said[:, index] / turned.step
+        said = np.concatenate([(b[0] - a[0])[:, index], turns], axis=-1)
+        columns[..., order.index(k)] += said / turned.step
     return left, columns

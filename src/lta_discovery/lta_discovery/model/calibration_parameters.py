@@ -47,6 +47,24 @@ def prior_deviation(knob: FreeParameter, nominal: NominalVehicle) -> float:
     return CALIBRATION.get(knob.name, 0.0)
 
 
+# Tolerances of calibrated numbers that have none in discovery: a frame set by eye.
+BY_EYE: Final[dict[str, float]] = {
+    **{f'marker_offset.{axis}': 0.02 for axis in 'xyz'},
+    **{f'marker_offset.{angle}': math.radians(2.0) for angle in ('yaw', 'pitch', 'roll')},
+    'tracker_misalignment.pitch': math.radians(0.5),
+    'tracker_misalignment.roll': math.radians(0.5),
+    'helium_leak.rate': 5e-5,
+}
+
+
+def ordinary_tolerance(knob: FreeParameter, nominal: NominalVehicle) -> float:
+    """Return the tolerance of a parameter of a vehicle that was measured with care."""
+    known = next(
+        (one for one in list_free_parameters(nominal, wrench=True) if one.name == knob.name), knob
+    )
+    return BY_EYE.get(knob.name, known.tolerance)
+
+
 def list_calibration_parameters(
     nominal: NominalVehicle, commanded: Sequence[bool], only_pose: bool
 ) -> list[FreeParameter]:
@@ -70,7 +88,8 @@ def list_calibration_parameters(
         unseen = only_pose and (
             knob.name in POSE_ONLY or getattr(kind, 'channel', 'pose') in ('rates', 'force', 'range', 'pressure')
         )
-        if wide == 0.0 or uncommanded or unseen:
+        unmoved = any(commanded) and knob.name.startswith('rotor_')
+        if wide == 0.0 or uncommanded or unseen or unmoved:
             continue
         low, high = knob.low, knob.high
         if effect == 'wrench_gain':

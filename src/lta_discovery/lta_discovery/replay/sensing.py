@@ -103,7 +103,7 @@ def _shift_poses(states: Array, shift: Array) -> tuple[Array, Array]:
     return position, quaternion_product(states[..., :-1, 3:7], turn)
 
 
-def _predict_pose(states: Array, time: Array, acting: Mapping[str, Chain]) -> tuple[Array, Array]:
+def predict_pose(states: Array, time: Array, acting: Mapping[str, Chain]) -> tuple[Array, Array]:
     """Return the predicted tracker poses of all states on the grid but the last."""
     position, quaternion = states[..., :-1, :3], states[..., :-1, 3:7]
     if acting['clock'] or acting['pose_time']:
@@ -248,7 +248,7 @@ def predict_readings(
 
     """
     begin, end = states[..., :-1, :], states[..., 1:, :]
-    position, quaternion = _predict_pose(states, time, acting)
+    position, quaternion = predict_pose(states, time, acting)
     exact = ideal_readings(begin, end, places) if exact is None else exact
     return PredictedReadings(position, quaternion, apply_sensor_effects(exact, time, acting))
 

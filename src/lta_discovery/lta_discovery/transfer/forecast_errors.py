@@ -25,10 +25,10 @@ Array = NDArray[np.float64]
 POSE: Final = CHANNELS[:6]
 
 
-def coast_errors(flight: FlightLinearizer) -> Array:
+def coast_errors(flight: FlightLinearizer, horizons: Sequence[float] = HORIZONS) -> Array:
     """Return the errors of constant body velocity and rates, shape (S, H, 6)."""
     cut, told = flight.replay.cut, flight.replay.flight
-    at = np.rint(np.array(HORIZONS) / PERIOD).astype(np.int64)
+    at = np.rint(np.array(horizons) / PERIOD).astype(np.int64)
     # In the frame of the tracker, as nothing of the model is used
     states = extrapolate_coast(cut.start, cut.length)[:, at]
     index = flight.index[:, at]

@@ -1,5 +1,6 @@
 """Correct forecasts by a lift estimated from earlier pieces of the flight."""
 
+from collections.abc import Sequence
 from typing import Final
 
 from lta_discovery.forecast.horizon_errors import HorizonErrors, HORIZONS
@@ -18,7 +19,9 @@ def piece_start_times(flight: FlightLinearizer) -> Array:
     return started
 
 
-def subtract_online_lift(ahead: HorizonErrors, time: Array, lift: float) -> Array:
+def subtract_online_lift(
+    ahead: HorizonErrors, time: Array, lift: float, horizons: Sequence[float] = HORIZONS
+) -> Array:
     """
     Subtract the error of the lift that earlier pieces make most probable.
 
@@ -34,13 +37,13 @@ def subtract_online_lift(ahead: HorizonErrors, time: Array, lift: float) -> Arra
 
     """
     left, column = ahead.left, ahead.columns[..., -1]
-    ends = time[:, None] + np.array(HORIZONS)
+    ends = time[:, None] + np.array(horizons)
     known = np.isfinite(left).all(axis=-1)
     out = left.copy()
     for k, now in enumerate(time):
         # Only forecasts that have ended by now: a real-time estimator knows no more.
         over = (ends <= now + 1e-6) & known
-        size = (SIZE * np.broadcast_to(HORIZONS, over.shape)[over])[:, None]
+        size = (SIZE * np.broadcast_to(np.array(horizons), over.shape)[over])[:, None]
         # Errors grow with the horizon, so later ones weigh less
         a, r = column[over][:, :3] / size, left[over][:, :3] / size
         out[k] -= column[k] * (np.sum(a * r) / (np.sum(a * a) + lift**-2.0))

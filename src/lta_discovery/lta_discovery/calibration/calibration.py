@@ -1,0 +1,302 @@
+"""Calibrate a vehicle file from flights: values with intervals, and what cannot be separated."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+import math
+from typing import Final, final
+
+from lta_discovery.calibration.coarse_fit import CoarseCalibration, fit_coarse_calibration, LIFT
+from lta_discovery.calibration.forecast_score import (
+    ForecastScore,
+    relative_error,
+    score_forecasts,
+)
+from lta_discovery.calibration.refined_fit import refine_calibration
+from lta_discovery.flights.usable_flights import UsableFlights
+from lta_discovery.fit.bounds import apply_parameters
+from lta_discovery.model.calibration_parameters import (
+    commanded_axes,
+    list_calibration_parameters,
+    ordinary_tolerance,
+)
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.study import prepare_flight
+from lta_model.vehicle import Vehicle
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Progress = Callable[[str, float | None], None]
+
+WIDE: Final = 1.96  # standard deviations of a 95 % interval
+KNOWN: Final = 0.7  # of the deviation before; a value with a larger one was not learned
+ALIKE: Final = 0.85  # correlation; values above it cannot be separated
+FAR: Final = 3.0  # tolerances; a value further from the file is reported first
+BETTER: Final = 0.9  # of the refined fit's forecast error; the coarse fit needs less
+TREND: Final = 'helium_leak.rate'
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class CalibratedValue:
+    """
+    One calibrated number.
+
+    Attributes
+    ----------
+    name, unit : str
+        Of the parameter; a mass or inertia is a factor on that of the file, with the unit '1'.
+    flight : str
+        The flight that it belongs to; '' for the vehicle.
+    before, value : float
+        In the vehicle file, and calibrated.
+    ci95 : pair of float
+        95 % interval.
+    is_known : bool
+        Whether the flights narrow it down; otherwise the interval is the assumed one.
+    is_far : bool
+        Whether the file is off by more than its tolerance explains.
+    inseparable : tuple of str
+        Parameters that could be changed instead.
+
+    """
+
+    name: str
+    unit: str
+    flight: str
+    before: float
+    value: float
+    ci95: tuple[float, float]
+    is_known: bool
+    is_far: bool
+    inseparable: tuple[str, ...]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Calibration:
+    """
+    Result of a calibration.
+
+    Attributes
+    ----------
+    vehicle : str
+        Name or file.
+    nominal, calibrated : NominalVehicle
+        Of the vehicle file, and calibrated, with the mean net lift of the flights.
+    values : tuple of CalibratedValue
+        Of the vehicle, then by flight.
+    scores : mapping of role to scores
+        Of forecasts of the training and of the confirming flights.
+    method : str
+        'likelihood', 'forecasts', or 'file' if nothing forecasts the flights better.
+    bags : mapping of role to names
+    warnings : tuple of str
+
+    """
+
+    vehicle: str
+    nominal: NominalVehicle
+    calibrated: NominalVehicle
+    values: tuple[CalibratedValue, ...]
+    scores: Mapping[str, tuple[ForecastScore, ...]]
+    method: str
+    bags: Mapping[str, tuple[str, ...]]
+    warnings: tuple[str, ...]
+
+    def find(self, name: str) -> CalibratedValue | None:
+        """Return a value of the vehicle by name; None if it was not calibrated."""
+        return next((one for one in self.values if one.name == name and not one.flight), None)
+
+    def list_of_flights(self, name: str) -> list[CalibratedValue]:
+        """Return the values of a parameter that each flight has of its own."""
+        return [one for one in self.values if one.name == name and one.flight]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class _Estimate:
+    """Values with covariance: shared, and of each flight (all parameters of it)."""
+
+    method: str
+    shared: Array
+    covariance: Array
+    flights: Sequence[tuple[Array, Array]]
+
+
+def calibrate_flights(
+    vehicle: Vehicle, name: str, usable: UsableFlights, tell: Progress
+) -> Calibration:
+    """Calibrate a vehicle with its training flights, and score the result on all."""
+    tell('preparing', 0.0)
+    nominal = NominalVehicle.from_vehicle(vehicle)
+    told = [flight for _, _, flight in usable.flights]
+    commanded = np.any(
+        [commanded_axes(one.wrench.values) for one in told if one.wrench is not None] or [[False]],
+        axis=0,
+    )
+    knobs = list_calibration_parameters(
+        nominal, commanded.tolist(), all(one.has_only_pose for one in told)
+    )
+    roles: dict[str, list[FlightLinearizer]] = {'train': [], 'confirm': []}
+    names: dict[str, list[str]] = {'train': [], 'confirm': []}
+    for title, role, flight in usable.flights:
+        side = role if role in roles else 'confirm'
+        roles[side].append(prepare_flight(vehicle, flight, knobs))
+        names[side].append(title)
+    tell('fitting forecasts', 0.1)
+    coarse = fit_coarse_calibration(nominal, roles['train'])
+    tell('fitting readings', 0.5)
+    estimates = _list_estimates(nominal, roles['train'], coarse, knobs)
+    tell('forecasting', 0.8)
+    best, scores = _choose_estimate(nominal, roles['train'], estimates, knobs)
+    told_scores = {'train': scores}
+    if roles['confirm']:
+        shared = _without_lift(best.shared, knobs)
+        told_scores['confirm'] = score_forecasts(nominal, roles['confirm'], shared, None)
+    mean = best.shared[: len(knobs)].copy()
+    lift = _index(knobs, LIFT)
+    mean[lift] = np.mean([values[lift] for values, _ in best.flights])
+    # What a flight has of its own, apart from the mean of the lift, is not of the vehicle
+    for k, knob in enumerate(knobs):
+        if knob.per_flight and k != lift:
+            mean[k] = 0.0
+    tell('done', 1.0)
+    return Calibration(
+        name,
+        nominal,
+        apply_parameters(nominal, knobs, mean)[0],
+        tuple(_list_values(nominal, knobs, best, names['train'])),
+        told_scores,
+        best.method,
+        {role: tuple(each) for role, each in names.items()},
+        usable.warnings,
+    )
+
+
+def _index(knobs: Sequence[FreeParameter], name: str) -> int:
+    """Return the place of a parameter."""
+    return next(k for k, knob in enumerate(knobs) if knob.name == name)
+
+
+def _without_lift(values: Array, knobs: Sequence[FreeParameter]) -> Array:
+    """Return shared values without what each flight has of its own."""
+    own = np.array([knob.per_flight for knob in knobs])
+    return np.where(own, 0.0, values[: len(knobs)])
+
+
+def _list_estimates(
+    nominal: NominalVehicle,
+    flights: Sequence[FlightLinearizer],
+    coarse: CoarseCalibration,
+    knobs: Sequence[FreeParameter],
+) -> list[_Estimate]:
+    """Return the estimates in the order of preference; that of the file is the last."""
+    out, lift, count = [], _index(knobs, LIFT), len(knobs)
+    fit = refine_calibration(nominal, flights, coarse)
+    if fit is not None and np.isfinite(fit.fitted.covariance).all():
+        members = [
+            (one.fitted.mean[:count], one.fitted.covariance[:count, :count]) for one in fit.members
+        ]
+        shared, covariance = fit.fitted.mean[:count], fit.fitted.covariance[:count, :count]
+        out.append(_Estimate('likelihood', shared, covariance, members))
+    for method, values, lifts in (
+        ('forecasts', coarse.values, coarse.lifts),
+        ('file', np.zeros(count), np.zeros(len(flights))),
+    ):
+        members = []
+        for force in lifts:
+            own = values.copy()
+            own[lift] += force
+            members.append((own, coarse.covariance))
+        out.append(_Estimate(method, values, coarse.covariance, members))
+    return out
+
+
+def _choose_estimate(
+    nominal: NominalVehicle,
+    flights: Sequence[FlightLinearizer],
+    estimates: Sequence[_Estimate],
+    knobs: Sequence[FreeParameter],
+) -> tuple[_Estimate, tuple[ForecastScore, ...]]:
+    """
+    Return the estimate that forecasts the training flights best, and its scores.
+
+    None is returned that forecasts them worse than the vehicle file.
+    """
+    lift = _index(knobs, LIFT)
+    best, told, error = estimates[-1], (), math.inf
+    for one in estimates:
+        lifts = [float(values[lift]) for values, _ in one.flights]
+        scores = score_forecasts(nominal, flights, _without_lift(one.shared, knobs), lifts)
+        now = relative_error(scores)
+        if now < (error if math.isinf(error) else BETTER * error) and now < 1.0:
+            best, told, error = one, scores, now
+        elif one.method == 'file' and math.isinf(error):
+            best, told = one, scores
+    return best, told
+
+
+def _list_values(
+    nominal: NominalVehicle,
+    knobs: Sequence[FreeParameter],
+    best: _Estimate,
+    names: Sequence[str],
+) -> list[CalibratedValue]:
+    """Return all values: those of the vehicle, then those of each flight."""
+    own = [k for k, knob in enumerate(knobs) if knob.per_flight]
+    shared = [k for k in range(len(knobs)) if k not in own]
+    out = [_build_value(nominal, knobs, k, best.shared, best.covariance, '') for k in shared]
+    for name, (values, covariance) in zip(names, best.flights, strict=True):
+        out += [_build_value(nominal, knobs, k, values, covariance, name) for k in own]
+    return out
+
+
+def _build_value(
+    nominal: NominalVehicle,
+    knobs: Sequence[FreeParameter],
+    k: int,
+    values: Array,
+    covariance: Array,
+    flight: str,
+) -> CalibratedValue:
+    """Return one value with its interval, in the unit of the vehicle file."""
+    knob, change = knobs[k], float(values[k])
+    deviation = math.sqrt(max(float(covariance[k, k]), 0.0))
+    ends = (change - WIDE * deviation, change + WIDE * deviation)
+    is_known = deviation < KNOWN * knob.tolerance
+    usual = ordinary_tolerance(knob, nominal)
+    before, value, (low, high) = _to_file_unit(nominal, knob, change, ends)
+    is_far = is_known and abs(change) > FAR * math.hypot(usual, deviation)
+    return CalibratedValue(
+        knob.name, knob.unit, flight, before, value, (low, high), is_known, is_far,
+        tuple(_list_inseparable(knobs, k, covariance)),
+    )  # fmt: skip
+
+
+def _to_file_unit(
+    nominal: NominalVehicle, knob: FreeParameter, change: float, ends: tuple[float, float]
+) -> tuple[float, float, tuple[float, float]]:
+    """Return value before, value and interval from changes of a parameter."""
+    (effect, parameter), rate = next(iter(knob.moves.items()))
+    if effect == 'vehicle':
+        # Logarithms of a factor
+        return 1.0, math.exp(change), (math.exp(ends[0]), math.exp(ends[1]))
+    if knob.name.endswith(('.thrust', '.all')):
+        return 1.0, 1.0 + change, (1.0 + ends[0], 1.0 + ends[1])
+    now = nominal.parameter_value(effect, parameter)
+    low, high = (now + rate * end for end in ends)
+    return now, now + rate * change, (low, high)
+
+
+def _list_inseparable(
+    knobs: Sequence[FreeParameter], k: int, covariance: Array
+) -> list[str]:
+    """Return the parameters whose estimates move together with one."""
+    deviation = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    alike = np.abs(covariance[k] / (deviation[k] * deviation))
+    return [
+        other.name for j, other in enumerate(knobs) if j != k and alike[j] > ALIKE
+    ]

@@ -1,0 +1,119 @@
+"""Score a calibration by its forecasts, beside the vehicle file and coasting."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+from lta_config.errors import BadInput
+from lta_discovery.calibration.coarse_fit import APART, build_forecast_fitter, LONG
+from lta_discovery.forecast.forecast_fit import ForecastFitter
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.transfer.forecast_errors import coast_errors
+from lta_discovery.transfer.online_lift import piece_start_times, subtract_online_lift
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ForecastScore:
+    """
+    RMS errors of forecasts at one horizon, over all pieces of some flights.
+
+    Attributes
+    ----------
+    horizon : float
+        [s]
+    coast, before, after : pair of float
+        Position [m] and attitude [rad] with constant body velocity, with the vehicle file, and
+        with the calibration.
+    pieces : int
+        Number of forecasts.
+
+    """
+
+    horizon: float
+    coast: tuple[float, float]
+    before: tuple[float, float]
+    after: tuple[float, float]
+    pieces: int
+
+
+def score_forecasts(
+    nominal: NominalVehicle,
+    flights: Sequence[FlightLinearizer],
+    values: Array,
+    lifts: Sequence[float] | None,
+) -> tuple[ForecastScore, ...]:
+    """
+    Score the forecasts of some flights; nothing if they are too short.
+
+    Parameters
+    ----------
+    values : ndarray, shape (K,)
+        The calibration, relative to the vehicle file.
+    lifts : sequence of float, optional
+        Net lift of each flight [N]; by default that of its own earlier pieces.
+
+    """
+    fitter = build_forecast_fitter(nominal, flights, LONG, APART[1])
+    if fitter is None:
+        return ()
+    none = np.zeros(len(values))
+    parts = {'coast': [coast_errors(one, LONG) for one in fitter.flights]}
+    parts['before'] = [_file_errors(fitter, none, f) for f in range(len(flights))]
+    parts['after'] = [
+        _calibrated_errors(fitter, values, f, None if lifts is None else lifts[f])
+        for f in range(len(flights))
+    ]
+    errors = {kind: np.concatenate(each) for kind, each in parts.items()}
+    out = []
+    for h, horizon in enumerate(LONG):
+        known = np.isfinite(errors['coast'][:, h]).all(axis=-1)
+        if known.any():
+            coast, before, after = (_rms_pair(errors[kind][known, h]) for kind in errors)
+            out.append(ForecastScore(horizon, coast, before, after, int(known.sum())))
+    return tuple(out)
+
+
+def _file_errors(fitter: ForecastFitter, none: Array, f: int) -> Array:
+    """Return the errors of the vehicle file in one flight."""
+    return fitter.compute_flight_errors(none, f).left
+
+
+def _calibrated_errors(
+    fitter: ForecastFitter, values: Array, f: int, lift: float | None
+) -> Array:
+    """Return the errors of a calibration in one flight, infinite where it cannot be flown."""
+    try:
+        if lift is not None:
+            return fitter.compute_flight_errors(values, f, (), lift).left
+        seen = fitter.compute_flight_errors(values, f)
+    except BadInput:
+        return np.full((len(fitter.flights[f].replay.first), len(LONG), 6), np.inf)
+    return subtract_online_lift(seen, piece_start_times(fitter.flights[f]), fitter.lift, LONG)
+
+
+def _rms_pair(left: Array) -> tuple[float, float]:
+    """Return the RMS errors of position and attitude; infinite where a forecast diverged."""
+    left = np.where(np.isfinite(left), left, np.inf)
+    with np.errstate(over='ignore', invalid='ignore'):
+        return (
+            float(np.sqrt(np.mean(np.sum(left[:, :3] ** 2, axis=-1)))),
+            float(np.sqrt(np.mean(np.sum(left[:, 3:] ** 2, axis=-1)))),
+        )
+
+
+def relative_error(scores: Sequence[ForecastScore]) -> float:
+    """Return the error of a calibration relative to the file's: below 1 is better."""
+    if not scores:
+        return 1.0
+    ratios = [
+        after / max(before, 1e-9)
+        for one in scores
+        for after, before in zip(one.after, one.before, strict=True)
+    ]
+    return float(np.sqrt(np.mean(np.square(ratios))))
