@@ -162,6 +162,7 @@ VERBS: Final[dict[str, Verb | VerbGroup]] = {
     'bag': BAG,
     'hardware': HARDWARE,
     'compare': Verb('compare', 'compare'),
+    'calibrate': Verb('calibrate', 'calibrate', several=('--train', '--confirm')),
     'discover': Verb('discover', 'discover', several=('--train', '--confirm', '--holdout')),
     'challenge': CHALLENGE,
     'import': Verb('import_', 'import_'),

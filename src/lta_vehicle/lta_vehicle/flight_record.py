@@ -1,4 +1,4 @@
-"""Read poses and rotor duties of a recorded flight from a bag."""
+"""Read poses and commands of a recorded flight from a bag: rotor duties, or a wrench."""
 
 from typing import Final, final, NamedTuple
 
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 POSES: Final = ('ground_truth/odom', 'odom')  # in order of preference: truth or tracker first
+WRENCH: Final = 'wrench_command'  # used where there are no duties
 
 
 @final
@@ -33,30 +34,47 @@ class RotorCommands(NamedTuple):
     duties: Array
 
 
+@final
+class WrenchCommands(NamedTuple):
+    """Commanded force in the body frame over time [s, N], shape (n, 3)."""
+
+    time: Array
+    force: Array
+
+
 def read_flight_record(
     flight: RecordedFlight, vehicle: Vehicle
-) -> tuple[VehiclePath, RotorCommands, str]:
+) -> tuple[VehiclePath, RotorCommands | WrenchCommands, str]:
     """
     Read path and commands of a recorded flight, and return the topic of its poses.
 
     Raises
     ------
     BadInput
-        If the bag lacks duties or poses, or its rotors are not those of the vehicle.
+        If the bag lacks commands or poses, or its rotors are not those of the vehicle.
 
     """
     topic = next((name for name in POSES if name in flight.topics), None)
-    if topic is None or 'motors' not in flight.topics:
+    wrench = 'motors' not in flight.topics and WRENCH in flight.topics
+    if topic is None or ('motors' not in flight.topics and not wrench):
         raise BadInput(
             f"The recording '{flight.bag.path}' has no topic "
             f'{"motors" if topic else "odom"}; record that topic too.'
         )
-    poses, motors = flight.read_series(topic), flight.read_series('motors')
+    orders = WRENCH if wrench else 'motors'
+    poses, motors = flight.read_series(topic), flight.read_series(orders)
     if not len(poses) or not len(motors):
         raise BadInput(
-            f"The recording '{flight.bag.path}' has no messages on the topics motors or "
+            f"The recording '{flight.bag.path}' has no messages on the topics {orders} or "
             f'{topic}; record both topics.'
         )
+    path = VehiclePath(
+        poses.time, poses.vector('pose.pose.position'), poses.vector('pose.pose.orientation')
+    )
+    if wrench:
+        # A missing force is not commanded
+        force = np.nan_to_num(motors.vector('wrench.force'))
+        return path, WrenchCommands(motors.time, force), topic
     # The last message has the names; they do not change within a recording
     names = [
         str(motors.texts[f'name[{i}]'][-1])
@@ -72,8 +90,5 @@ def read_flight_record(
     # A bag may list the rotors in another order than the vehicle file.
     order = [names.index(name) for name in vehicle.rotor_names]
     duties = np.stack([motors[f'effort[{i}]'] for i in order], axis=1).astype(np.float64)
-    path = VehiclePath(
-        poses.time, poses.vector('pose.pose.position'), poses.vector('pose.pose.orientation')
-    )
     # A missing effort is NaN in the bag and means that the rotor stands still
     return path, RotorCommands(motors.time, np.nan_to_num(duties)), topic

@@ -11,7 +11,9 @@ in still air, and m + A_z the mass including the added mass. The estimate m_h is
 intervals of two seconds without fast flight or climb. Its error follows from their scatter
 (Student's t, 95 %; the intervals are taken as independent).
 
-An error of the thrust curve cannot be separated: it enters m_h in full.
+An error of the thrust curve cannot be separated: it enters m_h in full. For a vehicle that is
+commanded by a wrench, the commanded force times `wrench_gain` takes the place of B T(u), and an
+error of that gain enters.
 """
 
 from collections.abc import Sequence
@@ -24,7 +26,7 @@ from lta_config.errors import BadInput
 from lta_data.even_grid import build_uniform_time_grid
 from lta_model.effect_parameters import Effects, OTHER_CURVES
 from lta_model.vehicle import Vehicle
-from lta_vehicle.flight_record import Array, RotorCommands, VehiclePath
+from lta_vehicle.flight_record import Array, RotorCommands, VehiclePath, WrenchCommands
 import numpy as np
 from scipy.special import stdtrit
 
@@ -56,8 +58,10 @@ class HeavinessEstimate:
         Heaviness by the vehicle file. [kg]
     duration : float
         Total time of the intervals used. [s]
-    duty : float
-        Mean duty of the rotors that lift. [1]
+    duty : float or None
+        Mean duty of the rotors that lift; None for a commanded wrench. [1]
+    force : float or None
+        Mean upward force of a commanded wrench; None for duties. [N]
 
     """
 
@@ -66,7 +70,8 @@ class HeavinessEstimate:
     curve_error: float
     declared: float
     duration: float
-    duty: float
+    duty: float | None
+    force: float | None = None
 
     @property
     def ballast_change(self) -> float:
@@ -75,7 +80,7 @@ class HeavinessEstimate:
 
 
 def estimate_heaviness(
-    vehicle: Vehicle, path: VehiclePath, commands: RotorCommands
+    vehicle: Vehicle, path: VehiclePath, commands: RotorCommands | WrenchCommands
 ) -> HeavinessEstimate:
     """
     Estimate the heaviness of a vehicle in a flight.
@@ -91,9 +96,13 @@ def estimate_heaviness(
     grid = _build_time_grid(path, commands)
     velocity = _estimate_velocity(path, grid)
     rotation = _rotation_matrices(path, grid)
-    up = _vertical_thrust(vehicle, commands, grid, rotation)
+    if isinstance(commands, WrenchCommands):
+        up = _vertical_command(vehicle, commands, grid, rotation)
+    else:
+        up = _vertical_thrust(vehicle, commands, grid, rotation)
+    driven = up.copy()
     up -= _vertical_drag(vehicle, velocity, rotation)
-    flying = _sample_duties(commands, grid).max(axis=1) > 0.0
+    flying = abs(_sample_commands(commands, grid)).max(axis=1) > 0.0
     # Vertical acceleration also moves the added mass of the air
     rising = vehicle.mass + vehicle.added_mass[2]
     # Samples per interval; the grid is even
@@ -116,6 +125,9 @@ def estimate_heaviness(
             f'below {CALM_CLIMB:g} m/s, ground speed below {CALM_SPEED:g} m/s); let the '
             'vehicle hover in still air for at least 20 s.'
         )
+    if isinstance(commands, WrenchCommands):
+        force = float(np.concatenate([driven[part] for part in stretches]).mean())
+        return _summarize_samples(vehicle, samples, 0.0, None, force)
     return _estimate_from_samples(vehicle, samples, commands, grid, stretches)
 
 
@@ -126,23 +138,34 @@ def _estimate_from_samples(
     grid: Array,
     stretches: list[slice],
 ) -> HeavinessEstimate:
+    lifts = [max(rotor.column[2], 0.0) for rotor in vehicle.rotors]
+    # Rotors that push mostly upwards; all of them where none does.
+    busy = [i for i, lift in enumerate(lifts) if lift > 0.5] or list(range(len(lifts)))
+    duties = np.concatenate([_sample_commands(commands, grid)[part] for part in stretches])
+    # Errors of the thrust curves are taken as independent between rotors.
+    curve = CURVE_ERROR * math.sqrt(sum(lifts[i] ** 2 for i in busy)) / STANDARD_GRAVITY
+    return _summarize_samples(vehicle, samples, curve, float(duties[:, busy].mean()), None)
+
+
+def _summarize_samples(
+    vehicle: Vehicle,
+    samples: Sequence[float],
+    curve_error: float,
+    duty: float | None,
+    force: float | None,
+) -> HeavinessEstimate:
     values = np.array(samples)
     spread = float(values.std(ddof=1)) / math.sqrt(len(values))
     # Quantile of Student's t for a two-sided interval
     factor = float(stdtrit(len(values) - 1, 0.5 + 0.5 * CONFIDENCE))
-    lifts = [max(rotor.column[2], 0.0) for rotor in vehicle.rotors]
-    # Rotors that push mostly upwards; all of them where none does.
-    busy = [i for i, lift in enumerate(lifts) if lift > 0.5] or list(range(len(lifts)))
-    duties = np.concatenate([_sample_duties(commands, grid)[part] for part in stretches])
-    # Errors of the thrust curves are taken as independent between rotors.
-    curve = CURVE_ERROR * math.sqrt(sum(lifts[i] ** 2 for i in busy)) / STANDARD_GRAVITY
     return HeavinessEstimate(
         heaviness=float(values.mean()),
         error=factor * spread,
-        curve_error=curve,
+        curve_error=curve_error,
         declared=vehicle.heaviness,
         duration=STRETCH * len(values),
-        duty=float(duties[:, busy].mean()),
+        duty=duty,
+        force=force,
     )
 
 
@@ -151,7 +174,7 @@ def _is_calm(velocity: Array) -> bool:
     return abs(mean[2]) < CALM_CLIMB and math.hypot(mean[0], mean[1]) < CALM_SPEED
 
 
-def _build_time_grid(path: VehiclePath, commands: RotorCommands) -> Array:
+def _build_time_grid(path: VehiclePath, commands: RotorCommands | WrenchCommands) -> Array:
     """Return an even grid over the commands that lie within the path."""
     inside = (commands.time >= path.time[0]) & (commands.time <= path.time[-1])
     grid = commands.time[inside]
@@ -206,17 +229,29 @@ def _rotation_matrices(path: VehiclePath, grid: Array) -> Array:
     )
 
 
-def _sample_duties(commands: RotorCommands, grid: Array) -> Array:
-    """Return the duties at the grid times; each command holds until the next."""
+def _sample_commands(commands: RotorCommands | WrenchCommands, grid: Array) -> Array:
+    """Return the duties or forces at the grid times; each command holds until the next."""
     index = np.clip(np.searchsorted(commands.time, grid, side='right') - 1, 0, None)
-    return commands.duties[index]
+    table = commands.force if isinstance(commands, WrenchCommands) else commands.duties
+    return table[index]
+
+
+def _vertical_command(
+    vehicle: Vehicle, commands: WrenchCommands, grid: Array, rotation: Array
+) -> Array:
+    """Return the commanded force along the vertical of the map, after its gains. [N]"""
+    gains = vehicle.collect_effects().get('wrench_gain', {})
+    force = _sample_commands(commands, grid) * [
+        gains.get(axis, 1.0) for axis in ('surge', 'sway', 'heave')
+    ]
+    return np.asarray(np.einsum('nj,nj->n', rotation[:, 2], force))
 
 
 def _vertical_thrust(
     vehicle: Vehicle, commands: RotorCommands, grid: Array, rotation: Array
 ) -> Array:
     """Return the rotor force along the vertical of the map. [N]"""
-    duties = _sample_duties(commands, grid)
+    duties = _sample_commands(commands, grid)
     effects = vehicle.collect_effects()
     _refuse_other_curves(vehicle, effects)
     scale = effects.get('thrust_scale', {}).get('factor', 1.0)

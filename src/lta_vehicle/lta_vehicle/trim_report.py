@@ -23,15 +23,27 @@ def describe_heaviness(estimate: HeavinessEstimate, name: str, simulated: bool) 
     lines = [
         f'{name} was {abs(grams):.2f} g {heavy} than air, '
         f'\N{PLUS-MINUS SIGN} {error:.2f} g (95 %), from {estimate.duration:.0f} s of hover '
-        f'at a duty of {100.0 * estimate.duty:.1f} %.',
+        f'at {_describe_effort(estimate)}.',
         _suggest_ballast(GRAMS * estimate.ballast_change, GRAMS * estimate.declared, error),
     ]
-    if not simulated:
+    if estimate.force is not None:
+        lines.append(
+            'An error in the gain of the commanded force adds to that; lta calibrate '
+            'estimates the gain.'
+        )
+    elif not simulated:
         lines.append(
             f'The thrust curve adds an error of about {GRAMS * estimate.curve_error:.1f} '
             'g, if it is as accurate as that of a Crazyflie motor (2.9 mN rms per rotor).'
         )
     return '\n'.join(lines)
+
+
+def _describe_effort(estimate: HeavinessEstimate) -> str:
+    """Return the mean effort of the hover in words."""
+    if estimate.duty is not None:
+        return f'a duty of {100.0 * estimate.duty:.1f} %'
+    return f'a force of {GRAMS * (estimate.force or 0.0):.1f} mN'
 
 
 def _suggest_ballast(add: float, declared: float, error: float) -> str:
@@ -47,7 +59,7 @@ def _suggest_ballast(add: float, declared: float, error: float) -> str:
     return f'{action} of ballast {target}.{doubt if abs(add) < error else ""}'
 
 
-def encode_heaviness(estimate: HeavinessEstimate) -> dict[str, float | str]:
+def encode_heaviness(estimate: HeavinessEstimate) -> dict[str, float | str | None]:
     """Return the estimate for JSON, masses in kg."""
     # The error is a 95 % interval, about two sigma.
     total = math.hypot(estimate.error / 2.0, estimate.curve_error)
@@ -60,5 +72,6 @@ def encode_heaviness(estimate: HeavinessEstimate) -> dict[str, float | str]:
         'add': estimate.ballast_change,
         'duration': estimate.duration,
         'duty': estimate.duty,
+        **({} if estimate.force is None else {'force': estimate.force}),
         'unit': 'kg',
     }

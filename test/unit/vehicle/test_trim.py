@@ -2,10 +2,16 @@
 
 import math
 
+from lta_challenge.recording import write_bag
 from lta_config.errors import BadInput
 from lta_data.bag.recorded_flight import open_flight
 from lta_model.vehicle import load_vehicle
-from lta_vehicle.flight_record import read_flight_record, RotorCommands, VehiclePath
+from lta_vehicle.flight_record import (
+    read_flight_record,
+    RotorCommands,
+    VehiclePath,
+    WrenchCommands,
+)
 from lta_vehicle.trim import estimate_heaviness
 from lta_vehicle.trim_report import describe_heaviness, encode_heaviness
 import numpy as np
@@ -126,3 +132,44 @@ def test_duties_of_another_vehicle_are_refused(hover):
         BadInput, match='no motor duties for front, left, rear, right, rotors of beavis'
     ):
         read_flight_record(open_flight(hover), beavis)
+
+
+def test_a_commanded_force_weighs_as_well_as_duties(gtmab):
+    """Half of 39.2 mN arrives and carries 2 g; a tilt of the body turns the force."""
+    path, _ = hanging()
+    force = np.tile([0.0, 0.0, 2.0 * 0.002 * G], (len(path.time), 1))
+    weak = NominalFile(gtmab, {'wrench_gain': {'heave': 0.5}})
+    found = estimate_heaviness(weak, path, WrenchCommands(path.time, force))
+    assert found.heaviness == pytest.approx(0.002, rel=1e-5)
+    assert (found.duty, found.curve_error) == (None, 0.0)
+    assert found.force == pytest.approx(0.002 * G, rel=1e-5)
+    assert 'a force of 19.6 mN' in describe_heaviness(found, 'gtmab', False)
+    assert encode_heaviness(found)['force'] == pytest.approx(0.002 * G, rel=1e-5)
+
+
+class NominalFile:
+    """A vehicle with more effects."""
+
+    def __init__(self, vehicle, more):
+        self._vehicle, self._more = vehicle, more
+
+    def __getattr__(self, name):
+        return getattr(self._vehicle, name)
+
+    def collect_effects(self):
+        return {**self._vehicle.collect_effects(), **self._more}
+
+
+def test_a_bag_with_a_commanded_wrench_alone_is_weighed(gtmab, tmp_path):
+    time = 0.01 * np.arange(3000)
+    pose = np.tile([0.0, 0.0, 1.5, 0.0, 0.0, 0.0, 1.0], (len(time), 1))
+    wrench = np.tile([0.0, 0.0, 0.003 * G, 0.0, 0.0, 0.0], (len(time), 1))
+    write_bag(
+        tmp_path / 'bag',
+        {'ground_truth/odom': (time, pose), 'wrench_command': (time, wrench)},
+        gtmab.rotor_names,
+        {},
+    )
+    path, commands, topic = read_flight_record(open_flight(tmp_path / 'bag'), gtmab)
+    assert topic == 'ground_truth/odom'
+    assert estimate_heaviness(gtmab, path, commands).heaviness == pytest.approx(0.003, rel=1e-4)

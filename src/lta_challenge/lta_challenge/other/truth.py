@@ -80,7 +80,7 @@ class VehicleTruth:
         Yaw, pitch and roll [rad] from the axes of the marker frame to those of the body, and the
         position of its origin in the body. [m]
     wrench_gains : tuple of six float
-        Share of a commanded wrench that acts, by axis, for a vehicle that is commanded by a wrench.
+        Share of a commanded wrench that acts, by axis; of vehicles without duties.
     imu_bias, gyro_bias, gyro_scale : triple
         Biases, and relative scale error of the gyroscope. [m/s2], [rad/s], [1]
     range_offset, pressure_offset : float

@@ -76,9 +76,7 @@ class WrenchPilot:
 
     """
 
-    def __init__(
-        self, nominal: VehicleTruth, gains: Six, draw: Draw, steps: bool = False
-    ) -> None:
+    def __init__(self, nominal: VehicleTruth, gains: Six, draw: Draw, steps: bool = False) -> None:
         self._draw, self._gains, self._steps = draw, gains, steps
         self._weight = (nominal.mass - nominal.displaced) * GRAVITY
         self._sum, self._until = 0.0, 0.0

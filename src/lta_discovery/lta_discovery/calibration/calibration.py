@@ -12,12 +12,12 @@ from lta_discovery.calibration.forecast_score import (
     score_forecasts,
 )
 from lta_discovery.calibration.refined_fit import refine_calibration
-from lta_discovery.flights.usable_flights import UsableFlights
 from lta_discovery.fit.bounds import apply_parameters
+from lta_discovery.flights.usable_flights import UsableFlights
 from lta_discovery.model.calibration_parameters import (
     commanded_axes,
     list_calibration_parameters,
-    ordinary_tolerance,
+    ordinary_tolerances,
 )
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
@@ -246,11 +246,14 @@ def _list_values(
     names: Sequence[str],
 ) -> list[CalibratedValue]:
     """Return all values: those of the vehicle, then those of each flight."""
+    usual = ordinary_tolerances(nominal)
     own = [k for k, knob in enumerate(knobs) if knob.per_flight]
     shared = [k for k in range(len(knobs)) if k not in own]
-    out = [_build_value(nominal, knobs, k, best.shared, best.covariance, '') for k in shared]
+    out = [
+        _build_value(nominal, knobs, k, best.shared, best.covariance, '', usual) for k in shared
+    ]
     for name, (values, covariance) in zip(names, best.flights, strict=True):
-        out += [_build_value(nominal, knobs, k, values, covariance, name) for k in own]
+        out += [_build_value(nominal, knobs, k, values, covariance, name, usual) for k in own]
     return out
 
 
@@ -261,15 +264,15 @@ def _build_value(
     values: Array,
     covariance: Array,
     flight: str,
+    usual: Mapping[str, float],
 ) -> CalibratedValue:
     """Return one value with its interval, in the unit of the vehicle file."""
     knob, change = knobs[k], float(values[k])
     deviation = math.sqrt(max(float(covariance[k, k]), 0.0))
     ends = (change - WIDE * deviation, change + WIDE * deviation)
     is_known = deviation < KNOWN * knob.tolerance
-    usual = ordinary_tolerance(knob, nominal)
     before, value, (low, high) = _to_file_unit(nominal, knob, change, ends)
-    is_far = is_known and abs(change) > FAR * math.hypot(usual, deviation)
+    is_far = is_known and abs(change) > FAR * math.hypot(usual.get(knob.name, 0.0), deviation)
     return CalibratedValue(
         knob.name, knob.unit, flight, before, value, (low, high), is_known, is_far,
         tuple(_list_inseparable(knobs, k, covariance)),
@@ -291,12 +294,8 @@ def _to_file_unit(
     return now, now + rate * change, (low, high)
 
 
-def _list_inseparable(
-    knobs: Sequence[FreeParameter], k: int, covariance: Array
-) -> list[str]:
+def _list_inseparable(knobs: Sequence[FreeParameter], k: int, covariance: Array) -> list[str]:
     """Return the parameters whose estimates move together with one."""
     deviation = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     alike = np.abs(covariance[k] / (deviation[k] * deviation))
-    return [
-        other.name for j, other in enumerate(knobs) if j != k and alike[j] > ALIKE
-    ]
+    return [other.name for j, other in enumerate(knobs) if j != k and alike[j] > ALIKE]

@@ -84,9 +84,7 @@ def _file_errors(fitter: ForecastFitter, none: Array, f: int) -> Array:
     return fitter.compute_flight_errors(none, f).left
 
 
-def _calibrated_errors(
-    fitter: ForecastFitter, values: Array, f: int, lift: float | None
-) -> Array:
+def _calibrated_errors(fitter: ForecastFitter, values: Array, f: int, lift: float | None) -> Array:
     """Return the errors of a calibration in one flight, infinite where it cannot be flown."""
     try:
         if lift is not None:

@@ -14,8 +14,8 @@ from lta_config.errors import BadInput
 from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.forecast.horizon_errors import (
     compute_horizon_errors,
-    HORIZONS,
     HorizonErrors,
+    HORIZONS,
 )
 from lta_discovery.forecast.levenberg_marquardt import (
     next_damping,

@@ -15,7 +15,7 @@ from lta_discovery.model.quaternions import (
     quaternion_logarithm,
     quaternion_product,
 )
-from lta_discovery.replay.flight_linearizer import FlightLinearizer, POSE, start_sensitivity
+from lta_discovery.replay.flight_linearizer import FlightLinearizer, start_sensitivity
 from lta_discovery.replay.linearization_inputs import LinearizationInputs, prepare_linearization
 from lta_discovery.replay.linearized_flight import AXES, LinearizationPoint, zero_unknowns
 from lta_discovery.replay.replay import STEPS

@@ -26,7 +26,7 @@ FLOWS: Final = (
     'strip_damping', 'hull_lift',
 )  # fmt: skip
 PER_FLIGHT: Final = frozenset({'net_lift.force', 'helium_leak.rate'})
-# What a flight alone cannot show: the tracker's clock is that of the flight, its heading the map's.
+# With poses alone the clock of the flight is that of the tracker
 POSE_ONLY: Final = frozenset({'clock_offset.offset'})
 FAR: Final = 20.0  # largest gain
 SWING: Final = 0.6  # largest logarithm of a factor on mass and inertia
@@ -57,12 +57,10 @@ BY_EYE: Final[dict[str, float]] = {
 }
 
 
-def ordinary_tolerance(knob: FreeParameter, nominal: NominalVehicle) -> float:
-    """Return the tolerance of a parameter of a vehicle that was measured with care."""
-    known = next(
-        (one for one in list_free_parameters(nominal, wrench=True) if one.name == knob.name), knob
-    )
-    return BY_EYE.get(knob.name, known.tolerance)
+def ordinary_tolerances(nominal: NominalVehicle) -> dict[str, float]:
+    """Return the tolerance of each parameter of a vehicle that was measured with care."""
+    known = {knob.name: knob.tolerance for knob in list_free_parameters(nominal, wrench=True)}
+    return {**known, **BY_EYE}
 
 
 def list_calibration_parameters(
@@ -86,7 +84,8 @@ def list_calibration_parameters(
         kind = EFFECTS.get(effect)
         uncommanded = effect == 'wrench_gain' and not commanded[AXES.index(part)]
         unseen = only_pose and (
-            knob.name in POSE_ONLY or getattr(kind, 'channel', 'pose') in ('rates', 'force', 'range', 'pressure')
+            knob.name in POSE_ONLY
+            or getattr(kind, 'channel', 'pose') in ('rates', 'force', 'range', 'pressure')
         )
         unmoved = any(commanded) and knob.name.startswith('rotor_')
         if wide == 0.0 or uncommanded or unseen or unmoved:

@@ -128,7 +128,7 @@ def tracker_frame(acting: Mapping[str, Chain]) -> tuple[Array, Array]:
 
 
 def marker_frame(acting: Mapping[str, Chain]) -> tuple[Array, Array] | None:
-    """Return the markers' origin in the body and the rotation to body axes; None for the body's."""
+    """Return origin and rotation of the markers in the body; None if they are the body's."""
     for reading, p in acting['pose']:
         if reading is MARKER:
             there = apply_chain(((reading, p),), (0.0,) * 6 + (1.0,), 0.0)

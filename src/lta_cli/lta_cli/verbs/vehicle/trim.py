@@ -30,7 +30,8 @@ def trim(
     """
     Estimate a vehicle's heaviness from a flight, and the ballast to add or remove.
 
-    Finds intervals of steady hover and equates the weight with the rotor thrust there. 20 s of
+    Finds intervals of steady hover and equates the weight with the rotor thrust there, or with a
+    commanded force (`wrench_command`) where no duties were recorded. 20 s of
     hover in still air give a standard error of 0.1 g. In a real flight the error of the thrust
     curve adds to that and is reported.
 

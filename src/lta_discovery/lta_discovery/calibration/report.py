@@ -1,0 +1,200 @@
+"""Build the report of a calibration."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from typing import Any, Final
+
+from lta_discovery.calibration.calibrated_file import NAME
+from lta_discovery.calibration.calibration import CalibratedValue, Calibration
+from lta_discovery.calibration.forecast_score import ForecastScore
+from lta_discovery.calibration.verdict import (
+    format_forecast_sentence,
+    format_headline,
+    format_inseparable,
+    list_differences,
+)
+from lta_discovery.page.formatting import (
+    DEGREES,
+    format_number,
+    format_parameter,
+    format_with_interval,
+    SHOWN_UNITS,
+)
+from lta_report.formatting import Tile
+from lta_report.report import Emphasis, Picture, Report, TextSection, TextTable
+import plotly.graph_objects as go
+
+METHODS: Final = {
+    'likelihood': 'all readings, with an unexplained force',
+    'forecasts': 'forecasts; the intervals are rough',
+    'file': 'nothing forecasts the flights better than the file',
+}
+HEADS: Final = ('value', 'vehicle file', 'calibrated', '95 % interval', 'remark')
+ALWAYS: Final = (
+    'The heading of the tracker cannot be determined: it defines where the map points.',
+    'All forces and masses together can be scaled: the gains hold for the mass that is stated '
+    'here. Weigh the vehicle to fix them.',
+    'Net lift is that of a flight: a payload, ballast, gas or the temperature change it alike.',
+)
+ONLY_POSE: Final = (
+    'Only poses were recorded, so the delay of the commands cannot be separated from the clock '
+    'offset or the age of a pose.'
+)
+
+
+def build_report(found: Calibration, calibrated_file: str | None) -> Report:
+    """Return the report; the vehicle file is None if it could not be written."""
+    outputs = {} if calibrated_file is None else {NAME: calibrated_file}
+    limits = [*ALWAYS]
+    if found.find('clock_offset.offset') is None and not found.list_of_flights(
+        'clock_offset.offset'
+    ):
+        limits.append(ONLY_POSE)
+    return Report(
+        command='calibrate',
+        subject=found.vehicle,
+        headline=format_headline(found),
+        introduction=(
+            'Calibrates numbers that any vehicle file must have, from wide assumptions. Effects '
+            'that the model lacks are a matter for lta discover.'
+        ),
+        tiles=_build_tiles(found),
+        blocks=(
+            _build_value_table('Vehicle', [one for one in found.values if not one.flight]),
+            _build_flight_table(found),
+            _build_score_table(found.scores),
+            *_build_pictures(found),
+            TextSection('What no flight separates', limits, bullets=True, printed=True),
+            *(
+                [TextSection('Warnings', found.warnings, bullets=True, printed=True)]
+                if found.warnings
+                else []
+            ),
+        ),
+        data=encode_calibration(found),
+        facts={
+            'estimated from': METHODS[found.method],
+            **{role: ', '.join(names) for role, names in found.bags.items() if names},
+        },
+        closing=(format_forecast_sentence(found),),
+        outputs=outputs,
+    )
+
+
+def _build_tiles(found: Calibration) -> list[Tile]:
+    """Return the tiles: differences, and the forecast error."""
+    scores = found.scores.get('confirm') or found.scores.get('train', ())
+    count = len(list_differences(found))
+    tiles = [Tile('Beyond tolerance', str(count), '', 'numbers of the vehicle file')]
+    if scores:
+        last = scores[-1]
+        for name, pair in (
+            ('Vehicle file', last.before),
+            ('Calibrated', last.after),
+            ('Coasting', last.coast),
+        ):
+            value = format_number(100.0 * pair[0], 2)
+            tiles.append(Tile(name, value, 'cm', f'position error {last.horizon:g} s ahead'))
+    return tiles
+
+
+def _shown(one: CalibratedValue) -> tuple[str, str, str]:
+    """Return file value, value and interval with a unit that reads well."""
+    unit, factor = SHOWN_UNITS.get(one.unit, (one.unit, 1.0))
+    if one.unit == 'N':
+        unit, factor = 'mN', 1e3
+    elif one.unit == 'm':
+        unit, factor = 'cm', 100.0
+    elif one.unit == 'N/s':
+        unit, factor = 'mN/min', 6e4
+    before, value = factor * one.before, factor * one.value
+    now, low, high = format_with_interval(value, (factor * one.ci95[0], factor * one.ci95[1]))
+    end = '' if unit == '1' else f' {unit}'
+    return f'{format_number(before)}{end}', f'{now}{end}', f'{low} to {high}'
+
+
+def _name(one: CalibratedValue) -> str:
+    """Return the name of a value."""
+    effect, _, part = one.name.partition('.')
+    if effect == 'vehicle':
+        return 'mass (factor)' if part == 'mass' else f'inertia in {part} (factor)'
+    if effect == 'helium_leak':
+        return 'loss of lift'
+    return format_parameter(one.name)
+
+
+def _build_value_table(heading: str, values: Sequence[CalibratedValue]) -> TextTable:
+    """Return the table of some values; those beyond tolerance are bold."""
+    rows = []
+    for one in sorted(values, key=lambda each: (not each.is_far, not each.is_known)):
+        before, now, interval = _shown(one)
+        name = Emphasis(_name(one)) if one.is_far else _name(one)
+        rows.append([name, before, now, interval, format_inseparable(one)])
+    note = 'Bold: the vehicle file is off by more than its tolerance explains.'
+    return TextTable(heading, HEADS, rows, note)
+
+
+def _build_flight_table(found: Calibration) -> TextTable:
+    """Return the table of what each flight has of its own."""
+    rows = []
+    for one in found.values:
+        if one.flight and one.is_known:
+            before, now, interval = _shown(one)
+            rows.append([one.flight, _name(one), before, now, interval])
+    heads = ('flight', 'value', 'vehicle file', 'calibrated', '95 % interval')
+    return TextTable('Each flight', heads, rows)
+
+
+def _build_score_table(scores: Mapping[str, Sequence[ForecastScore]]) -> TextTable:
+    """Return the table of forecast errors."""
+    rows = []
+    for role, each in scores.items():
+        for one in each:
+            cells = []
+            for pair in (one.coast, one.before, one.after):
+                place, turn = format_number(100 * pair[0]), format_number(DEGREES * pair[1])
+                cells.append(f'{place} cm, {turn}\N{DEGREE SIGN}')
+            rows.append([f'{role}, {one.horizon:g} s', *cells, str(one.pieces)])
+    heads = ('flights and horizon', 'coasting', 'vehicle file', 'calibrated', 'forecasts')
+    note = (
+        'RMS errors of position and attitude. The net lift of a confirming flight comes from its '
+        'own earlier forecasts.'
+    )
+    return TextTable('Forecasts', heads, rows, note)
+
+
+def _build_pictures(found: Calibration) -> list[Picture]:
+    """Return the figure of the forecast errors, if there are any."""
+    role = 'confirm' if found.scores.get('confirm') else 'train'
+    scores = found.scores.get(role, ())
+    if not scores:
+        return []
+    figure = go.Figure()
+    for name, key in (
+        ('coasting', 'coast'),
+        ('vehicle file', 'before'),
+        ('calibrated', 'after'),
+    ):
+        x = [one.horizon for one in scores]
+        y = [100.0 * getattr(one, key)[0] for one in scores]
+        figure.add_scatter(x=x, y=y, name=name, mode='lines+markers')
+    figure.update_xaxes(title='time ahead [s]')
+    figure.update_yaxes(title='position error [cm]', type='log')
+    caption = f'RMS over all forecasts of the {role} flights.'
+    return [Picture('forecasts', 'Forecast errors', caption, figure)]
+
+
+def encode_calibration(found: Calibration) -> dict[str, Any]:
+    """Return a calibration as JSON data, in SI units."""
+    return {
+        'vehicle': found.vehicle,
+        'headline': format_headline(found),
+        'method': found.method,
+        'differences': list_differences(found),
+        'values': [asdict(one) for one in found.values],
+        'forecasts': {
+            role: [asdict(one) for one in scores] for role, scores in found.scores.items()
+        },
+        'bags': {role: list(names) for role, names in found.bags.items()},
+        'warnings': list(found.warnings),
+    }

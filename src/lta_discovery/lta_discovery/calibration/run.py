@@ -1,0 +1,58 @@
+"""Run a calibration: read the bags, fit, and build the report with the vehicle file."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from lta_bridge.provenance import read_commit
+from lta_config.errors import BadInput
+from lta_config.files import find_file
+from lta_discovery.calibration.calibrated_file import (
+    format_calibrated_vehicle,
+    format_calibration_source,
+)
+from lta_discovery.calibration.calibration import calibrate_flights
+from lta_discovery.calibration.report import build_report
+from lta_discovery.flights.bags import read_bags, Role
+from lta_discovery.flights.usable_flights import select_usable_flights
+from lta_model.vehicle import load_vehicle
+from lta_report.report import Report
+
+Tell = Callable[[str, float | None], None]
+
+
+def calibrate_vehicle(
+    name: str, bags: Mapping[Role, Sequence[Path]], robot: str | None, tell: Tell
+) -> Report:
+    """
+    Calibrate a vehicle file from recorded flights.
+
+    Parameters
+    ----------
+    name : str
+        Name of the vehicle, or its file.
+    bags : mapping of role to paths
+        'train' and 'confirm'.
+    robot : str, optional
+        Robot to read, where a bag holds several.
+
+    Raises
+    ------
+    BadInput
+        If the flights are not usable.
+
+    """
+    vehicle = load_vehicle(name)
+    flights = read_bags(bags, robot, lambda bag: tell(f'reading {bag}', None))
+    tell('checking data quality', None)
+    found = calibrate_flights(vehicle, name, select_usable_flights(flights, vehicle), tell)
+    if found.method == 'file':
+        return build_report(found, None)
+    text = find_file('vehicle', name).read_text(encoding='utf-8')
+    source = format_calibration_source(found.bags['train'], read_commit() or 'unknown')
+    try:
+        calibrated = format_calibrated_vehicle(text, vehicle, found, source)
+    except BadInput as fault:
+        found = replace(found, warnings=(*found.warnings, str(fault)))
+        return build_report(found, None)
+    return build_report(found, calibrated)

@@ -1,0 +1,136 @@
+"""Say what a calibration found, the largest differences first."""
+
+from collections.abc import Iterator
+import math
+from typing import Final
+
+from lta_discovery.calibration.calibration import CalibratedValue, Calibration
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.page.formatting import format_number
+import numpy as np
+
+DEGREES: Final = 180.0 / math.pi
+PENDULUM: Final = 0.1  # relative; a smaller change of the pendulum's rate is not reported
+AXIS_WORDS: Final = {
+    'surge': 'force', 'sway': 'force', 'heave': 'force',
+    'roll': 'moment', 'pitch': 'moment', 'yaw': 'moment',
+}  # fmt: skip
+LATE: Final = 0.03  # s; a shorter delay is not reported
+SIDES: Final = ('yaw', 'pitch', 'roll')
+
+
+def pendulum_rates(nominal: NominalVehicle) -> tuple[float, float]:
+    """Return the rates of the free roll and pitch oscillations; 0 where there is none. [rad/s]"""
+    model = nominal.build_model()
+    given = nominal.given.get('cg_height', {})
+    low = -(float(nominal.cg[2]) + float(given.get('z', 0.0)))
+    inverse = np.asarray(model.inverse, dtype=np.float64).reshape(6, 6)
+    stiffness = nominal.mass * 9.81 * low
+    roll, pitch = (math.sqrt(max(stiffness * float(inverse[k, k]), 0.0)) for k in (3, 4))
+    return roll, pitch
+
+
+def list_differences(found: Calibration) -> list[str]:
+    """Return what the vehicle file has wrong, one clause each; gains first."""
+    return [
+        *_gain_clauses(found),
+        *_lift_clauses(found),
+        *_marker_clauses(found),
+        *_pendulum_clauses(found),
+        *_delay_clauses(found),
+    ]
+
+
+def _gain_clauses(found: Calibration) -> Iterator[str]:
+    """Yield the gains that differ from the file."""
+    for one in found.values:
+        effect, _, axis = one.name.partition('.')
+        gain = effect == 'wrench_gain' or one.name.endswith('.thrust')
+        if not (one.is_far and gain):
+            continue
+        percent = format_number(100.0 * abs(one.value / one.before), 2)
+        if effect == 'wrench_gain':
+            if one.value * one.before < 0.0:
+                yield f'{axis}: {percent} % of the commanded {AXIS_WORDS[axis]} acts backwards'
+            else:
+                yield f'{axis}: {percent} % of the commanded {AXIS_WORDS[axis]} arrives'
+        else:
+            side = ', backwards' if one.value < 0.0 else ''
+            yield f'{effect.replace("_", " ")}: {percent} % of its thrust arrives{side}'
+
+
+def _lift_clauses(found: Calibration) -> Iterator[str]:
+    """Yield the net lift of the flights if it is far from the file's."""
+    lifts = found.list_of_flights('net_lift.force')
+    if any(one.is_far for one in lifts):
+        low, high = (
+            format_number(1e3 * each([one.value for one in lifts]), 3) for each in (min, max)
+        )
+        span = f'{low} mN' if low == high else f'{low} to {high} mN, by flight'
+        yield f'net lift: {span}'
+
+
+def _marker_clauses(found: Calibration) -> Iterator[str]:
+    """Yield rotation and lever arm of the marker frame."""
+    turns = [one for s in SIDES if (one := found.find(f'marker_offset.{s}'))]
+    arms = [one for a in 'xyz' if (one := found.find(f'marker_offset.{a}'))]
+    if any(one.is_far for one in turns):
+        size = DEGREES * math.sqrt(sum(one.value**2 for one in turns))
+        yield f'the marker frame is turned by {format_number(size, 2)}\N{DEGREE SIGN}'
+    if any(one.is_far for one in arms):
+        size = 100.0 * math.sqrt(sum(one.value**2 for one in arms if one.is_known))
+        yield f'its origin is {format_number(size, 2)} cm from the hull centre'
+
+
+def _pendulum_clauses(found: Calibration) -> Iterator[str]:
+    """Yield the oscillations that are faster or slower than those of the file."""
+    both = zip(pendulum_rates(found.nominal), pendulum_rates(found.calibrated), strict=True)
+    for axis, (before, after) in zip(('roll', 'pitch'), both, strict=True):
+        if before > 0.0 and abs(after / before - 1.0) > PENDULUM:
+            word = 'faster' if after > before else 'slower'
+            percent = format_number(100.0 * abs(after / before - 1.0), 2)
+            yield f'the {axis} pendulum is {percent} % {word}'
+
+
+def _delay_clauses(found: Calibration) -> Iterator[str]:
+    """Yield the delay of the commands."""
+    late = found.find('command_delay.delay')
+    if late is not None and late.is_far and late.value > LATE:
+        yield f'commands act {format_number(late.value, 2)} s late'
+
+
+def format_headline(found: Calibration) -> str:
+    """Return the result in one sentence."""
+    if found.method == 'file':
+        return 'No calibration forecasts the training flights better than the vehicle file.'
+    clauses = list_differences(found)
+    said = '; '.join(clauses) if clauses else 'The vehicle file is within its tolerances'
+    return f'{said[:1].upper()}{said[1:]}.'
+
+
+def format_forecast_sentence(found: Calibration) -> str:
+    """Return how well the calibration forecasts, beside file and coasting; '' if unknown."""
+    role = 'confirm' if found.scores.get('confirm') else 'train'
+    scores = found.scores.get(role, ())
+    if not scores:
+        return 'The flights are too short to compare forecasts.'
+    last = scores[-1]
+    where = 'confirming flights' if role == 'confirm' else 'the training flights themselves'
+    file, now, coast = (
+        f'{format_number(100.0 * each[0], 2)} cm' for each in (last.before, last.after, last.coast)
+    )
+    said = (
+        f'Position error {last.horizon:g} s ahead on {where}: {file} with the vehicle file, '
+        f'{now} calibrated, {coast} if the vehicle coasted.'
+    )
+    if last.after[0] >= last.coast[0]:
+        said += ' The calibrated model does not beat coasting, so do not rely on its forecasts.'
+    return said
+
+
+def format_inseparable(one: CalibratedValue) -> str:
+    """Return what a value cannot be separated from, in words."""
+    words = ', '.join(each.replace('_', ' ') for each in one.inseparable)
+    if not one.is_known:
+        return 'not learned from these flights' + (f'; moves with {words}' if words else '')
+    return f'cannot be separated from {words}' if words else ''
