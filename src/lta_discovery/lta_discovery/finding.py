@@ -296,6 +296,8 @@ class StudyResult:
         Slow air motion in the room; not a defect of the vehicle file.
     strained : tuple of str
         Parameters that the flights want further off than their tolerance allows.
+    offsets : tuple of str
+        Calibration numbers far from the vehicle file, one clause each.
 
     """
 
@@ -317,3 +319,4 @@ class StudyResult:
     carried: TransferEvidence | None = None
     draught: DraughtEstimate | None = None
     strained: tuple[str, ...] = ()
+    offsets: tuple[str, ...] = ()

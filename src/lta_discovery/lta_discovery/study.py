@@ -5,6 +5,10 @@ from dataclasses import dataclass, replace
 from typing import Final, final
 
 from lta_config.errors import BadInput
+from lta_discovery.calibration.offsets import (
+    format_calibration_warning,
+    list_calibration_offsets,
+)
 from lta_discovery.finding import ChannelErrors, SearchCandidate, StudyResult, Verdict
 from lta_discovery.fit.bounds import find_exceeded_tolerances, format_bounds_warning
 from lta_discovery.fit.evidence import per_flight_variance, wrench_floor
@@ -143,6 +147,14 @@ def study_flights(
         )
     strained = find_exceeded_tolerances(known, proven.full.prior, proven.full.fitted.mean)
     warnings.extend(format_bounds_warning(strained))
+    offsets = list_calibration_offsets(
+        nominal,
+        known,
+        proven.full,
+        [one.name for role in ('train', 'confirm') for one in flown if one.role == role],
+        tuple(expand_vectors(proven.names)),
+    )
+    warnings.extend(format_calibration_warning(offsets))
     # Whatever the named effects leave is described, not named.
     rest = assess_unmodeled_forces(pair, proven.full, wrench_floor(nominal))
     kind = classify_data_kind([f.flight.replay.flight for f in flown])
@@ -167,6 +179,7 @@ def study_flights(
         unexplained=rest.sentences,
         draught=rest.draught,
         strained=tuple(strained),
+        offsets=offsets,
     )
     seen = [ThreeModelComparison(f, *each) for f, each in zip(last, models, strict=True)]
     tell('done', 1.0)

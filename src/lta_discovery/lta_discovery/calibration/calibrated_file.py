@@ -1,6 +1,7 @@
 """Write the calibrated vehicle file."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from typing import Final
 
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
@@ -11,7 +12,8 @@ from lta_discovery.results.learned_file import list_changed_quantities, VehicleF
 from lta_model.vehicle import Vehicle
 import numpy as np
 
-NAME = 'calibrated.yaml'
+NAME: Final = 'calibrated.yaml'
+CURVES: Final = 'effects.thrust_curve'  # which belong to the rotors
 
 
 def format_calibrated_vehicle(text: str, vehicle: Vehicle, found: Calibration, source: str) -> str:
@@ -35,12 +37,39 @@ def format_calibrated_vehicle(text: str, vehicle: Vehicle, found: Calibration, s
     for quantity in list_changed_quantities(
         text, vehicle, found.nominal, found.calibrated, notes, source
     ):
+        if not quantity.place.startswith(CURVES):
+            text = set_yaml_value(text, quantity.place.split('.'), quantity.as_yaml)
+    for quantity in _list_thrust_curves(vehicle, found, source):
         text = set_yaml_value(text, quantity.place.split('.'), quantity.as_yaml)
     if found.nominal.mass == found.calibrated.mass and np.array_equal(
         found.nominal.inertia, found.calibrated.inertia
     ):
         return text
     return _set_mass_properties(text, vehicle, found, source)
+
+
+def _list_thrust_curves(
+    vehicle: Vehicle, found: Calibration, source: str
+) -> Iterator[VehicleFileQuantity]:
+    """Yield the thrust curves of the rotors that changed."""
+    for i, (name, rotor) in enumerate(vehicle.file.rotors.items(), start=1):
+        now, before = (
+            [one.parameter_value('thrust_curve', f'{letter}_{i}') for letter in 'ab']
+            for one in (found.calibrated, found.nominal)
+        )
+        if now == before:
+            continue
+        if now[1] <= 0.0:
+            raise BadInput(
+                f'The rotor {name} pushes against its axis; turn its axis and its thrust '
+                'allocation around in the vehicle file, and calibrate again.'
+            )
+        curve = rotor.thrust_curve or vehicle.file.thrust_curve
+        values = dict(zip('ab', now, strict=True))
+        if curve is not None and curve.reverse is not None:
+            values['reverse'] = curve.reverse.si * now[1] / before[1]
+        for key, value in values.items():
+            yield VehicleFileQuantity(f'rotors.{name}.thrust_curve.{key}', value, 'N', source)
 
 
 def _set_mass_properties(text: str, vehicle: Vehicle, found: Calibration, source: str) -> str:

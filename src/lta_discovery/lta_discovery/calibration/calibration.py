@@ -227,7 +227,8 @@ def _choose_estimate(
     None is returned that forecasts them worse than the vehicle file.
     """
     lift = _index(knobs, LIFT)
-    best, told, error = estimates[-1], (), math.inf
+    best, error = estimates[-1], math.inf
+    told: tuple[ForecastScore, ...] = ()
     for one in estimates:
         lifts = [float(values[lift]) for values, _ in one.flights]
         scores = score_forecasts(nominal, flights, _without_lift(one.shared, knobs), lifts)
@@ -287,7 +288,7 @@ def _to_file_unit(
     if effect == 'vehicle':
         # Logarithms of a factor
         return 1.0, math.exp(change), (math.exp(ends[0]), math.exp(ends[1]))
-    if knob.name.endswith(('.thrust', '.all')):
+    if knob.name.endswith('.thrust'):
         return 1.0, 1.0 + change, (1.0 + ends[0], 1.0 + ends[1])
     now = nominal.parameter_value(effect, parameter)
     low, high = (now + rate * end for end in ends)

@@ -23,12 +23,13 @@ THRUST: Final = 1.0  # relative; each rotor
 DRAG: Final = 0.3  # relative; drag and added mass, which a calibration must not mistake for gains
 FLOWS: Final = (
     'linear_drag', 'quadratic_drag', 'rotational_drag', 'added_mass', 'added_inertia',
-    'strip_damping', 'hull_lift',
+    'hull_lift',
 )  # fmt: skip
 PER_FLIGHT: Final = frozenset({'net_lift.force', 'helium_leak.rate'})
 # With poses alone the clock of the flight is that of the tracker
 POSE_ONLY: Final = frozenset({'clock_offset.offset'})
 FAR: Final = 20.0  # largest gain
+ROTOR: Final = 4.0  # largest relative change of a rotor's thrust, which may turn it around
 SWING: Final = 0.6  # largest logarithm of a factor on mass and inertia
 
 
@@ -93,6 +94,8 @@ def list_calibration_parameters(
         low, high = knob.low, knob.high
         if effect == 'wrench_gain':
             low, high = -FAR, FAR
+        elif knob.name.endswith('.thrust'):
+            low, high = -ROTOR, ROTOR - 2.0
         elif effect == 'vehicle':
             low, high = -SWING, SWING
         elif knob.name == 'helium_leak.rate':

@@ -23,12 +23,22 @@ from lta_discovery.page.formatting import (
 from lta_discovery.unmodeled.draught import DraughtEstimate
 from lta_report.formatting import format_count, MISSING, Tile
 
+MOST: Final = 3  # most calibration offsets in the headline
 ROLES: Final = {
     'train': 'learned from', 'confirm': 'confirmed by', 'holdout': 'tested on',
 }  # fmt: skip
 
 
 def format_headline(finding: StudyResult) -> str:
+    """Return the verdict in a sentence, after what has to be calibrated."""
+    said = _format_verdict(finding)
+    if not finding.offsets:
+        return said
+    first = '; '.join(finding.offsets[:MOST])
+    return f'Calibrate first ({first}). {said}'
+
+
+def _format_verdict(finding: StudyResult) -> str:
     """Return the verdict in a sentence."""
     said, rest = draw_conclusion(finding), _format_remainder(finding)
     if finding.verdict == 'none':
