@@ -16,15 +16,21 @@ from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import AXES
 import numpy as np
 
+ROTORS: Final = ('rotor_', 'motor_lag')  # of vehicles that are commanded by duties
 GRAVITY: Final = 9.81  # m/s2
 LIFT: Final = 0.01  # of the weight; net lift of a flight
 TREND: Final = 4e-5  # of the weight per second; change of the lift in a flight
 THRUST: Final = 1.0  # relative; each rotor
-DRAG: Final = 0.3  # relative; drag and added mass, which a calibration must not mistake for gains
-FLOWS: Final = (
-    'linear_drag', 'quadratic_drag', 'rotational_drag', 'added_mass', 'added_inertia',
-    'hull_lift',
-)  # fmt: skip
+# Relative, and tolerances in the vehicle file. Added mass follows from the size of the hull.
+FLOWS: Final = {
+    'linear_drag': 0.3,
+    'quadratic_drag': 0.3,
+    'rotational_drag': 0.3,
+    'hull_lift': 0.3,
+    'added_mass': 0.1,
+    'added_inertia': 0.1,
+}
+MEASURED: Final = 0.05  # tolerance of these in a vehicle file that was measured
 PER_FLIGHT: Final = frozenset({'net_lift.force', 'helium_leak.rate'})
 # With poses alone the clock of the flight is that of the tracker
 POSE_ONLY: Final = frozenset({'clock_offset.offset'})
@@ -42,9 +48,12 @@ def prior_deviation(knob: FreeParameter, nominal: NominalVehicle) -> float:
         return TREND * weight
     if knob.name.startswith('rotor_') and knob.name.endswith('.thrust'):
         return THRUST
+    if effect == 'rotor_misalignment':
+        # As in a file that was measured: without it, the markers would turn instead
+        return knob.tolerance
     if effect in FLOWS:
-        # As wide as the file's own tolerance is narrow: 5 % become 30 %
-        return knob.tolerance * DRAG / 0.05
+        # The tolerance of the file is a share of its value
+        return knob.tolerance * FLOWS[effect] / MEASURED
     return CALIBRATION.get(knob.name, 0.0)
 
 
@@ -88,7 +97,7 @@ def list_calibration_parameters(
             knob.name in POSE_ONLY
             or getattr(kind, 'channel', 'pose') in ('rates', 'force', 'range', 'pressure')
         )
-        unmoved = any(commanded) and knob.name.startswith('rotor_')
+        unmoved = any(commanded) and knob.name.startswith(ROTORS)
         if wide == 0.0 or uncommanded or unseen or unmoved:
             continue
         low, high = knob.low, knob.high

@@ -195,6 +195,7 @@ TOE: Final = 0.5 * math.pi / 180.0  # rad; misalignment of a rotor axis
 CALIBRATION: Final[dict[str, float]] = {
     **{f'wrench_gain.{axis}': 2.0 for axis in AXES},
     'command_delay.delay': 0.2,
+    'motor_lag': 0.02,
     'net_lift.force': 0.03,
     **{f'marker_offset.{axis}': 0.1 for axis in 'xyz'},
     **{f'marker_offset.{angle}': 0.2 for angle in ('yaw', 'pitch', 'roll')},

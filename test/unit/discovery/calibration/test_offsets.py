@@ -1,0 +1,69 @@
+"""What a discovery says about numbers that a calibration settles."""
+
+from types import SimpleNamespace
+from typing import Any
+
+from lta_discovery.calibration.offsets import (
+    format_calibration_warning,
+    list_calibration_offsets,
+)
+from lta_discovery.model.calibration_parameters import list_calibration_parameters
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import list_free_parameters
+from lta_model.vehicle import load_vehicle
+import numpy as np
+import pytest
+
+
+@pytest.fixture(scope='module')
+def nominal() -> NominalVehicle:
+    return NominalVehicle.from_vehicle(load_vehicle('gtmab'))
+
+
+def list_offsets(nominal: NominalVehicle, changes: dict[str, float], named: str = '') -> Any:
+    """Return the offsets of a fit of one flight with some changes."""
+    knobs = list_free_parameters(nominal, wrench=True)
+    mean = np.array([changes.get(knob.name, 0.0) for knob in knobs])
+    fitted = SimpleNamespace(mean=mean)
+    fit: Any = SimpleNamespace(fitted=fitted, members=[SimpleNamespace(fitted=fitted)])
+    return list_calibration_offsets(nominal, knobs, fit, ['A'], [named])
+
+
+def test_a_third_of_a_force_and_a_heavy_day_are_said(nominal: NominalVehicle) -> None:
+    said = list_offsets(nominal, {'wrench_gain.surge': -0.75, 'net_lift.force': -0.012})
+    assert said == (
+        'surge: 25 % of the commanded force arrives',
+        'net lift of A: -12.0 mN',
+    )
+    assert 'lta calibrate' in format_calibration_warning(said)[0]
+
+
+def test_tolerances_effects_and_names_are_not(nominal: NominalVehicle) -> None:
+    """A delay of 15 ms is three tolerances; drag is no calibration; a name is said elsewhere."""
+    assert list_offsets(nominal, {'command_delay.delay': 0.015}) == ()
+    assert list_offsets(nominal, {'linear_drag.surge': 1.0}) == ()
+    assert list_offsets(nominal, {'command_delay.delay': 0.1}, 'command_delay.delay') == ()
+    assert len(list_offsets(nominal, {'command_delay.delay': 0.1})) == 1
+    assert format_calibration_warning(()) == []
+
+
+def test_each_kind_of_flight_frees_what_it_can_show(nominal: NominalVehicle) -> None:
+    """Gains of commanded axes, or rotors; sensors only where there are any; wide throughout."""
+    pushed = {
+        knob.name: knob
+        for knob in list_calibration_parameters(nominal, [True, *[False] * 4, True], True)
+    }
+    assert {'wrench_gain.surge', 'wrench_gain.yaw', 'marker_offset.pitch'} <= set(pushed)
+    assert not {'wrench_gain.heave', 'rotor_1.thrust', 'gyro_bias.x', 'clock_offset.offset'} & set(
+        pushed
+    )
+    assert pushed['wrench_gain.surge'].low < -3.0
+    assert pushed['net_lift.force'].per_flight
+    driven = {knob.name: knob for knob in list_calibration_parameters(nominal, [False] * 6, False)}
+    assert {'rotor_4.thrust', 'gyro_bias.x', 'clock_offset.offset'} <= set(driven)
+    assert not any(name.startswith('wrench_gain') for name in driven)
+    usual = {knob.name: knob for knob in list_free_parameters(nominal)}
+    for name, knob in driven.items():
+        assert knob.typical == 0.0
+        if name in usual:
+            assert knob.tolerance >= usual[name].tolerance, name
