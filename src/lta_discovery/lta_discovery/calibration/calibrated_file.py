@@ -16,7 +16,9 @@ NAME: Final = 'calibrated.yaml'
 CURVES: Final = 'effects.thrust_curve'  # which belong to the rotors
 
 
-def format_calibrated_vehicle(text: str, vehicle: Vehicle, found: Calibration, source: str) -> str:
+def format_calibrated_vehicle(
+    text: str, vehicle: Vehicle, calibration: Calibration, source: str
+) -> str:
     """
     Return the text of the vehicle file with the calibrated values.
 
@@ -30,32 +32,32 @@ def format_calibrated_vehicle(text: str, vehicle: Vehicle, found: Calibration, s
 
     """
     notes = {}
-    for one in found.values:
+    for one in calibration.values:
         effect, _, parameter = one.name.partition('.')
         if not one.flight:
             notes[effect, parameter] = format_value(one)
     for quantity in list_changed_quantities(
-        text, vehicle, found.nominal, found.calibrated, notes, source
+        text, vehicle, calibration.nominal, calibration.calibrated, notes, source
     ):
         if not quantity.place.startswith(CURVES):
             text = set_yaml_value(text, quantity.place.split('.'), quantity.as_yaml)
-    for quantity in _list_thrust_curves(vehicle, found, source):
+    for quantity in _list_thrust_curves(vehicle, calibration, source):
         text = set_yaml_value(text, quantity.place.split('.'), quantity.as_yaml)
-    if found.nominal.mass == found.calibrated.mass and np.array_equal(
-        found.nominal.inertia, found.calibrated.inertia
+    if calibration.nominal.mass == calibration.calibrated.mass and np.array_equal(
+        calibration.nominal.inertia, calibration.calibrated.inertia
     ):
         return text
-    return _set_mass_properties(text, vehicle, found, source)
+    return _set_mass_properties(text, vehicle, calibration, source)
 
 
 def _list_thrust_curves(
-    vehicle: Vehicle, found: Calibration, source: str
+    vehicle: Vehicle, calibration: Calibration, source: str
 ) -> Iterator[VehicleFileQuantity]:
     """Yield the thrust curves of the rotors that changed."""
     for i, (name, rotor) in enumerate(vehicle.file.rotors.items(), start=1):
         now, before = (
             [one.parameter_value('thrust_curve', f'{letter}_{i}') for letter in 'ab']
-            for one in (found.calibrated, found.nominal)
+            for one in (calibration.calibrated, calibration.nominal)
         )
         if now == before:
             continue
@@ -72,9 +74,11 @@ def _list_thrust_curves(
             yield VehicleFileQuantity(f'rotors.{name}.thrust_curve.{key}', value, 'N', source)
 
 
-def _set_mass_properties(text: str, vehicle: Vehicle, found: Calibration, source: str) -> str:
+def _set_mass_properties(
+    text: str, vehicle: Vehicle, calibration: Calibration, source: str
+) -> str:
     """Return the text with the mass properties of the whole vehicle."""
-    now, inertia = found.calibrated, found.calibrated.inertia
+    now, inertia = calibration.calibrated, calibration.calibrated.inertia
     if vehicle.file.moving_mass is not None:
         raise BadInput(
             f'{vehicle.file.name} has a moving mass, so its calibrated mass cannot be written; '

@@ -42,49 +42,49 @@ ONLY_POSE: Final = (
 )
 
 
-def build_report(found: Calibration, calibrated_file: str | None) -> Report:
+def build_report(calibration: Calibration, calibrated_file: str | None) -> Report:
     """Return the report; the vehicle file is None if it could not be written."""
     outputs = {} if calibrated_file is None else {NAME: calibrated_file}
     limits = [*ALWAYS]
-    if found.find('clock_offset.offset') is None and not found.list_of_flights(
+    if calibration.find('clock_offset.offset') is None and not calibration.list_of_flights(
         'clock_offset.offset'
     ):
         limits.append(ONLY_POSE)
     return Report(
         command='calibrate',
-        subject=found.vehicle,
-        headline=format_headline(found),
+        subject=calibration.vehicle,
+        headline=format_headline(calibration),
         introduction=(
             'Calibrates numbers that any vehicle file must have, from wide assumptions. Effects '
             'that the model lacks are a matter for lta discover.'
         ),
-        tiles=_build_tiles(found),
+        tiles=_build_tiles(calibration),
         blocks=(
-            _build_value_table('Vehicle', [one for one in found.values if not one.flight]),
-            _build_flight_table(found),
-            _build_score_table(found.scores),
-            *_build_pictures(found),
+            _build_value_table('Vehicle', [one for one in calibration.values if not one.flight]),
+            _build_flight_table(calibration),
+            _build_score_table(calibration.scores),
+            *_build_pictures(calibration),
             TextSection('What no flight separates', limits, bullets=True, printed=True),
             *(
-                [TextSection('Warnings', found.warnings, bullets=True, printed=True)]
-                if found.warnings
+                [TextSection('Warnings', calibration.warnings, bullets=True, printed=True)]
+                if calibration.warnings
                 else []
             ),
         ),
-        data=encode_calibration(found),
+        data=encode_calibration(calibration),
         facts={
-            'estimated from': METHODS[found.method],
-            **{role: ', '.join(names) for role, names in found.bags.items() if names},
+            'estimated from': METHODS[calibration.method],
+            **{role: ', '.join(names) for role, names in calibration.bags.items() if names},
         },
-        closing=(format_forecast_sentence(found),),
+        closing=(format_forecast_sentence(calibration),),
         outputs=outputs,
     )
 
 
-def _build_tiles(found: Calibration) -> list[Tile]:
+def _build_tiles(calibration: Calibration) -> list[Tile]:
     """Return the tiles: differences, and the forecast error."""
-    scores = found.scores.get('confirm') or found.scores.get('train', ())
-    count = len(list_differences(found))
+    scores = calibration.scores.get('confirm') or calibration.scores.get('train', ())
+    count = len(list_differences(calibration))
     tiles = [Tile('Beyond tolerance', str(count), '', 'numbers of the vehicle file')]
     if scores:
         last = scores[-1]
@@ -98,7 +98,7 @@ def _build_tiles(found: Calibration) -> list[Tile]:
     return tiles
 
 
-def _shown(one: CalibratedValue) -> tuple[str, str, str]:
+def _format_in_unit(one: CalibratedValue) -> tuple[str, str, str]:
     """Return file value, value and interval with a unit that reads well."""
     unit, factor = SHOWN_UNITS.get(one.unit, (one.unit, 1.0))
     if one.unit == 'N':
@@ -113,7 +113,7 @@ def _shown(one: CalibratedValue) -> tuple[str, str, str]:
     return f'{format_number(before)}{end}', f'{now}{end}', f'{low} to {high}'
 
 
-def _name(one: CalibratedValue) -> str:
+def _format_name(one: CalibratedValue) -> str:
     """Return the name of a value."""
     effect, _, part = one.name.partition('.')
     if effect == 'vehicle':
@@ -127,20 +127,20 @@ def _build_value_table(heading: str, values: Sequence[CalibratedValue]) -> TextT
     """Return the table of some values; those beyond tolerance are bold."""
     rows = []
     for one in sorted(values, key=lambda each: (not each.is_far, not each.is_known)):
-        before, now, interval = _shown(one)
-        name = Emphasis(_name(one)) if one.is_far else _name(one)
+        before, now, interval = _format_in_unit(one)
+        name = Emphasis(_format_name(one)) if one.is_far else _format_name(one)
         rows.append([name, before, now, interval, format_inseparable(one)])
     note = 'Bold: the vehicle file is off by more than its tolerance explains.'
     return TextTable(heading, HEADS, rows, note)
 
 
-def _build_flight_table(found: Calibration) -> TextTable:
+def _build_flight_table(calibration: Calibration) -> TextTable:
     """Return the table of what each flight has of its own."""
     rows = []
-    for one in found.values:
+    for one in calibration.values:
         if one.flight and one.is_known:
-            before, now, interval = _shown(one)
-            rows.append([one.flight, _name(one), before, now, interval])
+            before, now, interval = _format_in_unit(one)
+            rows.append([one.flight, _format_name(one), before, now, interval])
     heads = ('flight', 'value', 'vehicle file', 'calibrated', '95 % interval')
     return TextTable('Each flight', heads, rows)
 
@@ -163,10 +163,10 @@ def _build_score_table(scores: Mapping[str, Sequence[ForecastScore]]) -> TextTab
     return TextTable('Forecasts', heads, rows, note)
 
 
-def _build_pictures(found: Calibration) -> list[Picture]:
+def _build_pictures(calibration: Calibration) -> list[Picture]:
     """Return the figure of the forecast errors, if there are any."""
-    role = 'confirm' if found.scores.get('confirm') else 'train'
-    scores = found.scores.get(role, ())
+    role = 'confirm' if calibration.scores.get('confirm') else 'train'
+    scores = calibration.scores.get(role, ())
     if not scores:
         return []
     figure = go.Figure()
@@ -184,17 +184,17 @@ def _build_pictures(found: Calibration) -> list[Picture]:
     return [Picture('forecasts', 'Forecast errors', caption, figure)]
 
 
-def encode_calibration(found: Calibration) -> dict[str, Any]:
+def encode_calibration(calibration: Calibration) -> dict[str, Any]:
     """Return a calibration as JSON data, in SI units."""
     return {
-        'vehicle': found.vehicle,
-        'headline': format_headline(found),
-        'method': found.method,
-        'differences': list_differences(found),
-        'values': [asdict(one) for one in found.values],
+        'vehicle': calibration.vehicle,
+        'headline': format_headline(calibration),
+        'method': calibration.method,
+        'differences': list_differences(calibration),
+        'values': [asdict(one) for one in calibration.values],
         'forecasts': {
-            role: [asdict(one) for one in scores] for role, scores in found.scores.items()
+            role: [asdict(one) for one in scores] for role, scores in calibration.scores.items()
         },
-        'bags': {role: list(names) for role, names in found.bags.items()},
-        'warnings': list(found.warnings),
+        'bags': {role: list(names) for role, names in calibration.bags.items()},
+        'warnings': list(calibration.warnings),
     }

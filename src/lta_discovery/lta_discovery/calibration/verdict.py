@@ -30,20 +30,20 @@ def pendulum_rates(nominal: NominalVehicle) -> tuple[float, float]:
     return roll, pitch
 
 
-def list_differences(found: Calibration) -> list[str]:
+def list_differences(calibration: Calibration) -> list[str]:
     """Return what the vehicle file has wrong, one clause each; gains first."""
     return [
-        *_gain_clauses(found),
-        *_lift_clauses(found),
-        *_marker_clauses(found),
-        *_pendulum_clauses(found),
-        *_delay_clauses(found),
+        *_gain_clauses(calibration),
+        *_lift_clauses(calibration),
+        *_marker_clauses(calibration),
+        *_pendulum_clauses(calibration),
+        *_delay_clauses(calibration),
     ]
 
 
-def _gain_clauses(found: Calibration) -> Iterator[str]:
+def _gain_clauses(calibration: Calibration) -> Iterator[str]:
     """Yield the gains that differ from the file."""
-    for one in found.values:
+    for one in calibration.values:
         effect, _, axis = one.name.partition('.')
         gain = effect == 'wrench_gain' or one.name.endswith('.thrust')
         if not (one.is_far and gain):
@@ -59,9 +59,9 @@ def _gain_clauses(found: Calibration) -> Iterator[str]:
             yield f'{effect.replace("_", " ")}: {percent} % of its thrust arrives{side}'
 
 
-def _lift_clauses(found: Calibration) -> Iterator[str]:
+def _lift_clauses(calibration: Calibration) -> Iterator[str]:
     """Yield the net lift of the flights if it is far from the file's."""
-    lifts = found.list_of_flights('net_lift.force')
+    lifts = calibration.list_of_flights('net_lift.force')
     if any(one.is_far for one in lifts):
         low, high = (
             format_number(1e3 * each([one.value for one in lifts]), 3) for each in (min, max)
@@ -70,10 +70,10 @@ def _lift_clauses(found: Calibration) -> Iterator[str]:
         yield f'net lift: {span}'
 
 
-def _marker_clauses(found: Calibration) -> Iterator[str]:
+def _marker_clauses(calibration: Calibration) -> Iterator[str]:
     """Yield rotation and lever arm of the marker frame."""
-    turns = [one for s in SIDES if (one := found.find(f'marker_offset.{s}'))]
-    arms = [one for a in 'xyz' if (one := found.find(f'marker_offset.{a}'))]
+    turns = [one for s in SIDES if (one := calibration.find(f'marker_offset.{s}'))]
+    arms = [one for a in 'xyz' if (one := calibration.find(f'marker_offset.{a}'))]
     if any(one.is_far for one in turns):
         size = DEGREES * math.sqrt(sum(one.value**2 for one in turns))
         yield f'the marker frame is turned by {format_number(size, 2)}\N{DEGREE SIGN}'
@@ -82,9 +82,11 @@ def _marker_clauses(found: Calibration) -> Iterator[str]:
         yield f'its origin is {format_number(size, 2)} cm from the hull centre'
 
 
-def _pendulum_clauses(found: Calibration) -> Iterator[str]:
+def _pendulum_clauses(calibration: Calibration) -> Iterator[str]:
     """Yield the oscillations that are faster or slower than those of the file."""
-    both = zip(pendulum_rates(found.nominal), pendulum_rates(found.calibrated), strict=True)
+    both = zip(
+        pendulum_rates(calibration.nominal), pendulum_rates(calibration.calibrated), strict=True
+    )
     for axis, (before, after) in zip(('roll', 'pitch'), both, strict=True):
         if before > 0.0 and abs(after / before - 1.0) > PENDULUM:
             word = 'faster' if after > before else 'slower'
@@ -92,26 +94,26 @@ def _pendulum_clauses(found: Calibration) -> Iterator[str]:
             yield f'the {axis} pendulum is {percent} % {word}'
 
 
-def _delay_clauses(found: Calibration) -> Iterator[str]:
+def _delay_clauses(calibration: Calibration) -> Iterator[str]:
     """Yield the delay of the commands."""
-    late = found.find('command_delay.delay')
+    late = calibration.find('command_delay.delay')
     if late is not None and late.is_far and late.value > LATE:
         yield f'commands act {format_number(late.value, 2)} s late'
 
 
-def format_headline(found: Calibration) -> str:
+def format_headline(calibration: Calibration) -> str:
     """Return the result in one sentence."""
-    if found.method == 'file':
+    if calibration.method == 'file':
         return 'No calibration forecasts the training flights better than the vehicle file.'
-    clauses = list_differences(found)
+    clauses = list_differences(calibration)
     said = '; '.join(clauses) if clauses else 'The vehicle file is within its tolerances'
     return f'{said[:1].upper()}{said[1:]}.'
 
 
-def format_forecast_sentence(found: Calibration) -> str:
+def format_forecast_sentence(calibration: Calibration) -> str:
     """Return how well the calibration forecasts, beside file and coasting; '' if unknown."""
-    role = 'confirm' if found.scores.get('confirm') else 'train'
-    scores = found.scores.get(role, ())
+    role = 'confirm' if calibration.scores.get('confirm') else 'train'
+    scores = calibration.scores.get(role, ())
     if not scores:
         return 'The flights are too short to compare forecasts.'
     last = scores[-1]
