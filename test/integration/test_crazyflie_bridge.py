@@ -48,7 +48,7 @@ class Pair:
     def renew(self, *words):
         self.after.close()
         self.drone = self.after.enter_context(CrazyflieServer(Firmware(BenchBody(), drift=30e-6)))
-        words = ('-p', f'uri:={self.drone.uri}', *words)
+        words = ('-p', f'uri:={self.drone.uri}', '-p', 'blind:=true', *words)
         self.bridge = self.after.enter_context(running(NODE, *words))
 
 

@@ -83,6 +83,8 @@ class BridgeCore:
     watchdog : bool
         Whether to start the firmware's emergency-stop watchdog with the first arming. It stops
         the motors and locks the drone 1 s after the last message; only a restart unlocks it.
+    blind : bool
+        Whether it may fly without a position estimate.
 
     Attributes
     ----------
@@ -102,6 +104,7 @@ class BridgeCore:
         rotors: Sequence[str],
         command: str = '',
         watchdog: bool = False,
+        blind: bool = False,
     ) -> None:
         # The lock guards state that both the tick and the thread of arriving packets use
         self._link, self._lock = link, threading.Lock()
@@ -122,7 +125,8 @@ class BridgeCore:
         self._word_ns: int | None = None
         self._power_ns: int | None = None
         self._asked: CrazyflieCommand | None = None
-        self._where = PositionEstimate()
+        self._estimated = self._tracked = PositionEstimate()
+        self._blind = blind
         self._sequence = 0
         self.packets = 0
         self._watchdog, self._guarded, self._ticks = watchdog, False, 0
@@ -197,14 +201,33 @@ class BridgeCore:
             self._asked = command
 
     def update_position(self, where: PositionEstimate) -> None:
-        """Store the newest position estimate."""
-        self._where = where
+        """Store the newest estimate of the estimator."""
+        self._estimated = where
+
+    def update_tracked_position(self, where: PositionEstimate) -> None:
+        """Store the newest position of an external tracker."""
+        self._tracked = where
+
+    def _find_position(self, now_ns: int) -> tuple[PositionEstimate, float]:
+        """Return the position to keep the limits by, and its age [s]."""
+        both = [
+            (where, stamp_age(where.stamp_ns, now_ns))
+            for where in (self._estimated, self._tracked)
+        ]
+        # Of two that are known, the one that is farther up or away decides
+        known = [where for where, age in both if age <= safety.LOST]
+        if len(known) == len(both):
+            height = max(where.height for where in known)
+            distance = max(where.distance for where in known)
+            return PositionEstimate(height, distance), max(age for _, age in both)
+        return min(both, key=lambda one: one[1])
 
     def collect_safety_inputs(
         self, now_ns: int, linked: bool, active: bool
     ) -> safety.SafetyInputs:
         """Return the inputs of the safety state machine at a graph time. [ns]"""
-        command, motors, where = self._asked, self.motors, self._where
+        command, motors = self._asked, self.motors
+        where, age = self._find_position(now_ns)
         since = None if command is None else command.stamp_ns
         return safety.SafetyInputs(
             linked=linked,
@@ -215,8 +238,8 @@ class BridgeCore:
             voltage=self._safety_voltage(now_ns),
             height=where.height,
             distance=where.distance,
-            # Without any estimator the position is not required, so it cannot be too old
-            place_age=0.0 if where.stamp_ns is None else stamp_age(where.stamp_ns, now_ns),
+            place_age=age,
+            blind=self._blind,
         )
 
     def _safety_voltage(self, now_ns: int) -> float:
