@@ -10,6 +10,7 @@ import threading
 from typing import Final, final, NamedTuple
 
 from lta_bridge.crazyflie import duties_packet, readings, safety
+from lta_bridge.crazyflie.buoyancy import BuoyancyMonitor
 from lta_bridge.crazyflie.device_clock import DeviceClock
 from lta_bridge.crazyflie.duties_packet import find_rotor_indices
 from lta_bridge.crazyflie.link import CrazyflieLink, LogPacket
@@ -85,6 +86,8 @@ class BridgeCore:
         the motors and locks the drone 1 s after the last message; only a restart unlocks it.
     blind : bool
         Whether it may fly without a position estimate.
+    lifting : sequence of str or None
+        Names of the rotors that lift; by default all.
 
     Attributes
     ----------
@@ -92,6 +95,8 @@ class BridgeCore:
         The firmware's attitude quaternion, x y z w; None before the first packet.
     power, motors : PowerReading, MotorsReading or None
         The newest readings.
+    buoyancy : BuoyancyMonitor
+        Whether the drone rises without thrust.
     malformed, unasked : RejectionCount
         Unreadable packets and invalid commands.
 
@@ -105,6 +110,7 @@ class BridgeCore:
         command: str = '',
         watchdog: bool = False,
         blind: bool = False,
+        lifting: Sequence[str] | None = None,
     ) -> None:
         # The lock guards state that both the tick and the thread of arriving packets use
         self._link, self._lock = link, threading.Lock()
@@ -127,9 +133,12 @@ class BridgeCore:
         self._asked: CrazyflieCommand | None = None
         self._estimated = self._tracked = PositionEstimate()
         self._blind = blind
+        self._lifts = [lifting is None or name in lifting for name in file.motors.values()]
+        self.buoyancy = BuoyancyMonitor()
         self._sequence = 0
         self.packets = 0
         self._watchdog, self._guarded, self._ticks = watchdog, False, 0
+        self._flown = False  # whether this drone has flown
         self._held = 0  # how many times the override must still be released
 
     @property
@@ -271,7 +280,22 @@ class BridgeCore:
             inputs = self.collect_safety_inputs(now_ns, linked, active)
             self.state, order = safety.step_state(self.state, now, inputs, request, self.limits)
             self._send_outputs(order)
+            self._watch_buoyancy(now, inputs)
             return order
+
+    def _watch_buoyancy(self, now: float, inputs: safety.SafetyInputs) -> None:
+        # A person may lift a drone that has not flown
+        if not self._flown:
+            self._flown = self.state.stage is SafetyStage.FLYING
+            return
+        known = self.motors is not None and inputs.silence <= safety.SILENT
+        duties = self.motors.duties if self.motors is not None and known else ()
+        lifting = max(
+            (duty for duty, lifts in zip(duties, self._lifts, strict=False) if lifts),
+            default=0.0 if known else math.nan,
+        )
+        height = inputs.height if inputs.place_age <= safety.LOST else math.nan
+        self.buoyancy.observe(now, height, lifting)
 
     def find_arming_refusal(self, now_ns: int, linked: bool, active: bool) -> str:
         """Return why arming would be refused now; empty if it would be accepted."""

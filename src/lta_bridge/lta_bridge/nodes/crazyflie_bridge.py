@@ -21,7 +21,7 @@ from lta_bridge.crazyflie.bridge_core import (
 )
 from lta_bridge.crazyflie.connection_manager import ConnectionManager
 from lta_bridge.crazyflie.drone_lock import DroneLock
-from lta_bridge.crazyflie.health_diagnostics import describe_connection, describe_health
+from lta_bridge.crazyflie.health_diagnostics import describe_connection, describe_health, RISING
 from lta_bridge.crazyflie.link import LinkLost, MalformedPacket, Ping
 from lta_bridge.crazyflie.links import create_link
 from lta_bridge.crazyflie.log_table import BLOCKS, check_log_table
@@ -50,6 +50,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_srvs.srv import SetBool, Trigger
 
+UPWARD = 0.1  # vertical component of the axis of a rotor that lifts
 HEARING = 5.0  # s to wait for all readers before arming; a user's own node may never match
 CONFIRMING = 1.0  # s of LEAVE for the drone to confirm disarming
 ALOFT = (SafetyStage.READY, SafetyStage.FLYING, SafetyStage.LANDING)
@@ -83,6 +84,11 @@ class CrazyflieBridge(DeviceNode):
             command,
             watchdog=settings.watchdog in (command, 'always'),
             blind=settings.blind or settings.tethered,
+            lifting=[
+                name
+                for name, rotor in vehicle.file.rotors.items()
+                if rotor.axis.vector[2] > UPWARD
+            ],
         )
         self._keeper: ConnectionManager | None = None
         self._former: ConnectionManager | None = None  # its connection may still be closing
@@ -93,6 +99,7 @@ class CrazyflieBridge(DeviceNode):
         self._velocity: Any = None
         self._odom: Any = None
         self._tracked_start: Any = None
+        self._was_rising = False
         self._controller = self.create_client(SetBool, 'arm')
         # The controller arms separately from the drone
         self._told = False  # whether the controller was armed
@@ -352,6 +359,9 @@ class CrazyflieBridge(DeviceNode):
         inputs = self._bridge.collect_safety_inputs(
             self._graph_time_ns(), self._is_linked, self.active
         )
+        if self._bridge.buoyancy.rises and not self._was_rising:
+            self.get_logger().error(RISING)
+        self._was_rising = self._bridge.buoyancy.rises
         for fact in describe_health(self._bridge, why, attempts, self._link.protocol, inputs):
             self.health.report(fact.task, fact.level, fact.message, **fact.values)
         super().publish_health()
