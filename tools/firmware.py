@@ -9,13 +9,14 @@ read back.
 """
 
 import argparse
+from collections.abc import Sequence
 import os
 from pathlib import Path
 import shutil
 import struct
 import subprocess
 import sys
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, NoReturn
 
 from lta_config.errors import BadInput
 from lta_config.schema.crazyflie_file import find_crazyflie
@@ -32,6 +33,9 @@ TOOLS: Final = {
     'arm-none-eabi-gcc': 'gcc-arm-none-eabi libnewlib-arm-none-eabi',
     'arm-none-eabi-g++': 'gcc-arm-none-eabi libstdc++-arm-none-eabi-newlib',
 }
+HOST_TOOLS: Final = ('make', 'gcc')
+PORT: Final = 19850  # that cflib scans first
+BENCH: Final = 19870  # for tests of the firmware's motors
 
 
 class Source(NamedTuple):
@@ -64,9 +68,9 @@ class Identity(NamedTuple):
     vehicle: int
 
 
-def require_tools() -> None:
+def require_tools(names: Sequence[str]) -> None:
     """Check that the compilers are installed; raise `BadInput` if one is not."""
-    missing = [name for name in TOOLS if shutil.which(name) is None]
+    missing = [name for name in names if shutil.which(name) is None]
     if missing:
         packages = ' '.join(dict.fromkeys(' '.join(TOOLS[name] for name in missing).split()))
         raise BadInput(
@@ -143,6 +147,18 @@ def build_light_board(cores: Path, adc: Path, identity: Identity) -> Path:
     return image
 
 
+def rehearse(firmware: Path, identity: Identity) -> NoReturn:
+    """Build the firmware with the app as a Linux process, and become that process."""
+    out = CRAZYFLIE / 'build_linux'
+    run_make(
+        '-C', str(CRAZYFLIE / 'linux'), f'FIRMWARE={firmware}', 'BUILD=app', f'OUT={out}',
+        to_flags(identity),
+    )  # fmt: skip
+    sys.stdout.write(f'The firmware answers at udp://127.0.0.1:{PORT}; press Ctrl-C to stop it.\n')
+    sys.stdout.flush()
+    os.execv(out / 'crazyflie', ['crazyflie', str(PORT), str(BENCH)])
+
+
 def to_flags(identity: Identity) -> str:
     """Return the compiler's definitions of an identity."""
     commit, vehicle = identity
@@ -166,11 +182,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description='Build both firmware images.')
     parser.add_argument('--only', choices=('crazyflie', 'light_board'), help='build one of them')
     parser.add_argument('--any-version', action='store_true', help='accept other sources')
+    parser.add_argument('--rehearse', action='store_true', help='run the firmware on this machine')
     asked = parser.parse_args()
     name = os.environ.get('VEHICLE') or 'gtmab'
-    require_tools()
+    require_tools(HOST_TOOLS if asked.rehearse else tuple(TOOLS))
     vehicle = load_vehicle_file(name)
     commit = int(read_commit(ROOT)[:8] or '0', 16)
+    if asked.rehearse:
+        firmware = require_source(FIRMWARE, asked.any_version)
+        airframe = hash_airframe(vehicle, find_crazyflie(name, vehicle.name))
+        rehearse(firmware, Identity(commit, airframe))
     if asked.only != 'light_board':
         firmware = require_source(FIRMWARE, asked.any_version)
     if asked.only != 'crazyflie':
