@@ -156,7 +156,7 @@ def rehearse(firmware: Path, identity: Identity) -> NoReturn:
     )  # fmt: skip
     sys.stdout.write(f'The firmware answers at udp://127.0.0.1:{PORT}; press Ctrl-C to stop it.\n')
     sys.stdout.flush()
-    os.execv(out / 'crazyflie', ['crazyflie', str(PORT), str(BENCH)])
+    os.execv(out / 'crazyflie', [str(out / 'crazyflie'), str(PORT), str(BENCH)])
 
 
 def to_flags(identity: Identity) -> str:
