@@ -6,11 +6,15 @@ SHELL := /bin/sh
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 export PYTHON
+export FIRMWARE
+export CORES
+export ADC
+export VEHICLE
 
 enter := root='$(CURDIR)' && . tools/workspace.sh
 sources := config src test examples tools conftest.py
 
-.PHONY: help demo build test test-fast test-long test-packages bench bench-compare flights hops trust same sensitivity classes plan rgblimp crazyflie odometry faults real-firmware mutation chaos soak docs reference pictures lock check format clean
+.PHONY: help demo build test test-fast test-long test-packages bench bench-compare flights hops trust same sensitivity classes plan rgblimp crazyflie odometry faults real-firmware firmware rehearsal mutation chaos soak docs reference pictures lock check format clean
 
 help:  ## show this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
@@ -69,6 +73,12 @@ faults: test-environment  ## inject faults into flights of emulated hardware, 20
 
 real-firmware: test-environment  ## run the bridge against the real Crazyflie firmware (FIRMWARE=/path; ARGS='--steps record suite': minutes)
 	@$(enter) && .venv/bin/python test/score/real_firmware.py '$(FIRMWARE)' $(ARGS)
+
+firmware: test-environment  ## build both firmware images (FIRMWARE=/path/to/crazyflie-firmware CORES=... ADC=... VEHICLE=gtmab)
+	@$(enter) && .venv/bin/python tools/firmware.py $(ARGS)
+
+rehearsal: test-environment  ## run the real Crazyflie firmware on this machine until Ctrl-C (FIRMWARE=/path VEHICLE=gtmab)
+	@$(enter) && .venv/bin/python tools/firmware.py --rehearse $(ARGS)
 
 mutation: test-environment  ## mutation testing: do tests detect small changes of the code? writes docs/testing_mutation.md (a quarter of an hour; ARGS='--areas control': minutes)
 	@$(enter) && nice .venv/bin/python test/score/mutation.py $(ARGS)

@@ -12,9 +12,11 @@ from lta_config.topics import load_topic_table
 from lta_control.messages import from_duties
 from lta_emulation.crazyflie.body import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
+from lta_emulation.crazyflie.firmware_build import APP
 from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_graph.ros.stamps import from_stamp
 from lta_model.vehicle import load_vehicle
+from nav_msgs.msg import Odometry
 import pytest
 from rcl_interfaces.srv import GetParameters
 from rclpy.duration import Duration
@@ -48,7 +50,7 @@ class Pair:
     def renew(self, *words):
         self.after.close()
         self.drone = self.after.enter_context(CrazyflieServer(Firmware(BenchBody(), drift=30e-6)))
-        words = ('-p', f'uri:={self.drone.uri}', *words)
+        words = ('-p', f'uri:={self.drone.uri}', '-p', 'blind:=true', *words)
         self.bridge = self.after.enter_context(running(NODE, *words))
 
 
@@ -200,6 +202,44 @@ def test_a_silent_drone_is_let_down_and_found_again(peer, drone, bridge, hear):
     drone.down.silent = False
     fly(peer, drone)
     peer.until(lambda: not drone.firmware.supervisor.armed)  # for want of commands
+
+
+@pytest.mark.long
+def test_without_an_estimate_it_is_not_armed_and_a_tracker_is_one(peer, pair):
+    pair.renew('-p', 'blind:=false')
+    heard, tracked = [], peer.publisher('ground_truth/odom')
+    peer.hear('battery', heard.append)
+    peer.until(lambda: heard)
+    refused = peer.ask(SetBool, ARM, data=True)
+    while 'not reported' in refused.message or 'connect' in refused.message:  # it has just begun
+        refused = peer.ask(SetBool, ARM, data=True)
+    assert not refused.success
+    assert 'the position of the drone is not known' in refused.message
+
+    def track():
+        odom = Odometry()
+        odom.header.stamp = peer.node.get_clock().now().to_msg()
+        tracked.publish(odom)
+
+    peer.node.create_timer(0.02, track)
+    peer.arm()
+    pair.after.close()
+    pair.drone = None
+
+
+@pytest.mark.long
+def test_a_drone_of_another_vehicle_is_not_armed(peer, pair):
+    pair.after.close()
+    build = APP._replace(airframe=0xABC)
+    with CrazyflieServer(Firmware(BenchBody(), build=build)) as drone:
+        with running(NODE, '-p', f'uri:={drone.uri}', '-p', 'blind:=true'):
+            refused = peer.ask(SetBool, ARM, data=True)
+            while 'connecting' in refused.message:
+                refused = peer.ask(SetBool, ARM, data=True)
+            assert not refused.success
+            assert 'was built for another vehicle or wiring (00000abc)' in refused.message
+        assert not drone.firmware.supervisor.armed
+    pair.drone = None
 
 
 def test_leaving_in_flight_comes_down_and_disarms(peer, drone, bridge):

@@ -55,8 +55,8 @@ NODES: dict[str, type[GraphNode]] = {
 }
 BESIDE = {  # topics that a node hears as they come, beside what the table says that it answers
     'controller': ['teleop/held', 'teleop/pose', 'teleop/velocity'],
-    'crazyflie_bridge': ['/diagnostics', 'odom', 'setpoint/pose', 'setpoint/velocity',
-                         'teleop/held', 'teleop/pose', 'teleop/velocity'],
+    'crazyflie_bridge': ['/diagnostics', 'ground_truth/odom', 'odom', 'setpoint/pose',
+                         'setpoint/velocity', 'teleop/held', 'teleop/pose', 'teleop/velocity'],
     'teleop': ['/diagnostics', 'odom'],
     'live': sorted(TABLE.topics.keys() - set(REPLACED)),
 }  # fmt: skip

@@ -47,7 +47,7 @@ def drone(body):
 
 @pytest.fixture
 def bridge(drone):
-    words = ('-p', f'uri:={drone.uri}', '-p', 'vehicle:=multirotor')
+    words = ('-p', f'uri:={drone.uri}', '-p', 'vehicle:=multirotor', '-p', 'blind:=true')
     node = start('lta_bridge.nodes.crazyflie_bridge', *words)
     yield node
     if node.poll() is None:

@@ -48,11 +48,12 @@ seen = st.builds(
     command_age=ages,
     voltage=st.one_of(st.floats(2.5, 4.2), st.just(math.nan)),
     height=st.one_of(st.floats(0.0, 8.0), st.just(math.nan)),
-    distance=st.floats(0.0, 100.0),
+    distance=st.one_of(st.floats(0.0, 100.0), st.just(math.nan)),
     place_age=ages,
+    blind=st.booleans(),
 )
 asked = st.builds(SafetyRequest, arm=st.sampled_from([None, True, False]), stop=st.booleans())
-FIT = SafetyInputs(True, True, int(SupervisorBit.ARMED), 0.0, 0.0, 4.0, 1.0, 1.0)
+FIT = SafetyInputs(True, True, int(SupervisorBit.ARMED), 0.0, 0.0, 4.0, 1.0, 1.0, 0.0)
 
 
 class Bridge(RuleBasedStateMachine):
@@ -122,10 +123,18 @@ class Bridge(RuleBasedStateMachine):
         assert order.stream
         if self.state.stage is SafetyStage.FLYING:
             assert self.seen.command_age <= STALE
-            assert self.seen.place_age <= LOST
+            self.knows_the_position_or_may_fly_blind()
             assert self.seen.word & SupervisorBit.ARMED
             assert self.seen.active
             assert self.seen.silence <= SILENT
+
+    def knows_the_position_or_may_fly_blind(self):
+        seen = self.seen
+        if seen.blind and math.isinf(seen.place_age):
+            return
+        assert seen.place_age <= LOST
+        assert math.isfinite(seen.height)
+        assert math.isfinite(seen.distance)
 
     @invariant()
     def a_ramp_only_falls(self):
@@ -185,6 +194,20 @@ def test_every_limit_lands():
         SafetyStage.LANDING,
         'the flight has reached its time limit of 600 s',
     )
+
+
+@given(
+    seen=seen, stage=st.sampled_from([SafetyStage.READY, SafetyStage.FLYING, SafetyStage.DISARMED])
+)
+@settings(max_examples=200)
+def test_no_drone_is_armed_or_flown_without_height_and_position(seen, stage):
+    for change in ({'height': math.nan}, {'distance': math.nan}, {'place_age': math.inf}):
+        lost = seen._replace(blind=False, **change)
+        state, order = step_state(
+            SafetyState(stage, asked_at=0.0), 1.0, lost, SafetyRequest(arm=True), LIMITS
+        )
+        assert state.stage not in (SafetyStage.FLYING, SafetyStage.ARMING)
+        assert order.arm is not True
 
 
 @given(seen=seen, drive=st.booleans())

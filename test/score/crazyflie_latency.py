@@ -33,7 +33,16 @@ def main():
         CrazyflieServer(Firmware(BenchBody())) as server,
         Peer(domain) as peer,
     ):
-        node, late = start('lta_bridge.nodes.crazyflie_bridge', '-p', f'uri:={server.uri}'), []
+        node, late = (
+            start(
+                'lta_bridge.nodes.crazyflie_bridge',
+                '-p',
+                f'uri:={server.uri}',
+                '-p',
+                'blind:=true',
+            ),
+            [],
+        )
 
         def on_imu(message):
             now = peer.node.get_clock().now().nanoseconds

@@ -120,7 +120,7 @@ def to_bridge(count, random, patience=60.0):
     """Return what the bridge sent and heard, whether cflib went deaf, and whether it hears on."""
     told = Told()
     file = load_crazyflie('gtmab')
-    bridge = BridgeCore(told, file, list(file.motors.values()))
+    bridge = BridgeCore(told, file, list(file.motors.values()), blind=True)
     with CrazyflieServer(Firmware(BenchBody())) as server:
         link = CflibLink(server.uri, BLOCKS, time.time_ns)
         link.open(10.0)

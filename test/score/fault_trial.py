@@ -63,6 +63,7 @@ class Trial:
         self.bridge = start(
             'lta_bridge.nodes.crazyflie_bridge',
             '-p', f'uri:={self.server.uri}', '-p', f'vehicle:={vehicle}',
+            '-p', 'blind:=true', '-p', 'watchdog:=never',
         )  # fmt: skip
         self._words: set[str] = set()
         peer.node.create_subscription(DiagnosticArray, '/diagnostics', self._on_diagnostics, 10)

@@ -17,6 +17,9 @@ from typing import Final, final, NamedTuple, Self
 
 from firmware_scenarios import due, Packet, PERIOD, Sample, Scenario
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
+from lta_config.schema.crazyflie_file import load_crazyflie
+from lta_config.schema.vehicle_file import load_vehicle_file
+from lta_config.vehicle_identity import hash_airframe
 from ports import free_port, UDP
 
 ROOT: Final = Path(__file__).resolve().parents[2]
@@ -35,8 +38,9 @@ BLIMP: Final = {  # a body of GT-MAB's size: 2 g heavy
 def build(firmware: Path, name: str, folder: Path) -> Path:
     """Build one of `BUILDS` from a folder of firmware sources; return the program."""
     out = folder / name
+    airframe = hash_airframe(load_vehicle_file('gtmab'), load_crazyflie('gtmab'))
     words = ['make', '-s', '-j2', '-C', str(SOURCES), f'FIRMWARE={firmware}', f'BUILD={name}',
-             f'OUT={out}']  # fmt: skip
+             f'OUT={out}', f'IDENTITY=-DLTA_VEHICLE={airframe:#x}u']  # fmt: skip
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     if done.returncode:
         raise SystemExit(f'The build {name} failed:\n{done.stderr[-2000:]}')

@@ -18,6 +18,7 @@
 #include "commander.h"
 #include "controller.h"
 #include "lta_duties.h"
+#include "lta_identity.h"
 #include "param.h"
 #include "supervisor.h"
 #include "task.h"
@@ -27,7 +28,8 @@
 #define LET_GO_MS 1500 /* the supervisor has seen the disarming by then */
 
 static lta_duties_t newest;
-static uint8_t version = 2; /* of the packets and of what this file promises */
+static uint8_t version = 3; /* of the packets and of what this file promises */
+static lta_identity_t identity = LTA_IDENTITY;
 #ifdef CONFIG_ENABLE_THRUST_BAT_COMPENSATED
 static uint8_t compensated = 1;
 #else
@@ -99,4 +101,6 @@ void controllerOutOfTree(control_t *control, const setpoint_t *setpoint,
 PARAM_GROUP_START(lta)
 PARAM_ADD(PARAM_UINT8 | PARAM_RONLY, app, &version)
 PARAM_ADD(PARAM_UINT8 | PARAM_RONLY, compensated, &compensated)
+PARAM_ADD(PARAM_UINT32 | PARAM_RONLY, commit, &identity.commit)
+PARAM_ADD(PARAM_UINT32 | PARAM_RONLY, vehicle, &identity.vehicle)
 PARAM_GROUP_STOP(lta)

@@ -9,6 +9,7 @@
 #define APPCHANNEL_MTU 31
 #define COMMANDER_PRIORITY_CRTP 1
 #define PARAM_UINT8 0x08
+#define PARAM_UINT32 0x0A
 #define PARAM_RONLY 0x40
 #define PARAM_GROUP_START(name)
 #define PARAM_ADD(type, name, address) const void *lta_param_##name = address;

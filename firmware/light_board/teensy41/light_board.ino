@@ -1,8 +1,9 @@
 /* The light board on a Teensy 4.1: eight diodes on A0 to A7, USB or a UART to a WiFi module.
  *
- * NOT RUN ON HARDWARE YET. Put core/ and build/mavlink/ beside this file (docs/hardware.md). */
+ * NOT RUN ON HARDWARE YET. `make firmware` compiles it; `make -C firmware/light_board sketch` makes a folder
+ * for the Arduino IDE. */
 extern "C" {
-#include "core/light_board.h"
+#include "src/core/light_board.h"
 }
 #include <ADC.h> /* ships with Teensyduino */
 

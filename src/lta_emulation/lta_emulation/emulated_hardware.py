@@ -19,6 +19,7 @@ from typing import Any, Final, NamedTuple
 from lta_config.errors import BadInput
 from lta_config.schema.crazyflie_file import find_crazyflie
 from lta_config.topics import load_topic_table
+from lta_config.vehicle_identity import hash_diodes
 from lta_emulation.crazyflie.firmware import Firmware
 from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_emulation.crazyflie.simulated_body import SimulatedBody
@@ -96,9 +97,12 @@ def serve_hardware(
         If a file is wrong, or the UDP port is taken.
 
     """
-    table, entry = load_topic_table(), load_vehicle(vehicle).file.sensors.diodes
+    table, file = load_topic_table(), load_vehicle(vehicle).file
+    entry = file.sensors.diodes
     # Booted at time 0 of the board server's clock
-    board = EmulatedBoard(0, table.light.sample_rate.si, entry.count, bits=entry.bits)
+    board = EmulatedBoard(
+        0, table.light.sample_rate.si, entry.count, bits=entry.bits, vehicle=hash_diodes(file)
+    )
     light = BoardServer(board, light_port, beacon)
     body = build_simulated_body(vehicle, scenario, seed, light.sample_light)
     try:

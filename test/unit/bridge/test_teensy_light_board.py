@@ -141,10 +141,11 @@ def test_without_the_board_s_time_there_is_no_block():
         (EmulatedBoard(BOOT, sample_rate=8e3), 8, 'samples at 8000 Hz, but topics.yaml says 1'),
         (EmulatedBoard(BOOT), 16, 'has 8 photodiodes, but the vehicle file has 16'),
         (EmulatedBoard(BOOT, bits=16), 8, 'has 16 bits, but the vehicle file says 12'),
+        (EmulatedBoard(BOOT, vehicle=0xABC), 8, 'other diodes (00000abc) than the vehicle file'),
     ],
 )
 def test_what_cannot_be_used_is_one_sentence_and_no_block(board, diodes, sentence):
-    link, found = flown(board, link=LightBoard(LIGHT, diodes, bits=12))
+    link, found = flown(board, link=LightBoard(LIGHT, diodes, bits=12, vehicle=0x123))
     assert found == []
     assert sentence in link.fault
     assert link.fault.endswith('.')

@@ -10,6 +10,7 @@ import threading
 from typing import Final, final, NamedTuple
 
 from lta_bridge.crazyflie import duties_packet, readings, safety
+from lta_bridge.crazyflie.buoyancy import BuoyancyMonitor
 from lta_bridge.crazyflie.device_clock import DeviceClock
 from lta_bridge.crazyflie.duties_packet import find_rotor_indices
 from lta_bridge.crazyflie.link import CrazyflieLink, LogPacket
@@ -83,6 +84,10 @@ class BridgeCore:
     watchdog : bool
         Whether to start the firmware's emergency-stop watchdog with the first arming. It stops
         the motors and locks the drone 1 s after the last message; only a restart unlocks it.
+    blind : bool
+        Whether it may fly without a position estimate.
+    lifting : sequence of str or None
+        Names of the rotors that lift; by default all.
 
     Attributes
     ----------
@@ -90,6 +95,8 @@ class BridgeCore:
         The firmware's attitude quaternion, x y z w; None before the first packet.
     power, motors : PowerReading, MotorsReading or None
         The newest readings.
+    buoyancy : BuoyancyMonitor
+        Whether the drone rises without thrust.
     malformed, unasked : RejectionCount
         Unreadable packets and invalid commands.
 
@@ -102,6 +109,8 @@ class BridgeCore:
         rotors: Sequence[str],
         command: str = '',
         watchdog: bool = False,
+        blind: bool = False,
+        lifting: Sequence[str] | None = None,
     ) -> None:
         # The lock guards state that both the tick and the thread of arriving packets use
         self._link, self._lock = link, threading.Lock()
@@ -122,10 +131,14 @@ class BridgeCore:
         self._word_ns: int | None = None
         self._power_ns: int | None = None
         self._asked: CrazyflieCommand | None = None
-        self._where = PositionEstimate()
+        self._estimated = self._tracked = PositionEstimate()
+        self._blind = blind
+        self._lifts = [lifting is None or name in lifting for name in file.motors.values()]
+        self.buoyancy = BuoyancyMonitor()
         self._sequence = 0
         self.packets = 0
         self._watchdog, self._guarded, self._ticks = watchdog, False, 0
+        self._flown = False  # whether this drone has flown
         self._held = 0  # how many times the override must still be released
 
     @property
@@ -197,14 +210,33 @@ class BridgeCore:
             self._asked = command
 
     def update_position(self, where: PositionEstimate) -> None:
-        """Store the newest position estimate."""
-        self._where = where
+        """Store the newest estimate of the estimator."""
+        self._estimated = where
+
+    def update_tracked_position(self, where: PositionEstimate) -> None:
+        """Store the newest position of an external tracker."""
+        self._tracked = where
+
+    def _find_position(self, now_ns: int) -> tuple[PositionEstimate, float]:
+        """Return the position to keep the limits by, and its age [s]."""
+        both = [
+            (where, stamp_age(where.stamp_ns, now_ns))
+            for where in (self._estimated, self._tracked)
+        ]
+        # Of two that are known, the one that is farther up or away decides
+        known = [where for where, age in both if age <= safety.LOST]
+        if len(known) == len(both):
+            height = max(where.height for where in known)
+            distance = max(where.distance for where in known)
+            return PositionEstimate(height, distance), max(age for _, age in both)
+        return min(both, key=lambda one: one[1])
 
     def collect_safety_inputs(
         self, now_ns: int, linked: bool, active: bool
     ) -> safety.SafetyInputs:
         """Return the inputs of the safety state machine at a graph time. [ns]"""
-        command, motors, where = self._asked, self.motors, self._where
+        command, motors = self._asked, self.motors
+        where, age = self._find_position(now_ns)
         since = None if command is None else command.stamp_ns
         return safety.SafetyInputs(
             linked=linked,
@@ -215,8 +247,8 @@ class BridgeCore:
             voltage=self._safety_voltage(now_ns),
             height=where.height,
             distance=where.distance,
-            # Without any estimator the position is not required, so it cannot be too old
-            place_age=0.0 if where.stamp_ns is None else stamp_age(where.stamp_ns, now_ns),
+            place_age=age,
+            blind=self._blind,
         )
 
     def _safety_voltage(self, now_ns: int) -> float:
@@ -248,7 +280,22 @@ class BridgeCore:
             inputs = self.collect_safety_inputs(now_ns, linked, active)
             self.state, order = safety.step_state(self.state, now, inputs, request, self.limits)
             self._send_outputs(order)
+            self._watch_buoyancy(now, inputs)
             return order
+
+    def _watch_buoyancy(self, now: float, inputs: safety.SafetyInputs) -> None:
+        # A person may lift a drone that has not flown
+        if not self._flown:
+            self._flown = self.state.stage is SafetyStage.FLYING
+            return
+        known = self.motors is not None and inputs.silence <= safety.SILENT
+        duties = self.motors.duties if self.motors is not None and known else ()
+        lifting = max(
+            (duty for duty, lifts in zip(duties, self._lifts, strict=False) if lifts),
+            default=0.0 if known else math.nan,
+        )
+        height = inputs.height if inputs.place_age <= safety.LOST else math.nan
+        self.buoyancy.observe(now, height, lifting)
 
     def find_arming_refusal(self, now_ns: int, linked: bool, active: bool) -> str:
         """Return why arming would be refused now; empty if it would be accepted."""

@@ -24,7 +24,10 @@ LOOK: Final = 0.1  # s between two looks whether the drone listens
 
 
 def enforce_parameters(
-    link: CrazyflieLink, expected: Mapping[str, ExpectedParameter], compensated: bool | None = None
+    link: CrazyflieLink,
+    expected: Mapping[str, ExpectedParameter],
+    compensated: bool | None = None,
+    airframe: int | None = None,
 ) -> None:
     """
     Check the firmware's parameters and set those that may be written.
@@ -41,12 +44,14 @@ def enforce_parameters(
     compensated : bool or None
         Whether the vehicle model assumes firmware that corrects duties for the battery's voltage;
         None to skip this check.
+    airframe : int or None
+        The hash of vehicle and wiring that the drone must have; None to skip this check.
 
     Raises
     ------
     LinkFailed
-        If a parameter is missing, or differs and may not or cannot be written; or if firmware and
-        vehicle disagree on the voltage compensation.
+        If a parameter is missing, or differs and may not or cannot be written; or if the firmware
+        belongs to another vehicle, or disagrees with it on the voltage compensation.
 
     """
     # First of all: a previous program may have left motors turning
@@ -67,6 +72,8 @@ def enforce_parameters(
         why := explain_mismatch(has_voltage_compensation(link), compensated)
     ):
         raise LinkFailed(why)
+    if airframe is not None and (why := explain_wrong_vehicle(link, airframe)):
+        raise LinkFailed(why)
     for name, want in expected.items():
         if link.read_parameter(name) != want.value:
             link.write_parameter(name, want.value, CONFIRM)
@@ -76,6 +83,20 @@ def has_voltage_compensation(link: CrazyflieLink) -> bool:
     """Return whether the firmware corrects duties for the battery's voltage."""
     # Stock firmware lacks the parameter (None) and does compensate.
     return link.read_parameter('lta.compensated') != 0.0
+
+
+def explain_wrong_vehicle(link: CrazyflieLink, airframe: int) -> str:
+    """Return why a drone belongs to another vehicle; empty if it does not, or cannot tell."""
+    value = link.read_parameter('lta.vehicle')
+    # Stock firmware has no vehicle; the app of firmware/crazyflie has one
+    if value is None or int(value) == airframe:
+        return ''
+    built = f'for another vehicle or wiring ({int(value):08x})' if value else 'for no vehicle'
+    return (
+        f'the firmware was built {built}, but vehicle file and motor wiring are those of '
+        f'{airframe:08x}: give the vehicle file of this drone, or build and flash its firmware '
+        'with "make firmware"'
+    )
 
 
 def explain_mismatch(firmware: bool, vehicle: bool) -> str:
@@ -104,7 +125,7 @@ class ConnectionManager:
     ----------
     link : CrazyflieLink
         Only the manager may open and close it.
-    expected, compensated
+    expected, compensated, airframe
         See `enforce_parameters`.
     on_closed : callable
         Called from the manager's thread when the link is closed for good.
@@ -132,10 +153,11 @@ class ConnectionManager:
         compensated: bool | None = None,
         is_closed: Callable[[], bool] = lambda: False,
         patience: float = 0.0,
+        airframe: int | None = None,
     ) -> None:
         self._is_closed, self._patience = is_closed, patience
         self._link, self._expected, self._given_back = link, expected, on_closed
-        self._compensated = compensated
+        self._compensated, self._airframe = compensated, airframe
         self.up, self.why, self.attempts = False, 'connecting', 0
         self._leave = threading.Event()
         self._again = threading.Event()
@@ -182,7 +204,7 @@ class ConnectionManager:
         try:
             self._link.open(DEADLINE)
             if not self._leave.is_set():
-                enforce_parameters(self._link, self._expected, self._compensated)
+                enforce_parameters(self._link, self._expected, self._compensated, self._airframe)
         except LinkFailed as error:
             return str(error)
         except Exception as error:  # drivers raise various types; the thread must survive them

@@ -8,6 +8,10 @@ from lta_bridge.crazyflie.safety import SafetyInputs, SafetyStage, SILENT
 from lta_graph.health import HealthFact, HealthLevel
 
 NOT_CONFIGURED = 'not configured'
+RISING = (
+    'the drone rises without thrust, so it is lighter than air and will not land: hold the '
+    'tether, and add ballast'
+)
 
 
 def describe_health(
@@ -55,4 +59,6 @@ def _describe_safety(bridge: BridgeCore, inputs: SafetyInputs) -> HealthFact:
     }
     level = HealthLevel.ERROR if state.stage is SafetyStage.STOPPED else HealthLevel.OK
     message = f'{state.stage.value}: {state.why}' if state.why else state.stage.value
+    if bridge.buoyancy.rises:
+        level, message = HealthLevel.ERROR, f'{message}; {RISING}'
     return HealthFact('safety', level, message, figures)

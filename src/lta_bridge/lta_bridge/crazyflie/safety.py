@@ -67,8 +67,10 @@ class SafetyInputs(NamedTuple):
     height, distance : float
         Above and from the start; NaN if unknown. [m]
     place_age : float
-        Age of these two; 0 if there never was an estimate, so that a flight without an estimator
-        is possible. [s]
+        Age of these two; infinite if there never was an estimate. [s]
+    blind : bool
+        Whether the operator allows a flight without any position estimate. An estimate that has
+        begun must still continue.
 
     """
 
@@ -77,11 +79,11 @@ class SafetyInputs(NamedTuple):
     word: int = 0
     silence: float = math.inf
     command_age: float = math.inf
-    # NaN compares false, so an unknown height or distance never exceeds its limit
     voltage: float = math.nan
     height: float = math.nan
     distance: float = math.nan
-    place_age: float = 0.0
+    place_age: float = math.inf
+    blind: bool = False
 
 
 class SafetyRequest(NamedTuple):
@@ -173,6 +175,11 @@ def find_arming_refusal(state: SafetyState, inputs: SafetyInputs, limits: Safety
             f'the battery has {inputs.voltage:.2f} V, less than the limit of '
             f'{limits.voltage:.2f} V: charge it'
         )
+    if find_missing_position(inputs):
+        return (
+            'the position of the drone is not known, so no limit of height and distance could be '
+            'kept: start the estimator or a tracker, or allow it with blind:=true'
+        )
     return explain_fault(inputs.word)
 
 
@@ -201,11 +208,21 @@ def find_landing_reason(
     return ''
 
 
+def find_missing_position(inputs: SafetyInputs) -> bool:
+    """Return whether height or distance from the start are unknown, and must be known."""
+    if inputs.blind and math.isinf(inputs.place_age):
+        return False
+    # NaN compares false, so an unknown height or distance would never exceed its limit
+    return math.isinf(inputs.place_age) or math.isnan(inputs.height) or math.isnan(inputs.distance)
+
+
 def find_stale_input(inputs: SafetyInputs) -> str:
     """Return which input is too old to fly by; empty if none is."""
     if inputs.command_age > STALE:
         return f'the newest command is {inputs.command_age:.2f} s old'
-    if inputs.place_age > LOST:
+    if find_missing_position(inputs):
+        return 'the position of the drone is not known'
+    if LOST < inputs.place_age < math.inf:
         return f'the newest position estimate is {inputs.place_age:.2f} s old'
     return ''
 

@@ -29,10 +29,17 @@ class CrazyflieBridgeSettings(Settings):
         'Whether the drone is tethered to a bench; command:=override requires it.',
         fixed=True,
     )
-    watchdog: bool = setting(
+    blind: bool = setting(
         False,
-        'Whether the armed drone stops and locks its motors if it receives no message from the '
-        'bridge for 1 s.',
+        'Whether the drone may be armed without a position estimate; then no limit of height and '
+        'distance ends its flight. tethered:=true allows it too.',
+        fixed=True,
+    )
+    watchdog: Literal['setpoint', 'always', 'never'] = setting(
+        'setpoint',
+        'When the armed drone stops and locks its motors until it is restarted, if it receives no '
+        'message from the bridge for 1 s: setpoint (in this command mode; with motor duties, '
+        "LTA's app stops them after 0.2 s), always or never.",
         fixed=True,
     )
     patience: float = setting(

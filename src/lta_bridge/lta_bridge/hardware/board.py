@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import time
 from typing import Final, final
 
-from lta_bridge.hardware.check_result import HardwareCheck
+from lta_bridge.hardware.check_result import assess_vehicle, HardwareCheck
 from lta_bridge.teensy.light_board import LightBlock, LightBoard, LightPeaks
 from lta_bridge.teensy.reader import BoardReader
 from lta_config.schema.vehicle_diodes import PhotodiodesBlock
@@ -51,6 +51,8 @@ class BoardMeasurement:
         Why the blocks cannot be used; empty if they can.
     trouble : str
         Why the link is down; empty if it is up.
+    commit, vehicle : int
+        Of its firmware: commit, and hash of the diodes; 0 is unknown.
     diodes : tuple of DiodeMeasurement
         Counter-clockwise from the nose.
 
@@ -69,6 +71,8 @@ class BoardMeasurement:
     uncertainty: float | None
     wrong: str
     trouble: str
+    commit: int
+    vehicle: int
     diodes: tuple[DiodeMeasurement, ...]
 
 
@@ -134,6 +138,8 @@ def measure_board(
         uncertainty=clock.uncertainty if clock.is_synchronized else None,
         wrong=board.fault,
         trouble=reader.trouble,
+        commit=board.commit,
+        vehicle=board.vehicle,
         diodes=tuple(measure_diodes(blocks, bins, diodes.largest_reading)),
     )
 
@@ -164,9 +170,9 @@ def measure_diodes(
 
 
 def assess_board(
-    measurement: BoardMeasurement, light: AdcBlockShape, threshold: float
+    measurement: BoardMeasurement, light: AdcBlockShape, threshold: float, vehicle: int
 ) -> Iterator[HardwareCheck]:
-    """Yield the checks of a light board, the most fundamental first."""
+    """Yield the checks of a light board, the most fundamental first; `vehicle` is the hash."""
     if not measurement.frames:
         why = measurement.trouble or 'no data received'
         remedy = 'Flash firmware/light_board, and check that this is the port of the light board.'
@@ -174,6 +180,7 @@ def assess_board(
         return
     if measurement.wrong:
         yield HardwareCheck('light board', 'fail', measurement.wrong)
+    yield assess_vehicle("board's vehicle", measurement.commit, measurement.vehicle, vehicle)
     yield _assess_rows(measurement, light.sample_rate.si)
     yield _assess_clock(measurement)
     yield _assess_diodes(measurement.diodes, threshold)

@@ -29,6 +29,7 @@ from lta_config.errors import BadInput
 from lta_config.schema.crazyflie_file import find_crazyflie
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import load_topic_table
+from lta_config.vehicle_identity import hash_airframe, hash_diodes
 from lta_model.vehicle import load_vehicle
 from lta_vlc.demodulation import plan_bins
 from lta_vlc.settings import DemodulationSettings
@@ -191,18 +192,23 @@ def _check_drone(
             link, uri, file, request.seconds,
             lambda elapsed: tell('listening to the Crazyflie', elapsed / request.seconds),
         )  # fmt: skip
-    return result, list(drone.assess_drone(result, file, vehicle.battery_compensated))
+    return result, list(
+        drone.assess_drone(
+            result, file, vehicle.battery_compensated, hash_airframe(vehicle.file, file)
+        )
+    )
 
 
 def _check_board(
     request: HardwareCheckRequest, port: str, tell: Callable[[str, float], None]
 ) -> tuple[BoardMeasurement, list[HardwareCheck]]:
     light = load_topic_table().light
-    diodes = load_vehicle_file(request.vehicle).sensors.diodes
+    file = load_vehicle_file(request.vehicle)
+    diodes = file.sensors.diodes
     settings = DemodulationSettings(frequency=request.frequency)
     bins = plan_bins(settings, light.sample_rate.si, light.samples)
     result = board.measure_board(
         port, light, diodes, bins, request.seconds,
         lambda elapsed: tell('listening to the light board', elapsed / request.seconds),
     )  # fmt: skip
-    return result, list(board.assess_board(result, light, settings.threshold))
+    return result, list(board.assess_board(result, light, settings.threshold, hash_diodes(file)))

@@ -38,3 +38,20 @@ def grade_value(
     """Return a check that warns or fails if the figure is below the respective limit."""
     state: State = 'ok' if figure >= warn else 'warn' if figure >= fail else 'fail'
     return HardwareCheck(name, state, finding, '' if state == 'ok' else remedy)
+
+
+def assess_vehicle(name: str, commit: int, built: int, expected: int) -> HardwareCheck:
+    """
+    Check for which vehicle a board's firmware was built.
+
+    `built` and `expected` are hashes of `lta_config.vehicle_identity`, `commit` the first eight
+    digits of the firmware's commit; 0 is unknown.
+    """
+    version = f'firmware of commit {commit:08x}' if commit else 'firmware of unknown commit'
+    if built == expected:
+        return HardwareCheck(name, 'ok', f'{version}, built for this vehicle ({built:08x})')
+    remedy = 'Give the vehicle file of this drone with --vehicle, or flash it by "make firmware".'
+    if not built:
+        return HardwareCheck(name, 'warn', f'{version}, built for no vehicle', remedy)
+    finding = f'{version}, built for another vehicle ({built:08x} instead of {expected:08x})'
+    return HardwareCheck(name, 'fail', finding, remedy)

@@ -14,7 +14,7 @@ from lta_bridge.crazyflie.link import CrazyflieLink, LinkLost, LogPacket, Ping
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.crazyflie.round_trips import RoundTrips
 from lta_bridge.crazyflie.supervisor_word import explain_fault, SupervisorBit
-from lta_bridge.hardware.check_result import HardwareCheck
+from lta_bridge.hardware.check_result import assess_vehicle, HardwareCheck
 from lta_bridge.hardware.stream import compute_stream_statistics, StreamStatistics
 from lta_config.schema.crazyflie_file import CrazyflieFile, ExpectedParameter
 
@@ -48,6 +48,8 @@ class DroneMeasurement:
         The supervisor's status word; None if it did not arrive.
     parameters : mapping of str to float or None
         Parameters that the vehicle needs; None for one that the firmware lacks.
+    commit, vehicle : int or None
+        Of LTA's app: commit, and hash of the vehicle; None without the app.
     compensates : bool
         Whether the firmware corrects duties for the battery's voltage.
     lost : str
@@ -64,6 +66,8 @@ class DroneMeasurement:
     voltage: float
     word: int | None
     parameters: Mapping[str, float | None]
+    commit: int | None
+    vehicle: int | None
     compensates: bool
     lost: str
 
@@ -111,9 +115,16 @@ def measure_drone(
         voltage=power[0].voltage if power else math.nan,
         word=words[0] if words else None,
         parameters={name: link.read_parameter(name) for name in file.expected},
+        commit=_read_integer(link, 'lta.commit'),
+        vehicle=_read_integer(link, 'lta.vehicle'),
         compensates=has_voltage_compensation(link),
         lost=lost,
     )
+
+
+def _read_integer(link: CrazyflieLink, name: str) -> int | None:
+    value = link.read_parameter(name)
+    return None if value is None else int(value)
 
 
 def format_revision(parameters: Mapping[str, float | None]) -> str:
@@ -125,12 +136,13 @@ def format_revision(parameters: Mapping[str, float | None]) -> str:
 
 
 def assess_drone(
-    measurement: DroneMeasurement, file: CrazyflieFile, compensated: bool
+    measurement: DroneMeasurement, file: CrazyflieFile, compensated: bool, airframe: int
 ) -> Iterator[HardwareCheck]:
     """
     Yield the checks of a Crazyflie, the most fundamental first.
 
-    `compensated` states whether the vehicle model assumes firmware that corrects duties.
+    `compensated` states whether the vehicle model assumes firmware that corrects duties;
+    `airframe` is the hash of vehicle and wiring.
     """
     if measurement.lost:
         yield HardwareCheck(
@@ -145,6 +157,8 @@ def assess_drone(
         f'firmware revision {measurement.revision}, CRTP protocol version {measurement.protocol}, '
         f'at {measurement.uri}',
     )
+    if measurement.vehicle is not None:
+        yield assess_vehicle('vehicle', measurement.commit or 0, measurement.vehicle, airframe)
     yield _assess_streams(measurement)
     yield _assess_latency(measurement.latency)
     yield _assess_battery(measurement.voltage, file.limits.voltage.si)

@@ -22,6 +22,7 @@ from lta_bridge.crazyflie.safety import SafetyRequest as Wish
 from lta_bridge.crazyflie.safety import SafetyStage
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_config.schema.crazyflie_file import CrazyflieFile, MOTORS
+from lta_config.vehicle_identity import hash_airframe
 from lta_graph.interrupts import hold_interrupts
 from lta_model.vehicle import Vehicle
 
@@ -65,7 +66,7 @@ class MotorBench:
     ) -> None:
         self._link, self._file, self._vehicle = link, file, vehicle
         rotors = vehicle.rotor_names
-        self._bridge = BridgeCore(link, file, rotors, 'motors')
+        self._bridge = BridgeCore(link, file, rotors, 'motors', blind=True)  # tethered
         self._motor = MOTORS.index(motor)
         # Two indices: _motor counts M1 to M4, _place the vehicle file's rotors
         self._place = list(rotors).index(file.motors[motor])
@@ -94,7 +95,12 @@ class MotorBench:
             If the drone refuses, disarms itself, or stops sending.
 
         """
-        enforce_parameters(self._link, self._file.expected, self._vehicle.battery_compensated)
+        enforce_parameters(
+            self._link,
+            self._file.expected,
+            self._vehicle.battery_compensated,
+            hash_airframe(self._vehicle.file, self._file),
+        )
         try:
             self._arm()
             self._drive(duty, seconds, tick)

@@ -7,15 +7,21 @@ when motors may turn; this node converts and publishes.
 """
 
 from functools import partial
+import math
 import threading
 import time
 from typing import Any
 
 from lta_bridge.crazyflie import messages, readings
-from lta_bridge.crazyflie.bridge_core import BridgeCore, RATE, StampedReading
+from lta_bridge.crazyflie.bridge_core import (
+    BridgeCore,
+    PositionEstimate,
+    RATE,
+    StampedReading,
+)
 from lta_bridge.crazyflie.connection_manager import ConnectionManager
 from lta_bridge.crazyflie.drone_lock import DroneLock
-from lta_bridge.crazyflie.health_diagnostics import describe_connection, describe_health
+from lta_bridge.crazyflie.health_diagnostics import describe_connection, describe_health, RISING
 from lta_bridge.crazyflie.link import LinkLost, MalformedPacket, Ping
 from lta_bridge.crazyflie.links import create_link
 from lta_bridge.crazyflie.log_table import BLOCKS, check_log_table
@@ -30,6 +36,7 @@ from lta_bridge.crazyflie.settings import CrazyflieBridgeSettings
 from lta_bridge.crazyflie.udp_probe import is_port_closed
 from lta_config.errors import BadInput
 from lta_config.schema.crazyflie_file import find_crazyflie
+from lta_config.vehicle_identity import hash_airframe
 from lta_graph.health import HealthLevel
 from lta_graph.ros.command_mux import CommandMux
 from lta_graph.ros.device import DeviceNode
@@ -43,6 +50,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_srvs.srv import SetBool, Trigger
 
+UPWARD = 0.1  # vertical component of the axis of a rotor that lifts
 HEARING = 5.0  # s to wait for all readers before arming; a user's own node may never match
 CONFIRMING = 1.0  # s of LEAVE for the drone to confirm disarming
 ALOFT = (SafetyStage.READY, SafetyStage.FLYING, SafetyStage.LANDING)
@@ -68,7 +76,20 @@ class CrazyflieBridge(DeviceNode):
         self._consumption = CrazyfliePowerModel.from_energy(vehicle.file.energy)
         link = self._link = create_link(settings.uri, BLOCKS, self._graph_time_ns)
         file = self._file = find_crazyflie(settings.vehicle, vehicle.file.name, settings.crazyflie)
-        self._bridge = BridgeCore(link, file, self._names, settings.command, settings.watchdog)
+        command = settings.command or file.command
+        self._bridge = BridgeCore(
+            link,
+            file,
+            self._names,
+            command,
+            watchdog=settings.watchdog in (command, 'always'),
+            blind=settings.blind or settings.tethered,
+            lifting=[
+                name
+                for name, rotor in vehicle.file.rotors.items()
+                if rotor.axis.vector[2] > UPWARD
+            ],
+        )
         self._keeper: ConnectionManager | None = None
         self._former: ConnectionManager | None = None  # its connection may still be closing
         self.autostart = settings.autostart
@@ -77,6 +98,8 @@ class CrazyflieBridge(DeviceNode):
         self._pose: Any = None
         self._velocity: Any = None
         self._odom: Any = None
+        self._tracked_start: Any = None
+        self._was_rising = False
         self._controller = self.create_client(SetBool, 'arm')
         # The controller arms separately from the drone
         self._told = False  # whether the controller was armed
@@ -95,6 +118,7 @@ class CrazyflieBridge(DeviceNode):
         )
         for name, callback in (
             ('odom', self._on_odom),
+            ('ground_truth/odom', self._on_tracked_odom),
             ('setpoint/pose', self._on_pose),
             ('setpoint/velocity', self._on_velocity),
         ):
@@ -134,6 +158,7 @@ class CrazyflieBridge(DeviceNode):
             required_compensation(self._vehicle, command),
             partial(is_port_closed, self._settings.uri),
             self._settings.patience,
+            hash_airframe(self._vehicle.file, self._file),
         )
         return super().on_configure(state)
 
@@ -181,6 +206,8 @@ class CrazyflieBridge(DeviceNode):
     def _on_arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         """Arm or disarm, and answer with the confirmed state."""
         why = self._bridge.find_arming_refusal(self._graph_time_ns(), self._is_linked, self.active)
+        if not self._is_linked and self._keeper is not None and self._keeper.why:
+            why = self._keeper.why
         if not (request.data and why):
             if request.data and self._bridge.state.stage is SafetyStage.DISARMED:
                 self._wait_for_links()
@@ -231,6 +258,18 @@ class CrazyflieBridge(DeviceNode):
             return
         self._odom = odom
         self._bridge.update_position(messages.to_position(odom))
+
+    def _on_tracked_odom(self, odom: Any) -> None:  # noqa: ANN401 - a generated class
+        # Of a tracker, for the limits of height and distance only; nothing is controlled by it
+        if find_fault(odom):
+            return
+        here = odom.pose.pose.position
+        if self._tracked_start is None:
+            self._tracked_start = here
+        start = self._tracked_start
+        distance = math.hypot(here.x - start.x, here.y - start.y)
+        stamp = from_stamp(odom.header.stamp)
+        self._bridge.update_tracked_position(PositionEstimate(here.z, distance, stamp))
 
     def _on_pose(self, pose: Any) -> None:  # noqa: ANN401 - a generated class
         self._pose = pose
@@ -320,6 +359,9 @@ class CrazyflieBridge(DeviceNode):
         inputs = self._bridge.collect_safety_inputs(
             self._graph_time_ns(), self._is_linked, self.active
         )
+        if self._bridge.buoyancy.rises and not self._was_rising:
+            self.get_logger().error(RISING)
+        self._was_rising = self._bridge.buoyancy.rises
         for fact in describe_health(self._bridge, why, attempts, self._link.protocol, inputs):
             self.health.report(fact.task, fact.level, fact.message, **fact.values)
         super().publish_health()

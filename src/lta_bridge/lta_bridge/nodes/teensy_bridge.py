@@ -14,6 +14,7 @@ from lta_bridge.teensy.reader import BoardReader
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.settings import setting, Settings
+from lta_config.vehicle_identity import hash_diodes
 from lta_graph.health import HealthLevel
 from lta_graph.ros.device import DeviceNode
 from lta_graph.ros.parameters import NodeParameters
@@ -82,7 +83,8 @@ class TeensyBridge(DeviceNode):
             self._outputs = {name: self.create_output(name) for name in answers}
         else:
             self._outputs = {'photodiodes': self.create_output('photodiodes')}
-        self._entry = load_vehicle_file(self._settings.vehicle).sensors.diodes
+        file = load_vehicle_file(self._settings.vehicle)
+        self._entry, self._hash = file.sensors.diodes, hash_diodes(file)
         self._finder = LampFinder(build_diode_array(self._entry))
         if self._settings.peaks:
             # Compile now, or the first block would wait for it
@@ -105,7 +107,7 @@ class TeensyBridge(DeviceNode):
         """Open the link, retrying for some time; raise `BadInput` if it stays missing."""
         port, until = self._settings.port, time.monotonic() + self._settings.patience
         entry, peaks = self._entry, self._settings.peaks
-        board = LightBoard(self.table.light, entry.count, peaks, entry.bits)
+        board = LightBoard(self.table.light, entry.count, peaks, entry.bits, self._hash)
         while True:
             try:
                 return BoardReader(port, board, self._publish_light, self._graph_time_ns)

@@ -78,6 +78,8 @@ LTA_LIGHT_STATUS: Final = MavlinkMessage(
             ('diodes', '<u1'),
             ('adc_bits', '<u1'),
             ('dialect', '<u1'),
+            ('commit', '<u4'),
+            ('vehicle', '<u4'),
         ]
     ),
 )

@@ -71,6 +71,9 @@ class LightBoard:
         Whether the board shall detect the peaks itself and send no samples.
     bits : int or None
         Resolution of the vehicle's converter; None to accept any.
+    vehicle : int or None
+        Hash of the vehicle's diodes; None to accept any. A board that does not know its own is
+        accepted.
 
     Attributes
     ----------
@@ -89,16 +92,24 @@ class LightBoard:
         Time requests of the board that were too frequent to answer.
     overruns : int
         Rows dropped by the board.
+    commit, vehicle : int
+        Of its firmware: commit, and hash of the diodes; 0 is unknown.
     peaks : int
         Windows with peaks detected by the board.
 
     """
 
     def __init__(
-        self, light: AdcBlockShape, diodes: int, finds_peaks: bool = False, bits: int | None = None
+        self,
+        light: AdcBlockShape,
+        diodes: int,
+        finds_peaks: bool = False,
+        bits: int | None = None,
+        vehicle: int | None = None,
     ) -> None:
         self._light, self._diodes, self._finds_peaks = light, diodes, finds_peaks
-        self._bits = bits
+        self._bits, self._vehicle = bits, vehicle
+        self.commit = self.vehicle = 0
         self._sent = 0
         self._asked: list[int] = []
         self._next_beat = self._next_ask = self._looked_ns = 0
@@ -280,6 +291,7 @@ class LightBoard:
         self.overruns = int(record['overruns'])
         dialect, rate = int(record['dialect']), float(record['sample_rate'])
         bits = int(record['adc_bits'])
+        self.commit, self.vehicle = int(record['commit']), int(record['vehicle'])
         wanted = self._light.sample_rate.si
         self._unlike = ''
         if dialect != DIALECT:
@@ -297,6 +309,12 @@ class LightBoard:
             self._unlike = (
                 f'The ADC of the light board has {bits} bits, but the vehicle file says '
                 f'{self._bits}; set both to the same value, or clipped readings are not detected.'
+            )
+        elif self.vehicle and self._vehicle not in (None, self.vehicle):
+            self._unlike = (
+                f'The firmware of the light board was built for other diodes ({self.vehicle:08x}) '
+                f'than the vehicle file has ({self._vehicle:08x}); give the vehicle file of this '
+                'board, or build and flash its firmware with "make firmware".'
             )
 
 

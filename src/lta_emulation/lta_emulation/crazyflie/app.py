@@ -1,10 +1,10 @@
-"""Emulate the app of firmware/crazyflie, version 2, which receives duties on the app channel."""
+"""Emulate the app of firmware/crazyflie, version 3, which receives duties on the app channel."""
 
 from typing import Final, final
 
 from lta_bridge.crazyflie.duties_packet import DutiesPacket, is_newer, unpack_duties
 
-VERSION: Final = 2
+VERSION: Final = 3
 FULL_RATIO: Final = 65535
 STEP: Final = (
     1.0 / FULL_RATIO

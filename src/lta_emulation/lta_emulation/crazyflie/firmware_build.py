@@ -21,6 +21,8 @@ class FirmwareBuild(NamedTuple):
         Whether it corrects duties for the battery voltage
         (CONFIG_ENABLE_THRUST_BAT_COMPENSATED). This is only reported here: the correction is an
         effect of the body's vehicle, and `motor.m1` to `m4` log the duty before it.
+    airframe : int or None
+        Hash of the vehicle that it was built for; by default that of GT-MAB.
 
     """
 
@@ -28,6 +30,7 @@ class FirmwareBuild(NamedTuple):
     requires_arming: bool
     idle_thrust: int
     compensated: bool
+    airframe: int | None = None
 
 
 AS_SOLD: Final = FirmwareBuild(app=False, requires_arming=False, idle_thrust=0, compensated=True)

@@ -8,6 +8,7 @@ from lta_bridge.crazyflie.duties_packet import find_rotor_indices
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.schema.crazyflie_file import CrazyflieFile
 from lta_config.topics import TopicTable
+from lta_config.vehicle_identity import hash_airframe
 from lta_control.cascade import Setpoint
 from lta_control.laws.protocol import ControlMotion
 from lta_emulation.crazyflie.commander import BodyCommand, HoverSetpoint
@@ -61,7 +62,9 @@ class SimulatedBody:
         self._start_ns = table.start_ns
         vehicle = world.vehicle
         self._order = find_rotor_indices(file.motors, vehicle.rotor_names)
-        self.build = select_build(file.command)
+        self.build = select_build(file.command)._replace(
+            airframe=hash_airframe(vehicle.file, file)
+        )
         self._law = VehicleLaw(vehicle) if file.command == 'setpoint' else None
         self.duties: tuple[float, ...] = (0.0,) * len(self._order)
         self._values: dict[str, float] = {}

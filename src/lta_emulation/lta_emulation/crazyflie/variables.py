@@ -1,5 +1,10 @@
 """Log variables and parameters of the emulated Crazyflie, with the firmware's types."""
 
+from functools import cache
+
+from lta_config.schema.crazyflie_file import load_crazyflie
+from lta_config.schema.vehicle_file import load_vehicle_file
+from lta_config.vehicle_identity import hash_airframe
 from lta_emulation.crazyflie.app import VERSION
 from lta_emulation.crazyflie.firmware_build import FirmwareBuild
 from lta_emulation.crazyflie.table_of_contents import (
@@ -32,11 +37,22 @@ def default_controller(build: FirmwareBuild) -> int:
     return OUT_OF_TREE if build.app else PID
 
 
+def _airframe(build: FirmwareBuild) -> int:
+    return _gtmab_airframe() if build.airframe is None else build.airframe
+
+
+@cache
+def _gtmab_airframe() -> int:
+    return hash_airframe(load_vehicle_file('gtmab'), load_crazyflie('gtmab'))
+
+
 def list_parameters(build: FirmwareBuild) -> tuple[FirmwareParameter, ...]:
     """Return the parameters of a build, with the values they have when it is up."""
     app = (
         FirmwareParameter('lta.app', BYTE | READ_ONLY, VERSION),
         FirmwareParameter('lta.compensated', BYTE | READ_ONLY, int(build.compensated)),
+        FirmwareParameter('lta.commit', LONG | READ_ONLY, 0),
+        FirmwareParameter('lta.vehicle', LONG | READ_ONLY, _airframe(build)),
     )
     return (
         # Time-outs in ms

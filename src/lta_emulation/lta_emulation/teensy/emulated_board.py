@@ -95,6 +95,8 @@ class EmulatedBoard:
         Version of its messages.
     bits : int
         Of its converter.
+    vehicle : int
+        Hash of the diodes that its firmware was built for; 0 is unknown.
 
     Attributes
     ----------
@@ -115,10 +117,11 @@ class EmulatedBoard:
         first: int = 0,
         dialect: int = DIALECT,
         bits: int = 12,
+        vehicle: int = 0,
     ) -> None:
         self._boot_ns, self._rate, self._diodes, self._drift = boot_ns, sample_rate, diodes, drift
         self.faults = faults or FrameFaults()
-        self._dialect, self._bits = dialect, bits
+        self._dialect, self._bits, self._vehicle = dialect, bits, vehicle
         self._first, self._rows, self._turn = first, 0, 0
         self._paused = 0  # ns of its clock without sampling
         self._hears = FrameParser()
@@ -241,6 +244,7 @@ class EmulatedBoard:
             diodes=self._diodes,
             adc_bits=self._bits,
             dialect=self._dialect,
+            vehicle=self._vehicle,
         )
 
     def answer_timesync(self, data: bytes, now_ns: int) -> bytes:

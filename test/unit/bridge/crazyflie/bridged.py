@@ -1,6 +1,6 @@
 """A bridge in flight at a clock of its own, and a link that keeps what was sent."""
 
-from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand
+from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand, PositionEstimate
 from lta_bridge.crazyflie.link import LogPacket
 from lta_bridge.crazyflie.safety import SafetyRequest as AskedBy
 from lta_bridge.crazyflie.safety import SafetyStage
@@ -33,6 +33,7 @@ class Bridged:
         self.kept, self.now, self.word = Kept(), 0, SupervisorBit.ARMED
         self.bridge = BridgeCore(self.kept, FILE, list(FILE.motors.values()), command, watchdog)
         self.linked = self.active = self.commands = self.logs = True
+        self.height = 1.0
         self.power = {'pm.vbat': 4.0, 'pm.state': 0}
         self.asked = CrazyflieCommand(0, duties=DUTIES)
 
@@ -55,4 +56,5 @@ class Bridged:
                 self.bridge.receive_packet(LogPacket(name, self.now // 1_000_000, told, self.now))
         if self.commands:
             self.bridge.accept_command(self.asked._replace(stamp_ns=self.now))
+        self.bridge.update_position(PositionEstimate(self.height, 1.0, self.now))
         self.bridge.tick(1e-9 * self.now, self.now, self.linked, self.active, asked)

@@ -3,6 +3,7 @@
 import ctypes
 from pathlib import Path
 import shutil
+import struct
 import subprocess
 
 from hypothesis import given
@@ -66,6 +67,9 @@ def library(tmp_path_factory):
         '-fPIC',
         f'-I{FOLDER / "stubs"}',
         f'-I{FOLDER / "src"}',
+        f'-I{FOLDER.parent / "identity"}',
+        '-DLTA_COMMIT=0x12345678u',
+        '-DLTA_VEHICLE=0x9abcdef0u',
     ]
     subprocess.run([*command, *map(str, sources), '-o', str(target)], check=True)
     return target
@@ -79,6 +83,13 @@ def app(library, tmp_path):
 
 OFF = (0.0, 0.0, 0.0, 0.0)
 SOME = (0.25, 0.5, 0.75, 1.0)
+
+
+def test_commit_and_vehicle_lie_in_the_image_and_in_parameters(library, app):
+    assert b'LTAi' + struct.pack('<II', 0x12345678, 0x9ABCDEF0) in Path(library).read_bytes()
+    for name, value in (('commit', 0x12345678), ('vehicle', 0x9ABCDEF0)):
+        address = ctypes.c_void_p.in_dll(app.library, f'lta_param_{name}').value
+        assert ctypes.c_uint32.from_address(address).value == value
 
 
 def test_duties_hold_for_their_time_out_and_then_the_motors_stop(app):

@@ -10,7 +10,7 @@ from lta_config.schema.crazyflie_file import load_crazyflie
 from lta_graph.health import HealthLevel
 from lta_model.vehicle import load_vehicle
 
-ARMED = SafetyInputs(True, True, 2, 0.0, 0.0, 4.0, 1.0, 1.0)
+ARMED = SafetyInputs(True, True, 2, 0.0, 0.0, 4.0, 1.0, 1.0, 0.0)
 
 
 def test_without_a_keeper_nothing_is_configured():

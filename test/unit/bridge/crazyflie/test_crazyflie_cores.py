@@ -4,7 +4,7 @@ import math
 import struct
 
 from lta_bridge.crazyflie import duties_packet, messages, readings
-from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand
+from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand, PositionEstimate
 from lta_bridge.crazyflie.device_clock import DeviceClock
 from lta_bridge.crazyflie.link import LogPacket
 from lta_bridge.crazyflie.log_table import BLOCKS, check_log_table, LogBlock
@@ -175,15 +175,27 @@ def test_a_command_of_the_future_is_none(ahead_s, known):
 def test_limits_of_height_and_way_age_with_the_estimate_that_they_are_of():
     """They would stand at its last word, whoever goes on commanding."""
     bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
-    assert (
-        bridge.collect_safety_inputs(10**18, True, True).place_age == 0.0
-    )  # an estimator that nobody has
+    assert math.isinf(bridge.collect_safety_inputs(10**18, True, True).place_age)
     odom = Odometry()
     odom.header.stamp = to_stamp(10**18)
     odom.pose.pose.position.z = 0.4
     bridge.update_position(messages.to_position(odom))
     seen = bridge.collect_safety_inputs(10**18 + 2_500 * MS, True, True)
     assert (seen.height, seen.place_age) == pytest.approx((0.4, 2.5))
+
+
+def test_a_tracker_counts_as_an_estimate_and_the_farther_of_two_decides():
+    bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
+    bridge.update_tracked_position(PositionEstimate(1.0, 3.0, 10**18))
+    seen = bridge.collect_safety_inputs(10**18, True, True)
+    assert (seen.height, seen.distance, seen.place_age) == (1.0, 3.0, 0.0)
+    bridge.update_position(PositionEstimate(2.0, 1.0, 10**18 - 100 * MS))
+    seen = bridge.collect_safety_inputs(10**18, True, True)
+    assert (seen.height, seen.distance) == (2.0, 3.0)
+    assert seen.place_age == pytest.approx(0.1)
+    seen = bridge.collect_safety_inputs(10**18 + 450 * MS, True, True)  # only the tracker is left
+    assert (seen.height, seen.distance) == (1.0, 3.0)
+    assert seen.place_age == pytest.approx(0.45)
 
 
 def test_a_clock_that_is_set_back_makes_no_silence_fresh():

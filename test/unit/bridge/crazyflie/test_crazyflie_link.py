@@ -3,6 +3,7 @@
 from contextlib import nullcontext, suppress
 import math
 from random import Random
+import re
 import socket
 import threading
 import time
@@ -25,6 +26,8 @@ from lta_config.schema.crazyflie_file import (
     load_crazyflie,
     REQUIRED,
 )
+from lta_config.schema.vehicle_file import load_vehicle_file
+from lta_config.vehicle_identity import hash_airframe
 from lta_emulation.crazyflie.body import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
 from lta_emulation.crazyflie.firmware_build import APP, ARMING, AS_SOLD, select_build
@@ -258,9 +261,9 @@ def test_parameters_are_brought_to_what_the_vehicle_needs_or_refused(linked):
             enforce_parameters(
                 link, {'lta.new': ExpectedParameter(value=1, write=True, why='why')}
             )
-        with pytest.raises(LinkFailed, match=r'lta.app is 2, but must be 3 \(why\)'):
+        with pytest.raises(LinkFailed, match=r'lta.app is 3, but must be 4 \(why\)'):
             enforce_parameters(
-                link, {'lta.app': ExpectedParameter(value=3, write=False, why='why')}
+                link, {'lta.app': ExpectedParameter(value=4, write=False, why='why')}
             )
         with pytest.raises(LinkFailed, match=r'firmware\.revision0 of the firmware is read-only'):
             enforce_parameters(
@@ -312,7 +315,7 @@ def test_what_every_drone_must_meet_is_written_to_it(linked):
             None,
             r'has no parameter lta\.app \(.*flash the current firmware/crazyflie',
         ),
-        (APP, 1, r'lta\.app is 1, but must be 2 \(.*flash the current firmware/crazyflie'),
+        (APP, 1, r'lta\.app is 1, but must be 3 \(.*flash the current firmware/crazyflie'),
     ],
 )
 def test_without_the_present_app_a_blimp_is_refused_with_what_turns_motors_switched_off(
@@ -330,6 +333,30 @@ def test_without_the_present_app_a_blimp_is_refused_with_what_turns_motors_switc
             enforce_parameters(link, load_crazyflie('gtmab').expected, compensated=False)
         assert values['supervisor.landedTimeout'] == 60000
         assert (values['motorPowerSet.enable'], values['powerDist.idleThrust']) == (0, 0)
+        link.close()
+
+
+@pytest.mark.parametrize(
+    ('build', 'sentence'),
+    [
+        (APP, ''),
+        (AS_SOLD, ''),  # has no vehicle to compare
+        (APP._replace(airframe=0xABC), 'for another vehicle or wiring (00000abc)'),
+        (APP._replace(airframe=0), 'built for no vehicle'),
+    ],
+)
+def test_firmware_of_another_vehicle_is_refused_and_nothing_is_written(build, sentence, linked):
+    airframe = hash_airframe(load_vehicle_file('gtmab'), load_crazyflie('gtmab'))
+    with CrazyflieServer(Firmware(BenchBody(), build=build)) as server:
+        values = server.firmware.parameters.values
+        values['supervisor.landedTimeout'] = 60000
+        link = linked(server)
+        refused = (
+            pytest.raises(LinkFailed, match=re.escape(sentence)) if sentence else nullcontext()
+        )
+        with refused:
+            enforce_parameters(link, REQUIRED, airframe=airframe)
+        assert values['supervisor.landedTimeout'] == (60000 if sentence else 3000)
         link.close()
 
 

@@ -282,7 +282,7 @@ def test_while_it_starts_it_hears_nothing_and_turns_nothing():
 
 def test_the_builds_have_their_own_parameters():
     app, sold = Firmware(BenchBody(), build=APP), Firmware(BenchBody(), build=AS_SOLD)
-    wanted = {'lta.app': 2, 'lta.compensated': 0, 'stabilizer.controller': 6}
+    wanted = {'lta.app': 3, 'lta.compensated': 0, 'stabilizer.controller': 6}
     assert {name: app.parameters.values[name] for name in wanted} == wanted
     assert not [name for name in sold.parameters.values if name.startswith('lta.')]
     assert sold.parameters.values['stabilizer.controller'] == 1

@@ -178,7 +178,7 @@ def test_without_the_app_nothing_turns(drone, call, typed):
     typed('spin m1\n')
     status, said = call('hardware', 'bench', 'm1', '--uri', drone.uri, '--seconds', '0.5')
     assert status == 1
-    assert 'lta.app is 0, but must be 2 (version of the app that flies duties; flash' in said.err
+    assert 'lta.app is 0, but must be 3 (version of the app that flies duties; flash' in said.err
     assert at_rest(drone)
 
 

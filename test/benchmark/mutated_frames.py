@@ -1,0 +1,91 @@
+"""
+Count the intact frames of a damaged stream that our parser and pymavlink's find.
+
+Run as `python test/benchmark/mutated_frames.py`. Every tenth frame of the light board's stream is
+cut, gets a flipped bit, or is followed by bytes that look like the start of a frame.
+"""
+
+from pathlib import Path
+import random
+import subprocess
+import sys
+import tempfile
+import time
+
+from lta_bridge.teensy.dialect import LTA_LIGHT_BLOCK
+from lta_bridge.teensy.frame_parser import FrameParser
+import numpy as np
+
+XML = Path(__file__).resolve().parents[2] / 'firmware/light_board/mavlink/link.xml'
+FRAMES, CHUNK = 20_000, 512
+
+
+def damaged_stream(seed: int) -> tuple[bytes, int]:
+    """Return a stream, and how many of its frames are intact."""
+    chance, rows = random.Random(seed), np.random.default_rng(seed)
+    stream, intact = bytearray(), 0
+    for turn in range(FRAMES):
+        samples = rows.integers(0, 4096, 120)
+        frame = LTA_LIGHT_BLOCK.build_frame(
+            turn, 1, 191, time_usec=turn * 1500, sequence=turn * 15, diodes=8, rows=15,
+            samples=samples,
+        )  # fmt: skip
+        if chance.random() < 0.1:
+            at = chance.randrange(len(frame))
+            match chance.randrange(3):
+                case 0:
+                    stream += frame[:at]
+                    continue
+                case 1:
+                    stream += frame[:at] + bytes((frame[at] ^ 1 << chance.randrange(8),))
+                    stream += frame[at + 1 :]
+                    continue
+                case _:
+                    stream += frame + b'\xfd' + chance.randbytes(chance.randrange(1, 12))
+        else:
+            stream += frame
+        intact += 1
+    return bytes(stream), intact
+
+
+def pymavlink_frames(stream: bytes) -> int:
+    """Return how many blocks unmodified pymavlink finds, with a dialect that mavgen wrote."""
+    with tempfile.TemporaryDirectory() as folder:
+        words = ['-m', 'pymavlink.tools.mavgen', '--lang=Python3', '--wire-protocol=2.0', '-o']
+        subprocess.run(
+            [sys.executable, *words, f'{folder}/link.py', str(XML)], check=True,
+            capture_output=True,
+        )  # fmt: skip
+        sys.path.insert(0, folder)
+        import link  # type: ignore[import-not-found]
+    parser = link.MAVLink(None)
+    parser.robust_parsing = True
+    found = 0
+    for at in range(0, len(stream), CHUNK):
+        messages = parser.parse_buffer(stream[at : at + CHUNK]) or []
+        found += sum(one.get_type() == 'LTA_LIGHT_BLOCK' for one in messages)
+    return found
+
+
+def our_frames(stream: bytes) -> int:
+    """Return how many blocks our parser finds."""
+    parser = FrameParser()
+    chunks = (stream[at : at + CHUNK] for at in range(0, len(stream), CHUNK))
+    return sum(
+        frame.message is LTA_LIGHT_BLOCK for c in chunks for frame in parser.parse_frames(c)
+    )
+
+
+def main() -> None:
+    """Print the counts and the processor times."""
+    stream, intact = damaged_stream(1)
+    sys.stdout.write(f'{intact} of {FRAMES} frames are intact\n')
+    for name, count in (('our parser', our_frames), ('pymavlink', pymavlink_frames)):
+        began = time.process_time()
+        found = count(stream)
+        spent = time.process_time() - began
+        sys.stdout.write(f'{name}: {found} frames, {1e6 * spent / FRAMES:.0f} us a frame\n')
+
+
+if __name__ == '__main__':
+    main()
