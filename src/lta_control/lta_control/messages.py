@@ -281,21 +281,22 @@ def from_duties(
 
 def update_reserve_report(before: ReserveReport | None, step: InboxStep) -> ReserveReport | None:
     """
-    Return the energy monitor's latest report, stamped when its reserve message came.
+    Return the energy monitor's latest report, with the arrival of reserve and status.
 
-    The reserve and the status are separate topics, so either may arrive a step after the other.
+    They are separate topics, so either may arrive a step after the other, or no longer.
     """
     reserve, status = step.last_message('energy/reserve'), step.last_message('energy/status')
     latest = None if status is None else read_battery_level(status)
     if reserve is None and latest is None:
         return before
     # Until the first reserve message, assume that the reserve is reached: stay on the ground.
-    word = ReserveReport(step.stamp_ns, True, False) if before is None else before
+    now_ns = step.stamp_ns
+    word = ReserveReport(now_ns, True, False, status_ns=now_ns) if before is None else before
     if latest is not None:
         level, why = latest
-        word = word._replace(urgent=level >= HealthLevel.ERROR, why=why)
+        word = word._replace(urgent=level >= HealthLevel.ERROR, why=why, status_ns=now_ns)
     if reserve is not None:
-        word = word._replace(stamp_ns=step.stamp_ns, reserve=reserve.data)
+        word = word._replace(reserve_ns=now_ns, reserve=reserve.data)
     return word
 
 

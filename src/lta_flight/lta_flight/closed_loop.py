@@ -18,7 +18,7 @@ from lta_config.topics import TopicTable
 from lta_control import message_rounding
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.estimator import MotionEstimate
-from lta_control.guidance import Guidance
+from lta_control.guidance import Guidance, GuidanceInputs
 from lta_control.law_autopilot import LawAutopilot
 from lta_control.odometry.ground_motion import (
     build_sighting,
@@ -304,8 +304,10 @@ class ClosedLoop:
             known = self.energy.estimate
             report = ReserveReport(stamp_ns, known.reserve, known.is_landing_urgent)
         self.asked = self._guidance.choose_setpoint(
-            policy.mission, policy.reserve, policy.strategy, stamp_ns, sight,
-            self.measured_state(), report,
+            GuidanceInputs(
+                policy.mission, policy.reserve, policy.strategy, stamp_ns, sight,
+                self.measured_state(), report,
+            )
         )  # fmt: skip
 
     def _travel_state(self) -> TravelState | None:
