@@ -15,18 +15,14 @@ from lta_config.covariances import has_estimate, UNKNOWN_VARIANCE
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
 from lta_control import message_rounding
-from lta_control.attitude import Quaternion, Vector, yaw_from_quaternion
+from lta_control.attitude import Quaternion, up_in_body, Vector, yaw_from_quaternion
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.commanded_flight import CommandedFlight, FlightTask, TaskKind, TaskOutcome
 from lta_control.control import has_overturned
 from lta_control.estimator import EstimatorInputs, MotionEstimate
 from lta_control.laws.protocol import ControlMotion
-from lta_control.odometry.ground_motion import (
-    build_sighting,
-    GroundMotion,
-    LampSighting,
-    rotate_covariance,
-)
+from lta_control.odometry.ground_state import GroundMotion, rotate_covariance
+from lta_control.odometry.lamp_sighting import build_sighting, LampSighting
 from lta_control.per_rotor import pad_to_slots, PerRotor
 from lta_control.reserve import ReserveReport
 from lta_control.sighting import LampPosition
@@ -190,7 +186,10 @@ def _build_twist_covariance(
     """Return the covariance of a twist in the body frame, from that of its level part."""
     covariance = _build_covariance(planar)
     square = velocity[0] * velocity[0] + velocity[1] * velocity[1]
-    covariance[14] = CLIMB_SHARE * estimate.altitude.p[3] + TILT_SIGMA**2 * square
+    # A tilted z axis shows a part of the error of the level velocity
+    x, y, _ = up_in_body(estimate.attitude)
+    level = x * x * covariance[0] + 2.0 * x * y * covariance[1] + y * y * covariance[7]
+    covariance[14] = CLIMB_SHARE * estimate.altitude.p[3] + TILT_SIGMA**2 * square + level
     covariance[21] = covariance[28] = covariance[35] = 1e-4
     return covariance
 

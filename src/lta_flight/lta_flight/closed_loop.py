@@ -20,12 +20,9 @@ from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.estimator import MotionEstimate
 from lta_control.guidance import Guidance, GuidanceInputs
 from lta_control.law_autopilot import LawAutopilot
-from lta_control.odometry.ground_motion import (
-    build_sighting,
-    ground_step,
-    GroundMotion,
-    LampSighting,
-)
+from lta_control.odometry.ground_motion import ground_step
+from lta_control.odometry.ground_state import GroundMotion
+from lta_control.odometry.lamp_sighting import build_sighting, LampSighting
 from lta_control.phases import Mission
 from lta_control.reserve import ReserveReport
 from lta_control.sighting import build_sight, DeadReckonedMotion, LampPosition

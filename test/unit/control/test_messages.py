@@ -31,7 +31,7 @@ from lta_control.messages import (
     update_reserve_report,
 )
 from lta_control.odometry.airspeed import AirspeedEstimate
-from lta_control.odometry.ground_motion import GroundMotion
+from lta_control.odometry.ground_state import GroundMotion
 from lta_control.per_rotor import NONE, pad_to_slots
 from lta_control.reserve import (
     decide_permission,

@@ -109,7 +109,9 @@ def test_the_numbers_of_a_dense_cloud(name, odd):
     points[4 * 5 + names.index(name)] = odd  # at the last diode of the second beacon
     cloud.data = array.array('B', points.tobytes())
     assert find_fault(cloud) == (
-        '' if name == 'snr' else f'its {name} has a value that is not a number, or implausibly large'
+        ''
+        if name == 'snr'
+        else f'its {name} has a value that is not a number, or implausibly large'
     )
     cloud.is_dense = False
     assert find_fault(cloud) == ''
