@@ -24,8 +24,8 @@ sight relative to the distance, strengths that along it. The distance itself fol
 motion in the first seconds, when the drift is still small. Without a lamp in view, the
 covariance grows to that of the prior.
 
-On the ground, or held by hand, a contact may hold the drone against the wind. There k = 0, since
-a drone that does not move tells nothing of the wind.
+On the ground, or held by hand, an unknown contact may hold the drone against the wind. The process
+noise of the drift is larger there, so that a drone that does not move tells little of the wind.
 
 The wind is expected to change little. Innovations of bearings that stay on one side show gusts,
 and the process noise then grows with them (covariance matching: Mehra, Approaches to adaptive
@@ -71,10 +71,11 @@ SEPARATION = 5.0  # Hz: half a bin of the spectrum; lamps differ by more
 # Successive innovations of bearings that point to the same side show a gust. Noise averages out.
 BLOCK = 0.1  # s between two sightings
 SURPRISE_TIME = 1.5  # s over which innovations are averaged
-EXPECTED = 0.06  # square of their normalised mean without gusts
+EXPECTED = 0.07  # square of their normalised mean without gusts
+BESIDE = 0.4  # m of displacement of a near lamp that is no surprise
 MOST_EXCESS = 1.0  # so that bearings worse than expected do not end all knowledge of the wind
-GUST_DRIFT = 0.5  # m/s in one second, of the drift, at an excess of 1
-GUST_WIND = 0.8  # m/s in one second, of the wind
+GUST_DRIFT = 0.4  # m/s in one second, of the drift, at an excess of 1
+GUST_WIND = 1.0  # m/s in one second, of the wind
 
 
 def predict_motion(
@@ -95,8 +96,6 @@ def predict_motion(
     )
     ahead = (hull.linear[0] + hull.quadratic[0] * fast) / hull.mass[0]
     aside = (hull.linear[1] + hull.quadratic[1] * fast) / hull.mass[1]
-    if state.on_ground:
-        ahead = aside = 0.0
     cos, sin = nose
     kxx, kxy = cos * cos * ahead + sin * sin * aside, cos * sin * (ahead - aside)
     kyy = sin * sin * ahead + cos * cos * aside
@@ -120,7 +119,7 @@ def predict_motion(
     excess = min(max(state.innovation**2 - EXPECTED, 0.0), MOST_EXCESS)
     model = settings.thrust_noise**2 + 2.0 * (DRAG_ERROR * 0.5 * (ahead + aside)) ** 2 * error
     if state.on_ground:
-        model = CONTACT * CONTACT
+        model += CONTACT * CONTACT
     model += GUST_DRIFT * GUST_DRIFT * excess
     gusts = settings.gusts * settings.gusts + GUST_WIND * GUST_WIND * excess
     noise = (SLIP * SLIP, SLIP * SLIP, model, model, gusts, gusts, 0.0, 0.0, 0.0)
@@ -200,7 +199,8 @@ def correct_motion(
         if doubted > DOUBT:
             return _restart_lamp(settings, state, sighting, bearing)
         return state._replace(doubted=doubted)
-    surprise = turn / math.sqrt(turn_size) - state.innovation
+    usual = turn_size + BESIDE * BESIDE / square
+    surprise = turn / math.sqrt(usual) - state.innovation
     innovation = state.innovation + BLOCK / SURPRISE_TIME * surprise
     # The measured state is the bearing itself, so P H^T is its row
     mean, rows = _update(mean, rows, rows[BEARING], turn / turn_size, turn_size)

@@ -30,17 +30,17 @@ class GroundSettings(Settings):
         high=20.0,
     )
     gusts: float = setting(
-        0.008, 'Expected random change of the wind in one second.', unit='m/s', low=0.0, high=5.0
+        0.015, 'Expected random change of the wind in one second.', unit='m/s', low=0.0, high=5.0
     )
     thrust_noise: float = setting(
-        0.005,
+        0.01,
         'Random error, in one second, of the velocity computed from thrust and drag.',
         unit='m/s',
         low=0.0,
         high=5.0,
     )
     bearing_noise: float = setting(
-        0.02,
+        0.05,
         'Standard deviation added to that of each bearing. It is larger than the error of one '
         'bearing, because the errors of successive bearings are alike.',
         unit='rad',
@@ -48,7 +48,7 @@ class GroundSettings(Settings):
         high=3.0,
     )
     strength_noise: float = setting(
-        0.03,
+        0.06,
         'Standard deviation of the logarithm of a measured lamp strength.',
         unit='1',
         low=1e-3,
