@@ -246,7 +246,7 @@ BEGUN_WITH = {
     'controller': {'armed'},
     'navigator': {'commanded'},
     'recorder': {
-        'seed', 'offset_x', 'offset_y', 'split_size', 'split_duration', 'snapshot',
+        'commanded', 'seed', 'offset_x', 'offset_y', 'split_size', 'split_duration', 'snapshot',
         'snapshot_size', 'queue_size',
     },
     'live': {'port'},

@@ -8,8 +8,10 @@ ros2/rosidl_runtime_py (0.13.1); for the test of the rosdep keys also ros/rosdis
 
 import os
 from pathlib import Path
+import shutil
 import subprocess
 import sys
+from tempfile import TemporaryDirectory
 
 CHECKOUTS = os.environ.get('LTA_ROS_CHECKOUTS', '')
 WITHOUT = 'LTA_ROS_CHECKOUTS names no folder of checkouts of ROS 2'
@@ -55,8 +57,13 @@ def install(folder: Path) -> dict[str, str]:
     """Install the checkouts into a folder; return the variables by which a process finds them."""
     pip = [sys.executable, '-m', 'pip', 'install', '--quiet', '--disable-pip-version-check']
     alone = ['--no-deps', '--no-build-isolation', '--no-index', '--ignore-installed']
-    paths = [str(Path(CHECKOUTS) / package) for package in PACKAGES]
-    subprocess.run([*pip, *alone, '--prefix', folder, *paths], check=True)
+    # setuptools builds where the source is: in a copy, so that the checkouts stay as they are
+    with TemporaryDirectory() as copies:
+        paths = [str(Path(copies) / package) for package in PACKAGES]
+        for package, path in zip(PACKAGES, paths, strict=True):
+            built = shutil.ignore_patterns('build', '*.egg-info', '__pycache__')
+            shutil.copytree(Path(CHECKOUTS) / package, path, ignore=built)
+        subprocess.run([*pip, *alone, '--prefix', folder, *paths], check=True)
     (site,) = folder.glob('lib/python*/site-packages')
     for name, text in STAND_INS.items():
         (site / name).parent.mkdir(exist_ok=True)

@@ -11,6 +11,11 @@ class RobotOrigin(Settings):
     scenario: str = setting('lamp_room', 'Scenario name or file.', fixed=True)
     gains: str = setting('gtmab', "Name or file of the controller's gains.", fixed=True)
     strategy: str = setting('bag', 'Navigation strategy.', fixed=True)
+    commanded: bool = setting(
+        False,
+        'Whether the drone flies by actions, whose goals are not in the bag.',
+        fixed=True,
+    )
     seed: int = setting(1, 'Random seed.', low=0, high=2**31 - 1, fixed=True)
     offset_x: float = setting(
         0.0,
@@ -39,6 +44,7 @@ class RobotOrigin(Settings):
             strategy=self.strategy,
             seed=str(self.seed),
             time='lockstep' if lockstep else 'realtime',
+            **({'commanded': 'true'} if self.commanded else {}),
             **{name: str(value) for name, value in moved.items() if value},
         )
 

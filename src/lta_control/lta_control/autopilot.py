@@ -14,7 +14,7 @@ from lta_control.attitude import Vector
 from lta_control.cascade import CascadeGains, CascadeMeasurement, Setpoint
 from lta_control.control import TILT_LIMIT
 from lta_control.estimator import EstimatorSettings, MotionEstimate
-from lta_control.odometry.ground_motion import ModelledMotion
+from lta_control.odometry.ground_motion import is_on_ground, ModelledMotion
 from lta_control.onboard import DroneConstants, onboard_step, OnboardMemory, SensorInputs
 from lta_control.sighting import DeadReckonedMotion
 from lta_control.vehicle_parameters import (
@@ -43,6 +43,7 @@ YAW_RATE, MODELLED = (
     MEMORY.part_slice('measured.yaw_rate').start,
     MEMORY.part_slice('estimate.airspeed.model_surge').start,
 )
+HEIGHT = MEMORY.part_slice('estimate.altitude.height').start
 GUIDED, STOPPED = MEMORY.part_slice('guided').start, MEMORY.part_slice('stopped').start
 
 
@@ -79,7 +80,7 @@ class Autopilot:
         self._memory = MEMORY.write(OnboardMemory())
         self._heard = np.empty(HEARD.size)
         self._scratch = np.zeros(SCRATCH)
-        self._count = drone.rotors.number
+        self._count, self._standing = drone.rotors.number, drone.body.standing_height
         self._step = compile_core(onboard_step, layout, MEMORY, HEARD)
         # Packing into the buffer is faster than assigning array elements
         self._pack = struct.Struct(f'{HEARD.size}d').pack_into
@@ -127,7 +128,10 @@ class Autopilot:
         """What the filter of the motion over ground takes from the estimator."""
         item = self._memory.item
         ready, heading, yaw_rate = bool(item(READY)), item(HEADING), item(YAW_RATE)
-        return ModelledMotion(ready, heading, yaw_rate, item(MODELLED), item(MODELLED + 1))
+        grounded = is_on_ground(item(HEIGHT), self._standing)
+        return ModelledMotion(
+            ready, heading, yaw_rate, item(MODELLED), item(MODELLED + 1), grounded
+        )
 
     @property
     def dead_reckoning(self) -> DeadReckonedMotion:

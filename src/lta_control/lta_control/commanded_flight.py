@@ -18,19 +18,13 @@ from typing import final, NamedTuple
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
 from lta_control.cascade import CascadeMeasurement, Setpoint
-from lta_control.control import has_landed
+from lta_control.control import FOOT, has_landed
+from lta_control.guidance import GuidanceInputs
 from lta_control.mission import MissionSettings, remove_light
 from lta_control.phases import Mission, Phase, SWITCHING
-from lta_control.reserve import (
-    decide_permission,
-    explain_restriction,
-    FlightPermission,
-    is_stale,
-    ReserveReport,
-    ReserveResponseSettings,
-)
+from lta_control.reserve import FlightPermission, is_stale
 from lta_control.reserve_policy import apply_reserve, heading_to_start
-from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy
+from lta_control.strategies.protocol import NavigationStrategy
 from lta_vlc.settings import NO_WISH
 
 HIGHEST = 100.0  # m, of a take-off
@@ -121,33 +115,27 @@ class FlightTask:
         Height of a take-off [m] or frequency of a lamp [Hz]; 0: as in the settings.
     result : TaskResult or None
         None while it is flown.
-    begun_ns : int or None
-        Stamp of its first light block. [ns]
-    seen_ns : int
-        Stamp of the last block with light from the lamp, or of the first one. [ns]
+    newest_ns : int or None
+        Stamp of its newest light block. [ns]
+    flown_ns, unseen_ns : int
+        Time since its first block, and since light from the lamp or the first block. [ns]
 
     """
 
     kind: TaskKind
     value: float = 0.0
     result: TaskResult | None = None
-    begun_ns: int | None = None
-    seen_ns: int = 0
+    newest_ns: int | None = None
+    flown_ns: int = 0
+    unseen_ns: int = 0
 
-
-class _Situation(NamedTuple):
-    """Inputs of the newest light block, by which requests are judged."""
-
-    settings: MissionSettings
-    reserve: ReserveResponseSettings
-    stamp_ns: int
-    sight: LightMeasurement
-    measured: CascadeMeasurement | None
-    report: ReserveReport | None
-
-    def explain_restriction(self) -> str:
-        """Return why the energy restricts the flight, in words."""
-        return explain_restriction(self.reserve, self.report, self.stamp_ns)
+    def advance(self, stamp_ns: int) -> None:
+        """Count the time since the last block; none where the stamps jump back."""
+        if self.newest_ns is not None:
+            passed = max(stamp_ns - self.newest_ns, 0)
+            self.flown_ns += passed
+            self.unseen_ns += passed
+        self.newest_ns = stamp_ns
 
 
 def check_commanded(strategy: NavigationStrategy, has_course: bool) -> None:
@@ -191,7 +179,7 @@ class CommandedFlight:
         self.limits, self._ground_height = limits, ground_height
         self._height = 0.0
         self._task: FlightTask | None = None
-        self._situation: _Situation | None = None
+        self._situation: GuidanceInputs | None = None
         self._obstacle = ''  # why nothing can be commanded now
 
     def request(self, kind: TaskKind, value: float = 0.0) -> FlightTask:
@@ -240,35 +228,26 @@ class CommandedFlight:
         if now is not None and (self.mission.phase is not Phase.REST or self._is_airborne(now)):
             self._hold(now)
 
-    def _is_airborne(self, now: _Situation) -> bool:
+    def _is_airborne(self, now: GuidanceInputs) -> bool:
         return now.measured is not None and not has_landed(
             now.measured, FLOOR, self._ground_height
         )
 
-    def choose_setpoint(
-        self,
-        settings: MissionSettings,
-        reserve: ReserveResponseSettings,
-        strategy: NavigationStrategy,
-        stamp_ns: int,
-        sight: LightMeasurement,
-        measured: CascadeMeasurement | None,
-        report: ReserveReport | None,
-    ) -> Setpoint:
-        """Return the setpoint after a light block; the arguments are those of `Guidance`."""
-        now = _Situation(settings, reserve, stamp_ns, sight, measured, report)
-        self._situation, self._obstacle = now, ''
-        self.permission = decide_permission(reserve, report, stamp_ns)
+    def choose_setpoint(self, inputs: GuidanceInputs) -> Setpoint:
+        """Return the setpoint after a light block."""
+        self._situation, self._obstacle = inputs, ''
+        self.permission = inputs.decide_permission()
+        measured = inputs.measured
         if measured is None:
             self.progress = TaskProgress()
             self.fail('the estimate is unknown')
-            return FLOOR._replace(heading=sight.heading)
-        self._update_progress(strategy, sight, measured)
+            return FLOOR._replace(heading=inputs.sight.heading)
+        self._update_progress(inputs, measured)
         self._rest_on_the_ground(measured)
-        self._apply_reserve(now)
-        return self._step_phase(now, strategy, measured)
+        self._apply_reserve(inputs)
+        return self._step_phase(inputs, measured)
 
-    def _find_obstacle(self, now: _Situation, kind: TaskKind, value: float) -> str:
+    def _find_obstacle(self, now: GuidanceInputs, kind: TaskKind, value: float) -> str:
         """Return why a task is refused, or ''."""
         phase = self.mission.phase
         if self._obstacle:
@@ -291,10 +270,12 @@ class CommandedFlight:
         """Return why a take-off to a height [m] is refused, or ''."""
         if self.mission.phase is not Phase.REST:
             return 'the drone flies already'
-        lowest = self._ground_height + settings.reached
-        if value != 0.0 and not lowest < value <= HIGHEST:
+        height = value or settings.altitude
+        # The climb ends `reached` below it, where the drone must not count as landed
+        lowest = self._ground_height + FOOT + settings.reached
+        if not lowest < height <= HIGHEST:
             return (
-                f'the hull centre cannot fly {value:g} m above the ground; give more than '
+                f'the hull centre cannot fly {height:g} m above the ground; give more than '
                 f'{lowest:.2f}, at most {HIGHEST:g}'
             )
         return ''
@@ -305,25 +286,23 @@ class CommandedFlight:
             self._task.result = TaskResult(outcome, message)
             self._task = None
 
-    def _change_phase(self, phase: Phase, now: _Situation) -> None:
+    def _change_phase(self, phase: Phase, now: GuidanceInputs) -> None:
         """Enter a phase at the present heading."""
         self.mission = self.mission._replace(phase=phase, heading=now.sight.heading)
 
-    def _hold(self, now: _Situation) -> None:
+    def _hold(self, now: GuidanceInputs) -> None:
         """Hold the present heading, and the present height on the way up or down."""
         if self.mission.phase is not Phase.SEEK and now.measured is not None:
             self._height = now.measured.altitude
         self._change_phase(Phase.HOLD, now)
 
-    def _update_progress(
-        self, strategy: NavigationStrategy, sight: LightMeasurement, measured: CascadeMeasurement
-    ) -> None:
-        memory = self.mission.memory
+    def _update_progress(self, now: GuidanceInputs, measured: CascadeMeasurement) -> None:
+        memory, sight = self.mission.memory, now.sight
         self.progress = TaskProgress(
             measured.altitude,
             measured.climb,
             sight.seen,
-            strategy.distance(memory) if memory else math.nan,
+            now.strategy.distance(memory) if memory else math.nan,
             sight.bearing if sight.seen else math.nan,
         )
 
@@ -340,7 +319,7 @@ class CommandedFlight:
             )
         self.mission = Mission()
 
-    def _apply_reserve(self, now: _Situation) -> None:
+    def _apply_reserve(self, now: GuidanceInputs) -> None:
         """Land or return where the energy requires it."""
         if self.mission.phase is Phase.REST:
             return
@@ -353,21 +332,18 @@ class CommandedFlight:
             outcome = TaskOutcome.FAULT if silent else TaskOutcome.RESERVE
             self._end_task(outcome, now.explain_restriction())
 
-    def _step_phase(
-        self, now: _Situation, strategy: NavigationStrategy, measured: CascadeMeasurement
-    ) -> Setpoint:
+    def _step_phase(self, now: GuidanceInputs, measured: CascadeMeasurement) -> Setpoint:
         """Return the setpoint of the phase, and go on to the next one."""
         settings, task = now.settings, self._task
         seconds = 0.0
         if task is not None:
-            if task.begun_ns is None:
-                task.begun_ns = task.seen_ns = now.stamp_ns
-            seconds = (now.stamp_ns - task.begun_ns) * 1e-9
+            task.advance(now.stamp_ns)
+            seconds = task.flown_ns * 1e-9
         phase = self.mission.phase
         if phase is Phase.CLIMB:
             self._climb(settings, measured, seconds)
         elif phase is Phase.SEEK or phase is Phase.ARRIVED:
-            return self._steer_to_lamp(now, strategy, seconds)
+            return self._steer_to_lamp(now, seconds)
         elif phase is Phase.HOME:
             heading = heading_to_start(self.mission.start, now.sight.position)
             self.mission = self.mission._replace(heading=heading)
@@ -395,18 +371,16 @@ class CommandedFlight:
             )
             self.mission = self.mission._replace(phase=Phase.LAND)
 
-    def _steer_to_lamp(
-        self, now: _Situation, strategy: NavigationStrategy, seconds: float
-    ) -> Setpoint:
+    def _steer_to_lamp(self, now: GuidanceInputs, seconds: float) -> Setpoint:
         """Return the strategy's setpoint; it holds the position after the arrival."""
         settings, sight, task = now.settings, now.sight, self._task
         mission = self.mission
         if not mission.memory:
-            mission = mission._replace(memory=strategy.start(sight.heading))
+            mission = mission._replace(memory=now.strategy.start(sight.heading))
         # The first blocks after a request may still hold the light of another lamp
         if mission.turns < SWITCHING:
             sight = remove_light(sight)
-        course, memory = strategy.steer(settings, mission.memory, sight)
+        course, memory = now.strategy.steer(settings, mission.memory, sight)
         self.mission = mission._replace(memory=memory, heading=memory[0], turns=mission.turns + 1)
         if task is None:
             # Never search for a lost lamp without a task
@@ -415,8 +389,8 @@ class CommandedFlight:
                 return Setpoint(self._height, self.mission.heading, 0.0)
             return Setpoint(self._height, course.heading, course.speed)
         if sight.seen:
-            task.seen_ns = now.stamp_ns
-        unseen = (now.stamp_ns - task.seen_ns) * 1e-9
+            task.unseen_ns = 0
+        unseen = task.unseen_ns * 1e-9
         if course.arrived:
             self._end_task(TaskOutcome.SUCCEEDED, 'the lamp is reached')
             self.mission = self.mission._replace(phase=Phase.ARRIVED)

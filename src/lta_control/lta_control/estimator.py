@@ -32,7 +32,7 @@ from lta_control.bias_calibration import (
     SensorBiases,
 )
 from lta_control.odometry.airspeed import airspeed_step, AirspeedEstimate, HullDragModel
-from lta_control.odometry.ground_motion import GroundSettings
+from lta_control.odometry.ground_state import GroundSettings
 from lta_control.per_rotor import NONE, PerRotor
 
 PATIENCE = 5.0  # rest times without motion, after which a tilt is accepted and a turn refused

@@ -6,7 +6,7 @@ The navigator node and the one-process loop both decide with this class.
 
 from collections.abc import Sequence
 import math
-from typing import final
+from typing import final, NamedTuple
 
 from lta_config.course import Course
 from lta_control.cascade import CascadeMeasurement, Setpoint
@@ -14,12 +14,47 @@ from lta_control.mission import course_step, mission_step, MissionSettings
 from lta_control.phases import Mission
 from lta_control.reserve import (
     decide_permission,
+    explain_restriction,
     FlightPermission,
     ReserveReport,
     ReserveResponseSettings,
 )
 from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy
 from lta_vlc.settings import NO_WISH
+
+
+class GuidanceInputs(NamedTuple):
+    """
+    What a setpoint is chosen from after a light block.
+
+    Attributes
+    ----------
+    stamp_ns : int
+        Stamp of the block; a course counts from the first one. [ns]
+    sight : LightMeasurement
+        The light of the block.
+    measured : CascadeMeasurement or None
+        The drone's motion; None while the estimator calibrates.
+    report : ReserveReport or None
+        The latest report of the energy monitor.
+
+    """
+
+    settings: MissionSettings
+    reserve: ReserveResponseSettings
+    strategy: NavigationStrategy
+    stamp_ns: int
+    sight: LightMeasurement
+    measured: CascadeMeasurement | None
+    report: ReserveReport | None
+
+    def decide_permission(self) -> FlightPermission:
+        """Return what the energy allows."""
+        return decide_permission(self.reserve, self.report, self.stamp_ns)
+
+    def explain_restriction(self) -> str:
+        """Return why the energy restricts the flight, in words."""
+        return explain_restriction(self.reserve, self.report, self.stamp_ns)
 
 
 @final
@@ -53,42 +88,20 @@ class Guidance:
         self._course, self._route = course, route
         self._begun_ns: int | None = None
 
-    def choose_setpoint(
-        self,
-        settings: MissionSettings,
-        reserve: ReserveResponseSettings,
-        strategy: NavigationStrategy,
-        stamp_ns: int,
-        sight: LightMeasurement,
-        measured: CascadeMeasurement | None,
-        report: ReserveReport | None,
-    ) -> Setpoint:
-        """
-        Return the setpoint after a light block, and update the mission.
-
-        Parameters
-        ----------
-        stamp_ns : int
-            Stamp of the block; a course counts from the first one. [ns]
-        sight : LightMeasurement
-            The light of the block.
-        measured : CascadeMeasurement or None
-            The drone's motion; None while the estimator calibrates.
-        report : ReserveReport or None
-            The latest report of the energy monitor.
-
-        """
+    def choose_setpoint(self, inputs: GuidanceInputs) -> Setpoint:
+        """Return the setpoint after a light block, and update the mission."""
+        sight, measured = inputs.sight, inputs.measured
         # Without a known energy the drone does not take off
-        altitude = math.nan if measured is None or report is None else measured.altitude
-        order = self.permission = decide_permission(reserve, report, stamp_ns)
+        altitude = math.nan if measured is None or inputs.report is None else measured.altitude
+        order = self.permission = inputs.decide_permission()
         if self._course is not None:
-            self._begun_ns = stamp_ns if self._begun_ns is None else self._begun_ns
-            time = (stamp_ns - self._begun_ns) * 1e-9
+            self._begun_ns = inputs.stamp_ns if self._begun_ns is None else self._begun_ns
+            time = (inputs.stamp_ns - self._begun_ns) * 1e-9
             setpoint = course_step(self._course, time, sight.heading, altitude, order)
         else:
             setpoint, self.mission = mission_step(
-                settings, strategy, self.mission, sight, altitude, order,
-                max(len(self._route), 1), reserve.rule,
+                inputs.settings, inputs.strategy, self.mission, sight, altitude, order,
+                max(len(self._route), 1), inputs.reserve.rule,
             )  # fmt: skip
         if self._route:
             self.beacon = self._route[self.mission.asked][1]

@@ -232,7 +232,7 @@ class LawAutopilot:
     @property
     def modelled_motion(self) -> ModelledMotion:
         """What the filter of the motion over ground takes from the estimator."""
-        return read_modelled_motion(self.estimate)
+        return read_modelled_motion(self.estimate, self._standing)
 
     @property
     def dead_reckoning(self) -> DeadReckonedMotion:

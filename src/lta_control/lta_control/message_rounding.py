@@ -12,7 +12,7 @@ import math
 from lta_control.attitude import Quaternion, up_in_body, Vector, yaw_from_quaternion
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.estimator import MotionEstimate
-from lta_control.odometry.ground_motion import GroundMotion
+from lta_control.odometry.ground_state import GroundMotion
 import numpy as np
 
 LEVEL = 0.1  # cosine of the tilt below which climb and heave are not separated

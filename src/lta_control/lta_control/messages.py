@@ -15,18 +15,14 @@ from lta_config.covariances import has_estimate, UNKNOWN_VARIANCE
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
 from lta_control import message_rounding
-from lta_control.attitude import Quaternion, Vector, yaw_from_quaternion
+from lta_control.attitude import Quaternion, up_in_body, Vector, yaw_from_quaternion
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.commanded_flight import CommandedFlight, FlightTask, TaskKind, TaskOutcome
 from lta_control.control import has_overturned
 from lta_control.estimator import EstimatorInputs, MotionEstimate
 from lta_control.laws.protocol import ControlMotion
-from lta_control.odometry.ground_motion import (
-    build_sighting,
-    GroundMotion,
-    LampSighting,
-    rotate_covariance,
-)
+from lta_control.odometry.ground_state import GroundMotion, rotate_covariance
+from lta_control.odometry.lamp_sighting import build_sighting, LampSighting
 from lta_control.per_rotor import pad_to_slots, PerRotor
 from lta_control.reserve import ReserveReport
 from lta_control.sighting import LampPosition
@@ -190,7 +186,10 @@ def _build_twist_covariance(
     """Return the covariance of a twist in the body frame, from that of its level part."""
     covariance = _build_covariance(planar)
     square = velocity[0] * velocity[0] + velocity[1] * velocity[1]
-    covariance[14] = CLIMB_SHARE * estimate.altitude.p[3] + TILT_SIGMA**2 * square
+    # A tilted z axis shows a part of the error of the level velocity
+    x, y, _ = up_in_body(estimate.attitude)
+    level = x * x * covariance[0] + 2.0 * x * y * covariance[1] + y * y * covariance[7]
+    covariance[14] = CLIMB_SHARE * estimate.altitude.p[3] + TILT_SIGMA**2 * square + level
     covariance[21] = covariance[28] = covariance[35] = 1e-4
     return covariance
 
@@ -281,21 +280,22 @@ def from_duties(
 
 def update_reserve_report(before: ReserveReport | None, step: InboxStep) -> ReserveReport | None:
     """
-    Return the energy monitor's latest report, stamped when its reserve message came.
+    Return the energy monitor's latest report, with the arrival of reserve and status.
 
-    The reserve and the status are separate topics, so either may arrive a step after the other.
+    They are separate topics, so either may arrive a step after the other, or no longer.
     """
     reserve, status = step.last_message('energy/reserve'), step.last_message('energy/status')
     latest = None if status is None else read_battery_level(status)
     if reserve is None and latest is None:
         return before
     # Until the first reserve message, assume that the reserve is reached: stay on the ground.
-    word = ReserveReport(step.stamp_ns, True, False) if before is None else before
+    now_ns = step.stamp_ns
+    word = ReserveReport(now_ns, True, False, status_ns=now_ns) if before is None else before
     if latest is not None:
         level, why = latest
-        word = word._replace(urgent=level >= HealthLevel.ERROR, why=why)
+        word = word._replace(urgent=level >= HealthLevel.ERROR, why=why, status_ns=now_ns)
     if reserve is not None:
-        word = word._replace(stamp_ns=step.stamp_ns, reserve=reserve.data)
+        word = word._replace(reserve_ns=now_ns, reserve=reserve.data)
     return word
 
 

@@ -90,21 +90,30 @@ class ReserveReport(NamedTuple):
 
     Attributes
     ----------
-    stamp_ns : int
-        Arrival in graph time. [ns]
+    reserve_ns : int
+        Arrival of `energy/reserve` in graph time. [ns]
     reserve : bool
         Whether the reserve is reached.
     urgent : bool
         Whether to land at once.
     why : str
         Reason in words.
+    status_ns : int or None
+        Arrival of `energy/status`, from which `urgent` and `why` are; None: with the reserve.
 
     """
 
-    stamp_ns: int
+    reserve_ns: int
     reserve: bool
     urgent: bool
     why: str = ''
+    status_ns: int | None = None
+
+    @property
+    def stamp_ns(self) -> int:
+        """Arrival of the older part in graph time. [ns]"""
+        newest = self.reserve_ns
+        return newest if self.status_ns is None else min(newest, self.status_ns)
 
 
 def decide_permission(

@@ -18,14 +18,11 @@ from lta_config.topics import TopicTable
 from lta_control import message_rounding
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.estimator import MotionEstimate
-from lta_control.guidance import Guidance
+from lta_control.guidance import Guidance, GuidanceInputs
 from lta_control.law_autopilot import LawAutopilot
-from lta_control.odometry.ground_motion import (
-    build_sighting,
-    ground_step,
-    GroundMotion,
-    LampSighting,
-)
+from lta_control.odometry.ground_motion import ground_step
+from lta_control.odometry.ground_state import GroundMotion
+from lta_control.odometry.lamp_sighting import build_sighting, LampSighting
 from lta_control.phases import Mission
 from lta_control.reserve import ReserveReport
 from lta_control.sighting import build_sight, DeadReckonedMotion, LampPosition
@@ -304,8 +301,10 @@ class ClosedLoop:
             known = self.energy.estimate
             report = ReserveReport(stamp_ns, known.reserve, known.is_landing_urgent)
         self.asked = self._guidance.choose_setpoint(
-            policy.mission, policy.reserve, policy.strategy, stamp_ns, sight,
-            self.measured_state(), report,
+            GuidanceInputs(
+                policy.mission, policy.reserve, policy.strategy, stamp_ns, sight,
+                self.measured_state(), report,
+            )
         )  # fmt: skip
 
     def _travel_state(self) -> TravelState | None:

@@ -1,6 +1,7 @@
 """Convert attitudes to Euler angles."""
 
 from typing import NamedTuple
+import warnings
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,6 +29,7 @@ def to_euler_angles(quaternions: ArrayLike) -> EulerAngles:
     length = np.linalg.norm(given, axis=1)
     usable = np.isfinite(length) & (length > 0.0)
     if usable.any():
-        # Upper case: intrinsic rotations, each about the axis already turned
-        result[usable] = Rotation.from_quat(given[usable]).as_euler('ZYX')
+        with warnings.catch_warnings(action='ignore'):  # gimbal lock: roll is 0, yaw the rest
+            # Upper case: intrinsic rotations, each about the axis already turned
+            result[usable] = Rotation.from_quat(given[usable]).as_euler('ZYX')
     return EulerAngles(*result.T)

@@ -15,6 +15,7 @@ from lta_control.commanded_flight import (
     TaskProgress,
     TaskResult,
 )
+from lta_control.guidance import GuidanceInputs
 from lta_control.mission import MissionSettings
 from lta_control.phases import Phase
 from lta_control.reserve import ReserveReport, ReserveResponseSettings
@@ -62,12 +63,13 @@ class Drone:
             self.blocks += 1
             stamp_ns = self.blocks * BLOCK_NS
             if self.report is not None:
-                self.report = self.report._replace(stamp_ns=stamp_ns)
+                self.report = self.report._replace(reserve_ns=stamp_ns)
             at = CascadeMeasurement(self.altitude, self.climb, 1.0, 0.0, 0.0, 0.0, 0.0)
-            setpoint = self.flight.choose_setpoint(
+            inputs = GuidanceInputs(
                 SETTINGS, self.reserve, STRATEGY, stamp_ns, self.sight,
                 at if self.measured else None, self.report,
             )  # fmt: skip
+            setpoint = self.flight.choose_setpoint(inputs)
         return setpoint
 
     @property
@@ -175,10 +177,10 @@ def test_on_the_ground_only_a_take_off_begins(rests):
         assert refuse(rests, kind) == 'the drone does not fly'
 
 
-@pytest.mark.parametrize('height', [-1.0, 0.44, 100.1, math.inf, math.nan])
+@pytest.mark.parametrize('height', [-1.0, 0.44, 0.47, 100.1, math.inf, math.nan])
 def test_a_height_that_cannot_be_flown_is_refused(rests, height):
     assert refuse(rests, TaskKind.TAKE_OFF, height) == (
-        f'the hull centre cannot fly {height:g} m above the ground; give more than 0.44, at most '
+        f'the hull centre cannot fly {height:g} m above the ground; give more than 0.47, at most '
         '100'
     )
 
@@ -256,6 +258,32 @@ def test_a_lamp_that_is_not_seen_ends_in_holding(holds):
     assert task.result == TaskResult(
         TaskOutcome.NOT_SEEN, 'no light from the lamp for 5 s; holding'
     )
+
+
+@pytest.mark.parametrize('kind', [TaskKind.GO_TO_LAMP, TaskKind.LAND])
+def test_time_limits_count_on_after_a_clock_that_jumps_back(holds, kind):
+    holds.blocks = 1000
+    holds.step()
+    task = holds.flight.request(kind)
+    holds.sight = SEEN
+    holds.step(5.0)
+    holds.blocks = 10
+    # The blocks at its begin and at the jump count as no time
+    limit = LIMITS.go_to_lamp if kind is TaskKind.GO_TO_LAMP else LIMITS.land
+    holds.step(limit - 5.0 + 0.2)
+    assert task.result is None
+    holds.step(0.1)
+    assert outcome(task) is TaskOutcome.TIMEOUT
+
+
+def test_the_lowest_take_off_ends_in_the_air(rests):
+    task = rests.flight.request(TaskKind.TAKE_OFF, 0.48)
+    rests.step()
+    rests.altitude = 0.45
+    rests.step()
+    assert outcome(task) is TaskOutcome.SUCCEEDED
+    assert rests.step(10.0) == Setpoint(0.48, 1.0, 0.0)
+    assert rests.phase is Phase.HOLD
 
 
 def test_a_landing_that_takes_too_long_goes_on(holds):

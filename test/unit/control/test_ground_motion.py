@@ -2,17 +2,11 @@
 
 import math
 
+from lta_control.odometry import ground_filter
 from lta_control.odometry.airspeed import HullDragModel
-from lta_control.odometry.ground_motion import (
-    build_sighting,
-    ground_step,
-    GroundMotion,
-    GroundSettings,
-    LampSighting,
-    ModelledMotion,
-    rotate_covariance,
-    TRUSTED,
-)
+from lta_control.odometry.ground_motion import ground_step, ModelledMotion
+from lta_control.odometry.ground_state import GroundMotion, GroundSettings, rotate_covariance
+from lta_control.odometry.lamp_sighting import build_sighting, LampSighting, TRUSTED
 from lta_control.sighting import LampPosition
 import numpy as np
 import pytest
@@ -64,8 +58,31 @@ def test_without_a_lamp_the_velocity_is_as_uncertain_as_the_wind():
     assert late.airspeed_covariance[0] < 0.05 * SETTINGS.wind**2
 
 
-def simulate_wind(wind, seconds=20.0, seed=0):
-    """Return filter and truth of a drone that is released in wind and flies across a lamp."""
+def test_a_drone_that_stands_tells_little_of_the_wind():
+    """Held by hand before a lamp for ten seconds."""
+    lamp = LampSighting(0.0, 0.02, 5.0, 0.75, 70.0, 150.0, 0.0)
+
+    def wait(on_ground):
+        motion = resting()._replace(on_ground=on_ground)
+        return fly(10.0, motion, sighting=lambda k: None if k % 10 else lamp)
+
+    states = {on_ground: wait(on_ground) for on_ground in (True, False)}
+    held, free = (math.sqrt(states[on_ground].rows[5][5]) for on_ground in (True, False))
+    # Of the wind across, by a bearing that does not change
+    assert held > 1.5 * free
+
+
+def test_the_frame_begins_where_the_biases_are_known():
+    waited = fly(30.0, resting(ready=False))
+    assert waited.position_covariance == pytest.approx((1e-4, 0.0, 1e-4))
+
+
+def simulate_wind(wind, seconds=20.0, seed=0, gust=0.0):
+    """
+    Return filter and truth of a drone that is released in wind and flies across a lamp.
+
+    After 10 s, `gust` [m/s] comes from the side.
+    """
     chance = np.random.default_rng(seed)
     lamp, place, speed = np.array([7.0, 0.0]), np.zeros(2), np.zeros(2)
     modelled, state = np.zeros(2), GroundMotion()
@@ -75,7 +92,8 @@ def simulate_wind(wind, seconds=20.0, seed=0):
         return DRAG * np.hypot(*v) * v
 
     for k in range(round(seconds / DT)):
-        speed = speed + DT * (thrust - drag(speed - wind)) / MASS
+        now = wind + np.array([0.0, gust if k * DT > 10.0 else 0.0])
+        speed = speed + DT * (thrust - drag(speed - now)) / MASS
         modelled = modelled + DT * (thrust - drag(modelled)) / MASS
         place = place + DT * speed
         sighting = None
@@ -103,6 +121,20 @@ def test_a_lamp_shows_the_wind_and_the_covariance_is_honest(wind):
     # Without the lamp it would be 0.3 m/s
     assert np.sqrt(np.mean(widths, axis=0))[:2].max() < 0.2
     assert np.mean(squares) < 2.0
+
+
+def test_innovations_show_a_gust_and_the_covariance_grows(monkeypatch):
+    """A gust of 2 m/s for 8 s, which the filter does not expect."""
+
+    def square_of_sway(most):
+        monkeypatch.setattr(ground_filter, 'MOST_EXCESS', most)
+        squares = []
+        for seed in range(3):
+            state, _, speed = simulate_wind(np.zeros(2), 18.0, seed, gust=2.0)
+            squares.append((state.velocity[1] - speed[1]) ** 2 / state.velocity_covariance[2])
+        return float(np.mean(squares))
+
+    assert square_of_sway(1.0) < 0.5 * square_of_sway(0.0)
 
 
 def test_another_lamp_is_another_lamp_and_the_wind_is_kept():

@@ -2,7 +2,7 @@
 
 from lta_config.course import Course
 from lta_control.cascade import CascadeMeasurement, Setpoint
-from lta_control.guidance import Guidance
+from lta_control.guidance import Guidance, GuidanceInputs
 from lta_control.mission import MissionSettings
 from lta_control.phases import Phase
 from lta_control.reserve import FlightPermission, ReserveReport, ReserveResponseSettings
@@ -17,7 +17,9 @@ MEASURED = CascadeMeasurement(0.42, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def choose(guidance, stamp_ns=0, measured=MEASURED, report=ReserveReport(0, False, False)):  # noqa: B008 - immutable
-    return guidance.choose_setpoint(SETTINGS, RESERVE, BAG, stamp_ns, SEEN, measured, report)
+    return guidance.choose_setpoint(
+        GuidanceInputs(SETTINGS, RESERVE, BAG, stamp_ns, SEEN, measured, report)
+    )
 
 
 def test_it_takes_off_only_with_a_known_motion_and_energy():

@@ -31,9 +31,15 @@ from lta_control.messages import (
     update_reserve_report,
 )
 from lta_control.odometry.airspeed import AirspeedEstimate
-from lta_control.odometry.ground_motion import GroundMotion
+from lta_control.odometry.ground_state import GroundMotion
 from lta_control.per_rotor import NONE, pad_to_slots
-from lta_control.reserve import ReserveReport
+from lta_control.reserve import (
+    decide_permission,
+    explain_restriction,
+    FlightPermission,
+    ReserveReport,
+    ReserveResponseSettings,
+)
 from lta_graph.inbox import InboxStep
 from lta_graph.ros.message_validation import find_message_type
 from lta_model.messages import read_duties
@@ -239,24 +245,40 @@ def energy(stamp, reserve=None, level=None, why=''):
 
 def test_reserve_and_status_may_come_in_different_steps(message_types):
     ok = update_reserve_report(None, energy(1, False, b'\x00', 'all is well'))
-    assert ok == ReserveReport(1, False, False, 'all is well')
+    assert ok == ReserveReport(1, False, False, 'all is well', 1)
     assert update_reserve_report(ok, energy(2)) == ok
-    # Their order does not matter; the stamp is that of the step with the reserve.
+    # Their order does not matter; each has its own stamp
     first = update_reserve_report(
         update_reserve_report(ok, energy(2, level=b'\x02', why='hot')), energy(3, True)
     )
     last = update_reserve_report(
         update_reserve_report(ok, energy(3, True)), energy(4, level=b'\x02', why='hot')
     )
-    assert first == last == ReserveReport(3, True, True, 'hot')
+    assert first == ReserveReport(3, True, True, 'hot', 2)
+    assert last == ReserveReport(3, True, True, 'hot', 4)
 
 
 def test_without_a_reserve_message_the_reserve_counts_as_reached():
     assert update_reserve_report(None, energy(1)) is None
     assert update_reserve_report(None, energy(1, level=b'\x01', why='warm')) == ReserveReport(
-        1, True, False, 'warm'
+        1, True, False, 'warm', 1
     )
-    assert update_reserve_report(None, energy(1, False)) == ReserveReport(1, False, False, '')
+    assert update_reserve_report(None, energy(1, False)) == ReserveReport(1, False, False, '', 1)
+
+
+@pytest.mark.parametrize('lost', ['reserve', 'status'])
+def test_a_report_is_as_old_as_its_older_part(message_types, lost):
+    settings, second = ReserveResponseSettings(), 1_000_000_000
+    report = update_reserve_report(None, energy(0, False, b'\x00'))
+    for k in range(1, 16):
+        reserve, level = (None, b'\x00') if lost == 'reserve' else (False, None)
+        now_ns = k * second // 10
+        report = update_reserve_report(report, energy(now_ns, reserve, level))
+        permission = decide_permission(settings, report, now_ns)
+        assert permission is (FlightPermission.FLY if k <= 10 else FlightPermission.DOWN)
+    assert explain_restriction(settings, report, 3 * second) == (
+        'no report from the energy monitor for 3.0 s'
+    )
 
 
 def test_a_status_of_error_is_urgent_without_a_reserve_message(message_types):

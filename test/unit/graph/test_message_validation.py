@@ -1,5 +1,6 @@
 """What is called a message that cannot be meant, and how much of it is told."""
 
+import array
 import math
 
 from geometry_msgs.msg import Vector3
@@ -88,6 +89,32 @@ def test_one_number_of_six_is_enough(value, field, axis):
 def test_numbers_and_lengths(message, words):
     assert words in find_fault(message)
     assert bool(find_fault(message)) == bool(words)
+
+
+@pytest.mark.parametrize('odd', [math.nan, math.inf, 1e30])
+@pytest.mark.parametrize('name', ['x', 'amplitude', 'snr', 'frequency'])
+def test_the_numbers_of_a_dense_cloud(name, odd):
+    """As `light/peaks` is on standard types: two beacons at three diodes."""
+    names = ['x', 'amplitude', 'snr', 'frequency']
+    fields = [
+        PointField(name=each, offset=4 * index, datatype=PointField.FLOAT32, count=1)
+        for index, each in enumerate(names)
+    ]
+    cloud = PointCloud2(
+        height=2, width=3, fields=fields, point_step=16, row_step=48, is_dense=True
+    )
+    points = array.array('f', [1.0] * 24)
+    cloud.data = array.array('B', points.tobytes())
+    assert find_fault(cloud) == ''
+    points[4 * 5 + names.index(name)] = odd  # at the last diode of the second beacon
+    cloud.data = array.array('B', points.tobytes())
+    assert find_fault(cloud) == (
+        ''
+        if name == 'snr'
+        else f'its {name} has a value that is not a number, or implausibly large'
+    )
+    cloud.is_dense = False
+    assert find_fault(cloud) == ''
 
 
 def test_numbers_and_lengths_of_lta_msgs():

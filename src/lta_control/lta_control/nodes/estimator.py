@@ -20,12 +20,9 @@ from lta_control.messages import (
     to_inputs,
     to_sighting,
 )
-from lta_control.odometry.ground_motion import (
-    ground_step,
-    GroundMotion,
-    LampSighting,
-    read_modelled_motion,
-)
+from lta_control.odometry.ground_motion import ground_step, read_modelled_motion
+from lta_control.odometry.ground_state import GroundMotion
+from lta_control.odometry.lamp_sighting import LampSighting
 from lta_control.vehicle_parameters import build_estimator_model
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
@@ -92,7 +89,7 @@ class Estimator(GraphNode):
                 settings.ground,
                 self._body.hull,
                 self._ground,
-                read_modelled_motion(self._estimate),
+                read_modelled_motion(self._estimate, self._body.standing_height),
                 self._read_sighting(step),
                 dt,
             )

@@ -14,7 +14,7 @@ from lta_control.commanded_flight import (
     TaskLimits,
 )
 from lta_control.control import TILT_LIMIT
-from lta_control.guidance import Guidance
+from lta_control.guidance import Guidance, GuidanceInputs
 from lta_control.messages import (
     from_setpoint,
     from_task_progress,
@@ -146,8 +146,10 @@ class Navigator(GraphNode):
         """Return the setpoint, and report the mission's state."""
         settings = self._settings.value
         setpoint = self._guidance.choose_setpoint(
-            settings, settings.reserve, self._strategy, step.stamp_ns, self._build_sight(step),
-            measured, self._word,
+            GuidanceInputs(
+                settings, settings.reserve, self._strategy, step.stamp_ns,
+                self._build_sight(step), measured, self._word,
+            )
         )  # fmt: skip
         order = self._guidance.permission
         if self._commands is not None:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Final, final
 
 from lta_config.errors import BadInput
+from lta_data.bag.airspeed import find_airspeed_topic
 from lta_data.bag.recorded_flight import RecordedFlight
 from lta_data.compare.channel_comparison import (
     build_pair_signals,
@@ -142,6 +143,8 @@ def compare_flights(
     else:
         b = read_compared_flight(other, 'B', of_b, lambda: tick('reading B'))
     found = compare_sides(a, b, wanted, request, tick)
+    if ('odom', 'odom') in [(each.topic_a, each.topic_b) for each in wanted]:
+        found = replace(found, remarks=(*found.remarks, *describe_old_odometry(one, other)))
     # Topics that were not requested are not missing
     if request.pairs or request.topics:
         return found
@@ -150,6 +153,24 @@ def compare_flights(
         only_a=tuple(sorted(set(one.topics) - set(other.topics))),
         only_b=tuple(sorted(set(other.topics) - set(one.topics))),
     )
+
+
+def describe_old_odometry(one: RecordedFlight, other: RecordedFlight) -> list[str]:
+    """Return a remark if `odom` is of different quantities, as in a bag of version 1.0."""
+    flights = {'A': one, 'B': other}
+    # A bag of another program says nothing of `airspeed`, and its odom is over ground
+    old = [
+        label
+        for label, flight in flights.items()
+        if find_airspeed_topic(flight.topics) == 'odom' and 'lta' in flight.provenance
+    ]
+    if len(old) != 1:
+        return []
+    pair = 'odom=airspeed' if old == ['A'] else 'airspeed=odom'
+    return [
+        f"{old[0]} has no topic 'airspeed'. In bags of version 1.0, odom is of the motion through "
+        f'the air, and in later ones of that over ground; --pair {pair} compares the airspeed.'
+    ]
 
 
 def count_ticks(one: RecordedFlight, other: RecordedFlight, request: ComparisonRequest) -> int:

@@ -121,6 +121,11 @@ def check_request(order: ReplayRequest, flight: RecordedFlight) -> None:
     """Reject a request that the recording cannot serve."""
     if order.strategy is not None:
         find_navigation_strategy(order.strategy)
+    if 'navigator' in order.nodes and flight.provenance.get('commanded') == 'true':
+        raise BadInput(
+            f"'{order.bag}' is of a flight by actions, whose goals are not in the bag, so the "
+            'navigator cannot be run again; leave navigator out of --nodes.'
+        )
     table = load_topic_table()
     answers = order.node_selection.answers
     for node in order.nodes:

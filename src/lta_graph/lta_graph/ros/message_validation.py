@@ -5,6 +5,7 @@ An invalid message is counted for /diagnostics and passed on nevertheless, becau
 node waits for the answer to it. `InboxStep.valid` leaves out messages with invalid content.
 """
 
+import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from importlib import import_module
@@ -36,6 +37,7 @@ NUMBERS: Final[Mapping[str, tuple[str, ...]]] = {
     'Joy': ('axes',),
 }
 Numbers = Callable[[Any], Sequence[float]]
+FLOAT32: Final = 7  # sensor_msgs/PointField
 LARGEST: Final = 1e9  # in the unit of any field; no sensor measures more
 JUMP_NS: Final = 2_000_000_000  # largest step between two stamps of a periodic topic
 
@@ -107,7 +109,21 @@ def _find_cloud_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
         wrong = 'its row_step is not its width times its point_step'
     if not wrong and len({field.name for field in message.fields}) < len(message.fields):
         wrong = 'two of its fields have the same name'
-    return wrong
+    return wrong or _find_point_fault(message)
+
+
+def _find_point_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
+    """Return which field of a dense cloud has an implausible number; the SNR may be infinite."""
+    step = message.point_step
+    if not message.is_dense or message.is_bigendian or not step or step % 4:
+        return ''
+    words = array.array('f', bytes(message.data))
+    for field in message.fields:
+        if field.datatype != FLOAT32 or field.name == 'snr' or field.offset % 4:
+            continue
+        if not _is_plausible(words[field.offset // 4 :: step // 4]):
+            return f'its {field.name} has a value that is not a number, or implausibly large'
+    return ''
 
 
 def _find_joint_fault(message: Any) -> str:  # noqa: ANN401 - a generated class

@@ -277,6 +277,14 @@ def test_a_node_without_what_it_answers_cannot_be_replayed(tmp_path):
         )
 
 
+def test_a_navigator_that_got_goals_cannot_be_replayed_and_other_nodes_can(tmp_path):
+    commanded = flight()
+    commanded.provenance = {'commanded': 'true'}
+    with pytest.raises(BadInput, match=r'a flight by actions, .* leave navigator out of --nodes'):
+        check_request(ReplayRequest(tmp_path, ('demodulator', 'navigator')), commanded)
+    check_request(ReplayRequest(tmp_path, ('demodulator',)), commanded)
+
+
 def test_a_full_disk_is_one_sentence_before_anything_starts(tmp_path, monkeypatch):
     def full(*_args, **_words):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))

@@ -1,0 +1,191 @@
+"""
+State and settings of the filter of the motion over ground.
+
+Its nine states and their model are in `ground_filter`.
+"""
+
+import math
+from typing import NamedTuple
+
+from lta_config.settings import setting, Settings
+
+Row = tuple[float, ...]  # one number per state
+Covariance = tuple[float, float, float]  # xx, xy, yy of a vector in the plane
+
+X, Y, DRIFT_X, DRIFT_Y, WIND_X, WIND_Y, BEARING, LOG_DISTANCE, BRIGHTNESS = range(9)
+NOTHING: Row = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+START = 0.01  # m: standard deviation of the origin
+RESTART = 10.0  # m; of the position, where the filter begins again
+
+
+class GroundSettings(Settings):
+    """Prior knowledge of the wind, and the noise of the drag model and of lamp sightings."""
+
+    wind: float = setting(
+        0.3,
+        'Standard deviation of the wind, along each axis, that is expected before the flight.',
+        unit='m/s',
+        low=0.0,
+        high=20.0,
+    )
+    gusts: float = setting(
+        0.015, 'Expected random change of the wind in one second.', unit='m/s', low=0.0, high=5.0
+    )
+    thrust_noise: float = setting(
+        0.01,
+        'Random error, in one second, of the velocity computed from thrust and drag.',
+        unit='m/s',
+        low=0.0,
+        high=5.0,
+    )
+    bearing_noise: float = setting(
+        0.05,
+        'Standard deviation added to that of each bearing. It is larger than the error of one '
+        'bearing, because the errors of successive bearings are alike.',
+        unit='rad',
+        low=1e-4,
+        high=3.0,
+    )
+    strength_noise: float = setting(
+        0.06,
+        'Standard deviation of the logarithm of a measured lamp strength.',
+        unit='1',
+        low=1e-3,
+        high=5.0,
+    )
+
+
+class GroundMotion(NamedTuple):
+    """
+    State of the filter; `rows` is empty before the first step.
+
+    Attributes
+    ----------
+    mean, rows
+        States in the order of the module's constants, and their covariance.
+    air : tuple of float
+        Velocity of the drag model. [m/s, odom]
+    moved : tuple of float
+        Way since the last prediction. [m, odom]
+    elapsed : float
+        Time since the last prediction. [s]
+    frequency : float
+        Of the lamp in the state; 0 while there is none. [Hz]
+    doubted : float
+        Time since the last sighting that fitted, with outliers only. [s]
+    restarts : int
+        How often the filter began again, because its state could not be computed.
+    on_ground : bool
+        As in `ModelledMotion`, since the last prediction.
+    innovation : float
+        Running mean of the normalised innovations of bearings.
+
+    """
+
+    mean: Row = NOTHING
+    rows: tuple[Row, ...] = ()
+    air: tuple[float, float] = (0.0, 0.0)
+    moved: tuple[float, float] = (0.0, 0.0)
+    elapsed: float = 0.0
+    frequency: float = 0.0
+    doubted: float = 0.0
+    restarts: int = 0
+    on_ground: bool = False
+    innovation: float = 0.0
+
+    @property
+    def position(self) -> tuple[float, float]:
+        """Position. [m, odom]"""
+        return self.mean[X], self.mean[Y]
+
+    @property
+    def position_covariance(self) -> Covariance:
+        """Covariance of the position. [m2, odom]"""
+        return self.rows[X][X], self.rows[X][Y], self.rows[Y][Y]
+
+    @property
+    def velocity(self) -> tuple[float, float]:
+        """Velocity over ground. [m/s, odom]"""
+        return self.air[0] + self.mean[DRIFT_X], self.air[1] + self.mean[DRIFT_Y]
+
+    @property
+    def velocity_covariance(self) -> Covariance:
+        """Covariance of the velocity over ground. [m2/s2, odom]"""
+        r = self.rows
+        return r[DRIFT_X][DRIFT_X], r[DRIFT_X][DRIFT_Y], r[DRIFT_Y][DRIFT_Y]
+
+    @property
+    def airspeed(self) -> tuple[float, float]:
+        """Velocity through the air. [m/s, odom]"""
+        mean, (x, y) = self.mean, self.velocity
+        return x - mean[WIND_X], y - mean[WIND_Y]
+
+    @property
+    def airspeed_covariance(self) -> Covariance:
+        """Covariance of the velocity through the air. [m2/s2, odom]"""
+        r = self.rows
+        return (
+            slip_variance(r, DRIFT_X, WIND_X),
+            r[DRIFT_X][DRIFT_Y] - r[DRIFT_X][WIND_Y] - r[WIND_X][DRIFT_Y] + r[WIND_X][WIND_Y],
+            slip_variance(r, DRIFT_Y, WIND_Y),
+        )
+
+
+def rotate_covariance(covariance: Covariance, angle: float) -> Covariance:
+    """Return a covariance in axes that are turned by an angle. [rad]"""
+    (xx, xy, yy), cos, sin = covariance, math.cos(angle), math.sin(angle)
+    return (
+        cos * cos * xx + 2.0 * cos * sin * xy + sin * sin * yy,
+        (cos * cos - sin * sin) * xy + cos * sin * (yy - xx),
+        sin * sin * xx - 2.0 * cos * sin * xy + cos * cos * yy,
+    )
+
+
+def start_ground_motion(settings: GroundSettings) -> GroundMotion:
+    """Return the state at rest at the origin, in an unknown wind."""
+    wind = settings.wind * settings.wind
+    variances = (START * START, START * START, 0.0, 0.0, wind, wind, 0.0, 0.0, 0.0)
+    return GroundMotion(
+        rows=tuple([scale_unit_row(i, variances[i]) for i in range(len(variances))])
+    )
+
+
+def is_computable(state: GroundMotion) -> bool:
+    """Return whether all numbers are finite and all variances positive."""
+    variances = [row[i] for i, row in enumerate(state.rows)]
+    return math.isfinite(sum(map(sum, state.rows)) + sum(state.mean)) and min(variances) >= 0.0
+
+
+def restart_ground_motion(settings: GroundSettings, state: GroundMotion) -> GroundMotion:
+    """Return a state that keeps the position, and knows of the motion no more than the prior."""
+    place = [each if math.isfinite(each) else 0.0 for each in state.position]
+    fresh = start_ground_motion(settings)
+    lost, wind = RESTART * RESTART, fresh.rows[WIND_X][WIND_X]
+    variances = (lost, lost, wind, wind, wind, wind, 0.0, 0.0, 0.0)
+    air = state.air if all(map(math.isfinite, state.air)) else (0.0, 0.0)
+    return fresh._replace(
+        mean=(*place, *NOTHING[DRIFT_X:]),
+        rows=tuple([scale_unit_row(i, variances[i]) for i in range(len(variances))]),
+        air=air,
+        restarts=state.restarts + 1,
+    )
+
+
+def place_origin(state: GroundMotion) -> GroundMotion:
+    """Return the state at the origin, of which nothing else depends on the position."""
+    rows = [(0.0, 0.0, *row[DRIFT_X:]) for row in state.rows]
+    rows[X], rows[Y] = scale_unit_row(X, START * START), scale_unit_row(Y, START * START)
+    return state._replace(mean=(0.0, 0.0, *state.mean[DRIFT_X:]), rows=tuple(rows))
+
+
+def scale_unit_row(index: int, value: float) -> Row:
+    """Return a row of zeros with one value."""
+    row = [0.0] * len(NOTHING)
+    row[index] = value
+    return tuple(row)
+
+
+def slip_variance(rows: tuple[Row, ...], drift: int, wind: int) -> float:
+    """Return the variance of a drift less a wind. [m2/s2]"""
+    return max(rows[drift][drift] + rows[wind][wind] - 2.0 * rows[drift][wind], 0.0)
