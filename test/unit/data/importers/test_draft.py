@@ -235,7 +235,7 @@ def test_the_option_decides_and_the_mapping_and_its_page_are_written(call, tmp_p
 @pytest.mark.parametrize(
     ('words', 'sentence'),
     [
-        (['--set', 'world.up=left'], "Unknown answer to world.up 'left'; known: up, down"),
+        (['--set', 'world.up=left'], "Unknown answer to world.up 'left'; known: down, up"),
         (['--set', 'world.upp=up'], '--set world.upp decides nothing in this log'),
         (['--set', 'up'], "--set 'up' is not KEY=VALUE"),
     ],

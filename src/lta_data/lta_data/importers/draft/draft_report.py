@@ -46,7 +46,7 @@ def build_draft_report(source: Path, draft: MappingDraft, commands: dict[str, st
         facts={'source': source.name, 'format': draft.source.format},
         commands=commands,
         files={MAPPING: draft.text},
-        json_name='draft',
+        json_name='draft.json',
         outputs={MAPPING: draft.text},
     )
 
