@@ -128,6 +128,21 @@ def upright_share(turn: Array) -> float:
     return float(np.mean(1.0 - 2.0 * (turn[:, 0] ** 2 + turn[:, 1] ** 2) > 0.5))
 
 
+def tumbling_pace(attitude: VectorSeries) -> float:
+    """
+    Return the median angular rate of an attitude. [rad/s]
+
+    It does not depend on the order of the components or the direction of a quaternion.
+    """
+    _, rates = compute_body_rates(attitude)
+    return float(np.median(np.linalg.norm(rates, axis=1)))
+
+
+def largest_angle(turn: Array) -> float:
+    """Return the largest Euler angle. [rad]"""
+    return float(np.max(np.abs(Rotation.from_quat(turn).as_euler('ZYX'))))
+
+
 def magnify_angles(turn: Array) -> Array:
     """Return the attitudes whose Euler angles are 57.3 times as large."""
     angles = np.unwrap(Rotation.from_quat(turn).as_euler('ZYX'), axis=0)

@@ -18,10 +18,12 @@ from lta_data.data_quality.motion_scales import (
     fit_speed,
     fit_tilt,
     fit_velocity,
+    largest_angle,
     magnify_angles,
     OFFSETS,
     quaternions_of,
     shrink_angles,
+    tumbling_pace,
     TURN,
     upright_share,
     VectorFit,
@@ -40,6 +42,10 @@ QUICK: Final = 40.0  # usual acceleration that no vehicle has [m/s2]
 FAST: Final = 30.0  # usual speed that no indoor vehicle has [m/s]
 STILL: Final = (0.003, 0.03)  # speed and extent that no flight stays below [m/s], [m]
 TURNED: Final = 0.15  # least change of the attitude of a flight [rad]
+TUMBLING: Final = 5.0  # usual rates of a vehicle that is not upright [rad/s]
+TURNING: Final = 2.0  # least usual rates at which angles can be 57.3 times too large [rad/s]
+TINY: Final = 0.06  # half a turn, 57.3 times too small [rad]
+CONTRADICTION: Final = 0.4  # cosine below which two vectors are not of one motion
 BELOW: Final = -0.25  # median height at which all of a flight is below the floor [m]
 TILT: Final = 0.5  # cosine of lean and acceleration that tells up from down
 
@@ -123,6 +129,9 @@ def _find_wrong_length(pose: PoseSeries) -> Iterator[QualityFinding]:
         )  # fmt: skip
         return
     extent = float(np.max(np.ptp(place.values, axis=0)))
+    # A position that does not change at all is another finding
+    if not float(np.min(np.ptp(place.values, axis=0))) > 0.0:
+        return
     if pose.attitude is not None and speed < STILL[0] and extent < STILL[1]:
         spread = float(np.max(np.ptp(pose.attitude.values, axis=0)))
         # Half of a small angle in the quaternion
@@ -185,13 +194,24 @@ def _find_wrong_angles(pose: PoseSeries, evidence: CheckContext) -> Iterator[Qua
     rates += [sensor.rates for sensor in evidence.inertials if sensor.rates is not None]
     if _agrees_as_recorded(pose, rates):
         return
+    pace = tumbling_pace(attitude)
+    if pace > TUMBLING and upright_share(attitude.values) < 0.9:
+        yield _build_finding(
+            attitude, 'unit',
+            f'The unit looks like deg: read as radians, the vehicle would tumble at {pace:.3g} '
+            'rad/s; the angles are 57.3 times too large (degrees read as radians).',
+            1.0 / DEGREES,
+        )  # fmt: skip
+        return
     small = magnify_angles(attitude.values)
-    if _explains(pose, rates, small, 1.0 / DEGREES):
+    if largest_angle(attitude.values) < TINY and _explains(pose, rates, small, 1.0 / DEGREES):
         yield _build_finding(
             attitude, 'unit',
             'The angles are 57.3 times too small (radians read as degrees): with larger ones '
             f'{_name_agreement(pose, rates)} agrees.', DEGREES,
         )  # fmt: skip
+        return
+    if pace < TURNING:
         return
     angles = shrink_angles(attitude.values)
     for yaw in np.arange(OFFSETS) * (TURN / DEGREES) if pose.velocity is not None else (0.0,):
@@ -274,6 +294,11 @@ def _find_wrong_vertical(pose: PoseSeries, evidence: CheckContext) -> Iterator[Q
             return
     if place is None or not pose.tracked or len(place.time) < evidence.limits.least_samples:
         return
+    # A whole pose with z down agrees with itself; one wrong vector does not
+    turns = [fit_rates(pose, pose.turning)] if pose.turning is not None else []
+    turns += [fit_velocity(pose)] if pose.velocity is not None else []
+    if any(fit.cosine < CONTRADICTION for fit in turns if np.isfinite(fit.factor)):
+        return
     lean = fit_tilt(pose)
     low, high = np.percentile(place.values[:, 2], [50.0, 98.0])
     below = bool(low < BELOW and high < 0.0)
@@ -292,12 +317,23 @@ def _find_wrong_vertical(pose: PoseSeries, evidence: CheckContext) -> Iterator[Q
 
 def remove_explained_findings(findings: list[QualityFinding]) -> list[QualityFinding]:
     """Drop what a wrong unit or axis of the whole topic also causes there."""
+    in_degrees = {
+        finding.channel
+        for finding in findings
+        if finding.kind == 'unit' and 'looks like deg:' in finding.evidence
+    }
+    # An attitude in degrees also has the vehicle on its side
+    findings = [
+        finding
+        for finding in findings
+        if finding.kind != 'axes' or finding.channel not in in_degrees
+    ]
     causes = [finding for finding in findings if REREAD in finding.values]
     if not causes:
         return findings
     topics = {finding.channel.split('/')[0] for finding in causes}
     everywhere = any('unit of the time' in finding.evidence for finding in causes)
-    implied = ('impossible', 'unit', 'axes', 'clock', 'stamps', 'held', 'constant', 'frozen')
+    implied = ('impossible', 'unit', 'axes', 'clock', 'stamps', 'held')
     return [
         finding
         for finding in findings
