@@ -61,7 +61,7 @@ def scale_angles(to_degrees: bool, angles: bool, rates: bool) -> Callable[[Mappi
                 # Columns of the same angles in the other unit
                 turn['euler'] = [f'{c}{"@deg" if to_degrees else "@rad"}' for c in turn['euler']]
                 changed = True
-            if rates and 'rates' in entry:
+            if rates and 'rates' in entry and entry['topic'].endswith('odom'):
                 entry['rates']['scale'] = entry['rates'].get('scale', 1.0) * factor
         return mapping if changed or not angles else None
 

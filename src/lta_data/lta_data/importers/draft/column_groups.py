@@ -62,15 +62,15 @@ def group_columns(table: Columns) -> tuple[list[ColumnGroup], list[ColumnName]]:
         if name.axis:
             stems.setdefault((name.stem, name.unit), {}).setdefault(name.axis, name)
     groups = [*_group_letters(names)]
-    taken = {column for group in groups for column in group.columns}
+    grouped = {column for group in groups for column in group.columns}
     for (stem, unit), axes in stems.items():
         found = _group_stem(stem, unit, axes, table)
-        if found is not None and not taken & {*found.columns}:
+        if found is not None and not grouped & {*found.columns}:
             groups.append(found)
-            taken |= {*found.columns}
-    groups += _group_nameless(table, names, taken)
-    taken |= {column for group in groups for column in group.columns}
-    return groups, [name for name in names if name.column not in taken]
+            grouped |= {*found.columns}
+    groups += _group_nameless(table, names, grouped)
+    grouped |= {column for group in groups for column in group.columns}
+    return groups, [name for name in names if name.column not in grouped]
 
 
 def _group_stem(
@@ -116,10 +116,10 @@ def _group_letters(names: list[ColumnName]) -> Iterator[ColumnGroup]:
 
 
 def _group_nameless(
-    table: Columns, names: list[ColumnName], taken: set[str]
+    table: Columns, names: list[ColumnName], grouped: set[str]
 ) -> Iterator[ColumnGroup]:
     """Yield what the numbers of columns without names say: a unit quaternion, a place."""
-    rest = [n.column for n in names if n.column not in taken and n.stem == ('column',)]
+    rest = [n.column for n in names if n.column not in grouped and n.stem == ('column',)]
     if not rest or any(name.stem != ('column',) for name in names):
         return
     # The first column is the time

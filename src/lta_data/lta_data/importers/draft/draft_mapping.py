@@ -65,7 +65,7 @@ def draft_mapping(path: Path, answers: Mapping[str, str]) -> MappingDraft:
     source = read_source(path)
     choices = DraftChoices(answers)
     if not source.tables:
-        return _draft_known_format(source, choices)
+        return _draft_shipped_format(source, choices)
     drafts = {name: draft_table(name, table, choices) for name, table in source.tables.items()}
     content = _build_content(source, drafts, path)
     choices.refuse_unused()
@@ -78,7 +78,7 @@ def draft_mapping(path: Path, answers: Mapping[str, str]) -> MappingDraft:
     return MappingDraft(text, source, choices, _list_channels(source, drafts), unused)
 
 
-def _draft_known_format(source: SourceTables, choices: DraftChoices) -> MappingDraft:
+def _draft_shipped_format(source: SourceTables, choices: DraftChoices) -> MappingDraft:
     """Return the shipped mapping of a format with fixed names, or the topics of a bag by type."""
     shipped = FORMATS[source.format].mapping
     if shipped is not None:
